@@ -1,0 +1,40 @@
+# Everything but ONNX Runtime comes from Debian's packages (scripts/setup.sh installs all of it).
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(TBB REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
+find_package(Ceres REQUIRED)
+# CGAL brings a FindOpenMesh of its own that fails here: look for the package's own configuration, first.
+find_package(OpenMesh CONFIG REQUIRED)
+find_package(CGAL REQUIRED)
+find_package(draco REQUIRED)
+find_package(tinyobjloader REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(Open3D REQUIRED)
+
+# ONNX Runtime: an installation given by onnxruntime_ROOT, else the one that scripts/setup.sh made.
+if(DEFINED ENV{XDG_DATA_HOME})
+  set(_deepslam_data "$ENV{XDG_DATA_HOME}/deepslam")
+else()
+  set(_deepslam_data "$ENV{HOME}/.local/share/deepslam")
+endif()
+find_path(ONNXRUNTIME_INCLUDE_DIR onnxruntime_cxx_api.h
+          HINTS "${onnxruntime_ROOT}" "$ENV{onnxruntime_ROOT}" "${_deepslam_data}/onnxruntime"
+          PATH_SUFFIXES include include/onnxruntime include/onnxruntime/core/session)
+find_library(ONNXRUNTIME_LIBRARY onnxruntime
+             HINTS "${onnxruntime_ROOT}" "$ENV{onnxruntime_ROOT}" "${_deepslam_data}/onnxruntime"
+             PATH_SUFFIXES lib)
+if(NOT ONNXRUNTIME_INCLUDE_DIR OR NOT ONNXRUNTIME_LIBRARY)
+  message(FATAL_ERROR "ONNX Runtime not found: run scripts/setup.sh, or pass -Donnxruntime_ROOT=DIR")
+endif()
+add_library(onnxruntime SHARED IMPORTED)
+set_target_properties(onnxruntime PROPERTIES
+  IMPORTED_LOCATION "${ONNXRUNTIME_LIBRARY}"
+  INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${ONNXRUNTIME_INCLUDE_DIR}")

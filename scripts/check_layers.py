@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Checks which room includes which, and that heavy libraries stay in the .cc files that may hold them.
+
+The table below is the structure of the project; docs/architecture.md draws it. Run by ctest:
+    scripts/check_layers.py [REPOSITORY]
+"""
+import pathlib
+import re
+import sys
+
+VOCABULARY = {"core", "geometry", "scene", "shape"}
+ALGORITHM = VOCABULARY
+ROOMS = {
+    "core": set(),
+    "geometry": {"core"},
+    "scene": {"core", "geometry"},
+    "shape": {"core", "geometry", "scene"},
+    # files in, files out
+    "dataset": VOCABULARY,
+    "artifact": VOCABULARY,
+    "library": VOCABULARY | {"artifact"},
+    # algorithms: value in, value out; none knows another
+    "odometry": ALGORITHM,
+    "ground": ALGORITHM,
+    "detect": ALGORITHM,
+    "segment": ALGORITHM,
+    "associate": ALGORITHM,
+    "observe": ALGORITHM,
+    "propose": ALGORITHM,
+    "registration": ALGORITHM,
+    "select": ALGORITHM,
+    "loop": ALGORITHM,
+    "graph": ALGORITHM,
+    "mesh": ALGORITHM,
+    "fuse": ALGORITHM,
+    "gltf": ALGORITHM,
+    "render": ALGORITHM,
+    "eval": ALGORITHM,
+    "report": ALGORITHM,
+    "synth": VOCABULARY | {"render"},
+    # control
+    "pipeline": VOCABULARY | {"artifact"},
+}
+ROOMS["stages"] = set(ROOMS) - {"synth"}
+TOOLS = set(ROOMS)
+
+# Rooms that may touch the disk.
+FILE_ROOMS = {"dataset", "artifact", "library", "pipeline", "stages"}
+
+# Third-party include prefix -> rooms whose .cc files may include it. Never in a header.
+FENCES = {
+    "opencv2/": {"dataset", "odometry", "detect", "segment", "propose", "loop", "report", "synth", "stages", "artifact"},
+    "ceres/": {"graph", "registration", "ground"},
+    "CGAL/": {"mesh"},
+    "OpenMesh/": {"mesh", "gltf"},
+    "draco/": {"gltf"},
+    "tiny_gltf.h": {"gltf"},
+    "tiny_obj_loader.h": {"library", "synth"},
+    "open3d/": {"fuse"},
+    "Open3D/": {"fuse"},
+    "embree3/": {"render"},
+    "onnxruntime": {"detect", "propose"},
+    "nlohmann/": {"artifact", "gltf", "pipeline", "report", "stages", "eval", "library", "detect", "tools"},
+    "yaml-cpp/": {"dataset", "pipeline", "synth", "artifact"},
+    "CLI/": {"tools"},
+    "spdlog/": {"tools", "pipeline"},
+    "nanoflann.hpp": {"associate", "shape", "registration", "loop", "eval", "mesh", "select", "segment", "observe"},
+    "tbb/": {"core"},
+    "openssl/": {"core"},
+}
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.MULTILINE)
+
+
+def check_file(path, room, allowed, faults):
+    text = path.read_text(encoding="utf-8")
+    header = path.suffix == ".h"
+    for name in INCLUDE.findall(text):
+        if name.startswith("deepslam/"):
+            target = name.split("/")[1]
+            if target != room and target not in allowed:
+                faults.append(f"{path}: room {room} may not include room {target} ({name})")
+            continue
+        if name == "fstream" and room not in FILE_ROOMS | {"tools"}:
+            faults.append(f"{path}: room {room} may not touch the disk ({name})")
+        for prefix, rooms in FENCES.items():
+            if name.startswith(prefix):
+                if header:
+                    faults.append(f"{path}: {name} may not stand in a header")
+                elif room not in rooms:
+                    faults.append(f"{path}: {name} is fenced off from room {room}")
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+    faults = []
+    count = 0
+    source = root / "src" / "deepslam"
+    for folder in sorted(p for p in source.iterdir() if p.is_dir()):
+        files = sorted(f for f in folder.rglob("*") if f.suffix in {".h", ".cc"})
+        if files and folder.name not in ROOMS:
+            faults.append(f"{folder}: not a room of the table in scripts/check_layers.py")
+            continue
+        for path in files:
+            count += 1
+            check_file(path, folder.name, ROOMS[folder.name], faults)
+    for path in sorted((root / "tools").glob("*.[hc]*")):
+        if path.suffix in {".h", ".cc"}:
+            count += 1
+            check_file(path, "tools", TOOLS, faults)
+    if count == 0:
+        faults.append(f"{root}: no sources found")
+    for fault in faults:
+        print(fault)
+    print(f"{count} files, {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

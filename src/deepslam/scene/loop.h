@@ -1,0 +1,32 @@
+// What loop detection found: which objects are one, and what ties old and new keyframes together.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam {
+
+struct ObjectMerge {
+  ObjectId kept;
+  ObjectId merged;
+};
+
+// A constellation of at least two objects seen again.
+struct Constellation {
+  std::vector<ObjectMerge> pairs;
+  Pose3 old_world_from_new_world;   // correction that brings the new objects onto the old ones
+  double position_error_m = 0;      // rms over the pairs after the correction
+  bool accepted = false;
+  std::string reason;               // the geometric verification's verdict
+};
+
+struct Loops {
+  std::vector<Constellation> constellations;   // accepted and rejected ones
+  std::vector<ObjectMerge> merges;             // accepted, each object merged at most once
+  std::vector<RelativePose> edges;             // keyframe to keyframe, verified
+};
+
+}  // namespace deepslam

@@ -1,0 +1,23 @@
+#include "deepslam/scene/object_class.h"
+
+#include <algorithm>
+
+namespace deepslam {
+
+const ObjectClass* ClassTable::Find(std::string_view name) const {
+  const auto it = std::find_if(classes.begin(), classes.end(),
+                               [&](const ObjectClass& c) { return c.name == name; });
+  return it == classes.end() ? nullptr : &*it;
+}
+
+const ObjectClass* ClassTable::FindByLabel(std::string_view detector_label) const {
+  for (const ObjectClass& c : classes) {
+    if (std::find(c.detector_labels.begin(), c.detector_labels.end(), detector_label) !=
+        c.detector_labels.end()) {
+      return &c;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace deepslam

@@ -1,0 +1,82 @@
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/random.h"
+#include "deepslam/core/result.h"
+#include "deepslam/core/sha256.h"
+
+namespace deepslam {
+namespace {
+
+TEST(Sha256, AgreesWithThePublishedVectors) {
+  // FIPS 180-2, appendix B.1; and the digest of nothing.
+  EXPECT_EQ(Sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+TEST(Sha256, DoesNotDependOnHowTheBytesArrive) {
+  const std::string bytes(1000, 'x');
+  Sha256 sha;
+  for (std::size_t i = 0; i < bytes.size(); i += 7) sha.Update(std::string_view(bytes).substr(i, 7));
+  EXPECT_EQ(sha.HexDigest(), Sha256Hex(bytes));
+}
+
+TEST(ParallelFor, VisitsEveryIndexOnceForAnyThreadCount) {
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    std::vector<std::atomic<int>> visits(1000);
+    ParallelFor(visits.size(), [&](std::size_t i) { ++visits[i]; });
+    for (const auto& v : visits) EXPECT_EQ(v, 1);
+  }
+}
+
+TEST(ParallelForChunks, CoversTheRangeWithoutOverlap) {
+  std::vector<int> visits(103, 0);
+  ParallelForChunks(visits.size(), 10, [&](std::size_t begin, std::size_t end) {
+    EXPECT_LE(end - begin, 10U);
+    for (std::size_t i = begin; i < end; ++i) ++visits[i];
+  });
+  EXPECT_EQ(visits, std::vector<int>(103, 1));
+}
+
+TEST(Random, RepeatsForEqualSeedsAndDiffersBetweenWorks) {
+  Random a(7, "noise", 3);
+  Random b(7, "noise", 3);
+  Random c(7, "noise", 4);
+  Random d(7, "light", 3);
+  const auto first = a.Next();
+  EXPECT_EQ(first, b.Next());
+  EXPECT_NE(first, c.Next());
+  EXPECT_NE(first, d.Next());
+}
+
+TEST(Random, NormalHasUnitMoments) {
+  Random random(1);
+  double sum = 0;
+  double sum2 = 0;
+  constexpr int kCount = 100000;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = random.Normal();
+    sum += x;
+    sum2 += x * x;
+  }
+  EXPECT_NEAR(sum / kCount, 0.0, 0.02);   // 6 standard errors
+  EXPECT_NEAR(sum2 / kCount, 1.0, 0.03);
+}
+
+TEST(ResultTest, HoldsValueOrError) {
+  const Result<int> good = 3;
+  const Result<int> bad = InvalidInput("file x: no frames");
+  ASSERT_TRUE(good.ok());
+  EXPECT_EQ(*good, 3);
+  ASSERT_FALSE(bad.ok());
+  EXPECT_EQ(bad.error().message, "file x: no frames");
+  EXPECT_DEATH((void)bad.value(), "no frames");
+}
+
+}  // namespace
+}  // namespace deepslam
