@@ -1,0 +1,49 @@
+// Object matching (paper, section "Object matching"): which detections of a capture are the same
+// physical object.
+//
+// Each detection of a frame collects votes of the previous detected frames: the depth points of
+// their segments, moved into this frame by the tracked poses, that fall inside its box and lie near
+// its own points. Without a consensus the objects not seen in those frames are tried with all their
+// points; only then a new object starts.
+#pragma once
+
+#include <span>
+
+#include "deepslam/core/options.h"
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/scene/detection.h"
+#include "deepslam/scene/frame_source.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/object_track.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::associate {
+
+struct AssociateOptions {
+  int num_vote_frames = 5;  // previous detected frames that vote (paper: 5)
+  double max_dissimilarity_m =
+      0.10;  // mean closest-point distance up to which two point sets are one object
+  double truncation_m = 0.30;  // single distances count no more than this (occluded and new parts)
+  double min_inside_share = 0.5;  // share of a voter's points that must fall inside the box
+  double min_consensus = 0.5;     // share of the votes that must name the winning object
+  int max_points = 800;           // per segment, thinned evenly
+  int min_members = 3;            // objects with fewer detections are dropped as noise ...
+  double min_single_score = 0.5;  // ... unless the mean score of their detections is this high
+  double merge_overlap = 0.5;  // two objects of which the smaller shares more of its space are one
+  double voxel_m = 0.05;       // cells in which objects' space is compared
+};
+void Describe(OptionsVisitor& visitor, AssociateOptions& options);
+
+// `segments` of the whole capture in ascending frames. Every detection ends in exactly one track or
+// one rejection; one detection per object and frame. Ids count from 0 in the order in which objects
+// appear; a merged object keeps the lower id. Frames whose depth cannot be read reject their
+// detections. Errors: Interrupted only.
+[[nodiscard]] Result<Association> Associate(const FrameSource& frames,
+                                            const Odometry& odometry,
+                                            const Ground& ground,
+                                            std::span<const Segment> segments,
+                                            const AssociateOptions& options,
+                                            Progress& progress);
+
+}  // namespace deepslam::associate

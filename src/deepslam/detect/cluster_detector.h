@@ -1,0 +1,47 @@
+// Boxes from depth alone: connected clusters that stand on the floor and that no detection covers.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "deepslam/core/options.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/plane.h"
+#include "deepslam/scene/detection.h"
+#include "deepslam/scene/frame.h"
+#include "deepslam/scene/object_class.h"
+
+namespace deepslam::detect {
+
+struct ClusterOptions {
+  bool enabled = true;
+  double min_height_m = 0.10;  // points lower than this above the ground belong to the ground
+  double max_height_m = 2.0;   // points above belong to the room; a cluster that reaches it is none
+  double max_depth_m = 4.0;    // farther depth is too coarse to tell clusters apart
+  double max_base_m = 0.25;  // a cluster's lowest point must be this near to the ground: it stands
+  double cell_m = 0.04;      // grid on the ground in which clusters are connected
+  double min_footprint_m2 = 0.04;   // smaller ground area seen: no furniture
+  double min_size_m = 0.30;         // longest side of the cluster
+  double max_size_m = 2.2;          // wider than this is a wall or a row of fitted furniture
+  double min_points_share = 0.004;  // of the image's pixels
+  double max_covered_share =
+      0.35;  // a cluster whose pixels are covered more than this by detections is theirs
+  double free_margin_m =
+      0.15;  // floor must be seen around this much of the cluster's visible foot ...
+  double min_free_share =
+      0.5;  // ... along this share of its outline (stands free, not part of a wall)
+};
+void Describe(OptionsVisitor& visitor, ClusterOptions& options);
+
+// Clusters of one frame as detections (source kCluster, mask set, ids invalid), largest first. The
+// class is the one of the table whose sizes fit best among those without detector labels (cabinet,
+// shelf ...), else `furniture`; nothing at all where the table has neither. `ground_camera`: normal
+// up, d the camera's height.
+[[nodiscard]] std::vector<Detection> DetectClusters(const Frame& frame,
+                                                    const PinholeCamera& camera,
+                                                    const Plane& ground_camera,
+                                                    std::span<const Detection> covered,
+                                                    const ClassTable& classes,
+                                                    const ClusterOptions& options);
+
+}  // namespace deepslam::detect
