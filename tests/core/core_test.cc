@@ -21,7 +21,8 @@ TEST(Sha256, AgreesWithThePublishedVectors) {
 TEST(Sha256, DoesNotDependOnHowTheBytesArrive) {
   const std::string bytes(1000, 'x');
   Sha256 sha;
-  for (std::size_t i = 0; i < bytes.size(); i += 7) sha.Update(std::string_view(bytes).substr(i, 7));
+  for (std::size_t i = 0; i < bytes.size(); i += 7)
+    sha.Update(std::string_view(bytes).substr(i, 7));
   EXPECT_EQ(sha.HexDigest(), Sha256Hex(bytes));
 }
 
@@ -64,7 +65,7 @@ TEST(Random, NormalHasUnitMoments) {
     sum += x;
     sum2 += x * x;
   }
-  EXPECT_NEAR(sum / kCount, 0.0, 0.02);   // 6 standard errors
+  EXPECT_NEAR(sum / kCount, 0.0, 0.02);  // 6 standard errors
   EXPECT_NEAR(sum2 / kCount, 1.0, 0.03);
 }
 

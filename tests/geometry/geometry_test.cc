@@ -78,14 +78,17 @@ TEST(PlaneTest, TransformsWithItsPoints) {
     const Pose3 b_from_a = RandomPose(random);
     const Eigen::Vector3d x_a(random.Normal(), random.Normal(), random.Normal());
     EXPECT_NEAR(Transformed(b_from_a, plane_a).SignedDistance(b_from_a * x_a),
-                plane_a.SignedDistance(x_a), 1e-12);
+                plane_a.SignedDistance(x_a),
+                1e-12);
   }
 }
 
 TEST(GroundTangentBasisTest, IsOrthonormalForAwkwardNormals) {
-  for (const Eigen::Vector3d& raw :
-       {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(1, 0, 0),
-        Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1e-9, -1, 1e-9)}) {
+  for (const Eigen::Vector3d& raw : {Eigen::Vector3d(0, 0, 1),
+                                     Eigen::Vector3d(0, -1, 0),
+                                     Eigen::Vector3d(1, 0, 0),
+                                     Eigen::Vector3d(1, 1, 1),
+                                     Eigen::Vector3d(1e-9, -1, 1e-9)}) {
     const Eigen::Vector3d n = raw.normalized();
     const auto basis = GroundTangentBasis(n);
     EXPECT_LT((basis.transpose() * basis - Eigen::Matrix2d::Identity()).norm(), 1e-12);

@@ -12,7 +12,8 @@ namespace deepslam::testing_support {
 class TempDir {
  public:
   TempDir() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "deepslam-test-XXXXXX").string();
+    std::string pattern =
+        (std::filesystem::temp_directory_path() / "deepslam-test-XXXXXX").string();
     path_ = ::mkdtemp(pattern.data());
   }
   ~TempDir() {

@@ -1,5 +1,6 @@
 // Real captures and meshes that are not in the repository: DEEPSLAM_TEST_DATA names their folder.
-// Tests that need it start with DEEPSLAM_REQUIRE_TEST_DATA(dir); without the folder they report themselves skipped.
+// Tests that need it start with DEEPSLAM_REQUIRE_TEST_DATA(dir); without the folder they report
+// themselves skipped.
 #pragma once
 
 #include <cstdlib>
@@ -18,7 +19,7 @@ inline std::optional<std::filesystem::path> TestData() {
 
 }  // namespace deepslam::testing_support
 
-#define DEEPSLAM_REQUIRE_TEST_DATA(dir)                                            \
-  const auto dir##_optional = ::deepslam::testing_support::TestData();             \
-  if (!dir##_optional) GTEST_SKIP() << "DEEPSLAM_TEST_DATA names no folder";       \
+#define DEEPSLAM_REQUIRE_TEST_DATA(dir)                                      \
+  const auto dir##_optional = ::deepslam::testing_support::TestData();       \
+  if (!dir##_optional) GTEST_SKIP() << "DEEPSLAM_TEST_DATA names no folder"; \
   const std::filesystem::path dir = *dir##_optional

@@ -1,4 +1,5 @@
-// Strong identifiers, so that a frame cannot be passed as an object. `_idx` is dense and zero-based, `_id` sparse.
+// Strong identifiers, so that a frame cannot be passed as an object. `_idx` is dense and
+// zero-based, `_id` sparse.
 #pragma once
 
 #include <compare>
@@ -17,10 +18,10 @@ struct StrongId {
   friend std::ostream& operator<<(std::ostream& out, const StrongId& id) { return out << id.value; }
 };
 
-using FrameIdx = StrongId<struct FrameTag>;          // position in the capture's frame list
-using DetectionId = StrongId<struct DetectionTag>;   // unique over the whole capture
-using ObjectId = StrongId<struct ObjectTag>;         // unique over the whole capture, kept by merging
-using CandidateId = StrongId<struct CandidateTag>;   // unique over the whole capture
+using FrameIdx = StrongId<struct FrameTag>;         // position in the capture's frame list
+using DetectionId = StrongId<struct DetectionTag>;  // unique over the whole capture
+using ObjectId = StrongId<struct ObjectTag>;  // unique over the whole capture, kept by merging
+using CandidateId = StrongId<struct CandidateTag>;  // unique over the whole capture
 
 }  // namespace deepslam
 

@@ -1,4 +1,5 @@
-// A dense image, row-major, no padding. Pixel (u, v): u column, v row; (0, 0) is the centre of the top-left pixel.
+// A dense image, row-major, no padding. Pixel (u, v): u column, v row; (0, 0) is the centre of the
+// top-left pixel.
 #pragma once
 
 #include <cstddef>

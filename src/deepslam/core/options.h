@@ -1,8 +1,10 @@
-// Options described once: parse, dump, range check, documentation and hash key all come from one Describe() per struct.
+// Options described once: parse, dump, range check, documentation and hash key all come from one
+// Describe() per struct.
 //
 // Beside every algorithm stands `struct XOptions` with in-class defaults and
 //   void Describe(OptionsVisitor& visitor, XOptions& options);
-// which names each field once with its unit, range and meaning. Visitors read YAML, print, check or hash.
+// which names each field once with its unit, range and meaning. Visitors read YAML, print, check or
+// hash.
 #pragma once
 
 #include <span>
@@ -22,15 +24,23 @@ class OptionsVisitor {
   virtual ~OptionsVisitor() = default;
 
   // `unit` is "m", "rad", "deg", "px", "s", "1" (dimensionless) ...; `help` is one line.
-  virtual void Field(std::string_view name, double& value, Range range, std::string_view unit,
+  virtual void Field(std::string_view name,
+                     double& value,
+                     Range range,
+                     std::string_view unit,
                      std::string_view help) = 0;
-  virtual void Field(std::string_view name, int& value, Range range, std::string_view unit,
+  virtual void Field(std::string_view name,
+                     int& value,
+                     Range range,
+                     std::string_view unit,
                      std::string_view help) = 0;
   virtual void Field(std::string_view name, bool& value, std::string_view help) = 0;
   virtual void Field(std::string_view name, std::string& value, std::string_view help) = 0;
   // A string out of a closed set.
-  virtual void Choice(std::string_view name, std::string& value,
-                      std::span<const std::string_view> choices, std::string_view help) = 0;
+  virtual void Choice(std::string_view name,
+                      std::string& value,
+                      std::span<const std::string_view> choices,
+                      std::string_view help) = 0;
 };
 
 }  // namespace deepslam

@@ -31,12 +31,12 @@ void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body
       tbb::simple_partitioner());
 }
 
-void ParallelForChunks(std::size_t count, std::size_t chunk,
+void ParallelForChunks(std::size_t count,
+                       std::size_t chunk,
                        const std::function<void(std::size_t, std::size_t)>& body) {
   const std::size_t num_chunks = (count + chunk - 1) / chunk;
-  ParallelFor(num_chunks, [&](std::size_t c) {
-    body(c * chunk, std::min(count, (c + 1) * chunk));
-  });
+  ParallelFor(num_chunks,
+              [&](std::size_t c) { body(c * chunk, std::min(count, (c + 1) * chunk)); });
 }
 
 }  // namespace deepslam

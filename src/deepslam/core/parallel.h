@@ -1,5 +1,6 @@
-// Parallel loops whose results do not depend on the number of threads: bodies write by index, reductions happen
-// afterwards in index order. The thread count is an argument of the process (see ThreadLimit), never of a key.
+// Parallel loops whose results do not depend on the number of threads: bodies write by index,
+// reductions happen afterwards in index order. The thread count is an argument of the process (see
+// ThreadLimit), never of a key.
 #pragma once
 
 #include <cstddef>
@@ -20,11 +21,14 @@ class ThreadLimit {
   Impl* impl_;
 };
 
-// Calls body(i) for every i in [0, count), in any order and on any thread. Exceptions must not leave `body`.
+// Calls body(i) for every i in [0, count), in any order and on any thread. Exceptions must not
+// leave `body`.
 void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body);
 
-// Calls body(begin, end) for consecutive chunks of `chunk` indices; chunk bounds depend on `count` and `chunk` only.
-void ParallelForChunks(std::size_t count, std::size_t chunk,
+// Calls body(begin, end) for consecutive chunks of `chunk` indices; chunk bounds depend on `count`
+// and `chunk` only.
+void ParallelForChunks(std::size_t count,
+                       std::size_t chunk,
                        const std::function<void(std::size_t, std::size_t)>& body);
 
 }  // namespace deepslam

@@ -1,4 +1,5 @@
-// Progress of long work, and the polite way to stop it. Algorithms report and ask; they never print.
+// Progress of long work, and the polite way to stop it. Algorithms report and ask; they never
+// print.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
-// Deterministic random numbers, the same on every platform: std distributions differ between libraries, these do not.
-// A Random is an argument, seeded from (run seed, name of the work, item); there is no global one.
+// Deterministic random numbers, the same on every platform: std distributions differ between
+// libraries, these do not. A Random is an argument, seeded from (run seed, name of the work, item);
+// there is no global one.
 #pragma once
 
 #include <cmath>
@@ -14,7 +15,8 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   Random(std::uint64_t seed, std::string_view work, std::uint64_t item) : state_(seed) {
-    for (const char c : work) state_ = Next() ^ static_cast<std::uint64_t>(static_cast<unsigned char>(c));
+    for (const char c : work)
+      state_ = Next() ^ static_cast<std::uint64_t>(static_cast<unsigned char>(c));
     state_ = Next() ^ item;
     Next();
   }

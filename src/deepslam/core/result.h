@@ -1,6 +1,7 @@
 // Outcomes as values: what a user can cause or meet comes back as a Status, never as an exception.
 //
-// A message names the file, the field, the value and what to do about it. A bug is DEEPSLAM_CHECK (check.h).
+// A message names the file, the field, the value and what to do about it. A bug is DEEPSLAM_CHECK
+// (check.h).
 #pragma once
 
 #include <optional>

@@ -8,7 +8,8 @@
 
 namespace deepslam {
 
-// Pixel rectangle, continuous coordinates, [u_min, u_max] x [v_min, v_max]; empty when a max is below its min.
+// Pixel rectangle, continuous coordinates, [u_min, u_max] x [v_min, v_max]; empty when a max is
+// below its min.
 struct Box2 {
   double u_min = 0;
   double v_min = 0;
@@ -26,7 +27,9 @@ struct Box2 {
 };
 
 [[nodiscard]] inline Box2 Intersection(const Box2& a, const Box2& b) {
-  return {std::max(a.u_min, b.u_min), std::max(a.v_min, b.v_min), std::min(a.u_max, b.u_max),
+  return {std::max(a.u_min, b.u_min),
+          std::max(a.v_min, b.v_min),
+          std::min(a.u_max, b.u_max),
           std::min(a.v_max, b.v_max)};
 }
 

@@ -1,4 +1,5 @@
-// A pinhole camera without distortion. Camera axes: x right, y down, z forward. Pixel (0, 0) is a pixel centre.
+// A pinhole camera without distortion. Camera axes: x right, y down, z forward. Pixel (0, 0) is a
+// pixel centre.
 #pragma once
 
 #include <optional>
@@ -22,16 +23,22 @@ struct PinholeCamera {
   [[nodiscard]] Eigen::Vector3d Unproject(double u, double v, double depth_m) const {
     return depth_m * Ray(u, v);
   }
-  // Pixel of a point with z > 0, also outside the image; nothing for a point at or behind the camera.
+  // Pixel of a point with z > 0, also outside the image; nothing for a point at or behind the
+  // camera.
   [[nodiscard]] std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_camera) const {
     if (p_camera.z() <= 1e-6) return std::nullopt;
     return Eigen::Vector2d(fx * p_camera.x() / p_camera.z() + cx,
                            fy * p_camera.y() / p_camera.z() + cy);
   }
-  // The camera of the same view with images 1/factor as wide and high, pixels being means of factor x factor blocks.
+  // The camera of the same view with images 1/factor as wide and high, pixels being means of factor
+  // x factor blocks.
   [[nodiscard]] PinholeCamera Reduced(int factor) const {
     const double f = factor;
-    return {width / factor,     height / factor,     fx / f, fy / f, (cx + 0.5) / f - 0.5,
+    return {width / factor,
+            height / factor,
+            fx / f,
+            fy / f,
+            (cx + 0.5) / f - 0.5,
             (cy + 0.5) / f - 0.5};
   }
   friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;

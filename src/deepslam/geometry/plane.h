@@ -1,4 +1,5 @@
-// A plane n . x + d = 0 with unit n. For the ground n points up, so d > 0 is the height of the frame's origin above it.
+// A plane n . x + d = 0 with unit n. For the ground n points up, so d > 0 is the height of the
+// frame's origin above it.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +12,9 @@ struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double d_m = 0;
 
-  [[nodiscard]] double SignedDistance(const Eigen::Vector3d& x) const { return normal.dot(x) + d_m; }
+  [[nodiscard]] double SignedDistance(const Eigen::Vector3d& x) const {
+    return normal.dot(x) + d_m;
+  }
   friend bool operator==(const Plane& a, const Plane& b) {
     return a.normal == b.normal && a.d_m == b.d_m;
   }
@@ -23,7 +26,8 @@ struct Plane {
   return {normal_b, plane_a.d_m - normal_b.dot(b_from_a.translation_m)};
 }
 
-// The rotation that turns `from` into `to` by the shortest way (unit vectors; any axis when opposite).
+// The rotation that turns `from` into `to` by the shortest way (unit vectors; any axis when
+// opposite).
 [[nodiscard]] inline Eigen::Quaterniond ShortestRotation(const Eigen::Vector3d& from,
                                                          const Eigen::Vector3d& to) {
   return Eigen::Quaterniond::FromTwoVectors(from, to);

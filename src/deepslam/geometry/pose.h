@@ -1,4 +1,5 @@
-// Rigid transforms. `b_from_a` maps points of frame a to frame b: x_b = b_from_a * x_a, names cancel along a product.
+// Rigid transforms. `b_from_a` maps points of frame a to frame b: x_b = b_from_a * x_a, names
+// cancel along a product.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,8 +38,9 @@ struct Pose3 {
 [[nodiscard]] Eigen::Vector3d RotationVector(const Eigen::Quaterniond& rotation);
 [[nodiscard]] Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& rotation_vector_rad);
 
-// t2v of the paper: (translation; rotation vector) of a transform. Not the SE(3) logarithm: the translation is the
-// matrix's own. Information matrices of edges are in this order. v2t is its inverse.
+// t2v of the paper: (translation; rotation vector) of a transform. Not the SE(3) logarithm: the
+// translation is the matrix's own. Information matrices of edges are in this order. v2t is its
+// inverse.
 [[nodiscard]] Vector6d T2v(const Pose3& b_from_a);
 [[nodiscard]] Pose3 V2t(const Vector6d& translation_rotation);
 
@@ -48,8 +50,8 @@ struct Pose3 {
 // [v]x, so that [v]x w = v x w.
 [[nodiscard]] Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v);
 
-// The adjoint in (translation; rotation) order: a small left perturbation d of a_from_b in frame a equals the
-// perturbation Adjoint(b_from_a) * d in frame b.
+// The adjoint in (translation; rotation) order: a small left perturbation d of a_from_b in frame a
+// equals the perturbation Adjoint(b_from_a) * d in frame b.
 [[nodiscard]] Matrix6d Adjoint(const Pose3& b_from_a);
 
 }  // namespace deepslam

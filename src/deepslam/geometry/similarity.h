@@ -13,7 +13,8 @@ struct Similarity3 {
   static Similarity3 From(const Pose3& b_from_a, double scale) {
     return {scale, b_from_a.rotation, b_from_a.translation_m};
   }
-  // The rigid part: b_from_a with the scale taken off a (object frame in metres, same origin and axes).
+  // The rigid part: b_from_a with the scale taken off a (object frame in metres, same origin and
+  // axes).
   [[nodiscard]] Pose3 RigidPart() const { return {rotation, translation_m}; }
 
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& x_a) const {
@@ -21,7 +22,8 @@ struct Similarity3 {
   }
   // c_from_b * b_from_a = c_from_a.
   [[nodiscard]] Similarity3 operator*(const Similarity3& b_from_a) const {
-    return {scale * b_from_a.scale, (rotation * b_from_a.rotation).normalized(),
+    return {scale * b_from_a.scale,
+            (rotation * b_from_a.rotation).normalized(),
             scale * (rotation * b_from_a.translation_m) + translation_m};
   }
   [[nodiscard]] Similarity3 Inverse() const {

@@ -21,28 +21,29 @@ enum class DetectionSource {
 struct Detection {
   DetectionId id;
   FrameIdx frame;
-  std::string class_name;   // of the class table ("chair"), not the detector's own label
-  double score = 0;         // [0, 1]
-  Box2 box_px;              // clipped to the image
+  std::string class_name;  // of the class table ("chair"), not the detector's own label
+  double score = 0;        // [0, 1]
+  Box2 box_px;             // clipped to the image
   DetectionSource source = DetectionSource::kNetwork;
   // Instance mask of the whole image where the source gave one; empty otherwise.
   Mask mask;
 };
 
-// The pixels of one detection that are the object: valid depth, near enough, off the ground, connected.
+// The pixels of one detection that are the object: valid depth, near enough, off the ground,
+// connected.
 struct Segment {
   DetectionId detection;
   FrameIdx frame;
   std::string class_name;
-  double score = 0;         // the detection's
-  Box2 box_px;              // the detection's box
-  Mask mask;                // size of the image; 1 = object with valid depth
-  int num_points = 0;       // pixels in the mask
-  Box3 extent_camera;       // of the segment's points, metres
-  double depth_support = 0; // mask pixels / box pixels
+  double score = 0;             // the detection's
+  Box2 box_px;                  // the detection's box
+  Mask mask;                    // size of the image; 1 = object with valid depth
+  int num_points = 0;           // pixels in the mask
+  Box3 extent_camera;           // of the segment's points, metres
+  double depth_support = 0;     // mask pixels / box pixels
   bool touches_border = false;  // box within the border margin: may match, but starts no object
-  bool usable = false;      // enough points to go on with
-  std::string reason;       // why not usable
+  bool usable = false;          // enough points to go on with
+  std::string reason;           // why not usable
 };
 
 }  // namespace deepslam

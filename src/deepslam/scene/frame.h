@@ -8,9 +8,9 @@ namespace deepslam {
 
 struct Frame {
   FrameIdx idx;
-  double time_s = 0;     // capture clock
+  double time_s = 0;  // capture clock
   ColourImage colour;
-  DepthImage depth_m;    // 0 = invalid
+  DepthImage depth_m;  // 0 = invalid
 };
 
 }  // namespace deepslam

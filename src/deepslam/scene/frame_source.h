@@ -1,4 +1,5 @@
-// The seam between captures on disk (or in memory) and everything else. Frames are read one at a time, never all held.
+// The seam between captures on disk (or in memory) and everything else. Frames are read one at a
+// time, never all held.
 #pragma once
 
 #include <optional>
@@ -18,12 +19,15 @@ class FrameSource {
   [[nodiscard]] virtual int num_frames() const = 0;
   [[nodiscard]] virtual const PinholeCamera& camera() const = 0;
   [[nodiscard]] virtual double time_s(FrameIdx frame) const = 0;
-  // Thread-safe. An error means this frame is unusable (unreadable, truncated, wrong size); others may be fine.
+  // Thread-safe. An error means this frame is unusable (unreadable, truncated, wrong size); others
+  // may be fine.
   [[nodiscard]] virtual Result<Frame> Read(FrameIdx frame) const = 0;
-  // Only the depth, or only the colour, where the other is not needed. The other image of the frame is empty.
+  // Only the depth, or only the colour, where the other is not needed. The other image of the frame
+  // is empty.
   [[nodiscard]] virtual Result<Frame> ReadDepth(FrameIdx frame) const = 0;
   [[nodiscard]] virtual Result<Frame> ReadColour(FrameIdx frame) const = 0;
-  // Pose that came with the capture (truth or an AR session), in the capture's own world; nothing where it has none.
+  // Pose that came with the capture (truth or an AR session), in the capture's own world; nothing
+  // where it has none.
   [[nodiscard]] virtual std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const = 0;
 };
 

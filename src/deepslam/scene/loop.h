@@ -17,16 +17,16 @@ struct ObjectMerge {
 // A constellation of at least two objects seen again.
 struct Constellation {
   std::vector<ObjectMerge> pairs;
-  Pose3 old_world_from_new_world;   // correction that brings the new objects onto the old ones
-  double position_error_m = 0;      // rms over the pairs after the correction
+  Pose3 old_world_from_new_world;  // correction that brings the new objects onto the old ones
+  double position_error_m = 0;     // rms over the pairs after the correction
   bool accepted = false;
-  std::string reason;               // the geometric verification's verdict
+  std::string reason;  // the geometric verification's verdict
 };
 
 struct Loops {
-  std::vector<Constellation> constellations;   // accepted and rejected ones
-  std::vector<ObjectMerge> merges;             // accepted, each object merged at most once
-  std::vector<RelativePose> edges;             // keyframe to keyframe, verified
+  std::vector<Constellation> constellations;  // accepted and rejected ones
+  std::vector<ObjectMerge> merges;            // accepted, each object merged at most once
+  std::vector<RelativePose> edges;            // keyframe to keyframe, verified
 };
 
 }  // namespace deepslam

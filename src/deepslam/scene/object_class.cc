@@ -5,8 +5,8 @@
 namespace deepslam {
 
 const ObjectClass* ClassTable::Find(std::string_view name) const {
-  const auto it = std::find_if(classes.begin(), classes.end(),
-                               [&](const ObjectClass& c) { return c.name == name; });
+  const auto it = std::find_if(
+      classes.begin(), classes.end(), [&](const ObjectClass& c) { return c.name == name; });
   return it == classes.end() ? nullptr : &*it;
 }
 

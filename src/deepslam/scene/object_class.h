@@ -1,6 +1,8 @@
-// The classes of objects the map may hold: how detectors call them and how large they are in the real world.
+// The classes of objects the map may hold: how detectors call them and how large they are in the
+// real world.
 //
-// One table, read from configs/classes.yaml; adding a class is adding an entry there (and, where there is one, a prior).
+// One table, read from configs/classes.yaml; adding a class is adding an entry there (and, where
+// there is one, a prior).
 #pragma once
 
 #include <array>
@@ -12,9 +14,11 @@
 namespace deepslam {
 
 struct ObjectClass {
-  std::string name;                           // "chair"; lower case, becomes part of node names
-  std::vector<std::string> detector_labels;   // labels of detectors that mean this class ("couch", "dining table")
-  std::vector<std::string> library_classes;   // classes of the CAD library whose models may stand for it
+  std::string name;  // "chair"; lower case, becomes part of node names
+  std::vector<std::string>
+      detector_labels;  // labels of detectors that mean this class ("couch", "dining table")
+  std::vector<std::string>
+      library_classes;  // classes of the CAD library whose models may stand for it
   // Longest side of real objects (of the model's box), metres.
   double min_size_m = 0.2;
   double max_size_m = 3.0;

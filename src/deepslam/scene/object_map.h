@@ -15,18 +15,18 @@ namespace deepslam {
 // Agreement of one candidate with all depth of its object.
 struct CandidateScore {
   CandidateId candidate;
-  double score = 0;              // [0, 1], what decides
-  double surface_share = 0;      // the object's depth points within tolerance of the model
-  double coverage_share = 0;     // model surface that should be seen and is
-  double free_violation = 0;     // rays that pass through solid model before their measured depth
-  int num_views = 0;             // views registered
-  std::string note;              // why it could not be scored, or what was unsure
+  double score = 0;           // [0, 1], what decides
+  double surface_share = 0;   // the object's depth points within tolerance of the model
+  double coverage_share = 0;  // model surface that should be seen and is
+  double free_violation = 0;  // rays that pass through solid model before their measured depth
+  int num_views = 0;          // views registered
+  std::string note;           // why it could not be scored, or what was unsure
 };
 
 // A step of the paper's greedy replacement as views arrive.
 struct Replacement {
-  FrameIdx frame;                // after the view of this frame
-  CandidateId candidate;         // this one was the best so far
+  FrameIdx frame;         // after the view of this frame
+  CandidateId candidate;  // this one was the best so far
   double score = 0;
 };
 
@@ -35,22 +35,22 @@ struct MapObject {
   std::string class_name;
   CandidateId chosen;
   CandidateSource source = CandidateSource::kRetrieval;
-  std::string model;             // key of the chosen shape
+  std::string model;  // key of the chosen shape
   std::string library_id;
   std::string credit;
-  double scale_m = 1;            // metres per object unit
-  Pose3 world_from_object;       // metric object frame; see voxel_grid.h for its axes
-  double confidence = 0;         // [0, 1]
-  std::string note;              // doubts in plain words; empty = none
-  std::vector<ViewRegistration> views;   // of the chosen candidate
-  std::vector<CandidateScore> scores;    // every candidate, best first
-  std::vector<Replacement> history;      // greedy, in order of arrival
-  std::vector<ObjectId> merged;          // ids of objects that loops found to be this one
+  double scale_m = 1;                   // metres per object unit
+  Pose3 world_from_object;              // metric object frame; see voxel_grid.h for its axes
+  double confidence = 0;                // [0, 1]
+  std::string note;                     // doubts in plain words; empty = none
+  std::vector<ViewRegistration> views;  // of the chosen candidate
+  std::vector<CandidateScore> scores;   // every candidate, best first
+  std::vector<Replacement> history;     // greedy, in order of arrival
+  std::vector<ObjectId> merged;         // ids of objects that loops found to be this one
 };
 
 struct ObjectMap {
-  std::vector<MapObject> objects;        // ascending id
-  std::vector<std::string> dropped;      // objects that got no place in the map, with the reason
+  std::vector<MapObject> objects;    // ascending id
+  std::vector<std::string> dropped;  // objects that got no place in the map, with the reason
 };
 
 }  // namespace deepslam

@@ -12,27 +12,27 @@ namespace deepslam {
 struct TrackMember {
   DetectionId detection;
   FrameIdx frame;
-  int num_votes = 0;            // previous frames that voted for this object
-  double dissimilarity_m = 0;   // mean closest-point error of the winning votes
-  std::string how;              // "new", "vote", "model" (re-found by the projected model), "merge"
+  int num_votes = 0;           // previous frames that voted for this object
+  double dissimilarity_m = 0;  // mean closest-point error of the winning votes
+  std::string how;             // "new", "vote", "model" (re-found by the projected model), "merge"
 };
 
 struct ObjectTrack {
   ObjectId id;
-  std::string class_name;       // majority of member classes, weighted by detection score
+  std::string class_name;            // majority of member classes, weighted by detection score
   std::vector<TrackMember> members;  // ascending frames
-  std::string reason;           // why this object was started
+  std::string reason;                // why this object was started
 };
 
 struct Rejection {
   DetectionId detection;
   FrameIdx frame;
-  std::string reason;           // "touches border", "ambiguous", "too few points" ...
+  std::string reason;  // "touches border", "ambiguous", "too few points" ...
 };
 
 struct Association {
-  std::vector<ObjectTrack> tracks;       // ascending id
-  std::vector<Rejection> rejections;     // detections that belong to no object
+  std::vector<ObjectTrack> tracks;    // ascending id
+  std::vector<Rejection> rejections;  // detections that belong to no object
 };
 
 }  // namespace deepslam

@@ -1,4 +1,5 @@
-// The result of the graph: every frame, every object and the ground in the gravity-aligned world (z up, ground z = 0).
+// The result of the graph: every frame, every object and the ground in the gravity-aligned world (z
+// up, ground z = 0).
 #pragma once
 
 #include <string>
@@ -12,9 +13,9 @@ namespace deepslam {
 
 // One kind of edge in the energy.
 struct EnergyTerm {
-  std::string name;        // "r_io", "r_ij", "r_pi", "r_po", "loop"
+  std::string name;  // "r_io", "r_ij", "r_pi", "r_po", "loop"
   int num_edges = 0;
-  double before = 0;       // sum of r^T Omega r, lambda included
+  double before = 0;  // sum of r^T Omega r, lambda included
   double after = 0;
 };
 
@@ -23,13 +24,14 @@ struct OptimizationSummary {
   int num_iterations = 0;
   std::string message;
   std::vector<EnergyTerm> terms;
-  double ground_observed = 0;   // 1 if a ground plane entered the graph, 0 otherwise
+  double ground_observed = 0;  // 1 if a ground plane entered the graph, 0 otherwise
 };
 
 struct OptimizedMap {
-  std::vector<TrackedFrame> frames;   // every frame of the capture; between keyframes they follow rigidly
+  std::vector<TrackedFrame>
+      frames;  // every frame of the capture; between keyframes they follow rigidly
   std::vector<FrameIdx> keyframes;
-  Plane ground_world;                 // z = 0 when a ground was seen
+  Plane ground_world;  // z = 0 when a ground was seen
   bool has_ground = false;
   ObjectMap map;
   OptimizationSummary summary;

@@ -1,4 +1,5 @@
-// Whole shapes proposed for objects. Sources plug in equally; selection does not care where a candidate came from.
+// Whole shapes proposed for objects. Sources plug in equally; selection does not care where a
+// candidate came from.
 #pragma once
 
 #include <map>
@@ -11,31 +12,32 @@
 namespace deepslam {
 
 enum class CandidateSource {
-  kNetwork,      // class-specific network, from one view
-  kMeanLatent,   // decoder at the mean latent over an object's views
-  kRetrieval,    // CAD model of the library
-  kFused,        // the object's own fused measurement
+  kNetwork,     // class-specific network, from one view
+  kMeanLatent,  // decoder at the mean latent over an object's views
+  kRetrieval,   // CAD model of the library
+  kFused,       // the object's own fused measurement
 };
 
 struct ShapeCandidate {
   CandidateId id;
   ObjectId object;
   CandidateSource source = CandidateSource::kRetrieval;
-  DetectionId view;              // the view that proposed it; invalid where all views together did
-  std::string model;             // key into Proposals::models and file stem of models/<model>.binvox
-  double proposal_score = 0;     // the source's own opinion, [0, 1]; comparable within one source only
-  // Real longest side of the object, metres, as the source believes; bounds for the registration's scale.
-  double size_m = 0;             // 0 = unknown
+  DetectionId view;           // the view that proposed it; invalid where all views together did
+  std::string model;          // key into Proposals::models and file stem of models/<model>.binvox
+  double proposal_score = 0;  // the source's own opinion, [0, 1]; comparable within one source only
+  // Real longest side of the object, metres, as the source believes; bounds for the registration's
+  // scale.
+  double size_m = 0;  // 0 = unknown
   double min_size_m = 0;
   double max_size_m = 0;
-  std::vector<float> latents;    // network sources; empty otherwise
-  std::string library_id;        // retrieval: the library's id of the model
-  std::string credit;            // retrieval: creator and licence, to travel into the scene
+  std::vector<float> latents;  // network sources; empty otherwise
+  std::string library_id;      // retrieval: the library's id of the model
+  std::string credit;          // retrieval: creator and licence, to travel into the scene
 };
 
 struct Proposals {
-  std::vector<ShapeCandidate> candidates;        // ascending id
-  std::map<std::string, VoxelGrid> models;       // by key; several candidates may share one
+  std::vector<ShapeCandidate> candidates;   // ascending id
+  std::map<std::string, VoxelGrid> models;  // by key; several candidates may share one
   // Objects for which a source had nothing, with the reason ("class furniture has no prior").
   std::vector<std::string> notes;
 };

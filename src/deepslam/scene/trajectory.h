@@ -12,7 +12,8 @@ namespace deepslam {
 enum class TrackingStatus {
   kTracked,     // aligned, all six directions constrained
   kDegenerate,  // aligned, but at least one direction is weakly constrained (flat wall, corridor)
-  kLost,        // alignment failed; the pose is a prediction and the edge that carries it has low information
+  kLost,        // alignment failed; the pose is a prediction and the edge that carries it has low
+                // information
   kUnreadable,  // the frame's images could not be used; the pose is a prediction
 };
 
@@ -20,11 +21,12 @@ enum class TrackingStatus {
 struct TrackedFrame {
   FrameIdx frame;
   double time_s = 0;
-  Pose3 world_from_camera;    // tracking world: camera of the first usable frame = identity (before `optimize`)
+  Pose3 world_from_camera;  // tracking world: camera of the first usable frame = identity (before
+                            // `optimize`)
   TrackingStatus status = TrackingStatus::kTracked;
-  FrameIdx keyframe;          // keyframe this frame was tracked against; its own idx for a keyframe
-  double rmse_m = 0;          // point-to-plane rmse over inliers
-  double inlier_share = 0;    // inliers / valid source points
+  FrameIdx keyframe;        // keyframe this frame was tracked against; its own idx for a keyframe
+  double rmse_m = 0;        // point-to-plane rmse over inliers
+  double inlier_share = 0;  // inliers / valid source points
 };
 
 // A measurement i_from_j between two keyframes: T_ij maps points of camera j to camera i.
@@ -32,15 +34,16 @@ struct RelativePose {
   FrameIdx i;
   FrameIdx j;
   Pose3 i_from_j;
-  // Information of t2v(measured^-1 * true) in (translation m; rotation rad) order; symmetric, positive definite.
+  // Information of t2v(measured^-1 * true) in (translation m; rotation rad) order; symmetric,
+  // positive definite.
   Matrix6d information = Matrix6d::Identity();
-  bool composed = false;      // chained from frame-to-frame poses because the direct alignment failed
+  bool composed = false;  // chained from frame-to-frame poses because the direct alignment failed
 };
 
 struct Odometry {
   std::vector<TrackedFrame> frames;
-  std::vector<FrameIdx> keyframes;      // ascending
-  std::vector<RelativePose> edges;      // between keyframes; consecutive ones always joined
+  std::vector<FrameIdx> keyframes;  // ascending
+  std::vector<RelativePose> edges;  // between keyframes; consecutive ones always joined
 
   [[nodiscard]] const TrackedFrame& at(FrameIdx frame) const {
     return frames[static_cast<std::size_t>(frame.value)];

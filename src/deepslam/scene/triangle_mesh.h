@@ -1,4 +1,5 @@
-// An indexed triangle mesh. Counter-clockwise faces seen from outside. Metres unless a name says otherwise.
+// An indexed triangle mesh. Counter-clockwise faces seen from outside. Metres unless a name says
+// otherwise.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@ namespace deepslam {
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> faces;
-  std::vector<Rgb8> colours;     // one per vertex, or empty
+  std::vector<Rgb8> colours;  // one per vertex, or empty
 
   [[nodiscard]] bool empty() const { return faces.empty(); }
 };

@@ -1,8 +1,9 @@
 // A model's shape: 64^3 binary occupancy of the unit cube of its object frame.
 //
-// Object frame: z up, x front, origin at the cube's centre, the cube is [-0.5, 0.5]^3. The model's bounding box is
-// centred and its longest side is kModelExtent (62 voxels), so that one free voxel stays around it.
-// Voxel (i, j, k) along x, y, z has its centre at ((i, j, k) + 0.5) / 64 - 0.5. Storage: index (i * 64 + j) * 64 + k.
+// Object frame: z up, x front, origin at the cube's centre, the cube is [-0.5, 0.5]^3. The model's
+// bounding box is centred and its longest side is kModelExtent (62 voxels), so that one free voxel
+// stays around it. Voxel (i, j, k) along x, y, z has its centre at ((i, j, k) + 0.5) / 64 - 0.5.
+// Storage: index (i * 64 + j) * 64 + k.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +14,12 @@
 namespace deepslam {
 
 inline constexpr int kGridSize = 64;
-inline constexpr double kVoxelSize = 1.0 / kGridSize;                  // object units
-inline constexpr double kModelExtent = 62.0 / kGridSize;               // longest side of a model, object units
+inline constexpr double kVoxelSize = 1.0 / kGridSize;     // object units
+inline constexpr double kModelExtent = 62.0 / kGridSize;  // longest side of a model, object units
 
 struct VoxelGrid {
   std::vector<std::uint8_t> occupied = std::vector<std::uint8_t>(
-      static_cast<std::size_t>(kGridSize) * kGridSize * kGridSize, 0);   // 0 or 1
+      static_cast<std::size_t>(kGridSize) * kGridSize * kGridSize, 0);  // 0 or 1
 
   static std::size_t Index(int i, int j, int k) {
     return (static_cast<std::size_t>(i) * kGridSize + static_cast<std::size_t>(j)) * kGridSize +

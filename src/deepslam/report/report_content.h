@@ -1,0 +1,70 @@
+// What the report page shows of one capture: plain values, gathered by the stage that writes the
+// page.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/image.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/optimized_map.h"
+
+namespace deepslam::report {
+
+// An encoded picture; `mime` is "image/jpeg" or "image/png".
+struct Picture {
+  std::string bytes;
+  std::string mime = "image/jpeg";
+  std::string caption;
+};
+
+// One row of an object's candidate table.
+struct CandidateRow {
+  std::string model;
+  std::string source;
+  double score = 0;
+  double surface_share = 0;
+  double coverage_share = 0;
+  double free_violation = 0;
+  int num_views = 0;
+  bool chosen = false;
+  std::string note;
+};
+
+struct ObjectRow {
+  std::string name;  // "chair_03"
+  std::string class_name;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // along object x (front), y (left), z (up)
+  Pose3 world_from_object;                           // gravity-aligned world
+  double bottom_above_ground_m = 0;
+  double confidence = 0;
+  int num_views = 0;
+  std::string source;
+  std::string credit;
+  std::string note;
+  Rgb8 colour;
+  std::vector<CandidateRow> candidates;  // best first
+  std::vector<Picture> pictures;         // crops with the model drawn in
+};
+
+struct ReportContent {
+  std::string title;  // the capture's name
+  std::string tool_version;
+  std::string capture_hash;
+  std::string verdict;  // "good", "doubtful" or "bad"
+  std::vector<std::string> verdict_reasons;
+  std::vector<std::string> warnings;
+  OptimizedMap map;  // trajectory, ground and energy; the objects are in `objects`
+  std::vector<Pose3>
+      tracked_world_from_camera;  // before the graph, aligned to the same world; may be empty
+  std::vector<ObjectRow> objects;
+  std::vector<Picture> scene_pictures;  // the map rendered
+  std::vector<Picture> frame_pictures;  // frames with detections and segments drawn in
+  std::vector<std::pair<std::string, std::string>> stage_summaries;  // stage, one line
+  std::vector<std::pair<std::string, std::size_t>> file_bytes;       // result file, size
+};
+
+}  // namespace deepslam::report
