@@ -1,0 +1,72 @@
+// A labelled scene as one binary glTF 2.0 file (GLB), as bytes.
+//
+// In: world and object frames with z up, x front, y left, metres. Out: glTF's axes (y up, z front,
+// x left), made here alone: (x, y, z) of ours is (y, z, x) there, for vertices and for node
+// transforms, so every node keeps a plain translation and rotation and opens upright in any
+// program.
+//
+// Nodes of the scene, in this order: one per object (name `chair_03`, extras {class, instance,
+// score, prior, views}), `ground`, `room`, `trajectory` (LINE_STRIP), `keyframes` (its children are
+// cameras `keyframe_000017`).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/image.h"
+#include "deepslam/core/options.h"
+#include "deepslam/core/result.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::gltf {
+
+struct GltfObject {
+  std::string name;  // `chair_03`; made valid UTF-8, and unique by a suffix where it is not
+  std::string class_name;
+  int instance = 0;
+  double score = 0;        // [0, 1]
+  std::string source;      // where the shape came from; extras.prior
+  std::vector<int> views;  // frames that saw it
+  TriangleMesh mesh;       // object frame, m; coloured (sRGB) or not
+  Pose3 world_from_object;
+  Rgb8 class_colour{160, 160, 160};  // sRGB; used where the mesh has no colours
+  std::string credit;                // creator and licence of a CAD model; empty = none
+};
+
+struct GltfKeyframe {
+  int frame = 0;
+  Pose3 world_from_camera;
+};
+
+struct GltfScene {
+  std::vector<GltfObject> objects;
+  std::optional<TriangleMesh> room;    // world, may be open
+  std::optional<TriangleMesh> ground;  // world polygon
+  std::vector<Pose3> trajectory_world_from_camera;
+  std::vector<GltfKeyframe> keyframes;
+  PinholeCamera camera;  // of the keyframes; width 0 = unknown, no cameras are written
+  std::string generator = "deepslam";
+  std::map<std::string, std::string> provenance;  // into asset.extras: version, capture hash ...
+};
+
+struct GltfOptions {
+  bool draco =
+      true;  // KHR_draco_mesh_compression for objects and room; false = the uncompressed twin
+  int position_bits = 14;        // Draco: vertices lie on a grid of longest side / (2^bits - 1)
+  int normal_bits = 8;           // Draco: octahedral normals
+  double crease_angle_deg = 40;  // edges sharper than this are shaded sharp
+  bool cameras = true;           // keyframe cameras
+  double max_frustum_m = 10;     // zfar of the keyframe cameras
+};
+void Describe(OptionsVisitor& visitor, GltfOptions& options);
+
+// Same scene and options, same bytes. An empty scene is a valid file. Objects with an empty mesh
+// stay as nodes without mesh. Errors: indices out of range, coordinates or poses that are not
+// finite, each with the object's name.
+[[nodiscard]] Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options);
+
+}  // namespace deepslam::gltf

@@ -1,0 +1,53 @@
+// An own check of a GLB: reread, decoded, measured. For foreign and damaged files as well: it never
+// trusts a count.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace deepslam::gltf {
+
+struct ValidatedObject {
+  std::string name;
+  std::string class_name;
+  int instance = 0;
+  int num_vertices = 0;  // after welding by position
+  int num_faces = 0;
+  int num_components = 0;
+  double volume_m3 = 0;
+  bool closed = false;
+  bool two_manifold = false;
+};
+
+struct ValidationReport {
+  std::vector<std::string>
+      errors;  // each names the place ("accessors[3].count: ..."); at most kMaxFindings
+  std::vector<std::string> warnings;
+  int num_objects = 0;  // nodes with extras.class
+  int num_nodes = 0;
+  int num_meshes = 0;
+  int num_cameras = 0;
+  std::int64_t num_vertices = 0;  // of all triangle primitives, as stored
+  std::int64_t num_faces = 0;
+  std::size_t num_bytes = 0;
+  bool draco = false;  // any primitive compressed
+  bool has_ground = false;
+  bool has_room = false;
+  bool has_trajectory = false;
+  std::vector<ValidatedObject> objects;
+
+  [[nodiscard]] bool ok() const { return errors.empty(); }
+};
+
+inline constexpr std::size_t kMaxFindings = 100;
+
+// Checks header and chunks, JSON, buffer views, accessors (bounds, alignment, true min and max),
+// indices, Draco payloads against their accessors, transforms, the node tree, labels (name and
+// extras agree, instance unique), and that every object is closed, oriented and two-manifold after
+// welding by position. Structure first: later checks run on what passed.
+[[nodiscard]] ValidationReport ValidateGlb(std::string_view bytes);
+
+}  // namespace deepslam::gltf

@@ -1,0 +1,29 @@
+// The bounded piece of floor that was seen, as a flat polygon.
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/options.h"
+#include "deepslam/core/result.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::mesh {
+
+struct GroundPolygonOptions {
+  double cell_m = 0.05;  // points are thinned to one per cell of this size
+  double alpha_m =
+      0.25;  // gaps in the floor narrower than twice this are bridged (things standing on it)
+  double simplify_m = 0.03;   // the outline may leave the points' outline by about this much
+  double max_extent_m = 200;  // points farther from the origin are refused as outliers
+};
+void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options);
+
+// Points (x, y) on the ground plane in world metres -> the outline of the largest connected piece
+// of their alpha shape, without holes, triangulated at z = 0, faces up (+z). Not finite points are
+// left out. The order of points does not matter. Errors: fewer than three points that span an area.
+[[nodiscard]] Result<TriangleMesh> GroundPolygon(std::span<const Eigen::Vector2d> points_world,
+                                                 const GroundPolygonOptions& options);
+
+}  // namespace deepslam::mesh

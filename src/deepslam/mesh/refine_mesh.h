@@ -1,0 +1,26 @@
+// Smoothing and decimation of a closed surface with a stated geometric bound.
+#pragma once
+
+#include "deepslam/core/options.h"
+#include "deepslam/core/result.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::mesh {
+
+struct RefineOptions {
+  int smoothing_iterations = 2;  // Jacobi-Laplace steps before decimation; 0 = none
+  double max_error =
+      0.5 / 64;  // Hausdorff bound against the input, in the mesh's own unit: half a voxel
+  int target_faces = 2500;  // decimation stops here, or earlier where the bound says so
+};
+void Describe(OptionsVisitor& visitor, RefineOptions& options);
+
+// A closed, oriented two-manifold comes back as one, in the same unit and with as many components;
+// its vertices lie within `max_error` of the input's surface. Smoothing may use half of the bound
+// and decimation the other half. When the simplified surface would pierce itself, the bound is
+// halved until it does not; in the worst case the input is returned. Colours are dropped. Errors:
+// an empty mesh; one that is not closed, oriented and two-manifold.
+[[nodiscard]] Result<TriangleMesh> RefineMesh(const TriangleMesh& mesh,
+                                              const RefineOptions& options);
+
+}  // namespace deepslam::mesh
