@@ -12,6 +12,17 @@
 
 namespace deepslam {
 
+// What one view says about one placed candidate; counts of pixels and points, so that views can be pooled.
+struct ViewAgreement {
+  DetectionId view;
+  FrameIdx frame;
+  int num_points = 0;            // object points judged
+  double surface = 0;            // mean agreement of the object's points with the model's surface, [0, 1]
+  int num_seen = 0;              // rendered model pixels that the depth confirms or contradicts
+  double coverage = 0;           // share of those confirmed
+  double violation = 0;          // share of those where the ray goes on behind the model
+};
+
 // Agreement of one candidate with all depth of its object.
 struct CandidateScore {
   CandidateId candidate;

@@ -1,0 +1,54 @@
+// A view made ready for registration: the object's points in space, and what the rest of the crop says about where the
+// object cannot be. Made once per object, used by all its candidates.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/image.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/plane.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/object_view.h"
+
+namespace deepslam::registration {
+
+struct MeasuredView {
+  DetectionId view;
+  FrameIdx frame;
+  // Of the object's segment, camera frame, metres; normals are unit and look towards the camera. Points without a
+  // usable normal or with a non-finite coordinate are left out.
+  std::vector<Eigen::Vector3f> points_camera;
+  std::vector<Eigen::Vector3f> normals_camera;
+  std::vector<float> sigmas_m;      // depth noise of each point, metres
+  Eigen::Vector3d centroid_camera = Eigen::Vector3d::Zero();
+  Eigen::Vector3d up_camera = -Eigen::Vector3d::UnitY();   // unit
+  std::optional<Plane> ground_world;   // consensus of all views; nothing when no view saw a ground
+  Pose3 world_from_camera;
+  bool touches_border = false;
+
+  // The crop, `reduction` times smaller (nearest pixel, so that depth edges stay).
+  PinholeCamera camera;
+  DepthImage depth_m;
+  Mask mask;
+  // Normal of the measured surface towards the camera; zero where depth is missing or jumps.
+  Image<Eigen::Vector3f> normals;
+  // The object pixel nearest to each pixel, as v * width + u; -1 everywhere when the mask is empty.
+  Image<std::int32_t> nearest_object_pixel;
+
+  [[nodiscard]] bool empty() const { return points_camera.empty(); }
+};
+
+// Standard deviation of a consumer depth camera's reading along its axis (Nguyen et al. 2012, Kinect), metres.
+[[nodiscard]] double DepthNoise(double depth_m);
+
+// Keeps the order of `views`. Views whose images do not fit together, or whose pose or camera is not finite, come back
+// empty. `max_points` per view; crops are reduced until their longer side is at most `max_side_px`.
+[[nodiscard]] std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
+                                                     int max_points = 400, int max_side_px = 96);
+
+}  // namespace deepslam::registration
