@@ -1,0 +1,227 @@
+#include "deepslam/dataset/image_files.h"
+
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace deepslam::dataset {
+namespace {
+
+// What the file's own structure says, found without decoding. Decoders fill the rest of a truncated
+// JPEG with grey and allocate whatever size a header claims, so both are checked before.
+struct ImageStructure {
+  int width = 0;
+  int height = 0;
+  bool complete = false;
+};
+
+std::uint32_t BigEndian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  }
+  return value;
+}
+
+std::optional<ImageStructure> PngStructure(std::string_view bytes) {
+  constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
+  if (!bytes.starts_with(kSignature)) return std::nullopt;
+  ImageStructure structure;
+  std::size_t at = kSignature.size();
+  while (bytes.size() - at >= 12) {
+    const std::size_t length = BigEndian(bytes, at, 4);
+    const std::string_view type = bytes.substr(at + 4, 4);
+    if (bytes.size() - at - 12 < length) break;
+    if (type == "IHDR" && length >= 8) {
+      structure.width = static_cast<int>(BigEndian(bytes, at + 8, 4) & 0x7FFFFFFF);
+      structure.height = static_cast<int>(BigEndian(bytes, at + 12, 4) & 0x7FFFFFFF);
+    }
+    if (type == "IEND") {
+      structure.complete = true;
+      break;
+    }
+    at += 12 + length;
+  }
+  return structure;
+}
+
+std::optional<ImageStructure> JpegStructure(std::string_view bytes) {
+  if (!bytes.starts_with("\xFF\xD8\xFF")) return std::nullopt;
+  ImageStructure structure;
+  std::size_t at = 2;
+  while (at + 4 <= bytes.size()) {
+    if (bytes[at] != '\xFF') break;
+    const auto marker = static_cast<unsigned char>(bytes[at + 1]);
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    const std::size_t length = BigEndian(bytes, at + 2, 2);
+    const bool is_frame_header =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame_header && at + 9 <= bytes.size()) {
+      structure.height = static_cast<int>(BigEndian(bytes, at + 5, 2));
+      structure.width = static_cast<int>(BigEndian(bytes, at + 7, 2));
+    }
+    at += 2 + length;
+    if (marker == 0xDA) {  // the coded pixels: only their end mark can stand there unescaped
+      structure.complete =
+          at < bytes.size() && bytes.find("\xFF\xD9", at) != std::string_view::npos;
+      break;
+    }
+  }
+  return structure;
+}
+
+Error FileError(const std::filesystem::path& file, std::string_view fault) {
+  return InvalidInput(fmt::format("{}: {}", file.string(), fault));
+}
+
+Status CheckStructure(const std::filesystem::path& file,
+                      std::string_view bytes,
+                      int width,
+                      int height) {
+  std::optional<ImageStructure> structure = PngStructure(bytes);
+  if (!structure) structure = JpegStructure(bytes);
+  if (!structure) return Ok();
+  if (structure->width > 0 && (structure->width != width || structure->height != height)) {
+    return FileError(file,
+                     fmt::format("is {} x {} px, the camera {} x {}",
+                                 structure->width,
+                                 structure->height,
+                                 width,
+                                 height));
+  }
+  if (!structure->complete)
+    return FileError(file, "image file ends too early (truncated or damaged)");
+  return Ok();
+}
+
+Result<cv::Mat> Decode(const std::filesystem::path& file, int flags, int width, int height) {
+  const Result<std::string> bytes = ReadFileBytes(file);
+  if (!bytes) return bytes.error();
+  if (bytes->empty()) return FileError(file, "file is empty");
+  const Status structure = CheckStructure(file, *bytes, width, height);
+  if (!structure) return structure.error();
+  try {
+    const cv::Mat raw(
+        1, static_cast<int>(bytes->size()), CV_8UC1, const_cast<char*>(bytes->data()));
+    cv::Mat image = cv::imdecode(raw, flags);
+    if (image.empty()) return FileError(file, "not a readable image");
+    if (image.cols != width || image.rows != height) {
+      return FileError(
+          file,
+          fmt::format("is {} x {} px, the camera {} x {}", image.cols, image.rows, width, height));
+    }
+    return image;
+  } catch (const cv::Exception& fault) {
+    return FileError(file, fmt::format("not a readable image ({})", fault.err));
+  }
+}
+
+Status Write(const std::filesystem::path& file,
+             const cv::Mat& image,
+             const std::vector<int>& parameters) {
+  try {
+    std::vector<unsigned char> bytes;
+    if (!cv::imencode(file.extension().string(), image, bytes, parameters)) {
+      return Failed(fmt::format("{}: cannot encode the image", file.string()));
+    }
+    std::ofstream out(file, std::ios::binary | std::ios::trunc);
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out)
+      return Failed(fmt::format("{}: cannot be written; is the disk full or the folder read-only?",
+                                file.string()));
+    return Ok();
+  } catch (const cv::Exception& fault) {
+    return Failed(fmt::format("{}: cannot encode the image ({})", file.string(), fault.err));
+  }
+}
+
+}  // namespace
+
+Result<std::string> ReadFileBytes(const std::filesystem::path& file, std::uintmax_t max_bytes) {
+  std::error_code code;
+  const std::filesystem::file_status status = std::filesystem::status(file, code);
+  if (!std::filesystem::exists(status)) return FileError(file, "file is missing");
+  if (!std::filesystem::is_regular_file(status)) return FileError(file, "not a file");
+  const std::uintmax_t size = std::filesystem::file_size(file, code);
+  if (code) return FileError(file, fmt::format("cannot be read ({})", code.message()));
+  if (size > max_bytes)
+    return FileError(
+        file, fmt::format("has {} bytes, more than the {} expected at most", size, max_bytes));
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!in || in.gcount() != static_cast<std::streamsize>(bytes.size())) {
+    return FileError(file, "cannot be read; check its permissions");
+  }
+  return bytes;
+}
+
+Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height) {
+  const Result<cv::Mat> decoded =
+      Decode(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION, width, height);
+  if (!decoded) return decoded.error();
+  if (decoded->type() != CV_8UC3)
+    return FileError(file, "not a colour image of 8 bits per channel");
+  ColourImage image(width, height);
+  for (int v = 0; v < height; ++v) {
+    const unsigned char* bgr = decoded->ptr<unsigned char>(v);
+    Rgb8* rgb = image.row(v);
+    for (int u = 0; u < width; ++u, bgr += 3) rgb[u] = {bgr[2], bgr[1], bgr[0]};
+  }
+  return image;
+}
+
+Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height) {
+  const Result<cv::Mat> decoded = Decode(file, cv::IMREAD_UNCHANGED, width, height);
+  if (!decoded) return decoded.error();
+  if (decoded->type() != CV_16UC1) {
+    return FileError(file,
+                     fmt::format("depth must have one channel of 16 bits, this has {} of {} bits",
+                                 decoded->channels(),
+                                 8 * decoded->elemSize1()));
+  }
+  RawDepthImage image(width, height);
+  for (int v = 0; v < height; ++v) {
+    std::memcpy(
+        image.row(v), decoded->ptr(v), static_cast<std::size_t>(width) * sizeof(std::uint16_t));
+  }
+  return image;
+}
+
+Status WriteColourFile(const std::filesystem::path& file,
+                       const ColourImage& image,
+                       int jpeg_quality) {
+  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
+  for (int v = 0; v < image.height(); ++v) {
+    unsigned char* out = bgr.ptr<unsigned char>(v);
+    const Rgb8* rgb = image.row(v);
+    for (int u = 0; u < image.width(); ++u, out += 3) {
+      out[0] = rgb[u].b;
+      out[1] = rgb[u].g;
+      out[2] = rgb[u].r;
+    }
+  }
+  return Write(file, bgr, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+}
+
+Status WriteDepthFile(const std::filesystem::path& file, const RawDepthImage& image) {
+  cv::Mat raw(image.height(), image.width(), CV_16UC1);
+  for (int v = 0; v < image.height(); ++v) {
+    std::memcpy(
+        raw.ptr(v), image.row(v), static_cast<std::size_t>(image.width()) * sizeof(std::uint16_t));
+  }
+  return Write(file, raw, {cv::IMWRITE_PNG_COMPRESSION, 3});
+}
+
+}  // namespace deepslam::dataset

@@ -1,0 +1,33 @@
+// Colour and depth images in files. Everything a file may do wrong comes back as an Error naming
+// it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/image.h"
+#include "deepslam/core/result.h"
+
+namespace deepslam::dataset {
+
+// Raw values of a depth image file: 16 bit, one channel.
+using RawDepthImage = Image<std::uint16_t>;
+
+// All bytes of a file of at most `max_bytes`.
+Result<std::string> ReadFileBytes(const std::filesystem::path& file,
+                                  std::uintmax_t max_bytes = 256u << 20);
+
+// Decodes a colour image of exactly width x height px. Grey, palette, 16-bit and alpha images are
+// converted; rotation tags are ignored, since intrinsics belong to the stored pixels.
+Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height);
+
+// Decodes a depth image of exactly width x height px, 16 bit, one channel.
+Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height);
+
+Status WriteColourFile(const std::filesystem::path& file,
+                       const ColourImage& image,
+                       int jpeg_quality = 95);
+Status WriteDepthFile(const std::filesystem::path& file, const RawDepthImage& image);
+
+}  // namespace deepslam::dataset

@@ -1,0 +1,292 @@
+#include "deepslam/dataset/tum_lists.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace deepslam::dataset {
+namespace {
+
+// Epoch seconds are 1e9; beyond this a number is no time.
+constexpr double kMaxTimeS = 1e11;
+// Further away than any room; also keeps later arithmetic finite.
+constexpr double kMaxPositionM = 1e6;
+constexpr std::size_t kMaxShownChars = 80;
+
+struct Line {
+  int number = 0;
+  std::vector<std::string_view> fields;
+};
+
+std::string Shown(std::string_view text) {
+  std::string shown(text.substr(0, kMaxShownChars));
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
+  }
+  return shown;
+}
+
+std::vector<Line> SplitLines(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::vector<Line> lines;
+  int number = 0;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    ++number;
+    Line split{number, {}};
+    constexpr std::string_view kBlank = " \t\r,";
+    while (true) {
+      const std::size_t begin = line.find_first_not_of(kBlank);
+      if (begin == std::string_view::npos) break;
+      line.remove_prefix(begin);
+      const std::size_t length = std::min(line.find_first_of(kBlank), line.size());
+      split.fields.push_back(line.substr(0, length));
+      line.remove_prefix(length);
+    }
+    if (!split.fields.empty() && !split.fields.front().starts_with('#')) lines.push_back(split);
+  }
+  return lines;
+}
+
+Error LineError(const std::filesystem::path& list, int line, std::string_view fault) {
+  return InvalidInput(fmt::format("{}:{}: {}", list.string(), line, fault));
+}
+
+Status CheckFieldCount(const std::filesystem::path& list,
+                       const Line& line,
+                       std::size_t count,
+                       std::string_view layout) {
+  if (line.fields.size() == count) return Ok();
+  return LineError(list,
+                   line.number,
+                   fmt::format("has {} fields, expected {} ('{}'; names must not contain blanks): "
+                               "correct or remove the line",
+                               line.fields.size(),
+                               count,
+                               layout));
+}
+
+Result<double> ParseTime(const std::filesystem::path& list, int line, std::string_view field) {
+  double value = 0;
+  const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (code != std::errc() || end != field.data() + field.size() ||
+      !(std::abs(value) <= kMaxTimeS)) {
+    return LineError(
+        list,
+        line,
+        fmt::format("field 'time' is '{}', not a time in seconds: correct or remove the line",
+                    Shown(field)));
+  }
+  return value;
+}
+
+Result<std::string> ParseFileName(const std::filesystem::path& list,
+                                  int line,
+                                  std::string_view field) {
+  const auto fault = [&](std::string_view what) {
+    return LineError(
+        list,
+        line,
+        fmt::format("field 'file' is '{}', {}: write a path below the capture's folder",
+                    Shown(field),
+                    what));
+  };
+  if (field.find('\0') != std::string_view::npos) return fault("which holds a zero byte");
+  if (field.find('\\') != std::string_view::npos) return fault("which holds a backslash");
+  const std::filesystem::path path(field);
+  if (path.is_absolute()) return fault("an absolute path");
+  for (const std::filesystem::path& part : path) {
+    if (part == "..") return fault("which leaves the capture");
+  }
+  return path.lexically_normal().generic_string();
+}
+
+Result<TimedFile> ParseTimedFile(const std::filesystem::path& list,
+                                 const Line& line,
+                                 std::size_t first) {
+  const Result<double> time_s = ParseTime(list, line.number, line.fields[first]);
+  if (!time_s) return time_s.error();
+  Result<std::string> file = ParseFileName(list, line.number, line.fields[first + 1]);
+  if (!file) return file.error();
+  return TimedFile{*time_s, *std::move(file), line.number};
+}
+
+// Ascending in time and each time once; says in `warnings` what that changed.
+template <typename T, typename TimeOf>
+void SortByTime(std::vector<T>& entries,
+                const std::filesystem::path& list,
+                TimeOf time_of,
+                std::vector<std::string>& warnings) {
+  const auto before = [&](const T& a, const T& b) { return time_of(a) < time_of(b); };
+  if (!std::is_sorted(entries.begin(), entries.end(), before)) {
+    std::stable_sort(entries.begin(), entries.end(), before);
+    warnings.push_back(
+        fmt::format("{}: times are not ascending; lines were sorted", list.string()));
+  }
+  const std::size_t count = entries.size();
+  const auto same = [&](const T& a, const T& b) { return time_of(a) == time_of(b); };
+  entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
+  if (entries.size() < count) {
+    warnings.push_back(fmt::format(
+        "{}: {} lines repeat a time and were left out", list.string(), count - entries.size()));
+  }
+}
+
+Error EmptyList(const std::filesystem::path& list) {
+  return InvalidInput(fmt::format("{}: lists no images; a line reads 'time file'", list.string()));
+}
+
+// Index of the entry nearest to a time in an ascending list (the earlier one when two are equally
+// near).
+std::size_t Nearest(const std::vector<TimedFile>& entries, double time_s) {
+  const auto after =
+      std::lower_bound(entries.begin(), entries.end(), time_s, [](const TimedFile& e, double t) {
+        return e.time_s < t;
+      });
+  if (after == entries.begin()) return 0;
+  const std::size_t next = static_cast<std::size_t>(after - entries.begin());
+  if (next == entries.size()) return next - 1;
+  return entries[next].time_s - time_s < time_s - entries[next - 1].time_s ? next : next - 1;
+}
+
+}  // namespace
+
+Result<std::vector<TimedFile>> ParseFileList(const std::string& text,
+                                             const std::filesystem::path& list,
+                                             std::vector<std::string>& warnings) {
+  std::vector<TimedFile> entries;
+  for (const Line& line : SplitLines(text)) {
+    const Status count = CheckFieldCount(list, line, 2, "time file");
+    if (!count) return count.error();
+    Result<TimedFile> entry = ParseTimedFile(list, line, 0);
+    if (!entry) return entry.error();
+    entries.push_back(*std::move(entry));
+  }
+  if (entries.empty()) return EmptyList(list);
+  SortByTime(
+      entries, list, [](const TimedFile& e) { return e.time_s; }, warnings);
+  return entries;
+}
+
+Result<std::vector<ImagePair>> ParseAssociations(const std::string& text,
+                                                 const std::filesystem::path& list,
+                                                 std::vector<std::string>& warnings) {
+  std::vector<ImagePair> pairs;
+  for (const Line& line : SplitLines(text)) {
+    const Status count = CheckFieldCount(list, line, 4, "time rgb-file time depth-file");
+    if (!count) return count.error();
+    Result<TimedFile> first = ParseTimedFile(list, line, 0);
+    if (!first) return first.error();
+    Result<TimedFile> second = ParseTimedFile(list, line, 2);
+    if (!second) return second.error();
+    const auto is_depth = [](const TimedFile& f) {
+      return f.file.find("depth") != std::string::npos;
+    };
+    if (is_depth(*first) && !is_depth(*second)) std::swap(first, second);
+    pairs.push_back({*std::move(first), *std::move(second)});
+  }
+  if (pairs.empty()) return EmptyList(list);
+  SortByTime(
+      pairs, list, [](const ImagePair& p) { return p.depth.time_s; }, warnings);
+  return pairs;
+}
+
+Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
+                                          const std::filesystem::path& list,
+                                          std::vector<std::string>& warnings) {
+  std::vector<TimedPose> poses;
+  int num_unusable = 0;
+  int first_unusable = 0;
+  for (const Line& line : SplitLines(text)) {
+    const Status count = CheckFieldCount(list, line, 8, "time tx ty tz qx qy qz qw");
+    if (!count) return count.error();
+    const Result<double> time_s = ParseTime(list, line.number, line.fields[0]);
+    if (!time_s) return time_s.error();
+    Eigen::Matrix<double, 7, 1> v;
+    for (int i = 0; i < 7; ++i) {
+      const std::string_view field = line.fields[static_cast<std::size_t>(i) + 1];
+      const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), v[i]);
+      if (code != std::errc() || end != field.data() + field.size()) {
+        constexpr std::array<std::string_view, 7> kNames = {
+            "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
+        return LineError(list,
+                         line.number,
+                         fmt::format("field '{}' is '{}', not a number: correct or remove the line",
+                                     kNames[static_cast<std::size_t>(i)],
+                                     Shown(field)));
+      }
+    }
+    const double norm = v.tail<4>().norm();
+    if (!v.allFinite() || !(norm > 0.5 && norm < 2.0) ||
+        v.head<3>().cwiseAbs().maxCoeff() > kMaxPositionM) {
+      if (num_unusable++ == 0) first_unusable = line.number;
+      continue;
+    }
+    const Eigen::Quaterniond rotation(v[6] / norm, v[3] / norm, v[4] / norm, v[5] / norm);
+    poses.push_back({*time_s, Pose3{rotation, v.head<3>()}});
+  }
+  if (num_unusable > 0) {
+    warnings.push_back(fmt::format(
+        "{}:{}: {} poses are not finite or have no rotation and were left out, this one first",
+        list.string(),
+        first_unusable,
+        num_unusable));
+  }
+  SortByTime(
+      poses, list, [](const TimedPose& p) { return p.time_s; }, warnings);
+  return poses;
+}
+
+std::vector<ImagePair> AssociateByTime(const std::vector<TimedFile>& colour,
+                                       const std::vector<TimedFile>& depth,
+                                       double tolerance_s) {
+  std::vector<ImagePair> pairs;
+  if (colour.empty() || depth.empty()) return pairs;
+  for (std::size_t d = 0; d < depth.size(); ++d) {
+    const std::size_t c = Nearest(colour, depth[d].time_s);
+    if (std::abs(colour[c].time_s - depth[d].time_s) > tolerance_s) continue;
+    if (Nearest(depth, colour[c].time_s) == d) pairs.push_back({colour[c], depth[d]});
+  }
+  return pairs;
+}
+
+std::optional<Pose3> PoseAt(const std::vector<TimedPose>& poses,
+                            double time_s,
+                            double tolerance_s,
+                            double max_gap_s) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), time_s, [](const TimedPose& p, double t) {
+        return p.time_s < t;
+      });
+  if (after != poses.end() && after->time_s == time_s) return after->world_from_camera;
+  const bool has_after = after != poses.end();
+  const bool has_before = after != poses.begin();
+  if (has_after && has_before) {
+    const TimedPose& a = *(after - 1);
+    const TimedPose& b = *after;
+    if (b.time_s - a.time_s < max_gap_s) {
+      const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
+      return Pose3{
+          a.world_from_camera.rotation.slerp(share, b.world_from_camera.rotation).normalized(),
+          (1 - share) * a.world_from_camera.translation_m +
+              share * b.world_from_camera.translation_m};
+    }
+  }
+  const TimedPose* nearest = nullptr;
+  if (has_before) nearest = &*(after - 1);
+  if (has_after && (nearest == nullptr || after->time_s - time_s < time_s - nearest->time_s))
+    nearest = &*after;
+  if (nearest == nullptr || std::abs(nearest->time_s - time_s) > tolerance_s) return std::nullopt;
+  return nearest->world_from_camera;
+}
+
+}  // namespace deepslam::dataset

@@ -1,0 +1,65 @@
+// The text files of the TUM RGB-D layout, as values.
+//
+// Fields are separated by blanks, tabs or commas; lines that are empty or begin with '#' carry
+// nothing. A line that cannot be understood is an error naming file, line and field. Times out of
+// order are sorted, repeated times dropped (the first stays); both are said in `warnings`.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/geometry/pose.h"
+
+namespace deepslam::dataset {
+
+struct TimedFile {
+  double time_s = 0;
+  std::string file;  // relative to the capture, never leaving it
+  int line = 0;      // 1-based, of the list
+};
+
+struct ImagePair {
+  TimedFile colour;
+  TimedFile depth;
+};
+
+struct TimedPose {
+  double time_s = 0;
+  Pose3 world_from_camera;
+};
+
+// rgb.txt, depth.txt: `time file`.
+Result<std::vector<TimedFile>> ParseFileList(const std::string& text,
+                                             const std::filesystem::path& list,
+                                             std::vector<std::string>& warnings);
+
+// associations.txt: `time file time file`, colour first; written the other way round when the file
+// names say so
+// ("depth" in the first and not in the second).
+Result<std::vector<ImagePair>> ParseAssociations(const std::string& text,
+                                                 const std::filesystem::path& list,
+                                                 std::vector<std::string>& warnings);
+
+// groundtruth.txt: `time tx ty tz qx qy qz qw`. Lines with values that are not finite, or without a
+// rotation, mean "not tracked here": they are left out with a warning. May be empty.
+Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
+                                          const std::filesystem::path& list,
+                                          std::vector<std::string>& warnings);
+
+// Pairs of images that are each other's nearest in time and at most `tolerance_s` apart; both lists
+// ascending.
+std::vector<ImagePair> AssociateByTime(const std::vector<TimedFile>& colour,
+                                       const std::vector<TimedFile>& depth,
+                                       double tolerance_s);
+
+// The pose at a time: between two poses less than `max_gap_s` apart by interpolation (slerp), else
+// the nearest one if within `tolerance_s`, else nothing. `poses` ascending.
+std::optional<Pose3> PoseAt(const std::vector<TimedPose>& poses,
+                            double time_s,
+                            double tolerance_s,
+                            double max_gap_s);
+
+}  // namespace deepslam::dataset
