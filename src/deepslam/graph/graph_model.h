@@ -1,0 +1,65 @@
+// The graph as plain values: what is a variable, what is measured, with information balanced and
+// bad input left out. The solver and the g2o writer both read this.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deepslam/graph/object_graph.h"
+
+namespace deepslam::graph {
+
+enum class EdgeKind { kObject, kOdometry, kLoop };
+
+struct PoseEdge {
+  EdgeKind kind = EdgeKind::kOdometry;
+  int a = 0;  // node
+  int b = 0;  // node
+  Pose3 a_from_b;
+  Matrix6d information = Matrix6d::Zero();  // balanced, without lambda
+};
+
+struct GroundEdge {
+  int node = 0;
+  Plane plane_camera;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // balanced, without lambda
+};
+
+struct StandEdge {
+  int node = 0;
+  double bottom_m = 0;
+  double information = 0;  // 1 / m^2
+};
+
+struct GraphModel {
+  std::vector<Pose3>
+      world_from_node;  // keyframes in order, then the objects that have usable views
+  std::vector<FrameIdx> keyframes;
+  std::vector<std::size_t> objects;  // index into ObjectMap::objects of node keyframes.size() + k
+  std::vector<PoseEdge> pose_edges;
+  std::optional<Plane> plane;            // tracking world
+  std::vector<GroundEdge> ground_edges;  // none: the plane is held
+  std::vector<int> upright;              // nodes
+  std::vector<StandEdge> stands;
+  std::vector<ObjectId>
+      not_standing;       // bottom known and farther than stand_max_gap_m from the plane
+  int num_bad_edges = 0;  // left out
+  int num_ties = 0;       // added where no edge reached a keyframe
+
+  [[nodiscard]] int num_keyframes() const { return static_cast<int>(keyframes.size()); }
+};
+
+[[nodiscard]] Result<GraphModel> BuildGraphModel(const Odometry& odometry,
+                                                 const Ground& ground,
+                                                 const ObjectMap& map,
+                                                 const Loops& loops,
+                                                 const GraphOptions& options,
+                                                 const std::map<ObjectId, double>& bottom_m);
+
+// Moves `model` to the optimum; the terms' energies before and after, robust losses left out of
+// them.
+[[nodiscard]] OptimizationSummary SolveGraph(GraphModel& model, const GraphOptions& options);
+
+}  // namespace deepslam::graph

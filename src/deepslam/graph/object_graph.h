@@ -1,0 +1,126 @@
+// The back end: keyframe poses, object poses and the ground plane in one least-squares problem,
+// solved by Levenberg-Marquardt (paper, "Graph optimization"), and everything turned into the
+// gravity-aligned world afterwards.
+//
+// Variables: x_wi (keyframes), x_wo (objects), p = (n, d) (ground; minimal, 3 degrees of freedom: n
+// on the unit sphere, d on the line). Terms of the energy, each r^T Omega r:
+//   r_io = t2v(z_io^-1 x_wi^-1 x_wo)                         per usable view of an object, robust
+//   loss (past the paper) r_ij = t2v(z_ij^-1 x_wi^-1 x_wj)        x lambda_1       per odometry
+//   edge r_pi = p - [R n_i; d_i - (R n_i)^T t]   x lambda_2       per keyframe that saw the ground;
+//   see residuals.h r_po = n - R (0, 0, 1)^T                x lambda_3       per object, where a
+//   ground is known loop = r_ij on verified loop edges, robust loss (past the paper) stand = height
+//   of the model's bottom above the ground    per object that stands on it (past the paper)
+// t2v is (translation m; rotation vector rad), information in that order.
+//
+// Balance. Information from registrations (H = J^T J) counts each pixel as independent and the
+// model as true; neither holds, so as it stands the edge with most pixels would rule. Every edge's
+// covariance becomes
+//   Sigma' = variance_scale * H^-1 + floor^2,
+// where the scale stands for the correlation of neighbouring pixels and the floor for what does not
+// average out within one edge: calibration and depth bias (odometry), the difference between model
+// and object (objects), unevenness (ground). Directions without information (H's null space, a free
+// yaw) stay without. So all terms are in units of their own standard deviation and lambda_1 =
+// lambda_2 = 1 is the natural balance; lambda_3 is 1 / (tilt deviation)^2.
+//
+// Robust losses are applied in rounds of shrinking width (graduated non-convexity), so that a true
+// loop whose first residual is the whole drift still closes, while a wrong registration ends with
+// next to no weight.
+//
+// Gauge: the first keyframe is held. All terms depend on relative quantities only (the plane is a
+// variable too), so exactly six degrees of freedom are free, and the first keyframe is the tracking
+// world's own origin. Keyframes no edge reaches are tied to their predecessor by their tracked
+// relative pose with low information. Scale is kept as is.
+//
+// Determinism: residuals are evaluated and summed on one thread (Ceres sums per-thread parts in an
+// order that depends on scheduling), linear systems are solved by Eigen's sparse Cholesky
+// (single-threaded, unlike BLAS-backed ones).
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/options.h"
+#include "deepslam/core/result.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/loop.h"
+#include "deepslam/scene/object_map.h"
+#include "deepslam/scene/optimized_map.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::graph {
+
+struct GraphOptions {
+  double lambda_odometry = 1.0;   // lambda_1, dimensionless
+  double lambda_ground = 1.0;     // lambda_2, dimensionless
+  double lambda_upright = 13000;  // lambda_3, rad^-2: (0.5 deg)^-2, how plumb furniture stands
+
+  // Sigma' = scale * H^-1 + floor^2. 10: the noise of structured-light and time-of-flight depth is
+  // correlated over windows of roughly 3 x 3 pixels and more.
+  double odometry_variance_scale = 10;
+  double odometry_floor_m = 0.003;
+  double odometry_floor_deg = 0.1;
+  double object_variance_scale = 10;
+  double object_floor_m =
+      0.03;  // a retrieved model is near the object, not equal to it; voxels are 1-3 cm
+  double object_floor_deg = 3.0;
+  double ground_variance_scale = 10;
+  double ground_floor_m = 0.01;
+  double ground_floor_deg = 0.5;
+
+  // Loss per kind: none | huber | cauchy; widths in standard deviations of the whole residual
+  // (0.999 quantile of chi with 6 degrees of freedom is 4.7, the mean 2.4).
+  std::string object_loss = "cauchy";
+  std::string odometry_loss = "none";
+  std::string loop_loss = "cauchy";
+  std::string ground_loss = "cauchy";
+  double loss_width = 3.0;
+  int loss_rounds = 3;  // widths 16x, 4x, 1x for 3; 1 = no graduation
+
+  bool use_objects = true;       // r_io and r_po, else objects follow their keyframes
+  bool use_ground = true;        // r_pi, r_po, stand
+  double stand_floor_m = 0.005;  // deviation of a standing object's bottom from the ground, per
+                                 // view; 0 = no such edges
+  double stand_max_gap_m =
+      0.25;  // objects farther off at the start are not taken to stand (hanging, on a table)
+
+  int max_iterations = 60;  // per round
+  bool interpolate_frames =
+      true;  // frames between keyframes: blend of both neighbours' corrections; false: rigid
+};
+
+void Describe(OptionsVisitor& visitor, GraphOptions& options);
+
+// Optimises, then turns everything into the gravity-aligned world (gravity_world.h). `map` is the
+// map after merging.
+//
+// `bottom_m`: per object the lowest z of its model in the metric object frame (negative), for the
+// standing edges; objects that are missing get none. Objects without a usable view keep their pose
+// relative to the keyframe of their best view. Frames between keyframes: where a frame was tracked
+// against its preceding keyframe, its poses as carried by the keyframe before and the one after are
+// blended by frame number, so that no jump appears at a keyframe; else it moves rigidly with the
+// keyframe it was tracked against. An object that leans more than 5 deg afterwards, or does not
+// stand, says so in its note; the largest tilt is in the summary's message. A solver that fails
+// leaves the poses as they were: summary.converged = false and the reason. Errors (kInvalidInput):
+// frames not numbered 0..n-1, keyframes not ascending or out of range, poses not finite. Bad edges
+// (out of range, not finite, no information) are left out and counted in the message.
+[[nodiscard]] Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
+                                                 const Ground& ground,
+                                                 const ObjectMap& map,
+                                                 const Loops& loops,
+                                                 const GraphOptions& options,
+                                                 const std::map<ObjectId, double>& bottom_m = {});
+
+// The same graph as g2o text (g2o.h): VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX, ground terms as
+// comments. Vertices stand at the poses of `after` when given, else at the input's. Edges carry the
+// balanced information, lambda included, without robust losses (g2o files have none). Keyframes
+// have their frame number as id, objects kObjectVertexOffset + id.
+[[nodiscard]] Result<std::string> GraphToG2o(const Odometry& odometry,
+                                             const Ground& ground,
+                                             const ObjectMap& map,
+                                             const Loops& loops,
+                                             const GraphOptions& options,
+                                             const std::map<ObjectId, double>& bottom_m = {},
+                                             const OptimizedMap* after = nullptr);
+
+}  // namespace deepslam::graph

@@ -1,0 +1,124 @@
+// Loops by semantic landmarks: a similar constellation of at least two objects seen again (paper,
+// "Loop detection").
+//
+// Three steps: FindConstellations proposes from classes and relative poses, VerifyConstellation
+// looks at depth, AcceptLoops settles contradictions. Only what passes all three may touch the
+// graph.
+//
+// 1. Proposals. A pair (old, new) is two objects of one class that no frame sees together, the new
+// one first seen after
+//    the old one. Two or more pairs make a constellation when one correction of four degrees of
+//    freedom (translation, and yaw about the common up direction of all objects) brings the new
+//    objects onto the old ones: positions within position_tolerance_m + local_drift * (path
+//    travelled between the views of the constellation's objects), yaws within yaw_tolerance_deg,
+//    where neither object's yaw is free (class list, or all its views say so). Two objects'
+//    distance and bearing and their yaws determine the correction; further pairs are added as long
+//    as they agree, and it is refitted. A correction larger than tracking can drift on the path
+//    between the two visits is none: drift_base_m + drift_share * path, and drift_base_deg +
+//    drift_deg_per_m * path. The new visit starts at least min_gap_frames after the old objects
+//    were last seen. Besides, a single pair is proposed where the two models stand in each other:
+//    distance of centres below overlap_share * half the smaller one's longest side (a duplicate
+//    left by association, no gap needed).
+// 2. Verification. The correction is refined by 4-DoF ICP and has to make the new objects' depth
+// lie on the old models and
+//    the old objects' depth on the new models, and the surroundings (without ground and without the
+//    objects themselves, which cannot vouch for themselves) agree. See LoopEvidence.
+// 3. Acceptance. Constellations that pair one object with different partners contradict each other,
+// unless the partners are
+//    one object themselves. Of two, the one with clearly more pairs wins (ambiguity_ratio); else
+//    both are refused as ambiguous.
+//
+// All poses in the tracking world; deterministic: objects are visited by id, ties go to the lower
+// ids.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/options.h"
+#include "deepslam/scene/loop.h"
+#include "deepslam/scene/object_map.h"
+#include "deepslam/scene/object_track.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::loop {
+
+struct LoopOptions {
+  bool enabled = true;
+  int min_pairs = 2;        // of a constellation; the paper's two
+  int min_gap_frames = 30;  // between the old objects' last sight and the new ones' first
+  double position_tolerance_m = 0.15;  // registered centres of two visits differ by 5-10 cm each
+  double local_drift = 0.02;           // tracking drift within one visit, m per m
+  double yaw_tolerance_deg = 30;
+  double drift_base_m = 0.3;  // most tracking can be off between two visits
+  double drift_share = 0.05;
+  double drift_base_deg = 10;
+  double drift_deg_per_m = 1.5;
+  double max_spread_m = 6;                           // objects of a constellation are neighbours
+  std::string yaw_free_classes = "table furniture";  // separated by spaces
+  bool merge_overlapping = true;                     // single pairs
+  double overlap_share = 0.5;
+  int max_seeds = 200000;  // pairs of pairs that are tried
+
+  double verify_distance_m =
+      0.06;  // a depth point this near to the model (or to the other visit's depth) agrees
+  double min_object_agreement = 0.5;
+  double min_room_agreement = 0.5;
+  int min_room_points = 300;         // fewer: surroundings say nothing
+  double room_radius_m = 3.0;        // surroundings count this near to the objects
+  double min_single_overlap = 0.35;  // of a single pair, see VerifyConstellation
+  double ambiguity_ratio = 0.7;
+  bool add_edges = true;  // keyframe-to-keyframe edges beside the merged objects
+  double edge_floor_m = 0.03;
+  double edge_floor_deg = 2.0;
+};
+
+void Describe(OptionsVisitor& visitor, LoopOptions& options);
+
+// What the stage knows about the places of the map's objects, tracking world; any part may be
+// empty.
+struct ObjectEvidence {
+  std::vector<Eigen::Vector3f>
+      depth_points_world;  // measured points of the object's segments, all views together
+  std::vector<Eigen::Vector3f> model_points_world;  // surface of its chosen model where it stands
+  // Measured points around it, seen in its views: without its own segment. Ground points may be in
+  // it; they are left out here.
+  std::vector<Eigen::Vector3f> surroundings_world;
+};
+using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
+
+// Proposals, unverified (accepted = false), those with most pairs first. `odometry` gives the path
+// lengths; without it every path counts as 0, so that only the base terms bound the drift.
+[[nodiscard]] std::vector<Constellation> FindConstellations(const ObjectMap& map,
+                                                            const Association& association,
+                                                            const LoopOptions& options,
+                                                            const Odometry& odometry = {});
+
+// The constellation with refined correction, verdict and reason. Objects agree when, over all
+// pairs, at least min_object_agreement of the new objects' depth lies within verify_distance_m of
+// the old models and vice versa (the worse of both counts; a side without points is left out; no
+// side at all: not accepted). Surroundings agree when min_room_agreement of the smaller-sided
+// overlap does, where both visits have min_room_points. A single pair is accepted when, without any
+// correction, min_single_overlap of both models' points lie within verify_distance_m of the other
+// model or inside its box shrunk to 80 %.
+[[nodiscard]] Constellation VerifyConstellation(const Constellation& constellation,
+                                                const ObjectMap& map,
+                                                const LoopEvidence& evidence,
+                                                const LoopOptions& options);
+
+// From verified constellations to loops: contradictions refused, merges grouped so that each object
+// is merged at most once, into the lowest id of its group, and no group holds two objects that one
+// frame sees apart. Edges tie the keyframes of the best views of both visits. All constellations
+// come back in `constellations`, with their final verdict.
+[[nodiscard]] Loops AcceptLoops(std::span<const Constellation> verified,
+                                const ObjectMap& map,
+                                const Association& association,
+                                const LoopOptions& options,
+                                const Odometry& odometry = {});
+
+}  // namespace deepslam::loop
