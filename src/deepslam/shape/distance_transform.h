@@ -7,8 +7,9 @@
 
 namespace deepslam::shape {
 
-// Squared distance, in voxels, from each voxel's centre to the centre of the nearest voxel whose occupancy equals
-// `occupied`; a huge value (> 1e9) everywhere when there is none. Index order of VoxelGrid.
+// Squared distance, in voxels, from each voxel's centre to the centre of the nearest voxel whose
+// occupancy equals `occupied`; a huge value (> 1e9) everywhere when there is none. Index order of
+// VoxelGrid.
 [[nodiscard]] std::vector<float> SquaredDistanceTo(const VoxelGrid& grid, bool occupied);
 
 }  // namespace deepslam::shape

@@ -1,7 +1,9 @@
-// A voxel model prepared for matching: surface points with outward normals and a signed distance field.
+// A voxel model prepared for matching: surface points with outward normals and a signed distance
+// field.
 //
-// Everything is in the object frame and in object units (scene/voxel_grid.h): z up, x front, cube [-0.5, 0.5]^3. The
-// surface is the boundary between occupied and free voxels, half a voxel outside the centres of the surface voxels.
+// Everything is in the object frame and in object units (scene/voxel_grid.h): z up, x front, cube
+// [-0.5, 0.5]^3. The surface is the boundary between occupied and free voxels, half a voxel outside
+// the centres of the surface voxels.
 #pragma once
 
 #include <span>
@@ -19,18 +21,21 @@ class ShapeModel {
   explicit ShapeModel(const VoxelGrid& grid);
 
   [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
-  // One point per surface voxel (occupied, a face neighbour free), on the surface: the voxel's centre moved by half a
-  // voxel along its normal. Parts one voxel thin give one point per exposed side instead. Ascending voxel index.
+  // One point per surface voxel (occupied, a face neighbour free), on the surface: the voxel's
+  // centre moved by half a voxel along its normal. Parts one voxel thin give one point per exposed
+  // side instead. Ascending voxel index.
   [[nodiscard]] std::span<const Eigen::Vector3f> surface_points() const { return points_; }
   // Unit outward normals of the surface points.
   [[nodiscard]] std::span<const Eigen::Vector3f> surface_normals() const { return normals_; }
-  // Signed distance to the surface, > 0 outside, < 0 inside; trilinear between voxel centres (exact Euclidean there),
-  // also beyond the cube. A large positive constant for an empty model.
+  // Signed distance to the surface, > 0 outside, < 0 inside; trilinear between voxel centres (exact
+  // Euclidean there), also beyond the cube. A large positive constant for an empty model.
   [[nodiscard]] float Distance(const Eigen::Vector3f& p_object) const;
   // Derivative of Distance; about unit length near the surface, zero for an empty model.
   [[nodiscard]] Eigen::Vector3f Gradient(const Eigen::Vector3f& p_object) const;
   // Signed distance at the centre of a voxel, object units.
-  [[nodiscard]] float DistanceAt(int i, int j, int k) const { return field_[VoxelGrid::Index(i, j, k)]; }
+  [[nodiscard]] float DistanceAt(int i, int j, int k) const {
+    return field_[VoxelGrid::Index(i, j, k)];
+  }
 
   // Box of the occupied voxels, object units; both zero for an empty model.
   [[nodiscard]] Eigen::Vector3f box_min() const { return box_min_; }

@@ -9,15 +9,15 @@
 
 namespace deepslam::shape {
 
-// The model stretched by `factors` (> 0) along its axes, then scaled and centred so that its longest side is
-// kModelExtent again. Thin parts stay connected. An empty grid stays empty.
+// The model stretched by `factors` (> 0) along its axes, then scaled and centred so that its
+// longest side is kModelExtent again. Thin parts stay connected. An empty grid stays empty.
 [[nodiscard]] VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors);
 
 // The model turned about z by `quarter_turns` times 90 degrees counter-clockwise seen from above.
 [[nodiscard]] VoxelGrid TurnGrid(const VoxelGrid& grid, int quarter_turns);
 
-// Binary grid from the occupied share [0, 1] of each voxel: half-full voxels are occupied, and of the others as many as
-// it takes to keep thin parts there and connected. Index order of VoxelGrid.
+// Binary grid from the occupied share [0, 1] of each voxel: half-full voxels are occupied, and of
+// the others as many as it takes to keep thin parts there and connected. Index order of VoxelGrid.
 [[nodiscard]] VoxelGrid SolidFromShares(const std::vector<float>& shares);
 
 // Occupied voxels in both / in either; 0 when both are empty.

@@ -14,9 +14,10 @@ struct ViewPoints {
   std::vector<Eigen::Vector3f> normals_camera;  // unit, towards the camera; one per point
 };
 
-// The segment's pixels unprojected. Pixels at depth jumps (edges, flying pixels) and those whose neighbourhood gives no
-// plane are left out; of the rest at most `max_points`, evenly spread over the surface in space. Deterministic.
-// Empty when the view has no usable pixel or its images differ in size.
+// The segment's pixels unprojected. Pixels at depth jumps (edges, flying pixels) and those whose
+// neighbourhood gives no plane are left out; of the rest at most `max_points`, evenly spread over
+// the surface in space. Deterministic. Empty when the view has no usable pixel or its images differ
+// in size.
 [[nodiscard]] ViewPoints ExtractViewPoints(const ObjectView& view, int max_points);
 
 }  // namespace deepslam::shape

@@ -7,11 +7,12 @@
 
 namespace deepslam::shape {
 
-// Closed or open triangle soup, z up and x front, any unit -> solid model. Bounding box centred, longest side
-// kModelExtent, aspect kept. What the outside cannot reach through gaps narrower than a quarter voxel is solid; where
-// that leaks out of most of the hull, gaps of up to a voxel are closed as well. Parts thinner than a voxel stay and
-// stay connected. Faces with an index out of range or a non-finite vertex are ignored.
-// Error: no usable face, or an extent that is zero or not finite.
+// Closed or open triangle soup, z up and x front, any unit -> solid model. Bounding box centred,
+// longest side kModelExtent, aspect kept. What the outside cannot reach through gaps narrower than
+// a quarter voxel is solid; where that leaks out of most of the hull, gaps of up to a voxel are
+// closed as well. Parts thinner than a voxel stay and stay connected. Faces with an index out of
+// range or a non-finite vertex are ignored. Error: no usable face, or an extent that is zero or not
+// finite.
 [[nodiscard]] Result<VoxelGrid> Voxelize(const TriangleMesh& mesh);
 
 }  // namespace deepslam::shape

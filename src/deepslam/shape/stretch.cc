@@ -1,0 +1,222 @@
+#include "deepslam/shape/stretch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+namespace deepslam::shape {
+namespace {
+
+// 26-neighbourhood of a voxel as 27 flags, index (di + 1) * 9 + (dj + 1) * 3 + (dk + 1).
+using Neighbourhood = std::array<bool, 27>;
+
+Neighbourhood Around(const VoxelGrid& grid, int i, int j, int k) {
+  Neighbourhood flags{};
+  std::size_t n = 0;
+  for (int di = -1; di <= 1; ++di) {
+    for (int dj = -1; dj <= 1; ++dj) {
+      for (int dk = -1; dk <= 1; ++dk) {
+        flags[n++] = VoxelGrid::Contains(i + di, j + dj, k + dk) && grid.At(i + di, j + dj, k + dk);
+      }
+    }
+  }
+  return flags;
+}
+
+// Connected components among the flagged cells (26-connected for solid) or unflagged cells
+// (6-connected, within the 18-neighbourhood, touching the centre by a face for free space), the
+// centre left out.
+int NumComponents(const Neighbourhood& flags, bool solid) {
+  std::array<bool, 27> visited{};
+  std::array<int, 27> stack{};
+  int count = 0;
+  const auto coordinates = [](int n) { return std::array<int, 3>{n / 9, n / 3 % 3, n % 3}; };
+  const auto usable = [&](int n) {
+    if (n == 13 || flags[static_cast<std::size_t>(n)] != solid) return false;
+    const auto [x, y, z] = coordinates(n);
+    const int off = std::abs(x - 1) + std::abs(y - 1) + std::abs(z - 1);
+    return solid || off <= 2;
+  };
+  for (int seed = 0; seed < 27; ++seed) {
+    if (!usable(seed) || visited[static_cast<std::size_t>(seed)]) continue;
+    const auto [sx, sy, sz] = coordinates(seed);
+    if (!solid && std::abs(sx - 1) + std::abs(sy - 1) + std::abs(sz - 1) != 1) continue;
+    ++count;
+    std::size_t top = 0;
+    stack[top++] = seed;
+    visited[static_cast<std::size_t>(seed)] = true;
+    while (top > 0) {
+      const auto [x, y, z] = coordinates(stack[--top]);
+      for (int n = 0; n < 27; ++n) {
+        if (!usable(n) || visited[static_cast<std::size_t>(n)]) continue;
+        const auto [a, b, c] = coordinates(n);
+        const int off = std::abs(a - x) + std::abs(b - y) + std::abs(c - z);
+        const bool touches = std::max({std::abs(a - x), std::abs(b - y), std::abs(c - z)}) == 1;
+        if (!(solid ? touches : off == 1)) continue;
+        visited[static_cast<std::size_t>(n)] = true;
+        stack[top++] = n;
+      }
+    }
+  }
+  return count;
+}
+
+// Whether taking the voxel away changes no connection of solid or of free space (a simple point).
+bool IsSimple(const VoxelGrid& grid, int i, int j, int k) {
+  const Neighbourhood flags = Around(grid, i, j, k);
+  return NumComponents(flags, true) == 1 && NumComponents(flags, false) == 1;
+}
+
+struct Voxel {
+  float share;
+  std::array<int, 3> at;
+};
+
+// A face neighbour that can stand for a voxel about to be taken away: fuller, or as full and
+// already standing for others. Without the second rule a thin bar would be eaten from its end.
+std::optional<std::size_t> Stand(const VoxelGrid& grid,
+                                 const std::vector<float>& shares,
+                                 const std::vector<std::uint8_t>& fixed,
+                                 const Voxel& voxel) {
+  constexpr std::array<std::array<int, 3>, 6> kFaces = {
+      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+  std::optional<std::size_t> best;
+  for (const auto& face : kFaces) {
+    const int i = voxel.at[0] + face[0];
+    const int j = voxel.at[1] + face[1];
+    const int k = voxel.at[2] + face[2];
+    if (!VoxelGrid::Contains(i, j, k) || !grid.At(i, j, k)) continue;
+    const std::size_t n = VoxelGrid::Index(i, j, k);
+    if (fixed[n] == 0 && shares[n] < voxel.share) continue;
+    if (!best || shares[n] > shares[*best]) best = n;
+  }
+  return best;
+}
+
+// Share of each target cell that the source interval [0, kGridSize) * factor + shift covers,
+// weighted by values.
+struct AxisMap {
+  double factor = 1;  // target voxels per source voxel
+  double shift = 0;   // target coordinate of source coordinate 0, voxels
+};
+
+std::vector<float> ResampleAxis(const std::vector<float>& source,
+                                std::size_t stride,
+                                std::size_t stride_a,
+                                std::size_t stride_b,
+                                const AxisMap& map) {
+  std::vector<float> target(source.size(), 0.0F);
+  for (int from = 0; from < kGridSize; ++from) {
+    const double begin = map.shift + map.factor * from;
+    const double end = begin + map.factor;
+    const int first = std::clamp(static_cast<int>(std::floor(begin)), 0, kGridSize);
+    const int last = std::clamp(static_cast<int>(std::ceil(end)), 0, kGridSize);
+    for (int to = first; to < last; ++to) {
+      const auto weight = static_cast<float>(std::min(end, to + 1.0) - std::max<double>(begin, to));
+      if (weight <= 0) continue;
+      for (std::size_t a = 0; a < kGridSize; ++a) {
+        for (std::size_t b = 0; b < kGridSize; ++b) {
+          const std::size_t line = a * stride_a + b * stride_b;
+          target[line + static_cast<std::size_t>(to) * stride] +=
+              weight * source[line + static_cast<std::size_t>(from) * stride];
+        }
+      }
+    }
+  }
+  return target;
+}
+
+}  // namespace
+
+VoxelGrid SolidFromShares(const std::vector<float>& shares) {
+  // Sums of shares of exactly one half must not depend on rounding.
+  constexpr float kHalf = 0.5F - 1e-4F;
+  constexpr float kSomething = 1e-3F;
+  VoxelGrid grid;
+  std::vector<std::uint8_t> fixed(shares.size(), 0);
+  std::vector<Voxel> partly;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        const std::size_t n = VoxelGrid::Index(i, j, k);
+        grid.occupied[n] = shares[n] > kSomething ? 1 : 0;
+        fixed[n] = shares[n] >= kHalf ? 1 : 0;
+        if (grid.occupied[n] != 0 && fixed[n] == 0) partly.push_back({shares[n], {i, j, k}});
+      }
+    }
+  }
+  std::stable_sort(partly.begin(), partly.end(), [](const Voxel& a, const Voxel& b) {
+    return a.share < b.share;
+  });
+  for (const Voxel& voxel : partly) {
+    const std::size_t n = VoxelGrid::Index(voxel.at[0], voxel.at[1], voxel.at[2]);
+    if (fixed[n] != 0) continue;
+    const std::optional<std::size_t> stand = Stand(grid, shares, fixed, voxel);
+    if (!stand || !IsSimple(grid, voxel.at[0], voxel.at[1], voxel.at[2])) continue;
+    grid.occupied[n] = 0;
+    fixed[*stand] = 1;
+  }
+  return grid;
+}
+
+VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
+  Eigen::Array3d low = Eigen::Array3d::Constant(kGridSize);
+  Eigen::Array3d high = Eigen::Array3d::Zero();
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        if (!grid.At(i, j, k)) continue;
+        low = low.min(Eigen::Array3d(i, j, k));
+        high = high.max(Eigen::Array3d(i, j, k) + 1.0);
+      }
+    }
+  }
+  if ((high <= low).any() || !(factors.array() > 0).all() || !factors.allFinite()) return grid;
+  const Eigen::Array3d size = (high - low) * factors.array();
+  const Eigen::Array3d scale =
+      factors.array() * (static_cast<double>(kGridSize) * kModelExtent / size.maxCoeff());
+  std::vector<float> shares(grid.occupied.begin(), grid.occupied.end());
+  constexpr std::array<std::size_t, 3> kStride = {kGridSize * kGridSize, kGridSize, 1};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto n = static_cast<Eigen::Index>(axis);
+    const AxisMap map = {scale[n], 0.5 * kGridSize - scale[n] * 0.5 * (low[n] + high[n])};
+    shares =
+        ResampleAxis(shares, kStride[axis], kStride[(axis + 1) % 3], kStride[(axis + 2) % 3], map);
+  }
+  return SolidFromShares(shares);
+}
+
+VoxelGrid TurnGrid(const VoxelGrid& grid, int quarter_turns) {
+  const int turns = ((quarter_turns % 4) + 4) % 4;
+  VoxelGrid turned;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      int x = i;
+      int y = j;
+      for (int n = 0; n < turns; ++n) x = std::exchange(y, x) * -1 + kGridSize - 1;
+      for (int k = 0; k < kGridSize; ++k) {
+        turned.occupied[VoxelGrid::Index(x, y, k)] = grid.occupied[VoxelGrid::Index(i, j, k)];
+      }
+    }
+  }
+  return turned;
+}
+
+double GridIntersectionOverUnion(const VoxelGrid& a, const VoxelGrid& b) {
+  std::size_t common = 0;
+  std::size_t either = 0;
+  for (std::size_t n = 0; n < a.occupied.size(); ++n) {
+    const bool in_a = a.occupied[n] != 0;
+    const bool in_b = b.occupied[n] != 0;
+    common += in_a && in_b ? 1U : 0U;
+    either += in_a || in_b ? 1U : 0U;
+  }
+  return either > 0 ? static_cast<double>(common) / static_cast<double>(either) : 0.0;
+}
+
+}  // namespace deepslam::shape

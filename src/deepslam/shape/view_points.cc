@@ -1,0 +1,162 @@
+#include "deepslam/shape/view_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+namespace deepslam::shape {
+namespace {
+
+constexpr float kMaxDepth_m = 20.0F;  // no RGB-D camera of rooms measures further
+constexpr double kPatchRadius_m =
+    0.02;  // normals: wide against depth noise, small against furniture edges
+constexpr int kMinPatchRadius_px = 2;
+constexpr int kMaxPatchRadius_px = 6;
+
+bool IsUsable(float depth_m) { return depth_m > 0 && depth_m < kMaxDepth_m; }
+
+// Depth difference between neighbours `steps` pixels apart that a real surface can have: 1 cm of
+// noise, and slopes up to about 80 degrees at usual focal lengths.
+float JumpLimit(float depth_m, int steps) {
+  return 0.01F + 0.012F * depth_m * static_cast<float>(steps);
+}
+
+// A pixel whose neighbours mostly agree with it: no edge, no flying pixel.
+bool IsCoherent(const DepthImage& depth_m, int u, int v) {
+  constexpr int kMinAgreeing = 6;
+  const float center = depth_m(u, v);
+  int agreeing = 0;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      if ((du == 0 && dv == 0) || !depth_m.Contains(u + du, v + dv)) continue;
+      const float other = depth_m(u + du, v + dv);
+      if (IsUsable(other) && std::abs(other - center) <= JumpLimit(center, 1)) ++agreeing;
+    }
+  }
+  return agreeing >= kMinAgreeing;
+}
+
+std::optional<Eigen::Vector3f> PatchNormal(const ObjectView& view, int u, int v) {
+  const DepthImage& depth_m = view.depth_crop_m;
+  const float center_m = depth_m(u, v);
+  const Eigen::Vector3d center = view.camera.Unproject(u, v, center_m);
+  const int radius =
+      std::clamp(static_cast<int>(std::lround(kPatchRadius_m * view.camera.fx / center_m)),
+                 kMinPatchRadius_px,
+                 kMaxPatchRadius_px);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  int count = 0;
+  for (int dv = -radius; dv <= radius; ++dv) {
+    for (int du = -radius; du <= radius; ++du) {
+      if (!depth_m.Contains(u + du, v + dv)) continue;
+      const float other = depth_m(u + du, v + dv);
+      const int steps = std::max(std::abs(du), std::abs(dv));
+      if (!IsUsable(other) || std::abs(other - center_m) > JumpLimit(center_m, steps)) continue;
+      const Eigen::Vector3d offset = view.camera.Unproject(u + du, v + dv, other) - center;
+      sum += offset;
+      squares += offset * offset.transpose();
+      ++count;
+    }
+  }
+  constexpr int kMinPatch = 8;
+  if (count < kMinPatch) return std::nullopt;
+  const Eigen::Matrix3d covariance = squares / count - sum * sum.transpose() / (count * count);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  // Neither a line of pixels nor a corner has a normal.
+  const Eigen::Vector3d spread = solver.eigenvalues();
+  if (!(spread[1] > 0) || spread[0] > 0.5 * spread[1]) return std::nullopt;
+  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  return (normal.dot(center) > 0 ? -normal : normal).cast<float>();
+}
+
+struct Pixel {
+  std::int16_t u = 0;
+  std::int16_t v = 0;
+  Eigen::Vector3f point;
+};
+
+std::vector<Pixel> CoherentPixels(const ObjectView& view) {
+  std::vector<Pixel> pixels;
+  for (int v = 0; v < view.mask_crop.height(); ++v) {
+    for (int u = 0; u < view.mask_crop.width(); ++u) {
+      if (view.mask_crop(u, v) == 0 || !IsUsable(view.depth_crop_m(u, v))) continue;
+      if (!IsCoherent(view.depth_crop_m, u, v)) continue;
+      pixels.push_back({static_cast<std::int16_t>(u),
+                        static_cast<std::int16_t>(v),
+                        view.camera.Unproject(u, v, view.depth_crop_m(u, v)).cast<float>()});
+    }
+  }
+  return pixels;
+}
+
+// One pixel per cell of a cubic raster, the middle one in scan order.
+std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels, float cell_m) {
+  std::vector<std::pair<std::uint64_t, std::size_t>> keyed(pixels.size());
+  for (std::size_t n = 0; n < pixels.size(); ++n) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto cell = static_cast<std::int64_t>(std::floor(pixels[n].point[axis] / cell_m));
+      key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
+    }
+    keyed[n] = {key, n};
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::size_t> chosen;
+  for (std::size_t begin = 0; begin < keyed.size();) {
+    std::size_t end = begin + 1;
+    while (end < keyed.size() && keyed[end].first == keyed[begin].first) ++end;
+    chosen.push_back(keyed[begin + (end - begin) / 2].second);
+    begin = end;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+std::vector<std::size_t> Thinned(const ObjectView& view,
+                                 const std::vector<Pixel>& pixels,
+                                 std::size_t max_points) {
+  std::vector<std::size_t> chosen(pixels.size());
+  for (std::size_t n = 0; n < chosen.size(); ++n) chosen[n] = n;
+  if (chosen.size() <= max_points) return chosen;
+  double area_m2 = 0;
+  for (const Pixel& pixel : pixels) {
+    area_m2 += pixel.point.z() * pixel.point.z() / (view.camera.fx * view.camera.fy);
+  }
+  constexpr float kCoarser = 1.15F;
+  auto cell_m = static_cast<float>(std::sqrt(area_m2 / static_cast<double>(max_points)));
+  cell_m = std::max(cell_m, 1e-4F);
+  // Cells around the origin never merge, so a tiny `max_points` needs the cut below.
+  while (chosen.size() > max_points && cell_m < kMaxDepth_m) {
+    chosen = OnePerCell(pixels, cell_m);
+    cell_m *= kCoarser;
+  }
+  chosen.resize(std::min(chosen.size(), max_points));
+  return chosen;
+}
+
+}  // namespace
+
+ViewPoints ExtractViewPoints(const ObjectView& view, int max_points) {
+  ViewPoints result;
+  const bool same_size = view.mask_crop.width() == view.depth_crop_m.width() &&
+                         view.mask_crop.height() == view.depth_crop_m.height();
+  const bool has_camera = view.camera.fx > 0 && view.camera.fy > 0;
+  if (!same_size || !has_camera || max_points <= 0) return result;
+  if (view.mask_crop.width() > INT16_MAX || view.mask_crop.height() > INT16_MAX) return result;
+  const std::vector<Pixel> pixels = CoherentPixels(view);
+  for (const std::size_t n : Thinned(view, pixels, static_cast<std::size_t>(max_points))) {
+    const std::optional<Eigen::Vector3f> normal = PatchNormal(view, pixels[n].u, pixels[n].v);
+    if (!normal) continue;
+    result.points_camera.push_back(pixels[n].point);
+    result.normals_camera.push_back(*normal);
+  }
+  return result;
+}
+
+}  // namespace deepslam::shape
