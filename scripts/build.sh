@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Configures and builds a preset of CMakePresets.json, with ccache where it is installed.
+#   scripts/build.sh [PRESET] [cmake options ...]          PRESET: release (default), dev, asan; result: build/PRESET
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+preset="${1:-release}"
+[ $# -eq 0 ] || shift
+if command -v ccache >/dev/null && [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ]; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache
+fi
+
+# The largest files take 2 GB each to compile, 4 GB with sanitizers: more jobs than memory would not be faster.
+gib_per_job=2
+[ "$preset" != asan ] || gib_per_job=4
+jobs="$(nproc)"
+gib="$(awk '/^MemAvailable:/ {print int($2 / 1048576)}' /proc/meminfo)"
+[ "$((gib / gib_per_job))" -ge "$jobs" ] || jobs=$((gib / gib_per_job > 1 ? gib / gib_per_job : 1))
+
+# Quiet unless it fails.
+mkdir -p "build/$preset"
+log="build/$preset/configure.log"
+cmake --preset "$preset" "$@" >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
+cmake --build "build/$preset" -j "$jobs" >&2

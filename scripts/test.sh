@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Installs what the tests need, builds, and runs them all.
+#   scripts/test.sh [--preset release|dev|asan] [--downloads DIR] [ctest options ...]
+#     e.g. scripts/test.sh -L unit          unit tests only
+#          scripts/test.sh --preset asan    with AddressSanitizer and UndefinedBehaviorSanitizer
+# Tests on real captures look for them in the folder that DEEPSLAM_TEST_DATA names, and report themselves skipped
+# without it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+preset=release
+setup=(--tests)
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --preset | --downloads)
+      [ $# -ge 2 ] || { echo "test: $1 needs a value" >&2; exit 2; }
+      if [ "$1" = --preset ]; then preset="$2"; else setup+=(--downloads "$2"); fi
+      shift 2
+      ;;
+    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) break ;;
+  esac
+done
+
+scripts/setup.sh "${setup[@]}"
+scripts/build.sh "$preset" -DDEEPSLAM_TESTS=ON
+scripts/furniture.sh "build/$preset/tools/deepslam"
+
+if [ "$preset" = asan ]; then
+  # Third-party libraries keep memory until the process ends.
+  export ASAN_OPTIONS="detect_leaks=0:${ASAN_OPTIONS:-}"
+fi
+exec ctest --test-dir "build/$preset" --output-on-failure -j "$(nproc)" "$@"
