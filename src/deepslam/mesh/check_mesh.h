@@ -23,7 +23,8 @@ struct MeshCheck {
 
 [[nodiscard]] MeshCheck CheckMesh(const TriangleMesh& mesh);
 
-// True when two faces that share no vertex cross, or neighbours overlap (exact predicates).
+// True when two faces that share no vertex cross, or neighbours overlap (exact predicates); true as
+// well when the faces do not make a manifold. Indices must be in range.
 [[nodiscard]] bool SelfIntersects(const TriangleMesh& mesh);
 
 }  // namespace deepslam::mesh

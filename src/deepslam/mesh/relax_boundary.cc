@@ -1,0 +1,109 @@
+#include "deepslam/mesh/relax_boundary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace deepslam::mesh {
+namespace {
+
+// Share of its width that a leg of one or two voxels keeps at least.
+constexpr double kKeptThinWidth = 0.8;
+// Below the inverse of the largest eigenvalue of the squared umbrella operator, which is at most 4
+// for equal valences.
+constexpr double kStepSize = 0.2;
+
+// Neighbours of vertex v are indices[starts[v]] .. indices[starts[v + 1] - 1].
+struct Adjacency {
+  std::vector<std::size_t> starts;
+  std::vector<std::uint32_t> indices;
+  std::vector<double> inverse_degree;
+};
+
+Adjacency BuildAdjacency(const VoxelBoundary& boundary) {
+  // Each edge of a closed oriented mesh is run through once in each direction: half edges count
+  // every neighbour once.
+  Adjacency result;
+  result.starts.assign(boundary.vertices.size() + 1, 0);
+  for (const auto& quad : boundary.quads) {
+    for (const std::uint32_t v : quad) ++result.starts[v + 1];
+  }
+  for (std::size_t v = 0; v < boundary.vertices.size(); ++v) {
+    result.inverse_degree.push_back(1.0 / static_cast<double>(result.starts[v + 1]));
+    result.starts[v + 1] += result.starts[v];
+  }
+  result.indices.resize(result.starts.back());
+  std::vector<std::size_t> next(result.starts.begin(), result.starts.end() - 1);
+  for (const auto& quad : boundary.quads) {
+    for (std::size_t n = 0; n < 4; ++n) result.indices[next[quad[n]]++] = quad[(n + 1) % 4];
+  }
+  return result;
+}
+
+using Points = std::vector<Eigen::Vector3d>;
+
+// Umbrella vectors, each over its degree: what the gradient of their squared sum needs.
+void WeightedUmbrella(const Adjacency& adjacency, const Points& p, Points& scaled, Points& plain) {
+  for (std::size_t v = 0; v < p.size(); ++v) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t n = adjacency.starts[v]; n < adjacency.starts[v + 1]; ++n) {
+      sum += p[adjacency.indices[n]];
+    }
+    plain[v] = sum * adjacency.inverse_degree[v] - p[v];
+    scaled[v] = plain[v] * adjacency.inverse_degree[v];
+  }
+}
+
+void Project(const VoxelBoundary& boundary, double max_shift, Points& p) {
+  for (const ThinPair& pair : boundary.thin_pairs) {
+    double& low = p[pair.low][pair.axis];
+    double& high = p[pair.high][pair.axis];
+    const double missing = kKeptThinWidth * pair.width - (high - low);
+    if (missing <= 0) continue;
+    low -= 0.5 * missing;
+    high += 0.5 * missing;
+  }
+  for (std::size_t v = 0; v < p.size(); ++v) {
+    const Eigen::Vector3d shift = p[v] - boundary.vertices[v];
+    p[v] = boundary.vertices[v] + shift.cwiseMax(-max_shift).cwiseMin(max_shift);
+  }
+}
+
+}  // namespace
+
+// Accelerated projected gradient (Beck and Teboulle 2009): long steps of a slightly tilted plane
+// have small eigenvalues and would need thousands of plain steps.
+std::vector<Eigen::Vector3d> RelaxBoundary(const VoxelBoundary& boundary,
+                                           int iterations,
+                                           double max_shift) {
+  const Adjacency adjacency = BuildAdjacency(boundary);
+  Points current = boundary.vertices;
+  Points previous = current;
+  Points scaled(current.size());
+  Points plain(current.size());
+  double momentum = 1.0;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const double next_momentum = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum * momentum));
+    const double weight = (momentum - 1.0) / next_momentum;
+    momentum = next_momentum;
+    Points ahead(current.size());
+    for (std::size_t v = 0; v < current.size(); ++v) {
+      ahead[v] = current[v] + weight * (current[v] - previous[v]);
+    }
+    WeightedUmbrella(adjacency, ahead, scaled, plain);
+    for (std::size_t v = 0; v < current.size(); ++v) {
+      Eigen::Vector3d gradient = -plain[v];
+      for (std::size_t n = adjacency.starts[v]; n < adjacency.starts[v + 1]; ++n) {
+        gradient += scaled[adjacency.indices[n]];
+      }
+      ahead[v] -= kStepSize * gradient;
+    }
+    Project(boundary, max_shift, ahead);
+    previous = std::move(current);
+    current = std::move(ahead);
+  }
+  return current;
+}
+
+}  // namespace deepslam::mesh
