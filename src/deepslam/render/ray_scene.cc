@@ -1,0 +1,141 @@
+#include "deepslam/render/ray_scene.h"
+
+#include <cstring>
+#include <string>
+
+#include <embree3/rtcore.h>
+
+namespace deepslam::render {
+
+struct RayScene::Impl {
+  // One building thread: the tree, and with it which of two equally near faces is hit, must not
+  // depend on timing.
+  RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+  RTCScene scene = nullptr;
+  int num_instances = 0;
+  bool committed = false;
+
+  Impl() {
+    DEEPSLAM_CHECK(device != nullptr, "Embree gives no device");
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  }
+  ~Impl() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+};
+
+RayScene::RayScene() : impl_(std::make_unique<Impl>()) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+Result<int> RayScene::AddMesh(const TriangleMesh& mesh, const Pose3& world_from_mesh) {
+  DEEPSLAM_CHECK(!impl_->committed, "AddMesh after Commit");
+  if (mesh.empty()) return InvalidInput("mesh has no faces");
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (const std::uint32_t corner : mesh.faces[f]) {
+      if (corner >= mesh.vertices.size()) {
+        return InvalidInput("face " + std::to_string(f) + " names vertex " +
+                            std::to_string(corner) + " of " + std::to_string(mesh.vertices.size()));
+      }
+    }
+  }
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!mesh.vertices[v].allFinite())
+      return InvalidInput("vertex " + std::to_string(v) + " is not finite");
+  }
+  const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry,
+                                                               RTC_BUFFER_TYPE_VERTEX,
+                                                               0,
+                                                               RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float),
+                                                               mesh.vertices.size()));
+  auto* faces = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(geometry,
+                                                                    RTC_BUFFER_TYPE_INDEX,
+                                                                    0,
+                                                                    RTC_FORMAT_UINT3,
+                                                                    3 * sizeof(std::uint32_t),
+                                                                    mesh.faces.size()));
+  DEEPSLAM_CHECK(vertices != nullptr && faces != nullptr, "Embree gives no memory for a mesh");
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    const Eigen::Vector3f p_world = (world_from_mesh * vertex.cast<double>()).cast<float>();
+    std::memcpy(vertices, p_world.data(), 3 * sizeof(float));
+    vertices += 3;
+  }
+  std::memcpy(faces, mesh.faces.data(), mesh.faces.size() * sizeof(mesh.faces[0]));
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(impl_->scene, geometry, static_cast<unsigned>(impl_->num_instances));
+  rtcReleaseGeometry(geometry);
+  return impl_->num_instances++;
+}
+
+void RayScene::Commit() {
+  rtcCommitScene(impl_->scene);
+  impl_->committed = true;
+}
+
+int RayScene::num_instances() const { return impl_->num_instances; }
+
+std::optional<RayHit> RayScene::Cast(const Eigen::Vector3f& origin,
+                                     const Eigen::Vector3f& direction,
+                                     float min_m,
+                                     float max_m) const {
+  DEEPSLAM_CHECK(impl_->committed, "Cast before Commit");
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{};
+  query.ray.org_x = origin.x();
+  query.ray.org_y = origin.y();
+  query.ray.org_z = origin.z();
+  query.ray.dir_x = direction.x();
+  query.ray.dir_y = direction.y();
+  query.ray.dir_z = direction.z();
+  query.ray.tnear = min_m;
+  query.ray.tfar = max_m;
+  query.ray.mask = 0xFFFFFFFFu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  Eigen::Vector3f normal(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
+  normal.normalize();
+  if (normal.dot(direction) > 0) normal = -normal;
+  return RayHit{static_cast<double>(query.ray.tfar),
+                normal,
+                static_cast<int>(query.hit.geomID),
+                query.hit.primID,
+                query.hit.u,
+                query.hit.v};
+}
+
+bool RayScene::Occluded(const Eigen::Vector3f& from,
+                        const Eigen::Vector3f& to,
+                        float margin_m) const {
+  DEEPSLAM_CHECK(impl_->committed, "Occluded before Commit");
+  const Eigen::Vector3f way = to - from;
+  const float length_m = way.norm();
+  if (length_m <= 2 * margin_m) return false;
+  const Eigen::Vector3f direction = way / length_m;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray{};
+  ray.org_x = from.x();
+  ray.org_y = from.y();
+  ray.org_z = from.z();
+  ray.dir_x = direction.x();
+  ray.dir_y = direction.y();
+  ray.dir_z = direction.z();
+  ray.tnear = margin_m;
+  ray.tfar = length_m - margin_m;
+  ray.mask = 0xFFFFFFFFu;
+  rtcOccluded1(impl_->scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
+}  // namespace deepslam::render
