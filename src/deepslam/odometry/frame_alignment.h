@@ -1,9 +1,10 @@
-// Alignment of two RGB-D frames: robust point-to-plane ICP with projective association, coarse to fine, joined with a
-// photometric term where colour is there and asked for.
+// Alignment of two RGB-D frames: robust point-to-plane ICP with projective association, coarse to
+// fine, joined with a photometric term where colour is there and asked for.
 //
-// Geometric residual of source point p_j: n_i . (T p_j - q_i), q_i the point of frame i seen at the pixel of T p_j.
-// Photometric residual: I_i(pixel of T p_j) - (gain * I_j + bias). Both are divided by their standard deviations (depth
-// noise model; spread of the residuals themselves) and weighted as Student-t, nu = 5 (Kerl et al. 2013).
+// Geometric residual of source point p_j: n_i . (T p_j - q_i), q_i the point of frame i seen at the
+// pixel of T p_j. Photometric residual: I_i(pixel of T p_j) - (gain * I_j + bias). Both are divided
+// by their standard deviations (depth noise model; spread of the residuals themselves) and weighted
+// as Student-t, nu = 5 (Kerl et al. 2013).
 #pragma once
 
 #include <span>
@@ -19,41 +20,54 @@ namespace deepslam::odometry {
 struct AlignmentOptions {
   PyramidOptions pyramid;
   bool photometric = true;
-  int max_iterations = 12;             // per level
-  double max_distance_m = 0.30;        // association gate at the coarsest level, halved at each finer one
-  double max_normal_angle_deg = 50;    // between the two normals of a correspondence
-  double min_overlap = 0.20;           // of the source's points that fall on points of the target
-  double min_inlier_share = 0.50;      // inliers of the overlap
-  double correlation_length_px = 9;    // of depth errors, in pixels of a 640 pixel wide sensor image; see information
-  double floor_translation_m = 0.001;  // systematic part of the error of one alignment, one standard deviation
+  int max_iterations = 12;       // per level
+  double max_distance_m = 0.30;  // association gate at the coarsest level, halved at each finer one
+  double max_normal_angle_deg = 50;  // between the two normals of a correspondence
+  double min_overlap = 0.20;         // of the source's points that fall on points of the target
+  double min_inlier_share = 0.50;    // inliers of the overlap
+  double correlation_length_px =
+      9;  // of depth errors, in pixels of a 640 pixel wide sensor image; see information
+  double floor_translation_m =
+      0.001;  // systematic part of the error of one alignment, one standard deviation
   double floor_rotation_deg = 0.05;
-  double degenerate_std_m = 0.02;      // weakest direction above this (rotations at the mean depth): degenerate
+  // Degenerate when the weakest direction has less than this share of the strongest one's
+  // information (rotations measured by the arc at the mean depth), at the coarsest level, whose
+  // normals are the least noisy.
+  double degenerate_ratio = 0.003;
 };
 
 void Describe(OptionsVisitor& visitor, AlignmentOptions& options);
 
 struct FrameAlignment {
-  bool ok = false;          // enough overlap and inliers; otherwise the rest is the best found, not to be trusted
+  bool ok =
+      false;  // enough overlap and inliers; otherwise the rest is the best found, not to be trusted
   bool degenerate = false;  // aligned, but a direction is weakly constrained
   Pose3 i_from_j;
   // Information of t2v(measured^-1 * true), order (translation m; rotation rad), positive definite:
-  // ((J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed. Residuals of neighbouring pixels share
-  // their error (a structured-light sensor matches blocks of about 9 x 9 pixels), so J^T W J of all pixels counts each
-  // measurement k = (correlation length in pixels of the working level)^2 times; F is the systematic error (calibration,
-  // rolling shutter, quantisation) that more pixels do not average away.
+  // ((J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed. Residuals of
+  // neighbouring pixels share their error (a structured-light sensor matches blocks of about 9 x 9
+  // pixels), so J^T W J of all pixels counts each measurement k = (correlation length in pixels of
+  // the working level)^2 times; F is the systematic error (calibration, rolling shutter,
+  // quantisation) that more pixels do not average away.
   Matrix6d information = Matrix6d::Identity();
-  double rmse_m = 0;        // point-to-plane, over inliers
-  double inlier_share = 0;  // inliers / valid source points
-  double overlap = 0;       // source points that fall on valid target points / valid source points
+  double rmse_m = 0;            // point-to-plane, over inliers
+  double inlier_share = 0;      // inliers / valid source points
+  double constraint_ratio = 0;  // weakest / strongest direction, what `degenerate` is judged by
+  double overlap = 0;  // source points that fall on valid target points / valid source points
 };
 
-// Aligns j to i from the best of the given starts (at least one), which are tried at the coarsest level.
-[[nodiscard]] FrameAlignment AlignPyramids(const FramePyramid& i, const FramePyramid& j,
+// Aligns j to i from the best of the given starts (at least one), which are tried at the coarsest
+// level.
+[[nodiscard]] FrameAlignment AlignPyramids(const FramePyramid& i,
+                                           const FramePyramid& j,
                                            std::span<const Pose3> initial_i_from_j,
                                            const AlignmentOptions& options);
 
-// The same for two frames as they come from the capture, for verification by others. Not ok when either has no depth.
-[[nodiscard]] FrameAlignment AlignFrames(const Frame& i, const Frame& j, const PinholeCamera& camera,
+// The same for two frames as they come from the capture, for verification by others. Not ok when
+// either has no depth.
+[[nodiscard]] FrameAlignment AlignFrames(const Frame& i,
+                                         const Frame& j,
+                                         const PinholeCamera& camera,
                                          const Pose3& initial_i_from_j,
                                          const AlignmentOptions& options = {});
 

@@ -1,4 +1,5 @@
-// Frames prepared for alignment: smoothed depth, normals and intensity on a pyramid, as flat float arrays.
+// Frames prepared for alignment: smoothed depth, normals and intensity on a pyramid, as flat float
+// arrays.
 #pragma once
 
 #include <vector>
@@ -9,8 +10,8 @@
 
 namespace deepslam::odometry {
 
-// Depth noise of structured-light and time-of-flight cameras along the ray, one standard deviation (Nguyen et al. 2012):
-// sigma(z) = base_m + growth_per_m * (z - 0.4)^2.
+// Depth noise of structured-light and time-of-flight cameras along the ray, one standard deviation
+// (Nguyen et al. 2012): sigma(z) = base_m + growth_per_m * (z - 0.4)^2.
 struct DepthNoise {
   double base_m = 0.0012;
   double growth_per_m = 0.0019;
@@ -22,20 +23,23 @@ struct DepthNoise {
 };
 
 struct PyramidOptions {
-  int work_width_px = 320;      // the finest level is the capture reduced by a whole factor to at most this width
-  int num_levels = 4;           // each level half as wide as the one before
-  double min_depth_m = 0.2;     // nearer or farther depth is taken as invalid
+  int work_width_px =
+      320;  // the finest level is the capture reduced by a whole factor to at most this width
+  int num_levels = 4;        // each level half as wide as the one before
+  double min_depth_m = 0.2;  // nearer or farther depth is taken as invalid
   double max_depth_m = 8.0;
-  bool smooth_depth = true;     // edge-respecting 5 x 5 mean on the finest level
+  bool smooth_depth = true;  // edge-respecting 5 x 5 mean on the finest level
   DepthNoise noise;
 };
 
 void Describe(OptionsVisitor& visitor, PyramidOptions& options);
 
-// One texel of the surface as a target of projective association. All zero where the surface has no normal.
+// One texel of the surface as a target of projective association. All zero where the surface has no
+// normal.
 struct SurfaceTexel {
   float nx = 0, ny = 0, nz = 0;  // unit normal, camera frame, towards the camera
-  float offset_m = 0;            // n . q of the texel's point q: the residual of point p is n . p - offset_m
+  float offset_m =
+      0;  // n . q of the texel's point q, < 0; the residual of point p is n . p - offset_m
 };
 
 // Intensity and its derivatives, grey levels (0-255) and grey levels per pixel of this level.
@@ -46,7 +50,7 @@ struct IntensityTexel {
 // All images are row-major, width * height.
 struct PyramidLevel {
   PinholeCamera camera;
-  std::vector<float> depth_m;             // 0 = invalid
+  std::vector<float> depth_m;  // 0 = invalid
   std::vector<SurfaceTexel> surface;
   std::vector<IntensityTexel> intensity;  // empty when the frame had no colour
 };
@@ -58,8 +62,10 @@ struct FramePyramid {
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
 
-// The colour image may be empty; a colour image of another size than the depth is ignored. Empty for an empty depth.
-[[nodiscard]] FramePyramid BuildPyramid(const Frame& frame, const PinholeCamera& camera,
+// The colour image may be empty; a colour image of another size than the depth is ignored. Empty
+// for an empty depth.
+[[nodiscard]] FramePyramid BuildPyramid(const Frame& frame,
+                                        const PinholeCamera& camera,
                                         const PyramidOptions& options);
 
 }  // namespace deepslam::odometry

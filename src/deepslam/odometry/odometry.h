@@ -1,10 +1,13 @@
-// Camera tracking over a whole capture: every frame gets a pose and an honest status, keyframes get relative-pose edges.
+// Camera tracking over a whole capture: every frame gets a pose and an honest status, keyframes get
+// relative-pose edges.
 //
-// Tracking world: camera of the first usable frame = identity. Each frame is aligned to the current keyframe
-// (`reference` "keyframe") or to the frame before it (the paper's plain behaviour). A frame that cannot be aligned is
-// tried against the frame before it and the last keyframes; if that fails it is kLost, carries the last pose, and what
-// follows is joined by an edge of low information until an earlier keyframe is seen again. Frames are streamed; memory
-// does not depend on the length of the capture. Same result for any thread count.
+// Tracking world: camera of the first usable frame = identity. Each frame is aligned to the current
+// keyframe
+// (`reference` "keyframe") or to the frame before it (the paper's plain behaviour). A frame that
+// cannot be aligned is tried against the frame before it and the last keyframes; if that fails it
+// is kLost, carries the last pose, and what follows is joined by an edge of low information until
+// an earlier keyframe is seen again. Frames are streamed; memory does not depend on the length of
+// the capture. Same result for any thread count.
 #pragma once
 
 #include <string>
@@ -20,16 +23,17 @@ namespace deepslam::odometry {
 
 struct OdometryOptions {
   AlignmentOptions alignment;
-  std::string reference = "keyframe";     // "keyframe" or "previous": what a frame is aligned to
-  bool motion_prediction = true;          // constant velocity as one of the starts
-  bool rotation_search = true;            // image-based rotation as one of the starts: survives fast turns
-  bool skip_edges = true;                 // also join each keyframe to the one before the last, where they overlap
+  std::string reference = "keyframe";  // "keyframe" or "previous": what a frame is aligned to
+  bool motion_prediction = true;       // constant velocity as one of the starts
+  bool rotation_search = true;  // image-based rotation as one of the starts: survives fast turns
+  bool skip_edges = true;  // also join each keyframe to the one before the last, where they overlap
   double keyframe_distance_m = 0.15;      // a new keyframe beyond this distance ...
   double keyframe_angle_deg = 12;         // ... or this angle from the current one ...
   double keyframe_min_overlap = 0.65;     // ... or below this overlap with it
   int num_relocalisation_keyframes = 12;  // last keyframes kept to find the way back after a loss
   double min_valid_share = 0.03;          // a frame with less usable depth is not aligned
-  // Standard deviations behind the edges that carry a lost frame, and those of poses that came with the capture.
+  // Standard deviations behind the edges that carry a lost frame, and those of poses that came with
+  // the capture.
   double lost_translation_m = 0.5;
   double lost_rotation_deg = 30;
   double capture_translation_m = 0.01;
@@ -38,13 +42,16 @@ struct OdometryOptions {
 
 void Describe(OptionsVisitor& visitor, OdometryOptions& options);
 
-// Stage `track`. InvalidInput when no frame, or less than half of them, could be read, or none has usable depth.
+// Stage `track`. InvalidInput when no frame, or less than half of them, could be read, or none has
+// usable depth.
 [[nodiscard]] Result<Odometry> EstimateOdometry(const FrameSource& frames,
-                                                const OdometryOptions& options, Progress& progress);
+                                                const OdometryOptions& options,
+                                                Progress& progress);
 
-// The poses that came with the capture, in the tracking world (--poses capture). Frames without one are interpolated
-// between their neighbours (kLost); keyframes by the same rule of distance and angle, edges from relative poses with the information of
-// capture_translation_m and capture_rotation_deg. InvalidInput naming groundtruth.txt when the capture has no poses.
+// The poses that came with the capture, in the tracking world (--poses capture). Frames without one
+// are interpolated between their neighbours (kLost); keyframes by the same rule of distance and
+// angle, edges from relative poses with the information of capture_translation_m and
+// capture_rotation_deg. InvalidInput naming groundtruth.txt when the capture has no poses.
 [[nodiscard]] Result<Odometry> OdometryFromCapturePoses(const FrameSource& frames,
                                                         const OdometryOptions& options,
                                                         Progress& progress);

@@ -1,0 +1,291 @@
+#include "deepslam/odometry/frame_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "deepslam/core/check.h"
+#include "deepslam/odometry/point_alignment.h"
+
+namespace deepslam::odometry {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+// Coarser levels hold too few points for all six directions; they serve the rotation search.
+constexpr int kMinAlignmentWidth = 60;
+// Scale of the first step in standard deviations of the noise: far off, every residual must pull.
+constexpr float kFirstScale = 12.0F;
+constexpr float kFirstPhotometricScale = 25.0F;
+constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
+// Keeps directions that nothing constrains where the start put them.
+constexpr double kPriorTranslationM = 0.2;
+constexpr double kPriorRotationRad = 0.2;
+// Convergence: smaller steps are below the systematic error of an alignment by two orders of
+// magnitude.
+constexpr double kConvergedM = 2e-5;
+constexpr double kConvergedRad = 2e-5;
+// Starts closer together than this converge to the same place.
+constexpr double kSameStartM = 0.005;
+constexpr double kSameStartRad = 0.005;
+// Scales at which competing starts are compared.
+constexpr float kJudgeScale = 3.0F;
+constexpr float kJudgePhotometricScale = 10.0F;
+
+// Pixels of this level that share one error, in units of measurements per independent measurement.
+double CorrelationFactor(const PyramidLevel& level, const AlignmentOptions& options) {
+  const double length_px = options.correlation_length_px * level.camera.width / 640.0;
+  return std::max(1.0, length_px * length_px);
+}
+
+std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
+  std::size_t count = 1;
+  while (count < pyramid.levels.size() && pyramid.levels[count].camera.width >= kMinAlignmentWidth)
+    ++count;
+  return count;
+}
+
+// The descent of one start through the levels.
+struct Descent {
+  Pose3 i_from_j;
+  Pose3 start_i_from_j;
+  AlignmentGates gates;
+  AlignmentSystem system;  // at i_from_j, of the last level visited
+};
+
+void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
+  // Scales only shrink: a step that makes things worse must not open the gates again.
+  gates.geometric_scale = std::max(1.0F, std::min(gates.geometric_scale, system.geometric_scale));
+  gates.photometric_scale =
+      std::max(kMinPhotometricScale, std::min(gates.photometric_scale, system.photometric_scale));
+  gates.gain = system.gain;
+  gates.bias = system.bias;
+}
+
+Vector6d Step(const Descent& descent, double correlation_factor) {
+  Vector6d prior;
+  prior.head<3>().setConstant(1 / (kPriorTranslationM * kPriorTranslationM));
+  prior.tail<3>().setConstant(1 / (kPriorRotationRad * kPriorRotationRad));
+  const Vector6d moved = T2v(descent.i_from_j * descent.start_i_from_j.Inverse());
+  Matrix6d hessian = descent.system.hessian / correlation_factor;
+  hessian.diagonal() += prior;
+  const Vector6d gradient =
+      descent.system.gradient / correlation_factor + prior.cwiseProduct(moved);
+  const Vector6d step = -hessian.ldlt().solve(gradient);
+  return step.allFinite() ? step : Vector6d::Zero();
+}
+
+void Descend(const PyramidLevel& i,
+             const PyramidLevel& j,
+             const AlignmentOptions& options,
+             Descent& descent) {
+  const double correlation = CorrelationFactor(j, options);
+  for (int n = 0; n < options.max_iterations; ++n) {
+    descent.system =
+        BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
+    TakeScales(descent.system, descent.gates);
+    const Vector6d step = Step(descent, correlation);
+    descent.i_from_j = V2t(step) * descent.i_from_j;
+    if (step.head<3>().norm() < kConvergedM && step.tail<3>().norm() < kConvergedRad) break;
+  }
+}
+
+AlignmentGates LevelGates(const AlignmentOptions& options,
+                          std::size_t levels_above_finest_skipped) {
+  AlignmentGates gates;
+  gates.max_distance_m = static_cast<float>(
+      options.max_distance_m / std::pow(2.0, static_cast<double>(levels_above_finest_skipped)));
+  gates.min_normal_cosine = static_cast<float>(std::cos(options.max_normal_angle_deg * kRadPerDeg));
+  gates.photometric = options.photometric;
+  return gates;
+}
+
+// Agreement at common scales, per source point: what competing starts are judged by.
+double Support(const PyramidLevel& i,
+               const PyramidLevel& j,
+               const Descent& descent,
+               const AlignmentOptions& options) {
+  AlignmentGates gates = descent.gates;
+  gates.geometric_scale = kJudgeScale;
+  gates.photometric_scale = kJudgePhotometricScale;
+  const AlignmentSystem system =
+      BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
+  return system.support / std::max(1, system.num_source);
+}
+
+bool SameStart(const Pose3& a, const Pose3& b) {
+  const Pose3 difference = a.Inverse() * b;
+  return difference.translation_m.norm() < kSameStartM &&
+         RotationAngle(difference.rotation) < kSameStartRad;
+}
+
+Descent BestCoarseDescent(const PyramidLevel& i,
+                          const PyramidLevel& j,
+                          std::span<const Pose3> starts,
+                          const AlignmentOptions& options) {
+  std::optional<Descent> best;
+  double best_support = 0;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const auto is_same = [&](const Pose3& earlier) { return SameStart(earlier, starts[k]); };
+    if (std::any_of(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(k), is_same))
+      continue;
+    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}};
+    descent.gates.geometric_scale = kFirstScale;
+    descent.gates.photometric_scale = kFirstPhotometricScale;
+    Descend(i, j, options, descent);
+    const double support = Support(i, j, descent, options);
+    if (!best || support > best_support) {
+      best = descent;
+      best_support = support;
+    }
+  }
+  return *best;
+}
+
+// Ratio of the smallest to the largest eigenvalue of the Hessian, rotations measured by their arc
+// at the mean depth.
+double ConstraintRatio(const Matrix6d& hessian) {
+  const double translation = hessian.topLeftCorner<3, 3>().trace();
+  const double rotation = hessian.bottomRightCorner<3, 3>().trace();
+  if (!(translation > 0) || !(rotation > 0)) return 0;
+  const double inverse_arm = std::sqrt(translation / rotation);
+  Vector6d scale = Vector6d::Ones();
+  scale.tail<3>().setConstant(inverse_arm);
+  const Matrix6d scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled, Eigen::EigenvaluesOnly);
+  return std::max(0.0, eigen.eigenvalues()[0]) / eigen.eigenvalues()[5];
+}
+
+Matrix6d Information(const Descent& descent,
+                     double correlation_factor,
+                     const AlignmentOptions& options) {
+  // A perturbation in frame j (right) is Adjoint(i_from_j) times smaller steps in frame i (left).
+  const Matrix6d adjoint = Adjoint(descent.i_from_j);
+  Matrix6d right = adjoint.transpose() * (descent.system.hessian / correlation_factor) * adjoint;
+  // Directions that nothing constrains keep the prior that held them.
+  right.diagonal().head<3>().array() += 1 / (kPriorTranslationM * kPriorTranslationM);
+  right.diagonal().tail<3>().array() += 1 / (kPriorRotationRad * kPriorRotationRad);
+  Matrix6d covariance = right.ldlt().solve(Matrix6d::Identity());
+  covariance.diagonal().head<3>().array() +=
+      options.floor_translation_m * options.floor_translation_m;
+  const double floor_rad = options.floor_rotation_deg * kRadPerDeg;
+  covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
+  const Matrix6d information =
+      (0.5 * (covariance + covariance.transpose())).ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (information + information.transpose());
+}
+
+FrameAlignment Conclude(const Descent& descent,
+                        const PyramidLevel& finest,
+                        double constraint_ratio,
+                        const AlignmentOptions& options) {
+  const AlignmentSystem& system = descent.system;
+  FrameAlignment result;
+  result.i_from_j = descent.i_from_j;
+  result.information = Information(descent, CorrelationFactor(finest, options), options);
+  const double num_source = std::max(1, system.num_source);
+  result.rmse_m =
+      system.num_inliers > 0 ? std::sqrt(system.sum_squared_m2 / system.num_inliers) : 0;
+  result.inlier_share = system.num_inliers / num_source;
+  result.overlap = system.num_overlap / num_source;
+  result.constraint_ratio = constraint_ratio;
+  result.degenerate = constraint_ratio < options.degenerate_ratio;
+  const double inliers_of_overlap =
+      static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
+  result.ok =
+      result.overlap >= options.min_overlap && inliers_of_overlap >= options.min_inlier_share;
+  return result;
+}
+
+}  // namespace
+
+FrameAlignment AlignPyramids(const FramePyramid& i,
+                             const FramePyramid& j,
+                             std::span<const Pose3> initial_i_from_j,
+                             const AlignmentOptions& options) {
+  DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
+  if (i.empty() || j.empty() || i.levels.size() != j.levels.size()) {
+    FrameAlignment failed;
+    failed.i_from_j = initial_i_from_j.front();
+    return failed;
+  }
+  const std::size_t num_levels = NumAlignmentLevels(i);
+  const std::size_t coarsest = num_levels - 1;
+  Descent descent =
+      BestCoarseDescent(i.levels[coarsest], j.levels[coarsest], initial_i_from_j, options);
+  const double constraint_ratio = ConstraintRatio(descent.system.hessian);
+  for (std::size_t level = coarsest; level-- > 0;) {
+    AlignmentGates gates = LevelGates(options, coarsest - level);
+    gates.geometric_scale = 2 * descent.gates.geometric_scale;
+    gates.photometric_scale = 2 * descent.gates.photometric_scale;
+    gates.gain = descent.gates.gain;
+    gates.bias = descent.gates.bias;
+    descent.gates = gates;
+    Descend(i.levels[level], j.levels[level], options, descent);
+  }
+  descent.system = BuildAlignmentSystem(
+      i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
+  return Conclude(descent, j.levels.front(), constraint_ratio, options);
+}
+
+FrameAlignment AlignFrames(const Frame& i,
+                           const Frame& j,
+                           const PinholeCamera& camera,
+                           const Pose3& initial_i_from_j,
+                           const AlignmentOptions& options) {
+  const FramePyramid pyramid_i = BuildPyramid(i, camera, options.pyramid);
+  const FramePyramid pyramid_j = BuildPyramid(j, camera, options.pyramid);
+  return AlignPyramids(pyramid_i, pyramid_j, {&initial_i_from_j, 1}, options);
+}
+
+void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
+  Describe(visitor, options.pyramid);
+  visitor.Field("photometric", options.photometric, "join a photometric term to ICP");
+  visitor.Field("max_iterations", options.max_iterations, {1, 100}, "1", "iterations per level");
+  visitor.Field("max_distance_m",
+                options.max_distance_m,
+                {0.01, 5},
+                "m",
+                "association gate at the coarsest level, halved at each finer one");
+  visitor.Field("max_normal_angle_deg",
+                options.max_normal_angle_deg,
+                {5, 90},
+                "deg",
+                "largest angle between the normals of a correspondence");
+  visitor.Field("min_overlap",
+                options.min_overlap,
+                {0.01, 1},
+                "1",
+                "share of the points that must fall on valid points of the other frame");
+  visitor.Field("min_inlier_share",
+                options.min_inlier_share,
+                {0.01, 1},
+                "1",
+                "share of the overlap that must agree within three standard deviations");
+  visitor.Field("correlation_length_px",
+                options.correlation_length_px,
+                {1, 100},
+                "px",
+                "length over which depth errors are shared, pixels of a 640 pixel wide image");
+  visitor.Field("floor_translation_m",
+                options.floor_translation_m,
+                {0, 1},
+                "m",
+                "systematic error of an alignment, one standard deviation");
+  visitor.Field("floor_rotation_deg",
+                options.floor_rotation_deg,
+                {0, 30},
+                "deg",
+                "systematic error of an alignment, one standard deviation");
+  visitor.Field("degenerate_ratio",
+                options.degenerate_ratio,
+                {0, 1},
+                "1",
+                "weakest direction's share of the strongest one's information, below which a frame "
+                "is degenerate");
+}
+
+}  // namespace deepslam::odometry

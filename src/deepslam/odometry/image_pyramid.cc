@@ -1,0 +1,303 @@
+#include "deepslam/odometry/image_pyramid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include <Eigen/Geometry>
+
+namespace deepslam::odometry {
+namespace {
+
+// Depth of one surface within a block or window differs by at most this many standard deviations of
+// its noise.
+constexpr float kSameSurfaceSigmas = 4.0F;
+// Cosine between normal and viewing ray below which a surface is too oblique for projective
+// association.
+constexpr float kMinCosine = 0.12F;
+constexpr int kWindowRadius = 2;
+// Levels smaller than this hold too little to align.
+constexpr int kMinLevelWidth = 16;
+constexpr int kMaxReduction = 32;
+
+std::size_t Offset(const PinholeCamera& camera, int u, int v) {
+  return static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width) +
+         static_cast<std::size_t>(u);
+}
+
+std::size_t NumTexels(const PinholeCamera& camera) { return Offset(camera, 0, camera.height); }
+
+// Mean of the values that lie on the surface of the median one; 0 when there are none.
+float BlockDepth(std::span<float> values, const DepthNoise& noise) {
+  if (values.empty()) return 0;
+  const std::ptrdiff_t middle = static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), values.begin() + middle, values.end());
+  const float median = values[static_cast<std::size_t>(middle)];
+  const float tolerance = kSameSurfaceSigmas * noise.SigmaM(median) + 0.01F * median;
+  float sum = 0;
+  float count = 0;
+  for (const float value : values) {
+    const bool same = std::abs(value - median) <= tolerance;
+    sum += same ? value : 0;
+    count += same ? 1.0F : 0;
+  }
+  return sum / count;
+}
+
+// Valid depths of a block of factor x factor pixels are gathered and reduced to one.
+std::vector<float> ReduceDepth(const float* depth,
+                               int width,
+                               const PinholeCamera& reduced,
+                               int factor,
+                               const PyramidOptions& options) {
+  const float min_depth = static_cast<float>(options.min_depth_m);
+  const float max_depth = static_cast<float>(options.max_depth_m);
+  std::vector<float> result(NumTexels(reduced));
+  std::vector<float> block(static_cast<std::size_t>(factor) * static_cast<std::size_t>(factor));
+  for (int v = 0; v < reduced.height; ++v) {
+    for (int u = 0; u < reduced.width; ++u) {
+      std::size_t count = 0;
+      for (int dv = 0; dv < factor; ++dv) {
+        const float* row =
+            depth + static_cast<std::ptrdiff_t>(v * factor + dv) * width + u * factor;
+        for (int du = 0; du < factor; ++du) {
+          // NaN fails both comparisons.
+          if (row[du] >= min_depth && row[du] <= max_depth) block[count++] = row[du];
+        }
+      }
+      result[Offset(reduced, u, v)] = BlockDepth({block.data(), count}, options.noise);
+    }
+  }
+  return result;
+}
+
+// One tap of the smoothing window for a whole row; depth 0 is too far off to get weight.
+void AddTap(const float* centre,
+            const float* tap,
+            const float* inverse_tolerance_sq,
+            float weight,
+            int begin,
+            int end,
+            float* sum,
+            float* sum_weight) {
+  for (int u = begin; u < end; ++u) {
+    const float difference = tap[u] - centre[u];
+    const float w =
+        weight * std::max(0.0F, 1.0F - difference * difference * inverse_tolerance_sq[u]);
+    sum[u] += w * difference;
+    sum_weight[u] += w;
+  }
+}
+
+// Weighted mean over a window of what lies on the same surface (a bilateral filter with the depth
+// noise as range).
+std::vector<float> SmoothDepth(const std::vector<float>& depth,
+                               const PinholeCamera& camera,
+                               const DepthNoise& noise) {
+  const int width = camera.width;
+  const std::size_t row_size = static_cast<std::size_t>(width);
+  std::vector<float> result(depth.size());
+  std::vector<float> inverse_tolerance_sq(row_size), sum(row_size), sum_weight(row_size);
+  for (int v = 0; v < camera.height; ++v) {
+    const float* centre = depth.data() + Offset(camera, 0, v);
+    for (std::size_t u = 0; u < row_size; ++u) {
+      // The tolerance stays below the depth itself, so that invalid neighbours get no weight.
+      const float tolerance =
+          std::min(kSameSurfaceSigmas * noise.SigmaM(centre[u]), 0.5F * centre[u] + 1e-6F);
+      inverse_tolerance_sq[u] = 1.0F / (tolerance * tolerance);
+      sum[u] = 0;
+      sum_weight[u] = 1e-6F;
+    }
+    for (int dv = -kWindowRadius; dv <= kWindowRadius; ++dv) {
+      if (v + dv < 0 || v + dv >= camera.height) continue;
+      for (int du = -kWindowRadius; du <= kWindowRadius; ++du) {
+        const float weight = std::exp(-static_cast<float>(du * du + dv * dv) / 4.5F);
+        AddTap(centre,
+               centre + static_cast<std::ptrdiff_t>(dv) * width + du,
+               inverse_tolerance_sq.data(),
+               weight,
+               std::max(0, -du),
+               std::min(width, width - du),
+               sum.data(),
+               sum_weight.data());
+      }
+    }
+    float* out = result.data() + Offset(camera, 0, v);
+    for (std::size_t u = 0; u < row_size; ++u) {
+      out[u] = centre[u] > 0 ? centre[u] + sum[u] / sum_weight[u] : 0.0F;
+    }
+  }
+  return result;
+}
+
+// True where three texels in a row or column lie on one surface: a slope is fine, a step or crease
+// is not.
+bool Smooth(float before, float centre, float after, float tolerance) {
+  return before > 0 && after > 0 && std::abs(before + after - 2 * centre) <= tolerance;
+}
+
+SurfaceTexel SurfaceAt(const PyramidLevel& level, int u, int v, const DepthNoise& noise) {
+  const PinholeCamera& camera = level.camera;
+  const float* depth = level.depth_m.data() + Offset(camera, u, v);
+  const float z = *depth;
+  if (z <= 0) return {};
+  const float tolerance = 2 * kSameSurfaceSigmas * noise.SigmaM(z) * 0.5F + 0.005F * z;
+  const float left = depth[-1], right = depth[1], up = depth[-camera.width],
+              down = depth[camera.width];
+  if (!Smooth(left, z, right, tolerance) || !Smooth(up, z, down, tolerance)) return {};
+  const float inverse_fx = static_cast<float>(1.0 / camera.fx);
+  const float inverse_fy = static_cast<float>(1.0 / camera.fy);
+  const float x = (static_cast<float>(u) - static_cast<float>(camera.cx)) * inverse_fx;
+  const float y = (static_cast<float>(v) - static_cast<float>(camera.cy)) * inverse_fy;
+  // Differences of the neighbours' points.
+  const Eigen::Vector3f along_u(
+      (x + inverse_fx) * right - (x - inverse_fx) * left, y * (right - left), right - left);
+  const Eigen::Vector3f along_v(
+      x * (down - up), (y + inverse_fy) * down - (y - inverse_fy) * up, down - up);
+  // v x u points towards the camera, as y is down and z forward.
+  const Eigen::Vector3f cross = along_v.cross(along_u);
+  const float norm = cross.norm();
+  const Eigen::Vector3f ray(x, y, 1);
+  const float towards = -cross.dot(ray);
+  if (!(norm > 0) || towards < kMinCosine * norm * ray.norm()) return {};
+  const Eigen::Vector3f normal = cross / norm;
+  return {normal.x(), normal.y(), normal.z(), z * normal.dot(ray)};
+}
+
+void ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
+  level.surface.assign(NumTexels(level.camera), {});
+  for (int v = 1; v + 1 < level.camera.height; ++v) {
+    for (int u = 1; u + 1 < level.camera.width; ++u) {
+      level.surface[Offset(level.camera, u, v)] = SurfaceAt(level, u, v, noise);
+    }
+  }
+}
+
+void ComputeGradients(PyramidLevel& level) {
+  const PinholeCamera& camera = level.camera;
+  for (int v = 1; v + 1 < camera.height; ++v) {
+    IntensityTexel* row = level.intensity.data() + Offset(camera, 0, v);
+    for (int u = 1; u + 1 < camera.width; ++u) {
+      row[u].du = 0.5F * (row[u + 1].value - row[u - 1].value);
+      row[u].dv = 0.5F * (row[u + camera.width].value - row[u - camera.width].value);
+    }
+  }
+}
+
+std::vector<IntensityTexel> ReduceColour(const ColourImage& colour,
+                                         const PinholeCamera& reduced,
+                                         int factor) {
+  std::vector<IntensityTexel> result(NumTexels(reduced));
+  const float scale = 1.0F / (256.0F * static_cast<float>(factor * factor));
+  std::vector<int> sums(static_cast<std::size_t>(reduced.width));
+  for (int v = 0; v < reduced.height; ++v) {
+    std::fill(sums.begin(), sums.end(), 0);
+    for (int dv = 0; dv < factor; ++dv) {
+      const Rgb8* pixel = colour.row(v * factor + dv);
+      for (int& sum : sums) {
+        for (int du = 0; du < factor; ++du, ++pixel)
+          sum += 77 * pixel->r + 150 * pixel->g + 29 * pixel->b;
+      }
+    }
+    IntensityTexel* out = result.data() + Offset(reduced, 0, v);
+    for (const int sum : sums) (out++)->value = scale * static_cast<float>(sum);
+  }
+  return result;
+}
+
+std::vector<IntensityTexel> HalveIntensity(const PyramidLevel& fine, const PinholeCamera& reduced) {
+  std::vector<IntensityTexel> result(NumTexels(reduced));
+  const std::ptrdiff_t width = fine.camera.width;
+  for (int v = 0; v < reduced.height; ++v) {
+    for (int u = 0; u < reduced.width; ++u) {
+      const IntensityTexel* block = fine.intensity.data() + Offset(fine.camera, 2 * u, 2 * v);
+      result[Offset(reduced, u, v)].value =
+          0.25F * (block[0].value + block[1].value + block[width].value + block[width + 1].value);
+    }
+  }
+  return result;
+}
+
+int ReductionFactor(int width, int work_width) {
+  int factor = 1;
+  while (width / factor > work_width && factor < kMaxReduction) ++factor;
+  return factor;
+}
+
+PyramidLevel FinestLevel(const Frame& frame,
+                         const PinholeCamera& camera,
+                         const PyramidOptions& options) {
+  const int factor = ReductionFactor(camera.width, options.work_width_px);
+  PyramidLevel level;
+  level.camera = camera.Reduced(factor);
+  level.depth_m =
+      ReduceDepth(frame.depth_m.data(), frame.depth_m.width(), level.camera, factor, options);
+  if (options.smooth_depth) level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise);
+  if (frame.colour.width() == camera.width && frame.colour.height() == camera.height) {
+    level.intensity = ReduceColour(frame.colour, level.camera, factor);
+  }
+  return level;
+}
+
+PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options) {
+  PyramidLevel level;
+  level.camera = fine.camera.Reduced(2);
+  level.depth_m = ReduceDepth(fine.depth_m.data(), fine.camera.width, level.camera, 2, options);
+  if (!fine.intensity.empty()) level.intensity = HalveIntensity(fine, level.camera);
+  return level;
+}
+
+}  // namespace
+
+FramePyramid BuildPyramid(const Frame& frame,
+                          const PinholeCamera& camera,
+                          const PyramidOptions& options) {
+  if (frame.depth_m.empty() || frame.depth_m.width() != camera.width ||
+      frame.depth_m.height() != camera.height) {
+    return {};
+  }
+  FramePyramid pyramid;
+  pyramid.levels.push_back(FinestLevel(frame, camera, options));
+  while (static_cast<int>(pyramid.levels.size()) < options.num_levels &&
+         pyramid.levels.back().camera.width >= 2 * kMinLevelWidth &&
+         pyramid.levels.back().camera.height >= 2 * kMinLevelWidth / 2) {
+    pyramid.levels.push_back(Halved(pyramid.levels.back(), options));
+  }
+  for (PyramidLevel& level : pyramid.levels) {
+    ComputeSurface(level, options.noise);
+    if (!level.intensity.empty()) ComputeGradients(level);
+  }
+  const std::vector<SurfaceTexel>& surface = pyramid.levels.front().surface;
+  const auto num_valid = std::count_if(
+      surface.begin(), surface.end(), [](const SurfaceTexel& s) { return s.offset_m < 0; });
+  pyramid.valid_share =
+      surface.empty() ? 0 : static_cast<double>(num_valid) / static_cast<double>(surface.size());
+  return pyramid;
+}
+
+void Describe(OptionsVisitor& visitor, PyramidOptions& options) {
+  visitor.Field("work_width_px",
+                options.work_width_px,
+                {32, 640},
+                "px",
+                "finest level: the capture reduced by a whole factor to at most this width");
+  visitor.Field(
+      "num_levels", options.num_levels, {1, 6}, "1", "levels of the pyramid, each half as wide");
+  visitor.Field("min_depth_m", options.min_depth_m, {0.01, 10}, "m", "nearer depth is invalid");
+  visitor.Field("max_depth_m", options.max_depth_m, {0.1, 100}, "m", "farther depth is invalid");
+  visitor.Field("smooth_depth", options.smooth_depth, "edge-respecting smoothing of the depth");
+  visitor.Field("noise_base_m",
+                options.noise.base_m,
+                {1e-5, 1},
+                "m",
+                "depth noise at 0.4 m, one standard deviation");
+  visitor.Field("noise_growth_per_m",
+                options.noise.growth_per_m,
+                {0, 1},
+                "1/m",
+                "depth noise grows by this times the square of the depth beyond 0.4 m");
+}
+
+}  // namespace deepslam::odometry

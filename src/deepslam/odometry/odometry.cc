@@ -1,0 +1,182 @@
+#include "deepslam/odometry/odometry.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/odometry/tracker.h"
+
+namespace deepslam::odometry {
+namespace {
+
+// Frames decoded ahead of the alignment; bounds the memory.
+constexpr std::size_t kBatchFrames = 8;
+constexpr int kMaxWarnings = 10;
+
+struct PreparedFrame {
+  std::shared_ptr<const FramePyramid> pyramid;  // null: unreadable
+  std::string fault;
+};
+
+PreparedFrame Prepare(const FrameSource& frames, FrameIdx idx, const OdometryOptions& options) {
+  const Result<Frame> frame = frames.Read(idx);
+  if (!frame.ok()) return {nullptr, frame.error().message};
+  FramePyramid pyramid = BuildPyramid(*frame, frames.camera(), options.alignment.pyramid);
+  if (pyramid.empty()) return {nullptr, "depth image has not the size of the camera"};
+  return {std::make_shared<const FramePyramid>(std::move(pyramid)), {}};
+}
+
+class FaultCount {
+ public:
+  void Add(FrameIdx frame, const std::string& fault, Progress& progress) {
+    if (count_ == 0) first_ = fault;
+    ++count_;
+    if (count_ <= kMaxWarnings) {
+      progress.Warn("frame " + std::to_string(frame.value) + " skipped: " + fault);
+    } else if (count_ == kMaxWarnings + 1) {
+      progress.Warn("more unreadable frames; no further warnings about them");
+    }
+  }
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] const std::string& first() const { return first_; }
+
+ private:
+  int count_ = 0;
+  std::string first_;
+};
+
+// Aligns one batch while the next is decoded: task 0 of the parallel loop is the sequential part.
+class Pipeline {
+ public:
+  Pipeline(const FrameSource& frames, const OdometryOptions& options, Progress& progress)
+      : frames_(frames), options_(options), progress_(progress), tracker_(options) {}
+
+  Result<Odometry> Run() {
+    const std::size_t num_frames = static_cast<std::size_t>(frames_.num_frames());
+    for (std::size_t begin = 0; begin < num_frames + kBatchFrames; begin += kBatchFrames) {
+      if (progress_.StopRequested()) return Interrupted();
+      const std::size_t count = begin < num_frames ? std::min(kBatchFrames, num_frames - begin) : 0;
+      std::vector<PreparedFrame> next(count);
+      ParallelFor(count + 1, [&](std::size_t task) {
+        if (task == 0) {
+          AlignBatch();
+        } else {
+          const auto idx = static_cast<std::int32_t>(begin + task - 1);
+          next[task - 1] = Prepare(frames_, FrameIdx{idx}, options_);
+        }
+      });
+      batch_ = std::move(next);
+      batch_begin_ = begin;
+      progress_.Report(std::min(begin, num_frames), num_frames);
+    }
+    return Conclude(num_frames);
+  }
+
+ private:
+  void AlignBatch() {
+    for (std::size_t k = 0; k < batch_.size(); ++k) {
+      const FrameIdx idx{static_cast<std::int32_t>(batch_begin_ + k)};
+      if (batch_[k].pyramid == nullptr) faults_.Add(idx, batch_[k].fault, progress_);
+      tracker_.Add(idx, frames_.time_s(idx), std::move(batch_[k].pyramid));
+    }
+    batch_.clear();
+  }
+
+  Result<Odometry> Conclude(std::size_t num_frames) {
+    const std::size_t num_bad = static_cast<std::size_t>(faults_.count());
+    if (2 * num_bad > num_frames) {
+      return InvalidInput(std::to_string(num_bad) + " of " + std::to_string(num_frames) +
+                          " frames could not be read; the first: " + faults_.first());
+    }
+    Odometry odometry = std::move(tracker_).Finish();
+    if (odometry.keyframes.empty()) {
+      return InvalidInput("no frame has usable depth (" +
+                          std::to_string(options_.alignment.pyramid.min_depth_m) + " to " +
+                          std::to_string(options_.alignment.pyramid.max_depth_m) +
+                          " m); check the depth images and depth_units_per_m in capture.yaml");
+    }
+    return odometry;
+  }
+
+  const FrameSource& frames_;
+  const OdometryOptions& options_;
+  Progress& progress_;
+  Tracker tracker_;
+  FaultCount faults_;
+  std::vector<PreparedFrame> batch_;
+  std::size_t batch_begin_ = 0;
+};
+
+}  // namespace
+
+Result<Odometry> EstimateOdometry(const FrameSource& frames,
+                                  const OdometryOptions& options,
+                                  Progress& progress) {
+  if (frames.num_frames() <= 0) return InvalidInput("the capture has no frames");
+  return Pipeline(frames, options, progress).Run();
+}
+
+void Describe(OptionsVisitor& visitor, OdometryOptions& options) {
+  static constexpr std::array<std::string_view, 2> kReferences = {"keyframe", "previous"};
+  Describe(visitor, options.alignment);
+  visitor.Choice("reference", options.reference, kReferences, "what a frame is aligned to");
+  visitor.Field("motion_prediction", options.motion_prediction, "start from constant velocity too");
+  visitor.Field(
+      "rotation_search", options.rotation_search, "start from an image-based rotation too");
+  visitor.Field(
+      "skip_edges", options.skip_edges, "join each keyframe to the one before the last as well");
+  visitor.Field("keyframe_distance_m",
+                options.keyframe_distance_m,
+                {0.005, 10},
+                "m",
+                "a new keyframe beyond this distance");
+  visitor.Field("keyframe_angle_deg",
+                options.keyframe_angle_deg,
+                {0.5, 180},
+                "deg",
+                "a new keyframe beyond this angle");
+  visitor.Field("keyframe_min_overlap",
+                options.keyframe_min_overlap,
+                {0, 1},
+                "1",
+                "a new keyframe below this overlap");
+  visitor.Field("num_relocalisation_keyframes",
+                options.num_relocalisation_keyframes,
+                {2, 200},
+                "1",
+                "last keyframes kept to find the way back after a loss");
+  visitor.Field("min_valid_share",
+                options.min_valid_share,
+                {0.001, 1},
+                "1",
+                "a frame with less usable depth is not aligned");
+  visitor.Field("lost_translation_m",
+                options.lost_translation_m,
+                {0.001, 100},
+                "m",
+                "standard deviation of an edge across a loss");
+  visitor.Field("lost_rotation_deg",
+                options.lost_rotation_deg,
+                {0.01, 180},
+                "deg",
+                "standard deviation of an edge across a loss");
+  visitor.Field("capture_translation_m",
+                options.capture_translation_m,
+                {1e-6, 10},
+                "m",
+                "standard deviation of relative poses that came with the capture");
+  visitor.Field("capture_rotation_deg",
+                options.capture_rotation_deg,
+                {1e-4, 180},
+                "deg",
+                "standard deviation of relative poses that came with the capture");
+}
+
+}  // namespace deepslam::odometry

@@ -1,0 +1,47 @@
+// One Gauss-Newton step's linear system of frame alignment (frame_alignment.h has the residuals).
+#pragma once
+
+#include "deepslam/geometry/pose.h"
+#include "deepslam/odometry/image_pyramid.h"
+
+namespace deepslam::odometry {
+
+// What a correspondence must fulfil, and the scales its residuals are divided by.
+struct AlignmentGates {
+  float max_distance_m = 0.1F;  // along the optical axis of i
+  float min_normal_cosine = 0.64F;
+  float geometric_scale = 1.0F;     // standard deviation of residual / noise(z)
+  float photometric_scale = 10.0F;  // grey levels
+  float gain = 1.0F;                // I_i = gain * I_j + bias
+  float bias = 0.0F;                // grey levels
+  bool photometric = true;
+  int stride = 1;  // every stride-th row and column of j
+};
+
+struct AlignmentSystem {
+  // Of a left perturbation exp(d) i_from_j in frame i, order (translation; rotation). Already
+  // divided by the squared scales, so the unit is that of an information matrix of independent
+  // residuals.
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  int num_source = 0;   // valid points of j
+  int num_overlap = 0;  // of those that fall on valid points of i, near or far
+  int num_matched = 0;  // of those within the gates
+  int num_inliers = 0;  // residual within three standard deviations of the depth noise
+  int num_photometric = 0;
+  double sum_squared_m2 = 0;  // geometric, over inliers
+  double support = 0;  // sum of Student-t weights at the gates' scales, geometric and photometric
+  // What the next step should use: robust spread of the residuals found, brightness fitted to them.
+  float geometric_scale = 1.0F;
+  float photometric_scale = 10.0F;
+  float gain = 1.0F;
+  float bias = 0.0F;
+};
+
+[[nodiscard]] AlignmentSystem BuildAlignmentSystem(const PyramidLevel& i,
+                                                   const PyramidLevel& j,
+                                                   const Pose3& i_from_j,
+                                                   const AlignmentGates& gates,
+                                                   const DepthNoise& noise);
+
+}  // namespace deepslam::odometry

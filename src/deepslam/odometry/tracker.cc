@@ -1,0 +1,271 @@
+#include "deepslam/odometry/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "deepslam/odometry/pose_interpolation.h"
+#include "deepslam/odometry/rotation_search.h"
+
+namespace deepslam::odometry {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+// A motion is carried on over at most this many times the interval it was measured in.
+constexpr double kMaxPredictionRatio = 3.0;
+// Overlap that a skip edge needs: below, it adds little and fails often.
+constexpr double kSkipEdgeOverlap = 0.4;
+
+Matrix6d DiagonalInformation(double translation_m, double rotation_deg) {
+  Vector6d diagonal;
+  diagonal.head<3>().setConstant(1 / (translation_m * translation_m));
+  diagonal.tail<3>().setConstant(1 / std::pow(rotation_deg * kRadPerDeg, 2));
+  return diagonal.asDiagonal();
+}
+
+}  // namespace
+
+void Tracker::Add(FrameIdx frame, double time_s, std::shared_ptr<const FramePyramid> pyramid) {
+  if (pyramid == nullptr) {
+    AddUnaligned(TrackingStatus::kUnreadable, frame, time_s);
+    return;
+  }
+  if (pyramid->valid_share < options_.min_valid_share) {
+    AddUnaligned(TrackingStatus::kLost, frame, time_s);
+    return;
+  }
+  Anchor anchor{frame, time_s, std::move(pyramid), Pose3{}, piece_};
+  if (keyframes_.empty()) {
+    odometry_.frames.push_back({frame, time_s, Pose3{}, TrackingStatus::kTracked, frame, 0, 1});
+    PushKeyframe(anchor);
+    previous_ = anchor;
+    return;
+  }
+  Align(anchor);
+}
+
+void Tracker::AddUnaligned(TrackingStatus status, FrameIdx frame, double time_s) {
+  const Pose3 last = previous_ ? previous_->world_from_camera : Pose3{};
+  const FrameIdx keyframe = keyframes_.empty() ? FrameIdx{} : keyframes_.back().frame;
+  odometry_.frames.push_back({frame, time_s, last, status, keyframe, 0, 0});
+}
+
+void Tracker::Align(Anchor& frame) {
+  if (AlignToReference(frame) || AlignToPrevious(frame) || Relocalise(frame) ||
+      AlignToPending(frame))
+    return;
+  Lose(frame);
+}
+
+std::vector<Pose3> Tracker::Starts(const Anchor& frame) const {
+  std::vector<Pose3> starts;
+  const Pose3& last = previous_->world_from_camera;
+  if (options_.motion_prediction && last_interval_s_ > 0) {
+    const double ratio = (frame.time_s - previous_->time_s) / last_interval_s_;
+    if (ratio > 0 && ratio <= kMaxPredictionRatio) {
+      starts.push_back(last * V2t(ratio * T2v(last_motion_)));
+    }
+  }
+  starts.push_back(last);
+  if (options_.rotation_search) {
+    if (const auto start = SearchStart(*previous_, frame)) starts.push_back(*start);
+  }
+  return starts;
+}
+
+std::optional<Pose3> Tracker::SearchStart(const Anchor& anchor, const Anchor& frame) const {
+  const auto rotation = SearchRotation(*anchor.pyramid, *frame.pyramid);
+  if (!rotation) return std::nullopt;
+  return anchor.world_from_camera * Pose3{*rotation, Eigen::Vector3d::Zero()};
+}
+
+FrameAlignment Tracker::AlignTo(const Anchor& anchor,
+                                const Anchor& frame,
+                                const std::vector<Pose3>& starts_world) const {
+  const Pose3 anchor_from_world = anchor.world_from_camera.Inverse();
+  std::vector<Pose3> starts;
+  starts.reserve(starts_world.size());
+  for (const Pose3& start : starts_world) starts.push_back(anchor_from_world * start);
+  return AlignPyramids(*anchor.pyramid, *frame.pyramid, starts, options_.alignment);
+}
+
+void Tracker::Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment) {
+  frame.world_from_camera = aligned_to.world_from_camera * alignment.i_from_j;
+  frame.piece = aligned_to.piece;
+  last_motion_ = previous_->world_from_camera.Inverse() * frame.world_from_camera;
+  last_interval_s_ = frame.time_s - previous_->time_s;
+  pending_.reset();
+}
+
+void Tracker::AddAligned(const Anchor& frame, const FrameAlignment& alignment) {
+  const TrackingStatus status =
+      alignment.degenerate ? TrackingStatus::kDegenerate : TrackingStatus::kTracked;
+  odometry_.frames.push_back({frame.frame,
+                              frame.time_s,
+                              frame.world_from_camera,
+                              status,
+                              keyframes_.back().frame,
+                              alignment.rmse_m,
+                              alignment.inlier_share});
+  previous_ = frame;
+}
+
+bool Tracker::AlignToReference(Anchor& frame) {
+  const bool to_previous = options_.reference == "previous";
+  const Anchor reference = to_previous ? *previous_ : keyframes_.back();
+  const FrameAlignment alignment = AlignTo(reference, frame, Starts(frame));
+  if (!alignment.ok) return false;
+  Accept(frame, reference, alignment);
+  if (to_previous) {
+    previous_alignment_.reset();
+    if (WantsKeyframe(frame, 1.0)) AddKeyframe(frame, nullptr);
+  } else {
+    previous_alignment_ = alignment;
+    if (WantsKeyframe(frame, alignment.overlap)) AddKeyframe(frame, &alignment);
+  }
+  AddAligned(frame, alignment);
+  return true;
+}
+
+// Too far from the keyframe, but still near the frame before: that one becomes the keyframe.
+bool Tracker::AlignToPrevious(Anchor& frame) {
+  if (options_.reference == "previous" || previous_->frame == keyframes_.back().frame) return false;
+  const FrameAlignment alignment = AlignTo(*previous_, frame, Starts(frame));
+  if (!alignment.ok) return false;
+  const std::optional<FrameAlignment> direct = previous_alignment_;
+  AddKeyframe(*previous_, direct ? &*direct : nullptr);
+  Accept(frame, *previous_, alignment);
+  previous_alignment_ = alignment;
+  AddAligned(frame, alignment);
+  return true;
+}
+
+bool Tracker::Relocalise(Anchor& frame) {
+  for (auto keyframe = keyframes_.rbegin(); keyframe != keyframes_.rend(); ++keyframe) {
+    std::vector<Pose3> starts{previous_->world_from_camera, keyframe->world_from_camera};
+    if (const auto start = SearchStart(*keyframe, frame)) starts.push_back(*start);
+    const FrameAlignment alignment = AlignTo(*keyframe, frame, starts);
+    if (!alignment.ok) continue;
+    const Anchor found = *keyframe;
+    Accept(frame, found, alignment);
+    last_interval_s_ = 0;  // the motion across a loss predicts nothing
+    if (found.frame != keyframes_.back().frame) {
+      AddEdge(found, frame, alignment);
+      AddWeakEdge(keyframes_.back(), frame);
+    } else {
+      AddEdge(found, frame, alignment);
+    }
+    PushKeyframe(frame);
+    previous_alignment_.reset();
+    AddAligned(frame, alignment);
+    return true;
+  }
+  return false;
+}
+
+// The frame before was lost as well, but the two fit together: a new piece of trajectory begins
+// there.
+bool Tracker::AlignToPending(Anchor& frame) {
+  if (!pending_) return false;
+  Anchor start = *pending_;
+  std::vector<Pose3> starts{start.world_from_camera};
+  if (const auto found = SearchStart(start, frame)) starts.push_back(*found);
+  const FrameAlignment alignment = AlignTo(start, frame, starts);
+  if (!alignment.ok) return false;
+  start.piece = ++piece_;
+  AddWeakEdge(keyframes_.back(), start);
+  PushKeyframe(start);
+  odometry_.frames[static_cast<std::size_t>(start.frame.value)].keyframe = start.frame;
+  previous_ = start;
+  Accept(frame, start, alignment);
+  previous_alignment_ = alignment;
+  AddAligned(frame, alignment);
+  return true;
+}
+
+void Tracker::Lose(const Anchor& frame) {
+  AddUnaligned(TrackingStatus::kLost, frame.frame, frame.time_s);
+  pending_ = frame;
+  pending_->world_from_camera = previous_->world_from_camera;
+  last_interval_s_ = 0;
+}
+
+bool Tracker::WantsKeyframe(const Anchor& frame, double overlap) const {
+  const Pose3 moved = keyframes_.back().world_from_camera.Inverse() * frame.world_from_camera;
+  return moved.translation_m.norm() > options_.keyframe_distance_m ||
+         RotationAngle(moved.rotation) > options_.keyframe_angle_deg * kRadPerDeg ||
+         overlap < options_.keyframe_min_overlap;
+}
+
+void Tracker::AddKeyframe(const Anchor& frame, const FrameAlignment* direct) {
+  const Anchor& last = keyframes_.back();
+  if (direct != nullptr) {
+    AddEdge(last, frame, *direct);
+  } else {
+    const FrameAlignment alignment = AlignTo(last, frame, {frame.world_from_camera});
+    if (alignment.ok) {
+      AddEdge(last, frame, alignment);
+    } else {
+      AddWeakEdge(last, frame);
+    }
+  }
+  AddSkipEdge(frame);
+  PushKeyframe(frame);
+  previous_alignment_.reset();
+}
+
+void Tracker::AddSkipEdge(const Anchor& frame) {
+  if (!options_.skip_edges || keyframes_.size() < 2) return;
+  const Anchor& before_last = keyframes_[keyframes_.size() - 2];
+  if (before_last.piece != frame.piece) return;
+  const FrameAlignment alignment = AlignTo(before_last, frame, {frame.world_from_camera});
+  if (alignment.ok && alignment.overlap >= kSkipEdgeOverlap) AddEdge(before_last, frame, alignment);
+}
+
+void Tracker::PushKeyframe(const Anchor& frame) {
+  odometry_.keyframes.push_back(frame.frame);
+  keyframes_.push_back(frame);
+  while (keyframes_.size() > static_cast<std::size_t>(options_.num_relocalisation_keyframes))
+    keyframes_.pop_front();
+}
+
+void Tracker::AddEdge(const Anchor& i, const Anchor& j, const FrameAlignment& alignment) {
+  odometry_.edges.push_back({i.frame, j.frame, alignment.i_from_j, alignment.information, false});
+}
+
+void Tracker::AddWeakEdge(const Anchor& i, const Anchor& j) {
+  odometry_.edges.push_back(
+      {i.frame,
+       j.frame,
+       i.world_from_camera.Inverse() * j.world_from_camera,
+       DiagonalInformation(options_.lost_translation_m, options_.lost_rotation_deg),
+       true});
+}
+
+// Frames without an alignment of their own lie between their aligned neighbours, as far as there
+// are any.
+void Tracker::InterpolateGaps() {
+  std::vector<std::optional<Pose3>> poses;
+  std::vector<double> times;
+  for (const TrackedFrame& frame : odometry_.frames) {
+    const bool aligned = frame.status == TrackingStatus::kTracked ||
+                         frame.status == TrackingStatus::kDegenerate ||
+                         frame.keyframe == frame.frame;
+    poses.push_back(aligned ? std::optional(frame.world_from_camera) : std::nullopt);
+    times.push_back(frame.time_s);
+  }
+  const std::vector<Pose3> filled = InterpolateMissing(poses, times);
+  for (std::size_t k = 0; k < filled.size(); ++k) odometry_.frames[k].world_from_camera = filled[k];
+}
+
+Odometry Tracker::Finish() && {
+  if (odometry_.keyframes.empty()) return std::move(odometry_);
+  for (TrackedFrame& frame : odometry_.frames) {
+    if (!frame.keyframe.valid()) frame.keyframe = odometry_.keyframes.front();
+  }
+  InterpolateGaps();
+  return std::move(odometry_);
+}
+
+}  // namespace deepslam::odometry

@@ -1,0 +1,71 @@
+// The sequential part of tracking: takes prepared frames in order, keeps the anchors they are
+// aligned to.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "deepslam/odometry/odometry.h"
+
+namespace deepslam::odometry {
+
+class Tracker {
+ public:
+  explicit Tracker(const OdometryOptions& options) : options_(options) {}
+
+  // Frames must come in order, none left out. Null: the frame was unreadable.
+  void Add(FrameIdx frame, double time_s, std::shared_ptr<const FramePyramid> pyramid);
+
+  // Keyframes may be empty when no frame was usable.
+  [[nodiscard]] Odometry Finish() &&;
+
+ private:
+  // A frame that others can be aligned to.
+  struct Anchor {
+    FrameIdx frame;
+    double time_s = 0;
+    std::shared_ptr<const FramePyramid> pyramid;
+    Pose3 world_from_camera;
+    int piece = 0;  // connected part of the trajectory it belongs to
+  };
+
+  void AddUnaligned(TrackingStatus status, FrameIdx frame, double time_s);
+  void AddAligned(const Anchor& anchor, const FrameAlignment& alignment);
+  void Align(Anchor& frame);
+  bool AlignToReference(Anchor& frame);
+  bool AlignToPrevious(Anchor& frame);
+  bool Relocalise(Anchor& frame);
+  bool AlignToPending(Anchor& frame);
+  void Lose(const Anchor& frame);
+
+  [[nodiscard]] std::vector<Pose3> Starts(const Anchor& frame) const;
+  [[nodiscard]] FrameAlignment AlignTo(const Anchor& anchor,
+                                       const Anchor& frame,
+                                       const std::vector<Pose3>& starts_world) const;
+  [[nodiscard]] std::optional<Pose3> SearchStart(const Anchor& anchor, const Anchor& frame) const;
+  void Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment);
+
+  [[nodiscard]] bool WantsKeyframe(const Anchor& frame, double overlap) const;
+  // `direct`: the alignment of the frame to the current keyframe where there is one.
+  void AddKeyframe(const Anchor& frame, const FrameAlignment* direct);
+  void AddSkipEdge(const Anchor& frame);
+  void PushKeyframe(const Anchor& frame);
+  void AddEdge(const Anchor& i, const Anchor& j, const FrameAlignment& alignment);
+  void AddWeakEdge(const Anchor& i, const Anchor& j);
+  void InterpolateGaps();
+
+  const OdometryOptions options_;
+  Odometry odometry_;
+  std::deque<Anchor> keyframes_;    // the last ones
+  std::optional<Anchor> previous_;  // the last aligned frame
+  std::optional<FrameAlignment>
+      previous_alignment_;         // of that frame to the current keyframe, if that was it
+  std::optional<Anchor> pending_;  // a usable frame that could not be aligned
+  Pose3 last_motion_;              // previous frame from the one after it
+  double last_interval_s_ = 0;
+  int piece_ = 0;
+};
+
+}  // namespace deepslam::odometry
