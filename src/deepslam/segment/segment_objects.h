@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "deepslam/core/options.h"
@@ -22,6 +23,11 @@ struct SegmentOptions {
   double jump_m = 0.03;        // neighbouring pixels with a larger depth step are not connected ...
   double jump_per_m2 = 0.012;  // ... plus this times the squared depth
   double join_m = 0.12;        // parts whose gap in space is smaller belong together (slats, legs)
+  double min_piece_share =
+      0.6;  // a surface belongs to a box that holds at least this share of its pixels
+  // Classes that are a level top and what carries it, comma separated: theirs is what lies at the
+  // height of the top or under it, never what stands on or before it.
+  std::string level_top_classes = "table,desk";
   double mask_dilation_px = 4;  // an instance mask is widened by this before it cuts
   double border_margin_px = 8;  // a box nearer to the image border touches it
   int min_points = 400;         // fewer pixels: not usable

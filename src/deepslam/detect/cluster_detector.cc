@@ -1,0 +1,390 @@
+#include "deepslam/detect/cluster_detector.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "deepslam/scene/ground.h"
+
+namespace deepslam::detect {
+namespace {
+
+// Height noise of structured light: a part that does not depend on the depth, and one that grows
+// with its square.
+constexpr double kHeightNoise_m = 0.03;
+constexpr double kHeightNoisePerM2 = 0.006;
+constexpr int kMinCellPoints = 3;
+constexpr double kThin_m = 0.08;     // a flat thing this thin ...
+constexpr double kThinTall_m = 1.2;  // ... and this tall is a piece of wall or a door
+constexpr int kBorder_px = 4;
+constexpr double kBorderShare =
+    0.25;  // of the cluster's height in the image that may run along one border
+
+enum : std::uint8_t { kFloor = 1, kMatter = 2 };
+
+struct GridPoint {
+  int u, v;
+  int cell;
+  float height_m;
+  float x_m, y_m;  // on the ground
+};
+
+// The ground as seen by one camera, in cells around the camera's foot.
+struct GroundGrid {
+  int side = 0;  // cells
+  double cell_m = 0;
+  std::vector<int> num_matter;
+  std::vector<std::uint8_t> kinds;
+  std::vector<GridPoint> points;  // above the ground, in image order
+
+  [[nodiscard]] int Cell(double x_m, double y_m) const {
+    const int i = side / 2 + static_cast<int>(std::floor(x_m / cell_m));
+    const int j = side / 2 + static_cast<int>(std::floor(y_m / cell_m));
+    if (i < 1 || j < 1 || i >= side - 1 || j >= side - 1) return -1;
+    return i * side + j;
+  }
+};
+
+GroundGrid MakeGrid(const Frame& frame,
+                    const PinholeCamera& camera,
+                    const Plane& ground_camera,
+                    const ClusterOptions& options) {
+  GroundGrid grid;
+  grid.cell_m = options.cell_m;
+  grid.side = 2 * static_cast<int>(std::ceil(1.5 * options.max_depth_m / options.cell_m)) + 3;
+  const auto num_cells = static_cast<std::size_t>(grid.side) * static_cast<std::size_t>(grid.side);
+  grid.num_matter.assign(num_cells, 0);
+  grid.kinds.assign(num_cells, 0);
+  const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
+  for (int v = 0; v < frame.depth_m.height(); ++v) {
+    for (int u = 0; u < frame.depth_m.width(); ++u) {
+      const double depth_m = frame.depth_m(u, v);
+      if (!(depth_m > 0) || depth_m > options.max_depth_m) continue;
+      const Eigen::Vector3d p = camera.Unproject(u, v, depth_m);
+      const Eigen::Vector2d on_ground_m = basis.transpose() * p;
+      const int cell = grid.Cell(on_ground_m.x(), on_ground_m.y());
+      if (cell < 0) continue;
+      const double height_m = ground_camera.SignedDistance(p);
+      const double noise_m = kHeightNoise_m + kHeightNoisePerM2 * depth_m * depth_m;
+      const auto index = static_cast<std::size_t>(cell);
+      if (std::abs(height_m) <= noise_m) {
+        grid.kinds[index] |= kFloor;
+      } else if (height_m > noise_m) {
+        if (height_m >= options.min_height_m) ++grid.num_matter[index];
+        grid.points.push_back({u,
+                               v,
+                               cell,
+                               static_cast<float>(height_m),
+                               static_cast<float>(on_ground_m.x()),
+                               static_cast<float>(on_ground_m.y())});
+      }
+    }
+  }
+  for (std::size_t i = 0; i < num_cells; ++i) {
+    if (grid.num_matter[i] >= kMinCellPoints) grid.kinds[i] |= kMatter;
+  }
+  return grid;
+}
+
+std::array<int, 8> Neighbours(int cell, int side) {
+  return {cell - side - 1,
+          cell - side,
+          cell - side + 1,
+          cell - 1,
+          cell + 1,
+          cell + side - 1,
+          cell + side,
+          cell + side + 1};
+}
+
+// Component of every matter cell, -1 elsewhere; components count from 0 in the order of their first
+// cells.
+struct Components {
+  std::vector<int> of_cell;
+  int count = 0;
+};
+
+Components ConnectCells(const GroundGrid& grid) {
+  Components components;
+  components.of_cell.assign(grid.kinds.size(), -1);
+  std::vector<int> open;
+  const int num_cells = static_cast<int>(grid.kinds.size());
+  for (int seed = 0; seed < num_cells; ++seed) {
+    const auto s = static_cast<std::size_t>(seed);
+    if ((grid.kinds[s] & kMatter) == 0 || components.of_cell[s] >= 0) continue;
+    components.of_cell[s] = components.count;
+    open.assign(1, seed);
+    while (!open.empty()) {
+      const int cell = open.back();
+      open.pop_back();
+      for (const int next : Neighbours(cell, grid.side)) {
+        if (next < 0 || next >= num_cells) continue;
+        const auto n = static_cast<std::size_t>(next);
+        if ((grid.kinds[n] & kMatter) == 0 || components.of_cell[n] >= 0) continue;
+        components.of_cell[n] = components.count;
+        open.push_back(next);
+      }
+    }
+    ++components.count;
+  }
+  return components;
+}
+
+struct Cluster {
+  std::vector<GridPoint> points;
+  std::vector<int> cells;
+  double min_height_m = 0;
+  double max_height_m = 0;
+  double long_side_m = 0;  // on the ground
+  double short_side_m = 0;
+  int num_left = 0;  // pixels at the image's borders
+  int num_right = 0;
+  int num_top = 0;
+  int num_rows = 0;
+  Box2 box_px;
+};
+
+// Sides of the points' rectangle along their principal directions, outermost hundredth left out.
+void MeasureFootprint(Cluster& cluster) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const GridPoint& p : cluster.points) mean += Eigen::Vector2d(p.x_m, p.y_m);
+  mean /= static_cast<double>(cluster.points.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const GridPoint& p : cluster.points) {
+    const Eigen::Vector2d d = Eigen::Vector2d(p.x_m, p.y_m) - mean;
+    scatter += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter);
+  std::array<double, 2> sides = {0, 0};
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> along;
+    for (const GridPoint& p : cluster.points) {
+      along.push_back(solver.eigenvectors().col(axis).dot(Eigen::Vector2d(p.x_m, p.y_m)));
+    }
+    std::sort(along.begin(), along.end());
+    const std::size_t cut = along.size() / 100;
+    sides[static_cast<std::size_t>(axis)] = along[along.size() - 1 - cut] - along[cut];
+  }
+  cluster.short_side_m = std::min(sides[0], sides[1]);
+  cluster.long_side_m = std::max(sides[0], sides[1]);
+}
+
+void MeasureImage(const Frame& frame, Cluster& cluster) {
+  Box2 box = {1e9, 1e9, -1, -1};
+  for (const GridPoint& p : cluster.points) {
+    box = {std::min<double>(box.u_min, p.u),
+           std::min<double>(box.v_min, p.v),
+           std::max<double>(box.u_max, p.u),
+           std::max<double>(box.v_max, p.v)};
+    cluster.num_left += p.u < kBorder_px ? 1 : 0;
+    cluster.num_right += p.u >= frame.depth_m.width() - kBorder_px ? 1 : 0;
+    cluster.num_top += p.v < kBorder_px ? 1 : 0;
+  }
+  cluster.box_px = box;
+  cluster.num_rows = static_cast<int>(box.height_px()) + 1;
+}
+
+std::vector<Cluster> GatherClusters(const Frame& frame,
+                                    const GroundGrid& grid,
+                                    const Components& components) {
+  std::vector<Cluster> clusters(static_cast<std::size_t>(components.count));
+  for (const GridPoint& p : grid.points) {
+    const int c = components.of_cell[static_cast<std::size_t>(p.cell)];
+    if (c >= 0) clusters[static_cast<std::size_t>(c)].points.push_back(p);
+  }
+  for (std::size_t i = 0; i < components.of_cell.size(); ++i) {
+    const int c = components.of_cell[i];
+    if (c >= 0) clusters[static_cast<std::size_t>(c)].cells.push_back(static_cast<int>(i));
+  }
+  for (Cluster& cluster : clusters) {
+    std::vector<float> heights;
+    for (const GridPoint& p : cluster.points) heights.push_back(p.height_m);
+    if (heights.empty()) continue;
+    std::sort(heights.begin(), heights.end());
+    cluster.min_height_m = heights[heights.size() / 100];
+    cluster.max_height_m = heights[heights.size() - 1 - heights.size() / 100];
+    MeasureFootprint(cluster);
+    MeasureImage(frame, cluster);
+  }
+  return clusters;
+}
+
+// Share of the outline towards the camera in front of which floor is seen: 1 for a thing that
+// stands free.
+double FreeShare(const GroundGrid& grid,
+                 const Components& components,
+                 const Cluster& cluster,
+                 const ClusterOptions& options) {
+  const int component = components.of_cell[static_cast<std::size_t>(cluster.cells.front())];
+  const int reach = std::max(1, static_cast<int>(std::lround(options.free_margin_m / grid.cell_m)));
+  int num_front = 0;
+  int num_free = 0;
+  for (const int cell : cluster.cells) {
+    const Eigen::Vector2d place(cell / grid.side - grid.side / 2, cell % grid.side - grid.side / 2);
+    if (place.norm() < 2.0) continue;
+    const Eigen::Vector2d step = -place.normalized();
+    bool front = true;
+    bool floor = false;
+    for (int k = 1; k <= reach && front; ++k) {
+      const Eigen::Vector2d q = place + k * step;
+      const int i = static_cast<int>(std::lround(q.x())) + grid.side / 2;
+      const int j = static_cast<int>(std::lround(q.y())) + grid.side / 2;
+      const auto index = static_cast<std::size_t>(i * grid.side + j);
+      if (static_cast<int>(index) != cell && components.of_cell[index] == component) front = false;
+      floor = floor || (grid.kinds[index] & kFloor) != 0;
+    }
+    num_front += front ? 1 : 0;
+    num_free += front && floor ? 1 : 0;
+  }
+  return num_front > 0 ? static_cast<double>(num_free) / num_front : 0.0;
+}
+
+bool IsFurniture(const Cluster& cluster, const Frame& frame, const ClusterOptions& options) {
+  const auto num_pixels = static_cast<double>(frame.depth_m.size());
+  const double cell_m2 = options.cell_m * options.cell_m;
+  if (static_cast<double>(cluster.points.size()) < options.min_points_share * num_pixels)
+    return false;
+  if (static_cast<double>(cluster.cells.size()) * cell_m2 < options.min_footprint_m2) return false;
+  if (cluster.max_height_m > options.max_height_m || cluster.min_height_m > options.max_base_m) {
+    return false;
+  }
+  const double longest_m = std::max(cluster.long_side_m, cluster.max_height_m);
+  if (longest_m < options.min_size_m || cluster.long_side_m > options.max_size_m) return false;
+  if (cluster.short_side_m < kThin_m && cluster.max_height_m > kThinTall_m) return false;
+  // What runs out of the picture on both sides or through its top may be anything.
+  const double limit = kBorderShare * cluster.num_rows * kBorder_px;
+  const bool left = cluster.num_left > limit;
+  const bool right = cluster.num_right > limit;
+  return !(left && right) &&
+         cluster.num_top <= kBorderShare * cluster.box_px.width_px() * kBorder_px;
+}
+
+double CoveredShare(const Cluster& cluster, std::span<const Detection> covered) {
+  std::size_t count = 0;
+  for (const GridPoint& p : cluster.points) {
+    count += std::any_of(covered.begin(),
+                         covered.end(),
+                         [&](const Detection& d) { return d.box_px.Contains(p.u, p.v); })
+                 ? 1U
+                 : 0U;
+  }
+  return static_cast<double>(count) / static_cast<double>(cluster.points.size());
+}
+
+// The class without detector labels whose sizes hold the cluster, most central first; `furniture`
+// if none does.
+std::string ClassOf(const Cluster& cluster, const ClassTable& classes) {
+  const double longest_m = std::max(cluster.long_side_m, cluster.max_height_m);
+  const auto distance = [](double value, double low, double high) {
+    return high > low ? std::abs(value - 0.5 * (low + high)) / (0.5 * (high - low)) : 2.0;
+  };
+  std::string best;
+  double best_distance = 1.0;
+  for (const ObjectClass& c : classes.classes) {
+    if (!c.detector_labels.empty() || c.name == kFurnitureClass) continue;
+    const double d = std::max(distance(longest_m, c.min_size_m, c.max_size_m),
+                              distance(cluster.max_height_m, c.min_height_m, c.max_height_m));
+    if (d <= best_distance) {
+      best_distance = d;
+      best = c.name;
+    }
+  }
+  if (best.empty() && classes.Find(kFurnitureClass) != nullptr) best = kFurnitureClass;
+  return best;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, ClusterOptions& options) {
+  visitor.Field("enabled", options.enabled, "look for floor-standing clusters no detection covers");
+  visitor.Field(
+      "min_height_m", options.min_height_m, {0.02, 1}, "m", "lower points belong to the ground");
+  visitor.Field("max_height_m",
+                options.max_height_m,
+                {0.3, 5},
+                "m",
+                "clusters that reach higher belong to the room");
+  visitor.Field("max_depth_m", options.max_depth_m, {0.5, 20}, "m", "farther depth is not used");
+  visitor.Field("max_base_m",
+                options.max_base_m,
+                {0.02, 1},
+                "m",
+                "a cluster's lowest point must be this near to the ground");
+  visitor.Field("cell_m",
+                options.cell_m,
+                {0.01, 0.2},
+                "m",
+                "cell of the grid on the ground in which clusters are connected");
+  visitor.Field("min_footprint_m2",
+                options.min_footprint_m2,
+                {0, 5},
+                "m2",
+                "clusters that cover less ground are dropped");
+  visitor.Field(
+      "min_size_m", options.min_size_m, {0.05, 5}, "m", "least longest side of a cluster");
+  visitor.Field("max_size_m",
+                options.max_size_m,
+                {0.3, 10},
+                "m",
+                "wider clusters are walls or fitted furniture");
+  visitor.Field("min_points_share",
+                options.min_points_share,
+                {0, 1},
+                "1",
+                "least share of the image's pixels");
+  visitor.Field("max_covered_share",
+                options.max_covered_share,
+                {0, 1},
+                "1",
+                "clusters covered more than this by detections are dropped");
+  visitor.Field("free_margin_m",
+                options.free_margin_m,
+                {0.02, 1},
+                "m",
+                "floor must be seen within this distance of the cluster's foot");
+  visitor.Field("min_free_share",
+                options.min_free_share,
+                {0, 1},
+                "1",
+                "share of the outline along which floor must be seen");
+}
+
+std::vector<Detection> DetectClusters(const Frame& frame,
+                                      const PinholeCamera& camera,
+                                      const Plane& ground_camera,
+                                      std::span<const Detection> covered,
+                                      const ClassTable& classes,
+                                      const ClusterOptions& options) {
+  if (!options.enabled || frame.depth_m.empty() || !(camera.fx > 0) || !(camera.fy > 0)) return {};
+  const GroundGrid grid = MakeGrid(frame, camera, ground_camera, options);
+  const Components components = ConnectCells(grid);
+  std::vector<Cluster> clusters = GatherClusters(frame, grid, components);
+  std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
+    return a.points.size() > b.points.size();
+  });
+  std::vector<Detection> detections;
+  for (const Cluster& cluster : clusters) {
+    if (cluster.points.empty() || !IsFurniture(cluster, frame, options)) continue;
+    const double free_share = FreeShare(grid, components, cluster, options);
+    if (free_share < options.min_free_share) continue;
+    if (CoveredShare(cluster, covered) > options.max_covered_share) continue;
+    Detection detection;
+    detection.frame = frame.idx;
+    detection.class_name = ClassOf(cluster, classes);
+    if (detection.class_name.empty()) continue;
+    detection.score = 0.3 + 0.4 * free_share;  // never above a good detection of a network
+    detection.box_px = cluster.box_px;
+    detection.source = DetectionSource::kCluster;
+    detection.mask = Mask(frame.depth_m.width(), frame.depth_m.height());
+    for (const GridPoint& p : cluster.points) detection.mask(p.u, p.v) = 1;
+    detections.push_back(std::move(detection));
+  }
+  return detections;
+}
+
+}  // namespace deepslam::detect

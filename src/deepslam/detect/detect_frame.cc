@@ -1,0 +1,83 @@
+#include "deepslam/detect/detect_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace deepslam::detect {
+namespace {
+
+bool IsSane(const RawDetection& raw) {
+  return std::isfinite(raw.score) && std::isfinite(raw.box_px.u_min) &&
+         std::isfinite(raw.box_px.v_min) && std::isfinite(raw.box_px.u_max) &&
+         std::isfinite(raw.box_px.v_max);
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, DetectOptions& options) {
+  visitor.Field(
+      "min_score", options.min_score, {0, 1}, "1", "detections with a lower score are dropped");
+  visitor.Field("duplicate_iou",
+                options.duplicate_iou,
+                {0, 1},
+                "1",
+                "of two boxes of different classes with more overlap than this the better stays");
+  visitor.Field("same_class_iou",
+                options.same_class_iou,
+                {0, 1},
+                "1",
+                "of two boxes of one class with more overlap than this the better stays");
+  visitor.Field("min_side_px",
+                options.min_side_px,
+                {1, 1000},
+                "px",
+                "boxes narrower or lower than this are dropped");
+}
+
+std::vector<Detection> MapDetections(std::span<const RawDetection> raw,
+                                     const Frame& frame,
+                                     const ClassTable& classes,
+                                     const DetectOptions& options) {
+  const Box2 image = {0, 0, frame.colour.width() - 1.0, frame.colour.height() - 1.0};
+  std::vector<Detection> found;
+  for (const RawDetection& r : raw) {
+    if (!IsSane(r) || r.score < options.min_score) continue;
+    const ObjectClass* object_class = classes.FindByLabel(r.label);
+    const Box2 box = Intersection(r.box_px, image);
+    const bool large = !box.empty() && box.width_px() >= options.min_side_px &&
+                       box.height_px() >= options.min_side_px;
+    if (object_class == nullptr || !large) continue;
+    Detection detection;
+    detection.frame = frame.idx;
+    detection.class_name = object_class->name;
+    detection.score = std::min(1.0, r.score);
+    detection.box_px = box;
+    detection.mask = r.mask;
+    found.push_back(std::move(detection));
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Detection& a, const Detection& b) {
+    return a.score > b.score;
+  });
+  std::vector<Detection> kept;
+  for (Detection& candidate : found) {
+    const bool repeated = std::any_of(kept.begin(), kept.end(), [&](const Detection& better) {
+      const double limit = better.class_name == candidate.class_name ? options.same_class_iou
+                                                                     : options.duplicate_iou;
+      return IntersectionOverUnion(better.box_px, candidate.box_px) > limit;
+    });
+    if (!repeated) kept.push_back(std::move(candidate));
+  }
+  return kept;
+}
+
+Result<std::vector<Detection>> DetectFrame(const Detector& detector,
+                                           const Frame& frame,
+                                           const ClassTable& classes,
+                                           const DetectOptions& options) {
+  const Result<std::vector<RawDetection>> raw = detector.Detect(frame.colour);
+  if (!raw.ok()) return raw.error();
+  return MapDetections(*raw, frame, classes, options);
+}
+
+}  // namespace deepslam::detect

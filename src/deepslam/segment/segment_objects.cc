@@ -1,0 +1,244 @@
+#include "deepslam/segment/segment_objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <utility>
+
+#include "deepslam/scene/ground.h"
+#include "deepslam/segment/assign_pieces.h"
+#include "deepslam/segment/connect.h"
+#include "deepslam/segment/image_pieces.h"
+#include "deepslam/segment/level_top.h"
+#include "deepslam/segment/region.h"
+
+namespace deepslam::segment {
+namespace {
+
+// Parts apart from the main one belong to it inside its bounds widened by this.
+constexpr float kExtentMargin_m = 0.05F;
+// Width of the weight by which the middle of a box counts, in units of the box's sides.
+constexpr double kCentralWidth = 0.3;
+
+bool HasLevelTop(const std::string& class_name, const SegmentOptions& options) {
+  std::istringstream list(options.level_top_classes);
+  std::string name;
+  while (std::getline(list, name, ',')) {
+    if (name == class_name) return true;
+  }
+  return false;
+}
+
+// What carries a top: pieces under it that are not level themselves (a seat pushed under the table
+// is) and that nobody else has claimed.
+void ClaimCarrier(const ImagePieces& pieces,
+                  const Plane& ground_camera,
+                  const LevelTop& top,
+                  const Region& region,
+                  int owner,
+                  Owners& owners) {
+  std::vector<int> num_under(pieces.num_pixels.size(), 0);
+  const auto is_under = [&](int u, int v) {
+    return pieces.piece(u, v) >= 0 && owners(u, v) < 0 && pieces.horizontal(u, v) == 0 &&
+           IsUnder(top, ground_camera, pieces.points_camera(u, v).cast<double>());
+  };
+  Mask under(owners.width(), owners.height());
+  region.ForEach([&](int u, int v) {
+    if (!is_under(u, v)) return;
+    under(u, v) = 1;
+    ++num_under[static_cast<std::size_t>(pieces.piece(u, v))];
+  });
+  region.ForEach([&](int u, int v) {
+    if (under(u, v) == 0) return;
+    const auto id = static_cast<std::size_t>(pieces.piece(u, v));
+    if (2 * num_under[id] > pieces.num_pixels[id]) owners(u, v) = owner;
+  });
+}
+
+// Points in axes along the ground's tangents and its normal, so that bounds of upright things are
+// tight.
+Eigen::Matrix3f Upright(const std::optional<Plane>& ground_camera) {
+  if (!ground_camera) return Eigen::Matrix3f::Identity();
+  Eigen::Matrix3d axes;
+  axes << GroundTangentBasis(ground_camera->normal), ground_camera->normal;
+  return axes.transpose().cast<float>();
+}
+
+// Drops what neither hangs together with the main part nor lies within its bounds.
+std::vector<PixelPoint> KeepMainPart(const std::vector<PixelPoint>& points,
+                                     const Region& region,
+                                     const std::optional<Plane>& ground_camera,
+                                     const SegmentOptions& options) {
+  const Groups groups = ConnectPoints(points, options.join_m);
+  const double u_mid = 0.5 * (region.u_min + region.u_max);
+  const double v_mid = 0.5 * (region.v_min + region.v_max);
+  const double u_width = kCentralWidth * (region.u_max - region.u_min + 1);
+  const double v_width = kCentralWidth * (region.v_max - region.v_min + 1);
+  const int main = groups.Heaviest([&](std::size_t i) {
+    const double du = (points[i].u - u_mid) / u_width;
+    const double dv = (points[i].v - v_mid) / v_width;
+    return std::exp(-0.5 * (du * du + dv * dv));
+  });
+  const Eigen::Matrix3f upright = Upright(ground_camera);
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9F);
+  Eigen::Vector3f high = -low;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (groups.of_point[i] != main) continue;
+    const Eigen::Vector3f p = upright * points[i].p_camera;
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  low.array() -= kExtentMargin_m;
+  high.array() += kExtentMargin_m;
+  if (ground_camera) low.z() = -1e9F;  // legs reach down to the ground
+  std::vector<PixelPoint> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = upright * points[i].p_camera;
+    const bool within = (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+    if (groups.of_point[i] == main || within) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+Segment Describe(const Detection& detection,
+                 const Region& region,
+                 const std::vector<PixelPoint>& points,
+                 int width,
+                 int height,
+                 const SegmentOptions& options) {
+  Segment segment;
+  segment.detection = detection.id;
+  segment.frame = detection.frame;
+  segment.class_name = detection.class_name;
+  segment.score = detection.score;
+  segment.box_px = detection.box_px;
+  segment.mask = Mask(width, height);
+  for (const PixelPoint& p : points) {
+    segment.mask(p.u, p.v) = 1;
+    segment.extent_camera.Extend(p.p_camera.cast<double>());
+  }
+  segment.num_points = static_cast<int>(points.size());
+  const int area_px = region.area_px();
+  segment.depth_support = area_px > 0 ? static_cast<double>(points.size()) / area_px : 0.0;
+  const double margin = options.border_margin_px;
+  segment.touches_border = region.empty() || region.u_min < margin || region.v_min < margin ||
+                           region.u_max > width - 1 - margin || region.v_max > height - 1 - margin;
+  segment.usable =
+      segment.num_points >= options.min_points && segment.depth_support >= options.min_support;
+  if (region.empty()) {
+    segment.reason = "box outside the image";
+  } else if (segment.num_points < options.min_points) {
+    segment.reason = "too few points";
+  } else if (!segment.usable) {
+    segment.reason = "too little depth in the box";
+  }
+  return segment;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, SegmentOptions& options) {
+  visitor.Field("max_depth_m", options.max_depth_m, {0.5, 50}, "m", "farther depth is not used");
+  visitor.Field("min_height_m",
+                options.min_height_m,
+                {0, 1},
+                "m",
+                "lower pixels are ground, close to the camera");
+  visitor.Field("height_per_m2",
+                options.height_per_m2,
+                {0, 0.1},
+                "1/m",
+                "growth of that height with the squared depth");
+  visitor.Field("jump_m",
+                options.jump_m,
+                {0.001, 1},
+                "m",
+                "depth step that parts neighbouring pixels, close to the camera");
+  visitor.Field("jump_per_m2",
+                options.jump_per_m2,
+                {0, 0.1},
+                "1/m",
+                "growth of that step with the squared depth");
+  visitor.Field("join_m",
+                options.join_m,
+                {0.01, 1},
+                "m",
+                "parts whose gap in space is smaller belong together");
+  visitor.Field("min_piece_share",
+                options.min_piece_share,
+                {0, 1},
+                "1",
+                "share of a surface that a box must hold to own it");
+  visitor.Field("level_top_classes",
+                options.level_top_classes,
+                "classes that are a level top and what carries it, comma separated");
+  visitor.Field("mask_dilation_px",
+                options.mask_dilation_px,
+                {0, 50},
+                "px",
+                "instance masks are widened by this before they cut");
+  visitor.Field("border_margin_px",
+                options.border_margin_px,
+                {0, 200},
+                "px",
+                "boxes nearer to the image border start no object");
+  visitor.Field("min_points",
+                options.min_points,
+                {1, 1000000},
+                "px",
+                "segments with fewer pixels are not usable");
+  visitor.Field("min_support",
+                options.min_support,
+                {0, 1},
+                "1",
+                "least share of the box's pixels in a usable segment");
+}
+
+std::vector<Segment> SegmentFrame(const Frame& frame,
+                                  const PinholeCamera& camera,
+                                  const std::optional<Plane>& ground_camera,
+                                  std::span<const Detection> detections,
+                                  const SegmentOptions& options) {
+  const int width = frame.depth_m.width();
+  const int height = frame.depth_m.height();
+  const std::vector<Region> regions = MakeRegions(detections, width, height, options);
+  Owners owners(width, height, -1);
+  ImagePieces pieces;
+  std::vector<std::pair<std::size_t, LevelTop>> tops;
+  if (!detections.empty() && camera.fx > 0 && camera.fy > 0) {
+    pieces = CutIntoPieces(frame.depth_m, camera, ground_camera, options);
+    std::vector<bool> takes_pieces(detections.size(), true);
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      if (!ground_camera || !HasLevelTop(detections[d].class_name, options)) continue;
+      std::optional<LevelTop> top =
+          ClaimLevelTop(pieces, *ground_camera, regions[d], static_cast<int>(d), options, owners);
+      if (!top) continue;
+      takes_pieces[d] = false;
+      tops.emplace_back(d, std::move(*top));
+    }
+    AssignPieces(pieces, regions, takes_pieces, options, owners);
+    for (const auto& [d, top] : tops) {
+      ClaimCarrier(pieces, *ground_camera, top, regions[d], static_cast<int>(d), owners);
+    }
+  }
+  std::vector<std::vector<PixelPoint>> points(detections.size());
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const std::int32_t owner = owners(u, v);
+      if (owner < 0) continue;
+      points[static_cast<std::size_t>(owner)].push_back({u, v, pieces.points_camera(u, v)});
+    }
+  }
+  std::vector<Segment> segments;
+  for (std::size_t d = 0; d < detections.size(); ++d) {
+    const bool top =
+        std::any_of(tops.begin(), tops.end(), [d](const auto& entry) { return entry.first == d; });
+    const std::vector<PixelPoint> kept =
+        top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
+    segments.push_back(Describe(detections[d], regions[d], kept, width, height, options));
+  }
+  return segments;
+}
+
+}  // namespace deepslam::segment
