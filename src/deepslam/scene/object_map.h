@@ -12,15 +12,16 @@
 
 namespace deepslam {
 
-// What one view says about one placed candidate; counts of pixels and points, so that views can be pooled.
+// What one view says about one placed candidate; counts of pixels and points, so that views can be
+// pooled.
 struct ViewAgreement {
   DetectionId view;
   FrameIdx frame;
-  int num_points = 0;            // object points judged
-  double surface = 0;            // mean agreement of the object's points with the model's surface, [0, 1]
-  int num_seen = 0;              // rendered model pixels that the depth confirms or contradicts
-  double coverage = 0;           // share of those confirmed
-  double violation = 0;          // share of those where the ray goes on behind the model
+  int num_points = 0;    // object points judged
+  double surface = 0;    // mean agreement of the object's points with the model's surface, [0, 1]
+  int num_seen = 0;      // rendered model pixels that the depth confirms or contradicts
+  double coverage = 0;   // share of those confirmed
+  double violation = 0;  // share of those where the ray goes on behind the model
 };
 
 // Agreement of one candidate with all depth of its object.
@@ -32,6 +33,7 @@ struct CandidateScore {
   double free_violation = 0;  // rays that pass through solid model before their measured depth
   int num_views = 0;          // views registered
   std::string note;           // why it could not be scored, or what was unsure
+  std::vector<ViewAgreement> views;  // in the order of the object's views
 };
 
 // A step of the paper's greedy replacement as views arrive.
