@@ -2,17 +2,21 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModHausdorffT.hh>
+#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
-#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <OpenMesh/Tools/Smoother/JacobiLaplaceSmootherT.hh>
 
+// Not before the mesh kernel: it does not compile alone.
+#include <OpenMesh/Core/Geometry/QuadricT.hh>
+
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "deepslam/mesh/check_mesh.h"
+#include "deepslam/mesh/surface_distance.h"
 
 namespace deepslam::mesh {
 namespace {
@@ -26,7 +30,11 @@ using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
 
 // A collapse may not turn a face by more than this, deg.
 constexpr double kMaxNormalTurnDeg = 60.0;
-constexpr int kMaxAttempts = 3;
+constexpr int kMaxAttempts = 4;
+// Shares of the bound: smoothing keeps to its share exactly, decimation bounds a mean, of which the
+// maximum is a multiple.
+constexpr double kSmoothingShare = 0.3;
+constexpr double kDecimationShare = 0.3;
 
 // Welded by position first: OpenMesh takes indices as they are.
 std::optional<Mesh> ToOpenMesh(const TriangleMesh& source) {
@@ -73,16 +81,70 @@ void Smooth(Mesh& mesh, int iterations, double max_error) {
   smoother.smooth(static_cast<unsigned int>(iterations));
 }
 
-void Decimate(Mesh& mesh, double max_error, int target_faces) {
+// Error quadrics (Garland and Heckbert 1997) with the area they stand for, so that a collapse can
+// be refused by the root mean square distance from the planes it replaces. OpenMesh's own quadrics
+// bound an error of no unit, and its Hausdorff module takes minutes on large flat faces.
+template <class MeshT>
+class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
+ public:
+  DECIMATING_MODULE(ModPlaneDistance, MeshT, PlaneDistance)
+
+  explicit ModPlaneDistance(MeshT& mesh) : Base(mesh, false) {}
+
+  void set_max_distance(double distance) { max_squared_ = distance * distance; }
+
+  void initialize() override {
+    quadrics_.assign(Base::mesh().n_vertices(), OpenMesh::Geometry::QuadricT<double>());
+    areas_.assign(Base::mesh().n_vertices(), 0.0);
+    for (const auto face : Base::mesh().faces()) {
+      auto corner = Base::mesh().cfv_ccwbegin(face);
+      const std::array<OpenMesh::VertexHandle, 3> v = {*corner++, *corner++, *corner};
+      const auto a = Base::mesh().point(v[0]);
+      auto normal = (Base::mesh().point(v[1]) - a) % (Base::mesh().point(v[2]) - a);
+      const double length = normal.norm();
+      if (length <= 0) continue;
+      normal /= length;
+      OpenMesh::Geometry::QuadricT<double> quadric(normal[0], normal[1], normal[2], -(a | normal));
+      quadric *= 0.5 * length;
+      for (const auto vertex : v) {
+        quadrics_[static_cast<std::size_t>(vertex.idx())] += quadric;
+        areas_[static_cast<std::size_t>(vertex.idx())] += 0.5 * length;
+      }
+    }
+  }
+
+  float collapse_priority(const CollapseInfo& info) override {
+    const auto removed = static_cast<std::size_t>(info.v0.idx());
+    const auto kept = static_cast<std::size_t>(info.v1.idx());
+    auto quadric = quadrics_[removed];
+    quadric += quadrics_[kept];
+    const double error = std::max(0.0, quadric(info.p1));
+    if (error > max_squared_ * (areas_[removed] + areas_[kept])) {
+      return static_cast<float>(Base::ILLEGAL_COLLAPSE);
+    }
+    return static_cast<float>(error);
+  }
+
+  void postprocess_collapse(const CollapseInfo& info) override {
+    const auto removed = static_cast<std::size_t>(info.v0.idx());
+    const auto kept = static_cast<std::size_t>(info.v1.idx());
+    quadrics_[kept] += quadrics_[removed];
+    areas_[kept] += areas_[removed];
+  }
+
+ private:
+  double max_squared_ = 0;
+  std::vector<OpenMesh::Geometry::QuadricT<double>> quadrics_;
+  std::vector<double> areas_;
+};
+
+void Decimate(Mesh& mesh, double max_distance, int target_faces) {
   Decimater decimater(mesh);
-  OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;
-  OpenMesh::Decimater::ModHausdorffT<Mesh>::Handle hausdorff;
+  ModPlaneDistance<Mesh>::Handle distance;
   OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle flipping;
-  decimater.add(quadric);
-  decimater.add(hausdorff);
+  decimater.add(distance);
   decimater.add(flipping);
-  decimater.module(quadric).unset_max_err();
-  decimater.module(hausdorff).set_tolerance(max_error);
+  decimater.module(distance).set_max_distance(max_distance);
   decimater.module(flipping).set_max_normal_deviation(kMaxNormalTurnDeg);
   if (!decimater.initialize()) return;
   decimater.decimate_to_faces(0, static_cast<std::size_t>(target_faces));
@@ -94,9 +156,8 @@ void Decimate(Mesh& mesh, double max_error, int target_faces) {
 Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions& options) {
   const MeshCheck before = CheckMesh(source);
   if (!before.ok()) return InvalidInput("mesh to refine: " + before.fault);
-  double bound = 0.5 * options.max_error;
+  double bound = options.max_error;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt, bound *= 0.5) {
-    std::optional<Mesh> mesh = ToOpenMesh(source);
     if (!mesh) return InvalidInput("mesh to refine: vertices at one place must be one vertex");
     mesh->request_face_status();
     mesh->request_edge_status();
@@ -104,12 +165,13 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
     mesh->request_face_normals();
     mesh->request_vertex_normals();
     mesh->update_normals();
-    Smooth(*mesh, options.smoothing_iterations, bound);
+    Smooth(*mesh, options.smoothing_iterations, kSmoothingShare * bound);
     mesh->update_normals();
-    Decimate(*mesh, bound, options.target_faces);
+    Decimate(*mesh, kDecimationShare * bound, options.target_faces);
     const TriangleMesh refined = ToTriangleMesh(*mesh);
     const MeshCheck after = CheckMesh(refined);
-    if (after.ok() && after.num_components == before.num_components && !SelfIntersects(refined)) {
+    if (after.ok() && after.num_components == before.num_components &&
+        SurfaceDistance(source, refined) <= options.max_error && !SelfIntersects(refined)) {
       return refined;
     }
   }
