@@ -1,0 +1,16 @@
+// tracks.json: which detections are the same object, and why.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "deepslam/core/result.h"
+#include "deepslam/scene/object_track.h"
+
+namespace deepslam::artifact {
+
+[[nodiscard]] Result<std::string> EncodeAssociation(const Association& association,
+                                                    std::string_view name);
+[[nodiscard]] Result<Association> DecodeAssociation(std::string_view text, std::string_view name);
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,15 @@
+// Bytes inside JSON (RFC 4648, with padding).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "deepslam/core/result.h"
+
+namespace deepslam::artifact {
+
+[[nodiscard]] std::string EncodeBase64(std::string_view bytes);
+// Refuses foreign characters, bad padding and lengths.
+[[nodiscard]] Result<std::string> DecodeBase64(std::string_view text);
+
+}  // namespace deepslam::artifact

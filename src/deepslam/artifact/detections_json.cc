@@ -1,0 +1,95 @@
+#include "deepslam/artifact/detections_json.h"
+
+#include <map>
+
+#include "deepslam/artifact/scene_json.h"
+
+namespace deepslam::artifact {
+namespace {
+
+constexpr std::string_view kFormat = "deepslam/detections";
+constexpr int kVersion = 1;
+constexpr int kMaxImageSide = 1 << 15;
+
+std::map<std::string, int> CategoryIds(const DetectionTable& table) {
+  std::map<std::string, int> ids;
+  for (const Detection& detection : table.detections) ids.emplace(detection.class_name, 0);
+  int next = 1;
+  for (auto& [class_name, id] : ids) id = next++;
+  return ids;
+}
+
+JsonValue AnnotationToJson(const Detection& detection, int category_id) {
+  JsonObject row;
+  row.emplace("id", ToJson(detection.id));
+  row.emplace("image_id", ToJson(detection.frame));
+  row.emplace("category_id", category_id);
+  row.emplace("category_name", detection.class_name);
+  row.emplace("bbox", ToCocoBox(detection.box_px));
+  row.emplace("area", detection.box_px.area_px());
+  row.emplace("iscrowd", 0);
+  row.emplace("score", detection.score);
+  row.emplace("source", NameOf(detection.source));
+  if (!detection.mask.empty()) row.emplace("segmentation", ToJson(detection.mask));
+  return JsonValue(std::move(row));
+}
+
+Detection ReadAnnotation(const JsonNode& row) {
+  Detection detection;
+  detection.id = ReadId<DetectionId>(row["id"]);
+  detection.frame = ReadId<FrameIdx>(row["image_id"]);
+  detection.class_name = row["category_name"].String();
+  detection.box_px = ReadCocoBox(row["bbox"]);
+  detection.score = row["score"].Number(0, 1);
+  detection.source = ReadDetectionSource(row["source"]);
+  detection.mask = ReadMask(row.Maybe("segmentation"));
+  return detection;
+}
+
+}  // namespace
+
+Result<std::string> EncodeDetections(const DetectionTable& table, std::string_view name) {
+  JsonObject document = NewDocument(kFormat, kVersion);
+  JsonArray images;
+  for (const DetectedImage& image : table.images) {
+    JsonObject row;
+    row.emplace("id", ToJson(image.frame));
+    row.emplace("file_name", image.file_name);
+    row.emplace("width", image.width);
+    row.emplace("height", image.height);
+    images.emplace_back(std::move(row));
+  }
+  const std::map<std::string, int> category_ids = CategoryIds(table);
+  JsonArray categories;
+  for (const auto& [class_name, id] : category_ids) {
+    JsonObject row;
+    row.emplace("id", id);
+    row.emplace("name", class_name);
+    categories.emplace_back(std::move(row));
+  }
+  JsonArray annotations;
+  for (const Detection& detection : table.detections) {
+    annotations.push_back(AnnotationToJson(detection, category_ids.at(detection.class_name)));
+  }
+  document.emplace("images", std::move(images));
+  document.emplace("categories", std::move(categories));
+  document.emplace("annotations", std::move(annotations));
+  return DumpJson(std::move(document), name);
+}
+
+Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view name) {
+  JsonReader reader(text, name, kFormat, kVersion);
+  const JsonNode root = reader.root();
+  DetectionTable table;
+  for (const JsonNode& row : root["images"].Items()) {
+    table.images.push_back({ReadId<FrameIdx>(row["id"]),
+                            row["file_name"].String(),
+                            row["width"].Int(1, kMaxImageSide),
+                            row["height"].Int(1, kMaxImageSide)});
+  }
+  for (const JsonNode& row : root["annotations"].Items())
+    table.detections.push_back(ReadAnnotation(row));
+  return reader.Finish(std::move(table));
+}
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,46 @@
+#include "deepslam/artifact/ground_json.h"
+
+#include "deepslam/artifact/scene_json.h"
+
+namespace deepslam::artifact {
+namespace {
+
+constexpr std::string_view kFormat = "deepslam/ground";
+constexpr int kVersion = 1;
+
+}  // namespace
+
+Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
+  JsonObject document = NewDocument(kFormat, kVersion);
+  document.emplace("plane_world", ground.plane_world ? ToJson(*ground.plane_world) : JsonValue());
+  JsonArray observations;
+  for (const GroundObservation& observation : ground.observations) {
+    JsonObject row;
+    row.emplace("keyframe", ToJson(observation.keyframe));
+    row.emplace("plane_camera", ToJson(observation.plane_camera));
+    row.emplace("information", ToJson(observation.information));
+    row.emplace("num_inliers", observation.num_inliers);
+    observations.emplace_back(std::move(row));
+  }
+  document.emplace("observations", std::move(observations));
+  return DumpJson(std::move(document), name);
+}
+
+Result<Ground> DecodeGround(std::string_view text, std::string_view name) {
+  JsonReader reader(text, name, kFormat, kVersion);
+  const JsonNode root = reader.root();
+  Ground ground;
+  if (const JsonNode plane = root.Maybe("plane_world"); plane.exists())
+    ground.plane_world = ReadPlane(plane);
+  for (const JsonNode& row : root["observations"].Items()) {
+    GroundObservation observation;
+    observation.keyframe = ReadId<FrameIdx>(row["keyframe"]);
+    observation.plane_camera = ReadPlane(row["plane_camera"]);
+    observation.information = ReadMatrix3(row["information"]);
+    observation.num_inliers = row["num_inliers"].Int(0, kMaxId);
+    ground.observations.push_back(observation);
+  }
+  return reader.Finish(std::move(ground));
+}
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,91 @@
+// Reads typed values out of a JSON document and remembers the first fault with its place, so that
+// decoders stay straight lines: read everything, then ask Finish() whether it was sound.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/core/result.h"
+
+namespace deepslam::artifact {
+
+class JsonReader;
+
+// A place in a document. Reading something absent or of the wrong type records a fault and returns
+// a zero value.
+class JsonNode {
+ public:
+  [[nodiscard]] bool exists() const { return value_ != nullptr && !value_->is_null(); }
+  [[nodiscard]] bool is_array() const {
+    return value_ != nullptr && value_->As<JsonArray>() != nullptr;
+  }
+  [[nodiscard]] bool is_object() const {
+    return value_ != nullptr && value_->As<JsonObject>() != nullptr;
+  }
+  [[nodiscard]] bool is_string() const {
+    return value_ != nullptr && value_->As<std::string>() != nullptr;
+  }
+  [[nodiscard]] bool is_number() const {
+    return value_ != nullptr &&
+           (value_->As<double>() != nullptr || value_->As<std::int64_t>() != nullptr);
+  }
+  // A member that must be there; a member that may be missing or null (then !exists()).
+  [[nodiscard]] JsonNode operator[](std::string_view key) const;
+  [[nodiscard]] JsonNode Maybe(std::string_view key) const;
+
+  [[nodiscard]] double Number() const;
+  [[nodiscard]] double Number(double min, double max) const;
+  [[nodiscard]] int Int(int min, int max) const;
+  [[nodiscard]] bool Bool() const;
+  [[nodiscard]] std::string String() const;
+  // Elements of an array; `count` < 0: any number of them, else exactly that many (zero values
+  // where it has fewer).
+  [[nodiscard]] std::vector<JsonNode> Items(int count = -1) const;
+  [[nodiscard]] std::vector<double> Numbers(int count) const;
+  // Members of an object, ascending keys.
+  [[nodiscard]] std::vector<std::pair<std::string, JsonNode>> Members() const;
+  void Fail(std::string_view what) const;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  friend class JsonReader;
+  JsonNode(JsonReader* reader, const JsonValue* value, std::string path)
+      : reader_(reader), value_(value), path_(std::move(path)) {}
+  JsonReader* reader_;
+  const JsonValue* value_;
+  std::string path_;
+};
+
+class JsonReader {
+ public:
+  // `name` is the file's name for messages. Checks the document's "format" and "version" fields;
+  // pass an empty format for foreign documents that have none.
+  JsonReader(std::string_view text, std::string_view name, std::string_view format, int version);
+  JsonReader(const JsonReader&) = delete;
+  JsonReader& operator=(const JsonReader&) = delete;
+
+  [[nodiscard]] JsonNode root() { return {this, ok() ? &document_ : nullptr, ""}; }
+  [[nodiscard]] bool ok() const { return fault_.empty(); }
+  [[nodiscard]] Error error() const { return InvalidInput(fault_); }
+  void Fail(std::string_view path, std::string_view what);
+  // The value, or the first fault of the document.
+  template <typename T>
+  [[nodiscard]] Result<T> Finish(T value) const {
+    if (!ok()) return error();
+    return value;
+  }
+
+ private:
+  std::string name_;
+  JsonValue document_;
+  std::string fault_;
+};
+
+// An object that starts with the fields every artifact has.
+[[nodiscard]] JsonObject NewDocument(std::string_view format, int version);
+
+}  // namespace deepslam::artifact

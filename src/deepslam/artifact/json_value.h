@@ -1,0 +1,68 @@
+// JSON values with sorted keys, so that equal values are equal bytes. Doubles are written in their
+// shortest form that reads back exactly; a number that is not finite refuses to be written.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "deepslam/core/result.h"
+
+namespace deepslam::artifact {
+
+class JsonValue;
+using JsonArray = std::vector<JsonValue>;
+using JsonObject = std::map<std::string, JsonValue, std::less<>>;
+
+class JsonValue {
+ public:
+  using Content =
+      std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, JsonArray, JsonObject>;
+
+  JsonValue() : content_(nullptr) {}
+  JsonValue(std::nullptr_t) : content_(nullptr) {}  // NOLINT(google-explicit-constructor)
+  JsonValue(bool value) : content_(value) {}        // NOLINT(google-explicit-constructor)
+  JsonValue(int value)
+      : content_(static_cast<std::int64_t>(value)) {}  // NOLINT(google-explicit-constructor)
+  JsonValue(std::int64_t value) : content_(value) {}   // NOLINT(google-explicit-constructor)
+  JsonValue(double value) : content_(value) {}         // NOLINT(google-explicit-constructor)
+  JsonValue(float value)
+      : content_(static_cast<double>(value)) {}  // NOLINT(google-explicit-constructor)
+  JsonValue(const char* value)
+      : content_(std::string(value)) {}  // NOLINT(google-explicit-constructor)
+  JsonValue(std::string value)
+      : content_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  JsonValue(std::string_view value)
+      : content_(std::string(value)) {}                       // NOLINT(google-explicit-constructor)
+  JsonValue(JsonArray value) : content_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  JsonValue(JsonObject value)
+      : content_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+
+  [[nodiscard]] const Content& content() const { return content_; }
+  [[nodiscard]] bool is_null() const { return std::holds_alternative<std::nullptr_t>(content_); }
+  // The value as T, or nullptr when it holds something else.
+  template <typename T>
+  [[nodiscard]] const T* As() const {
+    return std::get_if<T>(&content_);
+  }
+
+ private:
+  Content content_;
+};
+
+// `name` is what messages call the text (a file name). Refuses text that is no JSON, nested deeper
+// than 64 levels or with numbers out of range, with line and column.
+[[nodiscard]] Result<JsonValue> ParseJson(std::string_view text, std::string_view name);
+
+// Fails on numbers that are not finite and on strings that are not UTF-8, naming the place.
+[[nodiscard]] Result<std::string> DumpJson(const JsonValue& value, std::string_view name);
+
+// Shortest decimal form that reads back as the same double ("0.1", "1e-07"); "nan" and "inf" for
+// those.
+[[nodiscard]] std::string ShortestDecimal(double value);
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,131 @@
+#include "deepslam/artifact/map_json.h"
+
+#include <array>
+
+#include "deepslam/artifact/base64.h"
+#include "deepslam/artifact/scene_json.h"
+
+namespace deepslam::artifact {
+namespace {
+
+constexpr std::string_view kFormat = "deepslam/map";
+constexpr int kVersion = 1;
+constexpr std::array<std::string_view, 3> kVerdicts = {"good", "doubtful", "bad"};
+
+JsonValue ShapeToJson(const MapShape& shape) {
+  JsonObject row;
+  if (!shape.latents.empty()) {
+    JsonArray latents;
+    for (const float latent : shape.latents) latents.emplace_back(latent);
+    row.emplace("latents", std::move(latents));
+  }
+  if (!shape.library_id.empty()) {
+    row.emplace("library_id", shape.library_id);
+    row.emplace("library_checksum", shape.library_checksum);
+    if (shape.stretch != Eigen::Vector3d::Ones()) row.emplace("stretch", ToJson(shape.stretch));
+  }
+  if (!shape.draco.empty()) row.emplace("draco_base64", EncodeBase64(shape.draco));
+  return JsonValue(std::move(row));
+}
+
+MapShape ReadShape(const JsonNode& node) {
+  MapShape shape;
+  if (const JsonNode latents = node.Maybe("latents"); latents.exists()) {
+    for (const JsonNode& latent : latents.Items()) {
+      shape.latents.push_back(static_cast<float>(latent.Number(-1e6, 1e6)));
+    }
+  }
+  if (const JsonNode id = node.Maybe("library_id"); id.exists()) {
+    shape.library_id = id.String();
+    shape.library_checksum = node["library_checksum"].String();
+    if (const JsonNode stretch = node.Maybe("stretch"); stretch.exists())
+      shape.stretch = ReadVector3(stretch);
+  }
+  if (const JsonNode draco = node.Maybe("draco_base64"); draco.exists()) {
+    Result<std::string> bytes = DecodeBase64(draco.String());
+    if (bytes.ok()) {
+      shape.draco = std::move(bytes).value();
+    } else {
+      draco.Fail(": " + bytes.error().message);
+    }
+  }
+  return shape;
+}
+
+JsonValue EntryToJson(const MapEntry& entry) {
+  JsonObject row;
+  row.emplace("id", ToJson(entry.id));
+  row.emplace("name", entry.name);
+  row.emplace("class", entry.class_name);
+  row.emplace("confidence", entry.confidence);
+  row.emplace("source", NameOf(entry.source));
+  row.emplace("world_from_object", ToJson(entry.world_from_object));
+  row.emplace("scale_m", entry.scale_m);
+  row.emplace("size_m", ToJson(entry.size_m));
+  row.emplace("credit", entry.credit);
+  row.emplace("note", entry.note);
+  row.emplace("shape", ShapeToJson(entry.shape));
+  return JsonValue(std::move(row));
+}
+
+MapEntry ReadEntry(const JsonNode& row) {
+  MapEntry entry;
+  entry.id = ReadId<ObjectId>(row["id"]);
+  entry.name = row["name"].String();
+  entry.class_name = row["class"].String();
+  entry.confidence = row["confidence"].Number(0, 1);
+  entry.source = ReadCandidateSource(row["source"]);
+  entry.world_from_object = ReadPose(row["world_from_object"]);
+  entry.scale_m = row["scale_m"].Number(0, 1e3);
+  entry.size_m = ReadVector3(row["size_m"]);
+  entry.credit = row["credit"].String();
+  entry.note = row["note"].String();
+  entry.shape = ReadShape(row["shape"]);
+  return entry;
+}
+
+Verdict ReadVerdict(const JsonNode& node) {
+  const std::string text = node.String();
+  for (std::size_t i = 0; i < kVerdicts.size(); ++i) {
+    if (kVerdicts[i] == text) return static_cast<Verdict>(i);
+  }
+  node.Fail("must be good, doubtful or bad");
+  return Verdict::kBad;
+}
+
+}  // namespace
+
+std::string_view NameOf(Verdict verdict) { return kVerdicts[static_cast<std::size_t>(verdict)]; }
+
+Result<std::string> EncodeMap(const MapFile& map, std::string_view name) {
+  JsonObject document = NewDocument(kFormat, kVersion);
+  document.emplace("tool_version", map.tool_version);
+  document.emplace("capture_name", map.capture_name);
+  document.emplace("capture_hash", map.capture_hash);
+  document.emplace("ground_world", map.ground_world ? ToJson(*map.ground_world) : JsonValue());
+  document.emplace("verdict", NameOf(map.verdict));
+  JsonArray reasons;
+  for (const std::string& reason : map.reasons) reasons.emplace_back(reason);
+  JsonArray objects;
+  for (const MapEntry& entry : map.objects) objects.push_back(EntryToJson(entry));
+  document.emplace("reasons", std::move(reasons));
+  document.emplace("objects", std::move(objects));
+  return DumpJson(std::move(document), name);
+}
+
+Result<MapFile> DecodeMap(std::string_view text, std::string_view name) {
+  JsonReader reader(text, name, kFormat, kVersion);
+  const JsonNode root = reader.root();
+  MapFile map;
+  map.tool_version = root["tool_version"].String();
+  map.capture_name = root["capture_name"].String();
+  map.capture_hash = root["capture_hash"].String();
+  if (const JsonNode ground = root.Maybe("ground_world"); ground.exists())
+    map.ground_world = ReadPlane(ground);
+  map.verdict = ReadVerdict(root["verdict"]);
+  for (const JsonNode& reason : root["reasons"].Items()) map.reasons.push_back(reason.String());
+  for (const JsonNode& row : root["objects"].Items()) map.objects.push_back(ReadEntry(row));
+  return reader.Finish(std::move(map));
+}
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,59 @@
+// map.json: the compact map. Class, similarity pose, score and shape code of every object, and the
+// ground; enough to make the scene again without the workspace.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/geometry/plane.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/shape_candidate.h"
+
+namespace deepslam::artifact {
+
+// How a shape is stored: by latents of a decoder, by a model of a library, or as a Draco mesh of
+// its own.
+struct MapShape {
+  std::vector<float> latents;
+  std::string library_id;
+  std::string library_checksum;  // sha256 of the library model's voxels
+  Eigen::Vector3d stretch =
+      Eigen::Vector3d::Ones();  // per axis of the object frame, applied to the library's model
+  std::string draco;            // bytes; object frame, object units; base64 in the file
+};
+
+struct MapEntry {
+  ObjectId id;
+  std::string name;  // "chair_03", as in the scene
+  std::string class_name;
+  double confidence = 0;  // [0, 1]
+  CandidateSource source = CandidateSource::kRetrieval;
+  Pose3 world_from_object;
+  double scale_m = 1;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // extent along the object's axes
+  std::string credit;
+  std::string note;
+  MapShape shape;
+};
+
+// Good: usable as it is. Doubtful: look at the reasons. Bad: not to be used.
+enum class Verdict { kGood, kDoubtful, kBad };
+[[nodiscard]] std::string_view NameOf(Verdict verdict);
+
+struct MapFile {
+  std::string tool_version;
+  std::string capture_name;
+  std::string capture_hash;
+  std::optional<Plane> ground_world;
+  Verdict verdict = Verdict::kGood;
+  std::vector<std::string> reasons;  // of the verdict
+  std::vector<MapEntry> objects;     // ascending id
+};
+
+[[nodiscard]] Result<std::string> EncodeMap(const MapFile& map, std::string_view name);
+[[nodiscard]] Result<MapFile> DecodeMap(std::string_view text, std::string_view name);
+
+}  // namespace deepslam::artifact

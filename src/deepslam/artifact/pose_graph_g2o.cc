@@ -1,0 +1,117 @@
+#include "deepslam/artifact/pose_graph_g2o.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/artifact/text_numbers.h"
+
+namespace deepslam::artifact {
+namespace {
+
+constexpr std::size_t kEdgeWords = 3 + 7 + 21;
+
+void AppendPose(const Pose3& pose, std::string& text) {
+  const Eigen::Vector4d q = pose.rotation.coeffs();
+  const Eigen::Vector3d& t = pose.translation_m;
+  for (const double value : {t[0], t[1], t[2], q[0], q[1], q[2], q[3]}) {
+    text += ' ';
+    text += ShortestDecimal(value);
+  }
+}
+
+// rotation vector = 2 * quaternion vector part, so each rotation side of the information takes a
+// factor 2 (exact).
+Matrix6d ScaleRotation(const Matrix6d& information, double factor) {
+  Matrix6d scaled = information;
+  scaled.bottomRows<3>() *= factor;
+  scaled.rightCols<3>() *= factor;
+  return scaled;
+}
+
+Result<RelativePose> DecodeEdge(std::span<const std::string_view> words) {
+  if (words.size() != kEdgeWords) {
+    return InvalidInput(
+        fmt::format("has {} words, an EDGE_SE3:QUAT has {}", words.size(), kEdgeWords));
+  }
+  RelativePose edge;
+  const std::optional<int> i = ParseInt(words[1]);
+  const std::optional<int> j = ParseInt(words[2]);
+  if (!i || !j || *i < 0 || *j < 0)
+    return InvalidInput("needs two vertex ids that are not negative");
+  edge.i = FrameIdx{*i};
+  edge.j = FrameIdx{*j};
+  std::vector<double> n;
+  for (const std::string_view word : words.subspan(3)) {
+    const std::optional<double> number = ParseNumber(word);
+    if (!number) return InvalidInput(fmt::format("\"{}\" is not a finite number", word));
+    n.push_back(*number);
+  }
+  edge.i_from_j = {Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]}};
+  const double norm = edge.i_from_j.rotation.norm();
+  if (std::abs(norm - 1) > 0.01)
+    return InvalidInput(fmt::format("quaternion has norm {}, must be 1", norm));
+  if (std::abs(norm - 1) > 1e-9) edge.i_from_j.rotation.normalize();
+  Matrix6d information;
+  std::size_t at = 7;
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) information(row, col) = information(col, row) = n[at++];
+  }
+  edge.information = ScaleRotation(information, 0.5);
+  return edge;
+}
+
+}  // namespace
+
+Result<std::string> EncodeG2o(std::span<const TrackedFrame> frames,
+                              std::span<const FrameIdx> keyframes,
+                              std::span<const RelativePose> edges,
+                              std::string_view name) {
+  std::string text;
+  for (const FrameIdx keyframe : keyframes) {
+    text += fmt::format("VERTEX_SE3:QUAT {}", keyframe.value);
+    AppendPose(frames[static_cast<std::size_t>(keyframe.value)].world_from_camera, text);
+    text += '\n';
+  }
+  if (!keyframes.empty()) text += fmt::format("FIX {}\n", keyframes.front().value);
+  for (const RelativePose& edge : edges) {
+    if (!edge.information.allFinite() || !edge.i_from_j.translation_m.allFinite() ||
+        !edge.i_from_j.rotation.coeffs().allFinite()) {
+      return Failed(
+          fmt::format("{}: edge {} -> {} is not finite", name, edge.i.value, edge.j.value));
+    }
+    text += fmt::format("EDGE_SE3:QUAT {} {}", edge.i.value, edge.j.value);
+    AppendPose(edge.i_from_j, text);
+    const Matrix6d information = ScaleRotation(edge.information, 2.0);
+    for (int row = 0; row < 6; ++row) {
+      for (int col = row; col < 6; ++col) {
+        text += ' ';
+        text += ShortestDecimal(information(row, col));
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+Result<std::vector<RelativePose>> DecodeG2oEdges(std::string_view text, std::string_view name) {
+  std::vector<RelativePose> edges;
+  for (int line_number = 1; !text.empty(); ++line_number) {
+    const std::vector<std::string_view> words = Words(TakeLine(text));
+    if (words.empty() || words[0].front() == '#' || words[0].starts_with("VERTEX_") ||
+        words[0] == "FIX")
+      continue;
+    if (words[0] != "EDGE_SE3:QUAT") {
+      return InvalidInput(
+          fmt::format("{}:{}: \"{}\" is no tag this program reads", name, line_number, words[0]));
+    }
+    const Result<RelativePose> edge = DecodeEdge(words);
+    if (!edge.ok())
+      return InvalidInput(fmt::format("{}:{}: {}", name, line_number, edge.error().message));
+    edges.push_back(*edge);
+  }
+  return edges;
+}
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,94 @@
+#include "deepslam/artifact/rle.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace deepslam::artifact {
+namespace {
+
+// Five bits per character, sign-extended, from '0' on; from the third run on the difference to the
+// run two before.
+void AppendNumber(std::int64_t value, std::string& text) {
+  bool more = true;
+  while (more) {
+    int bits = static_cast<int>(value & 0x1f);
+    value >>= 5;
+    more = (bits & 0x10) != 0 ? value != -1 : value != 0;
+    if (more) bits |= 0x20;
+    text += static_cast<char>(bits + 48);
+  }
+}
+
+}  // namespace
+
+std::string EncodeRle(const Mask& mask) {
+  std::vector<std::int64_t> runs;
+  std::int64_t run = 0;
+  bool current = false;
+  for (int u = 0; u < mask.width(); ++u) {
+    for (int v = 0; v < mask.height(); ++v) {
+      const bool set = mask(u, v) != 0;
+      if (set != current) {
+        runs.push_back(run);
+        run = 0;
+        current = set;
+      }
+      ++run;
+    }
+  }
+  runs.push_back(run);
+  std::string text;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    AppendNumber(i > 2 ? runs[i] - runs[i - 2] : runs[i], text);
+  }
+  return text;
+}
+
+Result<Mask> DecodeRle(std::string_view counts, int width, int height) {
+  if (width <= 0 || height <= 0 || width > kMaxMaskPixels / height) {
+    return InvalidInput(fmt::format("mask size {} x {} is out of range", width, height));
+  }
+  Mask mask(width, height);
+  const std::int64_t total = static_cast<std::int64_t>(width) * height;
+  std::int64_t filled = 0;
+  std::int64_t previous[2] = {0, 0};  // the runs two and one before
+  std::size_t at = 0;
+  for (std::size_t index = 0; at < counts.size(); ++index) {
+    std::int64_t value = 0;
+    int shift = 0;
+    bool more = true;
+    while (more) {
+      if (at >= counts.size() || shift > 35)
+        return InvalidInput("mask's run lengths are cut off or too long");
+      const int bits = counts[at++] - 48;
+      if (bits < 0 || bits > 63)
+        return InvalidInput("mask's run lengths hold a character outside the COCO code");
+      value |= static_cast<std::int64_t>(bits & 0x1f) << shift;
+      shift += 5;
+      more = (bits & 0x20) != 0;
+      if (!more && (bits & 0x10) != 0) value |= -(std::int64_t{1} << shift);
+    }
+    if (index > 2) value += previous[0];
+    if (value < 0 || value > total - filled) {
+      return InvalidInput(fmt::format(
+          "mask's run {} of {} pixels does not fit {} x {}", index, value, width, height));
+    }
+    if (index % 2 == 1) {
+      for (std::int64_t p = filled; p < filled + value; ++p) {
+        mask(static_cast<int>(p / height), static_cast<int>(p % height)) = 1;
+      }
+    }
+    filled += value;
+    previous[0] = previous[1];
+    previous[1] = value;
+  }
+  if (filled != total) {
+    return InvalidInput(
+        fmt::format("mask's runs cover {} pixels of {} x {}", filled, width, height));
+  }
+  return mask;
+}
+
+}  // namespace deepslam::artifact

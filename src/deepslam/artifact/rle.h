@@ -1,0 +1,22 @@
+// Masks as COCO run-length strings (the compressed `counts` of pycocotools): column-major runs,
+// zeros first.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "deepslam/core/image.h"
+#include "deepslam/core/result.h"
+
+namespace deepslam::artifact {
+
+// Largest mask that is decoded, pixels: a hostile file must not allocate without bound.
+inline constexpr int kMaxMaskPixels = 1 << 26;
+
+[[nodiscard]] std::string EncodeRle(const Mask& mask);
+
+// Refuses counts that do not fill width x height exactly, characters outside the code, sizes beyond
+// kMaxMaskPixels. The message does not name the file: the caller does.
+[[nodiscard]] Result<Mask> DecodeRle(std::string_view counts, int width, int height);
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,175 @@
+#include "deepslam/artifact/store.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "deepslam/core/sha256.h"
+
+namespace deepslam::artifact {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  ~FileDescriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+  int Close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return ::close(fd);
+  }
+
+ private:
+  int fd_;
+};
+
+std::string Remedy(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "; free some space and run again";
+    case EROFS:
+      return "; choose a folder on a writable file system";
+    case EACCES:
+    case EPERM:
+      return "; choose a folder you may write to, or change its permissions";
+    default:
+      return "";
+  }
+}
+
+Error WriteError(const fs::path& file, std::string_view what, int error) {
+  return Failed(
+      fmt::format("{}: cannot {}: {}{}", file.string(), what, std::strerror(error), Remedy(error)));
+}
+
+Status WriteAll(const fs::path& file, std::string_view bytes) {
+  FileDescriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (fd.get() < 0) return WriteError(file, "create", errno);
+  while (!bytes.empty()) {
+    const ssize_t written =
+        ::write(fd.get(), bytes.data(), std::min<std::size_t>(bytes.size(), 1U << 24));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return WriteError(file, "write", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (::fsync(fd.get()) != 0) return WriteError(file, "write to disk", errno);
+  if (fd.Close() != 0) return WriteError(file, "close", errno);
+  return Ok();
+}
+
+}  // namespace
+
+Result<std::string> ReadFile(const fs::path& file) {
+  const FileDescriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (fd.get() < 0)
+    return InvalidInput(fmt::format("{}: cannot open: {}", file.string(), std::strerror(errno)));
+  struct stat status {};
+  if (::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return InvalidInput(fmt::format("{}: is not a file", file.string()));
+  }
+  if (static_cast<std::uintmax_t>(status.st_size) > kMaxFileBytes) {
+    return InvalidInput(fmt::format("{}: {} bytes are more than the {} that are read",
+                                    file.string(),
+                                    status.st_size,
+                                    kMaxFileBytes));
+  }
+  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(fd.get(), bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0)
+      return InvalidInput(fmt::format("{}: cannot read: {}", file.string(), std::strerror(errno)));
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  bytes.resize(done);
+  return bytes;
+}
+
+Status WriteFileAtomically(const fs::path& file, std::string_view bytes) {
+  const fs::path aside = fmt::format("{}.tmp-{}", file.string(), ::getpid());
+  if (Status status = WriteAll(aside, bytes); !status.ok()) {
+    ::unlink(aside.c_str());
+    return status;
+  }
+  if (::rename(aside.c_str(), file.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(aside.c_str());
+    return WriteError(file, "rename into place", error);
+  }
+  return SyncFolder(file.has_parent_path() ? file.parent_path() : fs::path("."));
+}
+
+Status WriteFileSynced(const fs::path& file, std::string_view bytes) {
+  return WriteAll(file, bytes);
+}
+
+Status SyncFolder(const fs::path& folder) {
+  const FileDescriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd.get() < 0) return WriteError(folder, "open folder", errno);
+  // Some network file systems cannot sync folders; the rename is then as durable as they make it.
+  if (::fsync(fd.get()) != 0 && errno != EINVAL && errno != ENOTSUP)
+    return WriteError(folder, "sync folder", errno);
+  return Ok();
+}
+
+Status MakeFolders(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return WriteError(folder, "create folder", error.value());
+  return Ok();
+}
+
+Result<std::string> HashFile(const fs::path& file) {
+  const FileDescriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (fd.get() < 0)
+    return InvalidInput(fmt::format("{}: cannot open: {}", file.string(), std::strerror(errno)));
+  Sha256 hash;
+  std::vector<char> buffer(1U << 20);
+  while (true) {
+    const ssize_t got = ::read(fd.get(), buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0)
+      return InvalidInput(fmt::format("{}: cannot read: {}", file.string(), std::strerror(errno)));
+    if (got == 0) return hash.HexDigest();
+    hash.Update({buffer.data(), static_cast<std::size_t>(got)});
+  }
+}
+
+Result<std::string> HashFolder(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->is_regular_file(error)) files.push_back(it->path());
+  }
+  if (error)
+    return InvalidInput(fmt::format("{}: cannot list: {}", folder.string(), error.message()));
+  std::sort(files.begin(), files.end());
+  Sha256 hash;
+  for (const fs::path& file : files) {
+    const Result<std::string> digest = HashFile(file);
+    if (!digest.ok()) return digest.error();
+    hash.Update(fmt::format("{} {}\n", fs::relative(file, folder).generic_string(), *digest));
+  }
+  return hash.HexDigest();
+}
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,36 @@
+// Files in and out: whole files as bytes, written aside and renamed, so that a reader never sees
+// half of one. Messages name the file and the reason (no space left, read-only file system,
+// permission denied).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "deepslam/core/result.h"
+
+namespace deepslam::artifact {
+
+// Files larger than this are refused by ReadFile (2 GiB): nothing here is that large.
+inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
+
+// kInvalidInput when the file is missing, no file, too large or unreadable.
+[[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& file);
+
+// Writes to FILE.tmp-<pid>, syncs, renames, syncs the folder. kFailed on any error; the old file
+// then still stands.
+[[nodiscard]] Status WriteFileAtomically(const std::filesystem::path& file, std::string_view bytes);
+
+// Writes and syncs in place: for files of a folder that is itself renamed as a whole.
+[[nodiscard]] Status WriteFileSynced(const std::filesystem::path& file, std::string_view bytes);
+
+[[nodiscard]] Status SyncFolder(const std::filesystem::path& folder);
+[[nodiscard]] Status MakeFolders(const std::filesystem::path& folder);
+
+// sha256 of a file's bytes, read piecewise.
+[[nodiscard]] Result<std::string> HashFile(const std::filesystem::path& file);
+// sha256 over names and contents of all files below a folder, sorted; where it lies and times do
+// not enter.
+[[nodiscard]] Result<std::string> HashFolder(const std::filesystem::path& folder);
+
+}  // namespace deepslam::artifact

@@ -1,0 +1,186 @@
+#include "deepslam/artifact/trajectory_files.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/pose_graph_g2o.h"
+#include "deepslam/artifact/scene_json.h"
+#include "deepslam/artifact/text_numbers.h"
+
+namespace deepslam::artifact {
+namespace {
+
+constexpr std::string_view kFormat = "deepslam/frames";
+constexpr int kVersion = 1;
+constexpr std::size_t kTumColumns = 8;
+
+Result<StampedPose> DecodeTumLine(std::span<const std::string_view> words) {
+  if (words.size() != kTumColumns) {
+    return InvalidInput(fmt::format(
+        "has {} columns, must have {} (time tx ty tz qx qy qz qw)", words.size(), kTumColumns));
+  }
+  double n[kTumColumns];
+  for (std::size_t i = 0; i < kTumColumns; ++i) {
+    const std::optional<double> number = ParseNumber(words[i]);
+    if (!number) return InvalidInput(fmt::format("\"{}\" is not a finite number", words[i]));
+    n[i] = *number;
+  }
+  StampedPose pose{n[0], {Eigen::Quaterniond(n[7], n[4], n[5], n[6]), {n[1], n[2], n[3]}}};
+  const double norm = pose.world_from_camera.rotation.norm();
+  // Other programs print few digits; more than a percent off is no rotation.
+  if (std::abs(norm - 1) > 0.01)
+    return InvalidInput(fmt::format("quaternion has norm {}, must be 1", norm));
+  if (std::abs(norm - 1) > 1e-9) pose.world_from_camera.rotation.normalize();
+  return pose;
+}
+
+}  // namespace
+
+Result<std::string> EncodeTum(std::span<const StampedPose> poses, std::string_view name) {
+  std::string text = "# time_s tx ty tz qx qy qz qw (world from camera)\n";
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Vector3d& t = poses[i].world_from_camera.translation_m;
+    const Eigen::Vector4d q = poses[i].world_from_camera.rotation.coeffs();
+    if (!t.allFinite() || !q.allFinite() || !std::isfinite(poses[i].time_s)) {
+      return Failed(fmt::format("{}: pose {} is not finite", name, i));
+    }
+    text += ShortestDecimal(poses[i].time_s);
+    for (const double value : {t[0], t[1], t[2], q[0], q[1], q[2], q[3]}) {
+      text += ' ';
+      text += ShortestDecimal(value);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+Result<std::vector<StampedPose>> DecodeTum(std::string_view text, std::string_view name) {
+  std::vector<StampedPose> poses;
+  for (int line_number = 1; !text.empty(); ++line_number) {
+    const std::vector<std::string_view> words = Words(TakeLine(text));
+    if (words.empty() || words.front().front() == '#') continue;
+    const Result<StampedPose> pose = DecodeTumLine(words);
+    if (!pose.ok())
+      return InvalidInput(fmt::format("{}:{}: {}", name, line_number, pose.error().message));
+    poses.push_back(*pose);
+  }
+  return poses;
+}
+
+std::vector<StampedPose> StampedPoses(std::span<const TrackedFrame> frames) {
+  std::vector<StampedPose> poses;
+  for (const TrackedFrame& frame : frames) poses.push_back({frame.time_s, frame.world_from_camera});
+  return poses;
+}
+
+std::vector<StampedPose> KeyframePoses(std::span<const TrackedFrame> frames,
+                                       std::span<const FrameIdx> keyframes) {
+  std::vector<StampedPose> poses;
+  for (const FrameIdx keyframe : keyframes) {
+    const TrackedFrame& frame = frames[static_cast<std::size_t>(keyframe.value)];
+    poses.push_back({frame.time_s, frame.world_from_camera});
+  }
+  return poses;
+}
+
+Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
+                                 std::span<const FrameIdx> keyframes,
+                                 std::span<const RelativePose> edges,
+                                 std::string_view name) {
+  JsonObject document = NewDocument(kFormat, kVersion);
+  JsonArray rows;
+  for (const TrackedFrame& frame : frames) {
+    JsonObject row;
+    row.emplace("frame", ToJson(frame.frame));
+    row.emplace("time_s", frame.time_s);
+    row.emplace("status", NameOf(frame.status));
+    row.emplace("keyframe", ToJson(frame.keyframe));
+    row.emplace("rmse_m", frame.rmse_m);
+    row.emplace("inlier_share", frame.inlier_share);
+    rows.emplace_back(std::move(row));
+  }
+  JsonArray keyframe_list;
+  for (const FrameIdx keyframe : keyframes) keyframe_list.push_back(ToJson(keyframe));
+  JsonArray composed;
+  for (const RelativePose& edge : edges) {
+    if (edge.composed) composed.emplace_back(JsonArray{ToJson(edge.i), ToJson(edge.j)});
+  }
+  document.emplace("frames", std::move(rows));
+  document.emplace("keyframes", std::move(keyframe_list));
+  document.emplace("composed_edges", std::move(composed));
+  return DumpJson(std::move(document), name);
+}
+
+Result<FrameTable> DecodeFrames(std::string_view frames_json,
+                                std::string_view tum_text,
+                                std::string_view name) {
+  const Result<std::vector<StampedPose>> poses = DecodeTum(tum_text, name);
+  if (!poses.ok()) return poses.error();
+  JsonReader reader(frames_json, name, kFormat, kVersion);
+  FrameTable table;
+  const std::vector<JsonNode> rows = reader.root()["frames"].Items();
+  if (reader.ok() && rows.size() != poses->size()) {
+    reader.Fail(
+        "frames",
+        fmt::format("has {} entries, the trajectory has {} poses", rows.size(), poses->size()));
+  }
+  for (std::size_t i = 0; i < rows.size() && reader.ok(); ++i) {
+    const JsonNode& row = rows[i];
+    TrackedFrame frame;
+    frame.frame = ReadId<FrameIdx>(row["frame"]);
+    frame.time_s = row["time_s"].Number();
+    frame.world_from_camera = (*poses)[i].world_from_camera;
+    frame.status = ReadTrackingStatus(row["status"]);
+    frame.keyframe = ReadId<FrameIdx>(row.Maybe("keyframe"));
+    frame.rmse_m = row["rmse_m"].Number();
+    frame.inlier_share = row["inlier_share"].Number();
+    // Frames are addressed by their index all over the program.
+    if (frame.frame.value != static_cast<int>(i))
+      row.Fail(fmt::format("is frame {}, must be {}", frame.frame.value, i));
+    if (frame.time_s != (*poses)[i].time_s) row.Fail("differs in time from the trajectory");
+    if (frame.keyframe.value >= static_cast<int>(rows.size()))
+      row.Fail("names a keyframe that does not exist");
+    table.frames.push_back(frame);
+  }
+  FrameIdx last;
+  for (const JsonNode& node : reader.root()["keyframes"].Items()) {
+    const FrameIdx keyframe{node.Int(0, std::max(0, static_cast<int>(rows.size()) - 1))};
+    if (keyframe <= last) node.Fail("is not ascending");
+    last = keyframe;
+    table.keyframes.push_back(keyframe);
+  }
+  return reader.Finish(std::move(table));
+}
+
+Result<Odometry> DecodeOdometry(std::string_view frames_json,
+                                std::string_view tum_text,
+                                std::string_view g2o_text,
+                                std::string_view name) {
+  Result<FrameTable> table = DecodeFrames(frames_json, tum_text, name);
+  if (!table.ok()) return table.error();
+  Result<std::vector<RelativePose>> edges = DecodeG2oEdges(g2o_text, name);
+  if (!edges.ok()) return edges.error();
+  JsonReader reader(frames_json, name, kFormat, kVersion);
+  std::set<std::pair<FrameIdx, FrameIdx>> composed;
+  for (const JsonNode& node : reader.root()["composed_edges"].Items()) {
+    const std::vector<JsonNode> pair = node.Items(2);
+    composed.emplace(ReadId<FrameIdx>(pair[0]), ReadId<FrameIdx>(pair[1]));
+  }
+  const int num_frames = static_cast<int>(table->frames.size());
+  Odometry odometry{
+      std::move(table->frames), std::move(table->keyframes), std::move(edges).value()};
+  for (RelativePose& edge : odometry.edges) {
+    edge.composed = composed.contains({edge.i, edge.j});
+    if (edge.i.value >= num_frames || edge.j.value >= num_frames) {
+      reader.Fail(
+          "odometry.g2o",
+          fmt::format("joins frames {} and {} of {}", edge.i.value, edge.j.value, num_frames));
+    }
+  }
+  return reader.Finish(std::move(odometry));
+}
+
+}  // namespace deepslam::artifact

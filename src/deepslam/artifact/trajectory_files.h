@@ -1,0 +1,55 @@
+// Trajectories: poses as TUM text (opened by evo and others), everything TUM cannot hold in
+// frames.json beside it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::artifact {
+
+struct StampedPose {
+  double time_s = 0;
+  Pose3 world_from_camera;
+};
+
+// Lines "time tx ty tz qx qy qz qw"; numbers read back exactly.
+[[nodiscard]] Result<std::string> EncodeTum(std::span<const StampedPose> poses,
+                                            std::string_view name);
+// Comments (#) and empty lines are skipped; a fault names the line. Quaternions far from unit
+// length are refused.
+[[nodiscard]] Result<std::vector<StampedPose>> DecodeTum(std::string_view text,
+                                                         std::string_view name);
+
+[[nodiscard]] std::vector<StampedPose> StampedPoses(std::span<const TrackedFrame> frames);
+[[nodiscard]] std::vector<StampedPose> KeyframePoses(std::span<const TrackedFrame> frames,
+                                                     std::span<const FrameIdx> keyframes);
+
+// frames.json: per frame index, status, keyframe, rmse, inlier share; the list of keyframes;
+// composed edges as [i, j].
+[[nodiscard]] Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
+                                               std::span<const FrameIdx> keyframes,
+                                               std::span<const RelativePose> edges,
+                                               std::string_view name);
+
+struct FrameTable {
+  std::vector<TrackedFrame> frames;  // with the poses of the TUM text
+  std::vector<FrameIdx> keyframes;
+};
+// Joins both texts: line n of the TUM text is entry n of frames.json; differing counts or times are
+// refused.
+[[nodiscard]] Result<FrameTable> DecodeFrames(std::string_view frames_json,
+                                              std::string_view tum_text,
+                                              std::string_view name);
+// All of a tracking result; `composed` flags of the edges come from frames.json.
+[[nodiscard]] Result<Odometry> DecodeOdometry(std::string_view frames_json,
+                                              std::string_view tum_text,
+                                              std::string_view g2o_text,
+                                              std::string_view name);
+
+}  // namespace deepslam::artifact
