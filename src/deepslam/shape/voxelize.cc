@@ -50,7 +50,7 @@ void MarkPoint(const Eigen::Vector3d& p_fine, Cells& cells) {
   // The box's own faces lie on the rim of the outermost voxels: the last one is theirs.
   constexpr int kLow = kFine;
   constexpr int kHigh = kFineSize - kFine - 1;
-  const auto cell = [](double x) {
+  const auto cell = [&](double x) {
     return std::clamp(static_cast<int>(std::floor(x)), kLow, kHigh);
   };
   cells[FineIndex(cell(p_fine.x()), cell(p_fine.y()), cell(p_fine.z()))] = kShell;

@@ -1,0 +1,36 @@
+// A catalogue's mesh becomes a canonical model: z up, x front, real size.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/result.h"
+#include "deepslam/library/catalogue.h"
+#include "deepslam/scene/triangle_mesh.h"
+#include "deepslam/scene/voxel_grid.h"
+
+namespace deepslam::library {
+
+struct CanonicalModel {
+  VoxelGrid shape;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // along object x (front), y (left), z (up)
+};
+
+// Faces of an OBJ file, in its own coordinates. Materials are not looked at; faces that
+// tinyobjloader cannot use are left out. Error: not readable as OBJ, or no face.
+[[nodiscard]] Result<TriangleMesh> ReadObj(const std::string& obj_bytes);
+
+// Turns the mesh by the item's rotation, scales it to the catalogue's size, and voxelises it in the
+// object frame. The front is the catalogue's (+z of the file) unless the shape contradicts: the
+// back of a seat and the head of a bed rise behind.
+[[nodiscard]] Result<CanonicalModel> MakeCanonical(const TriangleMesh& mesh_file,
+                                                   const CatalogueItem& item,
+                                                   std::string_view class_name);
+
+// Quarter turns (counter-clockwise from above) that bring the back of a seat or the head of a bed
+// to -x; 0 where the shape has none or is of another class.
+[[nodiscard]] int QuarterTurnsToFront(const VoxelGrid& shape, std::string_view class_name);
+
+}  // namespace deepslam::library

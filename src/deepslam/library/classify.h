@@ -1,0 +1,16 @@
+// Which class of the map a catalogue item belongs to, by its name and size.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "deepslam/library/catalogue.h"
+
+namespace deepslam::library {
+
+// "chair", "table", "sofa", "bed", "cabinet" or "shelf"; nothing for everything else (lamps, doors,
+// wall units, toys). Armchairs and stools are chairs, desks are tables, wardrobes and drawers are
+// cabinets.
+[[nodiscard]] std::optional<std::string> ClassOfItem(const CatalogueItem& item);
+
+}  // namespace deepslam::library
