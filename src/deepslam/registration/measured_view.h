@@ -1,5 +1,5 @@
-// A view made ready for registration: the object's points in space, and what the rest of the crop says about where the
-// object cannot be. Made once per object, used by all its candidates.
+// A view made ready for registration: the object's points in space, and what the rest of the crop
+// says about where the object cannot be. Made once per object, used by all its candidates.
 #pragma once
 
 #include <optional>
@@ -20,15 +20,22 @@ namespace deepslam::registration {
 struct MeasuredView {
   DetectionId view;
   FrameIdx frame;
-  // Of the object's segment, camera frame, metres; normals are unit and look towards the camera. Points without a
-  // usable normal or with a non-finite coordinate are left out.
+  // Of the object's segment, camera frame, metres; normals are unit and look towards the camera.
+  // Points without a usable normal or with a non-finite coordinate are left out.
   std::vector<Eigen::Vector3f> points_camera;
   std::vector<Eigen::Vector3f> normals_camera;
-  std::vector<float> sigmas_m;      // depth noise of each point, metres
+  std::vector<float> sigmas_m;  // depth noise of each point, metres
   Eigen::Vector3d centroid_camera = Eigen::Vector3d::Zero();
-  Eigen::Vector3d up_camera = -Eigen::Vector3d::UnitY();   // unit
-  std::optional<Plane> ground_world;   // consensus of all views; nothing when no view saw a ground
+  Eigen::Vector3d up_camera = -Eigen::Vector3d::UnitY();  // unit
+  // Consensus of all views; nothing when none saw a ground: up_camera is then a guess from how
+  // cameras are held.
+  std::optional<Plane> ground_world;
   Pose3 world_from_camera;
+  // Residuals within one patch of the surface are one measurement: neighbouring pixels err
+  // together, by the sensor's pattern and by every difference between model and object. patch_share
+  // = patches the points fall into / points.
+  double patch_m = 0.05;
+  double patch_share = 0;
   bool touches_border = false;
 
   // The crop, `reduction` times smaller (nearest pixel, so that depth edges stay).
@@ -43,12 +50,16 @@ struct MeasuredView {
   [[nodiscard]] bool empty() const { return points_camera.empty(); }
 };
 
-// Standard deviation of a consumer depth camera's reading along its axis (Nguyen et al. 2012, Kinect), metres.
+// Standard deviation of a consumer depth camera's reading along its axis (Nguyen et al. 2012,
+// Kinect), metres.
 [[nodiscard]] double DepthNoise(double depth_m);
 
-// Keeps the order of `views`. Views whose images do not fit together, or whose pose or camera is not finite, come back
-// empty. `max_points` per view; crops are reduced until their longer side is at most `max_side_px`.
+// Keeps the order of `views`. Views whose images do not fit together, or whose pose or camera is
+// not finite, come back empty. `max_points` per view; crops are reduced until their longer side is
+// at most `max_side_px`.
 [[nodiscard]] std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
-                                                     int max_points = 400, int max_side_px = 96);
+                                                     int max_points = 400,
+                                                     int max_side_px = 96,
+                                                     double patch_m = 0.05);
 
 }  // namespace deepslam::registration

@@ -8,17 +8,20 @@
 namespace deepslam::select {
 
 struct SelectOptions {
-  std::string mode = "offline";       // offline | greedy
-  int max_points = 600;               // object points per view
-  int max_render_px = 80;             // longer side of the rendered crops
-  double model_tolerance_m = 0.015;   // how far a good model may be from the true surface, beside noise and voxels
-  double fade_m = 0.05;               // beyond the tolerance agreement fades to nothing over this length
-  double ground_tolerance_m = 0.05;   // gap between the model's bottom and the ground that is no fault
-  // Subtracted from the score of a fused candidate when candidates are compared: it is made of the depth it is judged
-  // by and holds nothing of the sides nobody saw, so a whole model that agrees nearly as well is worth more.
+  std::string mode = "offline";  // offline | greedy
+  int max_points = 600;          // object points per view
+  int max_render_px = 80;        // longer side of the rendered crops
+  double model_tolerance_m =
+      0.015;  // how far a good model may be from the true surface, beside noise and voxels
+  double fade_m = 0.05;  // beyond the tolerance agreement fades to nothing over this length
+  double ground_tolerance_m =
+      0.05;  // gap between the model's bottom and the ground that is no fault
+  // Subtracted from the score of a fused candidate when candidates are compared: it is made of the
+  // depth it is judged by and holds nothing of the sides nobody saw, so a whole model that agrees
+  // nearly as well is worth more.
   double fused_handicap = 0.25;
-  double good_score = 0.6;            // score at which an object is as likely right as wrong
-  double full_confidence_views = 4;   // views at which their number no longer limits the confidence
+  double good_score = 0.6;           // score at which an object is as likely right as wrong
+  double full_confidence_views = 4;  // views at which their number no longer limits the confidence
 };
 void Describe(OptionsVisitor& visitor, SelectOptions& options);
 

@@ -1,0 +1,234 @@
+#include "deepslam/registration/measured_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "deepslam/shape/view_points.h"
+
+namespace deepslam::registration {
+namespace {
+
+// Neighbouring depths further apart than this share of the depth are different surfaces.
+constexpr double kJumpShare = 0.03;
+
+bool IsUsable(const ObjectView& view) {
+  const int width = view.depth_crop_m.width();
+  const int height = view.depth_crop_m.height();
+  const PinholeCamera& camera = view.camera;
+  const bool fits = width > 0 && height > 0 && view.mask_crop.width() == width &&
+                    view.mask_crop.height() == height;
+  const bool camera_ok = std::isfinite(camera.fx) && std::isfinite(camera.fy) && camera.fx > 0 &&
+                         camera.fy > 0 && std::isfinite(camera.cx) && std::isfinite(camera.cy);
+  const Pose3& pose = view.world_from_camera;
+  return fits && camera_ok && pose.translation_m.allFinite() &&
+         pose.rotation.coeffs().allFinite() && std::abs(pose.rotation.norm() - 1.0) < 1e-3;
+}
+
+bool IsValidDepth(float depth_m) { return std::isfinite(depth_m) && depth_m > 0.0f; }
+
+void AddPoints(const ObjectView& view, int max_points, MeasuredView& out) {
+  const shape::ViewPoints points = shape::ExtractViewPoints(view, max_points);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < points.points_camera.size(); ++i) {
+    const Eigen::Vector3f& point = points.points_camera[i];
+    const Eigen::Vector3f& normal = points.normals_camera[i];
+    if (!point.allFinite() || !normal.allFinite() || std::abs(normal.norm() - 1.0f) > 0.01f)
+      continue;
+    out.points_camera.push_back(point);
+    out.normals_camera.push_back(normal);
+    out.sigmas_m.push_back(static_cast<float>(DepthNoise(point.z())));
+    sum += point.cast<double>();
+  }
+  if (!out.empty()) out.centroid_camera = sum / static_cast<double>(out.points_camera.size());
+}
+
+// A reduced pixel takes the middle pixel of its block, or the first valid one where the middle has
+// no depth.
+void AddReducedCrop(const ObjectView& view, int factor, MeasuredView& out) {
+  out.camera = view.camera.Reduced(factor);
+  const int width = std::max(1, view.depth_crop_m.width() / factor);
+  const int height = std::max(1, view.depth_crop_m.height() / factor);
+  out.camera.width = width;
+  out.camera.height = height;
+  out.depth_m = DepthImage(width, height);
+  out.mask = Mask(width, height);
+  const auto pick = [&](int u, int v) {
+    const int u_max = std::min(view.depth_crop_m.width(), (u + 1) * factor);
+    const int v_max = std::min(view.depth_crop_m.height(), (v + 1) * factor);
+    std::array<int, 2> best = {std::min(u * factor + factor / 2, u_max - 1),
+                               std::min(v * factor + factor / 2, v_max - 1)};
+    if (IsValidDepth(view.depth_crop_m(best[0], best[1]))) return best;
+    for (int y = v * factor; y < v_max; ++y) {
+      for (int x = u * factor; x < u_max; ++x) {
+        if (IsValidDepth(view.depth_crop_m(x, y))) return std::array<int, 2>{x, y};
+      }
+    }
+    return best;
+  };
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const auto [x, y] = pick(u, v);
+      const float depth = view.depth_crop_m(x, y);
+      if (!IsValidDepth(depth)) continue;
+      out.depth_m(u, v) = depth;
+      out.mask(u, v) = view.mask_crop(x, y) != 0 ? 1 : 0;
+    }
+  }
+}
+
+void AddNormals(MeasuredView& out) {
+  const int width = out.depth_m.width();
+  const int height = out.depth_m.height();
+  out.normals = Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
+  const auto point = [&](int u, int v) { return out.camera.Unproject(u, v, out.depth_m(u, v)); };
+  for (int v = 1; v + 1 < height; ++v) {
+    for (int u = 1; u + 1 < width; ++u) {
+      const double depth = out.depth_m(u, v);
+      const std::array<float, 4> around = {out.depth_m(u - 1, v),
+                                           out.depth_m(u + 1, v),
+                                           out.depth_m(u, v - 1),
+                                           out.depth_m(u, v + 1)};
+      const bool smooth = depth > 0 && std::all_of(around.begin(), around.end(), [&](float d) {
+                            return d > 0 && std::abs(d - depth) < kJumpShare * depth;
+                          });
+      if (!smooth) continue;
+      const Eigen::Vector3d normal =
+          (point(u + 1, v) - point(u - 1, v)).cross(point(u, v + 1) - point(u, v - 1));
+      if (!(normal.norm() > 1e-12)) continue;
+      const Eigen::Vector3d unit = normal.normalized();
+      out.normals(u, v) = (unit.dot(point(u, v)) > 0 ? Eigen::Vector3d(-unit) : unit).cast<float>();
+    }
+  }
+}
+
+// Exact, separable: the nearest object row of every column first, then the best column of every
+// row.
+void AddNearestObjectPixel(MeasuredView& out) {
+  const int width = out.mask.width();
+  const int height = out.mask.height();
+  out.nearest_object_pixel = Image<std::int32_t>(width, height, -1);
+  Image<int> nearest_row(width, height, -1);
+  for (int u = 0; u < width; ++u) {
+    int last = -1;
+    for (int v = 0; v < height; ++v) {
+      if (out.mask(u, v) != 0) last = v;
+      nearest_row(u, v) = last;
+    }
+    last = -1;
+    for (int v = height - 1; v >= 0; --v) {
+      if (out.mask(u, v) != 0) last = v;
+      const int above = nearest_row(u, v);
+      if (last >= 0 && (above < 0 || last - v < v - above)) nearest_row(u, v) = last;
+    }
+  }
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      int best = std::numeric_limits<int>::max();
+      for (int x = 0; x < width; ++x) {
+        const int row = nearest_row(x, v);
+        if (row < 0) continue;
+        const int squared = (x - u) * (x - u) + (row - v) * (row - v);
+        if (squared >= best) continue;
+        best = squared;
+        out.nearest_object_pixel(u, v) = row * width + x;
+      }
+    }
+  }
+}
+
+double PatchShare(const std::vector<Eigen::Vector3f>& points, double patch_m) {
+  std::set<std::array<int, 3>> patches;
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d cell = (point.cast<double>() / patch_m).array().floor();
+    patches.insert(
+        {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())});
+  }
+  return points.empty() ? 0.0
+                        : static_cast<double>(patches.size()) / static_cast<double>(points.size());
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool IsUsablePlane(const Plane& plane) {
+  return plane.normal.allFinite() && std::abs(plane.normal.norm() - 1.0) < 1e-3 &&
+         std::isfinite(plane.d_m);
+}
+
+// Mean normal, and the median height under the object: planes seen under tracking drift differ most
+// far away from it.
+std::optional<Plane> ConsensusGround(std::span<const ObjectView> views,
+                                     std::span<const MeasuredView> measured) {
+  std::vector<Plane> planes;
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (measured[i].empty() || !views[i].ground_camera || !IsUsablePlane(*views[i].ground_camera)) {
+      continue;
+    }
+    planes.push_back(Transformed(measured[i].world_from_camera, *views[i].ground_camera));
+    centroid += measured[i].world_from_camera * measured[i].centroid_camera;
+    normal += planes.back().normal;
+  }
+  if (planes.empty() || normal.norm() < 0.5 * static_cast<double>(planes.size())) {
+    return std::nullopt;
+  }
+  centroid /= static_cast<double>(planes.size());
+  normal.normalize();
+  std::vector<double> heights;
+  for (const Plane& plane : planes) heights.push_back(plane.SignedDistance(centroid));
+  return Plane{normal, Median(std::move(heights)) - normal.dot(centroid)};
+}
+
+// Without any ground the mean of the cameras' own "up" is the best guess.
+Eigen::Vector3d AssumedUpWorld(std::span<const MeasuredView> measured) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const MeasuredView& view : measured) {
+    if (!view.empty()) up -= view.world_from_camera.rotation * Eigen::Vector3d::UnitY();
+  }
+  return up.norm() > 1e-6 ? up.normalized() : Eigen::Vector3d(-Eigen::Vector3d::UnitY());
+}
+
+}  // namespace
+
+double DepthNoise(double depth_m) {
+  const double beyond = depth_m - 0.4;
+  return 0.0012 + 0.0019 * beyond * beyond;
+}
+
+std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
+                                       int max_points,
+                                       int max_side_px,
+                                       double patch_m) {
+  std::vector<MeasuredView> measured(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    MeasuredView& out = measured[i];
+    out.view = views[i].detection;
+    out.frame = views[i].frame;
+    out.touches_border = views[i].touches_border;
+    if (!IsUsable(views[i])) continue;
+    out.world_from_camera = views[i].world_from_camera;
+    AddPoints(views[i], max_points, out);
+    out.patch_m = patch_m;
+    out.patch_share = PatchShare(out.points_camera, patch_m);
+    const int side = std::max(views[i].depth_crop_m.width(), views[i].depth_crop_m.height());
+    AddReducedCrop(views[i], (side + max_side_px - 1) / max_side_px, out);
+    AddNormals(out);
+    AddNearestObjectPixel(out);
+  }
+  const std::optional<Plane> ground = ConsensusGround(views, measured);
+  const Eigen::Vector3d up_world = ground ? ground->normal : AssumedUpWorld(measured);
+  for (MeasuredView& view : measured) {
+    view.ground_world = ground;
+    view.up_camera = view.world_from_camera.rotation.conjugate() * up_world;
+  }
+  return measured;
+}
+
+}  // namespace deepslam::registration

@@ -1,0 +1,298 @@
+#include "deepslam/registration/register_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "deepslam/registration/information.h"
+#include "deepslam/registration/similarity_icp.h"
+#include "deepslam/registration/world_hypotheses.h"
+#include "deepslam/scene/voxel_grid.h"
+
+namespace deepslam::registration {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+// Up taken from how cameras are held, without a ground: anything from level to looking well down.
+constexpr double kGuessedUprightSigma = 25 * kDegree;
+// Furniture of a source that names no size.
+constexpr double kMinSize = 0.1;
+constexpr double kMaxSize = 5.0;
+// How far the joint pose holds a single view: the drift between views that tracking leaves.
+constexpr double kHoldSigma = 0.05;
+constexpr double kHoldSigmaRad = 5 * kDegree;
+constexpr std::size_t kPointsPerCoarseView = 150;
+
+using ViewPointers = std::vector<const MeasuredView*>;
+
+bool IsSize(double size_m) { return std::isfinite(size_m) && size_m > 0; }
+
+ScaleBounds BoundsOf(const ShapeCandidate& candidate) {
+  double min_size = IsSize(candidate.min_size_m) ? candidate.min_size_m : kMinSize;
+  double max_size = IsSize(candidate.max_size_m) ? candidate.max_size_m : kMaxSize;
+  if (min_size > max_size) std::swap(min_size, max_size);
+  ScaleBounds bounds{min_size / kModelExtent, max_size / kModelExtent, 0};
+  if (IsSize(candidate.size_m)) {
+    bounds.expected_m = std::clamp(candidate.size_m / kModelExtent, bounds.min_m, bounds.max_m);
+  }
+  return bounds;
+}
+
+ViewPointers UsableViews(std::span<const MeasuredView> views, int min_points) {
+  ViewPointers usable;
+  for (const MeasuredView& view : views) {
+    if (static_cast<int>(view.points_camera.size()) >= std::max(3, min_points)) {
+      usable.push_back(&view);
+    }
+  }
+  return usable;
+}
+
+// Where no view alone has enough points, all that have any are used together.
+ViewPointers ViewsForJointPose(std::span<const MeasuredView> views,
+                               const RegisterOptions& options) {
+  ViewPointers usable = UsableViews(views, options.min_points);
+  return usable.empty() ? UsableViews(views, 3) : usable;
+}
+
+SimilarityIcpOptions JointOptions(const ScaleBounds& bounds,
+                                  bool ground_known,
+                                  const RegisterOptions& options) {
+  SimilarityIcpOptions icp;
+  icp.start_radius_m = options.coarse_radius_m;
+  icp.end_radius_m = options.fine_radius_m;
+  icp.min_scale_m = bounds.min_m;
+  icp.max_scale_m = bounds.max_m;
+  icp.expected_scale_m = bounds.expected_m;
+  icp.size_sigma = options.size_sigma;
+  icp.upright_sigma_rad = ground_known ? options.upright_sigma_deg * kDegree : kGuessedUprightSigma;
+  icp.ground_sigma_m = options.ground_sigma_m;
+  return icp;
+}
+
+// The best world hypothesis, refined over all views with its scale.
+Similarity3 JointPose(const shape::ShapeModel& model,
+                      VisibleSurface& visible,
+                      const ViewPointers& views,
+                      const std::vector<WorldHypothesis>& hypotheses,
+                      const SimilarityIcpOptions& options) {
+  SimilarityIcpOptions coarse = options;
+  std::size_t most_points = 0;
+  for (const MeasuredView* view : views) {
+    most_points = std::max(most_points, view->points_camera.size());
+  }
+  coarse.point_stride = static_cast<int>(most_points / kPointsPerCoarseView) + 1;
+  Similarity3 best = hypotheses.front().world_from_object;
+  double least = std::numeric_limits<double>::infinity();
+  for (const WorldHypothesis& hypothesis : hypotheses) {
+    const Similarity3 refined =
+        AlignShape(model, visible, views, hypothesis.world_from_object, coarse);
+    const double disagreement =
+        Disagreement(model, visible, views, refined, options.end_radius_m, coarse.point_stride);
+    if (disagreement >= least) continue;
+    least = disagreement;
+    best = refined;
+  }
+  SimilarityIcpOptions fine = options;
+  fine.start_radius_m = 0.5 * (options.start_radius_m + options.end_radius_m);
+  return AlignShape(model, visible, views, best, fine);
+}
+
+std::string WhyNotRegistered(const ViewFit& fit,
+                             double moved_m,
+                             double turned_rad,
+                             const RegisterOptions& options) {
+  if (fit.inlier_share < options.min_inlier_share) {
+    return "only " + std::to_string(static_cast<int>(100 * fit.inlier_share)) +
+           " % of the points lie on the model";
+  }
+  if (moved_m > options.max_move_m) {
+    return "moved " + std::to_string(static_cast<int>(100 * moved_m)) +
+           " cm away from the other views' pose";
+  }
+  if (turned_rad > options.max_turn_deg * kDegree) {
+    return "turned " + std::to_string(static_cast<int>(turned_rad / kDegree)) +
+           " deg away from the other views' pose";
+  }
+  return {};
+}
+
+// The view's own measurement z_io, the scale fixed, from the joint pose.
+ViewRegistration RegisterView(const shape::ShapeModel& model,
+                              VisibleSurface& visible,
+                              const MeasuredView& view,
+                              const Similarity3& world_from_object,
+                              SimilarityIcpOptions icp,
+                              bool is_round,
+                              const RegisterOptions& options) {
+  ViewRegistration result;
+  result.view = view.view;
+  result.frame = view.frame;
+  const Pose3 joint = view.world_from_camera.Inverse() * world_from_object.RigidPart();
+  result.camera_from_object = joint;
+  if (static_cast<int>(view.points_camera.size()) < options.min_points) {
+    result.reason = "only " + std::to_string(view.points_camera.size()) + " points";
+    return result;
+  }
+  icp.free_scale = false;
+  icp.start_radius_m = 2 * options.fine_radius_m;
+  icp.hold_sigma_m = kHoldSigma;
+  icp.hold_sigma_rad = kHoldSigmaRad;
+  const MeasuredView* const only = &view;
+  const Similarity3 refined = AlignShape(model, visible, {&only, 1}, world_from_object, icp);
+  const Pose3 camera_from_object = view.world_from_camera.Inverse() * refined.RigidPart();
+  const ViewFit fit = FitOfView(
+      model, view, camera_from_object, world_from_object.scale, options.fine_radius_m, is_round);
+  const Pose3 moved = joint.Inverse() * camera_from_object;
+  result.reason =
+      WhyNotRegistered(fit, moved.translation_m.norm(), RotationAngle(moved.rotation), options);
+  result.ok = result.reason.empty();
+  result.rmse_m = fit.rmse_m;
+  result.inlier_share = fit.inlier_share;
+  if (!result.ok) return result;
+  result.camera_from_object = camera_from_object;
+  result.information = fit.information;
+  result.yaw_free = fit.yaw_sigma_rad > options.yaw_free_sigma_deg * kDegree;
+  return result;
+}
+
+// Entries for every view, none registered.
+CandidateRegistration NotRegistered(const ShapeCandidate& candidate,
+                                    std::span<const MeasuredView> views,
+                                    std::string reason) {
+  CandidateRegistration result;
+  result.candidate = candidate.id;
+  for (const MeasuredView& view : views) {
+    ViewRegistration& entry = result.views.emplace_back();
+    entry.view = view.view;
+    entry.frame = view.frame;
+    entry.reason = reason;
+  }
+  result.reason = std::move(reason);
+  return result;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, RegisterOptions& options) {
+  visitor.Field("max_points", options.max_points, {20, 10000}, "1", "object points per view");
+  visitor.Field("max_crop_px",
+                options.max_crop_px,
+                {16, 1000},
+                "px",
+                "longer side of the reduced crops that show free space");
+  visitor.Field("min_points",
+                options.min_points,
+                {3, 10000},
+                "1",
+                "views with fewer points are no measurement");
+  visitor.Field(
+      "num_azimuths", options.num_azimuths, {1, 24}, "1", "starting rotations about the vertical");
+  visitor.Field("num_seed_views",
+                options.num_seed_views,
+                {1, 100},
+                "1",
+                "views whose own alignments are tried for all");
+  visitor.Field("num_refined_hypotheses",
+                options.num_refined_hypotheses,
+                {1, 100},
+                "1",
+                "starting poses that get a joint refinement");
+  visitor.Field("coarse_radius",
+                options.coarse_radius_m,
+                {0.02, 1.0},
+                "m",
+                "residuals beyond it have no weight at the start");
+  visitor.Field("fine_radius",
+                options.fine_radius_m,
+                {0.01, 0.5},
+                "m",
+                "residuals beyond it have no weight at the end");
+  visitor.Field(
+      "upright_sigma", options.upright_sigma_deg, {0.1, 90}, "deg", "how upright objects stand");
+  visitor.Field("ground_sigma",
+                options.ground_sigma_m,
+                {0, 1},
+                "m",
+                "how well objects stand on the ground; 0 = they need not");
+  visitor.Field("size_sigma",
+                options.size_sigma,
+                {0, 10},
+                "1",
+                "relative trust in a candidate's own size; 0 = none");
+  visitor.Field("max_move",
+                options.max_move_m,
+                {0.01, 10},
+                "m",
+                "a view further from the joint pose is no measurement");
+  visitor.Field("max_turn",
+                options.max_turn_deg,
+                {1, 180},
+                "deg",
+                "a view turned further from the joint pose is no measurement");
+  visitor.Field("min_inlier_share",
+                options.min_inlier_share,
+                {0, 1},
+                "1",
+                "a view with fewer points on the model is no measurement");
+  visitor.Field("patch",
+                options.patch_m,
+                {0.001, 1},
+                "m",
+                "residuals within one patch of the surface count as one");
+  visitor.Field("yaw_free_sigma",
+                options.yaw_free_sigma_deg,
+                {0.1, 180},
+                "deg",
+                "yaw less sure than this is reported as free");
+  visitor.Field("symmetry_share",
+                options.symmetry_share,
+                {0.5, 1},
+                "1",
+                "a model that covers itself this far at every angle is round");
+}
+
+std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> views,
+                                                 const RegisterOptions& options) {
+  return PrepareViews(views, options.max_points, options.max_crop_px, options.patch_m);
+}
+
+CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
+                                        const shape::ShapeModel& model,
+                                        std::span<const ObjectView> views,
+                                        const RegisterOptions& options) {
+  return RegisterCandidate(candidate, model, PrepareForRegistration(views, options), options);
+}
+
+CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
+                                        const shape::ShapeModel& model,
+                                        std::span<const MeasuredView> views,
+                                        const RegisterOptions& options) {
+  if (model.empty()) return NotRegistered(candidate, views, "the model is empty");
+  const ViewPointers usable = ViewsForJointPose(views, options);
+  if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
+  const ScaleBounds bounds = BoundsOf(candidate);
+  VisibleSurface visible(model);
+  const std::vector<WorldHypothesis> hypotheses =
+      FindHypotheses(model, visible, usable, bounds, options);
+  if (hypotheses.empty()) {
+    return NotRegistered(candidate, views, "the views' points have no extent");
+  }
+  const SimilarityIcpOptions icp =
+      JointOptions(bounds, usable.front()->ground_world.has_value(), options);
+  const Similarity3 joint = JointPose(model, visible, usable, hypotheses, icp);
+  const bool is_round = IsRound(model, options.symmetry_share);
+  CandidateRegistration result;
+  result.candidate = candidate.id;
+  result.scale_m = joint.scale;
+  result.world_from_object = joint.RigidPart();
+  for (const MeasuredView& view : views) {
+    result.views.push_back(RegisterView(model, visible, view, joint, icp, is_round, options));
+    result.ok = result.ok || result.views.back().ok;
+  }
+  if (!result.ok) result.reason = "no view agrees with the model";
+  return result;
+}
+
+}  // namespace deepslam::registration

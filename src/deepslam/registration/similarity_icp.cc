@@ -1,0 +1,348 @@
+#include "deepslam/registration/similarity_icp.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace deepslam::registration {
+namespace {
+
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+
+// A model of the right kind is still some centimetres beside the object; matching closer than this
+// means nothing.
+constexpr double kModelSigma = 0.01;
+// A measured depth this close to the model's, outside the segment, is neither for nor against it.
+constexpr double kNeutralGap = 0.03;
+// Silhouettes are cut out by the segmentation, not measured: half the say of a measured point.
+constexpr double kSilhouetteWeight = 0.5;
+// Below this cosine measured and model surface do not face the same way.
+constexpr double kMinFacing = 0.2;
+
+double TukeyWeight(double residual, double radius) {
+  const double t = residual / radius;
+  return t * t >= 1.0 ? 0.0 : (1.0 - t * t) * (1.0 - t * t);
+}
+
+double Truncated(double residual, double radius) {
+  const double t = residual / radius;
+  return std::min(1.0, t * t);
+}
+
+double PointSigma(double depth_sigma_m, double scale_m) {
+  const double voxel_sigma = 0.29 * scale_m * kVoxelSize;  // uniform within a voxel
+  return std::sqrt(depth_sigma_m * depth_sigma_m + kModelSigma * kModelSigma +
+                   voxel_sigma * voxel_sigma);
+}
+
+// The normal equations of a small motion of the object in its own metric frame: (translation;
+// rotation; log scale).
+struct Equations {
+  Matrix7d hessian = Matrix7d::Zero();
+  Vector7d gradient = Vector7d::Zero();
+  int num_residuals = 0;
+
+  void Add(const Vector7d& jacobian, double residual, double weight) {
+    hessian.noalias() += weight * jacobian * jacobian.transpose();
+    gradient.noalias() += weight * residual * jacobian;
+    ++num_residuals;
+  }
+};
+
+// d(n . x)/d(motion) of a point x that moves with the object (metric object frame).
+Vector7d MotionJacobian(const Eigen::Vector3d& n_object, const Eigen::Vector3d& x_object_m) {
+  Vector7d jacobian;
+  jacobian << n_object, x_object_m.cross(n_object), n_object.dot(x_object_m);
+  return jacobian;
+}
+
+// A visible model point against the measurement in the pixel it falls into.
+struct BackMatch {
+  enum Kind { kUnknown, kAgrees, kSurface, kFree, kConflict } kind = kUnknown;
+  double residual_m = 0;  // kSurface: along the normal; kFree: sideways
+  Eigen::Vector3d normal_camera = Eigen::Vector3d::Zero();  // kSurface
+  Eigen::Vector2d sideways_m =
+      Eigen::Vector2d::Zero();  // kFree: from the silhouette to the model point
+};
+
+BackMatch MatchBack(const MeasuredView& view, const Eigen::Vector3d& q_camera, double radius_m) {
+  BackMatch match;
+  const auto pixel = view.camera.Project(q_camera);
+  if (!pixel || !(pixel->cwiseAbs().maxCoeff() < 1e6)) return match;
+  const int u = static_cast<int>(std::lround(pixel->x()));
+  const int v = static_cast<int>(std::lround(pixel->y()));
+  if (!view.depth_m.Contains(u, v) || view.depth_m(u, v) <= 0) return match;
+  const double depth = view.depth_m(u, v);
+  const double gap = depth - q_camera.z();
+  if (view.mask(u, v) != 0) {
+    const Eigen::Vector3d normal = view.normals(u, v).cast<double>();
+    match.kind = BackMatch::kConflict;
+    if (normal.isZero()) return std::abs(gap) < radius_m ? BackMatch() : match;
+    match.residual_m = normal.dot(q_camera - view.camera.Unproject(pixel->x(), pixel->y(), depth));
+    match.normal_camera = normal;
+    if (std::abs(gap) < 2 * radius_m && std::abs(match.residual_m) < radius_m) {
+      match.kind = BackMatch::kSurface;
+    }
+    return match;
+  }
+  if (std::abs(gap) < kNeutralGap) {
+    match.kind = BackMatch::kAgrees;
+    return match;
+  }
+  const std::int32_t nearest = view.nearest_object_pixel(u, v);
+  if (gap < 0 || nearest < 0) return match;
+  match.kind = BackMatch::kFree;
+  match.sideways_m = {(u - nearest % view.mask.width()) * q_camera.z() / view.camera.fx,
+                      (v - nearest / view.mask.width()) * q_camera.z() / view.camera.fy};
+  match.residual_m = match.sideways_m.norm();
+  return match;
+}
+
+struct PlacedView {
+  Similarity3 camera_from_object;
+  Similarity3 object_from_camera;
+  Eigen::Vector3d camera_object = Eigen::Vector3d::Zero();  // the camera's place, object units
+};
+
+PlacedView Place(const MeasuredView& view, const Similarity3& world_from_object) {
+  PlacedView placed;
+  placed.camera_from_object = view.world_from_camera.Inverse() * world_from_object;
+  placed.object_from_camera = placed.camera_from_object.Inverse();
+  placed.camera_object = placed.object_from_camera.translation_m;
+  return placed;
+}
+
+void AddForward(const shape::ShapeModel& model,
+                const MeasuredView& view,
+                const PlacedView& placed,
+                double radius_m,
+                const SimilarityIcpOptions& options,
+                Equations& equations) {
+  const double scale_m = placed.camera_from_object.scale;
+  const double share = std::min(1.0, view.patch_share * options.point_stride);
+  const std::size_t stride = static_cast<std::size_t>(options.point_stride);
+  for (std::size_t i = 0; i < view.points_camera.size(); i += stride) {
+    const PointMatch match =
+        MatchPoint(model, placed.object_from_camera, view.points_camera[i], view.normals_camera[i]);
+    if (match.distance_m >= radius_m || match.facing < kMinFacing) continue;
+    const Eigen::Vector3d normal =
+        placed.object_from_camera.rotation * view.normals_camera[i].cast<double>();
+    const Eigen::Vector3d x_m =
+        scale_m * (placed.object_from_camera * view.points_camera[i].cast<double>());
+    const double sigma = PointSigma(view.sigmas_m[i], scale_m);
+    const double weight =
+        share * match.facing * TukeyWeight(match.distance_m, radius_m) / (sigma * sigma);
+    equations.Add(-MotionJacobian(normal, x_m), match.plane_residual_m, weight);
+  }
+}
+
+void AddBackward(VisibleSurface& visible,
+                 const MeasuredView& view,
+                 const PlacedView& placed,
+                 double radius_m,
+                 Equations& equations) {
+  const double scale_m = placed.camera_from_object.scale;
+  const double cell_m = VisibleSurface::kCellVoxels * kVoxelSize * scale_m;
+  const double share = std::min(1.0, std::pow(cell_m / view.patch_m, 2));
+  const Eigen::Matrix3d object_from_camera = placed.object_from_camera.rotation.toRotationMatrix();
+  for (const SurfacePoint& surface : visible.From(placed.camera_object)) {
+    const Eigen::Vector3d q_camera = placed.camera_from_object * surface.point;
+    const Eigen::Vector3d q_m = scale_m * surface.point;
+    const BackMatch match = MatchBack(view, q_camera, radius_m);
+    const double sigma = PointSigma(DepthNoise(q_camera.z()), scale_m);
+    const double weight = share * TukeyWeight(match.residual_m, radius_m) / (sigma * sigma);
+    if (match.kind == BackMatch::kSurface) {
+      const Eigen::Vector3d normal = object_from_camera * match.normal_camera;
+      const double facing = normal.dot(surface.normal);
+      if (facing < kMinFacing) continue;
+      equations.Add(MotionJacobian(normal, q_m), match.residual_m, weight * facing);
+    } else if (match.kind == BackMatch::kFree && weight > 0) {
+      for (int axis = 0; axis < 2; ++axis) {
+        equations.Add(MotionJacobian(object_from_camera.col(axis), q_m),
+                      match.sideways_m[axis],
+                      kSilhouetteWeight * weight);
+      }
+    }
+  }
+}
+
+void AddUpright(const Eigen::Vector3d& up_world,
+                const Similarity3& world_from_object,
+                double sigma,
+                Equations& equations) {
+  // Tilting by w moves the model's z to z + w x z; its part across the true up shall vanish.
+  const Eigen::Vector3d up = world_from_object.rotation.conjugate() * up_world;
+  const double weight = 1.0 / (sigma * sigma);
+  Vector7d about_x = Vector7d::Zero();
+  Vector7d about_y = Vector7d::Zero();
+  about_x[3] = -1;
+  about_y[4] = 1;
+  equations.Add(about_x, -up.y(), weight);
+  equations.Add(about_y, -up.x(), weight);
+}
+
+void AddGround(const shape::ShapeModel& model,
+               const Plane& ground_world,
+               const Similarity3& world_from_object,
+               double sigma,
+               Equations& equations) {
+  const Eigen::Vector3d bottom(0, 0, model.bottom());
+  const Eigen::Vector3d up = world_from_object.rotation.conjugate() * ground_world.normal;
+  const double gap_m = ground_world.SignedDistance(world_from_object * bottom);
+  // Huber: an object that truly hangs or lies deeper must be able to say so.
+  const double weight =
+      std::min(1.0, 3 * sigma / std::max(1e-9, std::abs(gap_m))) / (sigma * sigma);
+  equations.Add(MotionJacobian(up, world_from_object.scale * bottom), gap_m, weight);
+}
+
+void AddPriors(const shape::ShapeModel& model,
+               const MeasuredView& any_view,
+               const Similarity3& start,
+               const Similarity3& world_from_object,
+               const SimilarityIcpOptions& options,
+               Equations& equations) {
+  if (options.upright_sigma_rad > 0) {
+    AddUpright(any_view.world_from_camera.rotation * any_view.up_camera,
+               world_from_object,
+               options.upright_sigma_rad,
+               equations);
+  }
+  if (options.ground_sigma_m > 0 && any_view.ground_world) {
+    AddGround(model, *any_view.ground_world, world_from_object, options.ground_sigma_m, equations);
+  }
+  if (options.expected_scale_m > 0 && options.size_sigma > 0) {
+    const double error = std::log(world_from_object.scale / options.expected_scale_m);
+    equations.Add(Vector7d::Unit(6), error, 1.0 / (options.size_sigma * options.size_sigma));
+  }
+  if (options.hold_sigma_m > 0 && options.hold_sigma_rad > 0) {
+    const Vector6d moved = T2v(start.RigidPart().Inverse() * world_from_object.RigidPart());
+    for (int i = 0; i < 6; ++i) {
+      const double sigma = i < 3 ? options.hold_sigma_m : options.hold_sigma_rad;
+      equations.Add(Vector7d::Unit(i), moved[i], 1.0 / (sigma * sigma));
+    }
+  }
+}
+
+// The step, bounded so that a badly conditioned start cannot fling the model away.
+Vector7d SolveStep(Equations equations, bool free_scale, double max_step_m) {
+  if (!free_scale) {
+    equations.hessian.row(6).setZero();
+    equations.hessian.col(6).setZero();
+    equations.gradient[6] = 0;
+  }
+  // Levenberg damping far below any real information; keeps unobserved directions where they are.
+  const double damping = 1e-6 * std::max(1.0, equations.hessian.diagonal().maxCoeff());
+  equations.hessian.diagonal().array() += damping;
+  Vector7d step = -equations.hessian.ldlt().solve(equations.gradient);
+  if (!step.allFinite()) return Vector7d::Zero();
+  const double too_long = std::max({step.head<3>().norm() / max_step_m,
+                                    step.segment<3>(3).norm() / 0.3,
+                                    std::abs(step[6]) / 0.15});
+  return too_long > 1 ? Vector7d(step / too_long) : step;
+}
+
+Similarity3 Moved(const Similarity3& world_from_object,
+                  const Vector7d& step,
+                  const SimilarityIcpOptions& options) {
+  const Pose3 rigid = world_from_object.RigidPart() * V2t(step.head<6>());
+  const double scale = options.free_scale ? std::clamp(world_from_object.scale * std::exp(step[6]),
+                                                       options.min_scale_m,
+                                                       options.max_scale_m)
+                                          : world_from_object.scale;
+  return Similarity3::From(rigid, scale);
+}
+
+const MeasuredView* FirstUsable(std::span<const MeasuredView* const> views) {
+  const auto it =
+      std::find_if(views.begin(), views.end(), [](auto* view) { return !view->empty(); });
+  return it == views.end() ? nullptr : *it;
+}
+
+}  // namespace
+
+PointMatch MatchPoint(const shape::ShapeModel& model,
+                      const Similarity3& object_from_camera,
+                      const Eigen::Vector3f& point_camera,
+                      const Eigen::Vector3f& normal_camera) {
+  const Eigen::Vector3f x = (object_from_camera * point_camera.cast<double>()).cast<float>();
+  const Eigen::Vector3f gradient = model.Gradient(x);
+  const double length = gradient.norm();
+  const double distance_m = model.Distance(x) / object_from_camera.scale;
+  PointMatch match{std::abs(distance_m), distance_m, 0.0};
+  if (length < 1e-3) return match;
+  const Eigen::Vector3d normal = object_from_camera.rotation * normal_camera.cast<double>();
+  match.facing = normal.dot(gradient.cast<double>()) / length;
+  match.plane_residual_m =
+      distance_m * match.facing;  // n . (x - eta(x)), eta = x - distance * gradient
+  return match;
+}
+
+Similarity3 AlignShape(const shape::ShapeModel& model,
+                       VisibleSurface& visible,
+                       std::span<const MeasuredView* const> views,
+                       const Similarity3& world_from_object,
+                       const SimilarityIcpOptions& options) {
+  const MeasuredView* const any_view = FirstUsable(views);
+  if (any_view == nullptr || model.empty()) return world_from_object;
+  Similarity3 current = world_from_object;
+  current.scale = options.free_scale
+                      ? std::clamp(current.scale, options.min_scale_m, options.max_scale_m)
+                      : current.scale;
+  for (int iteration = 0; iteration < options.num_iterations; ++iteration) {
+    // Down to the fine radius over the first two thirds, then settle there.
+    const double progress = std::min(1.0, 1.5 * iteration / std::max(1, options.num_iterations));
+    const double radius_m =
+        options.start_radius_m * std::pow(options.end_radius_m / options.start_radius_m, progress);
+    Equations equations;
+    for (const MeasuredView* view : views) {
+      if (view->empty()) continue;
+      const PlacedView placed = Place(*view, current);
+      AddForward(model, *view, placed, radius_m, options, equations);
+      if (options.both_directions) {
+        AddBackward(visible, *view, placed, radius_m, equations);
+      }
+    }
+    if (equations.num_residuals == 0) break;
+    AddPriors(model, *any_view, world_from_object, current, options, equations);
+    const Vector7d step = SolveStep(equations, options.free_scale, options.start_radius_m);
+    current = Moved(current, step, options);
+    if (progress >= 1.0 && step.cwiseAbs().maxCoeff() < 1e-4) break;
+  }
+  return current;
+}
+
+double Disagreement(const shape::ShapeModel& model,
+                    VisibleSurface& visible,
+                    std::span<const MeasuredView* const> views,
+                    const Similarity3& world_from_object,
+                    double radius_m,
+                    int point_stride) {
+  double forward = 0;
+  double backward = 0;
+  int num_forward = 0;
+  int num_backward = 0;
+  for (const MeasuredView* view : views) {
+    if (view->empty()) continue;
+    const PlacedView placed = Place(*view, world_from_object);
+    const std::size_t stride = static_cast<std::size_t>(std::max(1, point_stride));
+    for (std::size_t i = 0; i < view->points_camera.size(); i += stride) {
+      const PointMatch match = MatchPoint(
+          model, placed.object_from_camera, view->points_camera[i], view->normals_camera[i]);
+      forward += match.facing < 0 ? 1.0 : Truncated(match.distance_m, radius_m);
+      ++num_forward;
+    }
+    for (const SurfacePoint& surface : visible.From(placed.camera_object)) {
+      const BackMatch match = MatchBack(*view, placed.camera_from_object * surface.point, radius_m);
+      if (match.kind == BackMatch::kUnknown) continue;
+      const bool conflict = match.kind == BackMatch::kConflict;
+      backward += conflict ? 1.0 : Truncated(match.residual_m, radius_m);
+      ++num_backward;
+    }
+  }
+  return (num_forward > 0 ? forward / num_forward : 1.0) +
+         (num_backward > 0 ? backward / num_backward : 1.0);
+}
+
+}  // namespace deepslam::registration

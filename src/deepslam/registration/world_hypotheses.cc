@@ -1,0 +1,110 @@
+#include "deepslam/registration/world_hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "deepslam/registration/initial_alignment.h"
+#include "deepslam/registration/similarity_icp.h"
+
+namespace deepslam::registration {
+namespace {
+
+// Ranking needs no more than this of the measurement.
+constexpr std::size_t kMaxJudgeViews = 8;
+constexpr std::size_t kPointsPerJudgeView = 60;
+// Hypotheses closer than all of these lead to the same optimum.
+constexpr double kSameAngleRad = 0.3;
+constexpr double kSamePlaceShare = 0.15;
+constexpr double kSameScaleShare = 0.15;
+
+using ViewPointers = std::vector<const MeasuredView*>;
+
+// Views with many points come first; those cut by the image border count half, since their moments
+// mislead.
+ViewPointers BestViews(std::span<const MeasuredView* const> views, int count) {
+  ViewPointers best(views.begin(), views.end());
+  const auto worth = [](const MeasuredView* view) {
+    const double patches = view->patch_share * static_cast<double>(view->points_camera.size());
+    return view->touches_border ? 0.5 * patches : patches;
+  };
+  std::stable_sort(
+      best.begin(), best.end(), [&](const auto* a, const auto* b) { return worth(a) > worth(b); });
+  best.resize(std::min(best.size(), static_cast<std::size_t>(std::max(1, count))));
+  return best;
+}
+
+ViewPointers EvenlySpaced(std::span<const MeasuredView* const> views, std::size_t count) {
+  if (views.size() <= count) return {views.begin(), views.end()};
+  ViewPointers chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(views[i * views.size() / count]);
+  return chosen;
+}
+
+void StandOnGround(const shape::ShapeModel& model,
+                   const MeasuredView& view,
+                   Similarity3& world_from_object) {
+  if (!view.ground_world) return;
+  const double gap_m =
+      view.ground_world->SignedDistance(world_from_object * Eigen::Vector3d(0, 0, model.bottom()));
+  world_from_object.translation_m -= gap_m * view.ground_world->normal;
+}
+
+bool IsSame(const Similarity3& a, const Similarity3& b) {
+  return RotationAngle(a.rotation.conjugate() * b.rotation) < kSameAngleRad &&
+         (a.translation_m - b.translation_m).norm() < kSamePlaceShare * a.scale &&
+         std::abs(std::log(a.scale / b.scale)) < kSameScaleShare;
+}
+
+// At another scale the point of the model that lay on the measured centroid stays there.
+Similarity3 Rescaled(const Similarity3& camera_from_object,
+                     const Eigen::Vector3d& centroid_camera,
+                     double scale_m) {
+  const double factor = scale_m / camera_from_object.scale;
+  Similarity3 rescaled = camera_from_object;
+  rescaled.scale = scale_m;
+  rescaled.translation_m =
+      centroid_camera + factor * (camera_from_object.translation_m - centroid_camera);
+  return rescaled;
+}
+
+}  // namespace
+
+std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
+                                            VisibleSurface& visible,
+                                            std::span<const MeasuredView* const> views,
+                                            const ScaleBounds& bounds,
+                                            const RegisterOptions& options) {
+  const ViewPointers judges = EvenlySpaced(views, kMaxJudgeViews);
+  std::vector<WorldHypothesis> all;
+  const auto judge = [&](const MeasuredView& view, const Similarity3& camera_from_object) {
+    WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
+    StandOnGround(model, view, hypothesis.world_from_object);
+    const int stride = static_cast<int>(view.points_camera.size() / kPointsPerJudgeView) + 1;
+    hypothesis.disagreement = Disagreement(
+        model, visible, judges, hypothesis.world_from_object, options.coarse_radius_m, stride);
+    all.push_back(hypothesis);
+  };
+  for (const MeasuredView* view : BestViews(views, options.num_seed_views)) {
+    for (const InitialAlignment& alignment :
+         AlignByMoments(visible, *view, options.num_azimuths, bounds.min_m, bounds.max_m)) {
+      judge(*view, alignment.camera_from_object);
+      if (bounds.expected_m <= 0) continue;
+      judge(*view,
+            Rescaled(alignment.camera_from_object, view->centroid_camera, bounds.expected_m));
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+    return a.disagreement < b.disagreement;
+  });
+  std::vector<WorldHypothesis> kept;
+  for (const WorldHypothesis& hypothesis : all) {
+    if (static_cast<int>(kept.size()) >= std::max(1, options.num_refined_hypotheses)) break;
+    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const WorldHypothesis& other) {
+      return IsSame(hypothesis.world_from_object, other.world_from_object);
+    });
+    if (is_new) kept.push_back(hypothesis);
+  }
+  return kept;
+}
+
+}  // namespace deepslam::registration

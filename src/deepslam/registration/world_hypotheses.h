@@ -1,0 +1,35 @@
+// Where a model may stand in the world, from the alignments of single views, judged against all
+// views.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "deepslam/registration/register_shape.h"
+#include "deepslam/registration/visible_surface.h"
+
+namespace deepslam::registration {
+
+struct ScaleBounds {
+  double min_m = 0;  // metres per object unit
+  double max_m = 0;
+  double expected_m = 0;  // 0 = unknown
+};
+
+struct WorldHypothesis {
+  Similarity3 world_from_object;
+  double disagreement = 0;  // see Disagreement(); smaller is better
+};
+
+// Every azimuth of the best seed views, carried into the world by the tracked cameras, each at the
+// scale of its moments and at the size the source believes, moved vertically until the model stands
+// on the ground where one is known. Best first, near-duplicates left out, at most
+// options.num_refined_hypotheses.
+[[nodiscard]] std::vector<WorldHypothesis> FindHypotheses(
+    const shape::ShapeModel& model,
+    VisibleSurface& visible,
+    std::span<const MeasuredView* const> views,
+    const ScaleBounds& bounds,
+    const RegisterOptions& options);
+
+}  // namespace deepslam::registration

@@ -1,0 +1,153 @@
+#include "deepslam/select/agreement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "deepslam/shape/render_voxels.h"
+#include "deepslam/shape/view_points.h"
+
+namespace deepslam::select {
+namespace {
+
+bool IsUsable(const ObjectView& view) {
+  const DepthImage& depth = view.depth_crop_m;
+  const PinholeCamera& camera = view.camera;
+  return !depth.empty() && view.mask_crop.width() == depth.width() &&
+         view.mask_crop.height() == depth.height() && std::isfinite(camera.fx) &&
+         std::isfinite(camera.fy) && camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.cx) &&
+         std::isfinite(camera.cy) && view.world_from_camera.translation_m.allFinite() &&
+         view.world_from_camera.rotation.coeffs().allFinite();
+}
+
+// Every factor-th pixel; depth is not averaged, so that edges stay.
+void AddReducedCrop(const ObjectView& view, int factor, JudgedView& out) {
+  const int width = std::max(1, view.depth_crop_m.width() / factor);
+  const int height = std::max(1, view.depth_crop_m.height() / factor);
+  out.camera = view.camera.Reduced(factor);
+  out.camera.width = width;
+  out.camera.height = height;
+  out.depth_m = DepthImage(width, height);
+  out.mask = Mask(width, height);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const int x = std::min(u * factor + factor / 2, view.depth_crop_m.width() - 1);
+      const int y = std::min(v * factor + factor / 2, view.depth_crop_m.height() - 1);
+      const float depth = view.depth_crop_m(x, y);
+      if (!std::isfinite(depth) || depth <= 0) continue;
+      out.depth_m(u, v) = depth;
+      out.mask(u, v) = view.mask_crop(x, y) != 0 ? 1 : 0;
+    }
+  }
+}
+
+// Axial noise of consumer depth cameras (Nguyen et al. 2012).
+double DepthNoise(double depth_m) { return 0.0012 + 0.0019 * (depth_m - 0.4) * (depth_m - 0.4); }
+
+// The placed model, asked how well a measured point lies on its surface.
+class PlacedModel {
+ public:
+  PlacedModel(const shape::ShapeModel& model,
+              const Similarity3& camera_from_object,
+              const SelectOptions& options)
+      : model_(model),
+        object_from_camera_(camera_from_object.Inverse()),
+        scale_m_(camera_from_object.scale),
+        options_(options) {}
+
+  [[nodiscard]] double AgreementOf(const Eigen::Vector3d& point_camera) const {
+    const double distance_m =
+        scale_m_ * std::abs(model_.Distance((object_from_camera_ * point_camera).cast<float>()));
+    const double tolerance_m =
+        options_.model_tolerance_m + 2 * DepthNoise(point_camera.z()) + 0.5 * kVoxelSize * scale_m_;
+    return std::clamp(1.0 - (distance_m - tolerance_m) / options_.fade_m, 0.0, 1.0);
+  }
+
+ private:
+  const shape::ShapeModel& model_;
+  Similarity3 object_from_camera_;
+  double scale_m_;
+  const SelectOptions& options_;
+};
+
+// Best agreement of what was measured in a pixel and around it: thin parts may be a pixel beside
+// their place.
+double AgreementAround(const PlacedModel& placed, const JudgedView& view, int u, int v) {
+  double best = 0;
+  for (int y = std::max(0, v - 1); y <= std::min(view.depth_m.height() - 1, v + 1); ++y) {
+    for (int x = std::max(0, u - 1); x <= std::min(view.depth_m.width() - 1, u + 1); ++x) {
+      if (view.depth_m(x, y) <= 0) continue;
+      best = std::max(best, placed.AgreementOf(view.camera.Unproject(x, y, view.depth_m(x, y))));
+    }
+  }
+  return best;
+}
+
+void AddCoverage(const DepthImage& rendered_m,
+                 const PlacedModel& placed,
+                 const JudgedView& view,
+                 ViewAgreement& agreement) {
+  double confirmed = 0;
+  double violated = 0;
+  for (int v = 0; v < rendered_m.height(); ++v) {
+    for (int u = 0; u < rendered_m.width(); ++u) {
+      if (rendered_m(u, v) <= 0) continue;
+      const double share = AgreementAround(placed, view, u, v);
+      const float depth = view.depth_m(u, v);
+      const bool is_behind = depth > rendered_m(u, v);
+      const bool is_known = depth > 0 && (is_behind || view.mask(u, v) != 0);
+      if (share < 0.5 && !is_known) continue;
+      ++agreement.num_seen;
+      confirmed += share;
+      if (is_behind) violated += 1.0 - share;
+    }
+  }
+  if (agreement.num_seen == 0) return;
+  agreement.coverage = confirmed / agreement.num_seen;
+  agreement.violation = violated / agreement.num_seen;
+}
+
+}  // namespace
+
+std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
+                                          const SelectOptions& options) {
+  std::vector<JudgedView> judged(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const ObjectView& view = views[i];
+    judged[i].view = view.detection;
+    judged[i].frame = view.frame;
+    if (!IsUsable(view)) continue;
+    for (const Eigen::Vector3f& point :
+         shape::ExtractViewPoints(view, options.max_points).points_camera) {
+      if (point.allFinite() && point.z() > 0) judged[i].points_camera.push_back(point);
+    }
+    judged[i].world_from_camera = view.world_from_camera;
+    judged[i].ground_camera = view.ground_camera;
+    const int side = std::max(view.depth_crop_m.width(), view.depth_crop_m.height());
+    AddReducedCrop(view, (side + options.max_render_px - 1) / options.max_render_px, judged[i]);
+  }
+  return judged;
+}
+
+ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
+                               const Similarity3& camera_from_object,
+                               const JudgedView& view,
+                               const SelectOptions& options) {
+  ViewAgreement agreement;
+  agreement.view = view.view;
+  agreement.frame = view.frame;
+  const bool is_placed = camera_from_object.translation_m.allFinite() &&
+                         camera_from_object.rotation.coeffs().allFinite() &&
+                         std::isfinite(camera_from_object.scale) && camera_from_object.scale > 0;
+  if (model.empty() || view.depth_m.empty() || !is_placed) return agreement;
+  const PlacedModel placed(model, camera_from_object, options);
+  agreement.num_points = static_cast<int>(view.points_camera.size());
+  double sum = 0;
+  for (const Eigen::Vector3f& point : view.points_camera) {
+    sum += placed.AgreementOf(point.cast<double>());
+  }
+  if (agreement.num_points > 0) agreement.surface = sum / agreement.num_points;
+  AddCoverage(shape::RenderDepth(model, camera_from_object, view.camera), placed, view, agreement);
+  return agreement;
+}
+
+}  // namespace deepslam::select

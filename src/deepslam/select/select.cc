@@ -1,0 +1,363 @@
+#include "deepslam/select/select.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "deepslam/core/check.h"
+#include "deepslam/select/score.h"
+
+namespace deepslam::select {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::array<std::string_view, 2> kModes = {"offline", "greedy"};
+// Width of the passage from "likely wrong" to "likely right" around good_score.
+constexpr double kScoreWidth = 0.08;
+// Directions of view within this angle are one side of an object.
+constexpr double kOneSideRad = 90 * kDegree;
+
+void AppendNote(std::string& note, const std::string& text) {
+  if (!note.empty()) note += "; ";
+  note += text;
+}
+
+// Median over the views that see a ground of the height of the model's bottom above it.
+std::optional<double> GroundGap(const shape::ShapeModel& model,
+                                const CandidateRegistration& registration,
+                                std::span<const JudgedView> views) {
+  const Eigen::Vector3d bottom_world =
+      Similarity3::From(registration.world_from_object, registration.scale_m) *
+      Eigen::Vector3d(0, 0, model.bottom());
+  std::vector<double> gaps;
+  for (const JudgedView& view : views) {
+    if (!view.ground_camera) continue;
+    const double gap =
+        view.ground_camera->SignedDistance(view.world_from_camera.Inverse() * bottom_world);
+    if (std::isfinite(gap)) gaps.push_back(gap);
+  }
+  if (gaps.empty()) return std::nullopt;
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return *middle;
+}
+
+// The view's own registration where it has one, else the joint pose.
+Pose3 CameraFromObject(const CandidateRegistration& registration,
+                       const JudgedView& view,
+                       std::size_t index) {
+  if (index < registration.views.size() && registration.views[index].view == view.view &&
+      registration.views[index].ok) {
+    return registration.views[index].camera_from_object;
+  }
+  return view.world_from_camera.Inverse() * registration.world_from_object;
+}
+
+double DecidingScore(const ShapeCandidate& candidate, double score, const SelectOptions& options) {
+  const double handicap =
+      candidate.source == CandidateSource::kFused ? options.fused_handicap : 0.0;
+  return std::max(0.0, score - handicap);
+}
+
+struct Ranked {
+  std::size_t index = 0;
+  double deciding = 0;
+  bool placed = false;
+};
+
+// Placed candidates first, then by deciding score, then by id.
+std::vector<Ranked> Rank(std::span<const ShapeCandidate> candidates,
+                         std::span<const CandidateRegistration> registrations,
+                         std::span<const CandidateScore> scores,
+                         const SelectOptions& options) {
+  std::vector<Ranked> ranked;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const double score = std::isfinite(scores[i].score) ? scores[i].score : 0.0;
+    ranked.push_back(
+        {i, DecidingScore(candidates[i], score, options), registrations[i].ok && score > 0});
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [&](const Ranked& a, const Ranked& b) {
+    if (a.placed != b.placed) return a.placed;
+    if (a.deciding != b.deciding) return a.deciding > b.deciding;
+    return candidates[a.index].id < candidates[b.index].id;
+  });
+  return ranked;
+}
+
+// Views in order of arrival; a candidate arrives with the view that proposed it, one of all views
+// with the last.
+class Arrival {
+ public:
+  explicit Arrival(std::span<const ObjectView> views) {
+    for (std::size_t i = 0; i < views.size(); ++i) order_.push_back(i);
+    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+      return views[a].frame < views[b].frame;
+    });
+    for (std::size_t step = 0; step < order_.size(); ++step) {
+      step_of_view_.try_emplace(views[order_[step]].detection, step);
+    }
+  }
+  [[nodiscard]] const std::vector<std::size_t>& order() const { return order_; }
+  [[nodiscard]] std::size_t StepOf(const ShapeCandidate& candidate) const {
+    const auto it = step_of_view_.find(candidate.view);
+    const std::size_t last = order_.empty() ? 0 : order_.size() - 1;
+    return it == step_of_view_.end() ? last : it->second;
+  }
+
+ private:
+  std::vector<std::size_t> order_;
+  std::map<DetectionId, std::size_t> step_of_view_;
+};
+
+double ScoreSoFar(const CandidateScore& score,
+                  const std::vector<std::size_t>& order,
+                  std::size_t num_views) {
+  std::vector<ViewAgreement> so_far;
+  for (std::size_t step = 0; step < num_views; ++step) {
+    if (order[step] < score.views.size()) so_far.push_back(score.views[order[step]]);
+  }
+  return ScoreOf(Pool(so_far), 0.0);
+}
+
+// The paper's greedy replacement: a candidate takes over when it agrees better with the depth seen
+// so far.
+std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidates,
+                                       std::span<const CandidateRegistration> registrations,
+                                       std::span<const CandidateScore> scores,
+                                       std::span<const ObjectView> views,
+                                       const SelectOptions& options) {
+  const Arrival arrival(views);
+  std::vector<Replacement> history;
+  for (std::size_t step = 0; step < arrival.order().size(); ++step) {
+    std::optional<std::size_t> best;
+    double best_score = 0;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!registrations[i].ok || arrival.StepOf(candidates[i]) > step) continue;
+      const double score =
+          DecidingScore(candidates[i], ScoreSoFar(scores[i], arrival.order(), step + 1), options);
+      const bool holds = !history.empty() && history.back().candidate == candidates[i].id;
+      if (best && (score < best_score || (score == best_score && !holds))) continue;
+      best = i;
+      best_score = score;
+    }
+    if (!best) continue;
+    if (!history.empty() && history.back().candidate == candidates[*best].id) continue;
+    history.push_back({views[arrival.order()[step]].frame, candidates[*best].id, best_score});
+  }
+  return history;
+}
+
+// Largest angle, about the object's vertical, between two cameras that saw it: 2 pi minus the
+// largest gap.
+double SeenAngle(const MapObject& object, std::span<const ObjectView> views) {
+  std::vector<double> azimuths;
+  for (const ObjectView& view : views) {
+    const Eigen::Vector3d camera =
+        object.world_from_object.Inverse() * view.world_from_camera.translation_m;
+    if (camera.allFinite()) azimuths.push_back(std::atan2(camera.y(), camera.x()));
+  }
+  if (azimuths.size() < 2) return 0;
+  std::sort(azimuths.begin(), azimuths.end());
+  double largest_gap = azimuths.front() + 2 * std::numbers::pi - azimuths.back();
+  for (std::size_t i = 1; i < azimuths.size(); ++i) {
+    largest_gap = std::max(largest_gap, azimuths[i] - azimuths[i - 1]);
+  }
+  return 2 * std::numbers::pi - largest_gap;
+}
+
+int NumRegistered(const CandidateRegistration& registration) {
+  return static_cast<int>(std::count_if(registration.views.begin(),
+                                        registration.views.end(),
+                                        [](const ViewRegistration& view) { return view.ok; }));
+}
+
+// Grows with the score (one half at good_score), with the number of views, and with how far round
+// they go.
+double ConfidenceOf(double score,
+                    int num_views,
+                    double seen_angle_rad,
+                    const SelectOptions& options) {
+  const double fit = 1.0 / (1.0 + std::exp(-(score - options.good_score) / kScoreWidth));
+  const double views =
+      0.4 + 0.6 * std::min(1.0, num_views / std::max(1.0, options.full_confidence_views));
+  const double round = 0.7 + 0.3 * std::min(1.0, seen_angle_rad / std::numbers::pi);
+  return std::clamp(fit * views * round, 0.0, 1.0);
+}
+
+std::string Doubts(const MapObject& object,
+                   const ShapeCandidate& winner,
+                   const CandidateScore& score,
+                   const CandidateRegistration& registration,
+                   double seen_angle_rad,
+                   const SelectOptions& options) {
+  std::string note = score.note;
+  const int num_registered = NumRegistered(registration);
+  if (num_registered < 2) AppendNote(note, "registered in one view only");
+  if (seen_angle_rad < kOneSideRad) AppendNote(note, "seen from one side only");
+  const auto num_free = std::count_if(object.views.begin(),
+                                      object.views.end(),
+                                      [](const auto& view) { return view.ok && view.yaw_free; });
+  if (num_registered > 0 && 2 * num_free >= num_registered) {
+    AppendNote(note, "rotation about the vertical cannot be told");
+  }
+  if (winner.source == CandidateSource::kFused) {
+    AppendNote(note, "made of the measurement: sides nobody saw are missing");
+  }
+  if (score.score < options.good_score) AppendNote(note, "agrees poorly with the depth");
+  return note;
+}
+
+// The winner's size at a bound of its class: the true one may lie beyond.
+std::string SizeDoubt(const ShapeCandidate& candidate, double scale_m) {
+  const double size_m = scale_m * kModelExtent;
+  const bool at_min = candidate.min_size_m > 0 && size_m < 1.01 * candidate.min_size_m;
+  const bool at_max = candidate.max_size_m > 0 && size_m > 0.99 * candidate.max_size_m;
+  return at_min || at_max ? "its size is at the limit for its class" : "";
+}
+
+MapObject FillWinner(MapObject object,
+                     const ShapeCandidate& winner,
+                     const CandidateRegistration& registration,
+                     const CandidateScore& score,
+                     std::span<const ObjectView> views,
+                     const SelectOptions& options) {
+  object.chosen = winner.id;
+  object.source = winner.source;
+  object.model = winner.model;
+  object.library_id = winner.library_id;
+  object.credit = winner.credit;
+  object.scale_m = registration.scale_m;
+  object.world_from_object = registration.world_from_object;
+  object.views = registration.views;
+  const double seen_angle_rad = SeenAngle(object, views);
+  object.confidence =
+      ConfidenceOf(score.score, NumRegistered(registration), seen_angle_rad, options);
+  object.note = Doubts(object, winner, score, registration, seen_angle_rad, options);
+  const std::string size_doubt = SizeDoubt(winner, registration.scale_m);
+  if (!size_doubt.empty()) AppendNote(object.note, size_doubt);
+  return object;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, SelectOptions& options) {
+  visitor.Choice(
+      "mode",
+      options.mode,
+      kModes,
+      "offline: best over all views; greedy: replacement as views arrive, as in the paper");
+  visitor.Field("max_points", options.max_points, {20, 10000}, "1", "object points per view");
+  visitor.Field("max_render_px",
+                options.max_render_px,
+                {16, 1000},
+                "px",
+                "longer side of the crops models are rendered into");
+  visitor.Field("model_tolerance",
+                options.model_tolerance_m,
+                {0, 0.5},
+                "m",
+                "distance of a good model from the true surface");
+  visitor.Field("fade",
+                options.fade_m,
+                {0.001, 1},
+                "m",
+                "beyond the tolerance agreement fades out over this length");
+  visitor.Field("ground_tolerance",
+                options.ground_tolerance_m,
+                {0, 10},
+                "m",
+                "gap between model and ground that is no fault");
+  visitor.Field("fused_handicap",
+                options.fused_handicap,
+                {0, 1},
+                "1",
+                "taken off a fused candidate's score when candidates are compared");
+  visitor.Field("good_score",
+                options.good_score,
+                {0, 1},
+                "1",
+                "score at which an object is as likely right as wrong");
+  visitor.Field("full_confidence_views",
+                options.full_confidence_views,
+                {1, 1000},
+                "1",
+                "views from which on their number no longer limits the confidence");
+}
+
+CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
+                              const shape::ShapeModel& model,
+                              const CandidateRegistration& registration,
+                              std::span<const ObjectView> views,
+                              const SelectOptions& options) {
+  return ScoreCandidate(candidate, model, registration, PrepareForScoring(views, options), options);
+}
+
+CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
+                              const shape::ShapeModel& model,
+                              const CandidateRegistration& registration,
+                              std::span<const JudgedView> views,
+                              const SelectOptions& options) {
+  CandidateScore score;
+  score.candidate = candidate.id;
+  if (!registration.ok || model.empty()) {
+    score.note = model.empty() ? "the model is empty" : registration.reason;
+    return score;
+  }
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Similarity3 camera_from_object =
+        Similarity3::From(CameraFromObject(registration, views[i], i), registration.scale_m);
+    score.views.push_back(MeasureAgreement(model, camera_from_object, views[i], options));
+  }
+  const Evidence evidence = Pool(score.views);
+  score.surface_share = evidence.surface;
+  score.coverage_share = evidence.coverage;
+  score.free_violation = evidence.violation;
+  score.num_views = NumRegistered(registration);
+  double excess_m = 0;
+  if (const std::optional<double> gap_m = GroundGap(model, registration, views)) {
+    excess_m = std::max(0.0, std::abs(*gap_m) - options.ground_tolerance_m);
+    if (excess_m > 0) {
+      score.note = "its bottom is " + std::to_string(static_cast<int>(std::lround(*gap_m * 100))) +
+                   " cm above the ground";
+    }
+  }
+  score.score = ScoreOf(evidence, excess_m);
+  return score;
+}
+
+MapObject SelectShape(ObjectId id,
+                      const std::string& class_name,
+                      std::span<const ShapeCandidate> candidates,
+                      std::span<const CandidateRegistration> registrations,
+                      std::span<const CandidateScore> scores,
+                      std::span<const ObjectView> views,
+                      const SelectOptions& options) {
+  DEEPSLAM_CHECK(candidates.size() == registrations.size() && candidates.size() == scores.size(),
+                 "one registration and one score per candidate");
+  MapObject object;
+  object.id = id;
+  object.class_name = class_name;
+  const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, options);
+  for (const Ranked& entry : ranked) object.scores.push_back(scores[entry.index]);
+  object.history = GreedyHistory(candidates, registrations, scores, views, options);
+  if (ranked.empty() || !ranked.front().placed) {
+    object.note = candidates.empty()
+                      ? "no candidate"
+                      : "no candidate could be placed: " + scores[ranked.front().index].note;
+    return object;
+  }
+  std::size_t winner = ranked.front().index;
+  if (options.mode == "greedy" && !object.history.empty()) {
+    const auto it = std::find_if(candidates.begin(), candidates.end(), [&](const auto& candidate) {
+      return candidate.id == object.history.back().candidate;
+    });
+    winner = static_cast<std::size_t>(it - candidates.begin());
+  }
+  return FillWinner(
+      std::move(object), candidates[winner], registrations[winner], scores[winner], views, options);
+}
+
+}  // namespace deepslam::select
