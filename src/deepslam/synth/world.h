@@ -1,0 +1,48 @@
+// A scene with its models in place: what is rendered, and the truth about it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/triangle_mesh.h"
+#include "deepslam/synth/obj_model.h"
+#include "deepslam/synth/scene_description.h"
+
+namespace deepslam::synth {
+
+struct PlacedObject {
+  std::string class_name;
+  std::string model;  // catalogue id
+  TriangleMesh mesh;  // object frame, metres
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  Pose3 world_from_object;  // stands on the floor
+};
+
+enum class RoomSurface { kFloor, kWall, kCeiling, kPoster };
+
+struct RoomPart {
+  RoomSurface surface = RoomSurface::kWall;
+  int number = 0;     // poster or wall number: seeds its pattern
+  TriangleMesh mesh;  // world, metres
+  // Axes of the pattern: world point -> (u, v) metres on the part.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Vector3d u_axis = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d v_axis = Eigen::Vector3d::UnitY();
+  Eigen::Vector2d extent_m = Eigen::Vector2d::Ones();
+};
+
+struct World {
+  SceneDescription description;
+  std::vector<PlacedObject> objects;
+  std::vector<RoomPart> room;
+};
+
+// Places the models, by catalogue id, and builds the room. Errors name the object: a model that is
+// not there, an object outside the room or a camera path that leaves it or enters an object's box.
+Result<World> BuildWorld(const SceneDescription& description,
+                         const std::map<std::string, FurnitureModel>& models);
+
+}  // namespace deepslam::synth
