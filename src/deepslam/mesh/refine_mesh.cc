@@ -158,6 +158,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
   if (!before.ok()) return InvalidInput("mesh to refine: " + before.fault);
   double bound = options.max_error;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt, bound *= 0.5) {
+    std::optional<Mesh> mesh = ToOpenMesh(source);
     if (!mesh) return InvalidInput("mesh to refine: vertices at one place must be one vertex");
     mesh->request_face_status();
     mesh->request_edge_status();
