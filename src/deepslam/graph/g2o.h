@@ -55,7 +55,7 @@ struct G2oGraph {
   std::map<int, G2oStand> stands;
 };
 
-// Seventeen digits: doubles survive the round trip.
+// Numbers are the shortest text that reads back as the same double.
 [[nodiscard]] std::string WriteG2o(const G2oGraph& graph);
 
 // Unknown tags and other comments are skipped, as other programs do. Errors (kInvalidInput) name

@@ -58,6 +58,10 @@ struct GraphModel {
                                                  const GraphOptions& options,
                                                  const std::map<ObjectId, double>& bottom_m);
 
+// The node of the keyframe that `frame` was tracked against; where that is none, the last keyframe
+// not after it, else the first. -1 without keyframes or for a frame that does not exist.
+[[nodiscard]] int NodeOfFrame(const Odometry& odometry, FrameIdx frame);
+
 // Moves `model` to the optimum; the terms' energies before and after, robust losses left out of
 // them.
 [[nodiscard]] OptimizationSummary SolveGraph(GraphModel& model, const GraphOptions& options);

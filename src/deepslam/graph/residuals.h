@@ -4,6 +4,8 @@
 // A pose block is world_from_x as (qx, qy, qz, qw, tx, ty, tz); the plane block is (nx, ny, nz, d).
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

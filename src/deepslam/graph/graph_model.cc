@@ -1,0 +1,271 @@
+#include "deepslam/graph/graph_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "deepslam/graph/information.h"
+
+namespace deepslam::graph {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+// What a tie between keyframes without any measurement is worth: about a second of lost tracking.
+constexpr double kTieDeviation_m = 0.1;
+constexpr double kTieDeviation_rad = 5.0 * kRadPerDeg;
+
+bool IsFinite(const Pose3& pose) {
+  return pose.translation_m.allFinite() && pose.rotation.coeffs().allFinite() &&
+         std::abs(pose.rotation.norm() - 1.0) < 1e-3;
+}
+
+std::optional<Plane> UnitPlane(const Plane& plane) {
+  const double length = plane.normal.norm();
+  if (!std::isfinite(length) || !std::isfinite(plane.d_m) || std::abs(length - 1.0) > 1e-3) {
+    return std::nullopt;
+  }
+  return Plane{plane.normal / length, plane.d_m / length};
+}
+
+Vector6d Floor(double floor_m, double floor_deg) {
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(floor_m), Eigen::Vector3d::Constant(floor_deg * kRadPerDeg);
+  return floor;
+}
+
+int NodeOfKeyframe(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe) {
+  const auto it = std::lower_bound(keyframes.begin(), keyframes.end(), keyframe);
+  if (it == keyframes.end() || *it != keyframe) return -1;
+  return static_cast<int>(it - keyframes.begin());
+}
+
+Status CheckOdometry(const Odometry& odometry) {
+  for (std::size_t k = 0; k < odometry.frames.size(); ++k) {
+    const TrackedFrame& frame = odometry.frames[k];
+    const std::string name = "trajectory: entry " + std::to_string(k);
+    if (frame.frame.value != static_cast<int>(k)) {
+      return InvalidInput(name + " is frame " + std::to_string(frame.frame.value) +
+                          "; every frame of the capture must stand at its number");
+    }
+    if (!IsFinite(frame.world_from_camera)) return InvalidInput(name + " has no finite pose");
+  }
+  const int num_frames = static_cast<int>(odometry.frames.size());
+  int previous = -1;
+  for (const FrameIdx keyframe : odometry.keyframes) {
+    if (keyframe.value <= previous || keyframe.value >= num_frames) {
+      return InvalidInput("trajectory: keyframe " + std::to_string(keyframe.value) + " after " +
+                          std::to_string(previous) + ": keyframes must ascend and be below the " +
+                          std::to_string(num_frames) + " frames");
+    }
+    previous = keyframe.value;
+  }
+  return Ok();
+}
+
+class ModelBuilder {
+ public:
+  ModelBuilder(const Odometry& odometry, const GraphOptions& options)
+      : odometry_(odometry), options_(options) {
+    model_.keyframes = odometry.keyframes;
+    for (const FrameIdx keyframe : odometry.keyframes) {
+      model_.world_from_node.push_back(odometry.at(keyframe).world_from_camera);
+    }
+  }
+
+  void AddRelativePoses(const std::vector<RelativePose>& edges, EdgeKind kind) {
+    const Vector6d floor = Floor(options_.odometry_floor_m, options_.odometry_floor_deg);
+    for (const RelativePose& edge : edges) {
+      // Loop edges come with an honest covariance of their own; their number of points says
+      // nothing.
+      const double scale = kind == EdgeKind::kLoop ? 1.0 : options_.odometry_variance_scale;
+      AddPoseEdge({kind,
+                   NodeOfKeyframe(model_.keyframes, edge.i),
+                   NodeOfKeyframe(model_.keyframes, edge.j),
+                   edge.i_from_j,
+                   BalancedInformation<6>(edge.information, scale, floor)});
+    }
+  }
+
+  // Each keyframe must hang on the first one, else the problem is singular.
+  void TieLooseKeyframes() {
+    std::vector<int> parent(static_cast<std::size_t>(model_.num_keyframes()));
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&parent](int node) {
+      while (parent[static_cast<std::size_t>(node)] != node) {
+        int& up = parent[static_cast<std::size_t>(node)];
+        up = parent[static_cast<std::size_t>(up)];
+        node = up;
+      }
+      return node;
+    };
+    for (const PoseEdge& edge : model_.pose_edges) {
+      parent[static_cast<std::size_t>(root(edge.b))] = root(edge.a);
+    }
+    Vector6d deviation;
+    deviation << Eigen::Vector3d::Constant(kTieDeviation_m),
+        Eigen::Vector3d::Constant(kTieDeviation_rad);
+    const Matrix6d information = deviation.cwiseAbs2().cwiseInverse().asDiagonal();
+    for (int node = 1; node < model_.num_keyframes(); ++node) {
+      if (root(node) == root(node - 1)) continue;
+      parent[static_cast<std::size_t>(root(node))] = root(node - 1);
+      const Pose3 a_from_b = Node(node - 1).Inverse() * Node(node);
+      model_.pose_edges.push_back({EdgeKind::kOdometry, node - 1, node, a_from_b, information});
+      ++model_.num_ties;
+    }
+  }
+
+  void AddObjects(const ObjectMap& map) {
+    for (std::size_t k = 0; k < map.objects.size(); ++k) {
+      const std::vector<PoseEdge> edges = ObjectEdges(map.objects[k]);
+      if (edges.empty()) continue;
+      const int node = static_cast<int>(model_.world_from_node.size());
+      model_.objects.push_back(k);
+      num_views_.push_back(static_cast<double>(edges.size()));
+      model_.world_from_node.push_back(StartPose(map.objects[k], edges));
+      for (PoseEdge edge : edges) {
+        edge.b = node;
+        model_.pose_edges.push_back(edge);
+      }
+    }
+  }
+
+  void AddGround(const Ground& ground) {
+    if (ground.plane_world) model_.plane = UnitPlane(*ground.plane_world);
+    Eigen::Vector3d floor;
+    floor << Eigen::Vector2d::Constant(options_.ground_floor_deg * kRadPerDeg),
+        options_.ground_floor_m;
+    for (const GroundObservation& observation : ground.observations) {
+      const std::optional<Plane> plane = UnitPlane(observation.plane_camera);
+      const int node = NodeOfKeyframe(model_.keyframes, observation.keyframe);
+      const Eigen::Matrix3d information =
+          BalancedInformation<3>(observation.information, options_.ground_variance_scale, floor);
+      if (!plane || node < 0 || information.diagonal().maxCoeff() <= 0) {
+        ++model_.num_bad_edges;
+        continue;
+      }
+      if (!model_.plane) model_.plane = Transformed(Node(node), *plane);
+      model_.ground_edges.push_back({node, *plane, information});
+    }
+  }
+
+  void AddObjectsOnGround(const ObjectMap& map, const std::map<ObjectId, double>& bottom_m) {
+    if (!model_.plane) return;
+    for (std::size_t k = 0; k < model_.objects.size(); ++k) {
+      const int node = model_.num_keyframes() + static_cast<int>(k);
+      const ObjectId id = map.objects[model_.objects[k]].id;
+      model_.upright.push_back(node);
+      const auto bottom = bottom_m.find(id);
+      if (options_.stand_floor_m <= 0 || bottom == bottom_m.end() ||
+          !std::isfinite(bottom->second)) {
+        continue;
+      }
+      const double gap_m =
+          model_.plane->SignedDistance(Node(node) * Eigen::Vector3d(0, 0, bottom->second));
+      if (std::abs(gap_m) > options_.stand_max_gap_m) {
+        model_.not_standing.push_back(id);
+        continue;
+      }
+      // The model's error is common to all views of the object, so it must not win by their number.
+      const double views = static_cast<double>(std::count_if(
+          model_.pose_edges.begin(), model_.pose_edges.end(), [node](const PoseEdge& e) {
+            return e.b == node;
+          }));
+      model_.stands.push_back(
+          {node, bottom->second, views / (options_.stand_floor_m * options_.stand_floor_m)});
+    }
+  }
+
+  GraphModel Take() { return std::move(model_); }
+
+ private:
+  const Pose3& Node(int node) const {
+    return model_.world_from_node[static_cast<std::size_t>(node)];
+  }
+
+  void AddPoseEdge(const PoseEdge& edge) {
+    if (edge.a < 0 || edge.b < 0 || edge.a == edge.b || !IsFinite(edge.a_from_b) ||
+        edge.information.diagonal().maxCoeff() <= 0) {
+      ++model_.num_bad_edges;
+      return;
+    }
+    model_.pose_edges.push_back(edge);
+    model_.pose_edges.back().a_from_b.rotation.normalize();
+  }
+
+  // Edges of the object's usable views from their keyframes; `b` is left open.
+  std::vector<PoseEdge> ObjectEdges(const MapObject& object) {
+    const Vector6d floor = Floor(options_.object_floor_m, options_.object_floor_deg);
+    std::vector<PoseEdge> edges;
+    for (const ViewRegistration& view : object.views) {
+      if (!view.ok) continue;
+      const int node = NodeOfFrame(odometry_, view.frame);
+      if (node < 0 || !IsFinite(view.camera_from_object) || !view.information.allFinite()) {
+        ++model_.num_bad_edges;
+        continue;
+      }
+      const Pose3 keyframe_from_camera =
+          Node(node).Inverse() * odometry_.at(view.frame).world_from_camera;
+      Pose3 keyframe_from_object = keyframe_from_camera * view.camera_from_object;
+      Matrix6d information = view.information;
+      if (view.yaw_free && IsFinite(object.world_from_object)) {
+        const YawFreeMeasurement free = WithoutYaw(
+            keyframe_from_object, information, Node(node).Inverse() * object.world_from_object);
+        keyframe_from_object = free.a_from_b;
+        information = free.information;
+      }
+      information = BalancedInformation<6>(information, options_.object_variance_scale, floor);
+      if (information.diagonal().maxCoeff() <= 0) {
+        ++model_.num_bad_edges;
+        continue;
+      }
+      edges.push_back({EdgeKind::kObject, node, -1, keyframe_from_object, information});
+    }
+    return edges;
+  }
+
+  Pose3 StartPose(const MapObject& object, const std::vector<PoseEdge>& edges) const {
+    if (IsFinite(object.world_from_object)) return object.world_from_object;
+    return Node(edges.front().a) * edges.front().a_from_b;
+  }
+
+  const Odometry& odometry_;
+  const GraphOptions& options_;
+  GraphModel model_;
+  std::vector<double> num_views_;  // per object node
+};
+
+}  // namespace
+
+int NodeOfFrame(const Odometry& odometry, FrameIdx frame) {
+  const std::vector<FrameIdx>& keyframes = odometry.keyframes;
+  if (keyframes.empty() || !frame.valid() ||
+      frame.value >= static_cast<int>(odometry.frames.size())) {
+    return -1;
+  }
+  const int own = NodeOfKeyframe(keyframes, odometry.at(frame).keyframe);
+  if (own >= 0) return own;
+  const auto after = std::upper_bound(keyframes.begin(), keyframes.end(), frame);
+  return after == keyframes.begin() ? 0 : static_cast<int>(after - keyframes.begin()) - 1;
+}
+
+Result<GraphModel> BuildGraphModel(const Odometry& odometry,
+                                   const Ground& ground,
+                                   const ObjectMap& map,
+                                   const Loops& loops,
+                                   const GraphOptions& options,
+                                   const std::map<ObjectId, double>& bottom_m) {
+  if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
+  ModelBuilder builder(odometry, options);
+  builder.AddRelativePoses(odometry.edges, EdgeKind::kOdometry);
+  builder.AddRelativePoses(loops.edges, EdgeKind::kLoop);
+  builder.TieLooseKeyframes();
+  if (options.use_objects) builder.AddObjects(map);
+  if (options.use_ground) {
+    builder.AddGround(ground);
+    builder.AddObjectsOnGround(map, bottom_m);
+  }
+  return builder.Take();
+}
+
+}  // namespace deepslam::graph

@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include <ceres/ceres.h>
+
+#include "deepslam/graph/graph_model.h"
+#include "deepslam/graph/information.h"
+#include "deepslam/graph/residuals.h"
+
+namespace deepslam::graph {
+namespace {
+
+constexpr int kPoseSize = 7;
+constexpr double kRoundFactor = 4.0;  // widths of successive rounds
+constexpr double kCoarseTolerance = 1e-4;
+constexpr double kFineTolerance = 1e-9;
+
+// One contiguous block, since Ceres orders parameter blocks by address.
+class Parameters {
+ public:
+  explicit Parameters(const GraphModel& model)
+      : values_(model.world_from_node.size() * kPoseSize + 4) {
+    for (std::size_t k = 0; k < model.world_from_node.size(); ++k) {
+      double* pose = Pose(static_cast<int>(k));
+      Eigen::Map<Eigen::Vector4d> rotation(pose);
+      Eigen::Map<Eigen::Vector3d> translation_m(pose + 4);
+      rotation = model.world_from_node[k].rotation.coeffs();
+      translation_m = model.world_from_node[k].translation_m;
+    }
+    const deepslam::Plane plane = model.plane.value_or(deepslam::Plane{});
+    Eigen::Map<Eigen::Vector3d> normal(Plane());
+    normal = plane.normal;
+    Plane()[3] = plane.d_m;
+  }
+
+  double* Pose(int node) { return values_.data() + static_cast<std::size_t>(node) * kPoseSize; }
+  double* Plane() { return values_.data() + values_.size() - 4; }
+  [[nodiscard]] bool AllFinite() const {
+    return std::all_of(values_.begin(), values_.end(), [](double v) { return std::isfinite(v); });
+  }
+
+  void Store(GraphModel& model) {
+    for (std::size_t k = 0; k < model.world_from_node.size(); ++k) {
+      const double* pose = Pose(static_cast<int>(k));
+      const Eigen::Quaterniond rotation(Eigen::Map<const Eigen::Vector4d>{pose});
+      model.world_from_node[k] = {rotation.normalized(),
+                                  Eigen::Map<const Eigen::Vector3d>(pose + 4)};
+    }
+    if (!model.plane) return;
+    model.plane->normal = Eigen::Map<const Eigen::Vector3d>(Plane()).normalized();
+    model.plane->d_m = Plane()[3];
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+const std::string& LossName(EdgeKind kind, const GraphOptions& options) {
+  switch (kind) {
+    case EdgeKind::kObject:
+      return options.object_loss;
+    case EdgeKind::kLoop:
+      return options.loop_loss;
+    case EdgeKind::kOdometry:
+      break;
+  }
+  return options.odometry_loss;
+}
+
+double Lambda(EdgeKind kind, const GraphOptions& options) {
+  return kind == EdgeKind::kObject ? 1.0 : options.lambda_odometry;
+}
+
+// lambda * loss(r^T r); the width is in deviations, whatever lambda.
+ceres::LossFunction* Loss(const std::string& name, double width, double lambda) {
+  ceres::LossFunction* loss = nullptr;
+  if (name == "huber") loss = new ceres::HuberLoss(width);
+  if (name == "cauchy") loss = new ceres::CauchyLoss(width);
+  return new ceres::ScaledLoss(loss, lambda, ceres::TAKE_OWNERSHIP);
+}
+
+PoseResidual Residual(const PoseEdge& edge) {
+  return {edge.a_from_b.Inverse(), SqrtInformation<6>(edge.information)};
+}
+
+GroundResidual Residual(const GroundEdge& edge) {
+  return {GroundTangentBasis(edge.plane_camera.normal),
+          edge.plane_camera.d_m,
+          SqrtInformation<3>(edge.information)};
+}
+
+void AddPoseEdges(const GraphModel& model,
+                  const GraphOptions& options,
+                  double width,
+                  Parameters& parameters,
+                  ceres::Problem& problem) {
+  for (const PoseEdge& edge : model.pose_edges) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PoseResidual, 6, kPoseSize, kPoseSize>(
+                                 new PoseResidual(Residual(edge))),
+                             Loss(LossName(edge.kind, options), width, Lambda(edge.kind, options)),
+                             parameters.Pose(edge.a),
+                             parameters.Pose(edge.b));
+  }
+}
+
+void AddGroundEdges(const GraphModel& model,
+                    const GraphOptions& options,
+                    double width,
+                    Parameters& parameters,
+                    ceres::Problem& problem) {
+  if (!model.plane) return;
+  for (const GroundEdge& edge : model.ground_edges) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
+                                 new GroundResidual(Residual(edge))),
+                             Loss(options.ground_loss, width, options.lambda_ground),
+                             parameters.Pose(edge.node),
+                             parameters.Plane());
+  }
+  for (const int node : model.upright) {
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<UprightResidual, 3, kPoseSize, 4>(new UprightResidual()),
+        Loss("none", width, options.lambda_upright),
+        parameters.Pose(node),
+        parameters.Plane());
+  }
+  for (const StandEdge& edge : model.stands) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<StandResidual, 1, kPoseSize, 4>(
+                                 new StandResidual{edge.bottom_m}),
+                             Loss("none", width, edge.information),
+                             parameters.Pose(edge.node),
+                             parameters.Plane());
+  }
+}
+
+void AddVariables(const GraphModel& model, Parameters& parameters, ceres::Problem& problem) {
+  for (std::size_t k = 0; k < model.world_from_node.size(); ++k) {
+    problem.AddParameterBlock(
+        parameters.Pose(static_cast<int>(k)),
+        kPoseSize,
+        new ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>>());
+  }
+  // Gauge: see object_graph.h.
+  problem.SetParameterBlockConstant(parameters.Pose(0));
+  if (!model.plane) return;
+  problem.AddParameterBlock(
+      parameters.Plane(),
+      4,
+      new ceres::ProductManifold<ceres::SphereManifold<3>, ceres::EuclideanManifold<1>>());
+  if (model.ground_edges.empty()) problem.SetParameterBlockConstant(parameters.Plane());
+}
+
+ceres::Solver::Summary SolveRound(const GraphModel& model,
+                                  const GraphOptions& options,
+                                  double width,
+                                  double tolerance,
+                                  Parameters& parameters) {
+  ceres::Problem problem;
+  AddVariables(model, parameters, problem);
+  AddPoseEdges(model, options, width, parameters, problem);
+  AddGroundEdges(model, options, width, parameters, problem);
+  ceres::Solver::Options solver;
+  solver.minimizer_type = ceres::TRUST_REGION;
+  solver.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  solver.num_threads = 1;  // byte-equal results; see object_graph.h
+  solver.max_num_iterations = options.max_iterations;
+  solver.max_solver_time_in_seconds = 1e9;
+  solver.function_tolerance = tolerance;
+  solver.gradient_tolerance = 1e-12;
+  solver.parameter_tolerance = 1e-12;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  return summary;
+}
+
+enum Term { kIo, kIj, kPi, kPo, kLoopTerm, kStand, kNumTerms };
+
+std::vector<EnergyTerm> EmptyTerms() {
+  std::vector<EnergyTerm> terms(kNumTerms);
+  const char* const names[kNumTerms] = {"r_io", "r_ij", "r_pi", "r_po", "loop", "stand"};
+  for (std::size_t k = 0; k < terms.size(); ++k) terms[k].name = names[k];
+  return terms;
+}
+
+template <typename Functor, int N>
+double SquaredNorm(const Functor& functor, const double* a, const double* b) {
+  Eigen::Matrix<double, N, 1> residual;
+  functor(a, b, residual.data());
+  return residual.squaredNorm();
+}
+
+// Energy per term at the parameters, without robust losses; and the number of edges.
+std::vector<EnergyTerm> Energies(const GraphModel& model,
+                                 const GraphOptions& options,
+                                 Parameters& parameters) {
+  std::vector<EnergyTerm> terms = EmptyTerms();
+  const auto add = [&terms](Term term, double energy) {
+    terms[term].after += energy;
+    ++terms[term].num_edges;
+  };
+  for (const PoseEdge& edge : model.pose_edges) {
+    const Term term = edge.kind == EdgeKind::kObject ? kIo
+                      : edge.kind == EdgeKind::kLoop ? kLoopTerm
+                                                     : kIj;
+    add(term,
+        Lambda(edge.kind, options) * SquaredNorm<PoseResidual, 6>(Residual(edge),
+                                                                  parameters.Pose(edge.a),
+                                                                  parameters.Pose(edge.b)));
+  }
+  for (const GroundEdge& edge : model.ground_edges) {
+    add(kPi,
+        options.lambda_ground * SquaredNorm<GroundResidual, 3>(Residual(edge),
+                                                               parameters.Pose(edge.node),
+                                                               parameters.Plane()));
+  }
+  for (const int node : model.upright) {
+    add(kPo,
+        options.lambda_upright *
+            SquaredNorm<UprightResidual, 3>({}, parameters.Pose(node), parameters.Plane()));
+  }
+  for (const StandEdge& edge : model.stands) {
+    add(kStand,
+        edge.information * SquaredNorm<StandResidual, 1>(
+                               {edge.bottom_m}, parameters.Pose(edge.node), parameters.Plane()));
+  }
+  return terms;
+}
+
+bool AnyRobustLoss(const GraphOptions& options) {
+  return options.object_loss != "none" || options.odometry_loss != "none" ||
+         options.loop_loss != "none" || options.ground_loss != "none";
+}
+
+}  // namespace
+
+OptimizationSummary SolveGraph(GraphModel& model, const GraphOptions& options) {
+  OptimizationSummary summary;
+  summary.ground_observed = model.plane.has_value() ? 1.0 : 0.0;
+  Parameters parameters(model);
+  summary.terms = Energies(model, options, parameters);
+  for (EnergyTerm& term : summary.terms) term.before = term.after;
+  if (model.world_from_node.size() < 2) {
+    summary.converged = true;
+    summary.message = "nothing to optimise";
+    return summary;
+  }
+
+  const int rounds = AnyRobustLoss(options) ? std::max(1, options.loss_rounds) : 1;
+  for (int round = 0; round < rounds; ++round) {
+    const bool last = round + 1 == rounds;
+    const double width = options.loss_width * std::pow(kRoundFactor, rounds - 1 - round);
+    const ceres::Solver::Summary solved =
+        SolveRound(model, options, width, last ? kFineTolerance : kCoarseTolerance, parameters);
+    summary.num_iterations += std::max(0, static_cast<int>(solved.iterations.size()) - 1);
+    summary.converged = solved.termination_type == ceres::CONVERGENCE;
+    if (!solved.IsSolutionUsable() || !parameters.AllFinite()) {
+      summary.converged = false;
+      summary.message = "the solver failed, poses are left as they were: " + solved.message;
+      return summary;
+    }
+  }
+  summary.message = summary.converged ? "converged" : "stopped at max_iterations";
+  const std::vector<EnergyTerm> after = Energies(model, options, parameters);
+  for (std::size_t k = 0; k < after.size(); ++k) summary.terms[k].after = after[k].after;
+  parameters.Store(model);
+  return summary;
+}
+
+}  // namespace deepslam::graph
