@@ -30,6 +30,8 @@ struct AssociateOptions {
   int max_points = 800;           // per segment, thinned evenly
   int min_members = 3;            // objects with fewer detections are dropped as noise ...
   double min_single_score = 0.5;  // ... unless the mean score of their detections is this high
+  double min_seen_share =
+      0.15;  // objects detected in a smaller share of the frames that see them are noise
   double merge_overlap = 0.5;  // two objects of which the smaller shares more of its space are one
   double voxel_m = 0.05;       // cells in which objects' space is compared
 };

@@ -1,0 +1,253 @@
+#include "deepslam/associate/associate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "deepslam/associate/match_frame.h"
+#include "deepslam/associate/object_hypothesis.h"
+#include "deepslam/associate/review_objects.h"
+
+namespace deepslam::associate {
+namespace {
+
+class Matcher {
+ public:
+  Matcher(const FrameSource& frames, const Odometry& odometry, const AssociateOptions& options)
+      : frames_(frames), odometry_(odometry), options_(options) {}
+
+  void AddFrame(FrameIdx frame, std::span<const Segment* const> segments);
+  Association Finish();
+
+ private:
+  std::vector<int> MakeObservations(FrameIdx frame,
+                                    std::span<const Segment* const> segments,
+                                    const DepthImage& depth_m);
+  void Take(const Match& match, const std::string& how);
+  void StartObjects(std::span<const int> unmatched);
+  void AdoptOrphans();
+  ObjectHypothesis& Object(ObjectId id);
+  void Reject(const Segment& segment, const std::string& reason) {
+    rejections_.push_back({segment.detection, segment.frame, reason});
+  }
+
+  const FrameSource& frames_;
+  const Odometry& odometry_;
+  const AssociateOptions& options_;
+  std::vector<Observation> all_;
+  std::vector<ObjectHypothesis> objects_;
+  std::deque<std::vector<int>> voters_;
+  std::vector<int> orphans_;  // usable, but could start nothing
+  std::vector<Sight> sights_;
+  std::vector<Rejection> rejections_;
+  int num_started_ = 0;
+};
+
+ObjectHypothesis& Matcher::Object(ObjectId id) {
+  const auto found = std::find_if(
+      objects_.begin(), objects_.end(), [id](const ObjectHypothesis& o) { return o.id == id; });
+  DEEPSLAM_CHECK(found != objects_.end(), "matched object does not exist");
+  return *found;
+}
+
+void Matcher::Take(const Match& match, const std::string& how) {
+  AddMember(Object(match.object),
+            all_,
+            match.observation,
+            {{}, {}, match.num_votes, match.dissimilarity_m, how},
+            0.5 * options_.voxel_m);
+}
+
+std::vector<int> Matcher::MakeObservations(FrameIdx frame,
+                                           std::span<const Segment* const> segments,
+                                           const DepthImage& depth_m) {
+  std::vector<int> current;
+  const Pose3& world_from_camera = odometry_.at(frame).world_from_camera;
+  for (const Segment* segment : segments) {
+    const bool fits =
+        segment->mask.width() == depth_m.width() && segment->mask.height() == depth_m.height();
+    if (!segment->usable || !fits) {
+      Reject(*segment,
+             !segment->usable ? (segment->reason.empty() ? "not usable" : segment->reason)
+                              : "mask does not fit the depth image");
+      continue;
+    }
+    Observation observation;
+    observation.segment = segment;
+    observation.cloud_world = PointCloud(MaskPoints(
+        segment->mask, depth_m, frames_.camera(), world_from_camera, options_.max_points));
+    if (observation.cloud_world.points().empty()) {
+      Reject(*segment, "no depth in the mask");
+      continue;
+    }
+    current.push_back(static_cast<int>(all_.size()));
+    all_.push_back(std::move(observation));
+  }
+  return current;
+}
+
+void Matcher::StartObjects(std::span<const int> unmatched) {
+  for (const int i : unmatched) {
+    const Segment& segment = *all_[static_cast<std::size_t>(i)].segment;
+    if (segment.touches_border) {
+      orphans_.push_back(i);
+      continue;
+    }
+    ObjectHypothesis object;
+    object.id = {num_started_++};
+    object.reason = "no object known before agrees with detection " +
+                    std::to_string(segment.detection.value) + " of frame " +
+                    std::to_string(segment.frame.value);
+    objects_.push_back(std::move(object));
+    Take({i, objects_.back().id, 0, 0.0}, "new");
+  }
+}
+
+void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments) {
+  const Result<Frame> read = frames_.ReadDepth(frame);
+  if (!read.ok()) {
+    for (const Segment* segment : segments) Reject(*segment, "frame cannot be read");
+    return;
+  }
+  const Pose3 camera_from_world = odometry_.at(frame).world_from_camera.Inverse();
+  sights_.push_back({frame, camera_from_world, CoarseDepth(read->depth_m)});
+  const std::vector<int> current = MakeObservations(frame, segments, read->depth_m);
+  if (current.empty()) return;
+  const std::vector<std::vector<int>> voters(voters_.begin(), voters_.end());
+  const auto take_all = [&](const std::vector<Match>& matches, const std::string& how) {
+    for (const Match& match : matches) Take(match, how);
+  };
+  const auto unmatched = [&] {
+    std::vector<int> rest;
+    for (const int i : current) {
+      if (!all_[static_cast<std::size_t>(i)].object.valid()) rest.push_back(i);
+    }
+    return rest;
+  };
+  take_all(MatchByVotes(current, voters, all_, frames_.camera(), camera_from_world, options_),
+           "vote");
+  take_all(MatchByModels(unmatched(), objects_, all_, options_), "model");
+  StartObjects(unmatched());
+  voters_.push_back(current);
+  if (static_cast<int>(voters_.size()) > options_.num_vote_frames) voters_.pop_front();
+}
+
+// Detections that could start nothing, held against what was found afterwards.
+void Matcher::AdoptOrphans() {
+  for (const int i : orphans_) {
+    const std::vector<int> one = {i};
+    const std::vector<Match> matches = MatchByModels(one, objects_, all_, options_);
+    if (!matches.empty()) {
+      Take(matches.front(), "model");
+    } else {
+      Reject(*all_[static_cast<std::size_t>(i)].segment, "touches border");
+    }
+  }
+}
+
+Association Matcher::Finish() {
+  MergeDuplicates(objects_, all_, options_, rejections_);
+  RejectNoise(objects_, all_, sights_, frames_.camera(), options_, rejections_);
+  AdoptOrphans();
+  Association association;
+  for (ObjectHypothesis& object : objects_) {
+    association.tracks.push_back(
+        {object.id, MajorityClass(object, all_), std::move(object.members), object.reason});
+  }
+  association.rejections = std::move(rejections_);
+  std::stable_sort(association.rejections.begin(),
+                   association.rejections.end(),
+                   [](const Rejection& a, const Rejection& b) {
+                     return a.frame != b.frame ? a.frame < b.frame : a.detection < b.detection;
+                   });
+  return association;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
+  visitor.Field("num_vote_frames",
+                options.num_vote_frames,
+                {1, 100},
+                "1",
+                "previous detected frames that vote");
+  visitor.Field("max_dissimilarity_m",
+                options.max_dissimilarity_m,
+                {0.001, 1},
+                "m",
+                "mean closest-point distance up to which two point sets are one object");
+  visitor.Field("truncation_m",
+                options.truncation_m,
+                {0.01, 10},
+                "m",
+                "single distances count no more than this");
+  visitor.Field("min_inside_share",
+                options.min_inside_share,
+                {0, 1},
+                "1",
+                "share of a voter's points that must fall inside the box");
+  visitor.Field("min_consensus",
+                options.min_consensus,
+                {0, 1},
+                "1",
+                "share of the votes that must name the winning object");
+  visitor.Field("max_points", options.max_points, {10, 100000}, "1", "points kept per segment");
+  visitor.Field("min_members",
+                options.min_members,
+                {1, 1000},
+                "1",
+                "objects with fewer detections and a low score are dropped");
+  visitor.Field("min_single_score",
+                options.min_single_score,
+                {0, 1},
+                "1",
+                "mean score that saves an object with few detections");
+  visitor.Field("min_seen_share",
+                options.min_seen_share,
+                {0, 1},
+                "1",
+                "share of the frames that see an object in which it must be detected");
+  visitor.Field("merge_overlap",
+                options.merge_overlap,
+                {0, 1},
+                "1",
+                "objects of which the smaller shares more of its space are one");
+  visitor.Field("voxel_m",
+                options.voxel_m,
+                {0.005, 0.5},
+                "m",
+                "distance up to which points fill the same space");
+}
+
+Result<Association> Associate(const FrameSource& frames,
+                              const Odometry& odometry,
+                              const Ground& /*ground*/,
+                              std::span<const Segment> segments,
+                              const AssociateOptions& options,
+                              Progress& progress) {
+  std::map<FrameIdx, std::vector<const Segment*>> by_frame;
+  for (const FrameIdx keyframe : odometry.keyframes) by_frame[keyframe];
+  for (const Segment& segment : segments) by_frame[segment.frame].push_back(&segment);
+  Matcher matcher(frames, odometry, options);
+  std::vector<Rejection> unknown;
+  std::size_t done = 0;
+  for (const auto& [frame, of_frame] : by_frame) {
+    if (progress.StopRequested()) return Interrupted();
+    if (frame.value < 0 || frame.value >= static_cast<int>(odometry.frames.size())) {
+      for (const Segment* s : of_frame) unknown.push_back({s->detection, frame, "frame unknown"});
+    } else {
+      matcher.AddFrame(frame, of_frame);
+    }
+    progress.Report(++done, by_frame.size());
+  }
+  Association association = matcher.Finish();
+  association.rejections.insert(association.rejections.begin(), unknown.begin(), unknown.end());
+  return association;
+}
+
+}  // namespace deepslam::associate

@@ -1,0 +1,146 @@
+#include "deepslam/associate/match_frame.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+namespace deepslam::associate {
+namespace {
+
+// Detections of different classes on one thing must agree better: this factor on the greatest
+// dissimilarity.
+constexpr double kOtherClassFactor = 0.6;
+
+std::vector<bool> InsideBox(const PointCloud& cloud,
+                            const Box2& box_px,
+                            const PinholeCamera& camera,
+                            const Pose3& camera_from_world) {
+  std::vector<bool> inside;
+  inside.reserve(cloud.points().size());
+  for (const Eigen::Vector3f& p : cloud.points()) {
+    const auto pixel = camera.Project(camera_from_world * p.cast<double>());
+    inside.push_back(pixel && box_px.Contains(pixel->x(), pixel->y()));
+  }
+  return inside;
+}
+
+// Closest-point error of a voter's points that fall into the box, and the other way round: one set
+// may be a part of the other, so the better direction counts where the classes are one; else both.
+std::optional<double> Dissimilarity(const Observation& voter,
+                                    const Observation& current,
+                                    const PinholeCamera& camera,
+                                    const Pose3& camera_from_world,
+                                    const AssociateOptions& options) {
+  const std::vector<bool> inside =
+      InsideBox(voter.cloud_world, current.segment->box_px, camera, camera_from_world);
+  const auto num_inside = static_cast<double>(std::count(inside.begin(), inside.end(), true));
+  if (num_inside < options.min_inside_share * static_cast<double>(inside.size()) ||
+      num_inside == 0) {
+    return std::nullopt;
+  }
+  const double forth_m =
+      MeanDistance(voter.cloud_world, current.cloud_world, options.truncation_m, inside);
+  const double back_m = MeanDistance(current.cloud_world, voter.cloud_world, options.truncation_m);
+  const bool same_class = voter.segment->class_name == current.segment->class_name;
+  const double error_m = same_class ? std::min(forth_m, back_m) : std::max(forth_m, back_m);
+  const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
+  if (error_m > limit_m) return std::nullopt;
+  return error_m;
+}
+
+struct Tally {
+  int num_votes = 0;
+  double sum_m = 0;
+};
+
+// Best object of every voting frame.
+std::map<ObjectId, Tally> CollectVotes(const Observation& current,
+                                       std::span<const std::vector<int>> voters,
+                                       const std::vector<Observation>& all,
+                                       const PinholeCamera& camera,
+                                       const Pose3& camera_from_world,
+                                       const AssociateOptions& options) {
+  std::map<ObjectId, Tally> tallies;
+  for (const std::vector<int>& frame : voters) {
+    ObjectId best;
+    double best_m = 0;
+    for (const int i : frame) {
+      const Observation& voter = all[static_cast<std::size_t>(i)];
+      if (!voter.object.valid()) continue;
+      const auto error_m = Dissimilarity(voter, current, camera, camera_from_world, options);
+      if (error_m && (!best.valid() || *error_m < best_m)) {
+        best = voter.object;
+        best_m = *error_m;
+      }
+    }
+    if (!best.valid()) continue;
+    ++tallies[best].num_votes;
+    tallies[best].sum_m += best_m;
+  }
+  return tallies;
+}
+
+// Takes matches in the order given as long as neither side is taken.
+std::vector<Match> TakeGreedily(const std::vector<Match>& sorted) {
+  std::set<int> taken;
+  std::set<ObjectId> matched;
+  std::vector<Match> result;
+  for (const Match& match : sorted) {
+    if (taken.count(match.observation) != 0 || matched.count(match.object) != 0) continue;
+    taken.insert(match.observation);
+    matched.insert(match.object);
+    result.push_back(match);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Match> MatchByVotes(std::span<const int> current,
+                                std::span<const std::vector<int>> voters,
+                                const std::vector<Observation>& all,
+                                const PinholeCamera& camera,
+                                const Pose3& camera_from_world,
+                                const AssociateOptions& options) {
+  std::vector<Match> candidates;
+  for (const int i : current) {
+    const std::map<ObjectId, Tally> tallies = CollectVotes(
+        all[static_cast<std::size_t>(i)], voters, all, camera, camera_from_world, options);
+    int total = 0;
+    for (const auto& [object, tally] : tallies) total += tally.num_votes;
+    for (const auto& [object, tally] : tallies) {
+      if (tally.num_votes < options.min_consensus * total) continue;
+      candidates.push_back({i, object, tally.num_votes, tally.sum_m / tally.num_votes});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Match& a, const Match& b) {
+    return a.num_votes != b.num_votes ? a.num_votes > b.num_votes
+                                      : a.dissimilarity_m < b.dissimilarity_m;
+  });
+  return TakeGreedily(candidates);
+}
+
+std::vector<Match> MatchByModels(std::span<const int> unmatched,
+                                 std::span<const ObjectHypothesis> objects,
+                                 const std::vector<Observation>& all,
+                                 const AssociateOptions& options) {
+  std::vector<Match> candidates;
+  for (const int i : unmatched) {
+    const Observation& current = all[static_cast<std::size_t>(i)];
+    for (const ObjectHypothesis& object : objects) {
+      if (object.IsSeenIn(current.segment->frame)) continue;
+      const bool same_class = object.class_name == current.segment->class_name;
+      const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
+      const double error_m =
+          MeanDistance(current.cloud_world, object.cloud_world, options.truncation_m);
+      if (error_m <= limit_m) candidates.push_back({i, object.id, 0, error_m});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Match& a, const Match& b) {
+    return a.dissimilarity_m < b.dissimilarity_m;
+  });
+  return TakeGreedily(candidates);
+}
+
+}  // namespace deepslam::associate

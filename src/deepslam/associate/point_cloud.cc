@@ -1,0 +1,116 @@
+#include "deepslam/associate/point_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include <nanoflann.hpp>
+
+namespace deepslam::associate {
+namespace {
+
+constexpr std::size_t kLeafSize = 12;
+
+struct PointList {
+  std::vector<Eigen::Vector3f> points;
+
+  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+  [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<Eigen::Index>(axis)];
+  }
+  template <typename Box>
+  bool kdtree_get_bbox(Box& /*box*/) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::
+    KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointList>, PointList, 3>;
+
+}  // namespace
+
+struct PointCloud::Impl {
+  explicit Impl(std::vector<Eigen::Vector3f> from)
+      : list{std::move(from)}, tree(3, list, kLeafSize) {
+    if (!list.points.empty()) tree.buildIndex();
+  }
+  PointList list;
+  Tree tree;
+};
+
+PointCloud::PointCloud(std::vector<Eigen::Vector3f> points)
+    : impl_(std::make_unique<Impl>(std::move(points))) {}
+PointCloud::~PointCloud() = default;
+PointCloud::PointCloud(PointCloud&&) noexcept = default;
+PointCloud& PointCloud::operator=(PointCloud&&) noexcept = default;
+
+const std::vector<Eigen::Vector3f>& PointCloud::points() const { return impl_->list.points; }
+
+double PointCloud::Distance(const Eigen::Vector3f& p) const {
+  if (impl_->list.points.empty()) return std::numeric_limits<double>::infinity();
+  std::size_t index = 0;
+  float squared = 0;
+  nanoflann::KNNResultSet<float> nearest(1);
+  nearest.init(&index, &squared);
+  impl_->tree.findNeighbors(nearest, p.data(), nanoflann::SearchParams());
+  return std::sqrt(static_cast<double>(squared));
+}
+
+double MeanDistance(const PointCloud& from,
+                    const PointCloud& to,
+                    double truncation_m,
+                    const std::vector<bool>& counted) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < from.points().size(); ++i) {
+    if (!counted.empty() && !counted[i]) continue;
+    sum += std::min(truncation_m, to.Distance(from.points()[i]));
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : truncation_m;
+}
+
+double ShareNear(const PointCloud& from, const PointCloud& to, double reach_m) {
+  if (from.points().empty()) return 0.0;
+  const auto near =
+      std::count_if(from.points().begin(), from.points().end(), [&](const Eigen::Vector3f& p) {
+        return to.Distance(p) <= reach_m;
+      });
+  return static_cast<double>(near) / static_cast<double>(from.points().size());
+}
+
+std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
+                                        const DepthImage& depth_m,
+                                        const PinholeCamera& camera,
+                                        const Pose3& world_from_camera,
+                                        int max_points) {
+  std::size_t total = 0;
+  for (const std::uint8_t value : mask) total += value != 0 ? 1U : 0U;
+  const std::size_t step = std::max<std::size_t>(1, total / static_cast<std::size_t>(max_points));
+  std::vector<Eigen::Vector3f> points;
+  std::size_t count = 0;
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) {
+      if (mask(u, v) == 0 || count++ % step != 0 || !(depth_m(u, v) > 0)) continue;
+      const Eigen::Vector3d p = world_from_camera * camera.Unproject(u, v, depth_m(u, v));
+      if (p.allFinite()) points.emplace_back(p.cast<float>());
+    }
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3f> Thinned(const std::vector<Eigen::Vector3f>& points, double cell_m) {
+  std::set<std::array<long, 3>> taken;
+  std::vector<Eigen::Vector3f> thinned;
+  for (const Eigen::Vector3f& p : points) {
+    const std::array<long, 3> cell = {
+        std::lround(p.x() / cell_m), std::lround(p.y() / cell_m), std::lround(p.z() / cell_m)};
+    if (taken.insert(cell).second) thinned.push_back(p);
+  }
+  return thinned;
+}
+
+}  // namespace deepslam::associate

@@ -1,0 +1,158 @@
+#include "deepslam/associate/review_objects.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace deepslam::associate {
+namespace {
+
+// Share of the smaller object that must lie inside one of another class to call it a part of that.
+constexpr double kPartShare = 0.7;
+// How much nearer than an object a measured surface must be to hide it.
+constexpr double kHides_m = 0.15;
+constexpr double kSeenShare = 0.5;  // share of an object's points that must be in sight
+constexpr std::size_t kNumProbes = 100;
+
+void Dissolve(const ObjectHypothesis& object,
+              std::vector<Observation>& all,
+              const std::string& reason,
+              std::vector<Rejection>& rejections) {
+  for (const int i : object.observations) {
+    Observation& observation = all[static_cast<std::size_t>(i)];
+    observation.object = ObjectId();
+    rejections.push_back({observation.segment->detection, observation.segment->frame, reason});
+  }
+}
+
+void Absorb(ObjectHypothesis& kept,
+            const ObjectHypothesis& merged,
+            std::vector<Observation>& all,
+            const AssociateOptions& options,
+            std::vector<Rejection>& rejections) {
+  for (std::size_t m = 0; m < merged.members.size(); ++m) {
+    const int index = merged.observations[m];
+    Observation& observation = all[static_cast<std::size_t>(index)];
+    const Segment& segment = *observation.segment;
+    const auto rival = std::find_if(kept.members.begin(),
+                                    kept.members.end(),
+                                    [&](const TrackMember& k) { return k.frame == segment.frame; });
+    if (rival != kept.members.end()) {
+      const auto place = rival - kept.members.begin();
+      const int rival_index = kept.observations[static_cast<std::size_t>(place)];
+      Observation& other = all[static_cast<std::size_t>(rival_index)];
+      const bool keep_rival = other.segment->num_points >= segment.num_points;
+      Observation& loser = keep_rival ? observation : other;
+      loser.object = ObjectId();
+      rejections.push_back(
+          {loser.segment->detection, loser.segment->frame, "second detection of one object"});
+      if (keep_rival) continue;
+      kept.members.erase(rival);
+      kept.observations.erase(kept.observations.begin() + place);
+    }
+    TrackMember member = merged.members[m];
+    member.how = "merge";
+    AddMember(kept, all, index, std::move(member), 0.5 * options.voxel_m);
+  }
+}
+
+enum class Relation { kApart, kSame, kPart };
+
+Relation Compare(const ObjectHypothesis& a,
+                 const ObjectHypothesis& b,
+                 const AssociateOptions& options) {
+  const double a_in_b = ShareNear(a.cloud_world, b.cloud_world, options.voxel_m);
+  const double b_in_a = ShareNear(b.cloud_world, a.cloud_world, options.voxel_m);
+  const double larger = std::max(a_in_b, b_in_a);
+  if (a.class_name == b.class_name) {
+    return larger > options.merge_overlap ? Relation::kSame : Relation::kApart;
+  }
+  if (std::min(a_in_b, b_in_a) > options.merge_overlap) return Relation::kSame;
+  const bool a_inside = a_in_b > b_in_a;
+  const std::size_t few = a_inside ? a.members.size() : b.members.size();
+  const std::size_t many = a_inside ? b.members.size() : a.members.size();
+  return larger > kPartShare && 2 * few <= many ? Relation::kPart : Relation::kApart;
+}
+
+bool IsInSight(const ObjectHypothesis& object, const Sight& sight, const PinholeCamera& camera) {
+  const std::vector<Eigen::Vector3f>& points = object.cloud_world.points();
+  const std::size_t step = std::max<std::size_t>(1, points.size() / kNumProbes);
+  int count = 0;
+  int seen = 0;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    ++count;
+    const Eigen::Vector3d p = sight.camera_from_world * points[i].cast<double>();
+    const auto pixel = camera.Project(p);
+    if (!pixel || !(std::abs(pixel->x()) < 1e6) || !(std::abs(pixel->y()) < 1e6)) continue;
+    const int u = static_cast<int>(pixel->x()) / kSightStep;
+    const int v = static_cast<int>(pixel->y()) / kSightStep;
+    if (pixel->x() < 0 || pixel->y() < 0 || !sight.coarse_depth_m.Contains(u, v)) continue;
+    const double depth_m = sight.coarse_depth_m(u, v);
+    seen += depth_m > 0 && depth_m > p.z() - kHides_m ? 1 : 0;
+  }
+  return seen > kSeenShare * count;
+}
+
+}  // namespace
+
+DepthImage CoarseDepth(const DepthImage& depth_m) {
+  DepthImage coarse(depth_m.width() / kSightStep, depth_m.height() / kSightStep);
+  for (int v = 0; v < coarse.height(); ++v) {
+    for (int u = 0; u < coarse.width(); ++u) {
+      coarse(u, v) = depth_m(u * kSightStep + kSightStep / 2, v * kSightStep + kSightStep / 2);
+    }
+  }
+  return coarse;
+}
+
+void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
+                     std::vector<Observation>& all,
+                     const AssociateOptions& options,
+                     std::vector<Rejection>& rejections) {
+  bool changed = true;
+  while (changed) {
+    changed = false;
+    for (std::size_t a = 0; a < objects.size() && !changed; ++a) {
+      for (std::size_t b = a + 1; b < objects.size() && !changed; ++b) {
+        const Relation relation = Compare(objects[a], objects[b], options);
+        if (relation == Relation::kApart) continue;
+        std::size_t gone = b;
+        if (relation == Relation::kSame) {
+          Absorb(objects[a], objects[b], all, options, rejections);
+        } else {
+          gone = objects[a].members.size() < objects[b].members.size() ? a : b;
+          Dissolve(objects[gone], all, "part of another object", rejections);
+        }
+        objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(gone));
+        changed = true;
+      }
+    }
+  }
+}
+
+void RejectNoise(std::vector<ObjectHypothesis>& objects,
+                 std::vector<Observation>& all,
+                 const std::vector<Sight>& sights,
+                 const PinholeCamera& camera,
+                 const AssociateOptions& options,
+                 std::vector<Rejection>& rejections) {
+  std::erase_if(objects, [&](const ObjectHypothesis& object) {
+    const auto num_members = static_cast<int>(object.members.size());
+    const auto num_sights =
+        static_cast<double>(std::count_if(sights.begin(), sights.end(), [&](const Sight& sight) {
+          return IsInSight(object, sight, camera);
+        }));
+    std::string reason;
+    if (num_members < options.min_members && object.MeanScore(all) < options.min_single_score) {
+      reason = "object seen too seldom with too low a score";
+    } else if (num_members < options.min_seen_share * num_sights) {
+      reason = "object detected in too few of the frames that see it";
+    }
+    if (reason.empty()) return false;
+    Dissolve(object, all, reason, rejections);
+    return true;
+  });
+}
+
+}  // namespace deepslam::associate

@@ -1,0 +1,39 @@
+// Second thoughts once all frames are matched: duplicates, parts of others, and noise.
+#pragma once
+
+#include <vector>
+
+#include "deepslam/associate/associate.h"
+#include "deepslam/associate/object_hypothesis.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/pose.h"
+
+namespace deepslam::associate {
+
+// What a frame could see, coarsely: every kSightStep-th pixel of its depth.
+struct Sight {
+  FrameIdx frame;
+  Pose3 camera_from_world;
+  DepthImage coarse_depth_m;
+};
+inline constexpr int kSightStep = 8;
+
+[[nodiscard]] DepthImage CoarseDepth(const DepthImage& depth_m);
+
+// Merges objects that fill the same space, into the lower id; where both were seen in a frame the
+// better detection stays. An object of another class that lies inside a larger, better seen one is
+// dissolved. Rejections are appended.
+void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
+                     std::vector<Observation>& all,
+                     const AssociateOptions& options,
+                     std::vector<Rejection>& rejections);
+
+// Removes objects that were detected too seldom for how often they were in sight.
+void RejectNoise(std::vector<ObjectHypothesis>& objects,
+                 std::vector<Observation>& all,
+                 const std::vector<Sight>& sights,
+                 const PinholeCamera& camera,
+                 const AssociateOptions& options,
+                 std::vector<Rejection>& rejections);
+
+}  // namespace deepslam::associate
