@@ -78,6 +78,7 @@ Similarity3 JointPose(const shape::ShapeModel& model,
                       const std::vector<WorldHypothesis>& hypotheses,
                       const SimilarityIcpOptions& options) {
   SimilarityIcpOptions coarse = options;
+  coarse.ground_firm = true;
   std::size_t most_points = 0;
   for (const MeasuredView* view : views) {
     most_points = std::max(most_points, view->points_camera.size());

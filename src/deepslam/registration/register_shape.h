@@ -31,7 +31,7 @@ struct RegisterOptions {
   double coarse_radius_m = 0.15;   // a residual beyond it says nothing, at the start
   double fine_radius_m = 0.05;     // and at the end
   double upright_sigma_deg = 2;    // how upright furniture stands
-  double ground_sigma_m = 0.02;    // how well the model's bottom meets the ground
+  double ground_sigma_m = 0.01;    // how well the model's bottom meets the ground
   double size_sigma = 0.25;        // relative; how well a candidate's own size is believed
   double max_move_m = 0.15;        // a view that leaves the joint pose by more is no measurement
   double max_turn_deg = 20;

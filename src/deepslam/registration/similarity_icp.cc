@@ -20,6 +20,8 @@ constexpr double kNeutralGap = 0.03;
 constexpr double kSilhouetteWeight = 0.5;
 // Below this cosine measured and model surface do not face the same way.
 constexpr double kMinFacing = 0.2;
+// A firm ground is this much surer than a soft one.
+constexpr double kFirmGround = 0.1;
 
 double TukeyWeight(double residual, double radius) {
   const double t = residual / radius;
@@ -183,22 +185,29 @@ void AddUpright(const Eigen::Vector3d& up_world,
   equations.Add(about_y, -up.x(), weight);
 }
 
+// Every view stands on the same ground, and what pulls a wrong model off it pulls in all views
+// alike: the prior counts once per view.
 void AddGround(const shape::ShapeModel& model,
                const Plane& ground_world,
                const Similarity3& world_from_object,
-               double sigma,
+               int num_views,
+               const SimilarityIcpOptions& options,
                Equations& equations) {
   const Eigen::Vector3d bottom(0, 0, model.bottom());
   const Eigen::Vector3d up = world_from_object.rotation.conjugate() * ground_world.normal;
   const double gap_m = ground_world.SignedDistance(world_from_object * bottom);
+  const double sigma = options.ground_sigma_m * (options.ground_firm ? kFirmGround : 1.0);
   // Huber: an object that truly hangs or lies deeper must be able to say so.
-  const double weight =
-      std::min(1.0, 3 * sigma / std::max(1e-9, std::abs(gap_m))) / (sigma * sigma);
-  equations.Add(MotionJacobian(up, world_from_object.scale * bottom), gap_m, weight);
+  const double trust =
+      options.ground_firm ? 1.0 : std::min(1.0, 3 * sigma / std::max(1e-9, std::abs(gap_m)));
+  equations.Add(MotionJacobian(up, world_from_object.scale * bottom),
+                gap_m,
+                num_views * trust / (sigma * sigma));
 }
 
 void AddPriors(const shape::ShapeModel& model,
                const MeasuredView& any_view,
+               int num_views,
                const Similarity3& start,
                const Similarity3& world_from_object,
                const SimilarityIcpOptions& options,
@@ -210,7 +219,7 @@ void AddPriors(const shape::ShapeModel& model,
                equations);
   }
   if (options.ground_sigma_m > 0 && any_view.ground_world) {
-    AddGround(model, *any_view.ground_world, world_from_object, options.ground_sigma_m, equations);
+    AddGround(model, *any_view.ground_world, world_from_object, num_views, options, equations);
   }
   if (options.expected_scale_m > 0 && options.size_sigma > 0) {
     const double error = std::log(world_from_object.scale / options.expected_scale_m);
@@ -305,7 +314,13 @@ Similarity3 AlignShape(const shape::ShapeModel& model,
       }
     }
     if (equations.num_residuals == 0) break;
-    AddPriors(model, *any_view, world_from_object, current, options, equations);
+    AddPriors(model,
+              *any_view,
+              static_cast<int>(views.size()),
+              world_from_object,
+              current,
+              options,
+              equations);
     const Vector7d step = SolveStep(equations, options.free_scale, options.start_radius_m);
     current = Moved(current, step, options);
     if (progress >= 1.0 && step.cwiseAbs().maxCoeff() < 1e-4) break;

@@ -38,6 +38,7 @@ struct SimilarityIcpOptions {
   double max_scale_m = 1e3;
   // Priors as standard deviations; 0 = none.
   double upright_sigma_rad = 0.035;  // of the model's z against the views' up
+  bool ground_firm = false;          // the bottom stays on the ground whatever the data say
   double ground_sigma_m = 0;         // of the model's bottom against the ground, where one is known
   double expected_scale_m = 0;       // with size_sigma, relative
   double size_sigma = 0;

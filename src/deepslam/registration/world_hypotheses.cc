@@ -19,6 +19,24 @@ constexpr double kSameScaleShare = 0.15;
 
 using ViewPointers = std::vector<const MeasuredView*>;
 
+// Height of the object's top above the ground: all but the highest 2 % of the points lie below it.
+// 0 without a ground.
+double TopHeight(std::span<const MeasuredView* const> views) {
+  std::vector<double> heights;
+  for (const MeasuredView* view : views) {
+    if (!view->ground_world) return 0;
+    for (const Eigen::Vector3f& point : view->points_camera) {
+      heights.push_back(
+          view->ground_world->SignedDistance(view->world_from_camera * point.cast<double>()));
+    }
+  }
+  if (heights.empty()) return 0;
+  const auto top =
+      heights.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(heights.size() - 1));
+  std::nth_element(heights.begin(), top, heights.end());
+  return std::max(0.0, *top);
+}
+
 // Views with many points come first; those cut by the image border count half, since their moments
 // mislead.
 ViewPointers BestViews(std::span<const MeasuredView* const> views, int count) {
@@ -75,6 +93,11 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
                                             const ScaleBounds& bounds,
                                             const RegisterOptions& options) {
   const ViewPointers judges = EvenlySpaced(views, kMaxJudgeViews);
+  std::vector<double> scales_m;
+  if (bounds.expected_m > 0) scales_m.push_back(bounds.expected_m);
+  const double top_m = TopHeight(views);
+  if (top_m > 0)
+    scales_m.push_back(std::clamp(top_m / model.extent().z(), bounds.min_m, bounds.max_m));
   std::vector<WorldHypothesis> all;
   const auto judge = [&](const MeasuredView& view, const Similarity3& camera_from_object) {
     WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
@@ -88,9 +111,9 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
     for (const InitialAlignment& alignment :
          AlignByMoments(visible, *view, options.num_azimuths, bounds.min_m, bounds.max_m)) {
       judge(*view, alignment.camera_from_object);
-      if (bounds.expected_m <= 0) continue;
-      judge(*view,
-            Rescaled(alignment.camera_from_object, view->centroid_camera, bounds.expected_m));
+      for (const double scale_m : scales_m) {
+        judge(*view, Rescaled(alignment.camera_from_object, view->centroid_camera, scale_m));
+      }
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
