@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "deepslam/core/parallel.h"
-#include "deepslam/core/random.h"
 #include "deepslam/render/ray_scene.h"
 #include "deepslam/render/render_view.h"
 #include "deepslam/synth/camera_path.h"
@@ -107,12 +107,12 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> Tangents(const Eigen::Vector3f& n) {
   return {t, n.cross(t)};
 }
 
-// Place in the 4 x 4 pattern, jittered: neighbours take far apart strata.
-Eigen::Vector2d Stratum(int u, int v, Random& random) {
+// Place in the 4 x 4 pattern; neighbours take far apart strata. No jitter: what varies from window
+// to window is noise.
+Eigen::Vector2d Stratum(int u, int v) {
   constexpr std::array<int, 16> kOrder = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
   const int cell = kOrder[static_cast<std::size_t>((v % kPattern) * kPattern + u % kPattern)];
-  return Eigen::Vector2d(cell % kPattern + random.Uniform(), cell / kPattern + random.Uniform()) /
-         kPattern;
+  return Eigen::Vector2d(cell % kPattern + 0.5, cell / kPattern + 0.5) / kPattern;
 }
 
 }  // namespace
@@ -166,16 +166,12 @@ struct CaptureRenderer::Impl {
   }
 
   // One sample of each light and of the surroundings; `terms` has NumTerms() entries.
-  void SampleLight(const Eigen::Vector3f& p,
-                   const Eigen::Vector3f& n,
-                   int u,
-                   int v,
-                   Random& random,
-                   float* terms) const {
+  void SampleLight(
+      const Eigen::Vector3f& p, const Eigen::Vector3f& n, int u, int v, float* terms) const {
     const Eigen::Vector3f from = p + kOffSurfaceM * n;
     for (std::size_t l = 0; l < world.description.lights.size(); ++l) {
       const SceneLight& light = world.description.lights[l];
-      const Eigen::Vector2d s = (Stratum(u, v, random).array() - 0.5) * light.side_m;
+      const Eigen::Vector2d s = (Stratum(u, v).array() - 0.5) * light.side_m;
       const Eigen::Vector3f q = (light.position_m + Eigen::Vector3d(s.x(), s.y(), 0)).cast<float>();
       const Eigen::Vector3f way = q - from;
       const float distance = way.norm();
@@ -185,45 +181,41 @@ struct CaptureRenderer::Impl {
       if (cos_surface <= 0 || cos_light <= 0 || scene.Occluded(from, q)) continue;
       terms[l] = static_cast<float>(light.power) * cos_surface * cos_light / (distance * distance);
     }
-    const Eigen::Vector2d s = Stratum(u, v, random);
+    const Eigen::Vector2d s = Stratum(u, v);
     const double r = std::sqrt(s.x());
     const double angle = 2 * std::numbers::pi * s.y();
     const auto [t, b] = Tangents(n);
     const Eigen::Vector3f direction = static_cast<float>(r * std::cos(angle)) * t +
                                       static_cast<float>(r * std::sin(angle)) * b +
                                       static_cast<float>(std::sqrt(1 - s.x())) * n;
-    const bool free = !scene.Occluded(from, from + kAmbientReachM * direction);
-    terms[world.description.lights.size()] =
-        free ? static_cast<float>(world.description.ambient) : 0.0f;
+    // The nearer a thing, the darker: a step at the reach would show as bands.
+    const std::optional<render::RayHit> near = scene.Cast(from, direction, 0.0f, kAmbientReachM);
+    const double open = near ? near->distance_m / static_cast<double>(kAmbientReachM) : 1.0;
+    terms[world.description.lights.size()] = static_cast<float>(open * world.description.ambient);
   }
 
   [[nodiscard]] Image<float> Light(const render::RenderedView& view,
                                    const PinholeCamera& camera,
-                                   const Pose3& pose,
-                                   int frame) const;
+                                   const Pose3& pose) const;
   [[nodiscard]] Image<Eigen::Vector3f> Shade(const render::RenderedView& view,
                                              const PinholeCamera& camera,
-                                             const Pose3& pose,
-                                             int frame) const;
+                                             const Pose3& pose) const;
 };
 
 // Sum of all light per pixel, one sample each.
 Image<float> CaptureRenderer::Impl::Light(const render::RenderedView& view,
                                           const PinholeCamera& camera,
-                                          const Pose3& pose,
-                                          int frame) const {
+                                          const Pose3& pose) const {
   Image<float> light(camera.width, camera.height, 0.0f);
   ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
-    Random random(
-        world.description.seed, "light", static_cast<std::uint64_t>(frame) * 65'536 + row);
     std::vector<float> terms(static_cast<std::size_t>(NumTerms()), 0.0f);
     for (int u = 0; u < camera.width; ++u) {
       const render::RayHit& hit = view.hits(u, v);
       if (hit.instance < 0) continue;
       const Eigen::Vector3d p_world =
           pose * camera.Unproject(u, v, static_cast<double>(view.depth_m(u, v)));
-      SampleLight(p_world.cast<float>(), hit.normal_world, u, v, random, terms.data());
+      SampleLight(p_world.cast<float>(), hit.normal_world, u, v, terms.data());
       for (const float term : terms) light(u, v) += term;
     }
   });
@@ -232,9 +224,8 @@ Image<float> CaptureRenderer::Impl::Light(const render::RenderedView& view,
 
 Image<Eigen::Vector3f> CaptureRenderer::Impl::Shade(const render::RenderedView& view,
                                                     const PinholeCamera& camera,
-                                                    const Pose3& pose,
-                                                    int frame) const {
-  const Image<float> light = Light(view, camera, pose, frame);
+                                                    const Pose3& pose) const {
+  const Image<float> light = Light(view, camera, pose);
   Image<Eigen::Vector3f> radiance(camera.width, camera.height, Eigen::Vector3f::Zero());
   ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
@@ -292,7 +283,7 @@ RenderedFrame CaptureRenderer::Render(int frame) const {
   rendered.frame.idx = FrameIdx{frame};
   rendered.frame.time_s = frame / scene.frames_per_s;
   rendered.frame.colour =
-      DevelopColour(impl_->Shade(view, scene.camera, pose, frame), scene.faults, scene.seed, item);
+      DevelopColour(impl_->Shade(view, scene.camera, pose), scene.faults, scene.seed, item);
   rendered.frame.depth_m =
       ApplyDepthFaults(view, scene.camera, pose, scene.faults, scene.seed, item);
   return rendered;

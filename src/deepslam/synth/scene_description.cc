@@ -142,7 +142,10 @@ class Table {
  private:
   YAML::Node Find(const std::string& name) {
     asked_.insert(name);
-    return node_.IsMap() ? std::as_const(node_)[name] : YAML::Node(YAML::NodeType::Undefined);
+    if (!node_.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
+    // A lookup that fails gives a node that throws at every question.
+    const YAML::Node found = std::as_const(node_)[name];
+    return found.IsDefined() ? found : YAML::Node(YAML::NodeType::Undefined);
   }
   static std::string Shown(const YAML::Node& node) {
     return node.IsScalar() ? node.Scalar().substr(0, 60) : "a structure";
