@@ -1,0 +1,63 @@
+// Runs a chain of stages in a workspace: skips what stands, redoes what does not, and never leaves
+// half a stage.
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/pipeline/manifest.h"
+#include "deepslam/pipeline/stage.h"
+
+namespace deepslam::pipeline {
+
+// Hears what the runner does; also the progress of the running stage.
+class RunListener : public Progress {
+ public:
+  virtual void StageSkipped(std::string_view stage, std::string_view summary) = 0;
+  virtual void StageStarts(std::string_view stage, std::span<const std::string> reasons) = 0;
+  virtual void StageDone(std::string_view stage,
+                         std::string_view summary,
+                         const Timing& timing) = 0;
+};
+
+struct RunRequest {
+  std::filesystem::path workspace;
+  std::string until;            // last stage to run; empty: all
+  std::set<std::string> force;  // run although their files stand
+};
+
+struct RunReport {
+  std::vector<std::string> ran;
+  std::vector<std::string> skipped;
+};
+
+// `stages` in an order in which every input stands before its user. Errors: a stage's own, with its
+// name in front; a locked, foreign or unwritable workspace; unknown names in the request
+// (kInvalidConfig); kInterrupted.
+[[nodiscard]] Result<RunReport> RunStages(std::span<const Stage> stages,
+                                          const RunRequest& request,
+                                          RunListener& listener);
+
+enum class StageState { kDone, kStale, kMissing };
+
+struct StageReport {
+  std::string name;
+  StageState state = StageState::kMissing;
+  std::vector<std::string> reasons;
+  std::string summary;
+  std::uintmax_t num_bytes = 0;
+  Timing timing;
+};
+
+// The state of a workspace without touching it. External inputs are taken as unchanged: the capture
+// may be elsewhere.
+[[nodiscard]] Result<std::vector<StageReport>> InspectWorkspace(
+    std::span<const Stage> stages, const std::filesystem::path& workspace);
+
+}  // namespace deepslam::pipeline
