@@ -200,9 +200,10 @@ class SystemBuilder {
   void AddPoint(int u, int v, const MovedRow& row) {
     const std::size_t k = static_cast<std::size_t>(u);
     const std::size_t source = static_cast<std::size_t>(v) * row.x.size() + k;
+    if (!(j_.depth_m[source] > 0)) return;
     const SurfaceTexel& source_surface = j_.surface[source];
-    if (!(source_surface.offset_m < 0)) return;
-    ++system_.num_source;
+    const bool source_has_normal = source_surface.offset_m < 0;
+    if (source_has_normal) ++system_.num_source;
     const PinholeCamera& camera = i_.camera;
     // One texel of border for the bilinear intensity.
     if (!(row.z[k] > 0.05F && row.u[k] >= 0 && row.v[k] >= 0 &&
@@ -214,10 +215,11 @@ class SystemBuilder {
         static_cast<std::size_t>(row.v[k] + 0.5F) * static_cast<std::size_t>(camera.width) +
         static_cast<std::size_t>(row.u[k] + 0.5F);
     const SurfaceTexel& surface = i_.surface[target];
-    if (!(surface.offset_m < 0)) return;
-    ++system_.num_overlap;
+    const bool both_have_normals = source_has_normal && surface.offset_m < 0;
+    if (both_have_normals) ++system_.num_overlap;
     if (std::abs(row.z[k] - i_.depth_m[target]) > gates_.max_distance_m) return;
-    AddGeometric(surface, source_surface, row, k);
+    if (both_have_normals) AddGeometric(surface, source_surface, row, k);
+    // Outlines of objects have depth but no normal; their brightness still says where they are.
     if (photometric_) AddPhotometric(j_.intensity[source], row, k);
   }
 
