@@ -1,0 +1,280 @@
+#include "deepslam/ground/ground_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/random.h"
+#include "deepslam/ground/ground_points.h"
+#include "deepslam/ground/level_search.h"
+#include "deepslam/ground/plane_fit.h"
+
+namespace deepslam::ground {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr std::size_t kBatchKeyframes = 16;
+constexpr std::size_t kSamplePoints = 400;
+// How far the propagated plane may be off after one more keyframe: drift of tracking, one standard
+// deviation.
+constexpr double kStepAngleRad = 0.5 * kRadPerDeg;
+constexpr double kStepDistanceM = 0.01;
+// Drift of tracking between an observation and the world, one standard deviation, for the common
+// plane.
+constexpr double kDriftAngleRad = 1.0 * kRadPerDeg;
+constexpr double kDriftDistanceM = 0.02;
+
+bool Aligned(const TrackedFrame& frame) {
+  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate ||
+         frame.keyframe == frame.frame;
+}
+
+Eigen::Matrix3d InformationOf(double angle_rad, double distance_m) {
+  return Eigen::Vector3d(1 / (angle_rad * angle_rad),
+                         1 / (angle_rad * angle_rad),
+                         1 / (distance_m * distance_m))
+      .asDiagonal();
+}
+
+Eigen::Matrix3d WithAddedError(const Eigen::Matrix3d& information,
+                               double angle_rad,
+                               double distance_m) {
+  const Eigen::Matrix3d covariance =
+      information.inverse() + InformationOf(angle_rad, distance_m).inverse();
+  return covariance.inverse();
+}
+
+// (tangent directions at a, distance) that lead from plane a to plane b.
+Eigen::Vector3d Difference(const Plane& a, const Plane& b) {
+  Eigen::Vector3d difference;
+  difference << GroundTangentBasis(a.normal).transpose() * b.normal, b.d_m - a.d_m;
+  return difference;
+}
+
+class GroundSearch {
+ public:
+  GroundSearch(const FrameSource& frames,
+               const Odometry& odometry,
+               const GroundOptions& options,
+               Progress& progress)
+      : frames_(frames), options_(options), progress_(progress) {
+    for (const FrameIdx keyframe : odometry.keyframes) {
+      if (Aligned(odometry.at(keyframe))) keyframes_.push_back(odometry.at(keyframe));
+    }
+  }
+
+  Result<Ground> Run() {
+    if (!FindSightings()) return Interrupted();
+    const auto start = FindGroundSighting(sightings_, samples_, options_);
+    Ground ground;
+    if (!start) return ground;
+    observations_.resize(keyframes_.size());
+    const PlaneSighting& sighting = sightings_[*start];
+    const Plane plane_camera = sighting.plane_camera;
+    if (!Propagate(sighting.keyframe, plane_camera, +1) ||
+        !Propagate(sighting.keyframe, plane_camera, -1)) {
+      return Interrupted();
+    }
+    for (const auto& observation : observations_) {
+      if (observation) ground.observations.push_back(*observation);
+    }
+    if (!ground.observations.empty()) ground.plane_world = CommonPlane(sighting.plane_world);
+    return ground;
+  }
+
+ private:
+  [[nodiscard]] GroundPoints ReadPoints(std::size_t k) const {
+    const Result<Frame> frame = frames_.ReadDepth(keyframes_[k].frame);
+    if (!frame.ok()) return {};
+    return ExtractGroundPoints(frame->depth_m, frames_.camera(), options_.max_depth_m);
+  }
+
+  bool FindSightings() {
+    std::vector<std::vector<PlaneSighting>> found(keyframes_.size());
+    samples_.resize(keyframes_.size());
+    for (std::size_t begin = 0; begin < keyframes_.size(); begin += kBatchKeyframes) {
+      if (progress_.StopRequested()) return false;
+      const std::size_t count = std::min(kBatchKeyframes, keyframes_.size() - begin);
+      ParallelFor(count, [&](std::size_t n) { SearchKeyframe(begin + n, found[begin + n]); });
+      progress_.Report(begin + count, 2 * keyframes_.size());
+    }
+    for (const auto& planes : found)
+      sightings_.insert(sightings_.end(), planes.begin(), planes.end());
+    return true;
+  }
+
+  void SearchKeyframe(std::size_t k, std::vector<PlaneSighting>& found) {
+    const Pose3& world_from_camera = keyframes_[k].world_from_camera;
+    const GroundPoints points = ReadPoints(k);
+    Random random(0, "ground", static_cast<std::uint64_t>(keyframes_[k].frame.value));
+    for (const PlaneCandidate& candidate : FindPlanes(points, options_, random)) {
+      found.push_back({k,
+                       candidate.plane_camera,
+                       Transformed(world_from_camera, candidate.plane_camera),
+                       world_from_camera * candidate.centroid_camera,
+                       candidate.plane_camera.d_m,
+                       candidate.share});
+    }
+    const std::size_t step = std::max<std::size_t>(1, points.points.size() / kSamplePoints);
+    for (std::size_t n = 0; n < points.points.size(); n += step) {
+      const Eigen::Vector3d p_world = world_from_camera * points.points[n].p_camera.cast<double>();
+      samples_[k].points_world.push_back(p_world.cast<float>());
+    }
+  }
+
+  // Carries the plane from keyframe to keyframe in one direction, correcting it where the ground is
+  // seen.
+  bool Propagate(std::size_t start, const Plane& start_camera, int direction) {
+    Plane plane = start_camera;
+    Eigen::Matrix3d information = InformationOf(2 * kRadPerDeg, 0.05);
+    const std::size_t count = direction > 0 ? keyframes_.size() - start : start + 1;
+    const auto index = [&](std::size_t n) { return direction > 0 ? start + n : start - n; };
+    for (std::size_t begin = 0; begin < count; begin += kBatchKeyframes) {
+      if (progress_.StopRequested()) return false;
+      std::vector<GroundPoints> batch(std::min(kBatchKeyframes, count - begin));
+      ParallelFor(batch.size(), [&](std::size_t n) { batch[n] = ReadPoints(index(begin + n)); });
+      for (std::size_t n = 0; n < batch.size(); ++n) {
+        const std::size_t k = index(begin + n);
+        if (begin + n > 0) {
+          const Pose3& from = keyframes_[index(begin + n - 1)].world_from_camera;
+          plane = Transformed(keyframes_[k].world_from_camera.Inverse() * from, plane);
+          information = WithAddedError(information, kStepAngleRad, kStepDistanceM);
+        }
+        Observe(k, batch[n], plane, information);
+      }
+    }
+    progress_.Report(keyframes_.size() + (direction > 0 ? count : keyframes_.size()),
+                     2 * keyframes_.size());
+    return true;
+  }
+
+  // Refines the propagated plane in keyframe k and joins both by their information.
+  void Observe(std::size_t k,
+               const GroundPoints& points,
+               Plane& plane,
+               Eigen::Matrix3d& information) {
+    const auto refined = RefinePlane(points, frames_.camera(), plane, options_);
+    if (!refined || refined->inlier_share < options_.min_inlier_share ||
+        refined->area_m2 < options_.min_area_m2) {
+      return;
+    }
+    const double height_m = refined->plane_camera.d_m;
+    if (height_m < options_.min_height_m || height_m > options_.max_height_m) return;
+    observations_[k] = GroundObservation{keyframes_[k].frame,
+                                         refined->plane_camera,
+                                         refined->information,
+                                         refined->num_inliers * points.step_px * points.step_px};
+    const Eigen::Matrix3d joint = information + refined->information;
+    const Eigen::Vector3d step =
+        joint.ldlt().solve(refined->information * Difference(plane, refined->plane_camera));
+    plane = Perturbed(plane, step);
+    information = joint;
+  }
+
+  // Gauss-Newton on the plane's three degrees of freedom over all observations, Cauchy weights.
+  [[nodiscard]] Plane CommonPlane(const Plane& start_world) const {
+    Plane plane = start_world;
+    for (int n = 0; n < 15; ++n) {
+      const Eigen::Matrix<double, 3, 2> basis_world = GroundTangentBasis(plane.normal);
+      Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+      for (std::size_t k = 0; k < observations_.size(); ++k) {
+        if (!observations_[k]) continue;
+        const Pose3& world_from_camera = keyframes_[k].world_from_camera;
+        const Plane& seen = observations_[k]->plane_camera;
+        const Plane predicted = Transformed(world_from_camera.Inverse(), plane);
+        Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
+        jacobian.topLeftCorner<2, 2>() = GroundTangentBasis(seen.normal).transpose() *
+                                         world_from_camera.rotation.toRotationMatrix().transpose() *
+                                         basis_world;
+        jacobian.bottomLeftCorner<1, 2>() =
+            world_from_camera.translation_m.transpose() * basis_world;
+        jacobian(2, 2) = 1;
+        const Eigen::Vector3d error = Difference(seen, predicted);
+        const Eigen::Matrix3d information =
+            WithAddedError(observations_[k]->information, kDriftAngleRad, kDriftDistanceM);
+        const double weight = 1 / (1 + error.dot(information * error) / 3);
+        hessian += weight * jacobian.transpose() * information * jacobian;
+        gradient += weight * jacobian.transpose() * information * error;
+      }
+      plane = Perturbed(plane, -hessian.ldlt().solve(gradient));
+    }
+    return plane;
+  }
+
+  const FrameSource& frames_;
+  const GroundOptions& options_;
+  Progress& progress_;
+  std::vector<TrackedFrame> keyframes_;
+  std::vector<PlaneSighting> sightings_;
+  std::vector<KeyframeSample> samples_;
+  std::vector<std::optional<GroundObservation>> observations_;
+};
+
+}  // namespace
+
+Result<Ground> EstimateGround(const FrameSource& frames,
+                              const Odometry& odometry,
+                              const GroundOptions& options,
+                              Progress& progress) {
+  return GroundSearch(frames, odometry, options, progress).Run();
+}
+
+void Describe(OptionsVisitor& visitor, GroundOptions& options) {
+  visitor.Field("max_pitch_down_deg",
+                options.max_pitch_down_deg,
+                {0, 90},
+                "deg",
+                "camera may look down this far");
+  visitor.Field(
+      "max_pitch_up_deg", options.max_pitch_up_deg, {0, 90}, "deg", "camera may look up this far");
+  visitor.Field("max_roll_deg",
+                options.max_roll_deg,
+                {0, 90},
+                "deg",
+                "camera may be tilted sideways this far");
+  visitor.Field(
+      "min_height_m", options.min_height_m, {0, 100}, "m", "lowest camera above the ground");
+  visitor.Field(
+      "max_height_m", options.max_height_m, {0, 100}, "m", "highest camera above the ground");
+  visitor.Field("max_depth_m", options.max_depth_m, {0.1, 100}, "m", "farther points are left out");
+  visitor.Field("min_inlier_share",
+                options.min_inlier_share,
+                {0, 1},
+                "1",
+                "share of the points on the ground that makes an observation");
+  visitor.Field(
+      "min_area_m2", options.min_area_m2, {0, 100}, "m^2", "ground area that makes an observation");
+  visitor.Field("level_separation_m",
+                options.level_separation_m,
+                {0.01, 2},
+                "m",
+                "planes closer than this in height are one");
+  visitor.Field(
+      "num_ransac_draws", options.num_ransac_draws, {10, 10000}, "1", "draws per plane searched");
+  visitor.Field("correlation_length_px",
+                options.correlation_length_px,
+                {1, 100},
+                "px",
+                "length over which depth errors are shared, pixels of a 640 pixel wide image");
+  visitor.Field("floor_angle_deg",
+                options.floor_angle_deg,
+                {0, 30},
+                "deg",
+                "systematic error of an observation");
+  visitor.Field("floor_distance_m",
+                options.floor_distance_m,
+                {0, 1},
+                "m",
+                "systematic error of an observation");
+}
+
+}  // namespace deepslam::ground
