@@ -69,6 +69,19 @@ struct BackMatch {
       Eigen::Vector2d::Zero();  // kFree: from the silhouette to the model point
 };
 
+// Whether a pixel or one beside it measured the given depth: at an edge of the object, rounding
+// decides which it is.
+bool AgreesAround(const MeasuredView& view, int u, int v, double depth_m) {
+  for (int y = v - 1; y <= v + 1; ++y) {
+    for (int x = u - 1; x <= u + 1; ++x) {
+      if (view.depth_m.Contains(x, y) && std::abs(view.depth_m(x, y) - depth_m) < kNeutralGap) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 BackMatch MatchBack(const MeasuredView& view, const Eigen::Vector3d& q_camera, double radius_m) {
   BackMatch match;
   const auto pixel = view.camera.Project(q_camera);
@@ -89,7 +102,7 @@ BackMatch MatchBack(const MeasuredView& view, const Eigen::Vector3d& q_camera, d
     }
     return match;
   }
-  if (std::abs(gap) < kNeutralGap) {
+  if (AgreesAround(view, u, v, q_camera.z())) {
     match.kind = BackMatch::kAgrees;
     return match;
   }

@@ -1,0 +1,271 @@
+#include "deepslam/select/select.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "deepslam/select/score.h"
+#include "support/furniture_world.h"
+
+namespace deepslam::select {
+namespace {
+
+using testing_support::CandidateFor;
+using testing_support::FurnitureWorld;
+using testing_support::ViewSettings;
+
+// A registration that places the model alike in all views.
+CandidateRegistration PlacedAt(const Similarity3& world_from_object,
+                               const std::vector<ObjectView>& views,
+                               int candidate = 0) {
+  CandidateRegistration registration;
+  registration.candidate = CandidateId{candidate};
+  registration.ok = true;
+  registration.scale_m = world_from_object.scale;
+  registration.world_from_object = world_from_object.RigidPart();
+  for (const ObjectView& view : views) {
+    ViewRegistration& entry = registration.views.emplace_back();
+    entry.view = view.detection;
+    entry.frame = view.frame;
+    entry.ok = true;
+    entry.camera_from_object = view.world_from_camera.Inverse() * world_from_object.RigidPart();
+  }
+  return registration;
+}
+
+// The same bottom, another scale.
+Similarity3 Scaled(Similarity3 world_from_object, double factor) {
+  world_from_object.scale *= factor;
+  world_from_object.translation_m.z() *= factor;
+  return world_from_object;
+}
+
+class ScoreOnAChair : public testing::Test {
+ protected:
+  double Score(const VoxelGrid& grid,
+               const Similarity3& placed,
+               const std::vector<ObjectView>& views) const {
+    return ScoreCandidate(CandidateFor(0.5, 1.5),
+                          shape::ShapeModel(grid),
+                          PlacedAt(placed, views),
+                          views,
+                          options_)
+        .score;
+  }
+
+  FurnitureWorld world_{testing_support::ChairGrid(), 0.9};
+  std::vector<ObjectView> views_ = world_.Views({0.0, 0.7, 1.4, 2.1, 2.8});
+  Similarity3 truth_ = world_.world_from_object();
+  SelectOptions options_;
+};
+
+TEST_F(ScoreOnAChair, TheTrueModelInItsPlaceIsNearOne) {
+  EXPECT_GT(Score(testing_support::ChairGrid(), truth_, views_), 0.95);
+}
+
+TEST_F(ScoreOnAChair, EveryWrongSizeScoresLess) {
+  const double best = Score(testing_support::ChairGrid(), truth_, views_);
+  double last = best;
+  for (const double factor : {1.1, 1.2, 1.4}) {
+    const double score = Score(testing_support::ChairGrid(), Scaled(truth_, factor), views_);
+    EXPECT_LT(score, last) << factor;
+    last = score;
+  }
+  last = best;
+  for (const double factor : {0.9, 0.8, 0.6}) {
+    const double score = Score(testing_support::ChairGrid(), Scaled(truth_, factor), views_);
+    EXPECT_LT(score, last) << factor;
+    last = score;
+  }
+}
+
+TEST_F(ScoreOnAChair, AShiftedOrTurnedModelScoresLess) {
+  const double best = Score(testing_support::ChairGrid(), truth_, views_);
+  Similarity3 shifted = truth_;
+  shifted.translation_m.y() += 0.1;
+  EXPECT_LT(Score(testing_support::ChairGrid(), shifted, views_), best - 0.1);
+  Similarity3 turned = truth_;
+  turned.rotation = Eigen::AngleAxisd(1.57, Eigen::Vector3d::UnitZ()) * turned.rotation;
+  EXPECT_LT(Score(testing_support::ChairGrid(), turned, views_), best - 0.1);
+}
+
+TEST_F(ScoreOnAChair, AFilledHullOrAnotherShapeScoresLess) {
+  const double best = Score(testing_support::ChairGrid(), truth_, views_);
+  EXPECT_LT(Score(testing_support::BlockGrid(), truth_, views_), best - 0.2);
+  EXPECT_LT(Score(testing_support::StoolGrid(), truth_, views_), best - 0.2);
+  EXPECT_LT(Score(testing_support::ChairGrid(0.3), truth_, views_), best - 0.05);
+}
+
+TEST_F(ScoreOnAChair, SolidPartsInFreeSpaceAreCountedAsViolation) {
+  const auto violation = [&](const VoxelGrid& grid) {
+    return ScoreCandidate(CandidateFor(0.5, 1.5),
+                          shape::ShapeModel(grid),
+                          PlacedAt(truth_, views_),
+                          views_,
+                          options_)
+        .free_violation;
+  };
+  EXPECT_LT(violation(testing_support::ChairGrid()), 0.02);
+  EXPECT_GT(violation(testing_support::BlockGrid()), 0.1);
+}
+
+TEST_F(ScoreOnAChair, WhatHidesTheObjectSpeaksNeitherForNorAgainstIt) {
+  ViewSettings hidden;
+  hidden.occluded_share = 0.4;
+  const std::vector<ObjectView> views = world_.Views({0.0, 0.7, 1.4, 2.1, 2.8}, hidden);
+  EXPECT_GT(Score(testing_support::ChairGrid(), truth_, views), 0.95);
+}
+
+TEST_F(ScoreOnAChair, AModelInTheAirScoresLessThanWereThereNoGround) {
+  Similarity3 lifted = truth_;
+  lifted.translation_m.z() += 0.2;
+  std::vector<ObjectView> groundless = views_;
+  for (ObjectView& view : groundless) view.ground_camera.reset();
+  const CandidateScore score = ScoreCandidate(
+      CandidateFor(0.5, 1.5), world_.model(), PlacedAt(lifted, views_), views_, options_);
+  EXPECT_THAT(score.note, testing::HasSubstr("above the ground"));
+  EXPECT_LT(score.score, 0.5 * Score(testing_support::ChairGrid(), lifted, groundless));
+}
+
+// A candidate cannot gain by refusing the views that speak against it.
+TEST_F(ScoreOnAChair, RefusedViewsAreJudgedAtTheJointPose) {
+  const shape::ShapeModel block(testing_support::BlockGrid());
+  CandidateRegistration all = PlacedAt(truth_, views_);
+  CandidateRegistration one = all;
+  for (std::size_t i = 1; i < one.views.size(); ++i) one.views[i].ok = false;
+  const ShapeCandidate candidate = CandidateFor(0.5, 1.5);
+  EXPECT_NEAR(ScoreCandidate(candidate, block, one, views_, options_).score,
+              ScoreCandidate(candidate, block, all, views_, options_).score,
+              1e-9);
+}
+
+TEST(ScoreOf, IsTheHarmonicMeanAndBounded) {
+  EXPECT_NEAR(ScoreOf({0.5, 0.5, 0, 1}, 0), 0.5, 1e-12);
+  EXPECT_LT(ScoreOf({1.0, 0.2, 0, 1}, 0), 0.5 * (1.0 + 0.2));
+  EXPECT_EQ(ScoreOf({0, 0, 0, 0}, 0), 0);
+  EXPECT_EQ(ScoreOf({1, 1, 0, 1}, std::numeric_limits<double>::quiet_NaN()), 0);
+  EXPECT_LT(ScoreOf({1, 1, 0, 1}, 0.2), ScoreOf({1, 1, 0, 1}, 0.05));
+}
+
+// Three candidates for one chair: a block from view 0, the chair from view 2, a fused measurement.
+class SelectAChair : public testing::Test {
+ protected:
+  SelectAChair() {
+    Add(testing_support::BlockGrid(), 0, CandidateSource::kRetrieval);
+    Add(testing_support::ChairGrid(), 2, CandidateSource::kRetrieval);
+  }
+
+  void Add(const VoxelGrid& grid, int view, CandidateSource source) {
+    ShapeCandidate candidate = CandidateFor(0.5, 1.5, 0, static_cast<int>(candidates_.size()));
+    candidate.view = DetectionId{view};
+    candidate.source = source;
+    registrations_.push_back(PlacedAt(world_.world_from_object(), views_, candidate.id.value));
+    scores_.push_back(ScoreCandidate(
+        candidate, shape::ShapeModel(grid), registrations_.back(), views_, options_));
+    candidates_.push_back(candidate);
+  }
+
+  [[nodiscard]] MapObject Select() const {
+    return SelectShape(
+        ObjectId{3}, "chair", candidates_, registrations_, scores_, views_, options_);
+  }
+
+  FurnitureWorld world_{testing_support::ChairGrid(), 0.9};
+  std::vector<ObjectView> views_ = world_.Views({0.0, 0.7, 1.4, 2.1, 2.8});
+  SelectOptions options_;
+  std::vector<ShapeCandidate> candidates_;
+  std::vector<CandidateRegistration> registrations_;
+  std::vector<CandidateScore> scores_;
+};
+
+TEST_F(SelectAChair, TheChairWinsAndTheHistoryTellsWhen) {
+  const MapObject object = Select();
+  EXPECT_EQ(object.chosen, CandidateId{1});
+  EXPECT_EQ(object.id, ObjectId{3});
+  EXPECT_EQ(object.class_name, "chair");
+  EXPECT_EQ(object.scale_m, registrations_[1].scale_m);
+  EXPECT_EQ(object.views.size(), views_.size());
+  EXPECT_EQ(object.scores.front().candidate, CandidateId{1});
+  ASSERT_EQ(object.history.size(), 2u);
+  EXPECT_EQ(object.history[0].candidate, CandidateId{0});
+  EXPECT_EQ(object.history[0].frame, views_[0].frame);
+  EXPECT_EQ(object.history[1].candidate, CandidateId{1});
+  EXPECT_EQ(object.history[1].frame, views_[2].frame);
+  EXPECT_GT(object.confidence, 0.8);
+}
+
+TEST_F(SelectAChair, GreedyTakesTheLastOfTheHistory) {
+  options_.mode = "greedy";
+  const MapObject object = Select();
+  EXPECT_EQ(object.chosen, object.history.back().candidate);
+}
+
+TEST_F(SelectAChair, AFusedShapeMustBeClearlyBetter) {
+  Add(testing_support::ChairGrid(), -1, CandidateSource::kFused);
+  EXPECT_EQ(Select().source, CandidateSource::kRetrieval);
+  registrations_[1].ok = false;  // only the block is left to compete
+  EXPECT_EQ(Select().source, CandidateSource::kFused);
+  EXPECT_THAT(Select().note, testing::HasSubstr("made of the measurement"));
+}
+
+TEST_F(SelectAChair, OneSideGivesLessConfidenceAndSaysSo) {
+  const double all_round = Select().confidence;
+  views_.resize(1);
+  registrations_.clear();
+  scores_.clear();
+  candidates_.clear();
+  Add(testing_support::ChairGrid(), 0, CandidateSource::kRetrieval);
+  const MapObject object = Select();
+  EXPECT_LT(object.confidence, all_round);
+  EXPECT_THAT(object.note, testing::HasSubstr("one side"));
+}
+
+TEST_F(SelectAChair, SaysWhenTheYawCannotBeTold) {
+  for (ViewRegistration& view : registrations_[1].views) view.yaw_free = true;
+  EXPECT_THAT(Select().note, testing::HasSubstr("rotation about the vertical"));
+}
+
+TEST_F(SelectAChair, WithoutAPlacedCandidateThereIsNoWinner) {
+  for (CandidateRegistration& registration : registrations_) {
+    registration.ok = false;
+    registration.reason = "too few points";
+  }
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    scores_[i] =
+        ScoreCandidate(candidates_[i], world_.model(), registrations_[i], views_, options_);
+    EXPECT_EQ(scores_[i].score, 0);
+  }
+  const MapObject object = Select();
+  EXPECT_FALSE(object.chosen.valid());
+  EXPECT_EQ(object.confidence, 0);
+  EXPECT_THAT(object.note, testing::HasSubstr("too few points"));
+  EXPECT_FALSE(SelectShape(ObjectId{0}, "chair", {}, {}, {}, {}, options_).chosen.valid());
+}
+
+TEST(ScoreCandidate, StaysFiniteOnWhatTellsNothing) {
+  const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
+  ObjectView blind = world.View(0, 0.2, {});
+  for (float& depth : blind.depth_crop_m) depth = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<ObjectView> views = {ObjectView(), blind};
+  CandidateRegistration nowhere = PlacedAt(world.world_from_object(), views);
+  for (ViewRegistration& view : nowhere.views) {
+    view.camera_from_object.translation_m.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  const ShapeCandidate candidate = CandidateFor(0.5, 1.5);
+  for (const CandidateRegistration& registration :
+       {PlacedAt(world.world_from_object(), views), nowhere, CandidateRegistration()}) {
+    for (const VoxelGrid& grid :
+         {testing_support::ChairGrid(), VoxelGrid(), testing_support::FullGrid()}) {
+      const CandidateScore score =
+          ScoreCandidate(candidate, shape::ShapeModel(grid), registration, views, {});
+      EXPECT_TRUE(std::isfinite(score.score));
+      EXPECT_LT(score.score, 0.1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace deepslam::select
