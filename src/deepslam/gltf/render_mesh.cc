@@ -1,0 +1,153 @@
+#include "deepslam/gltf/render_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace deepslam::gltf {
+namespace {
+
+using Face = std::array<std::uint32_t, 3>;
+
+std::array<float, 3> Key(const Eigen::Vector3f& p) {
+  // + 0 makes -0 and 0 one place.
+  return {p.x() + 0.0F, p.y() + 0.0F, p.z() + 0.0F};
+}
+
+// Vertex indices with those at one place replaced by the first of them, and only faces with three
+// places.
+std::vector<Face> WeldedFaces(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto ka = Key(mesh.vertices[a]);
+    const auto kb = Key(mesh.vertices[b]);
+    return ka != kb ? ka < kb : a < b;
+  });
+  std::vector<std::uint32_t> weld(mesh.vertices.size());
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const bool same = n > 0 && Key(mesh.vertices[order[n]]) == Key(mesh.vertices[order[n - 1]]);
+    weld[order[n]] = same ? weld[order[n - 1]] : order[n];
+  }
+  std::vector<Face> faces;
+  faces.reserve(mesh.faces.size());
+  for (const Face& face : mesh.faces) {
+    const Face f = {weld[face[0]], weld[face[1]], weld[face[2]]};
+    if (f[0] != f[1] && f[1] != f[2] && f[2] != f[0]) faces.push_back(f);
+  }
+  return faces;
+}
+
+// Twice the area times the unit normal, in glTF's axes.
+std::vector<Eigen::Vector3d> FaceNormals(const TriangleMesh& mesh, const std::vector<Face>& faces) {
+  std::vector<Eigen::Vector3d> normals;
+  normals.reserve(faces.size());
+  for (const Face& face : faces) {
+    const Eigen::Vector3d a = ToGltfAxes(mesh.vertices[face[0]].cast<double>().eval());
+    const Eigen::Vector3d b = ToGltfAxes(mesh.vertices[face[1]].cast<double>().eval());
+    const Eigen::Vector3d c = ToGltfAxes(mesh.vertices[face[2]].cast<double>().eval());
+    normals.push_back((b - a).cross(c - a));
+  }
+  return normals;
+}
+
+std::uint32_t FindRoot(std::vector<std::uint32_t>& parent, std::uint32_t x) {
+  while (parent[x] != x) x = parent[x] = parent[parent[x]];
+  return x;
+}
+
+void Join(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  a = FindRoot(parent, a);
+  b = FindRoot(parent, b);
+  parent[std::max(a, b)] = std::min(a, b);
+}
+
+// Corners (3 * face + n) that share a vertex and a smooth edge are one: returns each corner's
+// representative.
+std::vector<std::uint32_t> SmoothCorners(const std::vector<Face>& faces,
+                                         const std::vector<Eigen::Vector3d>& normals,
+                                         double crease_angle_rad) {
+  struct Side {
+    std::uint32_t low, high, corner_low, corner_high;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * faces.size());
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    for (std::uint32_t n = 0; n < 3; ++n) {
+      const std::uint32_t m = (n + 1) % 3;
+      Side side{faces[f][n], faces[f][m], 3 * f + n, 3 * f + m};
+      if (side.low > side.high) side = {side.high, side.low, side.corner_high, side.corner_low};
+      sides.push_back(side);
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.corner_low) < std::tie(b.low, b.high, b.corner_low);
+  });
+  std::vector<std::uint32_t> parent(3 * faces.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  const double min_cosine = std::cos(crease_angle_rad);
+  for (std::size_t n = 1; n < sides.size(); ++n) {
+    const Side& a = sides[n - 1];
+    const Side& b = sides[n];
+    if (a.low != b.low || a.high != b.high) continue;
+    const Eigen::Vector3d& na = normals[a.corner_low / 3];
+    const Eigen::Vector3d& nb = normals[b.corner_low / 3];
+    if (na.dot(nb) < min_cosine * na.norm() * nb.norm()) continue;
+    Join(parent, a.corner_low, b.corner_low);
+    Join(parent, a.corner_high, b.corner_high);
+  }
+  for (std::uint32_t c = 0; c < parent.size(); ++c) parent[c] = FindRoot(parent, c);
+  return parent;
+}
+
+}  // namespace
+
+std::uint16_t LinearFromSrgb(std::uint8_t value) {
+  const double s = value / 255.0;
+  const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  return static_cast<std::uint16_t>(std::lround(linear * 65535.0));
+}
+
+RenderMesh MakeRenderMesh(const TriangleMesh& mesh, double crease_angle_rad) {
+  const std::vector<Face> faces = WeldedFaces(mesh);
+  const std::vector<Eigen::Vector3d> face_normals = FaceNormals(mesh, faces);
+  const std::vector<std::uint32_t> corner = SmoothCorners(faces, face_normals, crease_angle_rad);
+  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> id(corner.size(), kNone);
+  std::vector<Eigen::Vector3d> normals;
+  RenderMesh result;
+  result.faces.reserve(faces.size());
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    Face face{};
+    for (std::uint32_t n = 0; n < 3; ++n) {
+      const std::uint32_t vertex = faces[f][n];
+      std::uint32_t& own = id[corner[3 * f + n]];
+      if (own == kNone) {
+        own = static_cast<std::uint32_t>(result.positions.size());
+        const auto place = Key(mesh.vertices[vertex]);
+        result.positions.push_back(ToGltfAxes(Eigen::Vector3f(place[0], place[1], place[2])));
+        normals.emplace_back(Eigen::Vector3d::Zero());
+        if (!mesh.colours.empty()) {
+          const Rgb8 c = mesh.colours[vertex];
+          result.colours.push_back(
+              {LinearFromSrgb(c.r), LinearFromSrgb(c.g), LinearFromSrgb(c.b), 65535});
+        }
+      }
+      face[n] = own;
+      normals[own] += face_normals[f];
+    }
+    result.faces.push_back(face);
+  }
+  for (const Eigen::Vector3d& sum : normals) {
+    const double length = sum.norm();
+    const Eigen::Vector3d unit = length > 0 ? (sum / length).eval() : Eigen::Vector3d::UnitY();
+    result.normals.push_back(unit.cast<float>());
+  }
+  return result;
+}
+
+}  // namespace deepslam::gltf

@@ -1,0 +1,476 @@
+#include "deepslam/gltf/scene_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <numbers>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/render_mesh.h"
+#include "deepslam/gltf/utf8.h"
+
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#define TINYGLTF_ENABLE_DRACO
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <tiny_gltf.h>
+
+namespace deepslam::gltf {
+namespace {
+
+constexpr double kRoughness = 0.8;
+constexpr Rgb8 kWhite{255, 255, 255};
+constexpr Rgb8 kGroundColour{176, 170, 160};
+constexpr Rgb8 kTrajectoryColour{230, 80, 30};
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
+
+tinygltf::Value StringValue(const std::string& text) { return tinygltf::Value(ToValidUtf8(text)); }
+
+std::vector<double> ToVector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// The whole file while it grows. Every accessor has a buffer view of its own, aligned to 4 bytes.
+class GlbBuilder {
+ public:
+  explicit GlbBuilder(const GltfOptions& options) : options_(options) {}
+
+  tinygltf::Model& model() { return model_; }
+
+  int AddNode(tinygltf::Node node, bool to_scene) {
+    const int index = static_cast<int>(model_.nodes.size());
+    model_.nodes.push_back(std::move(node));
+    if (to_scene) scene_nodes_.push_back(index);
+    return index;
+  }
+
+  int AddMaterial(const std::string& name, Rgb8 colour, bool double_sided) {
+    const auto key = std::tuple(name, colour.r, colour.g, colour.b, double_sided);
+    const auto found = materials_.find(key);
+    if (found != materials_.end()) return found->second;
+    tinygltf::Material material;
+    material.name = ToValidUtf8(name);
+    const auto linear = [](std::uint8_t value) { return LinearFromSrgb(value) / 65535.0; };
+    material.pbrMetallicRoughness.baseColorFactor = {
+        linear(colour.r), linear(colour.g), linear(colour.b), 1.0};
+    material.pbrMetallicRoughness.metallicFactor = 0.0;
+    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
+    material.doubleSided = double_sided;
+    const int index = static_cast<int>(model_.materials.size());
+    model_.materials.push_back(material);
+    materials_[key] = index;
+    return index;
+  }
+
+  struct MeshStyle {
+    std::string material_name;
+    Rgb8 plain_colour;  // where the mesh has no colours of its own
+    bool double_sided = false;
+    bool closed = true;
+    double crease_angle_deg = 180;
+  };
+
+  Result<int> AddMesh(const std::string& name, const TriangleMesh& source, const MeshStyle& style) {
+    const RenderMesh mesh =
+        MakeRenderMesh(source, style.crease_angle_deg * std::numbers::pi / 180.0);
+    if (mesh.faces.empty()) return -1;
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    primitive.material = AddMaterial(style.material_name,
+                                     mesh.colours.empty() ? style.plain_colour : kWhite,
+                                     style.double_sided);
+    if (options_.draco) {
+      const Status status = FillDraco(mesh, style.closed, primitive);
+      if (!status) return status.error();
+    } else {
+      FillPlain(mesh, primitive);
+    }
+    return AddMeshOf(name, primitive);
+  }
+
+  int AddLine(const std::string& name, const std::vector<Eigen::Vector3f>& points, Rgb8 colour) {
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_LINE_STRIP;
+    primitive.material = AddMaterial(name, colour, false);
+    primitive.attributes["POSITION"] = AddPositions(points, true);
+    return AddMeshOf(name, primitive);
+  }
+
+  std::string Finish() {
+    tinygltf::Scene scene;
+    scene.name = "scene";
+    scene.nodes = scene_nodes_;
+    model_.scenes.push_back(scene);
+    model_.defaultScene = 0;
+    if (!bytes_.empty()) {
+      tinygltf::Buffer buffer;
+      // The writer pads the chunk, not the buffer; views are padded already.
+      buffer.data = std::move(bytes_);
+      model_.buffers.push_back(std::move(buffer));
+    }
+    std::ostringstream stream;
+    tinygltf::TinyGLTF writer;
+    writer.WriteGltfSceneToStream(&model_, stream, false, true);
+    return std::move(stream).str();
+  }
+
+ private:
+  int AddMeshOf(const std::string& name, const tinygltf::Primitive& primitive) {
+    tinygltf::Mesh mesh;
+    mesh.name = ToValidUtf8(name);
+    mesh.primitives.push_back(primitive);
+    model_.meshes.push_back(std::move(mesh));
+    return static_cast<int>(model_.meshes.size()) - 1;
+  }
+
+  int AddView(const void* data, std::size_t size, int target) {
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = bytes_.size();
+    view.byteLength = size;
+    view.target = target;
+    const auto* begin = static_cast<const unsigned char*>(data);
+    bytes_.insert(bytes_.end(), begin, begin + size);
+    bytes_.resize((bytes_.size() + 3) / 4 * 4, 0);
+    model_.bufferViews.push_back(view);
+    return static_cast<int>(model_.bufferViews.size()) - 1;
+  }
+
+  int AddAccessor(int view, int type, int component_type, std::size_t count, bool normalised) {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = view;
+    accessor.type = type;
+    accessor.componentType = component_type;
+    accessor.count = count;
+    accessor.normalized = normalised;
+    model_.accessors.push_back(accessor);
+    return static_cast<int>(model_.accessors.size()) - 1;
+  }
+
+  // Without `store`, an accessor that Draco fills.
+  int AddPositions(const std::vector<Eigen::Vector3f>& points, bool store) {
+    Eigen::Vector3f low = points.front();
+    Eigen::Vector3f high = low;
+    for (const Eigen::Vector3f& p : points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const int index = AddVectors(points, store);
+    tinygltf::Accessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
+    accessor.minValues = ToVector(low.cast<double>());
+    accessor.maxValues = ToVector(high.cast<double>());
+    return index;
+  }
+
+  int AddVectors(const std::vector<Eigen::Vector3f>& vectors, bool store) {
+    static_assert(sizeof(Eigen::Vector3f) == 12);
+    const int view =
+        store ? AddView(vectors.data(), vectors.size() * 12, TINYGLTF_TARGET_ARRAY_BUFFER) : -1;
+    return AddAccessor(
+        view, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT, vectors.size(), false);
+  }
+
+  int AddColours(const RenderMesh& mesh, bool store) {
+    const int view =
+        store ? AddView(mesh.colours.data(), mesh.colours.size() * 8, TINYGLTF_TARGET_ARRAY_BUFFER)
+              : -1;
+    return AddAccessor(view,
+                       TINYGLTF_TYPE_VEC4,
+                       TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT,
+                       mesh.colours.size(),
+                       true);
+  }
+
+  int AddIndices(const RenderMesh& mesh, bool store) {
+    // 65535 itself is the restart value and may not be used.
+    const bool small = mesh.positions.size() <= 65535;
+    const int type =
+        small ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    int view = -1;
+    if (store && small) {
+      std::vector<std::uint16_t> indices;
+      indices.reserve(3 * mesh.faces.size());
+      for (const auto& face : mesh.faces) {
+        for (const std::uint32_t v : face) indices.push_back(static_cast<std::uint16_t>(v));
+      }
+      view = AddView(indices.data(), indices.size() * 2, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    } else if (store) {
+      view =
+          AddView(mesh.faces.data(), mesh.faces.size() * 12, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    }
+    return AddAccessor(view, TINYGLTF_TYPE_SCALAR, type, 3 * mesh.faces.size(), false);
+  }
+
+  void FillAccessors(const RenderMesh& mesh, bool store, tinygltf::Primitive& primitive) {
+    primitive.attributes["POSITION"] = AddPositions(mesh.positions, store);
+    primitive.attributes["NORMAL"] = AddVectors(mesh.normals, store);
+    if (!mesh.colours.empty()) primitive.attributes["COLOR_0"] = AddColours(mesh, store);
+    primitive.indices = AddIndices(mesh, store);
+  }
+
+  void FillPlain(const RenderMesh& mesh, tinygltf::Primitive& primitive) {
+    FillAccessors(mesh, true, primitive);
+  }
+
+  Status FillDraco(const RenderMesh& mesh, bool closed, tinygltf::Primitive& primitive) {
+    const Result<DracoPayload> payload =
+        DracoEncodeForGltf(mesh, options_.position_bits, options_.normal_bits, closed);
+    if (!payload) return payload.error();
+    // The accessors tell what a decoder gets, quantisation included.
+    FillAccessors(payload->decoded, false, primitive);
+    tinygltf::Value::Object attributes;
+    attributes["POSITION"] = tinygltf::Value(payload->position_id);
+    attributes["NORMAL"] = tinygltf::Value(payload->normal_id);
+    if (payload->colour_id >= 0) attributes["COLOR_0"] = tinygltf::Value(payload->colour_id);
+    tinygltf::Value::Object extension;
+    extension["bufferView"] =
+        tinygltf::Value(AddView(payload->bytes.data(), payload->bytes.size(), 0));
+    extension["attributes"] = tinygltf::Value(std::move(attributes));
+    primitive.extensions[kDraco] = tinygltf::Value(std::move(extension));
+    if (model_.extensionsUsed.empty()) {
+      model_.extensionsUsed = {kDraco};
+      model_.extensionsRequired = {kDraco};
+    }
+    return Ok();
+  }
+
+  const GltfOptions& options_;
+  tinygltf::Model model_;
+  std::vector<unsigned char> bytes_;
+  std::vector<int> scene_nodes_;
+  std::map<std::tuple<std::string, std::uint8_t, std::uint8_t, std::uint8_t, bool>, int> materials_;
+};
+
+Status CheckMeshInput(const TriangleMesh& mesh, const std::string& name) {
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!mesh.vertices[v].allFinite()) {
+      return InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");
+    }
+  }
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (const std::uint32_t v : mesh.faces[f]) {
+      if (v >= mesh.vertices.size()) {
+        return InvalidInput(name + ": face " + std::to_string(f) + " has index " +
+                            std::to_string(v) + " of " + std::to_string(mesh.vertices.size()) +
+                            " vertices");
+      }
+    }
+  }
+  if (!mesh.colours.empty() && mesh.colours.size() != mesh.vertices.size()) {
+    return InvalidInput(name + ": " + std::to_string(mesh.colours.size()) + " colours for " +
+                        std::to_string(mesh.vertices.size()) + " vertices");
+  }
+  return Ok();
+}
+
+Status CheckPose(const Pose3& pose, const std::string& name) {
+  const double norm = pose.rotation.norm();
+  if (!pose.translation_m.allFinite() || !std::isfinite(norm) || norm < 1e-6) {
+    return InvalidInput(name + ": pose is not finite");
+  }
+  return Ok();
+}
+
+void SetPose(tinygltf::Node& node, const Pose3& world_from_node_gltf) {
+  const Eigen::Quaterniond q = world_from_node_gltf.rotation.normalized();
+  node.translation = ToVector(world_from_node_gltf.translation_m);
+  node.rotation = {q.x(), q.y(), q.z(), q.w()};
+}
+
+std::string UniqueName(const GltfObject& object, std::set<std::string>& taken) {
+  std::string name = ToValidUtf8(object.name);
+  if (name.empty()) {
+    const std::string number = std::to_string(object.instance);
+    name = ToValidUtf8(object.class_name) + "_" + (number.size() < 2 ? "0" : "") + number;
+  }
+  std::string unique = name;
+  for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
+  return unique;
+}
+
+tinygltf::Value ObjectExtras(const GltfObject& object) {
+  tinygltf::Value::Array views;
+  for (const int view : object.views) views.emplace_back(view);
+  tinygltf::Value::Object extras;
+  extras["class"] = StringValue(object.class_name);
+  extras["instance"] = tinygltf::Value(object.instance);
+  extras["score"] = tinygltf::Value(object.score);
+  extras["prior"] = StringValue(object.source);
+  extras["views"] = tinygltf::Value(std::move(views));
+  if (!object.credit.empty()) extras["credit"] = StringValue(object.credit);
+  return tinygltf::Value(std::move(extras));
+}
+
+Status AddObject(const GltfObject& object,
+                 const GltfOptions& options,
+                 std::set<std::string>& taken,
+                 GlbBuilder& builder) {
+  const std::string name = UniqueName(object, taken);
+  Status status = CheckMeshInput(object.mesh, name);
+  if (status) status = CheckPose(object.world_from_object, name);
+  if (status && !std::isfinite(object.score)) {
+    status = InvalidInput(name + ": score is not finite");
+  }
+  if (!status) return status;
+  tinygltf::Node node;
+  node.name = name;
+  SetPose(node, ToGltfAxes(object.world_from_object));
+  node.extras = ObjectExtras(object);
+  const Result<int> mesh = builder.AddMesh(name,
+                                           object.mesh,
+                                           {.material_name = object.class_name,
+                                            .plain_colour = object.class_colour,
+                                            .double_sided = false,
+                                            .closed = true,
+                                            .crease_angle_deg = options.crease_angle_deg});
+  if (!mesh) return Error{mesh.error().code, name + ": " + mesh.error().message};
+  node.mesh = *mesh;
+  builder.AddNode(std::move(node), true);
+  return Ok();
+}
+
+Status AddSurface(const std::string& name,
+                  const std::optional<TriangleMesh>& mesh,
+                  const GlbBuilder::MeshStyle& style,
+                  GlbBuilder& builder) {
+  if (!mesh || mesh->empty()) return Ok();
+  const Status status = CheckMeshInput(*mesh, name);
+  if (!status) return status;
+  const Result<int> index = builder.AddMesh(name, *mesh, style);
+  if (!index) return Error{index.error().code, name + ": " + index.error().message};
+  if (*index < 0) return Ok();
+  tinygltf::Node node;
+  node.name = name;
+  node.mesh = *index;
+  builder.AddNode(std::move(node), true);
+  return Ok();
+}
+
+Status AddTrajectory(const GltfScene& scene, GlbBuilder& builder) {
+  std::vector<Eigen::Vector3f> points;
+  for (const Pose3& pose : scene.trajectory_world_from_camera) {
+    const Status status = CheckPose(pose, "trajectory[" + std::to_string(points.size()) + "]");
+    if (!status) return status;
+    points.push_back(ToGltfAxes(pose.translation_m).cast<float>());
+  }
+  if (points.size() < 2) return Ok();
+  tinygltf::Node node;
+  node.name = "trajectory";
+  node.mesh = builder.AddLine("trajectory", points, kTrajectoryColour);
+  builder.AddNode(std::move(node), true);
+  return Ok();
+}
+
+// glTF's cameras look along -z with y up; ours along z with y down.
+Pose3 GltfCameraPose(const Pose3& world_from_camera) {
+  const Eigen::Quaterniond camera_from_gltf_camera(0, 1, 0, 0);  // half a turn about x
+  // The world's axes change, the camera's do not: they are the viewer's own.
+  const Eigen::Quaterniond gltf_world_from_world(0.5, -0.5, -0.5, -0.5);
+  return {gltf_world_from_world * world_from_camera.rotation * camera_from_gltf_camera,
+          ToGltfAxes(world_from_camera.translation_m)};
+}
+
+Status AddKeyframes(const GltfScene& scene, const GltfOptions& options, GlbBuilder& builder) {
+  const PinholeCamera& camera = scene.camera;
+  const bool known = camera.width > 0 && camera.height > 0 && camera.fx > 0 && camera.fy > 0;
+  if (!options.cameras || !known || scene.keyframes.empty()) return Ok();
+  tinygltf::Camera perspective;
+  perspective.type = "perspective";
+  perspective.name = "sensor";
+  perspective.perspective.yfov = 2.0 * std::atan(0.5 * camera.height / camera.fy);
+  perspective.perspective.aspectRatio = (camera.width / camera.fx) / (camera.height / camera.fy);
+  perspective.perspective.znear = 0.05;
+  perspective.perspective.zfar = options.max_frustum_m;
+  builder.model().cameras.push_back(perspective);
+  tinygltf::Node parent;
+  parent.name = "keyframes";
+  for (const GltfKeyframe& keyframe : scene.keyframes) {
+    std::string number = std::to_string(keyframe.frame);
+    number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
+    tinygltf::Node node;
+    node.name = "keyframe_" + number;
+    const Status status = CheckPose(keyframe.world_from_camera, node.name);
+    if (!status) return status;
+    SetPose(node, GltfCameraPose(keyframe.world_from_camera));
+    node.camera = 0;
+    parent.children.push_back(builder.AddNode(std::move(node), false));
+  }
+  builder.AddNode(std::move(parent), true);
+  return Ok();
+}
+
+tinygltf::Value AssetExtras(const GltfScene& scene) {
+  tinygltf::Value::Object extras;
+  for (const auto& [key, value] : scene.provenance) extras[ToValidUtf8(key)] = StringValue(value);
+  std::set<std::string> credits;
+  for (const GltfObject& object : scene.objects) {
+    if (!object.credit.empty()) credits.insert(ToValidUtf8(object.credit));
+  }
+  tinygltf::Value::Array list;
+  for (const std::string& credit : credits) list.emplace_back(credit);
+  if (!list.empty()) extras["credits"] = tinygltf::Value(std::move(list));
+  return extras.empty() ? tinygltf::Value() : tinygltf::Value(std::move(extras));
+}
+
+Result<std::string> WriteScene(const GltfScene& scene, const GltfOptions& options) {
+  GlbBuilder builder(options);
+  tinygltf::Asset& asset = builder.model().asset;
+  asset.version = "2.0";
+  asset.generator = ToValidUtf8(scene.generator);
+  asset.extras = AssetExtras(scene);
+  std::set<std::string> taken = {"ground", "room", "trajectory", "keyframes"};
+  Status status;
+  for (const GltfObject& object : scene.objects) {
+    status = AddObject(object, options, taken, builder);
+    if (!status) return status.error();
+  }
+  const GlbBuilder::MeshStyle ground_style{.material_name = "ground",
+                                           .plain_colour = kGroundColour,
+                                           .double_sided = true,
+                                           .closed = false};
+  const GlbBuilder::MeshStyle room_style{
+      .material_name = "room", .plain_colour = kWhite, .double_sided = false, .closed = false};
+  status = AddSurface("ground", scene.ground, ground_style, builder);
+  if (status) status = AddSurface("room", scene.room, room_style, builder);
+  if (status) status = AddTrajectory(scene, builder);
+  if (status) status = AddKeyframes(scene, options, builder);
+  if (!status) return status.error();
+  return builder.Finish();
+}
+
+}  // namespace
+
+Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options) {
+  try {
+    return WriteScene(scene, options);
+  } catch (const std::exception& e) {
+    return Failed(std::string("glTF: ") + e.what());
+  }
+}
+
+void Describe(OptionsVisitor& visitor, GltfOptions& options) {
+  visitor.Field("draco", options.draco, "compress meshes by KHR_draco_mesh_compression");
+  visitor.Field("position_bits",
+                options.position_bits,
+                {static_cast<double>(kMinPositionBits), static_cast<double>(kMaxPositionBits)},
+                "1",
+                "Draco: bits per coordinate over a mesh's longest side");
+  visitor.Field("normal_bits", options.normal_bits, {4, 16}, "1", "Draco: bits per normal");
+  visitor.Field("crease_angle_deg",
+                options.crease_angle_deg,
+                {0, 180},
+                "deg",
+                "edges sharper than this are shaded sharp");
+  visitor.Field("cameras", options.cameras, "write the keyframes' cameras");
+  visitor.Field("max_frustum_m",
+                options.max_frustum_m,
+                {0.1, 1000},
+                "m",
+                "far end of the keyframes' cameras");
+}
+
+}  // namespace deepslam::gltf
