@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/library/canonical.h"
 #include "deepslam/library/catalogue.h"
 #include "deepslam/library/classify.h"
@@ -82,8 +83,7 @@ Result<OpenCatalogue> ReadCatalogue(const fs::path& file) {
   return OpenCatalogue{std::move(*archive), std::move(*catalogue)};
 }
 
-void FillModel(const ZipArchive& archive, Entry& entry) {
-  const Result<std::string> bytes = archive.Read(entry.item.model, kMaxObjBytes);
+void FillModel(const Result<std::string>& bytes, Entry& entry) {
   if (!bytes) {
     entry.dropped = bytes.error().message;
     return;
@@ -100,6 +100,24 @@ void FillModel(const ZipArchive& archive, Entry& entry) {
   }
   entry.model.shape = canonical->shape;
   entry.model.size_m = canonical->size_m;
+}
+
+// Archives are read by one thread; meshes are big, so only a few are held at once.
+Status FillModels(const ZipArchive& archive, std::vector<Entry>& entries, Progress& progress) {
+  constexpr std::size_t kBatch = 8;
+  for (std::size_t begin = 0; begin < entries.size(); begin += kBatch) {
+    if (progress.StopRequested()) return Interrupted();
+    const std::size_t count = std::min(kBatch, entries.size() - begin);
+    std::vector<Result<std::string>> meshes;
+    for (std::size_t n = 0; n < count; ++n) {
+      meshes.push_back(archive.Read(entries[begin + n].item.model, kMaxObjBytes));
+    }
+    ParallelFor(count, [&](std::size_t n) {
+      Entry& entry = entries[begin + n];
+      if (entry.dropped.empty()) FillModel(meshes[n], entry);
+    });
+  }
+  return Ok();
 }
 
 std::vector<Entry> EntriesOf(const Catalogue& catalogue, const std::vector<std::string>& withheld) {
@@ -213,9 +231,8 @@ Result<LibrarySummary> BuildLibrary(const BuildLibraryOptions& options, Progress
     if (!open) return open.error();
     summary.num_catalogue_items += static_cast<int>(open->catalogue.items.size());
     std::vector<Entry> found = EntriesOf(open->catalogue, options.withheld);
-    for (Entry& entry : found) {
-      if (progress.StopRequested()) return Interrupted();
-      if (entry.dropped.empty()) FillModel(open->archive, entry);
+    if (const Status status = FillModels(open->archive, found, progress); !status) {
+      return status.error();
     }
     constexpr std::size_t kMaxLicenceBytes = 1U << 20U;
     const Result<std::string> licence = open->archive.Read("LICENSE.TXT", kMaxLicenceBytes);

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "deepslam/geometry/box.h"
@@ -76,79 +74,103 @@ void MarkTriangle(const Triangle& triangle, Cells& cells) {
   }
 }
 
-void FloodOutside(Cells& cells) {
-  std::vector<std::size_t> stack = {0};
-  cells[0] = kOutside;
-  constexpr std::array<std::size_t, 3> kStride = {
-      static_cast<std::size_t>(kFineSize) * kFineSize, kFineSize, 1};
-  while (!stack.empty()) {
-    const std::size_t n = stack.back();
-    stack.pop_back();
-    for (const std::size_t stride : kStride) {
-      const std::size_t coordinate = n / stride % kFineSize;
-      if (coordinate > 0 && cells[n - stride] == kFree) {
-        cells[n - stride] = kOutside;
-        stack.push_back(n - stride);
-      }
-      if (coordinate + 1 < kFineSize && cells[n + stride] == kFree) {
-        cells[n + stride] = kOutside;
-        stack.push_back(n + stride);
-      }
-    }
-  }
-}
+constexpr std::array<std::array<int, 3>, 6> kFaces = {
+    {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
-std::size_t CountSolid(const Cells& cells) {
-  return cells.size() - static_cast<std::size_t>(std::count(cells.begin(), cells.end(), kOutside));
-}
-
-// Dilation of the cells equal to `value` by `radius` in the chessboard metric, axis by axis.
-Cells Dilated(const Cells& cells, std::uint8_t value, int radius) {
-  Cells result(cells.size());
-  for (std::size_t n = 0; n < cells.size(); ++n) result[n] = cells[n] == value ? 1 : 0;
-  constexpr std::array<std::size_t, 3> kStride = {
-      static_cast<std::size_t>(kFineSize) * kFineSize, kFineSize, 1};
-  std::array<std::uint8_t, kFineSize> line{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t a = 0; a < kFineSize; ++a) {
-      for (std::size_t b = 0; b < kFineSize; ++b) {
-        std::uint8_t* const first =
-            result.data() + a * kStride[(axis + 1) % 3] + b * kStride[(axis + 2) % 3];
-        line.fill(0);
-        for (int n = 0; n < kFineSize; ++n) {
-          if (first[static_cast<std::size_t>(n) * kStride[axis]] == 0) continue;
-          const int begin = std::max(0, n - radius);
-          const int end = std::min(kFineSize - 1, n + radius);
-          std::fill(line.begin() + begin, line.begin() + end + 1, std::uint8_t{1});
-        }
-        for (std::size_t n = 0; n < kFineSize; ++n) first[n * kStride[axis]] = line[n];
-      }
-    }
-  }
-  return result;
-}
-
-// The outside where gaps of up to 2 * radius cells are shut: flood around the thickened shell, then
-// let the outside grow back by the same radius, but not through the true shell.
-Cells FloodedWithGapsShut(const Cells& shell, int radius) {
-  Cells thick = Dilated(shell, kShell, radius);
-  FloodOutside(thick);
-  const Cells outside = Dilated(thick, kOutside, radius);
-  Cells cells = shell;
-  for (std::size_t n = 0; n < cells.size(); ++n) {
-    if (cells[n] != kShell && outside[n] != 0) cells[n] = kOutside;
-  }
-  return cells;
-}
-
-VoxelGrid Reduced(const Cells& cells) {
-  constexpr float kCell = 1.0F / (kFine * kFine * kFine);
-  std::vector<float> shares(static_cast<std::size_t>(kGridSize) * kGridSize * kGridSize, 0.0F);
+// Voxels with any shell in them.
+VoxelGrid ShellVoxels(const Cells& cells) {
+  VoxelGrid shell;
   for (int i = 0; i < kFineSize; ++i) {
     for (int j = 0; j < kFineSize; ++j) {
+      const std::uint8_t* const line = cells.data() + FineIndex(i, j, 0);
       for (int k = 0; k < kFineSize; ++k) {
-        if (cells[FineIndex(i, j, k)] == kOutside) continue;
-        shares[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] += kCell;
+        if (line[k] == kShell)
+          shell.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] = 1;
+      }
+    }
+  }
+  return shell;
+}
+
+// Voxels that the rim of the cube reaches without crossing a shell voxel: gaps narrower than a
+// voxel let nothing in.
+VoxelGrid OutsideVoxels(const VoxelGrid& shell) {
+  VoxelGrid outside;
+  std::vector<std::array<int, 3>> stack = {{0, 0, 0}};
+  outside.occupied[0] = 1;
+  while (!stack.empty()) {
+    const std::array<int, 3> at = stack.back();
+    stack.pop_back();
+    for (const auto& face : kFaces) {
+      const std::array<int, 3> next = {at[0] + face[0], at[1] + face[1], at[2] + face[2]};
+      if (!VoxelGrid::Contains(next[0], next[1], next[2])) continue;
+      const std::size_t n = VoxelGrid::Index(next[0], next[1], next[2]);
+      if (shell.occupied[n] != 0 || outside.occupied[n] != 0) continue;
+      outside.occupied[n] = 1;
+      stack.push_back(next);
+    }
+  }
+  return outside;
+}
+
+// Within the shell voxels, marks the cells that the outside reaches.
+void FloodShellVoxels(const VoxelGrid& shell, const VoxelGrid& outside, Cells& cells) {
+  std::vector<std::array<int, 3>> stack;
+  const auto enter = [&](int i, int j, int k) {
+    std::uint8_t& cell = cells[FineIndex(i, j, k)];
+    if (cell != kFree || shell.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] == 0)
+      return;
+    cell = kOutside;
+    stack.push_back({i, j, k});
+  };
+  const auto is_outside = [&](int i, int j, int k) {
+    return outside.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] != 0;
+  };
+  for (int i = 1; i + 1 < kFineSize; ++i) {
+    for (int j = 1; j + 1 < kFineSize; ++j) {
+      for (int k = 1; k + 1 < kFineSize; ++k) {
+        if (shell.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] == 0) {
+          k += kFine - 1 - k % kFine;
+          continue;
+        }
+        const bool seed =
+            std::any_of(kFaces.begin(), kFaces.end(), [&](const std::array<int, 3>& face) {
+              return is_outside(i + face[0], j + face[1], k + face[2]);
+            });
+        if (seed) enter(i, j, k);
+      }
+    }
+  }
+  while (!stack.empty()) {
+    const std::array<int, 3> at = stack.back();
+    stack.pop_back();
+    for (const auto& face : kFaces) enter(at[0] + face[0], at[1] + face[1], at[2] + face[2]);
+  }
+}
+
+float SolidShare(const Cells& cells, int i, int j, int k) {
+  int solid = 0;
+  for (int a = 0; a < kFine; ++a) {
+    for (int b = 0; b < kFine; ++b) {
+      for (int c = 0; c < kFine; ++c) {
+        solid += cells[FineIndex(i * kFine + a, j * kFine + b, k * kFine + c)] != kOutside ? 1 : 0;
+      }
+    }
+  }
+  return static_cast<float>(solid) / (kFine * kFine * kFine);
+}
+
+VoxelGrid SolidWithin(Cells& cells) {
+  const VoxelGrid shell = ShellVoxels(cells);
+  const VoxelGrid outside = OutsideVoxels(shell);
+  FloodShellVoxels(shell, outside, cells);
+  std::vector<float> shares(shell.occupied.size());
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        const std::size_t n = VoxelGrid::Index(i, j, k);
+        shares[n] = outside.occupied[n] != 0 ? 0.0F : 1.0F;
+        if (shell.occupied[n] != 0) shares[n] = SolidShare(cells, i, j, k);
       }
     }
   }
@@ -170,24 +192,14 @@ Result<VoxelGrid> Voxelize(const TriangleMesh& mesh) {
     return InvalidInput("mesh has no extent");
   }
   const double scale = kModelExtent * kFineSize / longest;
-  Cells shell(static_cast<std::size_t>(kFineSize) * kFineSize * kFineSize, kFree);
+  Cells cells(static_cast<std::size_t>(kFineSize) * kFineSize * kFineSize, kFree);
   for (Triangle& triangle : triangles) {
     for (Eigen::Vector3d& corner : triangle) {
       corner = (scale * (corner - box.Center())).array() + 0.5 * kFineSize;
     }
-    MarkTriangle(triangle, shell);
+    MarkTriangle(triangle, cells);
   }
-  Cells cells = shell;
-  FloodOutside(cells);
-  // A closed hull of that surface would hold far more than the surface itself: the flood leaked in
-  // through gaps.
-  constexpr double kLeakRatio = 1.5;
-  constexpr int kGapRadius = kFine / 2;
-  Cells shut = FloodedWithGapsShut(shell, kGapRadius);
-  if (static_cast<double>(CountSolid(shut)) > kLeakRatio * static_cast<double>(CountSolid(cells))) {
-    cells = std::move(shut);
-  }
-  return Reduced(cells);
+  return SolidWithin(cells);
 }
 
 }  // namespace deepslam::shape

@@ -8,11 +8,10 @@
 namespace deepslam::shape {
 
 // Closed or open triangle soup, z up and x front, any unit -> solid model. Bounding box centred,
-// longest side kModelExtent, aspect kept. What the outside cannot reach through gaps narrower than
-// a quarter voxel is solid; where that leaks out of most of the hull, gaps of up to a voxel are
-// closed as well. Parts thinner than a voxel stay and stay connected. Faces with an index out of
-// range or a non-finite vertex are ignored. Error: no usable face, or an extent that is zero or not
-// finite.
+// longest side kModelExtent, aspect kept. What the outside reaches only through gaps narrower than
+// a voxel is solid, so meshes with small holes still give solids. Parts thinner than a voxel stay
+// and stay connected. Faces with an index out of range or a non-finite vertex are ignored. About
+// 0.15 s. Error: no usable face, or an extent that is zero or not finite.
 [[nodiscard]] Result<VoxelGrid> Voxelize(const TriangleMesh& mesh);
 
 }  // namespace deepslam::shape
