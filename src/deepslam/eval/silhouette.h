@@ -1,0 +1,44 @@
+// Agreement of a mapped object's outline with what was segmented in a frame, where no truth is
+// known.
+#pragma once
+
+#include "deepslam/core/image.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::eval {
+
+// Depth of a mesh's nearest surface at pixel centres, by z-buffer; 0 where it is not. Both sides of
+// faces are seen; faces that reach behind the camera are cut at its near plane (1 cm). Faces with
+// corners that are not finite, or that are not there, are left out.
+DepthImage RasteriseDepth(const TriangleMesh& mesh,
+                          const Pose3& camera_from_mesh,
+                          const PinholeCamera& camera);
+
+struct SilhouetteOptions {
+  // A measured depth this much nearer than the model hides it there, so the pixel says nothing;
+  // metres plus share of depth.
+  double occlusion_margin_m = 0.05;
+  double occlusion_margin_share = 0.02;
+};
+
+struct SilhouetteOverlap {
+  int num_model = 0;  // pixels of the projected model, hidden ones left out
+  int num_mask = 0;   // pixels of the segment, left-out ones not counted
+  int num_both = 0;
+  int num_occluded =
+      0;           // pixels of the model that something nearer hides and the segment does not hold
+  double iou = 0;  // num_both / (num_model + num_mask - num_both); 0 when both are empty
+};
+
+// Pixels outside the image are left out by the camera's size; crops are cameras with a moved
+// principal point. `mask`, `depth_m` and the camera have one size.
+SilhouetteOverlap CompareSilhouette(const TriangleMesh& mesh,
+                                    const Pose3& camera_from_mesh,
+                                    const PinholeCamera& camera,
+                                    const Mask& mask,
+                                    const DepthImage& depth_m,
+                                    const SilhouetteOptions& options = {});
+
+}  // namespace deepslam::eval
