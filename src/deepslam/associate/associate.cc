@@ -16,6 +16,12 @@
 namespace deepslam::associate {
 namespace {
 
+// Largest share of the image's sides that a segment's box spans.
+double Span(const Segment& segment) {
+  return std::max(segment.box_px.width_px() / std::max(1, segment.mask.width()),
+                  segment.box_px.height_px() / std::max(1, segment.mask.height()));
+}
+
 class Matcher {
  public:
   Matcher(const FrameSource& frames, const Odometry& odometry, const AssociateOptions& options)
@@ -31,6 +37,7 @@ class Matcher {
   void Take(const Match& match, const std::string& how);
   void StartObjects(std::span<const int> unmatched);
   void AdoptOrphans();
+  void StartLargeObjects();
   ObjectHypothesis& Object(ObjectId id);
   void Reject(const Segment& segment, const std::string& reason) {
     rejections_.push_back({segment.detection, segment.frame, reason});
@@ -139,12 +146,59 @@ void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments)
 
 // Detections that could start nothing, held against what was found afterwards.
 void Matcher::AdoptOrphans() {
+  std::vector<int> left;
   for (const int i : orphans_) {
     const std::vector<int> one = {i};
     const std::vector<Match> matches = MatchByModels(one, objects_, all_, options_);
-    if (!matches.empty()) {
-      Take(matches.front(), "model");
+    if (matches.empty()) {
+      left.push_back(i);
     } else {
+      Take(matches.front(), "model");
+    }
+  }
+  orphans_ = std::move(left);
+}
+
+// Orphans that agree with each other: large things that never fit into the image with a margin.
+void Matcher::StartLargeObjects() {
+  std::vector<ObjectHypothesis> groups;
+  for (const int i : orphans_) {
+    const std::vector<int> one = {i};
+    const std::vector<Match> matches = MatchByModels(one, groups, all_, options_);
+    TrackMember member;
+    member.how = "model";
+    auto group = groups.end();
+    if (!matches.empty()) {
+      member.dissimilarity_m = matches.front().dissimilarity_m;
+      group = std::find_if(groups.begin(), groups.end(), [&](const ObjectHypothesis& o) {
+        return o.id == matches.front().object;
+      });
+    } else {
+      member.how = "new";
+      ObjectHypothesis started;
+      started.id = {num_started_++};
+      groups.push_back(std::move(started));
+      group = groups.end() - 1;
+    }
+    AddMember(*group, all_, i, std::move(member), 0.5 * options_.voxel_m);
+  }
+  for (ObjectHypothesis& group : groups) {
+    std::vector<double> spans;
+    for (const int i : group.observations) {
+      spans.push_back(Span(*all_[static_cast<std::size_t>(i)].segment));
+    }
+    std::nth_element(
+        spans.begin(), spans.begin() + static_cast<std::ptrdiff_t>(spans.size() / 2), spans.end());
+    const bool seen_well = static_cast<int>(spans.size()) >= options_.min_members ||
+                           group.MeanScore(all_) >= options_.min_single_score;
+    if (spans[spans.size() / 2] >= options_.border_span && seen_well) {
+      group.reason = "too large to keep the margin from the image border, seen in " +
+                     std::to_string(spans.size()) + " frames";
+      objects_.push_back(std::move(group));
+      continue;
+    }
+    for (const int i : group.observations) {
+      all_[static_cast<std::size_t>(i)].object = ObjectId();
       Reject(*all_[static_cast<std::size_t>(i)].segment, "touches border");
     }
   }
@@ -152,8 +206,13 @@ void Matcher::AdoptOrphans() {
 
 Association Matcher::Finish() {
   MergeDuplicates(objects_, all_, options_, rejections_);
-  RejectNoise(objects_, all_, sights_, frames_.camera(), options_, rejections_);
   AdoptOrphans();
+  StartLargeObjects();
+  MergeDuplicates(objects_, all_, options_, rejections_);
+  RejectNoise(objects_, all_, sights_, frames_.camera(), options_, rejections_);
+  std::sort(objects_.begin(),
+            objects_.end(),
+            [](const ObjectHypothesis& a, const ObjectHypothesis& b) { return a.id < b.id; });
   Association association;
   for (ObjectHypothesis& object : objects_) {
     association.tracks.push_back(
@@ -212,6 +271,11 @@ void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
                 {0, 1},
                 "1",
                 "share of the frames that see an object in which it must be detected");
+  visitor.Field("border_span",
+                options.border_span,
+                {0, 2},
+                "1",
+                "share of the image a box at its border must span to start an object after all");
   visitor.Field("merge_overlap",
                 options.merge_overlap,
                 {0, 1},

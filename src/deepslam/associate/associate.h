@@ -32,6 +32,10 @@ struct AssociateOptions {
   double min_single_score = 0.5;  // ... unless the mean score of their detections is this high
   double min_seen_share =
       0.15;  // objects detected in a smaller share of the frames that see them are noise
+  // Objects too large for the image never keep the border margin: where the boxes that found no
+  // object agree with each other, span at least this share of the image's width or height (median)
+  // and are `min_members` or more, they start one after all. 1 or more: never, as in the paper.
+  double border_span = 0.6;
   double merge_overlap = 0.5;  // two objects of which the smaller shares more of its space are one
   double voxel_m = 0.05;       // cells in which objects' space is compared
 };

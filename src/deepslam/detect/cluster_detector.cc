@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -24,6 +25,10 @@ constexpr double kThinTall_m = 1.2;  // ... and this tall is a piece of wall or 
 constexpr int kBorder_px = 4;
 constexpr double kBorderShare =
     0.25;  // of the cluster's height in the image that may run along one border
+
+constexpr double kShadowShare = 0.05;  // of the image width: the sensor's shadow beside a thing
+constexpr double kStepBehind_m = 0.10;
+constexpr double kMinEndShare = 0.6;
 
 enum : std::uint8_t { kFloor = 1, kMatter = 2 };
 
@@ -149,6 +154,15 @@ struct Cluster {
   Box2 box_px;
 };
 
+// Least and greatest value, the outermost hundredth on either side left out. Not empty.
+std::pair<double, double> InnerRange(std::vector<double>& values) {
+  const auto cut = static_cast<std::ptrdiff_t>(values.size() / 100);
+  std::nth_element(values.begin(), values.begin() + cut, values.end());
+  const double low = values[static_cast<std::size_t>(cut)];
+  std::nth_element(values.begin(), values.end() - 1 - cut, values.end());
+  return {low, *(values.end() - 1 - cut)};
+}
+
 // Sides of the points' rectangle along their principal directions, outermost hundredth left out.
 void MeasureFootprint(Cluster& cluster) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -166,9 +180,8 @@ void MeasureFootprint(Cluster& cluster) {
     for (const GridPoint& p : cluster.points) {
       along.push_back(solver.eigenvectors().col(axis).dot(Eigen::Vector2d(p.x_m, p.y_m)));
     }
-    std::sort(along.begin(), along.end());
-    const std::size_t cut = along.size() / 100;
-    sides[static_cast<std::size_t>(axis)] = along[along.size() - 1 - cut] - along[cut];
+    const auto [low, high] = InnerRange(along);
+    sides[static_cast<std::size_t>(axis)] = high - low;
   }
   cluster.short_side_m = std::min(sides[0], sides[1]);
   cluster.long_side_m = std::max(sides[0], sides[1]);
@@ -191,7 +204,8 @@ void MeasureImage(const Frame& frame, Cluster& cluster) {
 
 std::vector<Cluster> GatherClusters(const Frame& frame,
                                     const GroundGrid& grid,
-                                    const Components& components) {
+                                    const Components& components,
+                                    std::size_t min_points) {
   std::vector<Cluster> clusters(static_cast<std::size_t>(components.count));
   for (const GridPoint& p : grid.points) {
     const int c = components.of_cell[static_cast<std::size_t>(p.cell)];
@@ -201,13 +215,13 @@ std::vector<Cluster> GatherClusters(const Frame& frame,
     const int c = components.of_cell[i];
     if (c >= 0) clusters[static_cast<std::size_t>(c)].cells.push_back(static_cast<int>(i));
   }
+  std::erase_if(clusters, [min_points](const Cluster& c) { return c.points.size() < min_points; });
   for (Cluster& cluster : clusters) {
-    std::vector<float> heights;
+    std::vector<double> heights;
     for (const GridPoint& p : cluster.points) heights.push_back(p.height_m);
-    if (heights.empty()) continue;
-    std::sort(heights.begin(), heights.end());
-    cluster.min_height_m = heights[heights.size() / 100];
-    cluster.max_height_m = heights[heights.size() - 1 - heights.size() / 100];
+    const auto [low, high] = InnerRange(heights);
+    cluster.min_height_m = low;
+    cluster.max_height_m = high;
     MeasureFootprint(cluster);
     MeasureImage(frame, cluster);
   }
@@ -244,11 +258,38 @@ double FreeShare(const GroundGrid& grid,
   return num_front > 0 ? static_cast<double>(num_free) / num_front : 0.0;
 }
 
-bool IsFurniture(const Cluster& cluster, const Frame& frame, const ClusterOptions& options) {
-  const auto num_pixels = static_cast<double>(frame.depth_m.size());
+// Share of image rows in which the cluster's left end (`side` -1) or right end (+1) is seen to end:
+// next to it lies floor or something farther. A thing that runs on behind an occluder, out of the
+// picture or into missing depth does not.
+double EndShare(const Frame& frame,
+                const PinholeCamera& camera,
+                const Plane& ground_camera,
+                const Cluster& cluster,
+                int side) {
+  std::map<int, int> end_of_row;  // row -> outermost column
+  for (const GridPoint& p : cluster.points) {
+    const auto [place, added] = end_of_row.emplace(p.v, p.u);
+    if (!added)
+      place->second = side < 0 ? std::min(place->second, p.u) : std::max(place->second, p.u);
+  }
+  const int reach = static_cast<int>(std::lround(kShadowShare * frame.depth_m.width()));
+  std::size_t num_ends = 0;
+  for (const auto& [v, u_end] : end_of_row) {
+    const double depth_m = frame.depth_m(u_end, v);
+    for (int u = u_end + side, k = 0; k < reach && frame.depth_m.Contains(u, v); u += side, ++k) {
+      const double beyond_m = frame.depth_m(u, v);
+      if (!(beyond_m > 0)) continue;
+      const double height_m = ground_camera.SignedDistance(camera.Unproject(u, v, beyond_m));
+      const bool floor = height_m < kHeightNoise_m + kHeightNoisePerM2 * beyond_m * beyond_m;
+      num_ends += floor || beyond_m > depth_m + kStepBehind_m ? 1U : 0U;
+      break;
+    }
+  }
+  return static_cast<double>(num_ends) / static_cast<double>(end_of_row.size());
+}
+
+bool IsFurniture(const Cluster& cluster, const ClusterOptions& options) {
   const double cell_m2 = options.cell_m * options.cell_m;
-  if (static_cast<double>(cluster.points.size()) < options.min_points_share * num_pixels)
-    return false;
   if (static_cast<double>(cluster.cells.size()) * cell_m2 < options.min_footprint_m2) return false;
   if (cluster.max_height_m > options.max_height_m || cluster.min_height_m > options.max_base_m) {
     return false;
@@ -363,15 +404,21 @@ std::vector<Detection> DetectClusters(const Frame& frame,
   if (!options.enabled || frame.depth_m.empty() || !(camera.fx > 0) || !(camera.fy > 0)) return {};
   const GroundGrid grid = MakeGrid(frame, camera, ground_camera, options);
   const Components components = ConnectCells(grid);
-  std::vector<Cluster> clusters = GatherClusters(frame, grid, components);
+  const auto min_points = static_cast<std::size_t>(
+      std::max(1.0, options.min_points_share * static_cast<double>(frame.depth_m.size())));
+  std::vector<Cluster> clusters = GatherClusters(frame, grid, components, min_points);
   std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
     return a.points.size() > b.points.size();
   });
   std::vector<Detection> detections;
   for (const Cluster& cluster : clusters) {
-    if (cluster.points.empty() || !IsFurniture(cluster, frame, options)) continue;
+    if (!IsFurniture(cluster, options)) continue;
     const double free_share = FreeShare(grid, components, cluster, options);
     if (free_share < options.min_free_share) continue;
+    if (EndShare(frame, camera, ground_camera, cluster, -1) < kMinEndShare ||
+        EndShare(frame, camera, ground_camera, cluster, 1) < kMinEndShare) {
+      continue;
+    }
     if (CoveredShare(cluster, covered) > options.max_covered_share) continue;
     Detection detection;
     detection.frame = frame.idx;

@@ -15,7 +15,11 @@ constexpr double kHighest_m = 1.30;
 constexpr double kBin_m = 0.02;
 constexpr double kThickness_m = 0.025;     // pixels this near to the top's height are the top ...
 constexpr double kThicknessPerM2 = 0.005;  // ... plus this times the squared depth
-constexpr double kGap_m = 0.30;  // parts of a top hidden from each other by what stands before it
+constexpr double kGap_m = 0.30;    // parts of a top hidden from each other by what stands before it
+constexpr double kEdge_m = 0.04;   // legs may stand this far out of the visible top
+constexpr double kReach_m = 0.12;  // what carries a top is seen up to this close below it
+constexpr double kMostAbove = 0.05;   // share of a piece's pixels that may rise above the top
+constexpr double kLeastReach = 0.01;  // share of a piece's pixels that must come close to it
 constexpr int kMinTop_px = 150;
 
 double ThicknessAt(double depth_m) { return kThickness_m + kThicknessPerM2 * depth_m * depth_m; }
@@ -110,6 +114,8 @@ std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
   return result;
 }
 
+namespace {
+
 bool IsUnder(const LevelTop& top, const Plane& ground_camera, const Eigen::Vector3d& p_camera) {
   if (ground_camera.SignedDistance(p_camera) > top.height_m + ThicknessAt(p_camera.z())) {
     return false;
@@ -117,9 +123,55 @@ bool IsUnder(const LevelTop& top, const Plane& ground_camera, const Eigen::Vecto
   const Eigen::Vector2d p = GroundTangentBasis(ground_camera.normal).transpose() * p_camera;
   const std::size_t n = top.hull_ground_m.size();
   for (std::size_t i = 0; i < n; ++i) {
-    if (Cross(top.hull_ground_m[i], top.hull_ground_m[(i + 1) % n], p) < 0) return false;
+    const Eigen::Vector2d& a = top.hull_ground_m[i];
+    const Eigen::Vector2d& b = top.hull_ground_m[(i + 1) % n];
+    if (Cross(a, b, p) < -kEdge_m * (b - a).norm()) return false;
   }
   return n >= 3;
+}
+
+}  // namespace
+
+void ClaimCarrier(const ImagePieces& pieces,
+                  const Plane& ground_camera,
+                  const LevelTop& top,
+                  const Region& region,
+                  int owner,
+                  CarrierRule rule,
+                  Owners& owners) {
+  struct Count {
+    int all = 0, above = 0, reaching = 0, under = 0;
+  };
+  std::vector<Count> counts(pieces.num_pixels.size());
+  for (int v = 0; v < owners.height(); ++v) {
+    for (int u = 0; u < owners.width(); ++u) {
+      const std::int32_t id = pieces.piece(u, v);
+      if (id < 0 || owners(u, v) >= 0) continue;
+      Count& count = counts[static_cast<std::size_t>(id)];
+      const double over_m = pieces.height_m(u, v) - top.height_m;
+      const double thickness_m = ThicknessAt(pieces.points_camera(u, v).z());
+      ++count.all;
+      count.above += over_m > thickness_m ? 1 : 0;
+      count.reaching += over_m > -kReach_m && over_m <= thickness_m ? 1 : 0;
+    }
+  }
+  Mask under(owners.width(), owners.height());
+  region.ForEach([&](int u, int v) {
+    const std::int32_t id = pieces.piece(u, v);
+    if (id < 0 || owners(u, v) >= 0 || pieces.horizontal(u, v) != 0) return;
+    if (!IsUnder(top, ground_camera, pieces.points_camera(u, v).cast<double>())) return;
+    under(u, v) = 1;
+    ++counts[static_cast<std::size_t>(id)].under;
+  });
+  region.ForEach([&](int u, int v) {
+    if (under(u, v) == 0) return;
+    const Count& count = counts[static_cast<std::size_t>(pieces.piece(u, v))];
+    const bool carries =
+        count.above <= kMostAbove * count.all && count.reaching >= kLeastReach * count.all;
+    if (2 * count.under > count.all && (rule == CarrierRule::kAnyUnder || carries)) {
+      owners(u, v) = owner;
+    }
+  });
 }
 
 }  // namespace deepslam::segment

@@ -27,9 +27,19 @@ struct LevelTop {
                                                     const SegmentOptions& options,
                                                     Owners& owners);
 
-// Whether a point lies under the top: lower, and inside its outline on the ground.
-[[nodiscard]] bool IsUnder(const LevelTop& top,
-                           const Plane& ground_camera,
-                           const Eigen::Vector3d& p_camera);
+enum class CarrierRule {
+  kReachesTop,  // only pieces that are seen to reach up to the top and not above it
+  kAnyUnder,    // every piece under it
+};
+
+// Gives unowned pixels of what carries the top to `owner`: pieces under it, inside its outline on
+// the ground, that are not level themselves (a seat pushed under the table is).
+void ClaimCarrier(const ImagePieces& pieces,
+                  const Plane& ground_camera,
+                  const LevelTop& top,
+                  const Region& region,
+                  int owner,
+                  CarrierRule rule,
+                  Owners& owners);
 
 }  // namespace deepslam::segment

@@ -30,32 +30,6 @@ bool HasLevelTop(const std::string& class_name, const SegmentOptions& options) {
   return false;
 }
 
-// What carries a top: pieces under it that are not level themselves (a seat pushed under the table
-// is) and that nobody else has claimed.
-void ClaimCarrier(const ImagePieces& pieces,
-                  const Plane& ground_camera,
-                  const LevelTop& top,
-                  const Region& region,
-                  int owner,
-                  Owners& owners) {
-  std::vector<int> num_under(pieces.num_pixels.size(), 0);
-  const auto is_under = [&](int u, int v) {
-    return pieces.piece(u, v) >= 0 && owners(u, v) < 0 && pieces.horizontal(u, v) == 0 &&
-           IsUnder(top, ground_camera, pieces.points_camera(u, v).cast<double>());
-  };
-  Mask under(owners.width(), owners.height());
-  region.ForEach([&](int u, int v) {
-    if (!is_under(u, v)) return;
-    under(u, v) = 1;
-    ++num_under[static_cast<std::size_t>(pieces.piece(u, v))];
-  });
-  region.ForEach([&](int u, int v) {
-    if (under(u, v) == 0) return;
-    const auto id = static_cast<std::size_t>(pieces.piece(u, v));
-    if (2 * num_under[id] > pieces.num_pixels[id]) owners(u, v) = owner;
-  });
-}
-
 // Points in axes along the ground's tangents and its normal, so that bounds of upright things are
 // tight.
 Eigen::Matrix3f Upright(const std::optional<Plane>& ground_camera) {
@@ -217,10 +191,15 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
       takes_pieces[d] = false;
       tops.emplace_back(d, std::move(*top));
     }
+    // Legs before chairs get a say, the rest under the top after them.
+    const auto claim_carriers = [&](CarrierRule rule) {
+      for (const auto& [d, top] : tops) {
+        ClaimCarrier(pieces, *ground_camera, top, regions[d], static_cast<int>(d), rule, owners);
+      }
+    };
+    claim_carriers(CarrierRule::kReachesTop);
     AssignPieces(pieces, regions, takes_pieces, options, owners);
-    for (const auto& [d, top] : tops) {
-      ClaimCarrier(pieces, *ground_camera, top, regions[d], static_cast<int>(d), owners);
-    }
+    claim_carriers(CarrierRule::kAnyUnder);
   }
   std::vector<std::vector<PixelPoint>> points(detections.size());
   for (int v = 0; v < height; ++v) {
