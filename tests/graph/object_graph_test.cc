@@ -1,6 +1,7 @@
 #include "deepslam/graph/object_graph.h"
 
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 

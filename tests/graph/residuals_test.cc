@@ -112,7 +112,7 @@ double PaperGroundEnergy(const Pose3& world_from_camera,
   const Plane seen = Transformed(world_from_camera, camera);
   const Eigen::Vector4d r = BlockOf(world) - BlockOf(seen);
   const Eigen::Matrix<double, 3, 2> tangents =
-      world_from_camera.rotation * GroundTangentBasis(camera.normal);
+      world_from_camera.rotation.toRotationMatrix() * GroundTangentBasis(camera.normal);
   Eigen::Matrix<double, 4, 3> jacobian;
   jacobian << tangents, Eigen::Vector3d::Zero(),
       -world_from_camera.translation_m.transpose() * tangents, 1.0;
