@@ -10,9 +10,9 @@
 #include <vector>
 
 #include <tiny_obj_loader.h>
-#include <Eigen/Geometry>
 
 #include "deepslam/geometry/box.h"
+#include "deepslam/shape/front.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
 
@@ -50,44 +50,6 @@ Result<TriangleMesh> ReadObj(const std::string& obj_bytes) {
   return mesh;
 }
 
-int QuarterTurnsToFront(const VoxelGrid& shape, std::string_view class_name) {
-  const bool has_back = class_name == "chair" || class_name == "sofa" || class_name == "bed";
-  if (!has_back) return 0;
-  int top = 0;
-  int bottom = kGridSize;
-  for (int n = 0; n < kGridSize * kGridSize * kGridSize; ++n) {
-    if (shape.occupied[static_cast<std::size_t>(n)] == 0) continue;
-    top = std::max(top, n % kGridSize + 1);
-    bottom = std::min(bottom, n % kGridSize);
-  }
-  // Seats and mattresses lie below, arm rests rise no higher.
-  constexpr double kBackBegins = 0.72;  // of the height
-  const double begin = bottom + kBackBegins * (top - bottom);
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  double count = 0;
-  Eigen::AlignedBox2d box;
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = bottom; k < top; ++k) {
-        if (!shape.At(i, j, k)) continue;
-        box.extend(Eigen::Vector2d(i, j));
-        if (k < begin) continue;
-        sum += Eigen::Vector2d(i, j);
-        count += 1;
-      }
-    }
-  }
-  if (count == 0) return 0;
-  const Eigen::Vector2d offset =
-      ((sum / count - box.center()).array() / (box.sizes().array() + 1.0)).matrix();
-  // Of the footprint; a back leaning on the rim stands at 0.4, a stool's seat at 0.
-  constexpr double kClear = 0.15;
-  if (offset.cwiseAbs().maxCoeff() < kClear) return 0;
-  if (std::abs(offset.x()) >= std::abs(offset.y())) return offset.x() > 0 ? 2 : 0;
-  // Back at +y: one turn counter-clockwise brings it to -x.
-  return offset.y() > 0 ? 1 : 3;
-}
-
 Result<CanonicalModel> MakeCanonical(const TriangleMesh& mesh_file,
                                      const CatalogueItem& item,
                                      std::string_view class_name) {
@@ -119,7 +81,8 @@ Result<CanonicalModel> MakeCanonical(const TriangleMesh& mesh_file,
   Result<VoxelGrid> shape = shape::Voxelize(mesh_object);
   if (!shape) return shape.error();
   CanonicalModel model = {std::move(*shape), {item.depth_m, item.width_m, item.height_m}};
-  const int turns = QuarterTurnsToFront(model.shape, class_name);
+  const bool has_back = class_name == "chair" || class_name == "sofa" || class_name == "bed";
+  const int turns = has_back ? shape::QuarterTurnsToFront(model.shape) : 0;
   model.shape = shape::TurnGrid(model.shape, turns);
   if (turns % 2 != 0) std::swap(model.size_m.x(), model.size_m.y());
   return model;

@@ -29,8 +29,4 @@ struct CanonicalModel {
                                                    const CatalogueItem& item,
                                                    std::string_view class_name);
 
-// Quarter turns (counter-clockwise from above) that bring the back of a seat or the head of a bed
-// to -x; 0 where the shape has none or is of another class.
-[[nodiscard]] int QuarterTurnsToFront(const VoxelGrid& shape, std::string_view class_name);
-
 }  // namespace deepslam::library

@@ -1,8 +1,9 @@
 // The seam between sources of whole shapes and everything behind them.
 //
-// A source looks at all views of one object and offers candidates; register and select judge them without knowing
-// where they came from. Sources: CAD retrieval and the object's own fused measurement here; class-specific networks
-// (one candidate per view, latents filled, and one at the mean latent) plug in by the same interface.
+// A source looks at all views of one object and offers candidates; register and select judge them
+// without knowing where they came from. Sources: CAD retrieval and the object's own fused
+// measurement here; class-specific networks (one candidate per view, latents filled, and one at the
+// mean latent) plug in by the same interface.
 #pragma once
 
 #include <memory>
@@ -30,29 +31,34 @@ class Proposer {
  public:
   virtual ~Proposer() = default;
   [[nodiscard]] virtual std::string name() const = 0;
-  // Candidates best first, with invalid ids (the caller numbers them), and their models by key. An object for which the
-  // source has nothing gives no candidate and a note that says why. Thread-safe. An Error is a failure of the source
-  // itself, not of the object.
+  // Candidates best first, with invalid ids (the caller numbers them), and their models by key. An
+  // object for which the source has nothing gives no candidate and a note that says why.
+  // Thread-safe. An Error is a failure of the source itself, not of the object.
   [[nodiscard]] virtual Result<Proposals> Propose(const ObjectObservations& object) const = 0;
 };
 
 struct RetrievalOptions {
-  int max_models = 8;            // designs offered per object
-  int max_views = 6;             // views that take part, best supported and spread first
-  double stretch_min = 0.7;      // a design may be stretched to the measured size by these factors per axis ...
-  double stretch_max = 1.4;      // ... relative to its catalogue size
-  double size_margin = 0.25;     // candidates' size range: measured size +- this share
+  int max_models = 8;  // designs offered per object
+  int max_views = 6;   // views that take part, best supported and spread first
+  double stretch_min =
+      0.7;  // a design may be stretched to the measured size by these factors per axis ...
+  double stretch_max = 1.4;   // ... relative to its catalogue size
+  double size_margin = 0.25;  // candidates' size range: measured size +- this share
 };
 void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
 
 // The library is shared by all objects and outlives the call that made it.
-[[nodiscard]] std::unique_ptr<Proposer> MakeRetrievalProposer(std::shared_ptr<const ModelLibrary> library,
-                                                              const ClassTable& classes,
-                                                              const RetrievalOptions& options);
+[[nodiscard]] std::unique_ptr<Proposer> MakeRetrievalProposer(
+    std::shared_ptr<const ModelLibrary> library,
+    const ClassTable& classes,
+    const RetrievalOptions& options);
 
 struct FusedOptions {
-  int max_views = 24;            // views that are fused, best supported and spread first
-  double size_margin = 0.25;     // candidate's size range: measured size +- this share
+  int max_views = 24;         // views that are fused, best supported and spread first
+  double size_margin = 0.25;  // candidate's size range: measured size +- this share
+  // Classes whose unseen inside is solid; of others only a shell behind the seen surface is.
+  // Separated by blanks.
+  std::string solid_classes = "cabinet shelf sofa bed furniture";
 };
 void Describe(OptionsVisitor& visitor, FusedOptions& options);
 

@@ -1,0 +1,74 @@
+#include "deepslam/propose/coarse_shape.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "deepslam/shape/shape_model.h"
+
+namespace deepslam::propose {
+namespace {
+
+constexpr int kSize = kGridSize / 2;
+constexpr std::size_t kSurfaceSample = 400;
+
+std::size_t Index(int i, int j, int k) {
+  return (static_cast<std::size_t>(i) * kSize + static_cast<std::size_t>(j)) * kSize +
+         static_cast<std::size_t>(k);
+}
+
+}  // namespace
+
+CoarseShape::CoarseShape(const VoxelGrid& grid) {
+  const shape::ShapeModel model(grid);
+  if (model.empty()) return;
+  extent_ = model.extent();
+  field_.resize(static_cast<std::size_t>(kSize) * kSize * kSize);
+  for (int i = 0; i < kSize; ++i) {
+    for (int j = 0; j < kSize; ++j) {
+      for (int k = 0; k < kSize; ++k) {
+        const Eigen::Vector3f center =
+            (Eigen::Array3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)) +
+             0.5F) /
+                kSize -
+            0.5F;
+        field_[Index(i, j, k)] = model.Distance(center);
+      }
+    }
+  }
+  // A stride prime to the grid's size does not pick the same lines again and again.
+  const auto points = model.surface_points();
+  const std::size_t count = std::min(kSurfaceSample, points.size());
+  for (std::size_t n = 0; n < count; ++n) surface_.push_back(points[n * points.size() / count]);
+}
+
+CoarseShape::Sample CoarseShape::At(const Eigen::Vector3f& p_object) const {
+  constexpr float kLimit = 0.5F - 0.5F / kSize;
+  const Eigen::Vector3f inside = p_object.cwiseMax(-kLimit).cwiseMin(kLimit);
+  const Eigen::Array3f cell = (inside.array() + 0.5F) * kSize - 0.5F;
+  const Eigen::Array3i base = cell.floor().cast<int>().max(0).min(kSize - 2);
+  const Eigen::Array3f t = cell - base.cast<float>();
+  const float* const c = field_.data() + Index(base.x(), base.y(), base.z());
+  constexpr std::size_t kI = static_cast<std::size_t>(kSize) * kSize;
+  constexpr std::size_t kJ = kSize;
+  const auto mix = [](float a, float b, float w) { return a + w * (b - a); };
+  const float c00 = mix(c[0], c[1], t.z());
+  const float c01 = mix(c[kJ], c[kJ + 1], t.z());
+  const float c10 = mix(c[kI], c[kI + 1], t.z());
+  const float c11 = mix(c[kI + kJ], c[kI + kJ + 1], t.z());
+  const float low = mix(c00, c01, t.y());
+  const float high = mix(c10, c11, t.y());
+  const float dz = mix(mix(c[1] - c[0], c[kJ + 1] - c[kJ], t.y()),
+                       mix(c[kI + 1] - c[kI], c[kI + kJ + 1] - c[kI + kJ], t.y()),
+                       t.x());
+  Eigen::Vector3f gradient =
+      Eigen::Vector3f(high - low, mix(c01 - c00, c11 - c10, t.x()), dz) * kSize;
+  float distance = mix(low, high, t.x());
+  if (inside != p_object) {
+    const Eigen::Vector3f nearest = inside - distance / std::max(gradient.norm(), 1e-6F) * gradient;
+    gradient = (p_object - nearest).normalized();
+    distance = (p_object - nearest).norm();
+  }
+  return {distance, gradient};
+}
+
+}  // namespace deepslam::propose

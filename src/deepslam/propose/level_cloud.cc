@@ -1,0 +1,183 @@
+#include "deepslam/propose/level_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numbers>
+
+#include "deepslam/shape/view_points.h"
+
+namespace deepslam::propose {
+namespace {
+
+constexpr int kPointsPerView = 1500;
+constexpr float kCell_m = 0.025F;
+constexpr std::size_t kMinPoints = 30;
+
+// Share of cells left out at either end of an extent: stray cells of segments that leak.
+constexpr double kOutlierShare = 0.01;
+
+struct LevelFrame {
+  Pose3 level_from_world;
+  bool has_ground = false;
+};
+
+LevelFrame FindLevel(std::span<const ObjectView> views) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  Eigen::Vector3d camera_up = Eigen::Vector3d::Zero();
+  std::vector<Plane> planes;
+  for (const ObjectView& view : views) {
+    camera_up -= view.world_from_camera.rotation * Eigen::Vector3d::UnitY();
+    if (!view.ground_camera) continue;
+    planes.push_back(Transformed(view.world_from_camera, *view.ground_camera));
+    up += planes.back().normal;
+  }
+  LevelFrame level;
+  level.has_ground = !planes.empty() && up.norm() > 1e-6;
+  if (!level.has_ground) up = camera_up;
+  if (up.norm() < 1e-6) up = -Eigen::Vector3d::UnitY();
+  level.level_from_world.rotation = ShortestRotation(up.normalized(), Eigen::Vector3d::UnitZ());
+  if (level.has_ground) {
+    std::vector<double> heights;
+    for (const Plane& plane : planes) heights.push_back(plane.d_m);
+    std::nth_element(heights.begin(),
+                     heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
+                     heights.end());
+    level.level_from_world.translation_m.z() = heights[heights.size() / 2];
+  }
+  return level;
+}
+
+struct CellSum {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0;
+  int num_views = 0;
+  std::size_t last_view = SIZE_MAX;
+};
+
+double Quantile(std::vector<float>& values, double share) {
+  const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
+  return values[n];
+}
+
+}  // namespace
+
+LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
+  const LevelFrame level = FindLevel(views);
+  LevelCloud cloud;
+  cloud.level_from_world = level.level_from_world;
+  cloud.has_ground = level.has_ground;
+  std::map<std::array<int, 3>, CellSum> cells;
+  double distance_sum_m = 0;
+  double num_points = 0;
+  std::size_t num_views = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const shape::ViewPoints points = shape::ExtractViewPoints(views[v], kPointsPerView);
+    if (points.points_camera.empty()) continue;
+    ++num_views;
+    const Pose3 level_from_camera = level.level_from_world * views[v].world_from_camera;
+    for (const Eigen::Vector3f& p_camera : points.points_camera) {
+      const Eigen::Vector3f p_level = (level_from_camera * p_camera.cast<double>()).cast<float>();
+      const Eigen::Array3i key = (p_level.array() / kCell_m).floor().cast<int>();
+      CellSum& cell = cells[{key.x(), key.y(), key.z()}];
+      cell.sum += p_level;
+      cell.count += 1;
+      if (cell.last_view != v) ++cell.num_views;
+      cell.last_view = v;
+      distance_sum_m += p_camera.norm();
+      num_points += 1;
+    }
+  }
+  // With several views, what a single one saw is as likely a stray as a rarely seen part: a tenth
+  // of them must agree.
+  const int min_views = num_views < 4 ? 1 : std::max(2, static_cast<int>(num_views) / 10);
+  for (const auto& [key, cell] : cells) {
+    if (cell.num_views >= min_views) cloud.points.emplace_back(cell.sum / cell.count);
+  }
+  if (cloud.points.size() < kMinPoints) cloud.points.clear();
+  if (num_points > 0) cloud.mean_distance_m = distance_sum_m / num_points;
+  if (!cloud.has_ground && !cloud.points.empty()) {
+    std::vector<float> heights;
+    for (const Eigen::Vector3f& p : cloud.points) heights.push_back(p.z());
+    const double bottom_m = Quantile(heights, kOutlierShare);
+    cloud.level_from_world.translation_m.z() -= bottom_m;
+    for (Eigen::Vector3f& p : cloud.points) p.z() -= static_cast<float>(bottom_m);
+  }
+  return cloud;
+}
+
+LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad) {
+  LevelBox box;
+  box.yaw_rad = yaw_rad;
+  if (points.empty()) return box;
+  const Eigen::Vector2f x_axis(static_cast<float>(std::cos(yaw_rad)),
+                               static_cast<float>(std::sin(yaw_rad)));
+  const Eigen::Vector2f y_axis(-x_axis.y(), x_axis.x());
+  Eigen::Vector2d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    values.reserve(points.size());
+    for (const Eigen::Vector3f& p : points) {
+      values.push_back(axis == 0   ? x_axis.dot(p.head<2>())
+                       : axis == 1 ? y_axis.dot(p.head<2>())
+                                   : p.z());
+    }
+    const double high = Quantile(values, 1.0 - kOutlierShare);
+    const double low = axis == 2 ? 0.0 : Quantile(values, kOutlierShare);
+    box.size_m[axis] = std::max(high - low, static_cast<double>(kCell_m));
+    if (axis < 2) middle[axis] = 0.5 * (low + high);
+  }
+  box.center_m = (middle.x() * x_axis.cast<double>() + middle.y() * y_axis.cast<double>());
+  return box;
+}
+
+LevelBox MeasureBox(std::span<const Eigen::Vector3f> points) {
+  constexpr int kSteps = 45;
+  LevelBox best;
+  for (int n = 0; n < kSteps; ++n) {
+    const LevelBox box = MeasureBoxAt(points, 0.5 * std::numbers::pi * n / kSteps);
+    const double area = box.size_m.x() * box.size_m.y();
+    if (n == 0 || area < best.size_m.x() * best.size_m.y()) best = box;
+  }
+  return best;
+}
+
+std::vector<std::size_t> ChooseViews(std::span<const ObjectView> views,
+                                     const Eigen::Vector3d& center_world,
+                                     int max_views) {
+  std::vector<double> support(views.size(), 0.0);
+  std::vector<Eigen::Vector3d> directions(views.size());
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    const Mask& mask = views[n].mask_crop;
+    const auto pixels =
+        static_cast<double>(std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; }));
+    support[n] = pixels * (views[n].touches_border ? 0.5 : 1.0) * (0.2 + views[n].detection_score);
+    directions[n] = (views[n].world_from_camera.translation_m - center_world).normalized();
+  }
+  std::vector<std::size_t> chosen;
+  std::vector<double> spread(views.size(), 1.0);  // chord to the nearest chosen direction
+  while (chosen.size() < views.size() && static_cast<int>(chosen.size()) < max_views) {
+    std::size_t best = views.size();
+    double best_value = 0;
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      const double value = std::sqrt(support[n]) * spread[n];
+      if (value > best_value) {
+        best_value = value;
+        best = n;
+      }
+    }
+    if (best == views.size()) break;
+    chosen.push_back(best);
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      spread[n] = std::min(spread[n], (directions[n] - directions[best]).norm());
+    }
+    spread[best] = 0;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+}  // namespace deepslam::propose

@@ -1,0 +1,50 @@
+// All measured points of an object in one upright frame, and what they say about its size.
+//
+// Level frame: tracking world turned and shifted so that z is up and the ground is z = 0 (without a
+// ground: up is the mean camera's up, and the lowest points lie at z = 0).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/object_view.h"
+
+namespace deepslam::propose {
+
+struct LevelCloud {
+  Pose3 level_from_world;
+  bool has_ground = false;
+  // One point per cell of a 2.5 cm raster, of those cells that enough views saw; metres, level
+  // frame, raster order.
+  std::vector<Eigen::Vector3f> points;
+  double mean_distance_m = 0;  // of the points from their cameras
+};
+
+// Empty `points` when the views hold too few.
+[[nodiscard]] LevelCloud AccumulateLevel(std::span<const ObjectView> views);
+
+// Upright box round the points, outliers left out: yaw by the smallest footprint.
+struct LevelBox {
+  double yaw_rad = 0;                                  // of the box's x axis about z
+  Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  // footprint's centre, level frame
+  Eigen::Vector3d size_m =
+      Eigen::Vector3d::Zero();  // along box x, box y, and z from the ground to the top
+};
+
+[[nodiscard]] LevelBox MeasureBox(std::span<const Eigen::Vector3f> points);
+// The same for a given yaw.
+[[nodiscard]] LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad);
+
+// At most `max_views` views: the best supported one first, then always the one whose direction to
+// `center_world` is farthest from those taken, weak support discounted. Ascending indices into
+// `views`.
+[[nodiscard]] std::vector<std::size_t> ChooseViews(std::span<const ObjectView> views,
+                                                   const Eigen::Vector3d& center_world,
+                                                   int max_views);
+
+}  // namespace deepslam::propose

@@ -1,0 +1,304 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <mutex>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "deepslam/core/check.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/propose/candidate_size.h"
+#include "deepslam/propose/coarse_shape.h"
+#include "deepslam/propose/depth_evidence.h"
+#include "deepslam/propose/fit_model.h"
+#include "deepslam/propose/level_cloud.h"
+#include "deepslam/propose/proposer.h"
+#include "deepslam/shape/stretch.h"
+
+namespace deepslam::propose {
+namespace {
+
+constexpr std::size_t kFitPoints = 250;
+constexpr int kNumYaws = 12;           // Gauss-Newton turns by up to half a step from there
+constexpr double kTolerance_m = 0.03;  // of designs that are like the object, not the object itself
+constexpr int kStretchStep_percent = 5;
+
+// What one object's views hold, prepared for all models.
+struct Measured {
+  LevelCloud cloud;
+  std::vector<Eigen::Vector3f> fit_points;
+  std::vector<DepthView> views;
+  std::vector<LevelBox> boxes;  // at kNumYaws yaws, the first along the smallest footprint
+};
+
+std::vector<Eigen::Vector3f> EveryNth(const std::vector<Eigen::Vector3f>& points,
+                                      std::size_t count) {
+  if (points.size() <= count) return points;
+  std::vector<Eigen::Vector3f> some;
+  for (std::size_t n = 0; n < count; ++n) some.push_back(points[n * points.size() / count]);
+  return some;
+}
+
+Measured Measure(std::span<const ObjectView> views, int max_views) {
+  Measured measured;
+  measured.cloud = AccumulateLevel(views);
+  if (measured.cloud.points.empty()) return measured;
+  measured.fit_points = EveryNth(measured.cloud.points, kFitPoints);
+  const LevelBox box = MeasureBox(measured.cloud.points);
+  for (int n = 0; n < kNumYaws; ++n) {
+    measured.boxes.push_back(
+        MeasureBoxAt(measured.cloud.points, box.yaw_rad + 2.0 * std::numbers::pi * n / kNumYaws));
+  }
+  const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
+  const Eigen::Vector3d center_world = measured.cloud.level_from_world.Inverse() * center_level;
+  for (const std::size_t n : ChooseViews(views, center_world, max_views)) {
+    measured.views.emplace_back(views[n], measured.cloud.level_from_world);
+  }
+  return measured;
+}
+
+struct Match {
+  std::size_t model = 0;
+  double score = 0;
+  Placement placement;
+};
+
+// "a/b" with stretch (1.1, 0.95, 1) -> "a__b_s110_095_100"; an even stretch is none.
+std::string ModelKey(const LibraryModel& model, const std::array<int, 3>& percent) {
+  std::string key = model.id;
+  if (const std::size_t slash = key.find('/'); slash != std::string::npos)
+    key.replace(slash, 1, "__");
+  if (percent[0] == percent[1] && percent[1] == percent[2]) return key;
+  key += "_s";
+  for (std::size_t n = 0; n < 3; ++n) {
+    const std::string digits = std::to_string(percent[n]);
+    if (n > 0) key.push_back('_');
+    if (digits.size() < 3) key.append(3 - digits.size(), '0');
+    key.append(digits);
+  }
+  return key;
+}
+
+class RetrievalProposer final : public Proposer {
+ public:
+  RetrievalProposer(std::shared_ptr<const ModelLibrary> library,
+                    ClassTable classes,
+                    const RetrievalOptions& options)
+      : library_(std::move(library)),
+        classes_(std::move(classes)),
+        options_(options),
+        shapes_(library_->models.size()),
+        made_(library_->models.size()) {}
+
+  [[nodiscard]] std::string name() const override { return "retrieval"; }
+  [[nodiscard]] Result<Proposals> Propose(const ObjectObservations& object) const override;
+
+ private:
+  [[nodiscard]] std::vector<std::size_t> ModelsFor(const std::string& class_name,
+                                                   const Eigen::Vector3d& size_m) const;
+  [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
+  [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
+  void Refine(const Measured& measured, const FitTerms& terms, Match& match) const;
+  void AddCandidate(const ObjectObservations& object,
+                    const Match& match,
+                    Proposals& proposals) const;
+  [[nodiscard]] Match Unstretched(const Match& match, const Measured& measured) const;
+
+  std::shared_ptr<const ModelLibrary> library_;
+  ClassTable classes_;
+  RetrievalOptions options_;
+  // Made on first use: most runs need a few classes only.
+  mutable std::vector<std::unique_ptr<const CoarseShape>> shapes_;
+  mutable std::vector<std::once_flag> made_;
+};
+
+const CoarseShape& RetrievalProposer::Coarse(std::size_t model) const {
+  std::call_once(made_[model], [&] {
+    shapes_[model] = std::make_unique<const CoarseShape>(library_->models[model].shape);
+  });
+  return *shapes_[model];
+}
+
+// Models of the classes that may stand for the object's; for an object of unknown class, or of one
+// without models, all whose real size fits what was measured (of which some may be hidden, so
+// models may be larger).
+std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_name,
+                                                      const Eigen::Vector3d& size_m) const {
+  const ObjectClass* const object_class = classes_.Find(class_name);
+  std::vector<std::size_t> models;
+  for (std::size_t n = 0; n < library_->models.size(); ++n) {
+    const std::string& model_class = library_->models[n].class_name;
+    bool fits = model_class == class_name;
+    if (object_class != nullptr) {
+      fits = fits || std::find(object_class->library_classes.begin(),
+                               object_class->library_classes.end(),
+                               model_class) != object_class->library_classes.end();
+    }
+    if (fits) models.push_back(n);
+  }
+  if (!models.empty() && class_name != kFurnitureClass) return models;
+  constexpr double kHidden = 2.0;  // at least half of each side is seen
+  std::vector<std::size_t> of_size;
+  for (std::size_t n = 0; n < library_->models.size(); ++n) {
+    const Eigen::Vector3d& real_m = library_->models[n].size_m;
+    const std::array<double, 3> real = {
+        real_m.head<2>().maxCoeff(), real_m.head<2>().minCoeff(), real_m.z()};
+    const std::array<double, 3> seen = {
+        size_m.head<2>().maxCoeff(), size_m.head<2>().minCoeff(), size_m.z()};
+    bool fits = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      fits = fits && real[axis] * options_.stretch_max > seen[axis] &&
+             real[axis] * options_.stretch_min < seen[axis] * (axis == 2 ? 1.0 : kHidden);
+    }
+    if (fits) of_size.push_back(n);
+  }
+  return of_size;
+}
+
+void RetrievalProposer::Refine(const Measured& measured,
+                               const FitTerms& terms,
+                               Match& match) const {
+  const CoarseShape& shape = Coarse(match.model);
+  const Eigen::Vector3d& real_m = library_->models[match.model].size_m;
+  Placement placement = RefinePlacement(shape, match.placement, real_m, measured.fit_points, terms);
+  placement.size_m = placement.size_m.cwiseMax(options_.stretch_min * real_m)
+                         .cwiseMin(options_.stretch_max * real_m);
+  match.placement = placement;
+  match.score = ScorePlacement(shape, placement, measured.fit_points, measured.views, kTolerance_m);
+}
+
+Match RetrievalProposer::BestPlacement(std::size_t model, const Measured& measured) const {
+  const Eigen::Vector3d& real_m = library_->models[model].size_m;
+  FitTerms terms;
+  if (!measured.cloud.has_ground) terms.bottom_sigma_m = 0.3;
+  Match best;
+  best.model = model;
+  for (const LevelBox& box : measured.boxes) {
+    const Eigen::Vector3d stretched_m =
+        box.size_m.cwiseMax(options_.stretch_min * real_m).cwiseMin(options_.stretch_max * real_m);
+    for (const Eigen::Vector3d& size_m : {real_m, stretched_m}) {
+      Match match = {model, 0, {size_m, box.center_m, 0, box.yaw_rad}};
+      Refine(measured, terms, match);
+      if (match.score > best.score) best = match;
+    }
+  }
+  return best;
+}
+
+Match RetrievalProposer::Unstretched(const Match& match, const Measured& measured) const {
+  const Eigen::Vector3d& real_m = library_->models[match.model].size_m;
+  const double factor = std::cbrt((match.placement.size_m.array() / real_m.array()).prod());
+  Match even = match;
+  even.placement.size_m = factor * real_m;
+  even.score = ScorePlacement(
+      Coarse(match.model), even.placement, measured.fit_points, measured.views, kTolerance_m);
+  return even;
+}
+
+void RetrievalProposer::AddCandidate(const ObjectObservations& object,
+                                     const Match& match,
+                                     Proposals& proposals) const {
+  const LibraryModel& model = library_->models[match.model];
+  std::array<int, 3> percent{};
+  Eigen::Vector3d factors;
+  for (int n = 0; n < 3; ++n) {
+    const double factor = match.placement.size_m[n] / model.size_m[n];
+    const int steps = static_cast<int>(std::lround(100.0 * factor / kStretchStep_percent));
+    percent[static_cast<std::size_t>(n)] = steps * kStretchStep_percent;
+    factors[n] = 0.01 * steps * kStretchStep_percent;
+  }
+  ShapeCandidate candidate;
+  candidate.object = object.id;
+  candidate.source = CandidateSource::kRetrieval;
+  candidate.model = ModelKey(model, percent);
+  candidate.proposal_score = match.score;
+  candidate.library_id = model.id;
+  candidate.credit = model.name + " by " + model.creator + ", " + model.licence;
+  SetSize(match.placement.size_m.maxCoeff(),
+          options_.size_margin,
+          classes_.Find(object.class_name),
+          candidate);
+  for (const ShapeCandidate& other : proposals.candidates) {
+    if (other.model == candidate.model) return;
+  }
+  if (!proposals.models.contains(candidate.model)) {
+    const bool even = percent[0] == percent[1] && percent[1] == percent[2];
+    proposals.models[candidate.model] =
+        even ? model.shape : shape::StretchGrid(model.shape, factors);
+  }
+  proposals.candidates.push_back(std::move(candidate));
+}
+
+Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) const {
+  Proposals proposals;
+  const std::string subject =
+      "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
+  const Measured measured = Measure(object.views, options_.max_views);
+  if (measured.fit_points.empty() || measured.views.empty()) {
+    proposals.notes.push_back(subject + "too few depth points for retrieval");
+    return proposals;
+  }
+  const std::vector<std::size_t> models =
+      ModelsFor(object.class_name, measured.boxes.front().size_m);
+  if (models.empty()) {
+    proposals.notes.push_back(subject + "no library model of its class or size");
+    return proposals;
+  }
+  std::vector<Match> matches(models.size());
+  ParallelFor(models.size(),
+              [&](std::size_t n) { matches[n] = BestPlacement(models[n], measured); });
+  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+    return a.score > b.score;
+  });
+  // The best designs are offered in the catalogue's own proportions as well: a stretch fitted to a
+  // partly seen object may be wrong.
+  constexpr std::size_t kAlsoUnstretched = 3;
+  for (std::size_t n = 0; n < matches.size() && static_cast<int>(n) < options_.max_models; ++n) {
+    if (matches[n].score <= 0) break;
+    AddCandidate(object, matches[n], proposals);
+    if (n < kAlsoUnstretched) AddCandidate(object, Unstretched(matches[n], measured), proposals);
+  }
+  if (proposals.candidates.empty())
+    proposals.notes.push_back(subject + "no library model fits its depth");
+  std::stable_sort(proposals.candidates.begin(),
+                   proposals.candidates.end(),
+                   [](const ShapeCandidate& a, const ShapeCandidate& b) {
+                     return a.proposal_score > b.proposal_score;
+                   });
+  return proposals;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, RetrievalOptions& options) {
+  visitor.Field(
+      "max_models", options.max_models, {1, 100}, "1", "library designs offered per object");
+  visitor.Field(
+      "max_views", options.max_views, {1, 100}, "1", "views of an object that judge the designs");
+  visitor.Field("stretch_min",
+                options.stretch_min,
+                {0.1, 1},
+                "1",
+                "smallest stretch of a design along an axis");
+  visitor.Field("stretch_max",
+                options.stretch_max,
+                {1, 10},
+                "1",
+                "largest stretch of a design along an axis");
+  visitor.Field("size_margin",
+                options.size_margin,
+                {0.01, 0.9},
+                "1",
+                "share by which a candidate's real size may differ from the fitted one");
+}
+
+std::unique_ptr<Proposer> MakeRetrievalProposer(std::shared_ptr<const ModelLibrary> library,
+                                                const ClassTable& classes,
+                                                const RetrievalOptions& options) {
+  DEEPSLAM_CHECK(library != nullptr, "retrieval without a library");
+  return std::make_unique<RetrievalProposer>(std::move(library), classes, options);
+}
+
+}  // namespace deepslam::propose
