@@ -15,10 +15,11 @@ struct RefineOptions {
 };
 void Describe(OptionsVisitor& visitor, RefineOptions& options);
 
-// A closed, oriented two-manifold comes back as one, in the same unit and with as many components; the two surfaces stay
-// within `max_error` of each other (measured afterwards, both ways). Where a result leaves the bound or would pierce itself,
-// it is made again with half the steps' own bounds; in the worst case the input comes back. Colours are dropped.
-// Errors: an empty mesh; one that is not closed, oriented and two-manifold.
+// A closed, oriented two-manifold comes back as one, in the same unit and with as many components;
+// the two surfaces stay within `max_error` of each other (measured afterwards, both ways). Where a
+// result leaves the bound or would pierce itself, it is made again with half the steps' own bounds;
+// in the worst case the input comes back. Colours are dropped. Errors: an empty mesh; one that is
+// not closed, oriented and two-manifold.
 [[nodiscard]] Result<TriangleMesh> RefineMesh(const TriangleMesh& mesh,
                                               const RefineOptions& options);
 

@@ -1,4 +1,4 @@
-#include "deepslam/mesh/check_mesh.h"
+#include "deepslam/scene/mesh_check.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-namespace deepslam::mesh {
+namespace deepslam {
 namespace {
 
 using Face = std::array<std::uint32_t, 3>;
@@ -205,4 +205,4 @@ MeshCheck CheckMesh(const TriangleMesh& mesh) {
   return check;
 }
 
-}  // namespace deepslam::mesh
+}  // namespace deepslam
