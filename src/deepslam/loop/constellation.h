@@ -99,13 +99,19 @@ using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
                                                             const LoopOptions& options,
                                                             const Odometry& odometry = {});
 
-// The constellation with refined correction, verdict and reason. Objects agree when, over all
-// pairs, at least min_object_agreement of the new objects' depth lies within verify_distance_m of
-// the old models and vice versa (the worse of both counts; a side without points is left out; no
-// side at all: not accepted). Surroundings agree when min_room_agreement of the smaller-sided
-// overlap does, where both visits have min_room_points. A single pair is accepted when, without any
-// correction, min_single_overlap of both models' points lie within verify_distance_m of the other
-// model or inside its box shrunk to 80 %.
+// The constellation with refined correction, verdict and reason.
+//
+// Objects: of each pair, the share of the new object's depth within verify_distance_m of the old
+// model (and the old depth), and the other way round; the worse counts. Pairs that reach less than
+// half of min_object_agreement are taken out; with min_pairs or more left, their mean must reach
+// min_object_agreement. No depth at all: not accepted. Surroundings: without ground and without the
+// pairs' objects, within room_radius_m. The share of either visit's points that lie within 1.5
+// verify_distance_m of the other's; the better direction counts, since one visit may have seen
+// more; it must reach min_room_agreement. Where a visit has fewer than min_room_points of them,
+// objects alone are believed only if the correction moves them by no more than drift_base_m: equal
+// furniture in an equal arrangement may stand elsewhere. A single pair: without any correction,
+// min_single_overlap of both models' points must lie within verify_distance_m of the other model or
+// inside its box shrunk to 80 %.
 [[nodiscard]] Constellation VerifyConstellation(const Constellation& constellation,
                                                 const ObjectMap& map,
                                                 const LoopEvidence& evidence,

@@ -1,0 +1,393 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include "deepslam/loop/constellation.h"
+#include "deepslam/loop/correction.h"
+#include "deepslam/loop/sightings.h"
+
+namespace deepslam::loop {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+// An old object and a new one that might be the same.
+struct PairHypothesis {
+  std::size_t old_object = 0;  // index into the map
+  std::size_t new_object = 0;
+  Eigen::Vector3d old_level;
+  Eigen::Vector3d new_level;
+  bool yaw_known = false;
+  double yaw_rad = 0;  // old minus new
+  double path_m = 0;   // between the visits
+  int old_frame = 0;   // middle of each visit
+  int new_frame = 0;
+};
+
+using PairList = std::vector<std::size_t>;  // indices of hypotheses, ascending
+
+class ConstellationFinder {
+ public:
+  ConstellationFinder(const ObjectMap& map,
+                      const Association& association,
+                      const LoopOptions& options,
+                      const Odometry& odometry)
+      : map_(map),
+        options_(options),
+        sightings_(map, association, odometry),
+        level_from_world_(LevelFromWorld(UpDirection(map))) {
+    std::istringstream classes(options.yaw_free_classes);
+    for (std::string name; classes >> name;) yaw_free_classes_.insert(name);
+  }
+
+  std::vector<Constellation> Find() {
+    FindPairs();
+    FindSets();
+    std::vector<Constellation> found;
+    for (const PairList& pairs : MaximalSets()) found.push_back(ToConstellation(pairs));
+    if (options_.merge_overlapping) AddOverlaps(found);
+    return found;
+  }
+
+ private:
+  double MaxDrift_m(double path_m) const {
+    return options_.drift_base_m + options_.drift_share * path_m;
+  }
+  double MaxYawDrift_rad(double path_m) const {
+    return kRadPerDeg *
+           std::min(180.0, options_.drift_base_deg + options_.drift_deg_per_m * path_m);
+  }
+  double YawTolerance_rad() const { return kRadPerDeg * options_.yaw_tolerance_deg; }
+
+  bool YawFree(const MapObject& object) const {
+    if (yaw_free_classes_.contains(object.class_name)) return true;
+    bool any = false;
+    for (const ViewRegistration& view : object.views) {
+      if (!view.ok) continue;
+      if (!view.yaw_free) return false;
+      any = true;
+    }
+    return any;
+  }
+
+  double LevelYaw(const MapObject& object) const {
+    const Eigen::Vector3d front =
+        level_from_world_ * (object.world_from_object.rotation * Eigen::Vector3d::UnitX());
+    return std::atan2(front.y(), front.x());
+  }
+
+  bool Usable(std::size_t k) const {
+    const Pose3& pose = map_.objects[k].world_from_object;
+    return pose.translation_m.allFinite() && pose.rotation.coeffs().allFinite() &&
+           !sightings_.frames(k).empty();
+  }
+
+  void FindPairs() {
+    for (std::size_t o = 0; o < map_.objects.size(); ++o) {
+      for (std::size_t n = 0; n < map_.objects.size(); ++n) {
+        if (o != n && map_.objects[o].class_name == map_.objects[n].class_name && Usable(o) &&
+            Usable(n)) {
+          TryPair(o, n);
+        }
+      }
+    }
+  }
+
+  void TryPair(std::size_t o, std::size_t n) {
+    const std::vector<int>& old_frames = sightings_.frames(o);
+    const std::vector<int>& new_frames = sightings_.frames(n);
+    const int start = new_frames.front();
+    const auto end = std::lower_bound(old_frames.begin(), old_frames.end(), start);
+    if (end == old_frames.begin() || start - *(end - 1) < options_.min_gap_frames) return;
+    if (sightings_.SeenTogether(o, n)) return;
+    PairHypothesis pair;
+    pair.old_object = o;
+    pair.new_object = n;
+    pair.old_level = level_from_world_ * map_.objects[o].world_from_object.translation_m;
+    pair.new_level = level_from_world_ * map_.objects[n].world_from_object.translation_m;
+    pair.path_m = sightings_.PathBetween_m(*(end - 1), start);
+    pair.old_frame = old_frames[static_cast<std::size_t>((end - old_frames.begin()) / 2)];
+    pair.new_frame = new_frames[new_frames.size() / 2];
+    pair.yaw_known = !YawFree(map_.objects[o]) && !YawFree(map_.objects[n]);
+    pair.yaw_rad = WrappedAngle(LevelYaw(map_.objects[o]) - LevelYaw(map_.objects[n]));
+    if ((pair.old_level - pair.new_level).norm() >
+        MaxDrift_m(pair.path_m) + options_.position_tolerance_m) {
+      return;
+    }
+    if (pair.yaw_known &&
+        std::abs(pair.yaw_rad) > MaxYawDrift_rad(pair.path_m) + YawTolerance_rad()) {
+      return;
+    }
+    pairs_.push_back(pair);
+  }
+
+  // Registration error, and drift inside either visit.
+  double Tolerance_m(const PairHypothesis& a, const PairHypothesis& b) const {
+    return options_.position_tolerance_m +
+           options_.local_drift * (sightings_.PathBetween_m(a.old_frame, b.old_frame) +
+                                   sightings_.PathBetween_m(a.new_frame, b.new_frame));
+  }
+
+  LevelCorrection Fit(const PairList& list) const {
+    CorrectionFit fit;
+    for (const std::size_t k : list) {
+      fit.AddPoint(pairs_[k].old_level, pairs_[k].new_level);
+      if (pairs_[k].yaw_known) fit.AddYaw(pairs_[k].yaw_rad);
+    }
+    return fit.Solve(options_.position_tolerance_m, YawTolerance_rad());
+  }
+
+  bool Agrees(const LevelCorrection& correction, const PairList& list) const {
+    double path_m = 0;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    for (const std::size_t k : list) {
+      const PairHypothesis& pair = pairs_[k];
+      path_m = std::max(path_m, pair.path_m);
+      center += pair.new_level / static_cast<double>(list.size());
+      const double tolerance_m = Tolerance_m(pairs_[list.front()], pair);
+      if ((correction * pair.new_level - pair.old_level).norm() > tolerance_m) return false;
+      if (pair.yaw_known &&
+          std::abs(WrappedAngle(pair.yaw_rad - correction.yaw_rad)) > YawTolerance_rad()) {
+        return false;
+      }
+    }
+    return std::abs(correction.yaw_rad) <= MaxYawDrift_rad(path_m) &&
+           (correction * center - center).norm() <= MaxDrift_m(path_m);
+  }
+
+  bool Neighbours(const PairHypothesis& a, const PairHypothesis& b) const {
+    return (a.old_level - b.old_level).norm() <= options_.max_spread_m &&
+           (a.new_level - b.new_level).norm() <= options_.max_spread_m;
+  }
+
+  bool Compatible(const PairHypothesis& a, const PairHypothesis& b) const {
+    return a.old_object != b.old_object && a.new_object != b.new_object &&
+           a.old_object != b.new_object && a.new_object != b.old_object && Neighbours(a, b);
+  }
+
+  void FindSets() {
+    int num_seeds = 0;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      for (std::size_t j = i + 1; j < pairs_.size(); ++j) {
+        if (!Compatible(pairs_[i], pairs_[j])) continue;
+        const double apart_old_m = (pairs_[i].old_level - pairs_[j].old_level).norm();
+        const double apart_new_m = (pairs_[i].new_level - pairs_[j].new_level).norm();
+        if (std::abs(apart_old_m - apart_new_m) > 2 * Tolerance_m(pairs_[i], pairs_[j])) continue;
+        if (++num_seeds > options_.max_seeds) return;
+        const PairList seed = {i, j};
+        if (Agrees(Fit(seed), seed)) sets_.insert(Grown(seed));
+      }
+    }
+  }
+
+  // The seed with every further pair that agrees, nearest first.
+  PairList Grown(PairList list) const {
+    const LevelCorrection seed_correction = Fit(list);
+    std::vector<std::pair<double, std::size_t>> others;
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const PairHypothesis& pair = pairs_[k];
+      if (!Compatible(pairs_[list[0]], pair) || !Compatible(pairs_[list[1]], pair)) continue;
+      const double error_m = (seed_correction * pair.new_level - pair.old_level).norm();
+      if (error_m < 2 * Tolerance_m(pairs_[list.front()], pair)) others.emplace_back(error_m, k);
+    }
+    std::sort(others.begin(), others.end());
+    for (const auto& [error_m, k] : others) {
+      const bool compatible = std::all_of(list.begin(), list.end(), [&](std::size_t member) {
+        return Compatible(pairs_[member], pairs_[k]);
+      });
+      if (!compatible) continue;
+      PairList longer = list;
+      longer.push_back(k);
+      if (Agrees(Fit(longer), longer)) list = longer;
+    }
+    std::sort(list.begin(), list.end());
+    return list;
+  }
+
+  std::vector<PairList> MaximalSets() const {
+    std::vector<PairList> maximal;
+    for (const PairList& list : sets_) {
+      if (static_cast<int>(list.size()) < options_.min_pairs) continue;
+      const bool contained =
+          std::any_of(sets_.begin(), sets_.end(), [&list](const PairList& other) {
+            return other.size() > list.size() &&
+                   std::includes(other.begin(), other.end(), list.begin(), list.end());
+          });
+      if (!contained) maximal.push_back(list);
+    }
+    std::stable_sort(maximal.begin(), maximal.end(), [](const PairList& a, const PairList& b) {
+      return a.size() > b.size();
+    });
+    return maximal;
+  }
+
+  Constellation ToConstellation(const PairList& list) const {
+    Constellation constellation;
+    const LevelCorrection correction = Fit(list);
+    double squared = 0;
+    for (const std::size_t k : list) {
+      const PairHypothesis& pair = pairs_[k];
+      constellation.pairs.push_back(
+          {map_.objects[pair.old_object].id, map_.objects[pair.new_object].id});
+      squared += (correction * pair.new_level - pair.old_level).squaredNorm();
+    }
+    constellation.old_world_from_new_world = correction.InWorld(level_from_world_);
+    constellation.position_error_m = std::sqrt(squared / static_cast<double>(list.size()));
+    constellation.reason = "not verified";
+    return constellation;
+  }
+
+  // Duplicates that stand in each other; where a constellation has the pair already, it decides.
+  void AddOverlaps(std::vector<Constellation>& found) const {
+    std::set<std::pair<ObjectId, ObjectId>> known;
+    for (const Constellation& constellation : found) {
+      for (const ObjectMerge& pair : constellation.pairs) known.emplace(pair.kept, pair.merged);
+    }
+    for (std::size_t a = 0; a < map_.objects.size(); ++a) {
+      for (std::size_t b = a + 1; b < map_.objects.size(); ++b) {
+        if (map_.objects[a].class_name != map_.objects[b].class_name || !Usable(a) || !Usable(b) ||
+            sightings_.SeenTogether(a, b)) {
+          continue;
+        }
+        const bool a_first = sightings_.frames(a).front() <= sightings_.frames(b).front();
+        const MapObject& old_object = map_.objects[a_first ? a : b];
+        const MapObject& new_object = map_.objects[a_first ? b : a];
+        const Eigen::Vector3d move_m =
+            old_object.world_from_object.translation_m - new_object.world_from_object.translation_m;
+        const double half_size_m = 0.5 * std::min(old_object.scale_m, new_object.scale_m);
+        if (!(move_m.norm() < options_.overlap_share * half_size_m)) continue;
+        if (known.contains({old_object.id, new_object.id})) continue;
+        Constellation single;
+        single.pairs = {{old_object.id, new_object.id}};
+        single.old_world_from_new_world.translation_m = move_m;
+        single.position_error_m = move_m.norm();
+        single.reason = "not verified";
+        found.push_back(single);
+      }
+    }
+  }
+
+  const ObjectMap& map_;
+  const LoopOptions& options_;
+  const Sightings sightings_;
+  const Eigen::Quaterniond level_from_world_;
+  std::set<std::string> yaw_free_classes_;
+  std::vector<PairHypothesis> pairs_;
+  std::set<PairList> sets_;
+};
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, LoopOptions& options) {
+  constexpr Range kShare{0, 1};
+  constexpr Range kDistance_m{0, 1000};
+  constexpr Range kAngle_deg{0, 180};
+  visitor.Field("enabled", options.enabled, "look for loops by constellations of objects");
+  visitor.Field("min_pairs", options.min_pairs, {2, 100}, "1", "objects of a constellation");
+  visitor.Field("min_gap_frames",
+                options.min_gap_frames,
+                {1, 1e6},
+                "frames",
+                "between the old objects' last sight and the new ones' first");
+  visitor.Field("position_tolerance_m",
+                options.position_tolerance_m,
+                {1e-3, 10},
+                "m",
+                "difference of a constellation's places after the correction");
+  visitor.Field(
+      "local_drift", options.local_drift, kShare, "m/m", "tracking drift within one visit");
+  visitor.Field("yaw_tolerance_deg",
+                options.yaw_tolerance_deg,
+                {0.1, 180},
+                "deg",
+                "difference of yaws after the correction");
+  visitor.Field("drift_base_m",
+                options.drift_base_m,
+                kDistance_m,
+                "m",
+                "largest correction without any path");
+  visitor.Field("drift_share",
+                options.drift_share,
+                kShare,
+                "m/m",
+                "largest correction per path between the visits");
+  visitor.Field("drift_base_deg",
+                options.drift_base_deg,
+                kAngle_deg,
+                "deg",
+                "largest yaw correction without any path");
+  visitor.Field("drift_deg_per_m",
+                options.drift_deg_per_m,
+                kAngle_deg,
+                "deg/m",
+                "largest yaw correction per path between the visits");
+  visitor.Field("max_spread_m",
+                options.max_spread_m,
+                kDistance_m,
+                "m",
+                "distance of objects of one constellation");
+  visitor.Field("yaw_free_classes",
+                options.yaw_free_classes,
+                "classes whose yaw is not compared, separated by spaces");
+  visitor.Field("merge_overlapping",
+                options.merge_overlapping,
+                "merge two objects of a class that stand in each other");
+  visitor.Field("overlap_share",
+                options.overlap_share,
+                kShare,
+                "1",
+                "distance of their centres over half the smaller one's longest side");
+  visitor.Field("max_seeds", options.max_seeds, {1, 1e8}, "1", "pairs of pairs that are tried");
+  visitor.Field("verify_distance_m",
+                options.verify_distance_m,
+                {1e-3, 1},
+                "m",
+                "points of the two visits this near agree");
+  visitor.Field("min_object_agreement",
+                options.min_object_agreement,
+                kShare,
+                "1",
+                "share of the objects' depth that must agree");
+  visitor.Field("min_room_agreement",
+                options.min_room_agreement,
+                kShare,
+                "1",
+                "share of the surroundings that must agree");
+  visitor.Field("min_room_points",
+                options.min_room_points,
+                {1, 1e6},
+                "1",
+                "fewer points of surroundings say nothing");
+  visitor.Field("room_radius_m",
+                options.room_radius_m,
+                kDistance_m,
+                "m",
+                "surroundings count this near to the objects");
+  visitor.Field("min_single_overlap",
+                options.min_single_overlap,
+                kShare,
+                "1",
+                "share of both models that lies in the other, for a single pair");
+  visitor.Field("ambiguity_ratio",
+                options.ambiguity_ratio,
+                kShare,
+                "1",
+                "a contradicting constellation loses below this share of the other's pairs");
+  visitor.Field("add_edges", options.add_edges, "keyframe-to-keyframe edges of accepted loops");
+  visitor.Field(
+      "edge_floor_m", options.edge_floor_m, {1e-4, 10}, "m", "least deviation of an edge");
+  visitor.Field(
+      "edge_floor_deg", options.edge_floor_deg, {1e-2, 90}, "deg", "least deviation of an edge");
+}
+
+std::vector<Constellation> FindConstellations(const ObjectMap& map,
+                                              const Association& association,
+                                              const LoopOptions& options,
+                                              const Odometry& odometry) {
+  if (!options.enabled) return {};
+  return ConstellationFinder(map, association, options, odometry).Find();
+}
+
+}  // namespace deepslam::loop

@@ -1,0 +1,42 @@
+// How well two point sets agree: nearest neighbours through a kd-tree.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/geometry/pose.h"
+
+namespace deepslam::loop {
+
+class PointIndex {
+ public:
+  explicit PointIndex(std::vector<Eigen::Vector3f> points);
+  ~PointIndex();
+  PointIndex(PointIndex&&) noexcept;
+  PointIndex& operator=(PointIndex&&) noexcept;
+
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+  // The nearest point within `radius_m`, nullptr where there is none.
+  [[nodiscard]] const Eigen::Vector3f* Nearest(const Eigen::Vector3f& p, double radius_m) const;
+
+ private:
+  struct Tree;
+  std::vector<Eigen::Vector3f> points_;
+  std::unique_ptr<Tree> tree_;
+};
+
+// At most one point per cube of `cell_m`, the first in the order given; what is not finite is left
+// out. The result does not depend on anything but the input.
+[[nodiscard]] std::vector<Eigen::Vector3f> Thinned(std::span<const Eigen::Vector3f> points,
+                                                   double cell_m);
+
+// Share of b_from_a * points_a within `radius_m` of the index; 0 for no points.
+[[nodiscard]] double AgreeingShare(std::span<const Eigen::Vector3f> points_a,
+                                   const Pose3& b_from_a,
+                                   const PointIndex& points_b,
+                                   double radius_m);
+
+}  // namespace deepslam::loop

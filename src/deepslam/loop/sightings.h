@@ -1,0 +1,31 @@
+// When each object of the map was seen, and how far the camera travelled in between.
+#pragma once
+
+#include <vector>
+
+#include "deepslam/scene/object_map.h"
+#include "deepslam/scene/object_track.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::loop {
+
+class Sightings {
+ public:
+  // Frames of an object: its track's and those of the tracks merged into it, and its views'.
+  Sightings(const ObjectMap& map, const Association& association, const Odometry& odometry);
+
+  // Ascending, without repetition; `object` is an index into ObjectMap::objects.
+  [[nodiscard]] const std::vector<int>& frames(std::size_t object) const { return frames_[object]; }
+  [[nodiscard]] bool SeenTogether(std::size_t a, std::size_t b) const;
+  // Path along the keyframes between two frames; 0 without a trajectory.
+  [[nodiscard]] double PathBetween_m(int frame_a, int frame_b) const;
+
+ private:
+  [[nodiscard]] double PathUntil_m(int frame) const;
+
+  std::vector<std::vector<int>> frames_;
+  std::vector<int> path_frames_;
+  std::vector<double> path_m_;  // travelled until path_frames_[k]
+};
+
+}  // namespace deepslam::loop

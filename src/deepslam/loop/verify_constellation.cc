@@ -1,0 +1,336 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "deepslam/geometry/box.h"
+#include "deepslam/loop/constellation.h"
+#include "deepslam/loop/correction.h"
+#include "deepslam/loop/point_agreement.h"
+
+namespace deepslam::loop {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+constexpr double kCell_m = 0.03;  // thinning
+constexpr std::size_t kMinObjectPoints = 30;
+constexpr double kGroundBand_m = 0.10;  // above the objects' feet: counted as ground
+constexpr double kBoxShrink = 0.8;
+constexpr int kRefineSteps = 20;
+constexpr double kRefineRadius_m = 0.30;  // of correspondences at first
+constexpr double kRefineShrink = 0.85;
+constexpr double kMaxRefineMove_m =
+    0.30;  // farther than registration errors explain: not a refinement
+constexpr double kMaxRefineTurn_rad = 15.0 * std::numbers::pi / 180.0;
+constexpr double kWorstPairShare = 0.5;  // of min_object_agreement, for every single pair
+
+const MapObject* Find(const ObjectMap& map, ObjectId id) {
+  const auto it = std::find_if(
+      map.objects.begin(), map.objects.end(), [id](const MapObject& o) { return o.id == id; });
+  return it == map.objects.end() ? nullptr : &*it;
+}
+
+// One visit's knowledge of one object.
+struct VisitedObject {
+  Points depth;
+  PointIndex surface{{}};  // model and depth together
+};
+
+VisitedObject Visited(const LoopEvidence& evidence, ObjectId id) {
+  const auto it = evidence.find(id);
+  if (it == evidence.end()) return {};
+  VisitedObject object;
+  object.depth = Thinned(it->second.depth_points_world, kCell_m);
+  Points surface = Thinned(it->second.model_points_world, kCell_m);
+  surface.insert(surface.end(), object.depth.begin(), object.depth.end());
+  object.surface = PointIndex(std::move(surface));
+  return object;
+}
+
+struct Visit {
+  std::vector<VisitedObject> objects;  // one per pair
+  Points room;                         // without ground, without the pairs' objects
+};
+
+// Height below which points are ground: the objects' lowest points and a little.
+double GroundHeight(const LoopEvidence& evidence,
+                    const std::vector<ObjectId>& ids,
+                    const Eigen::Vector3d& up) {
+  std::vector<double> heights;
+  for (const ObjectId id : ids) {
+    const auto it = evidence.find(id);
+    if (it == evidence.end()) continue;
+    for (const Points* points : {&it->second.model_points_world, &it->second.depth_points_world}) {
+      for (const Eigen::Vector3f& p : *points) {
+        if (p.allFinite()) heights.push_back(up.dot(p.cast<double>()));
+      }
+    }
+  }
+  if (heights.empty()) return -std::numeric_limits<double>::infinity();
+  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 50);
+  std::nth_element(heights.begin(), low, heights.end());
+  return *low + kGroundBand_m;
+}
+
+Visit MakeVisit(const ObjectMap& map,
+                const LoopEvidence& evidence,
+                const std::vector<ObjectId>& ids,
+                const Eigen::Vector3d& up,
+                const LoopOptions& options) {
+  Visit visit;
+  Points around;
+  for (const ObjectId id : ids) {
+    visit.objects.push_back(Visited(evidence, id));
+    const auto it = evidence.find(id);
+    if (it == evidence.end()) continue;
+    around.insert(
+        around.end(), it->second.surroundings_world.begin(), it->second.surroundings_world.end());
+  }
+  const double ground = GroundHeight(evidence, ids, up);
+  for (const Eigen::Vector3f& p : Thinned(around, kCell_m)) {
+    if (up.dot(p.cast<double>()) < ground) continue;
+    const bool near = std::any_of(ids.begin(), ids.end(), [&](ObjectId id) {
+      const MapObject* object = Find(map, id);
+      return object != nullptr &&
+             (object->world_from_object.translation_m - p.cast<double>()).norm() <
+                 options.room_radius_m;
+    });
+    const bool own =
+        std::any_of(visit.objects.begin(), visit.objects.end(), [&](const VisitedObject& object) {
+          return object.surface.Nearest(p, 1.5 * options.verify_distance_m) != nullptr;
+        });
+    if (near && !own) visit.room.push_back(p);
+  }
+  return visit;
+}
+
+// Correspondences of the new visit's points with the old one's under the correction.
+void AddCorrespondences(const Points& points,
+                        const PointIndex& target,
+                        const Pose3& old_from_new,
+                        const Eigen::Quaterniond& level_from_world,
+                        double radius_m,
+                        CorrectionFit& fit,
+                        std::size_t& count) {
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d moved = old_from_new * p.cast<double>();
+    const Eigen::Vector3f* nearest = target.Nearest(moved.cast<float>(), radius_m);
+    if (nearest == nullptr) continue;
+    fit.AddPoint(level_from_world * nearest->cast<double>(), level_from_world * p.cast<double>());
+    ++count;
+  }
+}
+
+// Point-to-point ICP of four degrees of freedom over objects and surroundings.
+Pose3 Refined(const Visit& old_visit,
+              const Visit& new_visit,
+              const PointIndex& old_room,
+              const Pose3& start,
+              const Eigen::Quaterniond& level_from_world,
+              const LoopOptions& options) {
+  Pose3 correction = start;
+  double radius_m = kRefineRadius_m;
+  for (int step = 0; step < kRefineSteps; ++step) {
+    CorrectionFit fit;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < new_visit.objects.size(); ++k) {
+      AddCorrespondences(new_visit.objects[k].depth,
+                         old_visit.objects[k].surface,
+                         correction,
+                         level_from_world,
+                         radius_m,
+                         fit,
+                         count);
+    }
+    AddCorrespondences(
+        new_visit.room, old_room, correction, level_from_world, radius_m, fit, count);
+    if (count < kMinObjectPoints) return start;
+    correction = fit.Solve(radius_m, 1.0).InWorld(level_from_world);
+    radius_m = std::max(options.verify_distance_m, kRefineShrink * radius_m);
+  }
+  return correction;
+}
+
+// The worse of both directions; nothing where neither side has points. `b_from_a` moves a onto b.
+std::optional<double> ObjectAgreement(const VisitedObject& old_object,
+                                      const VisitedObject& new_object,
+                                      const Pose3& old_from_new,
+                                      const LoopOptions& options) {
+  std::optional<double> worse;
+  const auto add = [&](const VisitedObject& a, const VisitedObject& b, const Pose3& b_from_a) {
+    if (a.depth.size() < kMinObjectPoints || b.surface.size() < kMinObjectPoints) return;
+    const double share = AgreeingShare(a.depth, b_from_a, b.surface, options.verify_distance_m);
+    worse = worse ? std::min(*worse, share) : share;
+  };
+  add(new_object, old_object, old_from_new);
+  add(old_object, new_object, old_from_new.Inverse());
+  return worse;
+}
+
+std::string Percent(double share) {
+  char buffer[16];
+  std::snprintf(buffer, sizeof(buffer), "%.0f %%", 100 * share);
+  return buffer;
+}
+
+// Share of model a's points on or well inside model b.
+double ShareInside(const ObjectEvidence& a,
+                   const ObjectEvidence& b,
+                   const Pose3& world_from_b,
+                   const LoopOptions& options) {
+  const Points points = Thinned(a.model_points_world, kCell_m);
+  const Points surface = Thinned(b.model_points_world, kCell_m);
+  if (points.size() < kMinObjectPoints || surface.size() < kMinObjectPoints) return 0;
+  const Pose3 b_from_world = world_from_b.Inverse();
+  Box3 box;
+  for (const Eigen::Vector3f& p : surface) box.Extend(b_from_world * p.cast<double>());
+  const PointIndex index(surface);
+  std::size_t inside = 0;
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d offset = b_from_world * p.cast<double>() - box.Center();
+    const bool in_box = (offset.cwiseAbs().array() <= 0.5 * kBoxShrink * box.Size().array()).all();
+    if (in_box || index.Nearest(p, options.verify_distance_m) != nullptr) ++inside;
+  }
+  return static_cast<double>(inside) / static_cast<double>(points.size());
+}
+
+Constellation VerifySingle(Constellation single,
+                           const ObjectMap& map,
+                           const LoopEvidence& evidence,
+                           const LoopOptions& options) {
+  const ObjectMerge& pair = single.pairs.front();
+  const auto old_evidence = evidence.find(pair.kept);
+  const auto new_evidence = evidence.find(pair.merged);
+  const MapObject* old_object = Find(map, pair.kept);
+  const MapObject* new_object = Find(map, pair.merged);
+  if (old_evidence == evidence.end() || new_evidence == evidence.end() || old_object == nullptr ||
+      new_object == nullptr) {
+    single.reason = "single pair without models to compare";
+    return single;
+  }
+  const double overlap = std::min(
+      ShareInside(
+          old_evidence->second, new_evidence->second, new_object->world_from_object, options),
+      ShareInside(
+          new_evidence->second, old_evidence->second, old_object->world_from_object, options));
+  single.accepted = overlap >= options.min_single_overlap;
+  single.reason = "models overlap by " + Percent(overlap);
+  return single;
+}
+
+// How far the correction moves the new objects.
+double LargestMove(const Constellation& constellation, const ObjectMap& map) {
+  double move_m = 0;
+  for (const ObjectMerge& pair : constellation.pairs) {
+    const MapObject* object = Find(map, pair.merged);
+    if (object == nullptr) continue;
+    const Eigen::Vector3d& p = object->world_from_object.translation_m;
+    move_m = std::max(move_m, (constellation.old_world_from_new_world * p - p).norm());
+  }
+  return move_m;
+}
+
+// Takes out pairs whose own depth contradicts; returns the mean agreement of those that stay,
+// nothing without evidence.
+std::optional<double> KeepAgreeingPairs(const Visit& old_visit,
+                                        const Visit& new_visit,
+                                        const LoopOptions& options,
+                                        Constellation& constellation) {
+  std::vector<ObjectMerge> kept;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t k = 0; k < constellation.pairs.size(); ++k) {
+    const std::optional<double> agreement = ObjectAgreement(old_visit.objects[k],
+                                                            new_visit.objects[k],
+                                                            constellation.old_world_from_new_world,
+                                                            options);
+    if (!agreement || *agreement < kWorstPairShare * options.min_object_agreement) continue;
+    kept.push_back(constellation.pairs[k]);
+    sum += *agreement;
+    ++count;
+  }
+  constellation.pairs = kept;
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+void TakeRefinement(const Pose3& refined, const ObjectMap& map, Constellation& constellation) {
+  double move_m = 0;
+  double squared = 0;
+  int count = 0;
+  for (const ObjectMerge& pair : constellation.pairs) {
+    const MapObject* old_object = Find(map, pair.kept);
+    const MapObject* new_object = Find(map, pair.merged);
+    if (old_object == nullptr || new_object == nullptr) continue;
+    const Eigen::Vector3d& p = new_object->world_from_object.translation_m;
+    move_m = std::max(move_m, (refined * p - constellation.old_world_from_new_world * p).norm());
+    squared += (refined * p - old_object->world_from_object.translation_m).squaredNorm();
+    ++count;
+  }
+  const Pose3 turn = constellation.old_world_from_new_world.Inverse() * refined;
+  if (count == 0 || move_m > kMaxRefineMove_m ||
+      RotationAngle(turn.rotation) > kMaxRefineTurn_rad) {
+    return;
+  }
+  constellation.old_world_from_new_world = refined;
+  constellation.position_error_m = std::sqrt(squared / count);
+}
+
+}  // namespace
+
+Constellation VerifyConstellation(const Constellation& constellation,
+                                  const ObjectMap& map,
+                                  const LoopEvidence& evidence,
+                                  const LoopOptions& options) {
+  Constellation result = constellation;
+  result.accepted = false;
+  if (result.pairs.size() == 1) return VerifySingle(result, map, evidence, options);
+  std::vector<ObjectId> old_ids, new_ids;
+  for (const ObjectMerge& pair : result.pairs) {
+    old_ids.push_back(pair.kept);
+    new_ids.push_back(pair.merged);
+  }
+  const Eigen::Vector3d up = UpDirection(map);
+  const Visit old_visit = MakeVisit(map, evidence, old_ids, up, options);
+  const Visit new_visit = MakeVisit(map, evidence, new_ids, up, options);
+  const PointIndex old_room(old_visit.room);
+  TakeRefinement(Refined(old_visit,
+                         new_visit,
+                         old_room,
+                         result.old_world_from_new_world,
+                         LevelFromWorld(up),
+                         options),
+                 map,
+                 result);
+
+  const std::optional<double> objects = KeepAgreeingPairs(old_visit, new_visit, options, result);
+  if (static_cast<int>(result.pairs.size()) < options.min_pairs || !objects) {
+    result.pairs = constellation.pairs;
+    result.reason = "the objects' depth does not agree";
+    return result;
+  }
+  result.reason = "objects agree by " + Percent(*objects);
+  result.accepted = *objects >= options.min_object_agreement;
+  const auto min_points = static_cast<std::size_t>(std::max(1, options.min_room_points));
+  if (old_visit.room.size() < min_points || new_visit.room.size() < min_points) {
+    // Equal furniture may stand elsewhere in an equal arrangement, but not within a foot of the
+    // first.
+    const bool near = LargestMove(result, map) <= options.drift_base_m;
+    result.reason += near ? ", surroundings unknown" : ", surroundings unknown and too far apart";
+    result.accepted = result.accepted && near;
+    return result;
+  }
+  const double radius_m = 1.5 * options.verify_distance_m;
+  const Pose3& correction = result.old_world_from_new_world;
+  const double room = std::max(
+      AgreeingShare(new_visit.room, correction, old_room, radius_m),
+      AgreeingShare(old_visit.room, correction.Inverse(), PointIndex(new_visit.room), radius_m));
+  result.reason += ", surroundings by " + Percent(room);
+  result.accepted = result.accepted && room >= options.min_room_agreement;
+  return result;
+}
+
+}  // namespace deepslam::loop

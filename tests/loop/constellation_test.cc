@@ -1,0 +1,240 @@
+#include "deepslam/loop/constellation.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "loop/synthetic_visits.h"
+#include "support/pose_matchers.h"
+
+namespace deepslam::loop {
+namespace {
+
+using ::deepslam::testing_support::PoseNear;
+using testing_support::AddVisit;
+using testing_support::Clutter;
+using testing_support::Detect;
+using testing_support::Furniture;
+using testing_support::Merged;
+using testing_support::Scene;
+using testing_support::Walk;
+using testing_support::Yawed;
+
+using Merges = std::set<std::pair<int, int>>;
+
+const std::vector<Furniture> kRoom = {
+    {"chair", 0, 0, 0.3}, {"chair", 1.4, 0.2, 2.0}, {"couch", 0.3, 1.9, -1.0}};
+
+// Both visits of the same room, the second one drifted.
+Scene Revisit(const std::vector<Furniture>& furniture, const Pose3& drifted_from_true) {
+  Scene scene;
+  scene.odometry = Walk(400, 20);
+  const auto room = Clutter(1, 4);
+  AddVisit(scene, furniture, 0, {}, room);
+  AddVisit(scene, furniture, 300, drifted_from_true, room);
+  return scene;
+}
+
+TEST(Loops, ATrueRevisitIsFoundAndCorrected) {
+  Random random(2);
+  int closed = 0;
+  constexpr int kTries = 10;
+  for (int n = 0; n < kTries; ++n) {
+    const Pose3 drift = Yawed(random.Uniform(-0.5, 0.5),
+                              random.Uniform(-0.5, 0.5),
+                              random.Uniform(-0.1, 0.1),
+                              random.Uniform(-0.15, 0.15));
+    const Loops loops = Detect(Revisit(kRoom, drift));
+    if (Merged(loops) != Merges{{0, 3}, {1, 4}, {2, 5}}) continue;
+    ++closed;
+    EXPECT_THAT(loops.constellations.front().old_world_from_new_world,
+                PoseNear(drift.Inverse(), 0.05, 2.0));
+    ASSERT_FALSE(loops.edges.empty());
+    for (const RelativePose& edge : loops.edges) {
+      EXPECT_LT(edge.i.value, 100);
+      EXPECT_GE(edge.j.value, 300);
+    }
+  }
+  EXPECT_GE(closed, 9 * kTries / 10);
+}
+
+TEST(Loops, WorksInAWorldThatIsNotLevel) {
+  Scene scene = Revisit(kRoom, Yawed(0.3, -0.2, 0.05, 0.1));
+  const Loops level = Detect(scene);
+  const Pose3 tilt = V2t((Vector6d() << 0.4, 1, -2, 1.4, -0.4, 0.3).finished());
+  for (MapObject& object : scene.map.objects)
+    object.world_from_object = tilt * object.world_from_object;
+  for (auto& [id, evidence] : scene.evidence) {
+    for (auto* points : {&evidence.depth_points_world,
+                         &evidence.model_points_world,
+                         &evidence.surroundings_world}) {
+      *points = testing_support::Moved(*points, tilt);
+    }
+  }
+  const Loops tilted = Detect(scene);
+  EXPECT_EQ(Merged(tilted), Merged(level));
+  EXPECT_EQ(Merged(tilted).size(), 3u);
+  EXPECT_THAT(
+      tilted.constellations.front().old_world_from_new_world,
+      PoseNear(tilt * level.constellations.front().old_world_from_new_world * tilt.Inverse(),
+               0.03,
+               1.0));
+}
+
+TEST(Loops, OtherClassesOrAnotherArrangementAreNoLoop) {
+  for (const Furniture& changed : {Furniture{"bed", 1.4, 0.2, 2.0},
+                                   Furniture{"chair", 2.2, 0.2, 2.0},
+                                   Furniture{"chair", 1.4, 0.2, 0.0}}) {
+    Scene scene;
+    scene.odometry = Walk(400, 20);
+    const auto room = Clutter(1, 4);
+    AddVisit(scene, {{"chair", 0, 0, 0.3}, {"chair", 1.4, 0.2, 2.0}}, 0, {}, room);
+    AddVisit(scene, {{"chair", 0, 0, 0.3}, changed}, 300, Yawed(0.5, 0.4, 0, 0), room);
+    const Loops loops = Detect(scene);
+    EXPECT_TRUE(loops.merges.empty())
+        << changed.class_name << " " << changed.x_m << " " << changed.yaw_rad;
+  }
+}
+
+TEST(Loops, FreeYawIsNotCompared) {
+  const std::vector<Furniture> turned_before = {{"table", 0, 0, 0.3}, {"table", 1.6, 0.4, 2.0}};
+  std::vector<Furniture> turned_after = turned_before;
+  turned_after[1].yaw_rad += 1.57;
+  LoopOptions options;
+  for (const bool free : {true, false}) {
+    options.yaw_free_classes = free ? "table furniture" : "furniture";
+    Scene scene;
+    scene.odometry = Walk(400, 20);
+    AddVisit(scene, turned_before, 0, {}, {});
+    AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
+    const auto found = FindConstellations(scene.map, scene.association, options, scene.odometry);
+    EXPECT_EQ(!found.empty() && found.front().pairs.size() == 2, free);
+  }
+  // A class with a yaw whose views all say it is not observable.
+  Scene scene;
+  scene.odometry = Walk(400, 20);
+  AddVisit(scene, turned_before, 0, {}, {});
+  AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
+  for (ViewRegistration& view : scene.map.objects[3].views) view.yaw_free = true;
+  EXPECT_EQ(FindConstellations(scene.map, scene.association, options, scene.odometry).size(), 1u);
+}
+
+// The same two chairs stand twice, a metre apart, and the second visit shows two chairs between
+// both places.
+TEST(Loops, AmbiguousOnesAreRefused) {
+  Scene scene;
+  scene.odometry = Walk(400, 30);
+  const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
+  const std::vector<Furniture> same_pair = {{"chair", 1.4, 0, 0}, {"chair", 1.4, 1.2, 0}};
+  AddVisit(scene, pair, 0, {}, {});
+  AddVisit(scene, same_pair, 40, {}, {});
+  AddVisit(scene, pair, 300, Yawed(0.7, 0, 0, 0), {});
+  LoopOptions options;
+  options.drift_base_m =
+      1.0;  // objects alone may be believed that far: only the ambiguity is left to refuse
+  std::vector<Constellation> found =
+      FindConstellations(scene.map, scene.association, options, scene.odometry);
+  ASSERT_GE(found.size(), 2u);
+  const Loops loops = Detect(scene, options);
+  EXPECT_TRUE(loops.merges.empty());
+  EXPECT_TRUE(loops.edges.empty());
+  EXPECT_NE(loops.constellations.front().reason.find("ambiguous"), std::string::npos)
+      << loops.constellations.front().reason;
+}
+
+TEST(Loops, SurroundingsTellEqualFurnitureApart) {
+  const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
+  for (const bool same_place : {true, false}) {
+    Scene scene;
+    scene.odometry = Walk(400, 30);
+    AddVisit(scene, pair, 0, {}, Clutter(1, 4));
+    AddVisit(scene, pair, 300, Yawed(1.0, 0.2, 0, 0.02), Clutter(same_place ? 1 : 2, 4));
+    EXPECT_EQ(Detect(scene).merges.size(), same_place ? 2u : 0u);
+  }
+}
+
+TEST(Loops, WithoutSurroundingsDistantTwinsStayApart) {
+  const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
+  Scene scene;
+  scene.odometry = Walk(400, 30);
+  AddVisit(scene, pair, 0, {}, {});
+  AddVisit(scene, pair, 300, Yawed(1.0, 0.2, 0, 0.02), {});
+  EXPECT_TRUE(Detect(scene).merges.empty());
+  Scene near;
+  near.odometry = Walk(400, 30);
+  AddVisit(near, pair, 0, {}, {});
+  AddVisit(near, pair, 300, Yawed(0.2, 0.1, 0, 0.02), {});
+  EXPECT_EQ(Detect(near).merges.size(), 2u);
+}
+
+TEST(Loops, MoreThanTrackingDriftsIsNoLoop) {
+  Scene scene = Revisit(kRoom, Yawed(1.0, 0, 0, 0));
+  EXPECT_FALSE(Detect(scene).merges.empty());
+  scene.odometry = Walk(400, 4);  // the same correction after a short walk
+  EXPECT_TRUE(Detect(scene).merges.empty());
+}
+
+TEST(Loops, ObjectsOfOneFrameAreNeverOne) {
+  Scene scene = Revisit(kRoom, Yawed(0.1, 0, 0, 0));
+  // One frame of the second visit sees the first visit's chair beside the new one.
+  scene.association.tracks[0].members.push_back(
+      {DetectionId{9999}, FrameIdx{305}, 1, 0.01, "model"});
+  for (const auto& [kept, merged] : Merged(Detect(scene))) {
+    EXPECT_FALSE(kept == 0 && merged == 3);
+  }
+}
+
+TEST(Loops, ADuplicateInItsPlaceIsMergedWithoutASecondPair) {
+  Scene scene;
+  scene.odometry = Walk(100, 1);
+  AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, {});
+  AddVisit(scene, {{"chair", 0, 0, 0}}, 20, Yawed(0.05, 0.04, 0, 0.02), {});
+  AddVisit(scene, {{"chair", 0.7, 0, 0}}, 40, {}, {});
+  EXPECT_EQ(Merged(Detect(scene)), (Merges{{0, 1}}));
+  LoopOptions options;
+  options.merge_overlapping = false;
+  EXPECT_TRUE(Detect(scene, options).merges.empty());
+}
+
+TEST(Loops, AChainOfVisitsEndsInTheLowestId) {
+  Scene scene;
+  scene.odometry = Walk(800, 30);
+  const auto room = Clutter(1, 4);
+  AddVisit(scene, kRoom, 0, {}, room);
+  AddVisit(scene, kRoom, 300, Yawed(0.3, 0.1, 0, 0.05), room);
+  AddVisit(scene, kRoom, 700, Yawed(0.5, -0.2, 0, -0.05), room);
+  const Loops loops = Detect(scene);
+  EXPECT_EQ(Merged(loops), (Merges{{0, 3}, {0, 6}, {1, 4}, {1, 7}, {2, 5}, {2, 8}}));
+  EXPECT_EQ(loops.merges.size(), 6u) << "each merged once";
+}
+
+TEST(Loops, TheOrderOfObjectsChangesNothing) {
+  Scene scene = Revisit(kRoom, Yawed(0.3, 0.1, 0, 0.05));
+  const Loops first = Detect(scene);
+  const Loops again = Detect(scene);
+  ASSERT_EQ(first.edges.size(), again.edges.size());
+  for (std::size_t k = 0; k < first.edges.size(); ++k) {
+    EXPECT_EQ(first.edges[k].i_from_j, again.edges[k].i_from_j);
+  }
+  std::reverse(scene.map.objects.begin(), scene.map.objects.end());
+  EXPECT_EQ(Merged(Detect(scene)), Merged(first));
+}
+
+TEST(Loops, NothingAndNonsense) {
+  EXPECT_TRUE(Detect({}).merges.empty());
+  Scene scene = Revisit(kRoom, Yawed(0.3, 0.1, 0, 0.05));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  scene.evidence[ObjectId{0}].depth_points_world[5] = {nan, 0, 0};
+  scene.evidence[ObjectId{3}].surroundings_world[5] = {1e30F, 0, 0};
+  EXPECT_EQ(Detect(scene).merges.size(), 3u);
+  scene.map.objects[0].world_from_object.translation_m.x() = nan;
+  EXPECT_EQ(Detect(scene).merges.size(), 2u);
+  scene.evidence.clear();
+  EXPECT_TRUE(Detect(scene).merges.empty());
+  LoopOptions off;
+  off.enabled = false;
+  EXPECT_TRUE(Detect(Revisit(kRoom, {}), off).constellations.empty());
+}
+
+}  // namespace
+}  // namespace deepslam::loop
