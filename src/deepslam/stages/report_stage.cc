@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/map_json.h"
+#include "deepslam/artifact/ply.h"
+#include "deepslam/artifact/segments_json.h"
+#include "deepslam/pipeline/manifest.h"
+#include "deepslam/report/report.h"
+#include "deepslam/stages/report_pictures.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+constexpr std::array<std::string_view, 13> kReportedStages = {"track",
+                                                              "ground",
+                                                              "detect",
+                                                              "segment",
+                                                              "associate",
+                                                              "propose",
+                                                              "register",
+                                                              "select",
+                                                              "loops",
+                                                              "optimize",
+                                                              "mesh",
+                                                              "fuse",
+                                                              "export"};
+
+std::string SourceInWords(CandidateSource source) {
+  switch (source) {
+    case CandidateSource::kNetwork:
+      return "network";
+    case CandidateSource::kMeanLatent:
+      return "network, mean of views";
+    case CandidateSource::kRetrieval:
+      return "CAD library";
+    case CandidateSource::kFused:
+      return "own measurement";
+  }
+  return "unknown";
+}
+
+std::vector<report::CandidateRow> CandidateRows(const MapObject& object,
+                                                const Proposals& proposals) {
+  std::map<CandidateId, const ShapeCandidate*> by_id;
+  for (const ShapeCandidate& candidate : proposals.candidates) by_id[candidate.id] = &candidate;
+  std::vector<report::CandidateRow> rows;
+  for (const CandidateScore& score : object.scores) {
+    report::CandidateRow row;
+    if (const auto it = by_id.find(score.candidate); it != by_id.end()) {
+      row.model = it->second->model;
+      row.source = SourceInWords(it->second->source);
+    }
+    row.score = score.score;
+    row.surface_share = score.surface_share;
+    row.coverage_share = score.coverage_share;
+    row.free_violation = score.free_violation;
+    row.num_views = score.num_views;
+    row.chosen = score.candidate == object.chosen;
+    row.note = score.note;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Box3 BoundsOf(const TriangleMesh& mesh) {
+  Box3 box;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) box.Extend(vertex.cast<double>());
+  return box;
+}
+
+double LowestPoint(const TriangleMesh& mesh, const Pose3& world_from_object) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    lowest = std::min(lowest, (world_from_object * vertex.cast<double>()).z());
+  }
+  return mesh.vertices.empty() ? 0.0 : lowest;
+}
+
+report::ObjectRow MakeRow(const PicturedObject& pictured, const Proposals& proposals) {
+  const MapObject& object = *pictured.object;
+  report::ObjectRow row;
+  row.name = pictured.name;
+  row.class_name = object.class_name;
+  row.size_m = BoundsOf(pictured.mesh).Size();
+  row.world_from_object = object.world_from_object;
+  row.bottom_above_ground_m = LowestPoint(pictured.mesh, object.world_from_object);
+  row.confidence = object.confidence;
+  row.num_views = static_cast<int>(object.views.size());
+  row.source = SourceInWords(object.source);
+  row.credit = object.credit;
+  row.note = object.note;
+  row.colour = pictured.colour;
+  row.candidates = CandidateRows(object, proposals);
+  return row;
+}
+
+Rgb8 ColourOf(const ClassTable& classes, const std::string& class_name) {
+  const ObjectClass* known = classes.Find(class_name);
+  if (known == nullptr) return {160, 160, 160};
+  const auto byte = [](int x) { return static_cast<std::uint8_t>(std::clamp(x, 0, 255)); };
+  return {byte(known->colour_rgb[0]), byte(known->colour_rgb[1]), byte(known->colour_rgb[2])};
+}
+
+Result<TriangleMesh> ReadMesh(const StageContext& context,
+                              std::string_view stage,
+                              const std::string& file) {
+  const Result<std::string> bytes = context.Read(stage, file);
+  if (!bytes.ok()) return bytes.error();
+  Result<artifact::PlyMesh> ply =
+      artifact::DecodePly(*bytes, StageContext::DisplayName(stage, file));
+  if (!ply.ok()) return ply.error();
+  return std::move(ply->mesh);
+}
+
+// An object whose mesh could not be made stands in the map without one and is left out of pictures.
+std::vector<PicturedObject> ReadPictured(const StageContext& context,
+                                         const ObjectMap& map,
+                                         const ClassTable& classes) {
+  std::vector<PicturedObject> pictured;
+  for (const MapObject& object : map.objects) {
+    PicturedObject entry{&object, ObjectName(object), {}, ColourOf(classes, object.class_name)};
+    Result<TriangleMesh> mesh = ReadMesh(context, "mesh", "objects/" + entry.name + ".ply");
+    if (mesh.ok()) entry.mesh = std::move(mesh).value();
+    pictured.push_back(std::move(entry));
+  }
+  return pictured;
+}
+
+std::vector<std::string> Warnings(const RunInputs& inputs,
+                                  const Association& association,
+                                  const Proposals& proposals,
+                                  const OptimizedMap& map) {
+  std::vector<std::string> warnings = inputs.capture->warnings;
+  warnings.insert(warnings.end(), proposals.notes.begin(), proposals.notes.end());
+  warnings.insert(warnings.end(), map.map.dropped.begin(), map.map.dropped.end());
+  std::map<std::string, int> reasons;
+  for (const Rejection& rejection : association.rejections) ++reasons[rejection.reason];
+  for (const auto& [reason, count] : reasons) {
+    warnings.push_back(fmt::format(
+        "{} detection{} belong to no object: {}", count, count == 1 ? "" : "s", reason));
+  }
+  return warnings;
+}
+
+// What the stages said of themselves, and the sizes of the files a user takes away.
+void AddManifests(const StageContext& context, report::ReportContent& content) {
+  for (const std::string_view stage : kReportedStages) {
+    const std::string name = StageContext::DisplayName(stage, pipeline::kManifestFile);
+    const Result<std::string> text = context.Read(stage, pipeline::kManifestFile);
+    if (!text.ok()) continue;
+    const Result<pipeline::Manifest> manifest = pipeline::DecodeManifest(*text, name);
+    if (!manifest.ok()) continue;
+    content.stage_summaries.emplace_back(stage, manifest->summary.line);
+    if (stage != "export") continue;
+    for (const auto& [file, output] : manifest->outputs)
+      content.file_bytes.emplace_back(file, output.num_bytes);
+  }
+}
+
+}  // namespace
+
+Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
+  const Result<OptimizedMap> map = ReadOptimized(context);
+  if (!map.ok()) return map.error();
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  const Result<Association> association = ReadAssociation(context, "associate");
+  if (!association.ok()) return association.error();
+  const Result<Proposals> proposals = ReadProposals(context);
+  if (!proposals.ok()) return proposals.error();
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<std::string> map_text = context.Read("export", "map.json");
+  if (!map_text.ok()) return map_text.error();
+  const Result<artifact::MapFile> map_file = artifact::DecodeMap(*map_text, "export/map.json");
+  if (!map_file.ok()) return map_file.error();
+  const Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply");
+
+  report::ReportContent content;
+  content.title = inputs.capture->name;
+  content.tool_version = kToolVersion;
+  content.capture_hash = inputs.capture->content_hash;
+  content.verdict = artifact::NameOf(map_file->verdict);
+  content.verdict_reasons = map_file->reasons;
+  content.warnings = Warnings(inputs, *association, *proposals, *map);
+  content.map = *map;
+  if (!map->frames.empty()) {
+    // The tracked path laid onto the first final pose, so that what the graph changed shows.
+    const Pose3 world_from_tracking = map->frames.front().world_from_camera *
+                                      odometry->frames.front().world_from_camera.Inverse();
+    for (const TrackedFrame& frame : odometry->frames) {
+      content.tracked_world_from_camera.push_back(world_from_tracking * frame.world_from_camera);
+    }
+  }
+  const FrameSource& frames = *inputs.capture->frames;
+  const std::vector<PicturedObject> pictured = ReadPictured(context, map->map, inputs.classes);
+  for (const PicturedObject& object : pictured) {
+    if (context.progress().StopRequested()) return Interrupted();
+    report::ObjectRow row = MakeRow(object, *proposals);
+    row.pictures = ObjectPictures(object, *segments, *map, frames);
+    content.objects.push_back(std::move(row));
+  }
+  content.scene_pictures =
+      ScenePictures(pictured, room.ok() ? *room : TriangleMesh{}, *map, frames);
+  content.frame_pictures = FramePictures(*segments, association->tracks, *map, frames);
+  AddManifests(context, content);
+  if (Status status = context.Write("index.html", report::RenderReport(content)); !status.ok())
+    return status.error();
+  return StageSummary{fmt::format("{}: {} objects", content.verdict, content.objects.size()), {}};
+}
+
+}  // namespace deepslam::stages
