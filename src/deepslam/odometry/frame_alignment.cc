@@ -34,6 +34,8 @@ constexpr double kSameStartRad = 0.005;
 // Scales at which competing starts are compared.
 constexpr float kJudgeScale = 3.0F;
 constexpr float kJudgePhotometricScale = 10.0F;
+// Fewer photometric residuals say nothing about the images' agreement.
+constexpr int kMinPhotometricResiduals = 300;
 
 // Pixels of this level that share one error, in units of measurements per independent measurement.
 double CorrelationFactor(const PyramidLevel& level, const AlignmentOptions& options) {
@@ -108,7 +110,9 @@ double Support(const PyramidLevel& i,
                const PyramidLevel& j,
                const Descent& descent,
                const AlignmentOptions& options) {
-  AlignmentGates gates = descent.gates;
+  AlignmentGates gates = LevelGates(options, 0);
+  gates.gain = descent.gates.gain;
+  gates.bias = descent.gates.bias;
   gates.geometric_scale = kJudgeScale;
   gates.photometric_scale = kJudgePhotometricScale;
   const AlignmentSystem system =
@@ -193,10 +197,11 @@ FrameAlignment Conclude(const Descent& descent,
   result.overlap = system.num_overlap / num_source;
   result.constraint_ratio = constraint_ratio;
   result.degenerate = constraint_ratio < options.degenerate_ratio;
-  const double inliers_of_overlap =
-      static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
-  result.ok =
-      result.overlap >= options.min_overlap && inliers_of_overlap >= options.min_inlier_share;
+  result.agreement = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
+  const bool has_colour = system.num_photometric >= kMinPhotometricResiduals;
+  if (has_colour) result.brightness_correlation = system.brightness_correlation;
+  result.ok = result.overlap >= options.min_overlap && result.agreement >= options.min_agreement &&
+              result.brightness_correlation >= options.min_brightness_correlation;
   return result;
 }
 
@@ -228,7 +233,9 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   }
   descent.system = BuildAlignmentSystem(
       i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
-  return Conclude(descent, j.levels.front(), constraint_ratio, options);
+  FrameAlignment result = Conclude(descent, j.levels.front(), constraint_ratio, options);
+  result.support = Support(i.levels[coarsest], j.levels[coarsest], descent, options);
+  return result;
 }
 
 FrameAlignment AlignFrames(const Frame& i,
@@ -260,11 +267,16 @@ void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
                 {0.01, 1},
                 "1",
                 "share of the points that must fall on valid points of the other frame");
-  visitor.Field("min_inlier_share",
-                options.min_inlier_share,
+  visitor.Field("min_agreement",
+                options.min_agreement,
                 {0.01, 1},
                 "1",
                 "share of the overlap that must agree within three standard deviations");
+  visitor.Field("min_brightness_correlation",
+                options.min_brightness_correlation,
+                {-1, 1},
+                "1",
+                "correlation of the two images' intensities that an alignment must reach");
   visitor.Field("correlation_length_px",
                 options.correlation_length_px,
                 {1, 100},

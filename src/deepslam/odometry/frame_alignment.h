@@ -24,7 +24,9 @@ struct AlignmentOptions {
   double max_distance_m = 0.30;  // association gate at the coarsest level, halved at each finer one
   double max_normal_angle_deg = 50;  // between the two normals of a correspondence
   double min_overlap = 0.20;         // of the source's points that fall on points of the target
-  double min_inlier_share = 0.50;    // inliers of the overlap
+  double min_agreement = 0.60;       // inliers of the overlap; good ones have 0.85 and more
+  double min_brightness_correlation =
+      0.4;  // of the two intensities, where there is colour and structure
   double correlation_length_px =
       9;  // of depth errors, in pixels of a 640 pixel wide sensor image; see information
   double floor_translation_m =
@@ -33,7 +35,7 @@ struct AlignmentOptions {
   // Degenerate when the weakest direction has less than this share of the strongest one's
   // information (rotations measured by the arc at the mean depth), at the coarsest level, whose
   // normals are the least noisy.
-  double degenerate_ratio = 0.003;
+  double degenerate_ratio = 0.002;
 };
 
 void Describe(OptionsVisitor& visitor, AlignmentOptions& options);
@@ -53,6 +55,10 @@ struct FrameAlignment {
   double rmse_m = 0;            // point-to-plane, over inliers
   double inlier_share = 0;      // inliers / valid source points
   double constraint_ratio = 0;  // weakest / strongest direction, what `degenerate` is judged by
+  double agreement = 0;         // inliers / overlapping points
+  double brightness_correlation =
+      1;               // of the two intensities over textured points; 1 without colour
+  double support = 0;  // robust agreement per source point at common scales: larger is better
   double overlap = 0;  // source points that fall on valid target points / valid source points
 };
 

@@ -118,6 +118,11 @@ class BrightnessFit {
     sum_t_ += w * t;
     sum_ss_ += w * s * s;
     sum_st_ += w * s * t;
+    sum_tt_ += w * t * t;
+  }
+  [[nodiscard]] double Correlation() const {
+    const double product = (sum_ss_ * sum_ - sum_s_ * sum_s_) * (sum_tt_ * sum_ - sum_t_ * sum_t_);
+    return product > 0 ? (sum_st_ * sum_ - sum_s_ * sum_t_) / std::sqrt(product) : 0;
   }
   void Solve(float& gain, float& bias) const {
     const double variance = sum_ss_ * sum_ - sum_s_ * sum_s_;
@@ -130,7 +135,7 @@ class BrightnessFit {
   }
 
  private:
-  double sum_ = 0, sum_s_ = 0, sum_t_ = 0, sum_ss_ = 0, sum_st_ = 0;
+  double sum_ = 0, sum_s_ = 0, sum_t_ = 0, sum_ss_ = 0, sum_st_ = 0, sum_tt_ = 0;
 };
 
 // A row of source points in frame i, and where they fall in its image.
@@ -171,6 +176,7 @@ class SystemBuilder {
     if (system_.num_photometric > 0) {
       system_.photometric_scale = kMadToSigma * photometric_histogram_.Median(kBinsPerGrey);
       brightness_.Solve(system_.gain, system_.bias);
+      system_.brightness_correlation = all_brightness_.Correlation();
     }
     return system_;
   }
@@ -266,6 +272,7 @@ class SystemBuilder {
     ++system_.num_photometric;
     photometric_histogram_.Add(std::abs(residual), kBinsPerGrey);
     brightness_.Add(source.value, value, weight);
+    all_brightness_.Add(source.value, value, 1.0F);
     system_.support += static_cast<double>(weight);
     const float x = row.x[k], y = row.y[k], inverse_z = 1.0F / row.z[k];
     const float dx = du * static_cast<float>(i_.camera.fx) * inverse_z;
@@ -292,7 +299,8 @@ class SystemBuilder {
   ResidualBatch batch_;
   MedianHistogram geometric_histogram_;
   MedianHistogram photometric_histogram_;
-  BrightnessFit brightness_;
+  BrightnessFit brightness_;      // weighted
+  BrightnessFit all_brightness_;  // every residual alike
 };
 
 }  // namespace

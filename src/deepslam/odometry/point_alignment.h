@@ -29,7 +29,8 @@ struct AlignmentSystem {
   int num_matched = 0;  // of those within the gates
   int num_inliers = 0;  // residual within three standard deviations of the depth noise
   int num_photometric = 0;
-  double sum_squared_m2 = 0;  // geometric, over inliers
+  double sum_squared_m2 = 0;          // geometric, over inliers
+  double brightness_correlation = 0;  // of the two intensities over the photometric residuals
   double support = 0;  // sum of Student-t weights at the gates' scales, geometric and photometric
   // What the next step should use: robust spread of the residuals found, brightness fitted to them.
   float geometric_scale = 1.0F;

@@ -1,7 +1,10 @@
 #include "deepslam/odometry/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -16,6 +19,40 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kMaxPredictionRatio = 3.0;
 // Overlap that a skip edge needs: below, it adds little and fails often.
 constexpr double kSkipEdgeOverlap = 0.4;
+
+// Alignments of real captures that are right reach these; below, other minima are looked for.
+constexpr double kSureAgreement = 0.85;
+constexpr double kSureCorrelation = 0.8;
+constexpr std::array<double, 4> kTurnsDeg = {-18, -9, 9, 18};
+
+bool Doubtful(const FrameAlignment& alignment) {
+  return !alignment.ok || alignment.agreement < kSureAgreement ||
+         alignment.brightness_correlation < kSureCorrelation;
+}
+
+double MedianDepthM(const PyramidLevel& level) {
+  std::vector<float> depths;
+  std::ranges::copy_if(level.depth_m, std::back_inserter(depths), [](float z) { return z > 0; });
+  if (depths.empty()) return 1.0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return static_cast<double>(*middle);
+}
+
+// Camera motions about the point in front of the camera: they leave the image in place, so that
+// neither prediction nor image-based search finds them, and are what a camera does that is carried
+// round an object.
+std::vector<Pose3> Orbits(double distance_m) {
+  std::vector<Pose3> orbits;
+  const Eigen::Vector3d centre(0, 0, distance_m);
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0)}) {
+    for (const double turn_deg : kTurnsDeg) {
+      const Eigen::Quaterniond rotation = RotationFromVector(turn_deg * kRadPerDeg * axis);
+      orbits.push_back({rotation, centre - rotation * centre});
+    }
+  }
+  return orbits;
+}
 
 Matrix6d DiagonalInformation(double translation_m, double rotation_deg) {
   Vector6d diagonal;
@@ -90,6 +127,21 @@ FrameAlignment Tracker::AlignTo(const Anchor& anchor,
   return AlignPyramids(*anchor.pyramid, *frame.pyramid, starts, options_.alignment);
 }
 
+FrameAlignment Tracker::AlignWidely(const Anchor& anchor,
+                                    const Anchor& frame,
+                                    std::vector<Pose3> starts_world) const {
+  const FrameAlignment first = AlignTo(anchor, frame, starts_world);
+  if (!options_.wide_search || !Doubtful(first)) return first;
+  const std::vector<Pose3> orbits = Orbits(MedianDepthM(frame.pyramid->levels.back()));
+  const std::size_t num_starts = starts_world.size();
+  for (std::size_t k = 0; k < num_starts; ++k) {
+    for (const Pose3& orbit : orbits) starts_world.push_back(starts_world[k] * orbit);
+  }
+  const FrameAlignment second = AlignTo(anchor, frame, starts_world);
+  const bool better = second.ok == first.ok ? second.support > first.support : second.ok;
+  return better ? second : first;
+}
+
 void Tracker::Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment) {
   frame.world_from_camera = aligned_to.world_from_camera * alignment.i_from_j;
   frame.piece = aligned_to.piece;
@@ -114,7 +166,7 @@ void Tracker::AddAligned(const Anchor& frame, const FrameAlignment& alignment) {
 bool Tracker::AlignToReference(Anchor& frame) {
   const bool to_previous = options_.reference == "previous";
   const Anchor reference = to_previous ? *previous_ : keyframes_.back();
-  const FrameAlignment alignment = AlignTo(reference, frame, Starts(frame));
+  const FrameAlignment alignment = AlignWidely(reference, frame, Starts(frame));
   if (!alignment.ok) return false;
   Accept(frame, reference, alignment);
   if (to_previous) {
@@ -131,7 +183,7 @@ bool Tracker::AlignToReference(Anchor& frame) {
 // Too far from the keyframe, but still near the frame before: that one becomes the keyframe.
 bool Tracker::AlignToPrevious(Anchor& frame) {
   if (options_.reference == "previous" || previous_->frame == keyframes_.back().frame) return false;
-  const FrameAlignment alignment = AlignTo(*previous_, frame, Starts(frame));
+  const FrameAlignment alignment = AlignWidely(*previous_, frame, Starts(frame));
   if (!alignment.ok) return false;
   const std::optional<FrameAlignment> direct = previous_alignment_;
   AddKeyframe(*previous_, direct ? &*direct : nullptr);
@@ -145,7 +197,7 @@ bool Tracker::Relocalise(Anchor& frame) {
   for (auto keyframe = keyframes_.rbegin(); keyframe != keyframes_.rend(); ++keyframe) {
     std::vector<Pose3> starts{previous_->world_from_camera, keyframe->world_from_camera};
     if (const auto start = SearchStart(*keyframe, frame)) starts.push_back(*start);
-    const FrameAlignment alignment = AlignTo(*keyframe, frame, starts);
+    const FrameAlignment alignment = AlignWidely(*keyframe, frame, starts);
     if (!alignment.ok) continue;
     const Anchor found = *keyframe;
     Accept(frame, found, alignment);
@@ -171,7 +223,7 @@ bool Tracker::AlignToPending(Anchor& frame) {
   Anchor start = *pending_;
   std::vector<Pose3> starts{start.world_from_camera};
   if (const auto found = SearchStart(start, frame)) starts.push_back(*found);
-  const FrameAlignment alignment = AlignTo(start, frame, starts);
+  const FrameAlignment alignment = AlignWidely(start, frame, starts);
   if (!alignment.ok) return false;
   start.piece = ++piece_;
   AddWeakEdge(keyframes_.back(), start);

@@ -44,6 +44,10 @@ class Tracker {
   [[nodiscard]] FrameAlignment AlignTo(const Anchor& anchor,
                                        const Anchor& frame,
                                        const std::vector<Pose3>& starts_world) const;
+  // AlignTo, and once more from turns about the scene when the outcome is doubtful.
+  [[nodiscard]] FrameAlignment AlignWidely(const Anchor& anchor,
+                                           const Anchor& frame,
+                                           std::vector<Pose3> starts_world) const;
   [[nodiscard]] std::optional<Pose3> SearchStart(const Anchor& anchor, const Anchor& frame) const;
   void Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment);
 
