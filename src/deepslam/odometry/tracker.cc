@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "deepslam/odometry/pose_interpolation.h"
 #include "deepslam/odometry/rotation_search.h"
 
@@ -187,6 +189,9 @@ bool Tracker::AlignToPrevious(Anchor& frame) {
   if (!alignment.ok) return false;
   const std::optional<FrameAlignment> direct = previous_alignment_;
   AddKeyframe(*previous_, direct ? &*direct : nullptr);
+  TrackedFrame& promoted = odometry_.frames[static_cast<std::size_t>(previous_->frame.value)];
+  promoted.keyframe = promoted.frame;
+  promoted.world_from_camera = previous_->world_from_camera;
   Accept(frame, *previous_, alignment);
   previous_alignment_ = alignment;
   AddAligned(frame, alignment);
@@ -226,6 +231,7 @@ bool Tracker::AlignToPending(Anchor& frame) {
   const FrameAlignment alignment = AlignWidely(start, frame, starts);
   if (!alignment.ok) return false;
   start.piece = ++piece_;
+  piece_starts_.push_back(start.frame);
   AddWeakEdge(keyframes_.back(), start);
   PushKeyframe(start);
   odometry_.frames[static_cast<std::size_t>(start.frame.value)].keyframe = start.frame;
@@ -250,29 +256,64 @@ bool Tracker::WantsKeyframe(const Anchor& frame, double overlap) const {
          overlap < options_.keyframe_min_overlap;
 }
 
-void Tracker::AddKeyframe(const Anchor& frame, const FrameAlignment* direct) {
+void Tracker::AddKeyframe(Anchor& frame, const FrameAlignment* direct) {
   const Anchor& last = keyframes_.back();
-  if (direct != nullptr) {
-    AddEdge(last, frame, *direct);
+  const FrameAlignment alignment =
+      direct != nullptr ? *direct : AlignTo(last, frame, {frame.world_from_camera});
+  if (alignment.ok) {
+    AddEdge(last, frame, alignment);
+    AddSkipEdge(frame, alignment);
   } else {
-    const FrameAlignment alignment = AlignTo(last, frame, {frame.world_from_camera});
-    if (alignment.ok) {
-      AddEdge(last, frame, alignment);
-    } else {
-      AddWeakEdge(last, frame);
-    }
+    AddWeakEdge(last, frame);
   }
-  AddSkipEdge(frame);
+  RejoinPiece(frame);
   PushKeyframe(frame);
   previous_alignment_.reset();
 }
 
-void Tracker::AddSkipEdge(const Anchor& frame) {
+void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
   if (!options_.skip_edges || keyframes_.size() < 2) return;
   const Anchor& before_last = keyframes_[keyframes_.size() - 2];
   if (before_last.piece != frame.piece) return;
-  const FrameAlignment alignment = AlignTo(before_last, frame, {frame.world_from_camera});
-  if (alignment.ok && alignment.overlap >= kSkipEdgeOverlap) AddEdge(before_last, frame, alignment);
+  const FrameAlignment skip = AlignTo(before_last, frame, {frame.world_from_camera});
+  if (!skip.ok || skip.overlap < kSkipEdgeOverlap || skip.agreement < kSureAgreement) return;
+  AddEdge(before_last, frame, skip);
+  // Least squares over the two measurements of the frame's pose.
+  const Pose3 by_last = keyframes_.back().world_from_camera * direct.i_from_j;
+  const Pose3 by_skip = before_last.world_from_camera * skip.i_from_j;
+  const Matrix6d joint = direct.information + skip.information;
+  const Vector6d step = joint.ldlt().solve(skip.information * T2v(by_last.Inverse() * by_skip));
+  frame.world_from_camera = by_last * V2t(step);
+}
+
+// A piece that began after a loss is carried over as soon as one of its keyframes fits an earlier
+// keyframe.
+void Tracker::RejoinPiece(Anchor& frame) {
+  for (const Anchor& earlier : keyframes_) {
+    if (earlier.piece >= frame.piece) continue;
+    std::vector<Pose3> starts{earlier.world_from_camera};
+    if (const auto start = SearchStart(earlier, frame)) starts.push_back(*start);
+    const FrameAlignment alignment = AlignWidely(earlier, frame, starts);
+    if (Doubtful(alignment)) continue;
+    AddEdge(earlier, frame, alignment);
+    const Pose3 moved =
+        earlier.world_from_camera * alignment.i_from_j * frame.world_from_camera.Inverse();
+    const int piece = frame.piece;
+    const int joined = earlier.piece;
+    const auto move = [&](Anchor& anchor) {
+      if (anchor.piece != piece) return;
+      anchor.world_from_camera = moved * anchor.world_from_camera;
+      anchor.piece = joined;
+    };
+    const FrameIdx start = piece_starts_[static_cast<std::size_t>(piece)];
+    for (std::size_t k = static_cast<std::size_t>(start.value); k < odometry_.frames.size(); ++k) {
+      odometry_.frames[k].world_from_camera = moved * odometry_.frames[k].world_from_camera;
+    }
+    for (Anchor& anchor : keyframes_) move(anchor);
+    if (previous_->frame != frame.frame) move(*previous_);
+    move(frame);
+    return;
+  }
 }
 
 void Tracker::PushKeyframe(const Anchor& frame) {

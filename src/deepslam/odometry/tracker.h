@@ -53,8 +53,11 @@ class Tracker {
 
   [[nodiscard]] bool WantsKeyframe(const Anchor& frame, double overlap) const;
   // `direct`: the alignment of the frame to the current keyframe where there is one.
-  void AddKeyframe(const Anchor& frame, const FrameAlignment* direct);
-  void AddSkipEdge(const Anchor& frame);
+  // Moves the frame to where its alignments to the last two keyframes agree best, and a piece of
+  // trajectory that has found back to an earlier one with it.
+  void AddKeyframe(Anchor& frame, const FrameAlignment* direct);
+  void AddSkipEdge(Anchor& frame, const FrameAlignment& direct);
+  void RejoinPiece(Anchor& frame);
   void PushKeyframe(const Anchor& frame);
   void AddEdge(const Anchor& i, const Anchor& j, const FrameAlignment& alignment);
   void AddWeakEdge(const Anchor& i, const Anchor& j);
@@ -70,6 +73,7 @@ class Tracker {
   Pose3 last_motion_;              // previous frame from the one after it
   double last_interval_s_ = 0;
   int piece_ = 0;
+  std::vector<FrameIdx> piece_starts_{FrameIdx{0}};  // first frame of each piece
 };
 
 }  // namespace deepslam::odometry
