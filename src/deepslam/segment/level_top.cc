@@ -135,43 +135,38 @@ bool IsUnder(const LevelTop& top, const Plane& ground_camera, const Eigen::Vecto
 void ClaimCarrier(const ImagePieces& pieces,
                   const Plane& ground_camera,
                   const LevelTop& top,
-                  const Region& region,
                   int owner,
-                  CarrierRule rule,
                   Owners& owners) {
   struct Count {
     int all = 0, above = 0, reaching = 0, under = 0;
   };
   std::vector<Count> counts(pieces.num_pixels.size());
+  Mask under(owners.width(), owners.height());
   for (int v = 0; v < owners.height(); ++v) {
     for (int u = 0; u < owners.width(); ++u) {
       const std::int32_t id = pieces.piece(u, v);
       if (id < 0 || owners(u, v) >= 0) continue;
       Count& count = counts[static_cast<std::size_t>(id)];
+      const Eigen::Vector3d p = pieces.points_camera(u, v).cast<double>();
       const double over_m = pieces.height_m(u, v) - top.height_m;
-      const double thickness_m = ThicknessAt(pieces.points_camera(u, v).z());
       ++count.all;
-      count.above += over_m > thickness_m ? 1 : 0;
-      count.reaching += over_m > -kReach_m && over_m <= thickness_m ? 1 : 0;
+      count.above += over_m > ThicknessAt(p.z()) ? 1 : 0;
+      count.reaching += over_m > -kReach_m && over_m <= ThicknessAt(p.z()) ? 1 : 0;
+      if (pieces.horizontal(u, v) != 0 || !IsUnder(top, ground_camera, p)) continue;
+      under(u, v) = 1;
+      ++count.under;
     }
   }
-  Mask under(owners.width(), owners.height());
-  region.ForEach([&](int u, int v) {
-    const std::int32_t id = pieces.piece(u, v);
-    if (id < 0 || owners(u, v) >= 0 || pieces.horizontal(u, v) != 0) return;
-    if (!IsUnder(top, ground_camera, pieces.points_camera(u, v).cast<double>())) return;
-    under(u, v) = 1;
-    ++counts[static_cast<std::size_t>(id)].under;
-  });
-  region.ForEach([&](int u, int v) {
-    if (under(u, v) == 0) return;
-    const Count& count = counts[static_cast<std::size_t>(pieces.piece(u, v))];
-    const bool carries =
-        count.above <= kMostAbove * count.all && count.reaching >= kLeastReach * count.all;
-    if (2 * count.under > count.all && (rule == CarrierRule::kAnyUnder || carries)) {
-      owners(u, v) = owner;
+  for (int v = 0; v < owners.height(); ++v) {
+    for (int u = 0; u < owners.width(); ++u) {
+      if (under(u, v) == 0) continue;
+      const Count& count = counts[static_cast<std::size_t>(pieces.piece(u, v))];
+      if (count.above <= kMostAbove * count.all && count.reaching >= kLeastReach * count.all &&
+          2 * count.under > count.all) {
+        owners(u, v) = owner;
+      }
     }
-  });
+  }
 }
 
 }  // namespace deepslam::segment

@@ -27,19 +27,14 @@ struct LevelTop {
                                                     const SegmentOptions& options,
                                                     Owners& owners);
 
-enum class CarrierRule {
-  kReachesTop,  // only pieces that are seen to reach up to the top and not above it
-  kAnyUnder,    // every piece under it
-};
-
-// Gives unowned pixels of what carries the top to `owner`: pieces under it, inside its outline on
-// the ground, that are not level themselves (a seat pushed under the table is).
+// Gives unowned pixels of what carries the top to `owner`, also outside its box: pieces under the
+// top, inside its outline on the ground, that are seen to reach up to it and not above it, and are
+// not level themselves (a seat pushed under the table is). Chairs before a table do not get its
+// legs that way.
 void ClaimCarrier(const ImagePieces& pieces,
                   const Plane& ground_camera,
                   const LevelTop& top,
-                  const Region& region,
                   int owner,
-                  CarrierRule rule,
                   Owners& owners);
 
 }  // namespace deepslam::segment

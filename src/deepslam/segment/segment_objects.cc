@@ -191,21 +191,16 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
       takes_pieces[d] = false;
       tops.emplace_back(d, std::move(*top));
     }
-    // Legs before chairs get a say, the rest under the top after them.
-    const auto claim_carriers = [&](CarrierRule rule) {
-      for (const auto& [d, top] : tops) {
-        ClaimCarrier(pieces, *ground_camera, top, regions[d], static_cast<int>(d), rule, owners);
-      }
-    };
-    claim_carriers(CarrierRule::kReachesTop);
+    for (const auto& [d, top] : tops) {
+      ClaimCarrier(pieces, *ground_camera, top, static_cast<int>(d), owners);
+    }
     AssignPieces(pieces, regions, takes_pieces, options, owners);
-    claim_carriers(CarrierRule::kAnyUnder);
   }
   std::vector<std::vector<PixelPoint>> points(detections.size());
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
       const std::int32_t owner = owners(u, v);
-      if (owner < 0) continue;
+      if (owner < 0 || !regions[static_cast<std::size_t>(owner)].Contains(u, v)) continue;
       points[static_cast<std::size_t>(owner)].push_back({u, v, pieces.points_camera(u, v)});
     }
   }

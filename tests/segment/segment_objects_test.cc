@@ -1,0 +1,210 @@
+#include "deepslam/segment/segment_objects.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "support/box_world.h"
+
+namespace deepslam::segment {
+namespace {
+
+using testing::Ge;
+using testing::Le;
+using namespace testing_support;  // NOLINT
+
+// Pixels at edges are mixed: a silhouette one pixel off all round a thing of 100 px still has this
+// overlap.
+constexpr double kGoodIoU = 0.9;
+
+std::vector<Detection> Truth(const BoxView& view, const std::vector<std::string>& classes) {
+  std::vector<Detection> detections;
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    auto detection = DetectTruth(view, static_cast<int>(i), classes[i]);
+    if (!detection) continue;
+    detection->id = {static_cast<int>(i)};
+    detections.push_back(*detection);
+  }
+  return detections;
+}
+
+struct Scene {
+  std::vector<Cuboid> world;
+  Pose3 world_from_camera;
+  BoxView view;
+  Plane ground;
+};
+
+Scene Make(std::vector<Cuboid> world, const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
+  Scene scene;
+  scene.world = std::move(world);
+  scene.world_from_camera = LookAt(eye, target);
+  scene.view = RenderBoxes(scene.world, SmallCamera(), scene.world_from_camera);
+  scene.ground = FloorIn(scene.world_from_camera);
+  return scene;
+}
+
+SegmentOptions ForSmallImages() {
+  SegmentOptions options;
+  options.min_points = 100;  // a quarter of the default, as are the images
+  return options;
+}
+
+TEST(SegmentFrame, FindsTheSilhouetteOfABoxOnTheFloorBeforeAWall) {
+  const Scene scene =
+      Make({{0, {-0.4, -0.3, 0}, {0.4, 0.3, 0.6}}, {-1, {-3, 0.9, 0}, {3, 1.0, 2.5}}},
+           {0.8, -2.2, 1.4},
+           {0, 0, 0.3});
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     scene.ground,
+                                     Truth(scene.view, {"cabinet"}),
+                                     ForSmallImages());
+  ASSERT_EQ(segments.size(), 1U);
+  EXPECT_TRUE(segments[0].usable) << segments[0].reason;
+  EXPECT_THAT(MaskIoU(segments[0].mask, scene.view, 0), Ge(kGoodIoU));
+  EXPECT_FALSE(segments[0].touches_border);
+  // The box's true extent in depth bounds that of the segment.
+  EXPECT_THAT(segments[0].extent_camera.Size().norm(), Le(0.8 + 0.6 + 0.6));
+}
+
+TEST(SegmentFrame, PartsTableAndChairsWhoseBoxesOverlap) {
+  std::vector<Cuboid> world = TableAt(0, 0, 0);
+  Append(world, ChairAt(1, -0.2, -0.65, -1));  // between camera and table
+  Append(world, ChairAt(2, 0.3, 0.7, 1));      // behind the table
+  const Scene scene = Make(std::move(world), {0.5, -2.6, 1.5}, {0, 0, 0.5});
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     scene.ground,
+                                     Truth(scene.view, {"table", "chair", "chair"}),
+                                     ForSmallImages());
+  ASSERT_EQ(segments.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    const Segment& segment = segments[static_cast<std::size_t>(i)];
+    EXPECT_TRUE(segment.usable) << i << ": " << segment.reason;
+    EXPECT_THAT(MaskIoU(segment.mask, scene.view, i), Ge(0.8)) << segment.class_name << " " << i;
+  }
+  for (std::size_t p = 0; p < segments[0].mask.size(); ++p) {
+    int owners = 0;
+    for (const Segment& segment : segments) owners += segment.mask.data()[p];
+    ASSERT_LE(owners, 1) << "pixel " << p << " belongs to two segments";
+  }
+}
+
+TEST(SegmentFrame, KeepsWhatStandsOnATableOutOfTheTable) {
+  std::vector<Cuboid> world = TableAt(0, 0, 0);
+  world.push_back({1, {-0.15, -0.1, 0.74}, {0.15, 0.15, 0.95}});
+  const Scene scene = Make(std::move(world), {0.4, -2.4, 1.6}, {0, 0, 0.5});
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     scene.ground,
+                                     Truth(scene.view, {"table"}),
+                                     ForSmallImages());
+  int inside = 0;
+  int total = 0;
+  for (std::size_t p = 0; p < segments[0].mask.size(); ++p) {
+    if (scene.view.object.data()[p] != 1) continue;
+    ++total;
+    inside += segments[0].mask.data()[p];
+  }
+  ASSERT_GT(total, 100);
+  EXPECT_THAT(static_cast<double>(inside) / total, Le(0.1));
+}
+
+TEST(SegmentFrame, KeepsThinLegs) {
+  const Scene scene = Make(ChairAt(0, 0, 0, 1), {0.9, -1.6, 1.1}, {0, 0, 0.4});
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     scene.ground,
+                                     Truth(scene.view, {"chair"}),
+                                     ForSmallImages());
+  int seen = 0;
+  int kept = 0;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      const float depth_m = scene.view.frame.depth_m(u, v);
+      if (scene.view.object(u, v) != 0) continue;
+      const double height_m = scene.ground.SignedDistance(SmallCamera().Unproject(u, v, depth_m));
+      if (height_m < 0.1 || height_m > 0.4) continue;
+      ++seen;
+      kept += segments[0].mask(u, v);
+    }
+  }
+  ASSERT_GT(seen, 100);
+  EXPECT_THAT(static_cast<double>(kept) / seen, Ge(0.8));
+}
+
+TEST(SegmentFrame, CutsByAnInstanceMask) {
+  const Scene scene = Make({{0, {-0.4, -0.3, 0}, {0.4, 0.3, 0.6}}}, {0.8, -2.2, 1.4}, {0, 0, 0.3});
+  auto detections = Truth(scene.view, {"cabinet"});
+  detections[0].mask = Mask(320, 240);
+  const Box2 box = detections[0].box_px;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 0.5 * (box.u_min + box.u_max); ++u) detections[0].mask(u, v) = 1;
+  }
+  SegmentOptions options = ForSmallImages();
+  options.min_piece_share = 0.3;  // the mask cuts surfaces in half
+  const auto segments =
+      SegmentFrame(scene.view.frame, SmallCamera(), scene.ground, detections, options);
+  ASSERT_TRUE(segments[0].usable) << segments[0].reason;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = static_cast<int>(0.5 * (box.u_min + box.u_max) + options.mask_dilation_px) + 1;
+         u < 320;
+         ++u) {
+      ASSERT_EQ(segments[0].mask(u, v), 0) << u << ", " << v;
+    }
+  }
+}
+
+TEST(SegmentFrame, WorksWithoutAGround) {
+  const Scene scene =
+      Make({{0, {-0.4, -0.3, 0.5}, {0.4, 0.3, 1.1}}}, {0.8, -2.2, 1.4}, {0, 0, 0.8});
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     std::nullopt,
+                                     Truth(scene.view, {"table"}),
+                                     ForSmallImages());
+  EXPECT_TRUE(segments[0].usable);
+  EXPECT_THAT(MaskIoU(segments[0].mask, scene.view, 0), Ge(kGoodIoU));
+}
+
+TEST(SegmentFrame, MarksBoxesAtTheImageBorder) {
+  const Scene scene =
+      Make({{0, {-0.4, -0.3, 0}, {0.4, 0.3, 0.6}}}, {0.8, -2.2, 1.4}, {1.0, 0, 0.3});
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     scene.ground,
+                                     Truth(scene.view, {"cabinet"}),
+                                     ForSmallImages());
+  EXPECT_TRUE(segments[0].touches_border);
+}
+
+TEST(SegmentFrame, GivesReasonsForWhatItCannotUse) {
+  const Scene scene = Make({{0, {-0.4, -0.3, 0}, {0.4, 0.3, 0.6}}}, {0.8, -2.2, 1.4}, {0, 0, 0.3});
+  Frame frame = scene.view.frame;
+  frame.depth_m = DepthImage(320, 240);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  auto detections = Truth(scene.view, {"cabinet"});
+  detections.resize(4, detections[0]);
+  detections[1].box_px = {nan, nan, nan, nan};
+  detections[2].box_px = {-1e30, -1e30, -1e29, -1e29};
+  detections[3].mask = Mask(7, 5, 1);
+  const auto segments = SegmentFrame(frame, SmallCamera(), scene.ground, detections, {});
+  ASSERT_EQ(segments.size(), 4U);
+  for (const Segment& segment : segments) {
+    EXPECT_FALSE(segment.usable);
+    EXPECT_FALSE(segment.reason.empty());
+    EXPECT_EQ(segment.num_points, 0);
+  }
+}
+
+TEST(SegmentFrame, BearsEmptyImagesAndNoDetections) {
+  EXPECT_TRUE(SegmentFrame({}, SmallCamera(), std::nullopt, {}, {}).empty());
+  const std::vector<Detection> one(1);
+  const auto segments = SegmentFrame({}, PinholeCamera(), std::nullopt, one, {});
+  ASSERT_EQ(segments.size(), 1U);
+  EXPECT_FALSE(segments[0].usable);
+}
+
+}  // namespace
+}  // namespace deepslam::segment
