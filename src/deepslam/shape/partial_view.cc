@@ -8,23 +8,46 @@ namespace {
 
 constexpr auto kVoxel = static_cast<float>(kVoxelSize);
 
-// Whether solid lies between a surface point and a camera far away along `direction`.
+// Whether solid lies between a place just above the surface and a camera far away along
+// `direction`.
 bool Occluded(const VoxelGrid& grid,
-              const Eigen::Vector3f& point,
-              const Eigen::Vector3f& normal,
+              const Eigen::Vector3f& start,
               const Eigen::Vector3f& direction) {
-  // Starting in the free layer above the surface keeps a flat face from hiding itself at grazing
-  // angles; stairs of slanted faces reach a voxel further.
-  constexpr float kLift = 0.3F * kVoxel;
-  constexpr float kBlind = 1.2F * kVoxel;
+  constexpr float kBlind = 1.2F * kVoxel;  // the stairs of a slanted face do not hide one another
   constexpr float kStep = 0.5F * kVoxel;
-  const Eigen::Vector3f start = point + kLift * normal;
   for (float t = kBlind;; t += kStep) {
     const Eigen::Array3i voxel =
         ((start + t * direction).array() / kVoxel + 0.5F * kGridSize).floor().cast<int>();
     if (!VoxelGrid::Contains(voxel.x(), voxel.y(), voxel.z())) return false;
     if (grid.At(voxel.x(), voxel.y(), voxel.z())) return true;
   }
+}
+
+// Whether the camera sees one of the free faces of the surface point's voxel. The voxel's own faces
+// decide, not the normal, which is smoothed over a few voxels and leans at rims.
+bool IsSeen(const VoxelGrid& grid,
+            const Eigen::Vector3f& point,
+            const Eigen::Vector3f& normal,
+            const Eigen::Vector3f& direction) {
+  constexpr float kGrazing = 0.02F;  // cosine; about 1 degree
+  // Starting in the free layer above the face keeps a flat face from hiding itself at grazing
+  // angles.
+  constexpr float kLift = 0.8F * kVoxel;
+  if (normal.dot(direction) < -kGrazing) return false;
+  const Eigen::Vector3f center = point - 0.5F * kVoxel * normal;
+  const Eigen::Array3i voxel = (center.array() / kVoxel + 0.5F * kGridSize).floor().cast<int>();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(direction[axis]) < kGrazing) continue;
+    const int side = direction[axis] > 0 ? 1 : -1;
+    Eigen::Array3i next = voxel;
+    next[axis] += side;
+    const bool inside = VoxelGrid::Contains(next.x(), next.y(), next.z());
+    if (inside && grid.At(next.x(), next.y(), next.z())) continue;
+    Eigen::Vector3f start = center;
+    start[axis] += static_cast<float>(side) * kLift;
+    if (!Occluded(grid, start, direction)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -36,13 +59,11 @@ std::vector<Eigen::Vector3f> PartialView(const ShapeModel& model,
                                                     std::cos(elevation_rad) * std::sin(azimuth_rad),
                                                     std::sin(elevation_rad))
                                         .cast<float>();
-  constexpr float kGrazing = 0.02F;  // cosine; about 1 degree
   std::vector<Eigen::Vector3f> visible;
   for (std::size_t n = 0; n < model.surface_points().size(); ++n) {
     const Eigen::Vector3f& normal = model.surface_normals()[n];
-    if (normal.dot(direction) < kGrazing) continue;
     const Eigen::Vector3f& point = model.surface_points()[n];
-    if (!Occluded(model.grid(), point, normal, direction)) visible.push_back(point);
+    if (IsSeen(model.grid(), point, normal, direction)) visible.push_back(point);
   }
   return visible;
 }
