@@ -184,7 +184,10 @@ VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
   constexpr std::array<std::size_t, 3> kStride = {kGridSize * kGridSize, kGridSize, 1};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto n = static_cast<Eigen::Index>(axis);
-    const AxisMap map = {scale[n], 0.5 * kGridSize - scale[n] * 0.5 * (low[n] + high[n])};
+    // Off centre by half a voxel at most, so that the lower face falls on voxel borders and stays
+    // sharp.
+    const double low_target = std::round(0.5 * (kGridSize - scale[n] * (high[n] - low[n])) - 1e-9);
+    const AxisMap map = {scale[n], low_target - scale[n] * low[n]};
     shares =
         ResampleAxis(shares, kStride[axis], kStride[(axis + 1) % 3], kStride[(axis + 2) % 3], map);
   }

@@ -10,7 +10,8 @@
 namespace deepslam::shape {
 
 // The model stretched by `factors` (> 0) along its axes, then scaled and centred so that its
-// longest side is kModelExtent again. Thin parts stay connected. An empty grid stays empty.
+// longest side is kModelExtent again (centred to half a voxel). Thin parts stay connected. An empty
+// grid stays empty.
 [[nodiscard]] VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors);
 
 // The model turned about z by `quarter_turns` times 90 degrees counter-clockwise seen from above.
