@@ -20,6 +20,8 @@ namespace {
 constexpr float kOffSurfaceM = 2e-3f;
 // Things further away than this do not darken a corner.
 constexpr float kAmbientReachM = 1.2f;
+// Surfaces of the room are painted as finely as a pixel sees them from here.
+constexpr double kPaintedFromM = 1.5;
 // Each pixel casts one ray of a 4 x 4 pattern per light; the pattern's mean over a window is a soft
 // shadow.
 constexpr int kPattern = 4;
@@ -29,8 +31,7 @@ constexpr int kPattern = 4;
 class PaintedPart {
  public:
   PaintedPart(const RoomPart& part, const SceneDescription& scene) : part_(&part) {
-    // A third of a millimetre per pixel would be wasted: a pixel sees 4 mm at 2 m.
-    texel_m_ = part.surface == RoomSurface::kPoster ? 0.002 : 0.003;
+    texel_m_ = kPaintedFromM / scene.camera.fx;
     const Eigen::Vector2i size = (part.extent_m / texel_m_).array().ceil().cast<int>().max(1);
     Image<Eigen::Vector3f> image(size.x(), size.y(), Eigen::Vector3f::Zero());
     ParallelFor(static_cast<std::size_t>(size.y()), [&](std::size_t row) {
@@ -95,7 +96,7 @@ class PaintedPart {
   }
 
   const RoomPart* part_;
-  double texel_m_ = 0.003;
+  double texel_m_ = 0;
   std::vector<Image<Eigen::Vector3f>> levels_;
 };
 

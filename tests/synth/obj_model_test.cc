@@ -1,0 +1,88 @@
+#include "deepslam/synth/obj_model.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "deepslam/geometry/box.h"
+
+namespace deepslam::synth {
+namespace {
+
+using testing::HasSubstr;
+
+const char* const kWedge =
+    "mtllib wedge.mtl\nv 0 0 0\nv 2 0 0\nv 0 4 0\nv 0 0 1\nusemtl red\nf 1 2 3\nf 1 2 4\nusemtl "
+    "none\nf 1 3 4\nf 2 3 4\n";
+
+std::optional<std::string> Materials(const std::string& name) {
+  if (name != "wedge.mtl") return std::nullopt;
+  return "newmtl red\nKd 1 0 0\n";
+}
+
+std::optional<std::string> Nothing(const std::string&) { return std::nullopt; }
+
+TEST(ParseObjModel, BringsTheBoxToRealSizeInTheObjectFrame) {
+  const Result<FurnitureModel> model =
+      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), {0.4, 0.5, 0.9});
+  ASSERT_TRUE(model.ok()) << model.error().message;
+  Box3 box;
+  for (const Eigen::Vector3f& v : model->mesh.vertices) box.Extend(v.cast<double>());
+  // x is the front (the file's z, depth), y the file's x (width), z up (the file's y).
+  EXPECT_LT((box.max - Eigen::Vector3d(0.25, 0.2, 0.45)).norm(), 1e-6);
+  EXPECT_LT((box.min + Eigen::Vector3d(0.25, 0.2, 0.45)).norm(), 1e-6);
+  EXPECT_EQ(model->size_m, Eigen::Vector3d(0.5, 0.4, 0.9));
+}
+
+TEST(ParseObjModel, TurnsBeforeItScales) {
+  // Exchanging z and y as some catalogue entries do: the file's z becomes the height.
+  const Eigen::Matrix3d rotation = (Eigen::Matrix3d() << 1, 0, 0, 0, 0, 1, 0, -1, 0).finished();
+  const Result<FurnitureModel> model = ParseObjModel(kWedge, Materials, rotation, {0.4, 0.5, 0.9});
+  ASSERT_TRUE(model.ok());
+  // Vertex 4 is the only one with z = 1 in the file: it alone is on top now.
+  int num_top = 0;
+  for (const Eigen::Vector3f& v : model->mesh.vertices) num_top += v.z() > 0.449f ? 1 : 0;
+  EXPECT_EQ(num_top, 3) << "the three faces around vertex 4";
+}
+
+TEST(ParseObjModel, PaintsFacesByMaterialAndUnknownOnesGrey) {
+  const Result<FurnitureModel> model =
+      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), {1, 1, 1});
+  ASSERT_EQ(model->mesh.faces.size(), 4u);
+  ASSERT_EQ(model->mesh.colours.size(), 12u);
+  EXPECT_EQ(model->mesh.colours[model->mesh.faces[0][0]], (Rgb8{255, 0, 0}));
+  EXPECT_EQ(model->mesh.colours[model->mesh.faces[2][0]], (Rgb8{153, 153, 153}));
+  const Result<FurnitureModel> grey =
+      ParseObjModel(kWedge, Nothing, Eigen::Matrix3d::Identity(), {1, 1, 1});
+  ASSERT_TRUE(grey.ok()) << "a missing material library is no reason to refuse";
+  EXPECT_EQ(grey->mesh.colours[0], (Rgb8{153, 153, 153}));
+}
+
+TEST(ParseObjModel, BrokenTexturesAreLeftOut) {
+  const auto beside = [](const std::string& name) -> std::optional<std::string> {
+    if (name == "wedge.mtl") return "newmtl red\nKd 1 0 0\nmap_Kd wood.jpg\n";
+    return "this is no picture";
+  };
+  const Result<FurnitureModel> model =
+      ParseObjModel(kWedge, beside, Eigen::Matrix3d::Identity(), {1, 1, 1});
+  ASSERT_TRUE(model.ok());
+  EXPECT_EQ(model->mesh.colours[0], (Rgb8{255, 0, 0}));
+}
+
+TEST(ParseObjModel, RefusesWhatIsNoModel) {
+  const auto refusal = [](const std::string& obj, const CatalogueSize& size = {1, 1, 1}) {
+    const Result<FurnitureModel> model =
+        ParseObjModel(obj, Nothing, Eigen::Matrix3d::Identity(), size);
+    return model.ok() ? std::string() : model.error().message;
+  };
+  EXPECT_THAT(refusal(""), HasSubstr("no faces"));
+  EXPECT_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("flat"));
+  EXPECT_NE(refusal("v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 9\n"), "");
+  EXPECT_NE(refusal("\x01\x02 nonsense f 1 2 3"), "");
+  EXPECT_THAT(refusal(kWedge, {0, 1, 1}), HasSubstr("not a size"));
+  EXPECT_THAT(refusal(kWedge, {1, std::numeric_limits<double>::quiet_NaN(), 1}),
+              HasSubstr("not a size"));
+}
+
+}  // namespace
+}  // namespace deepslam::synth
