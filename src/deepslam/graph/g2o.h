@@ -1,16 +1,20 @@
 // Pose graphs in g2o's text format, both ways.
 //
-//   VERTEX_SE3:QUAT id x y z qx qy qz qw                 world_from_vertex
-//   EDGE_SE3:QUAT i j x y z qx qy qz qw  I11 I12 ... I66   i_from_j and the upper triangle of the
-//   information, by rows FIX id
+//   VERTEX_SE3:QUAT id x y z qx qy qz qw                    world_from_vertex
+//   EDGE_SE3:QUAT i j x y z qx qy qz qw  I11 I12 ... I66    i_from_j, upper triangle by rows
+//   FIX id
+//
 // g2o's error of an edge is (translation; quaternion's vector part, w >= 0) of z_ij^-1 x_i^-1 x_j.
-// The vector part is half the rotation vector for small angles, r = D e with D = diag(1, 1, 1, 2,
-// 2, 2), so a file's information is D Omega D: the rotation block times 4, the cross blocks
-// times 2. Memory holds Omega of (translation; rotation vector). g2o has no ground plane of this
-// kind; its terms are comments that other programs skip and ParseG2o reads:
+// The vector part is half the rotation vector for small angles, r = D e with
+// D = diag(1, 1, 1, 2, 2, 2), so a file's information is D Omega D: the rotation block times 4, the
+// cross blocks times 2. Memory holds Omega, of (translation; rotation vector).
+//
+// g2o has no ground plane of this kind; its terms are comments that other programs skip and
+// ParseG2o reads (information on two tangent directions and d, see scene/ground.h):
 //   #DEEPSLAM_PLANE nx ny nz d
-//   #DEEPSLAM_EDGE_PLANE i nx ny nz d  I11 I12 I13 I22 I23 I33    on (two tangent directions, d),
-//   see scene/ground.h #DEEPSLAM_UPRIGHT id information #DEEPSLAM_STAND id bottom_m information
+//   #DEEPSLAM_EDGE_PLANE i nx ny nz d  I11 I12 I13 I22 I23 I33
+//   #DEEPSLAM_UPRIGHT id information
+//   #DEEPSLAM_STAND id bottom_m information
 #pragma once
 
 #include <map>

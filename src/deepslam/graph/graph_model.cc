@@ -121,7 +121,7 @@ class ModelBuilder {
       if (edges.empty()) continue;
       const int node = static_cast<int>(model_.world_from_node.size());
       model_.objects.push_back(k);
-      num_views_.push_back(static_cast<double>(edges.size()));
+      edges_of_object_.push_back(edges);
       model_.world_from_node.push_back(StartPose(map.objects[k], edges));
       for (PoseEdge edge : edges) {
         edge.b = node;
@@ -147,6 +147,9 @@ class ModelBuilder {
       if (!model_.plane) model_.plane = Transformed(Node(node), *plane);
       model_.ground_edges.push_back({node, *plane, information});
     }
+    std::stable_sort(model_.ground_edges.begin(),
+                     model_.ground_edges.end(),
+                     [](const GroundEdge& a, const GroundEdge& b) { return a.node < b.node; });
   }
 
   void AddObjectsOnGround(const ObjectMap& map, const std::map<ObjectId, double>& bottom_m) {
@@ -160,17 +163,13 @@ class ModelBuilder {
           !std::isfinite(bottom->second)) {
         continue;
       }
-      const double gap_m =
-          model_.plane->SignedDistance(Node(node) * Eigen::Vector3d(0, 0, bottom->second));
+      const double gap_m = GapToGround(k, bottom->second);
       if (std::abs(gap_m) > options_.stand_max_gap_m) {
         model_.not_standing.push_back(id);
         continue;
       }
       // The model's error is common to all views of the object, so it must not win by their number.
-      const double views = static_cast<double>(std::count_if(
-          model_.pose_edges.begin(), model_.pose_edges.end(), [node](const PoseEdge& e) {
-            return e.b == node;
-          }));
+      const double views = static_cast<double>(edges_of_object_[k].size());
       model_.stands.push_back(
           {node, bottom->second, views / (options_.stand_floor_m * options_.stand_floor_m)});
     }
@@ -191,6 +190,29 @@ class ModelBuilder {
     }
     model_.pose_edges.push_back(edge);
     model_.pose_edges.back().a_from_b.rotation.normalize();
+  }
+
+  // Height of the object's bottom above the ground: median over the keyframes that saw both, where
+  // drift has no part; else in the tracking world.
+  double GapToGround(std::size_t object, double bottom_m) const {
+    const Eigen::Vector3d bottom(0, 0, bottom_m);
+    std::vector<double> gaps_m;
+    for (const PoseEdge& edge : edges_of_object_[object]) {
+      const auto seen =
+          std::lower_bound(model_.ground_edges.begin(),
+                           model_.ground_edges.end(),
+                           edge.a,
+                           [](const GroundEdge& ground, int node) { return ground.node < node; });
+      if (seen == model_.ground_edges.end() || seen->node != edge.a) continue;
+      gaps_m.push_back(seen->plane_camera.SignedDistance(edge.a_from_b * bottom));
+    }
+    if (gaps_m.empty()) {
+      const int node = model_.num_keyframes() + static_cast<int>(object);
+      return model_.plane->SignedDistance(Node(node) * bottom);
+    }
+    const auto middle = gaps_m.begin() + static_cast<std::ptrdiff_t>(gaps_m.size() / 2);
+    std::nth_element(gaps_m.begin(), middle, gaps_m.end());
+    return *middle;
   }
 
   // Edges of the object's usable views from their keyframes; `b` is left open.
@@ -232,7 +254,7 @@ class ModelBuilder {
   const Odometry& odometry_;
   const GraphOptions& options_;
   GraphModel model_;
-  std::vector<double> num_views_;  // per object node
+  std::vector<std::vector<PoseEdge>> edges_of_object_;  // per object node
 };
 
 }  // namespace
@@ -243,6 +265,8 @@ int NodeOfFrame(const Odometry& odometry, FrameIdx frame) {
       frame.value >= static_cast<int>(odometry.frames.size())) {
     return -1;
   }
+  const int itself = NodeOfKeyframe(keyframes, frame);
+  if (itself >= 0) return itself;
   const int own = NodeOfKeyframe(keyframes, odometry.at(frame).keyframe);
   if (own >= 0) return own;
   const auto after = std::upper_bound(keyframes.begin(), keyframes.end(), frame);

@@ -34,19 +34,17 @@ struct StandEdge {
 };
 
 struct GraphModel {
-  std::vector<Pose3>
-      world_from_node;  // keyframes in order, then the objects that have usable views
+  std::vector<Pose3> world_from_node;  // keyframes in order, then the objects with usable views
   std::vector<FrameIdx> keyframes;
   std::vector<std::size_t> objects;  // index into ObjectMap::objects of node keyframes.size() + k
   std::vector<PoseEdge> pose_edges;
   std::optional<Plane> plane;            // tracking world
-  std::vector<GroundEdge> ground_edges;  // none: the plane is held
+  std::vector<GroundEdge> ground_edges;  // ascending nodes; none: the plane is held
   std::vector<int> upright;              // nodes
   std::vector<StandEdge> stands;
-  std::vector<ObjectId>
-      not_standing;       // bottom known and farther than stand_max_gap_m from the plane
-  int num_bad_edges = 0;  // left out
-  int num_ties = 0;       // added where no edge reached a keyframe
+  std::vector<ObjectId> not_standing;  // bottom known, but too far from the ground
+  int num_bad_edges = 0;               // left out
+  int num_ties = 0;                    // added where no edge reached a keyframe
 
   [[nodiscard]] int num_keyframes() const { return static_cast<int>(keyframes.size()); }
 };
@@ -58,8 +56,8 @@ struct GraphModel {
                                                  const GraphOptions& options,
                                                  const std::map<ObjectId, double>& bottom_m);
 
-// The node of the keyframe that `frame` was tracked against; where that is none, the last keyframe
-// not after it, else the first. -1 without keyframes or for a frame that does not exist.
+// The node of the keyframe that `frame` is or was tracked against; where that is none, the last
+// keyframe not after it, else the first. -1 without keyframes or for a frame that does not exist.
 [[nodiscard]] int NodeOfFrame(const Odometry& odometry, FrameIdx frame);
 
 // Moves `model` to the optimum; the terms' energies before and after, robust losses left out of

@@ -4,12 +4,14 @@
 //
 // Variables: x_wi (keyframes), x_wo (objects), p = (n, d) (ground; minimal, 3 degrees of freedom: n
 // on the unit sphere, d on the line). Terms of the energy, each r^T Omega r:
-//   r_io = t2v(z_io^-1 x_wi^-1 x_wo)                         per usable view of an object, robust
-//   loss (past the paper) r_ij = t2v(z_ij^-1 x_wi^-1 x_wj)        x lambda_1       per odometry
-//   edge r_pi = p - [R n_i; d_i - (R n_i)^T t]   x lambda_2       per keyframe that saw the ground;
-//   see residuals.h r_po = n - R (0, 0, 1)^T                x lambda_3       per object, where a
-//   ground is known loop = r_ij on verified loop edges, robust loss (past the paper) stand = height
-//   of the model's bottom above the ground    per object that stands on it (past the paper)
+//   r_io  = t2v(z_io^-1 x_wi^-1 x_wo)                       per usable view of an object
+//   r_ij  = t2v(z_ij^-1 x_wi^-1 x_wj)         x lambda_1    per odometry edge
+//   r_pi  = p - [R n_i; d_i - (R n_i)^T t]    x lambda_2    per keyframe that saw the ground
+//   r_po  = n - R (0, 0, 1)^T                 x lambda_3    per object, where a ground is known
+//   loop  = r_ij of a verified loop edge      x lambda_1
+//   stand = height of the model's bottom above the ground   per object that stands on it
+// Past the paper: the last one, and robust losses on r_io, r_pi and loop. How r_pi's information is
+// carried to the world: residuals.h.
 // t2v is (translation m; rotation vector rad), information in that order.
 //
 // Balance. Information from registrations (H = J^T J) counts each pixel as independent and the
@@ -60,16 +62,16 @@ struct GraphOptions {
   double odometry_variance_scale = 10;
   double odometry_floor_m = 0.003;
   double odometry_floor_deg = 0.1;
+  // A retrieved model is near the object, not equal to it, and voxels are 1-3 cm wide.
   double object_variance_scale = 10;
-  double object_floor_m =
-      0.03;  // a retrieved model is near the object, not equal to it; voxels are 1-3 cm
+  double object_floor_m = 0.03;
   double object_floor_deg = 3.0;
   double ground_variance_scale = 10;
   double ground_floor_m = 0.01;
   double ground_floor_deg = 0.5;
 
-  // Loss per kind: none | huber | cauchy; widths in standard deviations of the whole residual
-  // (0.999 quantile of chi with 6 degrees of freedom is 4.7, the mean 2.4).
+  // Loss per kind: none | huber | cauchy. The paper has none. Width in standard deviations of the
+  // whole residual (the mean of chi with 6 degrees of freedom is 2.4, its 0.999 quantile 4.7).
   std::string object_loss = "cauchy";
   std::string odometry_loss = "none";
   std::string loop_loss = "cauchy";
@@ -77,16 +79,16 @@ struct GraphOptions {
   double loss_width = 3.0;
   int loss_rounds = 3;  // widths 16x, 4x, 1x for 3; 1 = no graduation
 
-  bool use_objects = true;       // r_io and r_po, else objects follow their keyframes
-  bool use_ground = true;        // r_pi, r_po, stand
-  double stand_floor_m = 0.005;  // deviation of a standing object's bottom from the ground, per
-                                 // view; 0 = no such edges
-  double stand_max_gap_m =
-      0.25;  // objects farther off at the start are not taken to stand (hanging, on a table)
+  bool use_objects = true;  // r_io and r_po; else objects follow their keyframes
+  bool use_ground = true;   // r_pi, r_po, stand
+  // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges.
+  double stand_floor_m = 0.005;
+  // Objects whose bottom is seen farther than this from the ground hang, or stand on something.
+  double stand_max_gap_m = 0.25;
 
   int max_iterations = 60;  // per round
   bool interpolate_frames =
-      true;  // frames between keyframes: blend of both neighbours' corrections; false: rigid
+      true;  // frames between keyframes: blend of both corrections; else rigid
 };
 
 void Describe(OptionsVisitor& visitor, GraphOptions& options);

@@ -64,9 +64,10 @@ struct PoseResidual {
 //       [ t^T       1 ],
 // and Omega_w = K^T Omega_i K is the measurement's information carried to the world. K r_pi is what
 // is whitened here:
-//   (R B)^T (n - R n_i) = B^T R^T n            the world's normal seen along the measured tangent
-//   directions t^T (n - R n_i) + d - d_w = n^T t + d - d_i  height of the camera above the world's
-//   plane minus the measured one
+//   (R B)^T (n - R n_i) = B^T R^T n
+//     the world's normal seen along the measured tangent directions;
+//   t^T (n - R n_i) + d - d_w = n^T t + d - d_i
+//     the camera's height above the world's plane minus the measured one.
 // Other left inverses differ by second order in the tilt times the distance to the origin; this one
 // does not depend on where the origin is, which is why it was chosen.
 struct GroundResidual {

@@ -5,31 +5,30 @@
 // looks at depth, AcceptLoops settles contradictions. Only what passes all three may touch the
 // graph.
 //
-// 1. Proposals. A pair (old, new) is two objects of one class that no frame sees together, the new
-// one first seen after
-//    the old one. Two or more pairs make a constellation when one correction of four degrees of
-//    freedom (translation, and yaw about the common up direction of all objects) brings the new
-//    objects onto the old ones: positions within position_tolerance_m + local_drift * (path
-//    travelled between the views of the constellation's objects), yaws within yaw_tolerance_deg,
-//    where neither object's yaw is free (class list, or all its views say so). Two objects'
-//    distance and bearing and their yaws determine the correction; further pairs are added as long
-//    as they agree, and it is refitted. A correction larger than tracking can drift on the path
-//    between the two visits is none: drift_base_m + drift_share * path, and drift_base_deg +
-//    drift_deg_per_m * path. The new visit starts at least min_gap_frames after the old objects
-//    were last seen. Besides, a single pair is proposed where the two models stand in each other:
-//    distance of centres below overlap_share * half the smaller one's longest side (a duplicate
-//    left by association, no gap needed).
-// 2. Verification. The correction is refined by 4-DoF ICP and has to make the new objects' depth
-// lie on the old models and
-//    the old objects' depth on the new models, and the surroundings (without ground and without the
-//    objects themselves, which cannot vouch for themselves) agree. See LoopEvidence.
-// 3. Acceptance. Constellations that pair one object with different partners contradict each other,
-// unless the partners are
-//    one object themselves. Of two, the one with clearly more pairs wins (ambiguity_ratio); else
-//    both are refused as ambiguous.
+// Proposals. A pair (old, new) is two objects of one class that no frame sees together, the new one
+// first seen at least min_gap_frames after the old one was last seen before it. Two or more pairs
+// make a constellation when one correction of four degrees of freedom (translation, and yaw about
+// the common up direction of all objects) brings the new objects onto the old ones:
+// - positions within position_tolerance_m + local_drift * (path travelled between the views of the
+//   constellation's objects, old visit and new);
+// - yaws within yaw_tolerance_deg, where neither object's yaw is free (by class, or because all its
+//   views say so);
+// - by no more than tracking can drift on the path between the visits: drift_base_m + drift_share *
+//   path, measured at the objects, and drift_base_deg + drift_deg_per_m * path.
+// Two pairs' distance, bearing and yaws determine the correction; further pairs are added, nearest
+// first, as long as all agree after a refit.
+// Besides, a single pair is proposed where two models stand in each other: distance of centres
+// below overlap_share * half the smaller one's longest side (a duplicate left by association; no
+// gap needed).
 //
-// All poses in the tracking world; deterministic: objects are visited by id, ties go to the lower
-// ids.
+// Verification. The correction is refined by 4-DoF ICP over objects and surroundings; then the
+// depth of either visit has to lie on the other visit's models, and the surroundings have to agree.
+//
+// Acceptance. Constellations that pair one object with different partners contradict each other,
+// unless the partners are one object themselves by an accepted pair. Of two, the one with clearly
+// more pairs wins (ambiguity_ratio); else both are refused as ambiguous.
+//
+// All poses in the tracking world. Deterministic: everything goes in the map's order.
 #pragma once
 
 #include <map>
@@ -65,8 +64,7 @@ struct LoopOptions {
   double overlap_share = 0.5;
   int max_seeds = 200000;  // pairs of pairs that are tried
 
-  double verify_distance_m =
-      0.06;  // a depth point this near to the model (or to the other visit's depth) agrees
+  double verify_distance_m = 0.06;  // points of the two visits this near agree
   double min_object_agreement = 0.5;
   double min_room_agreement = 0.5;
   int min_room_points = 300;         // fewer: surroundings say nothing
@@ -83,11 +81,12 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options);
 // What the stage knows about the places of the map's objects, tracking world; any part may be
 // empty.
 struct ObjectEvidence {
-  std::vector<Eigen::Vector3f>
-      depth_points_world;  // measured points of the object's segments, all views together
-  std::vector<Eigen::Vector3f> model_points_world;  // surface of its chosen model where it stands
-  // Measured points around it, seen in its views: without its own segment. Ground points may be in
-  // it; they are left out here.
+  // Measured points of the object's segments, all views together.
+  std::vector<Eigen::Vector3f> depth_points_world;
+  // Surface of its chosen model where it stands.
+  std::vector<Eigen::Vector3f> model_points_world;
+  // Measured points around it, seen in its views, without its own segment. Whole frames are best;
+  // ground points and other objects may be in it and are sorted out here.
   std::vector<Eigen::Vector3f> surroundings_world;
 };
 using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
