@@ -32,6 +32,7 @@ struct CandidateScore {
   double coverage_share = 0;  // model surface that should be seen and is
   double free_violation = 0;  // rays that pass through solid model before their measured depth
   int num_views = 0;          // views registered
+  double seen_share = 0;      // of the whole model's surface, what some view confirmed
   std::string note;           // why it could not be scored, or what was unsure
   std::vector<ViewAgreement> views;  // in the order of the object's views
 };

@@ -9,6 +9,8 @@
 namespace deepslam::select {
 namespace {
 
+constexpr std::size_t kSeenSamples = 1000;
+
 bool IsUsable(const ObjectView& view) {
   const DepthImage& depth = view.depth_crop_m;
   const PinholeCamera& camera = view.camera;
@@ -106,6 +108,26 @@ void AddCoverage(const DepthImage& rendered_m,
   agreement.violation = violated / agreement.num_seen;
 }
 
+// Whether a view measured the surface at one of the model's surface points.
+bool IsConfirmed(const shape::ShapeModel& model,
+                 std::size_t surface_idx,
+                 const Similarity3& camera_from_object,
+                 const JudgedView& view,
+                 const SelectOptions& options) {
+  if (view.depth_m.empty()) return false;
+  const Eigen::Vector3d point =
+      camera_from_object * model.surface_points()[surface_idx].cast<double>();
+  const Eigen::Vector3d normal =
+      camera_from_object.rotation * model.surface_normals()[surface_idx].cast<double>();
+  const auto pixel = view.camera.Project(point);
+  if (!pixel || normal.dot(point) > 0 || !(pixel->cwiseAbs().maxCoeff() < 1e6)) return false;
+  const int u = static_cast<int>(std::lround(pixel->x()));
+  const int v = static_cast<int>(std::lround(pixel->y()));
+  if (!view.depth_m.Contains(u, v) || view.depth_m(u, v) <= 0) return false;
+  return std::abs(view.depth_m(u, v) - point.z()) <
+         options.model_tolerance_m + options.fade_m + 2 * DepthNoise(point.z());
+}
+
 }  // namespace
 
 std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
@@ -148,6 +170,25 @@ ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
   if (agreement.num_points > 0) agreement.surface = sum / agreement.num_points;
   AddCoverage(shape::RenderDepth(model, camera_from_object, view.camera), placed, view, agreement);
   return agreement;
+}
+
+double SeenShare(const shape::ShapeModel& model,
+                 std::span<const Similarity3> camera_from_object,
+                 std::span<const JudgedView> views,
+                 const SelectOptions& options) {
+  const std::span<const Eigen::Vector3f> points = model.surface_points();
+  const std::size_t stride = points.size() / kSeenSamples + 1;
+  int num_seen = 0;
+  int total = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    ++total;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      if (!IsConfirmed(model, i, camera_from_object[k], views[k], options)) continue;
+      ++num_seen;
+      break;
+    }
+  }
+  return total > 0 ? static_cast<double>(num_seen) / total : 0.0;
 }
 
 }  // namespace deepslam::select

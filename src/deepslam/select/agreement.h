@@ -50,4 +50,12 @@ struct JudgedView {
                                              const JudgedView& view,
                                              const SelectOptions& options);
 
+// Share of the whole model's surface that at least one view confirmed: facing the camera, and the
+// measured point in its pixel lies on the model. The rest is the prior's word alone.
+// `camera_from_object` runs parallel to `views`.
+[[nodiscard]] double SeenShare(const shape::ShapeModel& model,
+                               std::span<const Similarity3> camera_from_object,
+                               std::span<const JudgedView> views,
+                               const SelectOptions& options);
+
 }  // namespace deepslam::select

@@ -17,6 +17,10 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<std::string_view, 2> kModes = {"offline", "greedy"};
 // Width of the passage from "likely wrong" to "likely right" around good_score.
 constexpr double kScoreWidth = 0.08;
+// From one corner about this much of a piece of furniture's surface is seen.
+constexpr double kWellSeenShare = 0.3;
+// Of a model seen less than this nearly all is the prior's word.
+constexpr double kHardlySeenShare = 0.12;
 // Directions of view within this angle are one side of an object.
 constexpr double kOneSideRad = 90 * kDegree;
 
@@ -174,17 +178,18 @@ int NumRegistered(const CandidateRegistration& registration) {
                                         [](const ViewRegistration& view) { return view.ok; }));
 }
 
-// Grows with the score (one half at good_score), with the number of views, and with how far round
-// they go.
-double ConfidenceOf(double score,
+// Grows with the score (one half at good_score), with the number of views, with how far round they
+// go, and with how much of the model they show.
+double ConfidenceOf(const CandidateScore& score,
                     int num_views,
                     double seen_angle_rad,
                     const SelectOptions& options) {
-  const double fit = 1.0 / (1.0 + std::exp(-(score - options.good_score) / kScoreWidth));
+  const double fit = 1.0 / (1.0 + std::exp(-(score.score - options.good_score) / kScoreWidth));
   const double views =
       0.4 + 0.6 * std::min(1.0, num_views / std::max(1.0, options.full_confidence_views));
   const double round = 0.7 + 0.3 * std::min(1.0, seen_angle_rad / std::numbers::pi);
-  return std::clamp(fit * views * round, 0.0, 1.0);
+  const double shown = 0.5 + 0.5 * std::min(1.0, score.seen_share / kWellSeenShare);
+  return std::clamp(fit * views * round * shown, 0.0, 1.0);
 }
 
 std::string Doubts(const MapObject& object,
@@ -197,6 +202,11 @@ std::string Doubts(const MapObject& object,
   const int num_registered = NumRegistered(registration);
   if (num_registered < 2) AppendNote(note, "registered in one view only");
   if (seen_angle_rad < kOneSideRad) AppendNote(note, "seen from one side only");
+  if (score.seen_share < kHardlySeenShare) {
+    AppendNote(note,
+               "only " + std::to_string(std::lround(100 * score.seen_share)) +
+                   " % of its surface was seen");
+  }
   const auto num_free = std::count_if(object.views.begin(),
                                       object.views.end(),
                                       [](const auto& view) { return view.ok && view.yaw_free; });
@@ -233,8 +243,7 @@ MapObject FillWinner(MapObject object,
   object.world_from_object = registration.world_from_object;
   object.views = registration.views;
   const double seen_angle_rad = SeenAngle(object, views);
-  object.confidence =
-      ConfidenceOf(score.score, NumRegistered(registration), seen_angle_rad, options);
+  object.confidence = ConfidenceOf(score, NumRegistered(registration), seen_angle_rad, options);
   object.note = Doubts(object, winner, score, registration, seen_angle_rad, options);
   const std::string size_doubt = SizeDoubt(winner, registration.scale_m);
   if (!size_doubt.empty()) AppendNote(object.note, size_doubt);
@@ -306,11 +315,13 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
     score.note = model.empty() ? "the model is empty" : registration.reason;
     return score;
   }
+  std::vector<Similarity3> camera_from_object;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const Similarity3 camera_from_object =
-        Similarity3::From(CameraFromObject(registration, views[i], i), registration.scale_m);
-    score.views.push_back(MeasureAgreement(model, camera_from_object, views[i], options));
+    camera_from_object.push_back(
+        Similarity3::From(CameraFromObject(registration, views[i], i), registration.scale_m));
+    score.views.push_back(MeasureAgreement(model, camera_from_object[i], views[i], options));
   }
+  score.seen_share = SeenShare(model, camera_from_object, views, options);
   const Evidence evidence = Pool(score.views);
   score.surface_share = evidence.surface;
   score.coverage_share = evidence.coverage;

@@ -13,7 +13,7 @@ struct SelectOptions {
   int max_render_px = 80;        // longer side of the rendered crops
   double model_tolerance_m =
       0.015;  // how far a good model may be from the true surface, beside noise and voxels
-  double fade_m = 0.05;  // beyond the tolerance agreement fades to nothing over this length
+  double fade_m = 0.03;  // beyond the tolerance agreement fades to nothing over this length
   double ground_tolerance_m =
       0.05;  // gap between the model's bottom and the ground that is no fault
   // Subtracted from the score of a fused candidate when candidates are compared: it is made of the
