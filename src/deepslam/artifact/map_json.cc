@@ -22,7 +22,6 @@ JsonValue ShapeToJson(const MapShape& shape) {
   if (!shape.library_id.empty()) {
     row.emplace("library_id", shape.library_id);
     row.emplace("library_checksum", shape.library_checksum);
-    if (shape.stretch != Eigen::Vector3d::Ones()) row.emplace("stretch", ToJson(shape.stretch));
   }
   if (!shape.draco.empty()) row.emplace("draco_base64", EncodeBase64(shape.draco));
   return JsonValue(std::move(row));
@@ -38,8 +37,6 @@ MapShape ReadShape(const JsonNode& node) {
   if (const JsonNode id = node.Maybe("library_id"); id.exists()) {
     shape.library_id = id.String();
     shape.library_checksum = node["library_checksum"].String();
-    if (const JsonNode stretch = node.Maybe("stretch"); stretch.exists())
-      shape.stretch = ReadVector3(stretch);
   }
   if (const JsonNode draco = node.Maybe("draco_base64"); draco.exists()) {
     Result<std::string> bytes = DecodeBase64(draco.String());

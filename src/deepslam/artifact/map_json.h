@@ -20,9 +20,7 @@ struct MapShape {
   std::vector<float> latents;
   std::string library_id;
   std::string library_checksum;  // sha256 of the library model's voxels
-  Eigen::Vector3d stretch =
-      Eigen::Vector3d::Ones();  // per axis of the object frame, applied to the library's model
-  std::string draco;            // bytes; object frame, object units; base64 in the file
+  std::string draco;             // bytes of a mesh in the object frame, metres; base64 in the file
 };
 
 struct MapEntry {

@@ -12,6 +12,30 @@ namespace {
 constexpr std::string_view kFormat = "deepslam/objects";
 constexpr int kVersion = 1;
 
+// One line per view: [view, frame, num_points, surface, num_seen, coverage, violation].
+JsonValue AgreementToJson(const ViewAgreement& view) {
+  return JsonArray{ToJson(view.view),
+                   ToJson(view.frame),
+                   view.num_points,
+                   view.surface,
+                   view.num_seen,
+                   view.coverage,
+                   view.violation};
+}
+
+ViewAgreement ReadAgreement(const JsonNode& node) {
+  const std::vector<JsonNode> n = node.Items(7);
+  ViewAgreement view;
+  view.view = ReadId<DetectionId>(n[0]);
+  view.frame = ReadId<FrameIdx>(n[1]);
+  view.num_points = n[2].Int(0, kMaxId);
+  view.surface = n[3].Number();
+  view.num_seen = n[4].Int(0, kMaxId);
+  view.coverage = n[5].Number();
+  view.violation = n[6].Number();
+  return view;
+}
+
 JsonValue ScoreToJson(const CandidateScore& score) {
   JsonObject row;
   row.emplace("candidate", ToJson(score.candidate));
@@ -21,6 +45,9 @@ JsonValue ScoreToJson(const CandidateScore& score) {
   row.emplace("free_violation", score.free_violation);
   row.emplace("num_views", score.num_views);
   row.emplace("note", score.note);
+  JsonArray views;
+  for (const ViewAgreement& view : score.views) views.push_back(AgreementToJson(view));
+  row.emplace("views", std::move(views));
   return JsonValue(std::move(row));
 }
 
@@ -33,6 +60,7 @@ CandidateScore ReadScore(const JsonNode& row) {
   score.free_violation = row["free_violation"].Number();
   score.num_views = row["num_views"].Int(0, kMaxId);
   score.note = row["note"].String();
+  for (const JsonNode& view : row["views"].Items()) score.views.push_back(ReadAgreement(view));
   return score;
 }
 

@@ -203,11 +203,11 @@ std::vector<std::string> Names(std::span<const Stage> stages) {
   return names;
 }
 
-void ReadTiming(const fs::path& folder, Timing& timing) {
+std::optional<Timing> ReadTiming(const fs::path& folder) {
   const Result<std::string> text = artifact::ReadFile(folder / kTimingFile);
-  if (!text.ok()) return;
+  if (!text.ok()) return std::nullopt;
   const Result<Timing> found = DecodeTiming(*text, kTimingFile);
-  if (found.ok()) timing = *found;
+  return found.ok() ? std::optional(*found) : std::nullopt;
 }
 
 }  // namespace
@@ -220,7 +220,23 @@ Result<RunReport> RunStages(std::span<const Stage> stages,
   const std::vector<std::string> names = Names(stages);
   const Result<Workspace> workspace = Workspace::Open(request.workspace, names);
   if (!workspace.ok()) return workspace.error();
+  for (const auto& [file, bytes] : request.notes) {
+    if (Status status = artifact::WriteFileAtomically(request.workspace / file, bytes);
+        !status.ok()) {
+      return status.error();
+    }
+  }
   return run.Execute();
+}
+
+std::vector<StageTiming> ReadTimings(std::span<const Stage> stages, const fs::path& workspace) {
+  std::vector<StageTiming> timings;
+  for (const Stage& stage : stages) {
+    if (const std::optional<Timing> timing = ReadTiming(workspace / stage.name)) {
+      timings.push_back({stage.name, *timing});
+    }
+  }
+  return timings;
 }
 
 Result<std::vector<StageReport>> InspectWorkspace(std::span<const Stage> stages,
@@ -252,7 +268,7 @@ Result<std::vector<StageReport>> InspectWorkspace(std::span<const Stage> stages,
       report.summary = decision.manifest->summary.line;
       for (const auto& [file, output] : decision.manifest->outputs)
         report.num_bytes += output.num_bytes;
-      ReadTiming(workspace / stage.name, report.timing);
+      report.timing = ReadTiming(workspace / stage.name).value_or(Timing());
       if (decision.reasons.empty())
         content_hashes[stage.name] = ContentHash(decision.manifest->outputs);
     } else if (!decision.missing) {

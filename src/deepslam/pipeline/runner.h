@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -30,6 +31,8 @@ struct RunRequest {
   std::filesystem::path workspace;
   std::string until;            // last stage to run; empty: all
   std::set<std::string> force;  // run although their files stand
+  // Small files to be written into the workspace once it is held: name -> bytes.
+  std::map<std::string, std::string> notes;
 };
 
 struct RunReport {
@@ -54,6 +57,15 @@ struct StageReport {
   std::uintmax_t num_bytes = 0;
   Timing timing;
 };
+
+struct StageTiming {
+  std::string name;
+  Timing timing;
+};
+
+// Times of the stages that lie in a workspace; stages without are left out.
+[[nodiscard]] std::vector<StageTiming> ReadTimings(std::span<const Stage> stages,
+                                                   const std::filesystem::path& workspace);
 
 // The state of a workspace without touching it. External inputs are taken as unchanged: the capture
 // may be elsewhere.

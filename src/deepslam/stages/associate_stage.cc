@@ -1,0 +1,44 @@
+// associate: which detections are the same object.
+#include <fmt/format.h>
+
+#include "deepslam/artifact/association_json.h"
+#include "deepslam/associate/associate.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  const Result<Association> association = associate::Associate(*inputs.capture->frames,
+                                                               *odometry,
+                                                               *ground,
+                                                               *segments,
+                                                               inputs.config.associate,
+                                                               context.progress());
+  if (!association.ok()) return association.error();
+  if (Status status = WriteEncoded(
+          context, "tracks.json", artifact::EncodeAssociation(*association, "tracks.json"));
+      !status.ok()) {
+    return status.error();
+  }
+  StageSummary summary{fmt::format("{} objects, {} detections left out",
+                                   association->tracks.size(),
+                                   association->rejections.size()),
+                       {{"num_objects", static_cast<double>(association->tracks.size())}}};
+  for (const ObjectTrack& track : association->tracks) {
+    summary.line +=
+        fmt::format(", {}_{:02d} ({})", track.class_name, track.id.value, track.members.size());
+  }
+  return summary;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,109 @@
+#include "deepslam/stages/config.h"
+
+#include <array>
+
+namespace deepslam::stages {
+namespace {
+
+constexpr std::array<std::string_view, 2> kPoses = {"track", "capture"};
+constexpr std::array<std::string_view, 3> kDetectSources = {"network", "file", "none"};
+constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
+const std::set<std::string>& PathOptions() {
+  static const std::set<std::string> names = {
+      "classes.file", "detect.weights", "detect.file", "propose.library"};
+  return names;
+}
+
+void Describe(OptionsVisitor& visitor, TrackStageOptions& options) {
+  visitor.Choice(
+      "poses", options.poses, kPoses, "estimate camera poses, or take those of the capture");
+}
+
+void Describe(OptionsVisitor& visitor, DetectStageOptions& options) {
+  visitor.Choice("source", options.source, kDetectSources, "where boxes come from");
+  visitor.Field("weights",
+                options.weights,
+                "detector: name of a file in the data folder's weights/, or a path (ONNX)");
+  visitor.Field("file", options.file, "COCO file of boxes and masks, for source file");
+  visitor.Choice("frames", options.frames, kDetectFrames, "frames the detector looks at");
+}
+
+void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
+  visitor.Field("retrieval", options.retrieval, "offer CAD models of the furniture library");
+  visitor.Field("fused", options.fused, "offer the object's own fused measurement");
+  visitor.Field("library",
+                options.library,
+                "folder of the furniture library; empty: the one in the data folder");
+}
+
+void Describe(OptionsVisitor& visitor, FuseStageOptions& options) {
+  visitor.Field("frame_step", options.frame_step, {1, 1000}, "1", "every which frame is fused");
+  visitor.Field("leave_objects_out",
+                options.leave_objects_out,
+                "fuse detected frames only, without the pixels of mapped objects");
+}
+
+void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
+  visitor.Field("uncompressed_twin",
+                options.uncompressed_twin,
+                "also write scene.uncompressed.glb, without Draco");
+  visitor.Field("room", options.room, "put the room's measured surface into the scene");
+  visitor.Field("trajectory", options.trajectory, "put camera path and keyframes into the scene");
+}
+
+template <typename... Options>
+pipeline::OptionSection Section(std::string name, std::string help, Options&... options) {
+  return {std::move(name), std::move(help), [&options...](OptionsVisitor& visitor) {
+            (Describe(visitor, options), ...);
+          }};
+}
+
+}  // namespace
+
+std::vector<pipeline::OptionSection> Sections(Config& c) {
+  return {
+      {"classes",
+       "Classes of objects",
+       [&c](OptionsVisitor& visitor) {
+         visitor.Field("file",
+                       c.classes_file,
+                       "table of classes (YAML); empty: the one of configs/classes.yaml");
+       }},
+      Section("track", "Camera tracking", c.track_stage, c.track),
+      Section("ground", "Ground plane", c.ground),
+      Section("detect", "Boxes in colour images", c.detect_stage, c.detect),
+      Section("detect.network", "The detector network", c.network),
+      Section("detect.clusters",
+              "Boxes of floor-standing depth clusters that no detection covers",
+              c.clusters),
+      Section("segment", "Which pixels of a box are the object", c.segment),
+      Section("associate", "Which detections are one object", c.associate),
+      Section("views", "Views of an object that later stages look at", c.views),
+      Section("propose", "Whole shapes for objects", c.propose_stage),
+      Section("propose.retrieval", "CAD models of the library", c.retrieval),
+      Section("propose.measured", "The object's own fused measurement", c.fused),
+      Section("register", "Where a shape stands", c.registration),
+      Section("select", "Which shape it is", c.select),
+      Section("loops", "Constellations of objects seen again", c.loops),
+      Section("optimize", "Graph of cameras, objects and ground", c.optimize),
+      Section("mesh.surface", "Surface of the chosen shapes", c.surface),
+      Section("mesh.refine", "Smoothing and decimation", c.refine),
+      Section("mesh.colour", "Colours from the frames", c.colour),
+      Section("fuse", "The room's measured surface", c.fuse_stage, c.fuse),
+      Section("export", "The scene file", c.export_stage),
+      Section("export.ground", "The seen piece of floor", c.ground_polygon),
+      Section("export.gltf", "glTF and Draco", c.gltf),
+  };
+}
+
+std::map<std::string, std::string> KeyOptions(Config config,
+                                              const std::set<std::string>& sections) {
+  std::map<std::string, std::string> values;
+  for (const pipeline::OptionSection& section : Sections(config)) {
+    if (sections.contains(section.name)) values.merge(pipeline::OptionValues(section));
+  }
+  for (const std::string& name : PathOptions()) values.erase(name);
+  return values;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,98 @@
+// The whole configuration: the options of every algorithm and of the stages around them.
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "deepslam/associate/associate.h"
+#include "deepslam/detect/cluster_detector.h"
+#include "deepslam/detect/detect_frame.h"
+#include "deepslam/detect/detector.h"
+#include "deepslam/fuse/tsdf.h"
+#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/graph/object_graph.h"
+#include "deepslam/ground/ground_plane.h"
+#include "deepslam/loop/constellation.h"
+#include "deepslam/mesh/colour_mesh.h"
+#include "deepslam/mesh/extract_surface.h"
+#include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/mesh/refine_mesh.h"
+#include "deepslam/observe/object_views.h"
+#include "deepslam/odometry/odometry.h"
+#include "deepslam/pipeline/config.h"
+#include "deepslam/propose/proposer.h"
+#include "deepslam/registration/register_shape.h"
+#include "deepslam/segment/segment_objects.h"
+#include "deepslam/select/select_options.h"
+
+namespace deepslam::stages {
+
+struct TrackStageOptions {
+  std::string poses = "track";  // track | capture
+};
+
+struct DetectStageOptions {
+  std::string source = "network";   // network | file | none
+  std::string weights = "yolov8s";  // name in the data folder's weights/, or a path to an ONNX file
+  std::string file;                 // COCO file of source `file`
+  std::string frames = "keyframes";  // keyframes | all
+};
+
+struct ProposeStageOptions {
+  bool retrieval = true;
+  bool fused = true;
+  std::string library;  // folder; empty: `library` in the data folder
+};
+
+struct FuseStageOptions {
+  int frame_step = 2;  // every which frame is fused
+  bool leave_objects_out = false;
+};
+
+struct ExportStageOptions {
+  bool uncompressed_twin = true;  // scene.uncompressed.glb, for programs without Draco
+  bool room = true;
+  bool trajectory = true;
+};
+
+struct Config {
+  std::string classes_file;  // empty: the table compiled in
+  TrackStageOptions track_stage;
+  odometry::OdometryOptions track;
+  ground::GroundOptions ground;
+  DetectStageOptions detect_stage;
+  detect::DetectOptions detect;
+  detect::DetectorOptions network;
+  detect::ClusterOptions clusters;
+  segment::SegmentOptions segment;
+  associate::AssociateOptions associate;
+  observe::ViewOptions views;
+  ProposeStageOptions propose_stage;
+  propose::RetrievalOptions retrieval;
+  propose::FusedOptions fused;
+  registration::RegisterOptions registration;
+  select::SelectOptions select;
+  loop::LoopOptions loops;
+  graph::GraphOptions optimize;
+  mesh::SurfaceOptions surface;
+  mesh::RefineOptions refine;
+  mesh::ColourOptions colour;
+  FuseStageOptions fuse_stage;
+  fuse::FuseOptions fuse;
+  ExportStageOptions export_stage;
+  mesh::GroundPolygonOptions ground_polygon;
+  gltf::GltfOptions gltf;
+};
+
+// Every section of the configuration, in the order of the pipeline. `config` must outlive the
+// result.
+[[nodiscard]] std::vector<pipeline::OptionSection> Sections(Config& config);
+
+// Values of the named sections for a stage's key. Options that name files are left out: their
+// content is hashed instead.
+[[nodiscard]] std::map<std::string, std::string> KeyOptions(Config config,
+                                                            const std::set<std::string>& sections);
+
+}  // namespace deepslam::stages

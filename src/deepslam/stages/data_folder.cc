@@ -1,0 +1,56 @@
+#include "deepslam/stages/data_folder.h"
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+namespace deepslam::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+}  // namespace
+
+fs::path FindDataFolder(const std::string& explicit_folder) {
+  if (!explicit_folder.empty()) return explicit_folder;
+  if (const std::string folder = Environment("DEEPSLAM_DATA"); !folder.empty()) return folder;
+  std::error_code error;
+  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    const fs::path beside = executable.parent_path().parent_path() / "share" / "deepslam";
+    if (fs::is_directory(beside, error)) return beside;
+  }
+  if (const std::string xdg = Environment("XDG_DATA_HOME"); !xdg.empty())
+    return fs::path(xdg) / "deepslam";
+  return fs::path(Environment("HOME")) / ".local" / "share" / "deepslam";
+}
+
+Result<fs::path> FindWeights(const fs::path& data_folder, const std::string& weights) {
+  const bool is_path = weights.find('/') != std::string::npos || weights.ends_with(".onnx");
+  const fs::path file = is_path ? fs::path(weights) : data_folder / "weights" / (weights + ".onnx");
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) return file;
+  return InvalidInput(
+      fmt::format("detect.weights: no file {}; run scripts/setup.sh to fetch the weights "
+                  "(`deepslam doctor` shows what is there), "
+                  "or use --set detect.source=none",
+                  file.string()));
+}
+
+Result<fs::path> FindLibrary(const fs::path& data_folder, const std::string& library) {
+  const fs::path folder = library.empty() ? data_folder / "library" : fs::path(library);
+  std::error_code error;
+  if (fs::is_regular_file(folder / "library.json", error)) return folder;
+  return InvalidInput(
+      fmt::format("propose.library: no furniture library in {}; run scripts/setup.sh, which builds "
+                  "it (`deepslam doctor` shows what "
+                  "is there), or use --set propose.retrieval=false",
+                  folder.string()));
+}
+
+}  // namespace deepslam::stages

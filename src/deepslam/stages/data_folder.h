@@ -1,0 +1,24 @@
+// Where weights and the furniture library lie on this machine.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "deepslam/core/result.h"
+
+namespace deepslam::stages {
+
+// `explicit_folder` if not empty, else $DEEPSLAM_DATA, else PREFIX/share/deepslam beside the
+// executable where that exists, else ${XDG_DATA_HOME:-~/.local/share}/deepslam.
+[[nodiscard]] std::filesystem::path FindDataFolder(const std::string& explicit_folder);
+
+// A name ("yolov8s") is DATA/weights/NAME.onnx; anything with a slash or ending in .onnx is a path.
+// kInvalidInput with what to run when the file is missing.
+[[nodiscard]] Result<std::filesystem::path> FindWeights(const std::filesystem::path& data_folder,
+                                                        const std::string& weights);
+
+// `library` if not empty, else DATA/library. kInvalidInput with what to run when there is none.
+[[nodiscard]] Result<std::filesystem::path> FindLibrary(const std::filesystem::path& data_folder,
+                                                        const std::string& library);
+
+}  // namespace deepslam::stages

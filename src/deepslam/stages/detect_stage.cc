@@ -1,0 +1,195 @@
+// detect: boxes from a network, a user's file, and depth clusters that stand on the floor.
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/coco_file.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/detect/cluster_detector.h"
+#include "deepslam/detect/detect_frame.h"
+#include "deepslam/detect/detector.h"
+#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+constexpr std::size_t kBatch = 8;  // frames held at once
+
+Result<std::unique_ptr<detect::Detector>> LoadDetector(const RunInputs& inputs) {
+  const Result<std::filesystem::path> file =
+      FindWeights(inputs.data_folder, inputs.config.detect_stage.weights);
+  if (!file.ok()) return file.error();
+  const Result<std::string> bytes = artifact::ReadFile(*file);
+  if (!bytes.ok()) return bytes.error();
+  Result<std::unique_ptr<detect::Detector>> detector =
+      detect::LoadNetworkDetector(*bytes, inputs.config.network);
+  if (!detector.ok())
+    return Error{detector.error().code,
+                 fmt::format("{}: {}", file->string(), detector.error().message)};
+  return detector;
+}
+
+std::vector<FrameIdx> FramesToLookAt(const Odometry& odometry, const DetectStageOptions& options) {
+  std::vector<FrameIdx> wanted;
+  if (options.frames == "keyframes" && options.source != "file") wanted = odometry.keyframes;
+  if (options.frames == "all" || options.source == "file") {
+    for (const TrackedFrame& frame : odometry.frames) wanted.push_back(frame.frame);
+  }
+  // Where a frame stands is unknown when tracking lost it: its detections could match anything.
+  std::erase_if(wanted, [&](FrameIdx idx) {
+    const TrackingStatus status = odometry.at(idx).status;
+    return status == TrackingStatus::kLost || status == TrackingStatus::kUnreadable;
+  });
+  return wanted;
+}
+
+// Every frame with the name of its colour file.
+std::vector<artifact::DetectedImage> AllImages(const dataset::Capture& capture) {
+  const PinholeCamera& camera = capture.frames->camera();
+  std::vector<artifact::DetectedImage> images;
+  for (int i = 0; i < capture.frames->num_frames(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool named = at < capture.colour_files.size();
+    images.push_back({FrameIdx{i},
+                      named ? capture.colour_files[at] : fmt::format("{:06d}", i),
+                      camera.width,
+                      camera.height});
+  }
+  return images;
+}
+
+// The user's boxes by frame; nothing when the source is another.
+Result<artifact::CocoDetections> ReadFileDetections(
+    const RunInputs& inputs,
+    const StageContext& context,
+    std::span<const artifact::DetectedImage> images) {
+  const DetectStageOptions& options = inputs.config.detect_stage;
+  if (options.source != "file") return artifact::CocoDetections();
+  const Result<std::string> text = artifact::ReadFile(options.file);
+  if (!text.ok()) return text.error();
+  Result<artifact::CocoDetections> coco =
+      artifact::ReadCocoFile(*text, options.file, images, inputs.classes);
+  if (!coco.ok()) return coco.error();
+  for (const std::string& warning : coco->warnings) {
+    context.progress().Warn(fmt::format("{}: {}", options.file, warning));
+  }
+  if (coco->detections.empty()) {
+    return InvalidInput(fmt::format(
+        "{}: no entry fits the capture ({} of unknown images, {} of unknown classes, {} "
+        "unusable); image_id must be a frame index or name a colour file",
+        options.file,
+        coco->num_unknown_image,
+        coco->num_unknown_class,
+        coco->num_unusable));
+  }
+  return coco;
+}
+
+// Detections of one frame and what went wrong with it.
+struct FrameDetections {
+  std::vector<Detection> detections;
+  std::string warning;
+};
+
+FrameDetections DetectOne(const RunInputs& inputs,
+                          const detect::Detector* detector,
+                          const Ground& ground,
+                          const TrackedFrame& tracked,
+                          std::vector<Detection> given) {
+  FrameDetections found{std::move(given), {}};
+  const Result<Frame> frame = inputs.capture->frames->Read(tracked.frame);
+  if (!frame.ok())
+    return {{}, fmt::format("frame {} skipped: {}", tracked.frame.value, frame.error().message)};
+  if (detector != nullptr) {
+    Result<std::vector<Detection>> detections =
+        detect::DetectFrame(*detector, *frame, inputs.classes, inputs.config.detect);
+    if (detections.ok()) {
+      found.detections = std::move(detections).value();
+    } else {
+      found.warning = fmt::format("frame {}: {}", tracked.frame.value, detections.error().message);
+    }
+  }
+  const std::optional<Plane> plane = GroundInCamera(ground, tracked);
+  if (inputs.config.clusters.enabled && plane) {
+    std::vector<Detection> clusters = detect::DetectClusters(*frame,
+                                                             inputs.capture->frames->camera(),
+                                                             *plane,
+                                                             found.detections,
+                                                             inputs.classes,
+                                                             inputs.config.clusters);
+    std::move(clusters.begin(), clusters.end(), std::back_inserter(found.detections));
+  }
+  return found;
+}
+
+Result<artifact::DetectionTable> DetectAll(const StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  Result<std::unique_ptr<detect::Detector>> detector = std::unique_ptr<detect::Detector>();
+  if (inputs.config.detect_stage.source == "network") detector = LoadDetector(inputs);
+  if (!detector.ok()) return detector.error();
+  const std::vector<artifact::DetectedImage> images = AllImages(*inputs.capture);
+  const Result<artifact::CocoDetections> from_file = ReadFileDetections(inputs, context, images);
+  if (!from_file.ok()) return from_file.error();
+
+  const std::vector<FrameIdx> wanted = FramesToLookAt(*odometry, inputs.config.detect_stage);
+  artifact::DetectionTable table;
+  for (std::size_t begin = 0; begin < wanted.size(); begin += kBatch) {
+    if (context.progress().StopRequested()) return Interrupted();
+    const std::size_t size = std::min(kBatch, wanted.size() - begin);
+    std::vector<FrameDetections> found(size);
+    ParallelFor(size, [&](std::size_t i) {
+      std::vector<Detection> given;
+      std::copy_if(from_file->detections.begin(),
+                   from_file->detections.end(),
+                   std::back_inserter(given),
+                   [&](const Detection& d) { return d.frame == wanted[begin + i]; });
+      found[i] = DetectOne(
+          inputs, detector->get(), *ground, odometry->at(wanted[begin + i]), std::move(given));
+    });
+    for (std::size_t i = 0; i < size; ++i) {
+      const FrameIdx frame = wanted[begin + i];
+      table.images.push_back(images[static_cast<std::size_t>(frame.value)]);
+      if (!found[i].warning.empty()) context.progress().Warn(found[i].warning);
+      for (Detection& detection : found[i].detections) {
+        detection.id = DetectionId{static_cast<int>(table.detections.size())};
+        table.detections.push_back(std::move(detection));
+      }
+    }
+    context.progress().Report(begin + size, wanted.size());
+  }
+  return table;
+}
+
+}  // namespace
+
+Result<StageSummary> RunDetect(StageContext& context, const RunInputs& inputs) {
+  const Result<artifact::DetectionTable> table = DetectAll(context, inputs);
+  if (!table.ok()) return table.error();
+  if (Status status = WriteEncoded(
+          context, "detections.json", artifact::EncodeDetections(*table, "detections.json"));
+      !status.ok()) {
+    return status.error();
+  }
+  std::map<std::string, int> per_class;
+  for (const Detection& detection : table->detections) ++per_class[detection.class_name];
+  StageSummary summary{
+      fmt::format("{} detections in {} frames", table->detections.size(), table->images.size()),
+      {{"num_detections", static_cast<double>(table->detections.size())},
+       {"num_frames", static_cast<double>(table->images.size())}}};
+  for (const auto& [class_name, count] : per_class)
+    summary.line += fmt::format(", {} {}", count, class_name);
+  return summary;
+}
+
+}  // namespace deepslam::stages

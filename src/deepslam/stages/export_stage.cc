@@ -1,0 +1,226 @@
+// export: the labelled scene, the compact map, the object list.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/map_json.h"
+#include "deepslam/artifact/objects_csv.h"
+#include "deepslam/artifact/ply.h"
+#include "deepslam/artifact/scene_json.h"
+#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/mesh/check_mesh.h"
+#include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+#include "deepslam/stages/verdict.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
+
+Result<TriangleMesh> ReadMesh(const StageContext& context,
+                              std::string_view stage,
+                              const std::string& file) {
+  const Result<std::string> bytes = context.Read(stage, file);
+  if (!bytes.ok()) return bytes.error();
+  Result<artifact::PlyMesh> ply =
+      artifact::DecodePly(*bytes, StageContext::DisplayName(stage, file));
+  if (!ply.ok()) return ply.error();
+  return std::move(ply->mesh);
+}
+
+// Everything the scene is made of.
+struct Content {
+  OptimizedMap map;
+  std::vector<TriangleMesh> meshes;  // per object
+  TriangleMesh room;
+  Proposals proposals;
+  std::map<std::string, std::string> library_checksums;
+};
+
+Result<Content> ReadContent(const StageContext& context) {
+  Content content;
+  Result<OptimizedMap> map = ReadOptimized(context);
+  if (!map.ok()) return map.error();
+  content.map = std::move(map).value();
+  for (const MapObject& object : content.map.map.objects) {
+    Result<TriangleMesh> mesh =
+        ReadMesh(context, "mesh", fmt::format("objects/{}.ply", ObjectName(object)));
+    if (!mesh.ok()) return mesh.error();
+    content.meshes.push_back(std::move(mesh).value());
+  }
+  Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply");
+  if (!room.ok()) return room.error();
+  content.room = std::move(room).value();
+  Result<Proposals> proposals = ReadProposals(context);
+  if (!proposals.ok()) return proposals.error();
+  content.proposals = std::move(proposals).value();
+  const Result<std::string> models = context.Read("propose", "library_models.json");
+  if (!models.ok()) return models.error();
+  artifact::JsonReader reader(*models, "propose/library_models.json", "deepslam/library_models", 1);
+  for (const auto& [id, checksum] : reader.root()["models"].Members()) {
+    content.library_checksums[id] = checksum.String();
+  }
+  if (!reader.ok()) return reader.error();
+  return content;
+}
+
+// The seen floor: room points near the ground plane.
+std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& config) {
+  if (!content.map.has_ground) return std::nullopt;
+  std::vector<Eigen::Vector2d> points;
+  for (const Eigen::Vector3f& vertex : content.room.vertices) {
+    if (std::abs(vertex.z()) < kFloorBandM) points.emplace_back(vertex.x(), vertex.y());
+  }
+  Result<TriangleMesh> polygon = mesh::GroundPolygon(points, config.ground_polygon);
+  if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
+  return std::move(polygon).value();
+}
+
+gltf::GltfObject ToGltf(const MapObject& object,
+                        const TriangleMesh& mesh,
+                        const ClassTable& classes) {
+  gltf::GltfObject out;
+  out.name = ObjectName(object);
+  out.class_name = object.class_name;
+  out.instance = object.id.value;
+  out.score = object.confidence;
+  out.source = artifact::NameOf(object.source);
+  for (const ViewRegistration& view : object.views) out.views.push_back(view.frame.value);
+  out.mesh = mesh;
+  out.world_from_object = object.world_from_object;
+  if (const ObjectClass* object_class = classes.Find(object.class_name)) {
+    const auto channel = [&](std::size_t i) {
+      return static_cast<std::uint8_t>(object_class->colour_rgb[i]);
+    };
+    out.class_colour = {channel(0), channel(1), channel(2)};
+  }
+  out.credit = object.credit;
+  return out;
+}
+
+gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
+  const Config& config = inputs.config;
+  gltf::GltfScene scene;
+  for (std::size_t i = 0; i < content.meshes.size(); ++i) {
+    scene.objects.push_back(ToGltf(content.map.map.objects[i], content.meshes[i], inputs.classes));
+  }
+  if (config.export_stage.room && !content.room.empty()) scene.room = content.room;
+  scene.ground = GroundMesh(content, config);
+  if (config.export_stage.trajectory) {
+    for (const TrackedFrame& frame : content.map.frames) {
+      scene.trajectory_world_from_camera.push_back(frame.world_from_camera);
+    }
+    for (const FrameIdx keyframe : content.map.keyframes) {
+      scene.keyframes.push_back(
+          {keyframe.value,
+           content.map.frames[static_cast<std::size_t>(keyframe.value)].world_from_camera});
+    }
+  }
+  scene.camera = inputs.capture->frames->camera();
+  scene.generator = fmt::format("deepslam {}", kToolVersion);
+  scene.provenance = {{"capture_sha256", inputs.capture->content_hash},
+                      {"deepslam_version", std::string(kToolVersion)}};
+  return scene;
+}
+
+Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
+                                      const TriangleMesh& mesh,
+                                      const Content& content,
+                                      const Config& config) {
+  artifact::MapEntry entry{object.id,
+                           ObjectName(object),
+                           object.class_name,
+                           std::clamp(object.confidence, 0.0, 1.0),
+                           object.source,
+                           object.world_from_object,
+                           object.scale_m,
+                           Eigen::Vector3d::Zero(),
+                           object.credit,
+                           object.note,
+                           {}};
+  Box3 box;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) box.Extend(vertex.cast<double>());
+  entry.size_m = box.Size();
+  for (const ShapeCandidate& candidate : content.proposals.candidates) {
+    if (candidate.id == object.chosen) entry.shape.latents = candidate.latents;
+  }
+  if (!object.library_id.empty()) {
+    entry.shape.library_id = object.library_id;
+    const auto checksum = content.library_checksums.find(object.library_id);
+    if (checksum != content.library_checksums.end())
+      entry.shape.library_checksum = checksum->second;
+  } else if (entry.shape.latents.empty()) {
+    Result<std::string> draco = gltf::DracoEncode(mesh, config.gltf.position_bits);
+    if (!draco.ok()) return draco.error();
+    entry.shape.draco = std::move(draco).value();
+  }
+  return entry;
+}
+
+Result<artifact::MapFile> MakeMap(const Content& content, const RunInputs& inputs) {
+  artifact::MapFile map;
+  map.tool_version = kToolVersion;
+  map.capture_name = inputs.capture->name;
+  map.capture_hash = inputs.capture->content_hash;
+  if (content.map.has_ground) map.ground_world = content.map.ground_world;
+  const RunVerdict verdict = JudgeRun(content.map);
+  map.verdict = verdict.verdict;
+  map.reasons = verdict.reasons;
+  for (std::size_t i = 0; i < content.meshes.size(); ++i) {
+    Result<artifact::MapEntry> entry =
+        ToMapEntry(content.map.map.objects[i], content.meshes[i], content, inputs.config);
+    if (!entry.ok()) return entry.error();
+    map.objects.push_back(std::move(entry).value());
+  }
+  return map;
+}
+
+}  // namespace
+
+Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
+  const Result<Content> content = ReadContent(context);
+  if (!content.ok()) return content.error();
+  const gltf::GltfScene scene = MakeScene(*content, inputs);
+  gltf::GltfOptions options = inputs.config.gltf;
+  const Result<std::string> glb = gltf::WriteGlb(scene, options);
+  if (Status status = WriteEncoded(context, "scene.glb", glb); !status.ok()) return status.error();
+  if (inputs.config.export_stage.uncompressed_twin) {
+    options.draco = false;
+    if (Status status =
+            WriteEncoded(context, "scene.uncompressed.glb", gltf::WriteGlb(scene, options));
+        !status.ok()) {
+      return status.error();
+    }
+  }
+  const Result<artifact::MapFile> map = MakeMap(*content, inputs);
+  if (!map.ok()) return map.error();
+  const Result<std::string> map_json = artifact::EncodeMap(*map, "map.json");
+  if (Status status = WriteEncoded(context, "map.json", map_json); !status.ok())
+    return status.error();
+  std::vector<double> volumes_m3;
+  for (const TriangleMesh& mesh : content->meshes)
+    volumes_m3.push_back(mesh::CheckMesh(mesh).volume_m3);
+  if (Status status =
+          context.Write("objects.csv", artifact::EncodeObjectsCsv(map->objects, volumes_m3));
+      !status.ok()) {
+    return status.error();
+  }
+  return StageSummary{fmt::format("{} objects, scene {} bytes, map {} bytes, verdict {}",
+                                  map->objects.size(),
+                                  glb->size(),
+                                  map_json->size(),
+                                  artifact::NameOf(map->verdict)),
+                      {{"num_objects", static_cast<double>(map->objects.size())},
+                       {"scene_bytes", static_cast<double>(glb->size())},
+                       {"map_bytes", static_cast<double>(map_json->size())}}};
+}
+
+}  // namespace deepslam::stages

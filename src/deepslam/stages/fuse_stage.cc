@@ -1,0 +1,104 @@
+// fuse: the room's measured surface.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/ply.h"
+#include "deepslam/fuse/tsdf.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+// Per frame the pixels of objects that are in the map; empty when they are not to be left out.
+using ObjectMasks = std::map<FrameIdx, Mask>;
+
+void Cover(const Mask& part, Mask& whole) {
+  if (whole.empty()) whole = Mask(part.width(), part.height());
+  if (whole.width() != part.width() || whole.height() != part.height()) return;
+  std::transform(
+      whole.begin(), whole.end(), part.begin(), whole.begin(), [](std::uint8_t a, std::uint8_t b) {
+        return static_cast<std::uint8_t>(a | b);
+      });
+}
+
+Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& map) {
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  const Result<Association> association = ReadAssociation(context, "loops");
+  if (!association.ok()) return association.error();
+  std::set<ObjectId> mapped;
+  for (const MapObject& object : map.map.objects) mapped.insert(object.id);
+  std::set<DetectionId> members;
+  for (const ObjectTrack& track : association->tracks) {
+    if (!mapped.contains(track.id)) continue;
+    for (const TrackMember& member : track.members) members.insert(member.detection);
+  }
+  ObjectMasks masks;
+  for (const Segment& segment : *segments) {
+    Mask& mask = masks[segment.frame];
+    if (members.contains(segment.detection)) Cover(segment.mask, mask);
+  }
+  return masks;
+}
+
+std::vector<FrameIdx> FramesToFuse(const OptimizedMap& map,
+                                   const ObjectMasks& masks,
+                                   const FuseStageOptions& options) {
+  std::vector<FrameIdx> wanted;
+  for (const TrackedFrame& frame : map.frames) {
+    const bool placed =
+        frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
+    if (!placed) continue;
+    const bool chosen = options.leave_objects_out ? masks.contains(frame.frame)
+                                                  : frame.frame.value % options.frame_step == 0;
+    if (chosen) wanted.push_back(frame.frame);
+  }
+  return wanted;
+}
+
+}  // namespace
+
+Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
+  const Result<OptimizedMap> map = ReadOptimized(context);
+  if (!map.ok()) return map.error();
+  ObjectMasks masks;
+  if (inputs.config.fuse_stage.leave_objects_out) {
+    Result<ObjectMasks> read = ReadMasks(context, *map);
+    if (!read.ok()) return read.error();
+    masks = std::move(read).value();
+  }
+  const FrameSource& frames = *inputs.capture->frames;
+  const std::vector<FrameIdx> wanted = FramesToFuse(*map, masks, inputs.config.fuse_stage);
+  fuse::TsdfFusion fusion(inputs.config.fuse);
+  const auto integrate = [&](const Frame& frame) -> Status {
+    const auto mask = masks.find(frame.idx);
+    const Mask* leave_out = mask == masks.end() || mask->second.empty() ? nullptr : &mask->second;
+    const Pose3& world_from_camera =
+        map->frames[static_cast<std::size_t>(frame.idx.value)].world_from_camera;
+    return fusion.Integrate(frame, frames.camera(), world_from_camera, leave_out);
+  };
+  if (Status status = ForFrames(context, frames, wanted, integrate); !status.ok())
+    return status.error();
+  Result<TriangleMesh> room = fusion.ExtractMesh();
+  if (!room.ok()) return room.error();
+  const StageSummary summary{fmt::format("{} frames, {} vertices, {} faces",
+                                         wanted.size(),
+                                         room->vertices.size(),
+                                         room->faces.size()),
+                             {{"num_frames", static_cast<double>(wanted.size())},
+                              {"num_vertices", static_cast<double>(room->vertices.size())},
+                              {"num_faces", static_cast<double>(room->faces.size())}}};
+  const Result<std::string> ply =
+      artifact::EncodePly({std::move(room).value(), {}, {}}, "room.ply");
+  if (Status status = WriteEncoded(context, "room.ply", ply); !status.ok()) return status.error();
+  return summary;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,242 @@
+// loops: constellations seen again; the objects they join compete for their shape anew.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/association_json.h"
+#include "deepslam/artifact/loops_json.h"
+#include "deepslam/artifact/objects_json.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/loop/constellation.h"
+#include "deepslam/shape/view_points.h"
+#include "deepslam/stages/judge_object.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+constexpr int kEvidencePointsPerView = 300;
+constexpr int kSurroundingsStridePx = 8;  // enough for a share; a view gives a few hundred points
+constexpr float kMaxSurroundingsDepthM = 5.0F;
+
+// Everything the stage reads.
+struct LoopInputs {
+  Odometry odometry;
+  Ground ground;
+  Association association;
+  Proposals proposals;
+  ObjectMap map;
+  ObjectViews views;
+};
+
+Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& inputs) {
+  Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  Result<Association> association = ReadAssociation(context, "associate");
+  if (!association.ok()) return association.error();
+  Result<Proposals> proposals = ReadProposals(context);
+  if (!proposals.ok()) return proposals.error();
+  Result<ObjectMap> map = ReadObjects(context, "select");
+  if (!map.ok()) return map.error();
+  Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
+  if (!views.ok()) return views.error();
+  return LoopInputs{std::move(*odometry),
+                    std::move(*ground),
+                    std::move(*association),
+                    std::move(*proposals),
+                    std::move(*map),
+                    std::move(*views)};
+}
+
+void AppendWorld(const Pose3& world_from_camera,
+                 std::span<const Eigen::Vector3f> points_camera,
+                 std::vector<Eigen::Vector3f>& points_world) {
+  for (const Eigen::Vector3f& p : points_camera) {
+    points_world.push_back((world_from_camera * p.cast<double>()).cast<float>());
+  }
+}
+
+std::vector<Eigen::Vector3f> Surroundings(const ObjectView& view) {
+  std::vector<Eigen::Vector3f> points;
+  for (int v = 0; v < view.depth_crop_m.height(); v += kSurroundingsStridePx) {
+    for (int u = 0; u < view.depth_crop_m.width(); u += kSurroundingsStridePx) {
+      const float depth_m = view.depth_crop_m(u, v);
+      if (depth_m <= 0 || depth_m > kMaxSurroundingsDepthM || view.mask_crop(u, v) != 0) continue;
+      points.push_back(view.camera.Unproject(u, v, depth_m).cast<float>());
+    }
+  }
+  return points;
+}
+
+Result<loop::LoopEvidence> CollectEvidence(const StageContext& context, const LoopInputs& in) {
+  loop::LoopEvidence evidence;
+  for (const MapObject& object : in.map.objects) {
+    loop::ObjectEvidence& own = evidence[object.id];
+    if (const auto views = in.views.find(object.id); views != in.views.end()) {
+      for (const ObjectView& view : views->second) {
+        const shape::ViewPoints points = shape::ExtractViewPoints(view, kEvidencePointsPerView);
+        AppendWorld(view.world_from_camera, points.points_camera, own.depth_points_world);
+        AppendWorld(view.world_from_camera, Surroundings(view), own.surroundings_world);
+      }
+    }
+    const Result<VoxelGrid> grid = ReadModel(context, "propose", object.model);
+    if (!grid.ok()) return grid.error();
+    const Similarity3 world_from_model =
+        Similarity3::From(object.world_from_object, object.scale_m);
+    const shape::ShapeModel model(*grid);
+    for (const Eigen::Vector3f& p : model.surface_points()) {
+      own.model_points_world.push_back((world_from_model * p.cast<double>()).cast<float>());
+    }
+  }
+  return evidence;
+}
+
+Loops DetectLoops(const LoopInputs& in,
+                  const loop::LoopEvidence& evidence,
+                  const loop::LoopOptions& options) {
+  if (!options.enabled) return {};
+  const std::vector<Constellation> proposed =
+      loop::FindConstellations(in.map, in.association, options, in.odometry);
+  std::vector<Constellation> verified(proposed.size());
+  ParallelFor(proposed.size(), [&](std::size_t i) {
+    verified[i] = loop::VerifyConstellation(proposed[i], in.map, evidence, options);
+  });
+  return loop::AcceptLoops(verified, in.map, in.association, options, in.odometry);
+}
+
+// The correction of the constellation that joined an object with an older one.
+Pose3 CorrectionOf(const Loops& loops, ObjectId merged) {
+  for (const Constellation& constellation : loops.constellations) {
+    if (!constellation.accepted) continue;
+    for (const ObjectMerge& pair : constellation.pairs) {
+      if (pair.merged == merged) return constellation.old_world_from_new_world;
+    }
+  }
+  return {};
+}
+
+ObjectTrack* FindTrack(Association& association, ObjectId id) {
+  const auto it = std::find_if(association.tracks.begin(),
+                               association.tracks.end(),
+                               [&](const ObjectTrack& track) { return track.id == id; });
+  return it == association.tracks.end() ? nullptr : &*it;
+}
+
+// The merged object's members, views and candidates become the kept one's; its views move by the
+// loop's correction.
+void Merge(const ObjectMerge& merge, const Pose3& correction, LoopInputs& in) {
+  ObjectTrack* kept = FindTrack(in.association, merge.kept);
+  const ObjectTrack* merged = FindTrack(in.association, merge.merged);
+  if (kept == nullptr || merged == nullptr) return;
+  for (TrackMember member : merged->members) {
+    member.how = "merge";
+    kept->members.push_back(std::move(member));
+  }
+  std::stable_sort(kept->members.begin(),
+                   kept->members.end(),
+                   [](const TrackMember& a, const TrackMember& b) { return a.frame < b.frame; });
+  std::erase_if(in.association.tracks,
+                [&](const ObjectTrack& track) { return track.id == merge.merged; });
+  std::vector<ObjectView>& kept_views = in.views[merge.kept];
+  for (ObjectView& view : in.views[merge.merged]) {
+    view.world_from_camera = correction * view.world_from_camera;
+    kept_views.push_back(std::move(view));
+  }
+  in.views.erase(merge.merged);
+  std::stable_sort(kept_views.begin(),
+                   kept_views.end(),
+                   [](const ObjectView& a, const ObjectView& b) { return a.frame < b.frame; });
+  for (ShapeCandidate& candidate : in.proposals.candidates) {
+    if (candidate.object == merge.merged) candidate.object = merge.kept;
+  }
+}
+
+// Registers and selects the kept objects with everything both brought; the others stay as they are.
+Result<ObjectMap> Reselect(const StageContext& context,
+                           const RunInputs& inputs,
+                           const Loops& loops,
+                           LoopInputs& in) {
+  std::map<ObjectId, std::vector<ObjectId>> groups;
+  for (const ObjectMerge& merge : loops.merges) {
+    Merge(merge, CorrectionOf(loops, merge.merged), in);
+    groups[merge.kept].push_back(merge.merged);
+  }
+  ObjectMap map;
+  map.dropped = in.map.dropped;
+  for (const MapObject& object : in.map.objects) {
+    const bool gone =
+        std::any_of(loops.merges.begin(), loops.merges.end(), [&](const ObjectMerge& merge) {
+          return merge.merged == object.id;
+        });
+    if (gone) continue;
+    const auto group = groups.find(object.id);
+    if (group == groups.end()) {
+      map.objects.push_back(object);
+      continue;
+    }
+    const std::vector<ShapeCandidate> candidates = CandidatesOf(in.proposals, object.id);
+    const Result<ModelMap> models = LoadModels(context, candidates);
+    if (!models.ok()) return models.error();
+    const std::vector<ObjectView>& views = in.views[object.id];
+    const std::vector<CandidateRegistration> registrations =
+        RegisterAll(candidates, *models, views, inputs.config.registration);
+    MapObject chosen = ScoreAndSelect(object.id,
+                                      object.class_name,
+                                      candidates,
+                                      registrations,
+                                      *models,
+                                      views,
+                                      inputs.config.select);
+    // Nothing fits all views: what fitted the old ones stays.
+    if (!chosen.chosen.valid()) chosen = object;
+    chosen.merged = group->second;
+    map.objects.push_back(std::move(chosen));
+  }
+  return map;
+}
+
+}  // namespace
+
+Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
+  Result<LoopInputs> in = ReadLoopInputs(context, inputs);
+  if (!in.ok()) return in.error();
+  const Result<loop::LoopEvidence> evidence = CollectEvidence(context, *in);
+  if (!evidence.ok()) return evidence.error();
+  const Loops loops = DetectLoops(*in, *evidence, inputs.config.loops);
+  if (context.progress().StopRequested()) return Interrupted();
+  const Result<ObjectMap> map = Reselect(context, inputs, loops, *in);
+  if (!map.ok()) return map.error();
+  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
+      {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
+      {"objects.json", artifact::EncodeObjectMap(*map, "objects.json")},
+      {"tracks.json", artifact::EncodeAssociation(in->association, "tracks.json")}};
+  for (const auto& [file, text] : files) {
+    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
+  }
+  if (Status status = WriteChosenModels(context, *map, "propose"); !status.ok())
+    return status.error();
+  const auto accepted =
+      std::count_if(loops.constellations.begin(),
+                    loops.constellations.end(),
+                    [](const Constellation& constellation) { return constellation.accepted; });
+  return StageSummary{
+      fmt::format("{} of {} constellations accepted, {} objects merged, {} edges; {} objects",
+                  accepted,
+                  loops.constellations.size(),
+                  loops.merges.size(),
+                  loops.edges.size(),
+                  map->objects.size()),
+      {{"num_accepted", static_cast<double>(accepted)},
+       {"num_merges", static_cast<double>(loops.merges.size())},
+       {"num_edges", static_cast<double>(loops.edges.size())},
+       {"num_objects", static_cast<double>(map->objects.size())}}};
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,113 @@
+// mesh: the chosen shapes as closed, metric, coloured triangle meshes.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/ply.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/mesh/check_mesh.h"
+#include "deepslam/mesh/colour_mesh.h"
+#include "deepslam/mesh/extract_surface.h"
+#include "deepslam/mesh/refine_mesh.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+Rgb8 ClassColour(const ClassTable& classes, const std::string& class_name) {
+  const ObjectClass* object_class = classes.Find(class_name);
+  if (object_class == nullptr) return {160, 160, 160};
+  const auto channel = [&](std::size_t i) {
+    return static_cast<std::uint8_t>(object_class->colour_rgb[i]);
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+Result<TriangleMesh> MakeMesh(const MapObject& object,
+                              const VoxelGrid& grid,
+                              std::span<const ObjectView> views,
+                              const RunInputs& inputs) {
+  const Result<TriangleMesh> surface = mesh::ExtractSurface(grid, inputs.config.surface);
+  if (!surface.ok()) return surface.error();
+  Result<TriangleMesh> refined = mesh::RefineMesh(*surface, inputs.config.refine);
+  if (!refined.ok()) return refined.error();
+  for (Eigen::Vector3f& vertex : refined->vertices) vertex *= static_cast<float>(object.scale_m);
+  return mesh::ColourMesh(*refined,
+                          views,
+                          object.world_from_object,
+                          ClassColour(inputs.classes, object.class_name),
+                          inputs.config.colour);
+}
+
+// Views with the optimized cameras in place of the tracked ones.
+void UseOptimizedPoses(const OptimizedMap& map, ObjectViews& views) {
+  for (auto& [id, object_views] : views) {
+    for (ObjectView& view : object_views) {
+      view.world_from_camera =
+          map.frames[static_cast<std::size_t>(view.frame.value)].world_from_camera;
+    }
+  }
+}
+
+}  // namespace
+
+Result<StageSummary> RunMesh(StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Result<Association> association = ReadAssociation(context, "loops");
+  if (!association.ok()) return association.error();
+  const Result<OptimizedMap> map = ReadOptimized(context);
+  if (!map.ok()) return map.error();
+  Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
+  if (!views.ok()) return views.error();
+  UseOptimizedPoses(*map, *views);
+
+  const std::vector<MapObject>& objects = map->map.objects;
+  std::vector<VoxelGrid> grids;
+  for (const MapObject& object : objects) {
+    Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
+    if (!grid.ok()) return grid.error();
+    grids.push_back(std::move(grid).value());
+  }
+  std::vector<std::optional<Result<TriangleMesh>>> meshes(objects.size());
+  ParallelFor(objects.size(), [&](std::size_t i) {
+    const auto own = views->find(objects[i].id);
+    meshes[i] =
+        MakeMesh(objects[i],
+                 grids[i],
+                 own == views->end() ? std::span<const ObjectView>() : std::span(own->second),
+                 inputs);
+  });
+  if (context.progress().StopRequested()) return Interrupted();
+  std::size_t num_faces = 0;
+  std::size_t num_faulty = 0;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const std::string file = fmt::format("objects/{}.ply", ObjectName(objects[i]));
+    if (!meshes[i]->ok())
+      return Error{meshes[i]->error().code,
+                   fmt::format("{}: {}", file, meshes[i]->error().message)};
+    const TriangleMesh& triangles = meshes[i]->value();
+    if (const mesh::MeshCheck check = mesh::CheckMesh(triangles); !check.ok()) {
+      context.progress().Warn(fmt::format("{} is not closed: {}", file, check.fault));
+      ++num_faulty;
+    }
+    num_faces += triangles.faces.size();
+    if (Status status = WriteEncoded(context, file, artifact::EncodePly({triangles, {}, {}}, file));
+        !status.ok()) {
+      return status.error();
+    }
+  }
+  return StageSummary{
+      fmt::format("{} meshes, {} faces, {} not closed", objects.size(), num_faces, num_faulty),
+      {{"num_meshes", static_cast<double>(objects.size())},
+       {"num_faces", static_cast<double>(num_faces)},
+       {"num_not_closed", static_cast<double>(num_faulty)}}};
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,88 @@
+// optimize: cameras, objects and ground brought into agreement, in the gravity-aligned world.
+#include <fmt/format.h>
+
+#include "deepslam/artifact/ground_json.h"
+#include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/summary_json.h"
+#include "deepslam/artifact/trajectory_files.h"
+#include "deepslam/graph/object_graph.h"
+#include "deepslam/shape/shape_model.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+Result<std::map<ObjectId, double>> Bottoms(const StageContext& context, const ObjectMap& map) {
+  std::map<ObjectId, double> bottom_m;
+  for (const MapObject& object : map.objects) {
+    const Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
+    if (!grid.ok()) return grid.error();
+    bottom_m[object.id] = object.scale_m * shape::ShapeModel(*grid).bottom();
+  }
+  return bottom_m;
+}
+
+StageSummary Summarise(const OptimizedMap& map) {
+  double before = 0;
+  double after = 0;
+  for (const EnergyTerm& term : map.summary.terms) {
+    before += term.before;
+    after += term.after;
+  }
+  return {fmt::format("{}, {} iterations, energy {:.4g} -> {:.4g}",
+                      map.summary.converged ? "converged" : "not converged",
+                      map.summary.num_iterations,
+                      before,
+                      after),
+          {{"converged", map.summary.converged ? 1.0 : 0.0},
+           {"energy_before", before},
+           {"energy_after", after}}};
+}
+
+}  // namespace
+
+Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Result<ObjectMap> map = ReadObjects(context, "loops");
+  if (!map.ok()) return map.error();
+  const Result<Loops> loops = ReadLoops(context);
+  if (!loops.ok()) return loops.error();
+  const Result<std::map<ObjectId, double>> bottom_m = Bottoms(context, *map);
+  if (!bottom_m.ok()) return bottom_m.error();
+  const graph::GraphOptions& options = inputs.config.optimize;
+  const Result<OptimizedMap> optimized =
+      graph::OptimizeGraph(*odometry, *ground, *map, *loops, options, *bottom_m);
+  if (!optimized.ok()) return optimized.error();
+
+  Ground final_ground{std::nullopt, ground->observations};
+  if (optimized->has_ground) final_ground.plane_world = optimized->ground_world;
+  const artifact::OptimizationRecord record{
+      optimized->summary, optimized->ground_world, optimized->has_ground};
+  const auto trajectory = artifact::StampedPoses(optimized->frames);
+  const auto keyframes = artifact::KeyframePoses(optimized->frames, optimized->keyframes);
+  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
+      {"trajectory.tum", artifact::EncodeTum(trajectory, "trajectory.tum")},
+      {"keyframes.tum", artifact::EncodeTum(keyframes, "keyframes.tum")},
+      {"frames.json",
+       artifact::EncodeFrames(
+           optimized->frames, optimized->keyframes, odometry->edges, "frames.json")},
+      {"graph_before.g2o", graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m)},
+      {"graph.g2o",
+       graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m, &*optimized)},
+      {"objects.json", artifact::EncodeObjectMap(optimized->map, "objects.json")},
+      {"ground.json", artifact::EncodeGround(final_ground, "ground.json")},
+      {"summary.json", artifact::EncodeOptimization(record, "summary.json")}};
+  for (const auto& [file, text] : files) {
+    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
+  }
+  return Summarise(*optimized);
+}
+
+}  // namespace deepslam::stages

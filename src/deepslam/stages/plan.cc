@@ -1,0 +1,158 @@
+#include "deepslam/stages/plan.h"
+
+#include <utility>
+
+#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/core/sha256.h"
+#include "deepslam/stages/data_folder.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::Stage;
+using pipeline::StageContext;
+using pipeline::StageSummary;
+using StringMap = std::map<std::string, std::string>;
+using StageFunction = Result<StageSummary> (*)(StageContext&, const RunInputs&);
+
+// What a stage takes from outside the workspace.
+enum External : unsigned { kNothing = 0, kFrames = 1, kClasses = 2, kDetector = 4, kLibrary = 8 };
+
+Status AddDetector(const RunInputs& inputs, StringMap& hashes) {
+  const DetectStageOptions& options = inputs.config.detect_stage;
+  Result<std::filesystem::path> file = std::filesystem::path(options.file);
+  if (options.source == "none") return Ok();
+  if (options.source == "network") file = FindWeights(inputs.data_folder, options.weights);
+  if (options.source == "file" && options.file.empty()) {
+    return InvalidConfig("detect.source is file, but detect.file names none");
+  }
+  if (!file.ok()) return file.error();
+  const Result<std::string> hash = artifact::HashFile(*file);
+  if (!hash.ok()) return hash.error();
+  hashes.emplace(options.source == "network" ? "weights" : "coco_file", *hash);
+  return Ok();
+}
+
+Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
+  if (!inputs.config.propose_stage.retrieval) return Ok();
+  const Result<std::filesystem::path> folder =
+      FindLibrary(inputs.data_folder, inputs.config.propose_stage.library);
+  if (!folder.ok()) return folder.error();
+  const Result<std::string> hash = artifact::HashFolder(*folder);
+  if (!hash.ok()) return hash.error();
+  hashes.emplace("library", *hash);
+  return Ok();
+}
+
+Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
+  StringMap hashes;
+  if ((what & kFrames) != 0 && inputs.capture)
+    hashes.emplace("capture", inputs.capture->content_hash);
+  if ((what & kClasses) != 0)
+    hashes.emplace("classes", Sha256Hex(artifact::EncodeClassTable(inputs.classes)));
+  if ((what & kDetector) != 0) {
+    if (Status status = AddDetector(inputs, hashes); !status.ok()) return status.error();
+  }
+  if ((what & kLibrary) != 0) {
+    if (Status status = AddLibrary(inputs, hashes); !status.ok()) return status.error();
+  }
+  return hashes;
+}
+
+}  // namespace
+
+Result<ClassTable> LoadClasses(const Config& config) {
+  if (config.classes_file.empty()) return artifact::DefaultClassTable();
+  const Result<std::string> text = artifact::ReadFile(config.classes_file);
+  if (!text.ok()) return Error{ErrorCode::kInvalidConfig, "classes.file: " + text.error().message};
+  return artifact::DecodeClassTable(*text, config.classes_file);
+}
+
+std::vector<Stage> MakePlan(SharedInputs inputs) {
+  std::vector<Stage> stages;
+  const auto add = [&](std::string name,
+                       int version,
+                       std::vector<std::string> stage_inputs,
+                       const std::set<std::string>& sections,
+                       unsigned externals,
+                       StageFunction function) {
+    stages.push_back(
+        {std::move(name),
+         version,
+         std::move(stage_inputs),
+         KeyOptions(inputs->config, sections),
+         [inputs, externals] { return Externals(*inputs, externals); },
+         [inputs, function](StageContext& context) { return function(context, *inputs); }});
+  };
+  // Versions rise whenever results may differ with equal options.
+  add("track", 1, {}, {"track"}, kFrames, RunTrack);
+  add("ground", 1, {"track"}, {"ground"}, kFrames, RunGround);
+  add("detect",
+      1,
+      {"track", "ground"},
+      {"detect", "detect.network", "detect.clusters"},
+      kFrames | kClasses | kDetector,
+      RunDetect);
+  add("segment", 1, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("associate", 1, {"track", "ground", "segment"}, {"associate"}, kFrames, RunAssociate);
+  add("propose",
+      1,
+      {"track", "ground", "segment", "associate"},
+      {"views", "propose", "propose.retrieval", "propose.measured"},
+      kFrames | kClasses | kLibrary,
+      RunPropose);
+  add("register",
+      1,
+      {"track", "ground", "segment", "associate", "propose"},
+      {"views", "register"},
+      kFrames,
+      RunRegister);
+  add("select",
+      1,
+      {"track", "ground", "segment", "associate", "propose", "register"},
+      {"views", "select"},
+      kFrames,
+      RunSelect);
+  add("loops",
+      1,
+      {"track", "ground", "segment", "associate", "propose", "register", "select"},
+      {"views", "register", "select", "loops"},
+      kFrames,
+      RunLoops);
+  add("optimize", 1, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
+  add("mesh",
+      1,
+      {"track", "ground", "segment", "loops", "optimize"},
+      {"views", "mesh.surface", "mesh.refine", "mesh.colour"},
+      kFrames | kClasses,
+      RunMesh);
+  add("fuse", 1, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
+  add("export",
+      1,
+      {"track", "propose", "loops", "optimize", "mesh", "fuse"},
+      {"export", "export.ground", "export.gltf"},
+      kFrames | kClasses,
+      RunExport);
+  add("report",
+      1,
+      {"track",
+       "ground",
+       "detect",
+       "segment",
+       "associate",
+       "propose",
+       "register",
+       "select",
+       "loops",
+       "optimize",
+       "mesh",
+       "fuse",
+       "export"},
+      {},
+      kFrames | kClasses,
+      RunReport);
+  return stages;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,64 @@
+// The whole chain on one page: which stage reads what, under which options.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/dataset/capture.h"
+#include "deepslam/pipeline/stage.h"
+#include "deepslam/scene/object_class.h"
+#include "deepslam/stages/config.h"
+
+namespace deepslam::stages {
+
+// What every stage may use. Shared by the stages of one plan, which are copied about by value.
+struct RunInputs {
+  Config config;
+  ClassTable classes;
+  std::shared_ptr<const dataset::Capture> capture;  // none: the plan can be looked at, not run
+  std::filesystem::path data_folder;
+};
+using SharedInputs = std::shared_ptr<const RunInputs>;
+
+// The table of classes the configuration names.
+[[nodiscard]] Result<ClassTable> LoadClasses(const Config& config);
+
+// track, ground, detect ... report, in order.
+[[nodiscard]] std::vector<pipeline::Stage> MakePlan(SharedInputs inputs);
+
+inline constexpr std::string_view kToolVersion = "0.1.0";
+
+// One function per stage.
+[[nodiscard]] Result<pipeline::StageSummary> RunTrack(pipeline::StageContext& context,
+                                                      const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunGround(pipeline::StageContext& context,
+                                                       const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunDetect(pipeline::StageContext& context,
+                                                       const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunSegment(pipeline::StageContext& context,
+                                                        const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunAssociate(pipeline::StageContext& context,
+                                                          const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunPropose(pipeline::StageContext& context,
+                                                        const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunRegister(pipeline::StageContext& context,
+                                                         const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunSelect(pipeline::StageContext& context,
+                                                       const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunLoops(pipeline::StageContext& context,
+                                                      const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunOptimize(pipeline::StageContext& context,
+                                                         const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunMesh(pipeline::StageContext& context,
+                                                     const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunFuse(pipeline::StageContext& context,
+                                                     const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunExport(pipeline::StageContext& context,
+                                                       const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunReport(pipeline::StageContext& context,
+                                                       const RunInputs& inputs);
+
+}  // namespace deepslam::stages

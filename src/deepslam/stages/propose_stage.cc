@@ -1,0 +1,150 @@
+// propose: whole shapes for every object, from every source that is switched on.
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/artifact/proposals_json.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/library/furniture_library.h"
+#include "deepslam/propose/proposer.h"
+#include "deepslam/shape/binvox.h"
+#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+struct Sources {
+  std::vector<std::unique_ptr<propose::Proposer>> proposers;
+  // Shared by the retrieval source and by this stage, which notes the checksums of the models
+  // offered.
+  std::shared_ptr<const ModelLibrary> library;
+};
+
+Result<Sources> MakeSources(const RunInputs& inputs) {
+  const Config& config = inputs.config;
+  Sources sources;
+  if (config.propose_stage.retrieval) {
+    const Result<std::filesystem::path> folder =
+        FindLibrary(inputs.data_folder, config.propose_stage.library);
+    if (!folder.ok()) return folder.error();
+    Result<ModelLibrary> library = library::LoadLibrary(*folder);
+    if (!library.ok()) return library.error();
+    sources.library = std::make_shared<const ModelLibrary>(std::move(library).value());
+    sources.proposers.push_back(
+        propose::MakeRetrievalProposer(sources.library, inputs.classes, config.retrieval));
+  }
+  if (config.propose_stage.fused) {
+    sources.proposers.push_back(propose::MakeFusedProposer(inputs.classes, config.fused));
+  }
+  return sources;
+}
+
+// One source's answer for one object, numbered behind what is there already.
+void Append(Proposals answer, const std::string& object_name, Proposals& all) {
+  for (ShapeCandidate& candidate : answer.candidates) {
+    candidate.id = CandidateId{static_cast<int>(all.candidates.size())};
+    all.candidates.push_back(std::move(candidate));
+  }
+  all.models.merge(answer.models);
+  for (const std::string& note : answer.notes)
+    all.notes.push_back(fmt::format("{}: {}", object_name, note));
+}
+
+Result<Proposals> ProposeAll(const StageContext& context,
+                             const Sources& sources,
+                             const Association& association,
+                             const ObjectViews& views) {
+  Proposals all;
+  const std::size_t num_sources = sources.proposers.size();
+  for (std::size_t t = 0; t < association.tracks.size(); ++t) {
+    if (context.progress().StopRequested()) return Interrupted();
+    const ObjectTrack& track = association.tracks[t];
+    const std::string name = fmt::format("{}_{:02d}", track.class_name, track.id.value);
+    const auto found = views.find(track.id);
+    if (found == views.end() || found->second.empty()) {
+      all.notes.push_back(name + ": no view could be read");
+      continue;
+    }
+    const propose::ObjectObservations object{track.id, track.class_name, found->second};
+    std::vector<std::optional<Result<Proposals>>> answers(num_sources);
+    ParallelFor(num_sources,
+                [&](std::size_t s) { answers[s] = sources.proposers[s]->Propose(object); });
+    for (std::size_t s = 0; s < num_sources; ++s) {
+      if (!answers[s]->ok()) {
+        return Error{
+            answers[s]->error().code,
+            fmt::format(
+                "source {}: {}", sources.proposers[s]->name(), answers[s]->error().message)};
+      }
+      Append(std::move(*answers[s]).value(), name, all);
+    }
+    context.progress().Report(t + 1, association.tracks.size());
+  }
+  return all;
+}
+
+// library_models.json: checksums of the library models among the candidates, for the map.
+Result<std::string> EncodeLibraryModels(const Sources& sources, const Proposals& proposals) {
+  artifact::JsonObject models;
+  for (const ShapeCandidate& candidate : proposals.candidates) {
+    if (candidate.library_id.empty() || !sources.library) continue;
+    for (const LibraryModel& model : sources.library->models) {
+      if (model.id == candidate.library_id) models.emplace(model.id, model.checksum);
+    }
+  }
+  artifact::JsonObject document;
+  document.emplace("format", "deepslam/library_models");
+  document.emplace("version", 1);
+  document.emplace("models", std::move(models));
+  return DumpJson(std::move(document), "library_models.json");
+}
+
+}  // namespace
+
+Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Result<Association> association = ReadAssociation(context, "associate");
+  if (!association.ok()) return association.error();
+  const Result<Sources> sources = MakeSources(inputs);
+  if (!sources.ok()) return sources.error();
+  const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
+  if (!views.ok()) return views.error();
+  const Result<Proposals> proposals = ProposeAll(context, *sources, *association, *views);
+  if (!proposals.ok()) return proposals.error();
+
+  if (Status status = WriteEncoded(
+          context, "candidates.json", artifact::EncodeProposals(*proposals, "candidates.json"));
+      !status.ok()) {
+    return status.error();
+  }
+  if (Status status =
+          WriteEncoded(context, "library_models.json", EncodeLibraryModels(*sources, *proposals));
+      !status.ok()) {
+    return status.error();
+  }
+  for (const auto& [key, grid] : proposals->models) {
+    if (Status status =
+            context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
+        !status.ok()) {
+      return status.error();
+    }
+  }
+  return StageSummary{fmt::format("{} candidates for {} objects, {} models",
+                                  proposals->candidates.size(),
+                                  association->tracks.size(),
+                                  proposals->models.size()),
+                      {{"num_candidates", static_cast<double>(proposals->candidates.size())},
+                       {"num_models", static_cast<double>(proposals->models.size())}}};
+}
+
+}  // namespace deepslam::stages

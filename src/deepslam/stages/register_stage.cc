@@ -1,0 +1,61 @@
+// register: where every candidate stands in every view of its object.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/registrations_json.h"
+#include "deepslam/stages/judge_object.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Result<Association> association = ReadAssociation(context, "associate");
+  if (!association.ok()) return association.error();
+  const Result<Proposals> proposals = ReadProposals(context);
+  if (!proposals.ok()) return proposals.error();
+  const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
+  if (!views.ok()) return views.error();
+
+  std::vector<CandidateRegistration> registrations;
+  std::size_t done = 0;
+  for (const auto& [id, object_views] : *views) {
+    if (context.progress().StopRequested()) return Interrupted();
+    const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, id);
+    const Result<ModelMap> models = LoadModels(context, candidates);
+    if (!models.ok()) return models.error();
+    std::vector<CandidateRegistration> found =
+        RegisterAll(candidates, *models, object_views, inputs.config.registration);
+    std::move(found.begin(), found.end(), std::back_inserter(registrations));
+    context.progress().Report(++done, views->size());
+  }
+  std::stable_sort(registrations.begin(),
+                   registrations.end(),
+                   [](const CandidateRegistration& a, const CandidateRegistration& b) {
+                     return a.candidate < b.candidate;
+                   });
+  if (Status status =
+          WriteEncoded(context,
+                       "registrations.json",
+                       artifact::EncodeRegistrations(registrations, "registrations.json"));
+      !status.ok()) {
+    return status.error();
+  }
+  const auto placed = std::count_if(
+      registrations.begin(), registrations.end(), [](const CandidateRegistration& registration) {
+        return registration.ok;
+      });
+  return StageSummary{fmt::format("{} of {} candidates placed", placed, registrations.size()),
+                      {{"num_placed", static_cast<double>(placed)},
+                       {"num_candidates", static_cast<double>(registrations.size())}}};
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,83 @@
+// segment: which pixels of every box are the object.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/segments_json.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/segment/segment_objects.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+using pipeline::StageSummary;
+
+constexpr std::size_t kBatch = 8;
+
+// Consecutive detections of one frame.
+std::vector<std::span<const Detection>> ByFrame(std::span<const Detection> detections) {
+  std::vector<std::span<const Detection>> groups;
+  for (std::size_t begin = 0; begin < detections.size();) {
+    std::size_t end = begin;
+    while (end < detections.size() && detections[end].frame == detections[begin].frame) ++end;
+    groups.push_back(detections.subspan(begin, end - begin));
+    begin = end;
+  }
+  return groups;
+}
+
+std::vector<Segment> SegmentOne(const RunInputs& inputs,
+                                const Odometry& odometry,
+                                const Ground& ground,
+                                std::span<const Detection> detections) {
+  const FrameSource& frames = *inputs.capture->frames;
+  const FrameIdx idx = detections.front().frame;
+  const Result<Frame> frame = frames.Read(idx);
+  if (!frame.ok()) return {};
+  return segment::SegmentFrame(*frame,
+                               frames.camera(),
+                               GroundInCamera(ground, odometry.at(idx)),
+                               detections,
+                               inputs.config.segment);
+}
+
+}  // namespace
+
+Result<StageSummary> RunSegment(StageContext& context, const RunInputs& inputs) {
+  const Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Result<artifact::DetectionTable> table = ReadDetections(context);
+  if (!table.ok()) return table.error();
+  const std::vector<std::span<const Detection>> groups = ByFrame(table->detections);
+  std::vector<Segment> segments;
+  for (std::size_t begin = 0; begin < groups.size(); begin += kBatch) {
+    if (context.progress().StopRequested()) return Interrupted();
+    const std::size_t size = std::min(kBatch, groups.size() - begin);
+    std::vector<std::vector<Segment>> found(size);
+    ParallelFor(size, [&](std::size_t i) {
+      found[i] = SegmentOne(inputs, *odometry, *ground, groups[begin + i]);
+    });
+    for (std::vector<Segment>& frame_segments : found) {
+      std::move(frame_segments.begin(), frame_segments.end(), std::back_inserter(segments));
+    }
+    context.progress().Report(begin + size, groups.size());
+  }
+  if (Status status = WriteEncoded(
+          context, "segments.json", artifact::EncodeSegments(segments, "segments.json"));
+      !status.ok()) {
+    return status.error();
+  }
+  const auto usable = std::count_if(
+      segments.begin(), segments.end(), [](const Segment& segment) { return segment.usable; });
+  return StageSummary{
+      fmt::format("{} of {} detections have a usable silhouette", usable, segments.size()),
+      {{"num_usable", static_cast<double>(usable)},
+       {"num_segments", static_cast<double>(segments.size())}}};
+}
+
+}  // namespace deepslam::stages

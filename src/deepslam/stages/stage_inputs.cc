@@ -1,0 +1,183 @@
+#include "deepslam/stages/stage_inputs.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/association_json.h"
+#include "deepslam/artifact/ground_json.h"
+#include "deepslam/artifact/loops_json.h"
+#include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/proposals_json.h"
+#include "deepslam/artifact/registrations_json.h"
+#include "deepslam/artifact/segments_json.h"
+#include "deepslam/artifact/trajectory_files.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/observe/object_views.h"
+#include "deepslam/shape/binvox.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+
+constexpr std::size_t kBatch = 8;  // frames held at once: 5 MB each
+
+template <typename T>
+Result<T> Decode(const StageContext& context,
+                 std::string_view stage,
+                 std::string_view file,
+                 Result<T> (*decode)(std::string_view, std::string_view)) {
+  const Result<std::string> text = context.Read(stage, file);
+  if (!text.ok()) return text.error();
+  return decode(*text, StageContext::DisplayName(stage, file));
+}
+
+}  // namespace
+
+Result<Odometry> ReadOdometry(const StageContext& context) {
+  const Result<std::string> frames = context.Read("track", "frames.json");
+  const Result<std::string> tum = context.Read("track", "trajectory.tum");
+  const Result<std::string> g2o = context.Read("track", "odometry.g2o");
+  for (const Result<std::string>* text : {&frames, &tum, &g2o}) {
+    if (!text->ok()) return text->error();
+  }
+  return artifact::DecodeOdometry(*frames, *tum, *g2o, "track/frames.json");
+}
+
+Result<Ground> ReadGround(const StageContext& context, std::string_view stage) {
+  return Decode(context, stage, "ground.json", artifact::DecodeGround);
+}
+
+Result<artifact::DetectionTable> ReadDetections(const StageContext& context) {
+  return Decode(context, "detect", "detections.json", artifact::DecodeDetections);
+}
+
+Result<std::vector<Segment>> ReadSegments(const StageContext& context) {
+  return Decode(context, "segment", "segments.json", artifact::DecodeSegments);
+}
+
+Result<Association> ReadAssociation(const StageContext& context, std::string_view stage) {
+  return Decode(context, stage, "tracks.json", artifact::DecodeAssociation);
+}
+
+Result<Proposals> ReadProposals(const StageContext& context) {
+  return Decode(context, "propose", "candidates.json", artifact::DecodeProposals);
+}
+
+Result<VoxelGrid> ReadModel(const StageContext& context,
+                            std::string_view stage,
+                            const std::string& key) {
+  const std::string file = fmt::format("models/{}.binvox", key);
+  const Result<std::string> bytes = context.Read(stage, file);
+  if (!bytes.ok()) return bytes.error();
+  Result<VoxelGrid> grid = shape::ReadBinvox(*bytes);
+  if (!grid.ok()) return InvalidInput(fmt::format("{}/{}: {}", stage, file, grid.error().message));
+  return grid;
+}
+
+Result<std::vector<CandidateRegistration>> ReadRegistrations(const StageContext& context) {
+  return Decode(context, "register", "registrations.json", artifact::DecodeRegistrations);
+}
+
+Result<ObjectMap> ReadObjects(const StageContext& context, std::string_view stage) {
+  return Decode(context, stage, "objects.json", artifact::DecodeObjectMap);
+}
+
+Result<Loops> ReadLoops(const StageContext& context) {
+  return Decode(context, "loops", "loops.json", artifact::DecodeLoops);
+}
+
+Result<OptimizedMap> ReadOptimized(const StageContext& context) {
+  const Result<std::string> frames_json = context.Read("optimize", "frames.json");
+  const Result<std::string> tum = context.Read("optimize", "trajectory.tum");
+  if (!frames_json.ok()) return frames_json.error();
+  if (!tum.ok()) return tum.error();
+  Result<artifact::FrameTable> frames =
+      artifact::DecodeFrames(*frames_json, *tum, "optimize/frames.json");
+  if (!frames.ok()) return frames.error();
+  Result<artifact::OptimizationRecord> record =
+      Decode(context, "optimize", "summary.json", artifact::DecodeOptimization);
+  if (!record.ok()) return record.error();
+  Result<ObjectMap> map = ReadObjects(context, "optimize");
+  if (!map.ok()) return map.error();
+  return OptimizedMap{std::move(frames->frames),
+                      std::move(frames->keyframes),
+                      record->ground_world,
+                      record->has_ground,
+                      std::move(map).value(),
+                      record->summary};
+}
+
+Status WriteEncoded(StageContext& context, std::string_view file, const Result<std::string>& text) {
+  if (!text.ok()) return text.error();
+  return context.Write(file, *text);
+}
+
+Status WriteChosenModels(StageContext& context, const ObjectMap& map, std::string_view from) {
+  std::set<std::string> keys;
+  for (const MapObject& object : map.objects) {
+    if (!object.model.empty()) keys.insert(object.model);
+  }
+  for (const std::string& key : keys) {
+    const std::string file = fmt::format("models/{}.binvox", key);
+    if (Status status = WriteEncoded(context, file, context.Read(from, file)); !status.ok())
+      return status;
+  }
+  return Ok();
+}
+
+std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame) {
+  for (const GroundObservation& observation : ground.observations) {
+    if (observation.keyframe == frame.frame) return observation.plane_camera;
+  }
+  if (!ground.plane_world) return std::nullopt;
+  return Transformed(frame.world_from_camera.Inverse(), *ground.plane_world);
+}
+
+Result<ObjectViews> CollectViews(const StageContext& context,
+                                 const RunInputs& inputs,
+                                 const Odometry& odometry,
+                                 const Ground& ground,
+                                 const Association& association) {
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  return observe::CollectObjectViews(*inputs.capture->frames,
+                                     odometry,
+                                     ground,
+                                     *segments,
+                                     association.tracks,
+                                     inputs.config.views,
+                                     context.progress());
+}
+
+Status ForFrames(const StageContext& context,
+                 const FrameSource& frames,
+                 std::span<const FrameIdx> wanted,
+                 const std::function<Status(const Frame&)>& use) {
+  for (std::size_t begin = 0; begin < wanted.size(); begin += kBatch) {
+    if (context.progress().StopRequested()) return Interrupted();
+    const std::span<const FrameIdx> batch =
+        wanted.subspan(begin, std::min(kBatch, wanted.size() - begin));
+    std::vector<std::optional<Result<Frame>>> read(batch.size());
+    ParallelFor(batch.size(), [&](std::size_t i) { read[i] = frames.Read(batch[i]); });
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const Result<Frame>& frame = *read[i];
+      if (!frame.ok()) {
+        context.progress().Warn(
+            fmt::format("frame {} skipped: {}", batch[i].value, frame.error().message));
+      } else if (Status status = use(*frame); !status.ok()) {
+        return status;
+      }
+    }
+    context.progress().Report(begin + batch.size(), wanted.size());
+  }
+  return Ok();
+}
+
+std::string ObjectName(const MapObject& object) {
+  return fmt::format("{}_{:02d}", object.class_name, object.id.value);
+}
+
+}  // namespace deepslam::stages

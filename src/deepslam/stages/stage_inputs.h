@@ -1,0 +1,84 @@
+// What several stages read and do alike: typed values out of other stages' files, views of objects,
+// frames in batches.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/artifact/detections_json.h"
+#include "deepslam/artifact/summary_json.h"
+#include "deepslam/core/result.h"
+#include "deepslam/pipeline/stage.h"
+#include "deepslam/scene/frame_source.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/loop.h"
+#include "deepslam/scene/object_map.h"
+#include "deepslam/scene/object_track.h"
+#include "deepslam/scene/object_view.h"
+#include "deepslam/scene/optimized_map.h"
+#include "deepslam/scene/registration.h"
+#include "deepslam/scene/shape_candidate.h"
+#include "deepslam/scene/trajectory.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::stages {
+
+using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
+
+[[nodiscard]] Result<Odometry> ReadOdometry(const pipeline::StageContext& context);
+[[nodiscard]] Result<Ground> ReadGround(const pipeline::StageContext& context,
+                                        std::string_view stage);
+[[nodiscard]] Result<artifact::DetectionTable> ReadDetections(
+    const pipeline::StageContext& context);
+[[nodiscard]] Result<std::vector<Segment>> ReadSegments(const pipeline::StageContext& context);
+// Of stage `associate`, or of `loops` after merging.
+[[nodiscard]] Result<Association> ReadAssociation(const pipeline::StageContext& context,
+                                                  std::string_view stage);
+// Without the models.
+[[nodiscard]] Result<Proposals> ReadProposals(const pipeline::StageContext& context);
+[[nodiscard]] Result<VoxelGrid> ReadModel(const pipeline::StageContext& context,
+                                          std::string_view stage,
+                                          const std::string& key);
+[[nodiscard]] Result<std::vector<CandidateRegistration>> ReadRegistrations(
+    const pipeline::StageContext& context);
+[[nodiscard]] Result<ObjectMap> ReadObjects(const pipeline::StageContext& context,
+                                            std::string_view stage);
+[[nodiscard]] Result<Loops> ReadLoops(const pipeline::StageContext& context);
+[[nodiscard]] Result<OptimizedMap> ReadOptimized(const pipeline::StageContext& context);
+
+// Writes an encoded text, or passes its error on.
+[[nodiscard]] Status WriteEncoded(pipeline::StageContext& context,
+                                  std::string_view file,
+                                  const Result<std::string>& text);
+// The chosen models of a map as models/<key>.binvox, taken from stage `from`.
+[[nodiscard]] Status WriteChosenModels(pipeline::StageContext& context,
+                                       const ObjectMap& map,
+                                       std::string_view from);
+
+// The ground in a frame's camera: seen in this very frame, else the world's.
+[[nodiscard]] std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame);
+
+// Views of the tracks, with the frames' tracked poses.
+[[nodiscard]] Result<ObjectViews> CollectViews(const pipeline::StageContext& context,
+                                               const RunInputs& inputs,
+                                               const Odometry& odometry,
+                                               const Ground& ground,
+                                               const Association& association);
+
+// Reads frames in parallel, a few at a time, and hands each to `use` in the order given. A frame
+// that cannot be read is warned about and skipped. Stops at the first error of `use` and when the
+// user asks to.
+[[nodiscard]] Status ForFrames(const pipeline::StageContext& context,
+                               const FrameSource& frames,
+                               std::span<const FrameIdx> wanted,
+                               const std::function<Status(const Frame&)>& use);
+
+// "chair_03": class and id; ids are unique over the map.
+[[nodiscard]] std::string ObjectName(const MapObject& object);
+
+}  // namespace deepslam::stages
