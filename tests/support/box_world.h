@@ -168,16 +168,20 @@ inline void Append(std::vector<Cuboid>& world, const std::vector<Cuboid>& parts)
 // Frames of one world from given poses, held in memory. Frames in `broken` cannot be read.
 class BoxWorldSource final : public FrameSource {
  public:
-  BoxWorldSource(std::vector<Cuboid> world, std::vector<Pose3> world_from_camera)
-      : world_(std::move(world)), poses_(std::move(world_from_camera)) {}
+  BoxWorldSource(const std::vector<Cuboid>& world, std::vector<Pose3> world_from_camera)
+      : poses_(std::move(world_from_camera)) {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      views_.push_back(RenderBoxes(world, camera_, poses_[i], {static_cast<int>(i)}));
+    }
+  }
 
   std::set<int> broken;
 
   [[nodiscard]] int num_frames() const override { return static_cast<int>(poses_.size()); }
   [[nodiscard]] const PinholeCamera& camera() const override { return camera_; }
   [[nodiscard]] double time_s(FrameIdx frame) const override { return frame.value; }
-  [[nodiscard]] BoxView View(FrameIdx frame) const {
-    return RenderBoxes(world_, camera_, poses_[static_cast<std::size_t>(frame.value)], frame);
+  [[nodiscard]] const BoxView& View(FrameIdx frame) const {
+    return views_[static_cast<std::size_t>(frame.value)];
   }
   [[nodiscard]] Result<Frame> Read(FrameIdx frame) const override {
     if (broken.count(frame.value) != 0) return InvalidInput("frame is broken");
@@ -205,9 +209,9 @@ class BoxWorldSource final : public FrameSource {
   }
 
  private:
-  std::vector<Cuboid> world_;
-  std::vector<Pose3> poses_;
   PinholeCamera camera_ = SmallCamera();
+  std::vector<Pose3> poses_;
+  std::vector<BoxView> views_;
 };
 
 // Poses on a circle round `target`.
