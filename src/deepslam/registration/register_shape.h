@@ -27,7 +27,7 @@ struct RegisterOptions {
   int min_points = 40;             // fewer: the view says nothing
   int num_azimuths = 8;            // the paper's quantisation of the rotation about the vertical
   int num_seed_views = 4;          // views whose own alignments become world hypotheses
-  int num_refined_hypotheses = 4;  // hypotheses that get a joint refinement
+  int num_refined_hypotheses = 6;  // hypotheses that get a joint refinement
   double coarse_radius_m = 0.15;   // a residual beyond it says nothing, at the start
   double fine_radius_m = 0.05;     // and at the end
   double upright_sigma_deg = 2;    // how upright furniture stands
