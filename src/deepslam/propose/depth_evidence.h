@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/core/image.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/object_view.h"
 
@@ -31,15 +32,19 @@ class DepthView {
   // `view` must outlive the object.
   DepthView(const ObjectView& view, const Pose3& level_from_world);
 
-  // Evidence at a point of the level frame; `slack_m` widens the tolerance (size of what is asked
-  // about).
-  [[nodiscard]] Evidence At(const Eigen::Vector3f& p_level, float slack_m) const;
-  // How far behind the measured surface the point lies, metres; 0 or less when it does not or
-  // nothing is known.
-  [[nodiscard]] float DepthBehind_m(const Eigen::Vector3f& p_level) const;
+  struct Reading {
+    Evidence evidence = Evidence::kUnknown;
+    // Distance of the point behind the object's measured surface, along that surface's normal,
+    // metres; 0 when it is not behind the object.
+    float behind_m = 0;
+  };
+  // Evidence at a point of the level frame. `slack_m` widens the tolerance across the surface (size
+  // of what is asked about): along a grazing ray it grows.
+  [[nodiscard]] Reading At(const Eigen::Vector3f& p_level, float slack_m) const;
 
  private:
   const ObjectView* view_;
+  Image<float> cosine_;       // of the angle between ray and surface normal, per pixel
   Eigen::Matrix3f rotation_;  // camera from level
   Eigen::Vector3f translation_;
   float fx_, fy_, cx_, cy_;

@@ -135,7 +135,7 @@ double ScorePlacement(const CoarseShape& shape,
     int free = 0;
     int seen = 0;
     for (const DepthView& view : views) {
-      const Evidence evidence = view.At(p_level, static_cast<float>(0.5 * tolerance_m));
+      const Evidence evidence = view.At(p_level, static_cast<float>(0.5 * tolerance_m)).evidence;
       free += evidence == Evidence::kFree ? 1 : 0;
       seen += evidence == Evidence::kSurface ? 1 : 0;
     }

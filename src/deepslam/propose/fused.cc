@@ -51,22 +51,12 @@ bool IsSolid(const Eigen::Vector3f& p_level,
   bool behind = false;
   bool shell = false;
   for (const DepthView& view : views) {
-    switch (view.At(p_level, slack_m)) {
-      case Evidence::kFree:
-        ++free;
-        break;
-      case Evidence::kSurface:
-        ++surface;
-        break;
-      case Evidence::kBehind: {
-        const float depth_m = view.DepthBehind_m(p_level);
-        behind = behind || depth_m > 0;
-        shell = shell || (depth_m > 0 && depth_m < kShell_m + slack_m);
-        break;
-      }
-      case Evidence::kUnknown:
-        break;
-    }
+    const DepthView::Reading reading = view.At(p_level, slack_m);
+    free += reading.evidence == Evidence::kFree ? 1 : 0;
+    surface += reading.evidence == Evidence::kSurface ? 1 : 0;
+    if (reading.evidence != Evidence::kBehind || reading.behind_m <= 0) continue;
+    behind = true;
+    shell = shell || reading.behind_m < kShell_m + slack_m;
   }
   if (surface > 0) return surface >= free;
   return free == 0 && (shell || (behind && fill_unseen));
@@ -88,10 +78,12 @@ VoxelGrid Carve(const Raster& raster, std::span<const DepthView> views, bool fil
   return grid;
 }
 
-// Keeps the largest 26-connected part.
-VoxelGrid LargestPart(const VoxelGrid& grid) {
-  VoxelGrid best;
-  std::size_t best_count = 0;
+// Drops 26-connected parts that are small against the whole: stray depth. Parts of an object may
+// well hang unconnected where thin links between them were not measured.
+VoxelGrid WithoutCrumbs(const VoxelGrid& grid) {
+  constexpr double kCrumb = 0.05;
+  VoxelGrid kept;
+  const auto total = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
   std::vector<std::uint8_t> left = grid.occupied;
   for (std::size_t seed = 0; seed < left.size(); ++seed) {
     if (left[seed] == 0) continue;
@@ -110,12 +102,10 @@ VoxelGrid LargestPart(const VoxelGrid& grid) {
         part.push_back(VoxelGrid::Index(x, y, z));
       }
     }
-    if (part.size() <= best_count) continue;
-    best_count = part.size();
-    best = VoxelGrid();
-    for (const std::size_t n : part) best.occupied[n] = 1;
+    if (static_cast<double>(part.size()) < kCrumb * static_cast<double>(total)) continue;
+    for (const std::size_t n : part) kept.occupied[n] = 1;
   }
-  return best;
+  return kept;
 }
 
 // Segmentation takes the ground away and a few centimetres of feet with it: what hangs just above
@@ -192,7 +182,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
     views.emplace_back(object.views[n], cloud.level_from_world);
   }
   VoxelGrid grid =
-      LargestPart(Carve(raster, views, Listed(options_.solid_classes, object.class_name)));
+      WithoutCrumbs(Carve(raster, views, Listed(options_.solid_classes, object.class_name)));
   if (cloud.has_ground) {
     constexpr double kMaxGap_m = 0.1;
     const double ground = 0.5 * kGridSize - 0.5 * raster.box.size_m.z() / raster.voxel_m;

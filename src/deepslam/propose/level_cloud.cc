@@ -12,7 +12,7 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr int kPointsPerView = 1500;
+constexpr int kPointsPerView = 3000;
 constexpr float kCell_m = 0.025F;
 constexpr std::size_t kMinPoints = 30;
 

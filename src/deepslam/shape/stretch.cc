@@ -186,7 +186,9 @@ VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
     const auto n = static_cast<Eigen::Index>(axis);
     // Off centre by half a voxel at most, so that the lower face falls on voxel borders and stays
     // sharp.
-    const double low_target = std::round(0.5 * (kGridSize - scale[n] * (high[n] - low[n])) - 1e-9);
+    const double ideal = 0.5 * (kGridSize - scale[n] * (high[n] - low[n]));
+    const bool keeps = std::abs(scale[n] - 1.0) < 1e-9 && std::abs(ideal - low[n]) <= 0.5;
+    const double low_target = keeps ? low[n] : std::round(ideal);
     const AxisMap map = {scale[n], low_target - scale[n] * low[n]};
     shares =
         ResampleAxis(shares, kStride[axis], kStride[(axis + 1) % 3], kStride[(axis + 2) % 3], map);

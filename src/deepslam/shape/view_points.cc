@@ -20,14 +20,16 @@ constexpr int kMaxPatchRadius_px = 6;
 
 bool IsUsable(float depth_m) { return depth_m > 0 && depth_m < kMaxDepth_m; }
 
-// Depth difference between neighbours `steps` pixels apart that a real surface can have: 1 cm of
-// noise, and slopes up to about 80 degrees at usual focal lengths.
-float JumpLimit(float depth_m, int steps) {
-  return 0.01F + 0.012F * depth_m * static_cast<float>(steps);
+// Depth difference between pixels `steps` apart that a real surface can have: 1 cm of noise, and
+// slopes up to 80 degrees against the image plane.
+float JumpLimit(const PinholeCamera& camera, float depth_m, int steps) {
+  constexpr float kSteepest = 5.7F;  // tan 80 deg
+  return 0.01F + kSteepest * depth_m * static_cast<float>(steps) / static_cast<float>(camera.fx);
 }
 
 // A pixel whose neighbours mostly agree with it: no edge, no flying pixel.
-bool IsCoherent(const DepthImage& depth_m, int u, int v) {
+bool IsCoherent(const ObjectView& view, int u, int v) {
+  const DepthImage& depth_m = view.depth_crop_m;
   constexpr int kMinAgreeing = 6;
   const float center = depth_m(u, v);
   int agreeing = 0;
@@ -35,7 +37,8 @@ bool IsCoherent(const DepthImage& depth_m, int u, int v) {
     for (int du = -1; du <= 1; ++du) {
       if ((du == 0 && dv == 0) || !depth_m.Contains(u + du, v + dv)) continue;
       const float other = depth_m(u + du, v + dv);
-      if (IsUsable(other) && std::abs(other - center) <= JumpLimit(center, 1)) ++agreeing;
+      if (IsUsable(other) && std::abs(other - center) <= JumpLimit(view.camera, center, 1))
+        ++agreeing;
     }
   }
   return agreeing >= kMinAgreeing;
@@ -57,7 +60,8 @@ std::optional<Eigen::Vector3f> PatchNormal(const ObjectView& view, int u, int v)
       if (!depth_m.Contains(u + du, v + dv)) continue;
       const float other = depth_m(u + du, v + dv);
       const int steps = std::max(std::abs(du), std::abs(dv));
-      if (!IsUsable(other) || std::abs(other - center_m) > JumpLimit(center_m, steps)) continue;
+      if (!IsUsable(other) || std::abs(other - center_m) > JumpLimit(view.camera, center_m, steps))
+        continue;
       const Eigen::Vector3d offset = view.camera.Unproject(u + du, v + dv, other) - center;
       sum += offset;
       squares += offset * offset.transpose();
@@ -86,7 +90,7 @@ std::vector<Pixel> CoherentPixels(const ObjectView& view) {
   for (int v = 0; v < view.mask_crop.height(); ++v) {
     for (int u = 0; u < view.mask_crop.width(); ++u) {
       if (view.mask_crop(u, v) == 0 || !IsUsable(view.depth_crop_m(u, v))) continue;
-      if (!IsCoherent(view.depth_crop_m, u, v)) continue;
+      if (!IsCoherent(view, u, v)) continue;
       pixels.push_back({static_cast<std::int16_t>(u),
                         static_cast<std::int16_t>(v),
                         view.camera.Unproject(u, v, view.depth_crop_m(u, v)).cast<float>()});
