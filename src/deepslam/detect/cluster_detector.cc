@@ -48,6 +48,8 @@ struct GroundGrid {
   std::vector<GridPoint> points;  // above the ground, in image order
 
   [[nodiscard]] int Cell(double x_m, double y_m) const {
+    const double reach_m = 0.5 * side * cell_m;
+    if (!(std::abs(x_m) < reach_m) || !(std::abs(y_m) < reach_m)) return -1;
     const int i = side / 2 + static_cast<int>(std::floor(x_m / cell_m));
     const int j = side / 2 + static_cast<int>(std::floor(y_m / cell_m));
     if (i < 1 || j < 1 || i >= side - 1 || j >= side - 1) return -1;

@@ -16,6 +16,7 @@ constexpr std::size_t kRowsPerChunk = 16;
 // light at 3 m, so that a normal is good to about 20 degrees.
 constexpr double kNormalBaseline_m = 0.04;
 constexpr int kMaxBaseline_px = 12;
+constexpr double kFarthest_m = 1000;      // only absurd intrinsics put points farther out
 constexpr float kSameSurfaceCos = 0.87F;  // 30 degrees: steps of normals inside one surface
 constexpr float kHorizontalCos = 0.82F;   // 35 degrees
 
@@ -35,6 +36,7 @@ Points UsablePoints(const DepthImage& depth_m,
                           const double z = depth_m(u, v);
                           if (!(z > 0) || z > options.max_depth_m) continue;
                           const Eigen::Vector3d p = camera.Unproject(u, v, z);
+                          if (!(p.cwiseAbs().maxCoeff() < kFarthest_m)) continue;
                           if (ground_camera) {
                             const double height = ground_camera->SignedDistance(p);
                             height_m(u, v) = static_cast<float>(height);
@@ -54,8 +56,8 @@ Eigen::Vector3f NormalAt(
     const Points& points, int u, int v, double fx, const SegmentOptions& options) {
   const float z = points(u, v).z();
   if (!(z > 0)) return Eigen::Vector3f::Zero();
-  const int r = std::clamp(
-      static_cast<int>(std::lround(0.5 * kNormalBaseline_m * fx / z)), 1, kMaxBaseline_px);
+  const int r = static_cast<int>(
+      std::lround(std::clamp(0.5 * kNormalBaseline_m * fx / z, 1.0, 1.0 * kMaxBaseline_px)));
   const auto jump = static_cast<float>(JumpAt(z, options) + 2.0 * r * z / fx);
   const auto difference = [&](int du, int dv) -> Eigen::Vector3f {
     const auto at = [&](int s) -> Eigen::Vector3f {
