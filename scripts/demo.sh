@@ -9,12 +9,7 @@ scripts/build.sh release -DDEEPSLAM_TESTS=OFF
 deepslam=build/release/tools/deepslam
 scripts/furniture.sh "$deepslam"
 
-if [ ! -f out/demo_capture/capture.yaml ]; then
-  # Rendered aside, so that a capture that was interrupted is not taken for a whole one.
-  rm -rf out/demo_capture out/demo_capture.new
-  "$deepslam" synth configs/scenes/demo_room.yaml -o out/demo_capture.new
-  mv out/demo_capture.new out/demo_capture
-fi
+[ -f out/demo_capture/capture.yaml ] || "$deepslam" synth configs/scenes/demo_room.yaml -o out/demo_capture
 "$deepslam" run out/demo_capture -o out/demo --progress auto
 
 echo

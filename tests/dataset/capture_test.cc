@@ -31,6 +31,7 @@ TEST(OpenCapture, ReadsColourDepthTimeAndCamera) {
   EXPECT_EQ(capture->name, "kitchen");
   EXPECT_FALSE(capture->has_poses);
   EXPECT_THAT(capture->warnings, IsEmpty());
+  EXPECT_THAT(capture->colour_files, ElementsAre("rgb/0.png", "rgb/1.png", "rgb/2.png"));
   const FrameSource& frames = *capture->frames;
   ASSERT_EQ(frames.num_frames(), 3);
   EXPECT_EQ(frames.camera(), (PinholeCamera{32, 24, 30, 30, 15.5, 11.5}));

@@ -213,6 +213,7 @@ Result<Capture> OpenCapture(const fs::path& folder) {
   const Status files_exist = CheckFilesExist(folder, *pairs, capture.warnings);
   if (!files_exist) return files_exist.error();
 
+  for (const ImagePair& pair : *pairs) capture.colour_files.push_back(pair.colour.file);
   std::vector<std::optional<Pose3>> world_from_camera(pairs->size());
   if (*poses_text) {
     const Result<std::vector<TimedPose>> poses =

@@ -28,7 +28,9 @@ struct Capture {
   // lie.
   std::string content_hash;
   std::vector<std::string> warnings;  // what was repaired or left out, for the user
-  bool has_poses = false;             // at least one frame has a pose
+  std::vector<std::string>
+      colour_files;  // of each frame, relative to the folder: the names foreign annotations use
+  bool has_poses = false;  // at least one frame has a pose
 };
 
 // Opens a capture. Frames are read later, one at a time; here every file is read once for the hash,
