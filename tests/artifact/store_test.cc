@@ -1,0 +1,64 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include "deepslam/artifact/store.h"
+#include "deepslam/core/sha256.h"
+#include "support/temp_dir.h"
+
+namespace deepslam::artifact {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::ReadText;
+using testing_support::TempDir;
+using testing_support::WriteText;
+
+TEST(Store, WritesWholeFilesAndLeavesNothingAside) {
+  const TempDir dir;
+  const auto file = dir.path() / "a.json";
+  WriteText(file, "old");
+  ASSERT_TRUE(WriteFileAtomically(file, "new").ok());
+  EXPECT_EQ(ReadText(file), "new");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(dir.path()), {}), 1);
+}
+
+TEST(Store, KeepsTheOldFileWhenTheNewOneCannotBeWritten) {
+  const TempDir dir;
+  const Status status = WriteFileAtomically(dir.path() / "missing" / "a.json", "new");
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().code, ErrorCode::kFailed);
+  EXPECT_THAT(status.error().message,
+              testing::AllOf(HasSubstr("a.json"), HasSubstr("No such file")));
+}
+
+TEST(Store, NamesAFullDisk) {
+  if (::access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full here";
+  const Status status = WriteFileSynced("/dev/full", "bytes");
+  ASSERT_FALSE(status.ok());
+  EXPECT_THAT(status.error().message,
+              testing::AllOf(HasSubstr("No space left"), HasSubstr("free some space")));
+}
+
+TEST(Store, RefusesFoldersAndMissingFiles) {
+  const TempDir dir;
+  EXPECT_THAT(ReadFile(dir.path()).error().message, HasSubstr("is not a file"));
+  EXPECT_EQ(ReadFile(dir.path() / "none").error().code, ErrorCode::kInvalidInput);
+}
+
+TEST(Store, HashesContentNotPlace) {
+  const TempDir a;
+  const TempDir b;
+  for (const TempDir* dir : {&a, &b}) {
+    WriteText(dir->path() / "x" / "1", "one");
+    WriteText(dir->path() / "2", "two");
+  }
+  EXPECT_EQ(*HashFolder(a.path()), *HashFolder(b.path()));
+  EXPECT_EQ(*HashFile(a.path() / "2"), Sha256Hex("two"));
+  WriteText(b.path() / "2", "three");
+  EXPECT_NE(*HashFolder(a.path()), *HashFolder(b.path()));
+}
+
+}  // namespace
+}  // namespace deepslam::artifact

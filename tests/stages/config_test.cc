@@ -1,0 +1,166 @@
+// The configuration as users see it: files equal the code, and every option counts.
+#include <gmock/gmock.h>
+
+#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/pipeline/config.h"
+#include "deepslam/stages/config.h"
+#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/plan.h"
+#include "deepslam/stages/verdict.h"
+#include "support/temp_dir.h"
+
+namespace deepslam::stages {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::ReadText;
+using testing_support::TempDir;
+using testing_support::WriteText;
+
+std::filesystem::path Configs() { return std::filesystem::path(DEEPSLAM_SOURCE_DIR) / "configs"; }
+
+std::vector<pipeline::Stage> PlanFor(const Config& config) {
+  return MakePlan(std::make_shared<const RunInputs>(RunInputs{config, {}, nullptr, {}}));
+}
+
+// Stages whose options differ.
+std::set<std::string> StagesThatDiffer(const Config& a, const Config& b) {
+  const std::vector<pipeline::Stage> plan_a = PlanFor(a);
+  const std::vector<pipeline::Stage> plan_b = PlanFor(b);
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < plan_a.size(); ++i) {
+    if (plan_a[i].options != plan_b[i].options) names.insert(plan_a[i].name);
+  }
+  return names;
+}
+
+TEST(DefaultConfig, FileEqualsTheCode) {
+  Config config;
+  EXPECT_EQ(ReadText(Configs() / "default.yaml"), pipeline::DumpConfig(Sections(config)))
+      << "run `deepslam config dump > configs/default.yaml`";
+}
+
+TEST(DefaultConfig, DefaultsLieInTheirOwnRanges) {
+  Config config;
+  const std::vector<pipeline::OptionSection> sections = Sections(config);
+  const Status status = pipeline::ApplyYaml(sections, pipeline::DumpConfig(sections), "dump");
+  EXPECT_TRUE(status.ok()) << status.error().message;
+}
+
+TEST(DefaultConfig, NamesAreUniqueAndExplained) {
+  Config config;
+  std::set<std::string> names;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(Sections(config))) {
+    EXPECT_TRUE(names.insert(entry.name).second) << entry.name << " stands twice";
+    EXPECT_FALSE(entry.help.empty()) << entry.name;
+  }
+}
+
+TEST(PaperConfig, IsAnOverlayWithoutFaults) {
+  Config config;
+  const std::string paper = ReadText(Configs() / "paper.yaml");
+  ASSERT_FALSE(paper.empty());
+  const Status status = pipeline::ApplyYaml(Sections(config), paper, "paper.yaml");
+  ASSERT_TRUE(status.ok()) << status.error().message;
+  EXPECT_EQ(config.track.reference, "previous");
+  EXPECT_EQ(config.detect_stage.frames, "all");
+  EXPECT_EQ(config.select.mode, "greedy");
+}
+
+TEST(ClassesConfig, FileEqualsTheCode) {
+  EXPECT_EQ(ReadText(Configs() / "classes.yaml"),
+            artifact::EncodeClassTable(artifact::DefaultClassTable()))
+      << "run `deepslam config classes > configs/classes.yaml`";
+}
+
+TEST(Keys, EveryOptionBelongsToAStage) {
+  std::set<std::string> in_keys;
+  for (const pipeline::Stage& stage : PlanFor({})) {
+    for (const auto& [name, value] : stage.options) in_keys.insert(name);
+  }
+  const std::set<std::string> paths = {
+      "classes.file", "detect.weights", "detect.file", "propose.library"};
+  Config config;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(Sections(config))) {
+    EXPECT_NE(in_keys.contains(entry.name), paths.contains(entry.name)) << entry.name;
+  }
+}
+
+TEST(Keys, AnOptionChangesItsOwnStagesOnly) {
+  Config changed;
+  changed.optimize.lambda_ground *= 2;
+  EXPECT_EQ(StagesThatDiffer({}, changed), std::set<std::string>{"optimize"});
+  changed = {};
+  changed.views.max_views += 1;
+  EXPECT_EQ(StagesThatDiffer({}, changed),
+            (std::set<std::string>{"propose", "register", "select", "loops", "mesh"}));
+}
+
+TEST(Keys, PlacesOnDiskDoNotCount) {
+  Config changed;
+  changed.detect_stage.weights = "/elsewhere/yolov8s.onnx";
+  changed.propose_stage.library = "/elsewhere/library";
+  changed.classes_file = "/elsewhere/classes.yaml";
+  EXPECT_TRUE(StagesThatDiffer({}, changed).empty());
+}
+
+TEST(Plan, InputsStandBeforeTheirUsers) {
+  std::set<std::string> seen;
+  for (const pipeline::Stage& stage : PlanFor({})) {
+    for (const std::string& input : stage.inputs)
+      EXPECT_TRUE(seen.contains(input)) << stage.name << " reads " << input;
+    seen.insert(stage.name);
+  }
+}
+
+TEST(DataFolder, NamesTheRemedyForMissingWeightsAndLibrary) {
+  const TempDir dir;
+  const auto weights = FindWeights(dir.path(), "yolov8s");
+  ASSERT_FALSE(weights.ok());
+  EXPECT_EQ(weights.error().code, ErrorCode::kInvalidInput);
+  EXPECT_THAT(weights.error().message,
+              testing::AllOf(HasSubstr("scripts/setup.sh"), HasSubstr("deepslam doctor")));
+  EXPECT_THAT(FindLibrary(dir.path(), "").error().message, HasSubstr("scripts/setup.sh"));
+  WriteText(dir.path() / "weights" / "own.onnx", "x");
+  EXPECT_EQ(*FindWeights(dir.path(), "own"), dir.path() / "weights" / "own.onnx");
+  EXPECT_EQ(*FindWeights("/nowhere", (dir.path() / "weights" / "own.onnx").string()),
+            dir.path() / "weights" / "own.onnx");
+}
+
+OptimizedMap MapWithFrames(int num_tracked, int num_lost) {
+  OptimizedMap map;
+  for (int i = 0; i < num_tracked + num_lost; ++i) {
+    map.frames.push_back({FrameIdx{i},
+                          i / 30.0,
+                          {},
+                          i < num_tracked ? TrackingStatus::kTracked : TrackingStatus::kLost,
+                          FrameIdx{0},
+                          0,
+                          1});
+  }
+  map.has_ground = true;
+  map.summary.converged = true;
+  MapObject object;
+  object.id = ObjectId{0};
+  object.class_name = "chair";
+  object.confidence = 0.9;
+  map.map.objects = {object};
+  return map;
+}
+
+TEST(Verdict, FollowsWhatWentWrong) {
+  EXPECT_EQ(JudgeRun(MapWithFrames(100, 0)).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapWithFrames(90, 10)).verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(JudgeRun(MapWithFrames(40, 60)).verdict, artifact::Verdict::kBad);
+  OptimizedMap map = MapWithFrames(100, 0);
+  map.has_ground = false;
+  map.map.objects[0].confidence = 0.1;
+  const RunVerdict doubtful = JudgeRun(map);
+  EXPECT_EQ(doubtful.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_THAT(doubtful.reasons, testing::ElementsAre(HasSubstr("ground"), HasSubstr("chair_00")));
+  map.map.objects.clear();
+  EXPECT_EQ(JudgeRun(map).verdict, artifact::Verdict::kBad);
+}
+
+}  // namespace
+}  // namespace deepslam::stages

@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+"""Exit codes and messages of the command line.
+
+    cli_test.py DEEPSLAM REPOSITORY
+"""
+import fcntl
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+REPOSITORY = pathlib.Path(sys.argv[2]).resolve()
+
+
+def run(*arguments, data=None):
+    environment = dict(os.environ, DEEPSLAM_DATA=str(data) if data else "/nonexistent")
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=60, env=environment)
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        self.temp = tempfile.TemporaryDirectory(prefix="deepslam-cli-")
+        self.dir = pathlib.Path(self.temp.name)
+
+    def tearDown(self):
+        self.temp.cleanup()
+
+    def check(self, result, code, *texts):
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        for text in texts:
+            self.assertIn(text, result.stderr)
+
+    def test_wrong_usage_is_2(self):
+        self.check(run(), 2)
+        self.check(run("rnu"), 2)
+        self.check(run("run"), 2, "CAPTURE")
+        self.check(run("run", "x", "-o", "y", "--threads", "-3"), 2)
+        self.check(run("run", "x", "-o", "y", "--poses", "guess"), 2)
+        self.check(run("run", "x", "-o", self.dir / "w", "--set", "trak.max_depth_m=3"), 2, "unknown option")
+        self.check(run("run", "x", "-o", self.dir / "w", "--config", self.dir / "none.yaml"), 2, "none.yaml")
+        self.assertFalse((self.dir / "w").exists(), "nothing may be made of a wrong command")
+
+    def test_help_and_version(self):
+        self.assertEqual(run("--help").returncode, 0)
+        self.assertIn("run", run("--help").stdout)
+        self.assertRegex(run("version").stdout, r"^deepslam \d+\.\d+\.\d+\n$")
+
+    def test_missing_capture_is_3(self):
+        result = run("run", self.dir / "none", "-o", self.dir / "w")
+        self.check(result, 3, "none")
+        self.assertFalse((self.dir / "w").exists())
+
+    def test_empty_capture_is_3(self):
+        (self.dir / "empty").mkdir()
+        self.check(run("run", self.dir / "empty", "-o", self.dir / "w"), 3)
+
+    def test_config_dump_is_the_file_and_checks_clean(self):
+        dump = run("config", "dump")
+        self.assertEqual(dump.returncode, 0)
+        self.assertEqual(dump.stdout, (REPOSITORY / "configs" / "default.yaml").read_text())
+        for name in ("default.yaml", "paper.yaml"):
+            self.check(run("config", "check", REPOSITORY / "configs" / name), 0)
+
+    def test_config_check_tells_all_faults(self):
+        file = self.dir / "mine.yaml"
+        file.write_text("track:\n  keyframe_distnace_m: 1\ndetect:\n  source: telepathy\n")
+        result = run("config", "check", file)
+        self.check(result, 2, "mine.yaml:2", "did you mean track.keyframe_distance_m?", "mine.yaml:4", "telepathy")
+
+    def test_doctor_tells_what_is_missing(self):
+        result = run("doctor", data=self.dir)
+        self.check(result, 3, "MISSING", "scripts/setup.sh")
+        findings = {row["what"]: row["ok"] for row in json.loads(result.stdout)["findings"]}
+        self.assertFalse(findings["detector weights"])
+        self.assertTrue(findings["classes"])
+
+    def test_status_of_no_workspace_is_3(self):
+        self.check(run("status", self.dir / "none"), 3)
+        (self.dir / "photos").mkdir()
+        (self.dir / "photos" / "cat.jpg").write_text("miau")
+        self.check(run("status", self.dir / "photos"), 3, "no workspace")
+
+    def test_validate_refuses_what_is_no_glb(self):
+        file = self.dir / "x.glb"
+        file.write_bytes(b"glTF but not really")
+        result = run("validate", file)
+        self.check(result, 1)
+        self.assertFalse(json.loads(result.stdout)["ok"])
+        self.check(run("validate", self.dir / "none.glb"), 3)
+
+    def test_eval_trajectory(self):
+        lines = [f"{i / 10} {i * 0.1} {i * i * 0.01} 0 0 0 0 1" for i in range(20)]
+        truth = self.dir / "truth.tum"
+        truth.write_text("\n".join(lines))
+        result = run("eval", "trajectory", truth, truth)
+        self.check(result, 0, "20 of 20 frames scored")
+        self.assertLess(json.loads(result.stdout)["ate_m"]["rmse"], 1e-9)
+        bad = self.dir / "bad.tum"
+        bad.write_text("0 0 0 0\n")
+        self.check(run("eval", "trajectory", bad, truth), 3, "bad.tum:1")
+
+
+class Workspaces(unittest.TestCase):
+    """Needs a capture that opens: three tiny frames."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.temp = tempfile.TemporaryDirectory(prefix="deepslam-cli-")
+        cls.dir = pathlib.Path(cls.temp.name)
+        cls.capture = cls.dir / "capture"
+        make_capture(cls.capture)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temp.cleanup()
+
+    def run_capture(self, workspace, *more):
+        return run("run", self.capture, "-o", workspace, "--until", "track", "--poses", "capture", "--progress", "none",
+                   "--set", "detect.source=none", "--set", "propose.retrieval=false", *more)
+
+    def test_explain_and_resume(self):
+        workspace = self.dir / "resume"
+        first = self.run_capture(workspace, "--explain")
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertIn("missing", first.stderr)
+        second = self.run_capture(workspace, "--explain", "--threads", "1")
+        self.assertEqual(json.loads(second.stdout)["ran"], [])
+        third = self.run_capture(workspace, "--explain", "--set", "track.keyframe_distance_m=0.3")
+        self.assertEqual(json.loads(third.stdout)["ran"], ["track"])
+        self.assertIn("option track.keyframe_distance_m 0.15 -> 0.3", third.stderr)
+        status = run("status", workspace)
+        self.assertEqual(status.returncode, 0, status.stderr)
+        states = {row["stage"]: row["state"] for row in json.loads(status.stdout)["stages"]}
+        self.assertEqual(states["track"], "done")
+        self.assertEqual(states["export"], "missing")
+
+    def test_missing_weights_are_3(self):
+        result = run("run", self.capture, "-o", self.dir / "weights")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("scripts/setup.sh", result.stderr)
+        self.assertIn("deepslam doctor", result.stderr)
+
+    def test_workspace_that_cannot_be_written_is_1(self):
+        result = self.run_capture("/proc/deepslam")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("/proc/deepslam", result.stderr)
+
+    def test_locked_workspace_is_1(self):
+        workspace = self.dir / "locked"
+        self.assertEqual(self.run_capture(workspace).returncode, 0)
+        with open(workspace / ".lock", "r+") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            result = self.run_capture(workspace)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("another run", result.stderr)
+
+    def test_workspace_of_another_version_is_3(self):
+        workspace = self.dir / "future"
+        self.assertEqual(self.run_capture(workspace).returncode, 0)
+        (workspace / "workspace.json").write_text('{"format": "deepslam/workspace", "version": 99}')
+        result = self.run_capture(workspace)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("newer deepslam", result.stderr)
+
+
+def make_capture(folder):
+    """Three frames of a textured wall, 64 x 48, written without any package: PPM colour, 16-bit PGM depth."""
+    import struct
+    import zlib
+
+    def png(path, width, height, bit_depth, colour_type, rows):
+        def chunk(kind, payload):
+            return struct.pack(">I", len(payload)) + kind + payload + struct.pack(">I", zlib.crc32(kind + payload))
+        header = struct.pack(">IIBBBBB", width, height, bit_depth, colour_type, 0, 0, 0)
+        raw = b"".join(b"\0" + row for row in rows)
+        path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(raw)) +
+                         chunk(b"IEND", b""))
+
+    width, height = 64, 48
+    (folder / "rgb").mkdir(parents=True)
+    (folder / "depth").mkdir()
+    pairs, poses = [], []
+    for i in range(3):
+        rows = [bytes(((u * 7 + v * 13 + c * 29 + i) % 256) for u in range(width) for c in range(3)) for v in range(height)]
+        png(folder / "rgb" / f"{i}.png", width, height, 8, 2, rows)
+        depth = [struct.pack(f">{width}H", *[2000 + 5 * ((u + v + i) % 40) for u in range(width)]) for v in range(height)]
+        png(folder / "depth" / f"{i}.png", width, height, 16, 0, depth)
+        pairs.append(f"{i / 10} rgb/{i}.png {i / 10} depth/{i}.png")
+        poses.append(f"{i / 10} {0.2 * i} 0 0 0 0 0 1")
+    (folder / "associations.txt").write_text("\n".join(pairs) + "\n")
+    (folder / "groundtruth.txt").write_text("\n".join(poses) + "\n")
+    (folder / "capture.yaml").write_text(
+        "format: tum\ncamera: {width: 64, height: 48, fx: 60, fy: 60, cx: 31.5, cy: 23.5}\ndepth_units_per_m: 1000\n")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

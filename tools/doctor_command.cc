@@ -1,0 +1,180 @@
+#include <sys/statvfs.h>
+
+#include <unistd.h>
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "console.h"
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/dataset/capture.h"
+#include "deepslam/library/furniture_library.h"
+#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using artifact::JsonArray;
+using artifact::JsonObject;
+
+// What a run was measured to take per frame of 640 x 480 on two cores, and what it writes; for the
+// forecast alone.
+constexpr double kSecondsPerFrame = 0.35;
+constexpr double kBaseSeconds = 30;
+constexpr double kBytesPerFrame = 60e3;
+constexpr double kMemoryMib = 1500;
+
+// A finding: what was looked at, whether it is well, and what to do if not.
+struct Finding {
+  std::string what;
+  bool ok = true;
+  std::string detail;
+};
+
+Finding CheckWeights(const fs::path& data_folder, const stages::Config& config) {
+  if (config.detect_stage.source != "network")
+    return {"detector weights", true, "not needed: " + config.detect_stage.source};
+  const Result<fs::path> file = stages::FindWeights(data_folder, config.detect_stage.weights);
+  if (!file.ok()) return {"detector weights", false, file.error().message};
+  std::string others;
+  std::error_code ignored;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(data_folder / "weights", ignored)) {
+    if (entry.path().extension() == ".onnx") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  for (const std::string& name : names) others += " " + name;
+  return {"detector weights", true, fmt::format("{} (there are:{})", file->string(), others)};
+}
+
+Finding CheckLibrary(const fs::path& data_folder, const stages::Config& config) {
+  if (!config.propose_stage.retrieval)
+    return {"furniture library", true, "not needed: propose.retrieval is false"};
+  const Result<fs::path> folder = stages::FindLibrary(data_folder, config.propose_stage.library);
+  if (!folder.ok()) return {"furniture library", false, folder.error().message};
+  const Result<ModelLibrary> library = library::LoadLibrary(*folder);
+  if (!library.ok()) return {"furniture library", false, library.error().message};
+  return {"furniture library",
+          true,
+          fmt::format("{} models in {}", library->models.size(), folder->string())};
+}
+
+std::string CpuFeatures() {
+  __builtin_cpu_init();
+  std::string features;
+  if (__builtin_cpu_supports("sse4.2")) features += " sse4.2";
+  if (__builtin_cpu_supports("avx")) features += " avx";
+  if (__builtin_cpu_supports("avx2")) features += " avx2";
+  if (__builtin_cpu_supports("fma")) features += " fma";
+  if (__builtin_cpu_supports("avx512f")) features += " avx512f";
+  return features.empty() ? " none beyond x86-64" : features;
+}
+
+Finding CheckMemory() {
+  const double bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
+                       static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  const double mib = bytes / (1024.0 * 1024.0);
+  return {"memory",
+          mib > 2 * kMemoryMib,
+          fmt::format("{:.0f} MiB; a run takes about {:.0f} MiB", mib, kMemoryMib)};
+}
+
+Finding CheckDisk() {
+  struct statvfs status {};
+  if (::statvfs(".", &status) != 0)
+    return {"disk", false, "the current folder's file system cannot be asked"};
+  const double free_bytes =
+      static_cast<double>(status.f_bavail) * static_cast<double>(status.f_frsize);
+  return {"disk",
+          free_bytes > 1e9,
+          fmt::format("{:.1f} GB free in the current folder", free_bytes / 1e9)};
+}
+
+Finding CheckCapture(const std::string& folder) {
+  const Result<dataset::Capture> capture = dataset::OpenCapture(folder);
+  if (!capture.ok()) return {"capture", false, capture.error().message};
+  const int frames = capture->frames->num_frames();
+  const PinholeCamera& camera = capture->frames->camera();
+  std::string detail = fmt::format(
+      "{} frames of {} x {}{}; a run takes about {:.0f} s on two cores and writes about {:.0f} MB",
+      frames,
+      camera.width,
+      camera.height,
+      capture->has_poses ? ", with poses" : "",
+      kBaseSeconds + kSecondsPerFrame * frames,
+      10 + kBytesPerFrame * frames / 1e6);
+  for (const std::string& warning : capture->warnings) detail += "; " + warning;
+  return {"capture", true, detail};
+}
+
+int Doctor(const std::string& capture, const std::string& data, const ConfigSources& sources) {
+  const Result<stages::Config> config = ReadConfig(sources);
+  if (!config.ok()) return ReportError(config.error());
+  const fs::path data_folder = stages::FindDataFolder(data);
+  std::vector<Finding> findings = {
+      {"deepslam", true, std::string(stages::kToolVersion)},
+      {"processor",
+       true,
+       fmt::format("{} threads,{}", std::thread::hardware_concurrency(), CpuFeatures())},
+      CheckMemory(),
+      CheckDisk(),
+      {"data folder", true, data_folder.string()},
+      CheckWeights(data_folder, *config),
+      CheckLibrary(data_folder, *config)};
+  const Result<ClassTable> classes = stages::LoadClasses(*config);
+  findings.push_back(
+      classes.ok() ? Finding{"classes", true, fmt::format("{} classes", classes->classes.size())}
+                   : Finding{"classes", false, classes.error().message});
+  if (!capture.empty()) findings.push_back(CheckCapture(capture));
+
+  JsonArray rows;
+  bool all_ok = true;
+  for (const Finding& finding : findings) {
+    fmt::print(
+        stderr, "{:<7} {:<18} {}\n", finding.ok ? "ok" : "MISSING", finding.what, finding.detail);
+    all_ok = all_ok && finding.ok;
+    JsonObject row;
+    row.emplace("what", finding.what);
+    row.emplace("ok", finding.ok);
+    row.emplace("detail", finding.detail);
+    rows.emplace_back(std::move(row));
+  }
+  if (::isatty(STDOUT_FILENO) == 0) {
+    JsonObject document = artifact::NewDocument("deepslam/doctor", 1);
+    document.emplace("findings", std::move(rows));
+    const Result<std::string> text = DumpJson(std::move(document), "doctor");
+    if (Status status = text.ok() ? WriteResult("", *text) : Status(text.error()); !status.ok()) {
+      return ReportError(status.error());
+    }
+  }
+  return all_ok ? kExitOk : kExitInput;
+}
+
+}  // namespace
+
+void AddDoctor(CLI::App& app, Command& chosen) {
+  struct Arguments {
+    std::string capture;
+    std::string data;
+    ConfigSources sources;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* doctor = app.add_subcommand(
+      "doctor", "What is installed, what is missing and how to get it; what a run would take");
+  doctor->add_option("CAPTURE", arguments->capture, "Also look at this capture");
+  doctor->add_option("--data", arguments->data, "Folder of weights and furniture library");
+  AddConfigOptions(*doctor, arguments->sources);
+  doctor->callback([&chosen, arguments] {
+    chosen = [arguments] {
+      return Doctor(arguments->capture, arguments->data, arguments->sources);
+    };
+  });
+}
+
+}  // namespace deepslam::tools

@@ -1,0 +1,255 @@
+#include <unistd.h>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "console.h"
+#include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/dataset/capture.h"
+#include "deepslam/pipeline/config.h"
+#include "deepslam/pipeline/runner.h"
+#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::tools {
+namespace {
+
+using artifact::JsonArray;
+using artifact::JsonObject;
+using artifact::JsonValue;
+
+constexpr std::string_view kRunFile = "run.json";  // options of the last run, for `status`
+constexpr std::string_view kRunFormat = "deepslam/run";
+constexpr int kRunVersion = 1;
+
+struct RunArguments {
+  std::string capture;
+  std::string workspace;
+  ConfigSources config;
+  std::string poses;
+  std::string until;
+  std::vector<std::string> force;
+  bool explain = false;
+  int threads = 0;
+  std::string progress = "auto";
+  std::string data;
+};
+
+// Options that differ from the defaults.
+Result<std::string> EncodeRun(stages::Config config) {
+  stages::Config defaults;
+  std::map<std::string, std::string> default_values;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(stages::Sections(defaults))) {
+    default_values[entry.name] = entry.value;
+  }
+  JsonObject options;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(stages::Sections(config))) {
+    if (default_values[entry.name] != entry.value) options.emplace(entry.name, entry.value);
+  }
+  JsonObject document = artifact::NewDocument(kRunFormat, kRunVersion);
+  document.emplace("options", std::move(options));
+  return DumpJson(std::move(document), kRunFile);
+}
+
+Result<stages::Config> DecodeRun(std::string_view text) {
+  artifact::JsonReader reader(text, kRunFile, kRunFormat, kRunVersion);
+  std::map<std::string, std::string> values;
+  for (const auto& [name, value] : reader.root()["options"].Members())
+    values[name] = value.String();
+  if (!reader.ok()) return reader.error();
+  stages::Config config;
+  if (Status status = pipeline::ApplyValues(stages::Sections(config), values, kRunFile);
+      !status.ok()) {
+    return status.error();
+  }
+  return config;
+}
+
+// timing.js beside the report, which loads it: times are no part of any artifact.
+Status WriteTimingScript(std::span<const pipeline::Stage> plan,
+                         const pipeline::RunReport& report,
+                         const std::filesystem::path& workspace) {
+  JsonArray rows;
+  for (const pipeline::StageTiming& timing : pipeline::ReadTimings(plan, workspace)) {
+    JsonObject row;
+    row.emplace("stage", timing.name);
+    row.emplace("wall_s", timing.timing.wall_s);
+    row.emplace("cpu_s", timing.timing.cpu_s);
+    row.emplace("peak_mb", timing.timing.peak_memory_mib);
+    row.emplace("reused",
+                std::find(report.ran.begin(), report.ran.end(), timing.name) == report.ran.end());
+    rows.emplace_back(std::move(row));
+  }
+  const Result<std::string> json = DumpJson(std::move(rows), "timing.js");
+  if (!json.ok()) return json.error();
+  return artifact::WriteFileAtomically(workspace / "timing.js", "const deepslamTiming = " + *json);
+}
+
+JsonValue Strings(std::span<const std::string> strings) {
+  JsonArray array;
+  for (const std::string& string : strings) array.emplace_back(string);
+  return JsonValue(std::move(array));
+}
+
+Status TellResult(const pipeline::RunReport& report, const std::filesystem::path& workspace) {
+  JsonObject document = artifact::NewDocument("deepslam/run_result", 1);
+  document.emplace("ran", Strings(report.ran));
+  document.emplace("skipped", Strings(report.skipped));
+  for (const auto& [name, file] : {std::pair("scene", "export/scene.glb"),
+                                   std::pair("map", "export/map.json"),
+                                   std::pair("report", "report/index.html")}) {
+    const std::filesystem::path path = workspace / file;
+    if (!std::filesystem::exists(path)) continue;
+    document.emplace(name, path.string());
+    LogInfo(fmt::format("{:<9} {}", name, path.string()));
+  }
+  const Result<std::string> text = DumpJson(std::move(document), "result");
+  if (!text.ok()) return text.error();
+  return ::isatty(STDOUT_FILENO) != 0 ? Ok() : WriteResult("", *text);
+}
+
+int Run(const RunArguments& arguments) {
+  ConfigSources sources = arguments.config;
+  if (!arguments.poses.empty()) sources.settings.push_back("track.poses=" + arguments.poses);
+  const Result<stages::Config> config = ReadConfig(sources);
+  if (!config.ok()) return ReportError(config.error());
+  const Result<ClassTable> classes = stages::LoadClasses(*config);
+  if (!classes.ok()) return ReportError(classes.error());
+  const Result<std::string> record = EncodeRun(*config);
+  if (!record.ok()) return ReportError(record.error());
+
+  CatchStopSignals();
+  const ThreadLimit limit(arguments.threads);
+  Result<dataset::Capture> capture = dataset::OpenCapture(arguments.capture);
+  if (!capture.ok()) return ReportError(capture.error());
+  for (const std::string& warning : capture->warnings) LogWarning(warning);
+  const auto inputs = std::make_shared<const stages::RunInputs>(
+      stages::RunInputs{*config,
+                        *classes,
+                        std::make_shared<const dataset::Capture>(std::move(capture).value()),
+                        stages::FindDataFolder(arguments.data)});
+  const std::vector<pipeline::Stage> plan = stages::MakePlan(inputs);
+  ConsoleListener listener(ParseProgressStyle(arguments.progress), arguments.explain);
+  const pipeline::RunRequest request{arguments.workspace,
+                                     arguments.until,
+                                     {arguments.force.begin(), arguments.force.end()},
+                                     {{std::string(kRunFile), *record}}};
+  const Result<pipeline::RunReport> report = pipeline::RunStages(plan, request, listener);
+  if (!report.ok()) return ReportError(report.error());
+  if (Status status = WriteTimingScript(plan, *report, arguments.workspace); !status.ok()) {
+    return ReportError(status.error());
+  }
+  const Status status = TellResult(*report, arguments.workspace);
+  return status.ok() ? kExitOk : ReportError(status.error());
+}
+
+std::string_view NameOf(pipeline::StageState state) {
+  switch (state) {
+    case pipeline::StageState::kDone:
+      return "done";
+    case pipeline::StageState::kStale:
+      return "stale";
+    case pipeline::StageState::kMissing:
+      break;
+  }
+  return "missing";
+}
+
+JsonValue ToJson(const pipeline::StageReport& report) {
+  JsonObject row;
+  row.emplace("stage", report.name);
+  row.emplace("state", NameOf(report.state));
+  row.emplace("reasons", Strings(report.reasons));
+  row.emplace("summary", report.summary);
+  row.emplace("bytes", static_cast<std::int64_t>(report.num_bytes));
+  row.emplace("wall_s", report.timing.wall_s);
+  row.emplace("cpu_s", report.timing.cpu_s);
+  row.emplace("peak_memory_mib", report.timing.peak_memory_mib);
+  return JsonValue(std::move(row));
+}
+
+int ShowStatus(const std::string& workspace) {
+  stages::Config config;
+  if (const Result<std::string> record =
+          artifact::ReadFile(std::filesystem::path(workspace) / kRunFile);
+      record.ok()) {
+    Result<stages::Config> decoded = DecodeRun(*record);
+    if (!decoded.ok()) return ReportError(decoded.error());
+    config = std::move(decoded).value();
+  }
+  const auto inputs =
+      std::make_shared<const stages::RunInputs>(stages::RunInputs{config, {}, nullptr, {}});
+  const auto reports = pipeline::InspectWorkspace(stages::MakePlan(inputs), workspace);
+  if (!reports.ok()) return ReportError(reports.error());
+  JsonArray rows;
+  for (const pipeline::StageReport& report : *reports) {
+    rows.push_back(ToJson(report));
+    std::string text = report.summary;
+    for (const std::string& reason : report.reasons) text += (text.empty() ? "" : "; ") + reason;
+    fmt::print(stderr,
+               "{:<9} {:<7} {:8.1f} s {:8.1f} MiB {:8.2f} MB  {}\n",
+               report.name,
+               NameOf(report.state),
+               report.timing.wall_s,
+               report.timing.peak_memory_mib,
+               static_cast<double>(report.num_bytes) / 1e6,
+               text);
+  }
+  if (::isatty(STDOUT_FILENO) != 0) return kExitOk;
+  JsonObject document = artifact::NewDocument("deepslam/status", 1);
+  document.emplace("stages", std::move(rows));
+  const Result<std::string> text = DumpJson(std::move(document), "status");
+  const Status status = text.ok() ? WriteResult("", *text) : Status(text.error());
+  return status.ok() ? kExitOk : ReportError(status.error());
+}
+
+}  // namespace
+
+void AddRun(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* run = app.add_subcommand(
+      "run", "From a capture to a labelled scene; continues where an earlier run stopped");
+  run->add_option("CAPTURE", arguments->capture, "Folder of the capture")->required();
+  run->add_option(
+         "-o,--output", arguments->workspace, "Workspace folder: all results, one folder per stage")
+      ->required();
+  AddConfigOptions(*run, arguments->config);
+  run->add_option("--poses",
+                  arguments->poses,
+                  "track: estimate camera poses; capture: use those of the capture")
+      ->check(CLI::IsMember({"track", "capture"}));
+  run->add_option("--until", arguments->until, "Last stage to run");
+  run->add_option(
+         "--force", arguments->force, "Run this stage although its files stand; may be repeated")
+      ->expected(1)
+      ->take_all();
+  run->add_flag("--explain", arguments->explain, "Say why each stage runs or not");
+  run->add_option("--threads",
+                  arguments->threads,
+                  "Worker threads, 0 = all cores; results do not depend on it")
+      ->check(CLI::Range(0, 1024));
+  run->add_option("--progress", arguments->progress, "auto, bar, json or none")
+      ->check(CLI::IsMember({"auto", "bar", "json", "none"}))
+      ->capture_default_str();
+  run->add_option("--data",
+                  arguments->data,
+                  "Folder of weights and furniture library (default: see `deepslam doctor`)");
+  run->callback([&chosen, arguments] { chosen = [arguments] { return Run(*arguments); }; });
+}
+
+void AddStatus(CLI::App& app, Command& chosen) {
+  auto workspace = std::make_shared<std::string>();
+  CLI::App* status = app.add_subcommand(
+      "status", "Stages of a workspace: done, stale and why, missing; sizes and times");
+  status->add_option("WORKSPACE", *workspace, "Workspace folder")->required();
+  status->callback(
+      [&chosen, workspace] { chosen = [workspace] { return ShowStatus(*workspace); }; });
+}
+
+}  // namespace deepslam::tools
