@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/propose/proposer.h"
+#include "deepslam/shape/stretch.h"
+#include "deepslam/shape/voxelize.h"
+#include "staged_views.h"
+#include "support/box_meshes.h"
+
+namespace deepslam::propose {
+namespace {
+
+using testing_support::AddBox;
+using testing_support::ChairMesh;
+using testing_support::Stage;
+using testing_support::StagedViews;
+using testing_support::TableMesh;
+
+LibraryModel Model(const std::string& name,
+                   const std::string& class_name,
+                   const TriangleMesh& mesh) {
+  LibraryModel model;
+  model.id = "test/" + name;
+  model.name = name;
+  model.class_name = class_name;
+  model.creator = "somebody";
+  model.licence = "public domain";
+  Eigen::Vector3f low = mesh.vertices.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  model.size_m = (high - low).cast<double>();
+  model.shape = *shape::Voxelize(mesh);
+  return model;
+}
+
+TriangleMesh CubeChair() {
+  TriangleMesh mesh;
+  AddBox({-0.4F, -0.4F, 0}, {0.4F, 0.4F, 0.4F}, mesh);
+  AddBox({-0.4F, -0.4F, 0.4F}, {-0.2F, 0.4F, 0.8F}, mesh);
+  return mesh;
+}
+
+TriangleMesh PedestalTable() {
+  TriangleMesh mesh;
+  AddBox({-0.4F, -0.4F, 0.7F}, {0.4F, 0.4F, 0.74F}, mesh);
+  AddBox({-0.05F, -0.05F, 0}, {0.05F, 0.05F, 0.7F}, mesh);
+  AddBox({-0.2F, -0.2F, 0}, {0.2F, 0.2F, 0.04F}, mesh);
+  return mesh;
+}
+
+std::shared_ptr<const ModelLibrary> TestLibrary() {
+  auto library = std::make_shared<ModelLibrary>();
+  library->models = {
+      Model("armless", "chair", ChairMesh(0.42F, 0.45F, 0.45F, 0.9F, 0.04F)),
+      Model("bar", "chair", ChairMesh(0.4F, 0.4F, 0.75F, 1.1F, 0.04F)),
+      Model("cube", "chair", CubeChair()),
+      Model("pedestal", "table", PedestalTable()),
+      Model("plain", "table", TableMesh(1.4F, 0.8F, 0.74F, 0.06F)),
+  };
+  return library;
+}
+
+ClassTable Classes() {
+  ClassTable table;
+  for (const char* name : {"chair", "table"}) {
+    ObjectClass entry;
+    entry.name = name;
+    entry.library_classes = {name};
+    entry.min_size_m = 0.4;
+    entry.max_size_m = 3.0;
+    table.classes.push_back(entry);
+  }
+  ObjectClass furniture;
+  furniture.name = std::string(kFurnitureClass);
+  table.classes.push_back(furniture);
+  return table;
+}
+
+const ModelLibrary& Library() {
+  static const std::shared_ptr<const ModelLibrary> library = TestLibrary();
+  return *library;
+}
+
+Proposals Retrieve(const std::string& class_name, std::span<const ObjectView> views) {
+  const std::unique_ptr<Proposer> proposer = MakeRetrievalProposer(
+      std::shared_ptr<const ModelLibrary>(&Library(), [](const ModelLibrary*) {}), Classes(), {});
+  const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, class_name, views});
+  EXPECT_TRUE(proposals.ok());
+  return *proposals;
+}
+
+class RetrievesItself : public testing::TestWithParam<int> {};
+
+TEST_P(RetrievesItself, FirstAndInTheRightSize) {
+  const LibraryModel& model = Library().models[static_cast<std::size_t>(GetParam())];
+  Stage stage;
+  stage.size_m = model.size_m.maxCoeff();
+  stage.noise_m = 0.002;
+  const Proposals proposals = Retrieve(model.class_name, StagedViews(model.shape, stage));
+  ASSERT_FALSE(proposals.candidates.empty());
+  const ShapeCandidate& best = proposals.candidates.front();
+  EXPECT_EQ(best.library_id, model.id);
+  EXPECT_NEAR(best.size_m, stage.size_m, 0.06 * stage.size_m);
+  EXPECT_LT(best.min_size_m, stage.size_m);
+  EXPECT_GT(best.max_size_m, stage.size_m);
+  EXPECT_THAT(best.credit, testing::HasSubstr("somebody"));
+  EXPECT_EQ(best.source, CandidateSource::kRetrieval);
+  EXPECT_FALSE(best.id.valid());
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryModel, RetrievesItself, testing::Range(0, 5));
+
+TEST(Retrieval, FindsTheModelFromAQuarterOfTheWayRound) {
+  const LibraryModel& chair = Library().models[0];
+  Stage stage;
+  stage.size_m = 0.9;
+  stage.num_views = 3;
+  stage.sweep_rad = 0.8;
+  stage.first_azimuth_rad = 2.0;
+  EXPECT_EQ(Retrieve("chair", StagedViews(chair.shape, stage)).candidates.front().library_id,
+            chair.id);
+}
+
+TEST(Retrieval, StretchesATableToItsMeasuredSize) {
+  const LibraryModel large = Model("large", "table", TableMesh(1.8F, 0.7F, 0.72F, 0.07F));
+  Stage stage;
+  stage.size_m = 1.8;
+  stage.distance_m = 2.6;
+  const Proposals proposals = Retrieve("table", StagedViews(large.shape, stage));
+  ASSERT_FALSE(proposals.candidates.empty());
+  const ShapeCandidate& best = proposals.candidates.front();
+  EXPECT_EQ(best.library_id, "test/plain");
+  EXPECT_NEAR(best.size_m, 1.8, 0.09);
+  const VoxelGrid& found = proposals.models.at(best.model);
+  const shape::ShapeModel shape(found);
+  EXPECT_NEAR(shape.extent().x() / shape.extent().y(), 0.7 / 1.8, 0.05);
+  EXPECT_NEAR(shape.extent().z() / shape.extent().y(), 0.72 / 1.8, 0.05);
+}
+
+TEST(Retrieval, EveryCandidateHasItsModelAndKeysArePlain) {
+  Stage stage;
+  const Proposals proposals = Retrieve("chair", StagedViews(Library().models[0].shape, stage));
+  for (const ShapeCandidate& candidate : proposals.candidates) {
+    EXPECT_TRUE(proposals.models.contains(candidate.model)) << candidate.model;
+    EXPECT_EQ(candidate.model.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-"),
+              std::string::npos);
+    EXPECT_LE(candidate.min_size_m, candidate.size_m);
+    EXPECT_GE(candidate.max_size_m, candidate.size_m);
+  }
+  EXPECT_EQ(proposals.models.size(), proposals.candidates.size());
+}
+
+TEST(Retrieval, UnknownFurnitureTriesEveryClassOfItsSize) {
+  const LibraryModel& table = Library().models[4];
+  Stage stage;
+  stage.size_m = 1.4;
+  stage.distance_m = 2.4;
+  const Proposals proposals =
+      Retrieve(std::string(kFurnitureClass), StagedViews(table.shape, stage));
+  ASSERT_FALSE(proposals.candidates.empty());
+  EXPECT_EQ(proposals.candidates.front().library_id, table.id);
+}
+
+TEST(Retrieval, WorksWithoutAGround) {
+  Stage stage;
+  stage.has_ground = false;
+  stage.size_m = 0.9;
+  const Proposals proposals = Retrieve("chair", StagedViews(Library().models[0].shape, stage));
+  EXPECT_FALSE(proposals.candidates.empty());
+}
+
+TEST(Retrieval, NothingSeenGivesANote) {
+  EXPECT_THAT(Retrieve("chair", {}).notes, testing::SizeIs(1));
+  std::vector<ObjectView> views = StagedViews(Library().models[0].shape, Stage());
+  for (ObjectView& view : views) view.mask_crop = Mask(view.camera.width, view.camera.height, 0);
+  const Proposals proposals = Retrieve("chair", views);
+  EXPECT_TRUE(proposals.candidates.empty());
+  EXPECT_THAT(proposals.notes, testing::SizeIs(1));
+  for (ObjectView& view : views) view.depth_crop_m = DepthImage(2, 2, 1.0F);
+  EXPECT_TRUE(Retrieve("chair", views).candidates.empty());
+}
+
+TEST(Retrieval, DoesNotDependOnTheNumberOfThreads) {
+  const std::vector<ObjectView> views = StagedViews(Library().models[2].shape, Stage());
+  const auto scores = [&](int threads) {
+    const ThreadLimit limit(threads);
+    std::vector<std::pair<std::string, double>> result;
+    for (const ShapeCandidate& c : Retrieve("chair", views).candidates) {
+      result.emplace_back(c.model, c.proposal_score);
+    }
+    return result;
+  };
+  EXPECT_EQ(scores(1), scores(2));
+}
+
+Proposals Fuse(const std::string& class_name, std::span<const ObjectView> views) {
+  const Result<Proposals> proposals =
+      MakeFusedProposer(Classes(), {})->Propose({ObjectId{7}, class_name, views});
+  EXPECT_TRUE(proposals.ok());
+  return *proposals;
+}
+
+TEST(Fused, IsLikeABoxSeenFromAllSides) {
+  const VoxelGrid box = *shape::Voxelize(testing_support::BoxMesh({0.5F, 0.7F, 0.9F}));
+  Stage stage;
+  stage.size_m = 0.9;
+  stage.sweep_rad = 5.5;
+  stage.num_views = 8;
+  const Proposals proposals = Fuse("furniture", StagedViews(box, stage));
+  ASSERT_EQ(proposals.candidates.size(), 1U);
+  const ShapeCandidate& candidate = proposals.candidates.front();
+  EXPECT_EQ(candidate.source, CandidateSource::kFused);
+  EXPECT_EQ(candidate.model, "fused_007");
+  EXPECT_NEAR(candidate.size_m, 0.9, 0.05);
+  const VoxelGrid& grid = proposals.models.at(candidate.model);
+  const double overlap = std::max(shape::GridIntersectionOverUnion(grid, box),
+                                  shape::GridIntersectionOverUnion(shape::TurnGrid(grid, 1), box));
+  EXPECT_GT(overlap, 0.8);
+}
+
+TEST(Fused, KeepsTheSpaceUnderATableFree) {
+  const VoxelGrid table = *shape::Voxelize(TableMesh(1.4F, 0.8F, 0.74F, 0.06F));
+  Stage stage;
+  stage.size_m = 1.4;
+  stage.sweep_rad = 5.5;
+  stage.num_views = 8;
+  stage.distance_m = 2.4;
+  const Proposals proposals = Fuse("table", StagedViews(table, stage));
+  ASSERT_EQ(proposals.candidates.size(), 1U);
+  const VoxelGrid& grid = proposals.models.begin()->second;
+  const shape::ShapeModel model(grid);
+  // Half-way between floor and top, at the middle.
+  const Eigen::Vector3f under(0, 0, 0.5F * (model.box_min().z() + model.box_max().z()));
+  EXPECT_GT(model.Distance(under), 0.05F);
+}
+
+TEST(Fused, NothingSeenGivesANote) {
+  EXPECT_TRUE(Fuse("chair", {}).candidates.empty());
+  EXPECT_THAT(Fuse("chair", {}).notes, testing::SizeIs(1));
+}
+
+}  // namespace
+}  // namespace deepslam::propose
