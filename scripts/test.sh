@@ -23,11 +23,11 @@ while [ $# -gt 0 ]; do
 done
 
 scripts/setup.sh "${setup[@]}"
-scripts/build.sh "$preset" -DDEEPSLAM_TESTS=ON
-scripts/furniture.sh "build/$preset/tools/deepslam"
-
 if [ "$preset" = asan ]; then
   # Third-party libraries keep memory until the process ends.
   export ASAN_OPTIONS="detect_leaks=0:${ASAN_OPTIONS:-}"
 fi
+scripts/build.sh "$preset" -DDEEPSLAM_TESTS=ON
+scripts/furniture.sh "build/$preset/tools/deepslam"
+
 exec ctest --test-dir "build/$preset" --output-on-failure -j "$(nproc)" "$@"
