@@ -37,9 +37,9 @@ constexpr float kJudgePhotometricScale = 10.0F;
 // Fewer photometric residuals say nothing about the images' agreement.
 constexpr int kMinPhotometricResiduals = 300;
 
-// Pixels of this level that share one error, in units of measurements per independent measurement.
-double CorrelationFactor(const PyramidLevel& level, const AlignmentOptions& options) {
-  const double length_px = options.correlation_length_px * level.camera.width / 640.0;
+// Pixels of this level that share one error.
+double CorrelationFactor(const PyramidLevel& level, double length_at_640_px) {
+  const double length_px = length_at_640_px * level.camera.width / 640.0;
   return std::max(1.0, length_px * length_px);
 }
 
@@ -84,7 +84,7 @@ void Descend(const PyramidLevel& i,
              const PyramidLevel& j,
              const AlignmentOptions& options,
              Descent& descent) {
-  const double correlation = CorrelationFactor(j, options);
+  const double correlation = CorrelationFactor(j, options.correlation_length_px);
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
@@ -164,11 +164,16 @@ double ConstraintRatio(const Matrix6d& hessian) {
 }
 
 Matrix6d Information(const Descent& descent,
-                     double correlation_factor,
+                     const PyramidLevel& finest,
                      const AlignmentOptions& options) {
-  // A perturbation in frame j (right) is Adjoint(i_from_j) times smaller steps in frame i (left).
+  const Matrix6d& photometric = descent.system.photometric_hessian;
+  const Matrix6d left =
+      (descent.system.hessian - photometric) /
+          CorrelationFactor(finest, options.correlation_length_px) +
+      photometric / CorrelationFactor(finest, options.photometric_correlation_length_px);
+  // A perturbation in frame j (right) is Adjoint(i_from_j) times as large in frame i (left).
   const Matrix6d adjoint = Adjoint(descent.i_from_j);
-  Matrix6d right = adjoint.transpose() * (descent.system.hessian / correlation_factor) * adjoint;
+  Matrix6d right = adjoint.transpose() * left * adjoint;
   // Directions that nothing constrains keep the prior that held them.
   right.diagonal().head<3>().array() += 1 / (kPriorTranslationM * kPriorTranslationM);
   right.diagonal().tail<3>().array() += 1 / (kPriorRotationRad * kPriorRotationRad);
@@ -189,7 +194,7 @@ FrameAlignment Conclude(const Descent& descent,
   const AlignmentSystem& system = descent.system;
   FrameAlignment result;
   result.i_from_j = descent.i_from_j;
-  result.information = Information(descent, CorrelationFactor(finest, options), options);
+  result.information = Information(descent, finest, options);
   const double num_source = std::max(1, system.num_source);
   result.rmse_m =
       system.num_inliers > 0 ? std::sqrt(system.sum_squared_m2 / system.num_inliers) : 0;
@@ -282,6 +287,11 @@ void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
                 {1, 100},
                 "px",
                 "length over which depth errors are shared, pixels of a 640 pixel wide image");
+  visitor.Field("photometric_correlation_length_px",
+                options.photometric_correlation_length_px,
+                {1, 300},
+                "px",
+                "length over which brightness errors are shared, pixels of a 640 pixel wide image");
   visitor.Field("floor_translation_m",
                 options.floor_translation_m,
                 {0, 1},

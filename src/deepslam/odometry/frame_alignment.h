@@ -25,13 +25,14 @@ struct AlignmentOptions {
   double max_normal_angle_deg = 50;  // between the two normals of a correspondence
   double min_overlap = 0.20;         // of the source's points that fall on points of the target
   double min_agreement = 0.60;       // inliers of the overlap; good ones have 0.85 and more
-  double min_brightness_correlation =
-      0.4;  // of the two intensities, where there is colour and structure
-  double correlation_length_px =
-      9;  // of depth errors, in pixels of a 640 pixel wide sensor image; see information
-  double floor_translation_m =
-      0.001;  // systematic part of the error of one alignment, one standard deviation
-  double floor_rotation_deg = 0.05;
+  // Correlation of the two intensities, judged where there is colour and structure.
+  double min_brightness_correlation = 0.4;
+  // Lengths over which errors are shared, in pixels of a 640 pixel wide image; see `information`.
+  double correlation_length_px = 9;               // of depth
+  double photometric_correlation_length_px = 30;  // of brightness: highlights, shading, vignetting
+  // Systematic part of the error of one alignment, one standard deviation.
+  double floor_translation_m = 0.002;
+  double floor_rotation_deg = 0.1;
   // Degenerate when the weakest direction has less than this share of the strongest one's
   // information (rotations measured by the arc at the mean depth), at the coarsest level, whose
   // normals are the least noisy.
@@ -41,23 +42,22 @@ struct AlignmentOptions {
 void Describe(OptionsVisitor& visitor, AlignmentOptions& options);
 
 struct FrameAlignment {
-  bool ok =
-      false;  // enough overlap and inliers; otherwise the rest is the best found, not to be trusted
+  bool ok = false;          // otherwise the rest is the best found, not to be trusted
   bool degenerate = false;  // aligned, but a direction is weakly constrained
   Pose3 i_from_j;
   // Information of t2v(measured^-1 * true), order (translation m; rotation rad), positive definite:
-  // ((J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed. Residuals of
-  // neighbouring pixels share their error (a structured-light sensor matches blocks of about 9 x 9
-  // pixels), so J^T W J of all pixels counts each measurement k = (correlation length in pixels of
-  // the working level)^2 times; F is the systematic error (calibration, rolling shutter,
-  // quantisation) that more pixels do not average away.
+  // ((sum over both terms of J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed.
+  // Residuals of neighbouring pixels share their error (a structured-light sensor matches blocks of
+  // about 9 x 9 pixels; highlights and shading are wider still), so J^T W J of all pixels counts
+  // each measurement k = (correlation length in pixels of the working level)^2 times; F is the
+  // systematic error (calibration, rolling shutter, quantisation) that more pixels do not average
+  // away.
   Matrix6d information = Matrix6d::Identity();
   double rmse_m = 0;            // point-to-plane, over inliers
   double inlier_share = 0;      // inliers / valid source points
   double constraint_ratio = 0;  // weakest / strongest direction, what `degenerate` is judged by
   double agreement = 0;         // inliers / overlapping points
-  double brightness_correlation =
-      1;               // of the two intensities over textured points; 1 without colour
+  double brightness_correlation = 1;  // over textured points; 1 without colour
   double support = 0;  // robust agreement per source point at common scales: larger is better
   double overlap = 0;  // source points that fall on valid target points / valid source points
 };

@@ -166,7 +166,11 @@ class SystemBuilder {
       MoveRow(v, row);
       for (int u = gates_.stride / 2; u < j_.camera.width; u += gates_.stride) AddPoint(u, v, row);
     }
-    batch_.Finish(system_.hessian, system_.gradient);
+    Vector6d photometric_gradient;
+    geometric_batch_.Finish(system_.hessian, system_.gradient);
+    photometric_batch_.Finish(system_.photometric_hessian, photometric_gradient);
+    system_.hessian += system_.photometric_hessian;
+    system_.gradient += photometric_gradient;
     system_.geometric_scale = system_.num_matched > 0
                                   ? kMadToSigma * geometric_histogram_.Median(kBinsPerSigma)
                                   : gates_.geometric_scale;
@@ -251,7 +255,8 @@ class SystemBuilder {
     const float scale = sigma * gates_.geometric_scale;
     const float weight = StudentWeight(residual / scale);
     system_.support += static_cast<double>(weight);
-    batch_.Add(surface.nx, surface.ny, surface.nz, x, y, z, residual, weight / (scale * scale));
+    geometric_batch_.Add(
+        surface.nx, surface.ny, surface.nz, x, y, z, residual, weight / (scale * scale));
   }
 
   void AddPhotometric(const IntensityTexel& source, const MovedRow& row, std::size_t k) {
@@ -278,14 +283,14 @@ class SystemBuilder {
     const float dx = du * static_cast<float>(i_.camera.fx) * inverse_z;
     const float dy = dv * static_cast<float>(i_.camera.fy) * inverse_z;
     const float dz = -(dx * x + dy * y) * inverse_z;
-    batch_.Add(dx,
-               dy,
-               dz,
-               x,
-               y,
-               row.z[k],
-               residual,
-               weight / (gates_.photometric_scale * gates_.photometric_scale));
+    photometric_batch_.Add(dx,
+                           dy,
+                           dz,
+                           x,
+                           y,
+                           row.z[k],
+                           residual,
+                           weight / (gates_.photometric_scale * gates_.photometric_scale));
   }
 
   const PyramidLevel& i_;
@@ -296,7 +301,8 @@ class SystemBuilder {
   const Eigen::Vector3f translation_;
   const bool photometric_;
   AlignmentSystem system_;
-  ResidualBatch batch_;
+  ResidualBatch geometric_batch_;
+  ResidualBatch photometric_batch_;
   MedianHistogram geometric_histogram_;
   MedianHistogram photometric_histogram_;
   BrightnessFit brightness_;      // weighted

@@ -24,7 +24,8 @@ struct AlignmentSystem {
   // residuals.
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
-  int num_source = 0;   // valid points of j
+  Matrix6d photometric_hessian = Matrix6d::Zero();  // the photometric part of `hessian`
+  int num_source = 0;                               // valid points of j
   int num_overlap = 0;  // of those that fall on valid points of i, near or far
   int num_matched = 0;  // of those within the gates
   int num_inliers = 0;  // residual within three standard deviations of the depth noise

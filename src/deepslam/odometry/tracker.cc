@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "deepslam/odometry/pose_interpolation.h"
 #include "deepslam/odometry/rotation_search.h"
@@ -277,12 +278,19 @@ void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
   if (before_last.piece != frame.piece) return;
   const FrameAlignment skip = AlignTo(before_last, frame, {frame.world_from_camera});
   if (!skip.ok || skip.overlap < kSkipEdgeOverlap || skip.agreement < kSureAgreement) return;
-  AddEdge(before_last, frame, skip);
-  // Least squares over the two measurements of the frame's pose.
   const Pose3 by_last = keyframes_.back().world_from_camera * direct.i_from_j;
   const Pose3 by_skip = before_last.world_from_camera * skip.i_from_j;
+  const Vector6d difference = T2v(by_last.Inverse() * by_skip);
+  // Two measurements that disagree beyond their covariances are both less certain than they say:
+  // the Birge ratio scales them down. The edge to the last keyframe is the one just added.
+  const Matrix6d covariance = direct.information.inverse() + skip.information.inverse();
+  const double birge = std::max(1.0, difference.dot(covariance.ldlt().solve(difference)) / 6);
+  odometry_.edges.back().information /= birge;
+  AddEdge(before_last, frame, skip);
+  odometry_.edges.back().information /= birge;
+  // Least squares over the two.
   const Matrix6d joint = direct.information + skip.information;
-  const Vector6d step = joint.ldlt().solve(skip.information * T2v(by_last.Inverse() * by_skip));
+  const Vector6d step = joint.ldlt().solve(skip.information * difference);
   frame.world_from_camera = by_last * V2t(step);
 }
 
