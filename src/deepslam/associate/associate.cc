@@ -295,7 +295,6 @@ Result<Association> Associate(const FrameSource& frames,
                               const AssociateOptions& options,
                               Progress& progress) {
   std::map<FrameIdx, std::vector<const Segment*>> by_frame;
-  for (const FrameIdx keyframe : odometry.keyframes) by_frame[keyframe];
   for (const Segment& segment : segments) by_frame[segment.frame].push_back(&segment);
   Matcher matcher(frames, odometry, options);
   std::vector<Rejection> unknown;

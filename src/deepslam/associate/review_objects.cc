@@ -57,13 +57,22 @@ void Absorb(ObjectHypothesis& kept,
   }
 }
 
+bool AreSeenTogether(const ObjectHypothesis& a, const ObjectHypothesis& b) {
+  return std::any_of(a.members.begin(), a.members.end(), [&](const TrackMember& member) {
+    return b.IsSeenIn(member.frame);
+  });
+}
+
 enum class Relation { kApart, kSame, kPart };
 
 Relation Compare(const ObjectHypothesis& a,
                  const ObjectHypothesis& b,
                  const AssociateOptions& options) {
-  const double a_in_b = ShareNear(a.cloud_world, b.cloud_world, options.voxel_m);
-  const double b_in_a = ShareNear(b.cloud_world, a.cloud_world, options.voxel_m);
+  // Drift sets apart what was never seen in one frame.
+  const bool drift = a.class_name == b.class_name && !AreSeenTogether(a, b);
+  const double reach_m = drift ? options.max_dissimilarity_m : options.voxel_m;
+  const double a_in_b = ShareNear(a.cloud_world, b.cloud_world, reach_m);
+  const double b_in_a = ShareNear(b.cloud_world, a.cloud_world, reach_m);
   const double larger = std::max(a_in_b, b_in_a);
   if (a.class_name == b.class_name) {
     return larger > options.merge_overlap ? Relation::kSame : Relation::kApart;
