@@ -14,6 +14,12 @@ constexpr double kKeptThinWidth = 0.8;
 // for equal valences.
 constexpr double kStepSize = 0.2;
 
+// Bends (length of the umbrella vector, voxels) beyond this count by their length, no longer by its
+// square: the edges of a board then stay edges instead of swelling its faces. It shrinks while the
+// stairs go.
+constexpr double kFirstBend = 0.03;
+constexpr double kLastBend = 0.01;
+
 // Neighbours of vertex v are indices[starts[v]] .. indices[starts[v + 1] - 1].
 struct Adjacency {
   std::vector<std::size_t> starts;
@@ -43,14 +49,18 @@ Adjacency BuildAdjacency(const VoxelBoundary& boundary) {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-// Umbrella vectors, each over its degree: what the gradient of their squared sum needs.
-void WeightedUmbrella(const Adjacency& adjacency, const Points& p, Points& scaled, Points& plain) {
+// Umbrella vectors in their robust weight, plain and over the degree: what the gradient of the
+// energy needs.
+void WeightedUmbrella(
+    const Adjacency& adjacency, const Points& p, double soft_bend, Points& scaled, Points& plain) {
   for (std::size_t v = 0; v < p.size(); ++v) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t n = adjacency.starts[v]; n < adjacency.starts[v + 1]; ++n) {
       sum += p[adjacency.indices[n]];
     }
     plain[v] = sum * adjacency.inverse_degree[v] - p[v];
+    const double bend = plain[v].norm() / soft_bend;
+    plain[v] /= std::sqrt(1.0 + bend * bend);
     scaled[v] = plain[v] * adjacency.inverse_degree[v];
   }
 }
@@ -91,7 +101,9 @@ std::vector<Eigen::Vector3d> RelaxBoundary(const VoxelBoundary& boundary,
     for (std::size_t v = 0; v < current.size(); ++v) {
       ahead[v] = current[v] + weight * (current[v] - previous[v]);
     }
-    WeightedUmbrella(adjacency, ahead, scaled, plain);
+    const double share = static_cast<double>(iteration) / iterations;
+    const double bend = kFirstBend * std::pow(kLastBend / kFirstBend, share);
+    WeightedUmbrella(adjacency, ahead, bend, scaled, plain);
     for (std::size_t v = 0; v < current.size(); ++v) {
       Eigen::Vector3d gradient = -plain[v];
       for (std::size_t n = adjacency.starts[v]; n < adjacency.starts[v + 1]; ++n) {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace deepslam::mesh {
@@ -36,12 +38,15 @@ double OneSided(const TriangleMesh& from, const TriangleMesh& to) {
     hint = tree.closest_point(ToPoint(p), hint);
     largest = std::max(largest, CGAL::squared_distance(ToPoint(p), hint));
   };
+  std::vector<std::uint8_t> used(from.vertices.size(), 0);
+  const bool coarser = from.faces.size() <= to.faces.size();
   for (const auto& face : from.faces) {
-    const Eigen::Vector3f& a = from.vertices[face[0]];
-    const Eigen::Vector3f& b = from.vertices[face[1]];
-    const Eigen::Vector3f& c = from.vertices[face[2]];
-    measure(a);
-    measure((a + b + c) / 3.0F);
+    for (const std::uint32_t v : face) used[v] = 1;
+    if (!coarser) continue;
+    measure((from.vertices[face[0]] + from.vertices[face[1]] + from.vertices[face[2]]) / 3.0F);
+  }
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (used[v] != 0) measure(from.vertices[v]);
   }
   return std::sqrt(largest);
 }

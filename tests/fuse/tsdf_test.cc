@@ -1,0 +1,170 @@
+#include "deepslam/fuse/tsdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "deepslam/fuse/canonical_mesh.h"
+
+namespace deepslam::fuse {
+namespace {
+
+const PinholeCamera kCamera{160, 120, 150, 150, 79.5, 59.5};
+const Eigen::Vector3d kCentre(0, 0, 1.5);
+constexpr double kRadius = 0.4;
+
+FuseOptions CoarseOptions() {
+  FuseOptions options;
+  options.voxel_m = 0.03;
+  options.truncation_m = 0.09;
+  options.min_component_faces = 0;
+  return options;
+}
+
+// Depth of a sphere in front of a wall at z = 2.5 of the world, seen from `world_from_camera`.
+Frame SphereAndWall(const Pose3& world_from_camera) {
+  Frame frame;
+  frame.depth_m = DepthImage(kCamera.width, kCamera.height, 0.0F);
+  frame.colour = ColourImage(kCamera.width, kCamera.height, {200, 100, 50});
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const Eigen::Vector3d ray = kCamera.Ray(u, v);
+      const Eigen::Vector3d direction = world_from_camera.rotation * ray;
+      const Eigen::Vector3d from_centre = world_from_camera.translation_m - kCentre;
+      const double a = direction.squaredNorm();
+      const double b = from_centre.dot(direction);
+      const double c = from_centre.squaredNorm() - kRadius * kRadius;
+      double depth = (2.5 - world_from_camera.translation_m.z()) / direction.z();
+      if (b * b - a * c > 0) depth = std::min(depth, (-b - std::sqrt(b * b - a * c)) / a);
+      frame.depth_m(u, v) = static_cast<float>(depth);
+    }
+  }
+  return frame;
+}
+
+std::vector<Pose3> Cameras() {
+  std::vector<Pose3> poses;
+  for (const double x : {-0.3, 0.0, 0.3}) {
+    for (const double y : {-0.2, 0.2}) poses.push_back({Eigen::Quaterniond::Identity(), {x, y, 0}});
+  }
+  return poses;
+}
+
+TriangleMesh Fused(const FuseOptions& options) {
+  TsdfFusion fusion(options);
+  for (const Pose3& pose : Cameras()) {
+    EXPECT_TRUE(fusion.Integrate(SphereAndWall(pose), kCamera, pose, nullptr).ok());
+  }
+  return *fusion.ExtractMesh();
+}
+
+TEST(TsdfFusion, FindsSphereAndWallWithinAVoxel) {
+  const TriangleMesh mesh = Fused(CoarseOptions());
+  ASSERT_GT(mesh.faces.size(), 1000U);
+  int num_sphere = 0;
+  int num_far = 0;
+  for (const Eigen::Vector3f& p : mesh.vertices) {
+    const Eigen::Vector3d q = p.cast<double>();
+    const double to_sphere = std::abs((q - kCentre).norm() - kRadius);
+    const double to_wall = std::abs(q.z() - 2.5);
+    num_sphere += to_sphere < 0.03 ? 1 : 0;
+    num_far += std::min(to_sphere, to_wall) > 0.03 ? 1 : 0;
+  }
+  EXPECT_GT(num_sphere, 300);
+  // Only the sphere's rim, where rays of one pixel pass it by, may be off.
+  EXPECT_LT(num_far, static_cast<int>(mesh.vertices.size()) / 20);
+  ASSERT_EQ(mesh.colours.size(), mesh.vertices.size());
+  EXPECT_NEAR(mesh.colours[mesh.colours.size() / 2].r, 200, 2);
+}
+
+TEST(TsdfFusion, GivesEqualMeshesEveryTime) {
+  const TriangleMesh a = Fused(CoarseOptions());
+  const TsdfFusion other(CoarseOptions());  // moves what is allocated next
+  const TriangleMesh b = Fused(CoarseOptions());
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.faces, b.faces);
+  EXPECT_EQ(a.colours, b.colours);
+}
+
+TEST(TsdfFusion, LeavesOutWhatTheMaskCovers) {
+  TsdfFusion fusion(CoarseOptions());
+  const Pose3 pose;
+  const Frame frame = SphereAndWall(pose);
+  Mask sphere(kCamera.width, kCamera.height, 0);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) sphere(u, v) = frame.depth_m(u, v) < 2.4F ? 1 : 0;
+  }
+  ASSERT_TRUE(fusion.Integrate(frame, kCamera, pose, &sphere).ok());
+  const Result<TriangleMesh> mesh = fusion.ExtractMesh();
+  ASSERT_FALSE(mesh->empty());
+  for (const Eigen::Vector3f& p : mesh->vertices) EXPECT_NEAR(p.z(), 2.5, 0.05);
+}
+
+TEST(TsdfFusion, KeepsToTheNumberOfFaces) {
+  FuseOptions options = CoarseOptions();
+  options.max_faces = 500;
+  const TriangleMesh mesh = Fused(options);
+  EXPECT_LE(mesh.faces.size(), 500U);
+  EXPECT_GT(mesh.faces.size(), 100U);
+  EXPECT_EQ(mesh.vertices, Fused(options).vertices);
+}
+
+TEST(TsdfFusion, RefusesBadFramesAndGoesOn) {
+  TsdfFusion fusion(CoarseOptions());
+  const Frame good = SphereAndWall({});
+  Frame small = good;
+  small.depth_m = DepthImage(3, 3, 1.0F);
+  EXPECT_EQ(fusion.Integrate(small, kCamera, {}, nullptr).error().code, ErrorCode::kInvalidInput);
+  Pose3 nan;
+  nan.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(fusion.Integrate(good, kCamera, nan, nullptr).ok());
+  EXPECT_FALSE(fusion.Integrate(good, kCamera, {{1, 0, 0, 0}, {1e12, 0, 0}}, nullptr).ok());
+  const Mask mask(2, 2, 0);
+  EXPECT_FALSE(fusion.Integrate(good, kCamera, {}, &mask).ok());
+  PinholeCamera flat = kCamera;
+  flat.fx = 0;
+  EXPECT_FALSE(fusion.Integrate(good, flat, {}, nullptr).ok());
+  Frame blind = good;
+  for (float& depth : blind.depth_m) depth = 0;
+  EXPECT_TRUE(fusion.Integrate(blind, kCamera, {}, nullptr).ok());
+  EXPECT_TRUE(fusion.ExtractMesh()->empty());
+  EXPECT_EQ(fusion.CountSurfacePoints(), 0);
+  EXPECT_TRUE(fusion.Integrate(good, kCamera, {}, nullptr).ok());
+  EXPECT_GT(fusion.CountSurfacePoints(), 0);
+}
+
+TEST(TsdfFusion, StopsBeforeTheRoomOutgrowsItsBound) {
+  FuseOptions options = CoarseOptions();
+  options.max_voxel_blocks = 3;
+  TsdfFusion fusion(options);
+  const Status status = fusion.Integrate(SphereAndWall({}), kCamera, {}, nullptr);
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().message.find("max_voxel_blocks"), std::string::npos);
+  EXPECT_TRUE(fusion.ExtractMesh()->empty());
+}
+
+TEST(CanonicalMesh, DoesNotDependOnTheOrderOfVerticesAndFaces) {
+  TriangleMesh a;
+  a.vertices = {{1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {9, 9, 9}};
+  a.faces = {{1, 0, 2}, {0, 3, 2}};
+  TriangleMesh b;
+  b.vertices = {{0, 1, 0}, {1, 1, 0}, {1, 0, 0}, {0, 0, 0}};
+  b.faces = {{1, 0, 2}, {2, 0, 3}};
+  EXPECT_EQ(CanonicalMesh(a).vertices, CanonicalMesh(b).vertices);
+  EXPECT_EQ(CanonicalMesh(a).faces, CanonicalMesh(b).faces);
+  EXPECT_EQ(CanonicalMesh(a).vertices.size(), 4U);
+}
+
+TEST(WithoutSmallComponents, KeepsTheLargeOnes) {
+  TriangleMesh mesh;
+  for (int n = 0; n < 5; ++n) mesh.vertices.emplace_back(static_cast<float>(n), 0.0F, 0.0F);
+  for (int n = 0; n < 3; ++n) mesh.vertices.emplace_back(static_cast<float>(n), 5.0F, 0.0F);
+  mesh.faces = {{0, 1, 2}, {2, 3, 4}, {5, 6, 7}};
+  EXPECT_EQ(WithoutSmallComponents(mesh, 2).faces.size(), 2U);
+  EXPECT_EQ(WithoutSmallComponents(mesh, 1).faces.size(), 3U);
+}
+
+}  // namespace
+}  // namespace deepslam::fuse
