@@ -9,7 +9,11 @@ scripts/build.sh release -DDEEPSLAM_TESTS=OFF
 deepslam=build/release/tools/deepslam
 scripts/furniture.sh "$deepslam"
 
-[ -f out/demo_capture/capture.yaml ] || "$deepslam" synth configs/scenes/demo_room.yaml -o out/demo_capture
+scene=configs/scenes/demo_room.yaml
+if [ ! out/demo_capture/capture.yaml -nt "$scene" ]; then
+  rm -rf out/demo_capture
+  "$deepslam" synth "$scene" -o out/demo_capture
+fi
 "$deepslam" run out/demo_capture -o out/demo --progress auto
 
 echo
