@@ -1,5 +1,5 @@
-// Furniture made of boxes, and views of it rendered with noise, drift, occluders and wrong masks: worlds whose truth is
-// known, for tests of registration and selection.
+// Furniture made of boxes, and views of it rendered with noise, drift, occluders and wrong masks:
+// worlds whose truth is known, for tests of registration and selection.
 #pragma once
 
 #include <algorithm>
@@ -106,12 +106,12 @@ inline VoxelGrid FullGrid() {
 
 struct ViewSettings {
   double distance_m = 2.0;
-  double height_m = 1.3;           // of the camera above the ground
-  double noise_factor = 1.0;       // times a Kinect's axial noise
-  double missing_share = 0.05;     // of the pixels
-  double occluded_share = 0.0;     // of the image's lower part, hidden by something near
-  double mask_error_px = 0.0;      // masks are shifted by this much, left or right
-  double drift_m = 0.0;            // rms error of the tracked positions
+  double height_m = 1.3;        // of the camera above the ground
+  double noise_factor = 1.0;    // times a Kinect's axial noise
+  double missing_share = 0.05;  // of the pixels
+  double occluded_share = 0.0;  // of the image's lower part, hidden by something near
+  double mask_error_px = 0.0;   // masks are shifted by this much, left or right
+  double drift_m = 0.0;         // rms error of the tracked positions
   int side_px = 160;
 };
 
@@ -119,14 +119,16 @@ struct ViewSettings {
 class FurnitureWorld {
  public:
   // The object's model stands on the ground at the given place.
-  FurnitureWorld(const VoxelGrid& grid, double size_m, double yaw_rad = 0.7,
+  FurnitureWorld(const VoxelGrid& grid,
+                 double size_m,
+                 double yaw_rad = 0.7,
                  const Eigen::Vector2d& place_m = {0.4, -0.3})
       : model_(grid) {
     world_from_object_.scale = size_m / kModelExtent;
     world_from_object_.rotation =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
-    world_from_object_.translation_m = {place_m.x(), place_m.y(),
-                                        -world_from_object_.scale * model_.bottom()};
+    world_from_object_.translation_m = {
+        place_m.x(), place_m.y(), -world_from_object_.scale * model_.bottom()};
   }
 
   [[nodiscard]] const shape::ShapeModel& model() const { return model_; }
@@ -153,11 +155,16 @@ class FurnitureWorld {
     view.frame = FrameIdx{10 * index};
     view.detection_score = 0.8;
     const double focal = 0.55 * settings.side_px * settings.distance_m;
-    view.camera = {settings.side_px, settings.side_px, focal, focal, 0.5 * (settings.side_px - 1),
+    view.camera = {settings.side_px,
+                   settings.side_px,
+                   focal,
+                   focal,
+                   0.5 * (settings.side_px - 1),
                    0.5 * (settings.side_px - 1)};
     const Pose3 world_from_camera = WorldFromCamera(azimuth_rad, settings);
     Render(world_from_camera, settings, random, view);
-    view.ground_camera = Transformed(world_from_camera.Inverse(), Plane{Eigen::Vector3d::UnitZ(), 0});
+    view.ground_camera =
+        Transformed(world_from_camera.Inverse(), Plane{Eigen::Vector3d::UnitZ(), 0});
     view.world_from_camera = world_from_camera;
     for (int axis = 0; axis < 3; ++axis) {
       view.world_from_camera.translation_m[axis] +=
@@ -177,7 +184,9 @@ class FurnitureWorld {
 
  private:
   // Object, ground and a wall far behind.
-  void Render(const Pose3& world_from_camera, const ViewSettings& settings, Random& random,
+  void Render(const Pose3& world_from_camera,
+              const ViewSettings& settings,
+              Random& random,
               ObjectView& view) const {
     const int side = settings.side_px;
     const DepthImage object =
@@ -212,7 +221,9 @@ class FurnitureWorld {
   Similarity3 world_from_object_;
 };
 
-inline ShapeCandidate CandidateFor(double min_size_m, double max_size_m, double size_m = 0,
+inline ShapeCandidate CandidateFor(double min_size_m,
+                                   double max_size_m,
+                                   double size_m = 0,
                                    int id = 0) {
   ShapeCandidate candidate;
   candidate.id = CandidateId{id};
