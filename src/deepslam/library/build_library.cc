@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -15,6 +16,8 @@
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/library_files.h"
 #include "deepslam/library/zip_archive.h"
+#include "deepslam/shape/distance_transform.h"
+#include "deepslam/shape/shape_model.h"
 #include "deepslam/shape/stretch.h"
 
 namespace deepslam::library {
@@ -149,19 +152,22 @@ bool SameProduct(const Entry& a, const Entry& b) {
 // already.
 void DropUnwanted(std::vector<Entry>& entries) {
   std::vector<const Entry*> withheld;
-  for (Entry& entry : entries) {
-    if (!entry.withheld) continue;
-    if (entry.dropped.empty()) withheld.push_back(&entry);
+  for (const Entry& entry : entries) {
+    if (entry.withheld && entry.dropped.empty()) withheld.push_back(&entry);
   }
+  ParallelFor(entries.size(), [&](std::size_t n) {
+    Entry& entry = entries[n];
+    if (!entry.dropped.empty() || entry.withheld) return;
+    for (const Entry* other : withheld) {
+      if (!ShapesAlike(other->model.shape, entry.model.shape)) continue;
+      entry.dropped = "shape like the withheld " + other->item.id;
+      return;
+    }
+  });
   std::vector<const Entry*> kept;
   std::set<std::string> ids;
   for (Entry& entry : entries) {
     if (!entry.dropped.empty() || entry.withheld) continue;
-    for (const Entry* other : withheld) {
-      if (ShapesAlike(other->model.shape, entry.model.shape)) {
-        entry.dropped = "shape like the withheld " + other->item.id;
-      }
-    }
     for (const Entry* other : kept) {
       if (!entry.dropped.empty()) break;
       if (SameProduct(*other, entry)) entry.dropped = "same shape and size as " + other->item.id;
@@ -190,30 +196,51 @@ Status CheckWithheldFound(const std::vector<Entry>& entries,
   return Ok();
 }
 
+constexpr double kAlike = 0.9;
+// Legs and boards are one or two voxels thick: a different rounding halves their overlap. So shapes
+// are alike as well when nearly all of each lies within a voxel of the other.
+constexpr double kNearlyAll = 0.97;
+constexpr float kNearSquared = 2.0F;  // diagonal neighbours in a plane
+
+// Share of a's voxels that lie within a voxel of the shape whose squared distances are given.
+double ShareNear(const VoxelGrid& a, const std::vector<float>& squared_distance_b) {
+  std::size_t near = 0;
+  std::size_t all = 0;
+  for (std::size_t n = 0; n < a.occupied.size(); ++n) {
+    if (a.occupied[n] == 0) continue;
+    ++all;
+    near += squared_distance_b[n] <= kNearSquared ? 1U : 0U;
+  }
+  return all > 0 ? static_cast<double>(near) / static_cast<double>(all) : 0.0;
+}
+
+// Occupied share of the model's own box.
+double Fullness(const VoxelGrid& grid, const Eigen::Vector3d& extent) {
+  const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
+  return static_cast<double>(count) * kVoxelSize * kVoxelSize * kVoxelSize / extent.prod();
+}
+
 }  // namespace
 
 bool ShapesAlike(const VoxelGrid& a, const VoxelGrid& b) {
-  constexpr double kAlike = 0.9;
-  const auto filled = [](const VoxelGrid& grid) {
-    Eigen::Array3d low = Eigen::Array3d::Constant(kGridSize);
-    Eigen::Array3d high = Eigen::Array3d::Zero();
-    for (int i = 0; i < kGridSize; ++i) {
-      for (int j = 0; j < kGridSize; ++j) {
-        for (int k = 0; k < kGridSize; ++k) {
-          if (!grid.At(i, j, k)) continue;
-          low = low.min(Eigen::Array3d(i, j, k));
-          high = high.max(Eigen::Array3d(i, j, k) + 1.0);
-        }
-      }
-    }
-    const Eigen::Array3d size = (high - low).max(1.0);
-    return shape::StretchGrid(grid, (static_cast<double>(kGridSize) / size).matrix());
-  };
-  const VoxelGrid cube_a = filled(a);
-  const VoxelGrid cube_b = filled(b);
+  const Eigen::Vector3d extent_a = shape::ShapeModel(a).extent().cast<double>();
+  const Eigen::Vector3d extent_b = shape::ShapeModel(b).extent().cast<double>();
+  if (extent_a.minCoeff() <= 0 || extent_b.minCoeff() <= 0) return false;
+  // A first look that costs nothing.
+  constexpr double kOtherFullness = 1.5;
+  const double ratio = Fullness(a, extent_a) / Fullness(b, extent_b);
+  if (ratio > kOtherFullness || ratio < 1.0 / kOtherFullness) return false;
+  const std::vector<float> squared_distance_a = shape::SquaredDistanceTo(a, true);
   for (int turns = 0; turns < 4; ++turns) {
-    if (shape::GridIntersectionOverUnion(cube_a, shape::TurnGrid(cube_b, turns)) > kAlike)
+    Eigen::Vector3d extent_turned = extent_b;
+    if (turns % 2 != 0) std::swap(extent_turned.x(), extent_turned.y());
+    const VoxelGrid fitted =
+        shape::StretchGrid(shape::TurnGrid(b, turns), extent_a.cwiseQuotient(extent_turned));
+    if (shape::GridIntersectionOverUnion(a, fitted) > kAlike) return true;
+    if (ShareNear(fitted, squared_distance_a) > kNearlyAll &&
+        ShareNear(a, shape::SquaredDistanceTo(fitted, true)) > kNearlyAll) {
       return true;
+    }
   }
   return false;
 }

@@ -46,8 +46,9 @@ struct LibrarySummary {
 [[nodiscard]] Result<std::vector<std::string>> ReadWithheldModels(
     const std::filesystem::path& file);
 
-// Whether two canonical models show the same product: intersection over union above 0.9 after both
-// are scaled to the same box, in any of the four quarter turns.
+// Whether two canonical models show the same product: after b is stretched to a's box, in any of
+// the four quarter turns, their intersection over union is above 0.9, or nearly all of each lies
+// within a voxel of the other.
 [[nodiscard]] bool ShapesAlike(const VoxelGrid& a, const VoxelGrid& b);
 
 }  // namespace deepslam::library
