@@ -17,8 +17,8 @@ constexpr double kStepSize = 0.2;
 // Bends (length of the umbrella vector, voxels) beyond this count by their length, no longer by its
 // square: the edges of a board then stay edges instead of swelling its faces. It shrinks while the
 // stairs go.
-constexpr double kFirstBend = 0.03;
-constexpr double kLastBend = 0.01;
+constexpr double kFirstBend = 0.15;
+constexpr double kLastBend = 0.05;
 
 // Neighbours of vertex v are indices[starts[v]] .. indices[starts[v + 1] - 1].
 struct Adjacency {
