@@ -149,30 +149,40 @@ Descent BestCoarseDescent(const PyramidLevel& i,
   return *best;
 }
 
-// Ratio of the smallest to the largest eigenvalue of the Hessian, rotations measured by their arc
-// at the mean depth.
-double ConstraintRatio(const Matrix6d& hessian) {
-  const double translation = hessian.topLeftCorner<3, 3>().trace();
-  const double rotation = hessian.bottomRightCorner<3, 3>().trace();
-  if (!(translation > 0) || !(rotation > 0)) return 0;
-  const double inverse_arm = std::sqrt(translation / rotation);
+// The Hessian as information of independent measurements, of a left perturbation, made positive
+// semidefinite; and the share of its weakest direction, rotations measured by their arc at the mean
+// distance.
+struct JudgedHessian {
+  Matrix6d left = Matrix6d::Zero();
+  double ratio = 0;
+};
+
+JudgedHessian Judge(const AlignmentSystem& system,
+                    const PyramidLevel& finest,
+                    const AlignmentOptions& options) {
+  const Matrix6d& photometric = system.photometric_hessian;
+  const Matrix6d raw =
+      (system.hessian - photometric) / CorrelationFactor(finest, options.correlation_length_px) +
+      photometric / CorrelationFactor(finest, options.photometric_correlation_length_px);
+  const double translation = raw.topLeftCorner<3, 3>().trace();
+  const double rotation = raw.bottomRightCorner<3, 3>().trace();
+  if (!(translation > 0) || !(rotation > 0)) return {};
+  const double arm = std::sqrt(rotation / translation);
   Vector6d scale = Vector6d::Ones();
-  scale.tail<3>().setConstant(inverse_arm);
-  const Matrix6d scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled, Eigen::EigenvaluesOnly);
-  return std::max(0.0, eigen.eigenvalues()[0]) / eigen.eigenvalues()[5];
+  scale.tail<3>().setConstant(arm);
+  const Matrix6d scaled =
+      scale.cwiseInverse().asDiagonal() * raw * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
+  const Vector6d values = eigen.eigenvalues().cwiseMax(0.0);
+  const Matrix6d clamped =
+      eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+  return {scale.asDiagonal() * clamped * scale.asDiagonal(),
+          values[5] > 0 ? values[0] / values[5] : 0};
 }
 
-Matrix6d Information(const Descent& descent,
-                     const PyramidLevel& finest,
-                     const AlignmentOptions& options) {
-  const Matrix6d& photometric = descent.system.photometric_hessian;
-  const Matrix6d left =
-      (descent.system.hessian - photometric) /
-          CorrelationFactor(finest, options.correlation_length_px) +
-      photometric / CorrelationFactor(finest, options.photometric_correlation_length_px);
+Matrix6d Information(const Matrix6d& left, const Pose3& i_from_j, const AlignmentOptions& options) {
   // A perturbation in frame j (right) is Adjoint(i_from_j) times as large in frame i (left).
-  const Matrix6d adjoint = Adjoint(descent.i_from_j);
+  const Matrix6d adjoint = Adjoint(i_from_j);
   Matrix6d right = adjoint.transpose() * left * adjoint;
   // Directions that nothing constrains keep the prior that held them.
   right.diagonal().head<3>().array() += 1 / (kPriorTranslationM * kPriorTranslationM);
@@ -189,19 +199,19 @@ Matrix6d Information(const Descent& descent,
 
 FrameAlignment Conclude(const Descent& descent,
                         const PyramidLevel& finest,
-                        double constraint_ratio,
                         const AlignmentOptions& options) {
   const AlignmentSystem& system = descent.system;
   FrameAlignment result;
   result.i_from_j = descent.i_from_j;
-  result.information = Information(descent, finest, options);
+  const JudgedHessian judged = Judge(system, finest, options);
+  result.information = Information(judged.left, descent.i_from_j, options);
   const double num_source = std::max(1, system.num_source);
   result.rmse_m =
       system.num_inliers > 0 ? std::sqrt(system.sum_squared_m2 / system.num_inliers) : 0;
   result.inlier_share = system.num_inliers / num_source;
   result.overlap = system.num_overlap / num_source;
-  result.constraint_ratio = constraint_ratio;
-  result.degenerate = constraint_ratio < options.degenerate_ratio;
+  result.constraint_ratio = judged.ratio;
+  result.degenerate = judged.ratio < options.degenerate_ratio;
   result.agreement = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
   const bool has_colour = system.num_photometric >= kMinPhotometricResiduals;
   if (has_colour) result.brightness_correlation = system.brightness_correlation;
@@ -226,7 +236,6 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   const std::size_t coarsest = num_levels - 1;
   Descent descent =
       BestCoarseDescent(i.levels[coarsest], j.levels[coarsest], initial_i_from_j, options);
-  const double constraint_ratio = ConstraintRatio(descent.system.hessian);
   for (std::size_t level = coarsest; level-- > 0;) {
     AlignmentGates gates = LevelGates(options, coarsest - level);
     gates.geometric_scale = 2 * descent.gates.geometric_scale;
@@ -236,9 +245,10 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     descent.gates = gates;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
+  descent.gates.cross_normals = true;
   descent.system = BuildAlignmentSystem(
       i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
-  FrameAlignment result = Conclude(descent, j.levels.front(), constraint_ratio, options);
+  FrameAlignment result = Conclude(descent, j.levels.front(), options);
   result.support = Support(i.levels[coarsest], j.levels[coarsest], descent, options);
   return result;
 }

@@ -34,9 +34,8 @@ struct AlignmentOptions {
   double floor_translation_m = 0.002;
   double floor_rotation_deg = 0.1;
   // Degenerate when the weakest direction has less than this share of the strongest one's
-  // information (rotations measured by the arc at the mean depth), at the coarsest level, whose
-  // normals are the least noisy.
-  double degenerate_ratio = 0.002;
+  // information, rotations measured by the arc at the mean distance.
+  double degenerate_ratio = 0.001;
 };
 
 void Describe(OptionsVisitor& visitor, AlignmentOptions& options);
@@ -46,7 +45,8 @@ struct FrameAlignment {
   bool degenerate = false;  // aligned, but a direction is weakly constrained
   Pose3 i_from_j;
   // Information of t2v(measured^-1 * true), order (translation m; rotation rad), positive definite:
-  // ((sum over both terms of J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed.
+  // ((sum over both terms of J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed
+  // (of the products of both frames' normals: see AlignmentGates::cross_normals).
   // Residuals of neighbouring pixels share their error (a structured-light sensor matches blocks of
   // about 9 x 9 pixels; highlights and shading are wider still), so J^T W J of all pixels counts
   // each measurement k = (correlation length in pixels of the working level)^2 times; F is the

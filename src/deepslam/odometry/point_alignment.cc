@@ -255,8 +255,19 @@ class SystemBuilder {
     const float scale = sigma * gates_.geometric_scale;
     const float weight = StudentWeight(residual / scale);
     system_.support += static_cast<double>(weight);
-    geometric_batch_.Add(
-        surface.nx, surface.ny, surface.nz, x, y, z, residual, weight / (scale * scale));
+    const float information = weight / (scale * scale);
+    if (gates_.cross_normals) {
+      // a b^T + b a^T = ((a + b)(a + b)^T - (a - b)(a - b)^T) / 2.
+      const Eigen::Vector3f sum(
+          surface.nx + normal.x(), surface.ny + normal.y(), surface.nz + normal.z());
+      const Eigen::Vector3f difference(
+          surface.nx - normal.x(), surface.ny - normal.y(), surface.nz - normal.z());
+      geometric_batch_.Add(sum.x(), sum.y(), sum.z(), x, y, z, 0, 0.25F * information);
+      geometric_batch_.Add(
+          difference.x(), difference.y(), difference.z(), x, y, z, 0, -0.25F * information);
+    } else {
+      geometric_batch_.Add(surface.nx, surface.ny, surface.nz, x, y, z, residual, information);
+    }
   }
 
   void AddPhotometric(const IntensityTexel& source, const MovedRow& row, std::size_t k) {

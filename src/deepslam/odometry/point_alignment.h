@@ -15,6 +15,11 @@ struct AlignmentGates {
   float gain = 1.0F;                // I_i = gain * I_j + bias
   float bias = 0.0F;                // grey levels
   bool photometric = true;
+  // The geometric Hessian from the products of the two frames' normals in place of the squares of
+  // one: noise of the normals is independent between frames and averages away, where squares take
+  // it for structure. For judging a solution; may be slightly indefinite. The gradient is void
+  // then.
+  bool cross_normals = false;
   int stride = 1;  // every stride-th row and column of j
 };
 

@@ -1,0 +1,181 @@
+#include "deepslam/odometry/frame_alignment.h"
+
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+#include "odometry/box_world.h"
+#include "support/pose_matchers.h"
+
+namespace deepslam::odometry {
+namespace {
+
+using testing_support::BoxWorld;
+using testing_support::kSmallCamera;
+using testing_support::LookAt;
+using testing_support::PoseNear;
+using testing_support::RenderFrame;
+
+// Noise of 160 x 120 depths at 2-3 m (about 1 cm), averaged over the independent ones among them.
+constexpr double kToleranceM = 0.006;
+constexpr double kToleranceDeg = 0.2;
+
+const Pose3 kWorldFromI = LookAt({-1.6, -0.3, 1.4}, {0.5, 0.1, 0.5});
+const Pose3 kIFromJ = V2t((Vector6d() << 0.06, -0.03, 0.05, 0.03, -0.05, 0.02).finished());
+
+struct Pair {
+  Frame i;
+  Frame j;
+};
+
+Pair RenderPair(const BoxWorld& world,
+                const Pose3& world_from_i,
+                const Pose3& i_from_j,
+                double noise,
+                std::uint64_t seed = 1) {
+  return {RenderFrame(world, world_from_i, noise, seed),
+          RenderFrame(world, world_from_i * i_from_j, noise, seed + 1000)};
+}
+
+AlignmentOptions GeometryOnly() {
+  AlignmentOptions options;
+  options.photometric = false;
+  return options;
+}
+
+double SmallestEigenvalue(const Matrix6d& matrix) {
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(matrix).eigenvalues()[0];
+}
+
+TEST(AlignFrames, RecoversTheMotionWithAndWithoutColour) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
+  for (const AlignmentOptions& options : {AlignmentOptions{}, GeometryOnly()}) {
+    const FrameAlignment alignment = AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{}, options);
+    EXPECT_TRUE(alignment.ok);
+    EXPECT_FALSE(alignment.degenerate);
+    EXPECT_THAT(alignment.i_from_j, PoseNear(kIFromJ, kToleranceM, kToleranceDeg));
+    EXPECT_GT(alignment.agreement, 0.85);
+  }
+}
+
+TEST(AlignFrames, ForwardTimesBackwardIsIdentity) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
+  const FrameAlignment forward = AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{});
+  const FrameAlignment backward = AlignFrames(pair.j, pair.i, kSmallCamera, Pose3{});
+  EXPECT_THAT(forward.i_from_j * backward.i_from_j, PoseNear(Pose3{}, kToleranceM, kToleranceDeg));
+}
+
+TEST(AlignFrames, ExactDepthOfTheSameViewGivesIdentity) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, Pose3{}, 0.0);
+  const Pose3 start = V2t((Vector6d() << 0.03, 0.02, -0.02, 0.02, -0.02, 0.01).finished());
+  const FrameAlignment alignment = AlignFrames(pair.i, pair.j, kSmallCamera, start);
+  EXPECT_THAT(alignment.i_from_j, PoseNear(Pose3{}, 1e-3, 0.03));
+}
+
+TEST(AlignFrames, InformationIsPositiveDefiniteAndNotOverconfident) {
+  double sum_chi2 = 0;
+  constexpr int kDraws = 12;
+  for (int n = 0; n < kDraws; ++n) {
+    const Pair pair =
+        RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0, static_cast<std::uint64_t>(n));
+    const FrameAlignment alignment = AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{});
+    EXPECT_GT(SmallestEigenvalue(alignment.information), 0);
+    EXPECT_EQ(alignment.information, alignment.information.transpose());
+    const Vector6d error = T2v(alignment.i_from_j.Inverse() * kIFromJ);
+    sum_chi2 += error.dot(alignment.information * error);
+  }
+  // Six degrees of freedom: a mean far above 6 is overconfident. The depth noise of this world is
+  // independent from pixel to pixel while the information assumes it shared, so the mean lies
+  // below.
+  EXPECT_LT(sum_chi2 / kDraws, 12);
+  EXPECT_GT(sum_chi2 / kDraws, 0.05);
+}
+
+TEST(AlignFrames, MoreStructureMeansMoreInformation) {
+  const Pose3 facing_wall;
+  const Pair wall = RenderPair(BoxWorld::Wall(), facing_wall, Pose3{}, 1.0);
+  const Pair room = RenderPair(BoxWorld::Furnished(), kWorldFromI, Pose3{}, 1.0);
+  const FrameAlignment on_wall = AlignFrames(wall.i, wall.j, kSmallCamera, Pose3{}, GeometryOnly());
+  const FrameAlignment in_room = AlignFrames(room.i, room.j, kSmallCamera, Pose3{}, GeometryOnly());
+  EXPECT_GT(SmallestEigenvalue(in_room.information), 10 * SmallestEigenvalue(on_wall.information));
+}
+
+TEST(AlignFrames, FlatWallIsDegenerateUnlessItsTextureHelps) {
+  const Pose3 sideways = V2t((Vector6d() << 0.05, 0.03, 0, 0, 0, 0).finished());
+  const Pair pair = RenderPair(BoxWorld::Wall(), Pose3{}, sideways, 0.3);
+  EXPECT_TRUE(AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{}, GeometryOnly()).degenerate);
+  const FrameAlignment with_colour = AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{});
+  EXPECT_TRUE(with_colour.ok);
+  EXPECT_FALSE(with_colour.degenerate);
+  EXPECT_THAT(with_colour.i_from_j, PoseNear(sideways, kToleranceM, kToleranceDeg));
+}
+
+TEST(AlignFrames, ChangedExposureDoesNotMatter) {
+  Pair pair = RenderPair(
+      BoxWorld::Wall(), Pose3{}, V2t((Vector6d() << 0.05, 0.03, 0, 0, 0, 0).finished()), 0.3);
+  const FrameAlignment plain = AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{});
+  for (Rgb8& pixel : pair.j.colour) {
+    const auto darker = static_cast<std::uint8_t>(0.7 * pixel.r + 10);
+    pixel = {darker, darker, darker};
+  }
+  const FrameAlignment darkened = AlignFrames(pair.i, pair.j, kSmallCamera, Pose3{});
+  EXPECT_THAT(darkened.i_from_j, PoseNear(plain.i_from_j, 0.003, 0.1));
+}
+
+TEST(AlignFrames, UnrelatedViewsAreRefused) {
+  BoxWorld other;
+  other.texture_phase = 2;
+  other.boxes = {{{-0.3, -0.2, 0}, {0.4, 1.0, 1.5}}};
+  const Frame i = RenderFrame(BoxWorld::Furnished(), kWorldFromI, 1.0);
+  const Frame j = RenderFrame(other, LookAt({1.5, 1.5, 1.0}, {-0.5, 0.2, 0.8}), 1.0);
+  EXPECT_FALSE(AlignFrames(i, j, kSmallCamera, Pose3{}).ok);
+}
+
+TEST(AlignFrames, FramesWithoutUsableImagesAreRefused) {
+  const Frame good = RenderFrame(BoxWorld::Furnished(), kWorldFromI, 0.0);
+  Frame dark = good;
+  dark.depth_m = DepthImage(kSmallCamera.width, kSmallCamera.height);
+  Frame broken = good;
+  for (float& z : broken.depth_m) z = std::numeric_limits<float>::quiet_NaN();
+  Frame small = good;
+  small.depth_m = DepthImage(3, 2, 1.0F);
+  const Pose3 start = kIFromJ;
+  for (const Frame& bad : {Frame{}, dark, broken, small}) {
+    const FrameAlignment first = AlignFrames(good, bad, kSmallCamera, start);
+    const FrameAlignment second = AlignFrames(bad, good, kSmallCamera, start);
+    EXPECT_FALSE(first.ok);
+    EXPECT_FALSE(second.ok);
+    EXPECT_TRUE(first.i_from_j.translation_m.allFinite());
+    EXPECT_TRUE(first.information.allFinite());
+  }
+}
+
+TEST(BuildPyramid, NormalsOfAWallFaceTheCamera) {
+  const Frame frame = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
+  const FramePyramid pyramid = BuildPyramid(frame, kSmallCamera, PyramidOptions{});
+  ASSERT_GE(pyramid.levels.size(), 2U);
+  for (const PyramidLevel& level : pyramid.levels) {
+    const std::size_t centre = static_cast<std::size_t>(
+        level.camera.height / 2 * level.camera.width + level.camera.width / 2);
+    EXPECT_NEAR(level.surface[centre].nz, -1.0F, 1e-3F);
+    EXPECT_NEAR(level.surface[centre].offset_m, -2.0F, 1e-3F);
+  }
+}
+
+TEST(BuildPyramid, TakesDepthOutOfRangeAndColourOfAnotherSizeAsMissing) {
+  Frame frame = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
+  frame.depth_m(80, 60) = -1.0F;
+  frame.depth_m(81, 60) = std::numeric_limits<float>::infinity();
+  frame.depth_m(82, 60) = 1e9F;
+  frame.colour = ColourImage(7, 5);
+  const FramePyramid pyramid = BuildPyramid(frame, kSmallCamera, PyramidOptions{});
+  const PyramidLevel& level = pyramid.levels.front();
+  for (int u = 80; u <= 82; ++u)
+    EXPECT_EQ(level.depth_m[static_cast<std::size_t>(60 * 160 + u)], 0.0F);
+  EXPECT_TRUE(level.intensity.empty());
+}
+
+}  // namespace
+}  // namespace deepslam::odometry

@@ -1,0 +1,268 @@
+#include "deepslam/odometry/odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/dataset/memory_frame_source.h"
+#include "deepslam/odometry/pose_interpolation.h"
+#include "odometry/box_world.h"
+#include "support/pose_matchers.h"
+
+namespace deepslam::odometry {
+namespace {
+
+using dataset::MemoryFrameSource;
+using testing_support::BoxWorld;
+using testing_support::kSmallCamera;
+using testing_support::LookAt;
+using testing_support::PoseNear;
+using testing_support::RenderFrame;
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+// Camera carried along an arc through the room; `step_deg` of it per frame.
+std::vector<Pose3> Arc(int num_frames, double step_deg = 2.0) {
+  std::vector<Pose3> poses;
+  for (int k = 0; k < num_frames; ++k) {
+    const double angle = (200 + step_deg * k) * kRadPerDeg;
+    poses.push_back(
+        LookAt({1.5 * std::cos(angle), 1.5 * std::sin(angle), 1.3 + 0.004 * k}, {0.2, 0.1, 0.5}));
+  }
+  return poses;
+}
+
+std::vector<Frame> Render(const BoxWorld& world,
+                          const std::vector<Pose3>& poses,
+                          double noise = 1.0) {
+  std::vector<Frame> frames;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    frames.push_back(RenderFrame(world, poses[k], noise, k));
+    frames.back().time_s = 0.05 * static_cast<double>(k);
+  }
+  return frames;
+}
+
+Odometry Track(std::vector<Frame> frames, const OdometryOptions& options = {}) {
+  const MemoryFrameSource source(kSmallCamera, std::move(frames));
+  SilentProgress progress;
+  Result<Odometry> odometry = EstimateOdometry(source, options, progress);
+  EXPECT_TRUE(odometry.ok());
+  return std::move(odometry).value();
+}
+
+void ExpectTrue(const Odometry& odometry,
+                const std::vector<Pose3>& truth,
+                std::size_t begin,
+                std::size_t end,
+                double tolerance_m = 0.02,
+                double tolerance_deg = 0.6) {
+  for (std::size_t k = begin; k < end; ++k) {
+    EXPECT_THAT(
+        odometry.frames[begin].world_from_camera.Inverse() * odometry.frames[k].world_from_camera,
+        PoseNear(truth[begin].Inverse() * truth[k], tolerance_m, tolerance_deg))
+        << "frame " << k;
+  }
+}
+
+void ExpectConsistent(const Odometry& odometry) {
+  EXPECT_TRUE(std::ranges::is_sorted(odometry.keyframes));
+  for (std::size_t k = 1; k < odometry.keyframes.size(); ++k) {
+    const bool joined = std::ranges::any_of(odometry.edges, [&](const RelativePose& edge) {
+      return edge.i == odometry.keyframes[k - 1] && edge.j == odometry.keyframes[k];
+    });
+    EXPECT_TRUE(joined) << "keyframe " << odometry.keyframes[k];
+  }
+  for (const FrameIdx keyframe : odometry.keyframes)
+    EXPECT_EQ(odometry.at(keyframe).keyframe, keyframe);
+  for (const RelativePose& edge : odometry.edges) {
+    EXPECT_EQ(edge.information.llt().info(), Eigen::Success);
+  }
+}
+
+TEST(EstimateOdometry, FollowsAnArcThroughAFurnishedRoom) {
+  const std::vector<Pose3> truth = Arc(30);
+  const Odometry odometry = Track(Render(BoxWorld::Furnished(), truth));
+  ASSERT_EQ(odometry.frames.size(), truth.size());
+  EXPECT_EQ(odometry.frames.front().world_from_camera, Pose3{});
+  for (const TrackedFrame& frame : odometry.frames)
+    EXPECT_EQ(frame.status, TrackingStatus::kTracked);
+  EXPECT_GE(odometry.keyframes.size(), 4U);
+  ExpectTrue(odometry, truth, 0, truth.size());
+  ExpectConsistent(odometry);
+}
+
+TEST(EstimateOdometry, PlainFrameToFrameIcpIsAConfiguration) {
+  OdometryOptions options;
+  options.reference = "previous";
+  options.alignment.photometric = false;
+  options.rotation_search = false;
+  options.wide_search = false;
+  options.skip_edges = false;
+  const std::vector<Pose3> truth = Arc(15);
+  const Odometry odometry = Track(Render(BoxWorld::Furnished(), truth), options);
+  ExpectTrue(odometry, truth, 0, truth.size(), 0.04, 1.5);
+  ExpectConsistent(odometry);
+  EXPECT_EQ(odometry.edges.size(), odometry.keyframes.size() - 1);
+}
+
+TEST(EstimateOdometry, SurvivesFastTurnsAndBigSteps) {
+  const BoxWorld world = BoxWorld::Furnished();
+  std::vector<Pose3> truth;
+  for (int k = 0; k < 6; ++k) {
+    const double pan = (k % 2 == 0 ? 0.0 : 16.0) * kRadPerDeg;
+    truth.push_back(
+        LookAt({-1.6, -0.3, 1.4}, {-1.6 + 2 * std::cos(pan), -0.3 + 2 * std::sin(pan), 0.6}));
+  }
+  ExpectTrue(Track(Render(world, truth)), truth, 0, truth.size());
+  const std::vector<Pose3> steps = Arc(6, 9.0);  // 0.24 m and 9 deg each
+  ExpectTrue(Track(Render(world, steps)), steps, 0, steps.size(), 0.03, 1.0);
+}
+
+TEST(EstimateOdometry, CoveredLensAndUnreadableFramesSaySoAndTheRestStaysRight) {
+  const std::vector<Pose3> truth = Arc(24, 1.0);
+  std::vector<Frame> frames = Render(BoxWorld::Furnished(), truth);
+  for (std::size_t k = 10; k < 13; ++k) std::ranges::fill(frames[k].depth_m, 0.0F);
+  frames[15] = Frame{};
+  const Odometry odometry = Track(std::move(frames));
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    const TrackingStatus expected = k >= 10 && k < 13 ? TrackingStatus::kLost
+                                    : k == 15         ? TrackingStatus::kUnreadable
+                                                      : TrackingStatus::kTracked;
+    EXPECT_EQ(odometry.frames[k].status, expected) << "frame " << k;
+  }
+  // Lost frames are interpolated between their neighbours: good to the curvature of the path.
+  ExpectTrue(odometry, truth, 0, truth.size(), 0.03, 1.0);
+  ExpectConsistent(odometry);
+}
+
+TEST(EstimateOdometry, TwoCapturesInOneAreJoinedByAnEdgeThatSaysSo) {
+  const std::vector<Pose3> first = Arc(8);
+  BoxWorld other;
+  other.texture_phase = 2;
+  other.boxes = {{{-0.3, -0.2, 0}, {0.4, 1.0, 1.5}}, {{-1.5, 1, 0}, {-0.5, 1.8, 0.5}}};
+  std::vector<Pose3> second;
+  for (int k = 0; k < 8; ++k)
+    second.push_back(LookAt({1.6 - 0.02 * k, 1.5, 1.0}, {-0.5, 0.2, 0.8}));
+  std::vector<Frame> frames = Render(BoxWorld::Furnished(), first);
+  for (Frame& frame : Render(other, second)) frames.push_back(std::move(frame));
+  for (std::size_t k = 0; k < frames.size(); ++k) frames[k].time_s = 0.05 * static_cast<double>(k);
+  const Odometry odometry = Track(std::move(frames));
+  EXPECT_EQ(odometry.frames[8].status, TrackingStatus::kLost);
+  std::vector<Pose3> truth = first;
+  truth.insert(truth.end(), second.begin(), second.end());
+  ExpectTrue(odometry, truth, 0, 8);
+  ExpectTrue(odometry, truth, 8, 16);
+  ExpectConsistent(odometry);
+  const auto across = std::ranges::find_if(odometry.edges, [](const RelativePose& edge) {
+    return edge.i.value < 8 && edge.j.value >= 8;
+  });
+  ASSERT_NE(across, odometry.edges.end());
+  EXPECT_TRUE(across->composed);
+  EXPECT_LT(across->information(0, 0), 0.01 * odometry.edges.front().information(0, 0));
+}
+
+TEST(EstimateOdometry, APieceAfterATeleportRejoinsWhenItSeesAnEarlierKeyframe) {
+  const BoxWorld world = BoxWorld::Furnished();
+  // Turns away to a wall for a while without passing over what lies between, then comes back to the
+  // start.
+  std::vector<Pose3> truth = Arc(6, 1.0);
+  for (int k = 0; k < 14; ++k)
+    truth.push_back(LookAt({0.2 + 0.03 * k, 1.5, 1.2}, {-0.6 + 0.03 * k, -0.6, 0.5}));
+  for (int k = 0; k < 6; ++k) truth.push_back(Arc(6, 1.0)[static_cast<std::size_t>(5 - k)]);
+  const Odometry odometry = Track(Render(world, truth));
+  // The last frames are placed against the first ones.
+  EXPECT_THAT(odometry.frames.front().world_from_camera.Inverse() *
+                  odometry.frames.back().world_from_camera,
+              PoseNear(Pose3{}, 0.02, 0.6));
+  ExpectConsistent(odometry);
+}
+
+TEST(EstimateOdometry, IsByteEqualForAnyNumberOfThreads) {
+  const std::vector<Frame> frames = Render(BoxWorld::Furnished(), Arc(12));
+  const auto track = [&](int num_threads) {
+    const ThreadLimit limit(num_threads);
+    return Track(frames);
+  };
+  const Odometry one = track(1);
+  const Odometry two = track(2);
+  ASSERT_EQ(one.frames.size(), two.frames.size());
+  for (std::size_t k = 0; k < one.frames.size(); ++k) {
+    EXPECT_EQ(one.frames[k].world_from_camera, two.frames[k].world_from_camera);
+    EXPECT_EQ(one.frames[k].rmse_m, two.frames[k].rmse_m);
+  }
+  ASSERT_EQ(one.edges.size(), two.edges.size());
+  for (std::size_t k = 0; k < one.edges.size(); ++k)
+    EXPECT_EQ(one.edges[k].information, two.edges[k].information);
+}
+
+TEST(EstimateOdometry, RefusesCapturesWithNothingToTrack) {
+  SilentProgress progress;
+  const auto error_of = [&](std::vector<Frame> frames) {
+    const Result<Odometry> odometry = EstimateOdometry(
+        MemoryFrameSource(kSmallCamera, std::move(frames)), OdometryOptions{}, progress);
+    return odometry.ok() ? std::string("none") : odometry.error().message;
+  };
+  EXPECT_THAT(error_of({}), testing::HasSubstr("no frames"));
+  EXPECT_THAT(error_of(std::vector<Frame>(5)),
+              testing::HasSubstr("5 of 5 frames could not be read"));
+  std::vector<Frame> dark = Render(BoxWorld::Furnished(), Arc(3));
+  for (Frame& frame : dark) std::ranges::fill(frame.depth_m, 0.0F);
+  EXPECT_THAT(error_of(std::move(dark)), testing::HasSubstr("no frame has usable depth"));
+}
+
+TEST(OdometryFromCapturePoses, TakesPosesOverAndFillsGaps) {
+  const std::vector<Pose3> truth = Arc(12);
+  std::vector<std::optional<Pose3>> poses(truth.begin(), truth.end());
+  poses[0].reset();
+  poses[5].reset();
+  poses[7] = Pose3{Eigen::Quaterniond(0, 0, 0, 0), Eigen::Vector3d::Constant(std::nan(""))};
+  const MemoryFrameSource source(kSmallCamera, Render(BoxWorld::Furnished(), truth), poses);
+  SilentProgress progress;
+  const Result<Odometry> odometry = OdometryFromCapturePoses(source, OdometryOptions{}, progress);
+  ASSERT_TRUE(odometry.ok());
+  EXPECT_THAT(odometry->frames[1].world_from_camera, PoseNear(Pose3{}, 1e-9, 1e-6));
+  for (const std::size_t k : {0U, 5U, 7U})
+    EXPECT_EQ(odometry->frames[k].status, TrackingStatus::kLost);
+  for (std::size_t k = 1; k < truth.size(); ++k) {
+    const bool given = k != 5 && k != 7;
+    EXPECT_THAT(odometry->frames[k].world_from_camera,
+                PoseNear(truth[1].Inverse() * truth[k], given ? 1e-9 : 0.01, given ? 1e-6 : 0.5));
+  }
+  EXPECT_EQ(odometry->keyframes.front(), FrameIdx{1});
+  ExpectConsistent(*odometry);
+}
+
+TEST(OdometryFromCapturePoses, NamesTheMissingFile) {
+  const MemoryFrameSource source(kSmallCamera, Render(BoxWorld::Furnished(), Arc(2)));
+  SilentProgress progress;
+  const Result<Odometry> odometry = OdometryFromCapturePoses(source, OdometryOptions{}, progress);
+  ASSERT_FALSE(odometry.ok());
+  EXPECT_EQ(odometry.error().code, ErrorCode::kInvalidInput);
+  EXPECT_THAT(odometry.error().message, testing::HasSubstr("groundtruth.txt"));
+}
+
+TEST(InterpolateMissing, GoesByTimeAndCarriesTheEnds) {
+  const Pose3 a;
+  const Pose3 b = V2t((Vector6d() << 4, 0, 0, 0, 0, 0.8).finished());
+  const std::vector<std::optional<Pose3>> poses = {std::nullopt, a, std::nullopt, b, std::nullopt};
+  const std::vector<double> times = {0, 1, 2, 5, 6};
+  const std::vector<Pose3> filled = InterpolateMissing(poses, times);
+  EXPECT_EQ(filled[0], a);
+  EXPECT_THAT(filled[2], PoseNear(V2t((Vector6d() << 1, 0, 0, 0, 0, 0.2).finished()), 1e-12, 1e-6));
+  EXPECT_EQ(filled[4], b);
+  // Clocks that stand still: by position.
+  EXPECT_NEAR(
+      InterpolateMissing(poses, std::vector<double>(5, 3.0))[2].translation_m.x(), 2.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace deepslam::odometry
