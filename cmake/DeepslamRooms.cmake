@@ -8,6 +8,9 @@
 function(deepslam_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
   if(DEEPSLAM_ASAN)
+    # Under ASan Eigen would choose another allocator than the packaged Ceres was built with, and memory that crosses
+    # between them would be freed by the wrong one.
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     target_compile_options(${target} PUBLIC -fsanitize=address -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
     if(NOT ARGV1 STREQUAL "NO_UBSAN")
