@@ -26,8 +26,8 @@ constexpr double kPriorTranslationM = 0.2;
 constexpr double kPriorRotationRad = 0.2;
 // Convergence: smaller steps are below the systematic error of an alignment by two orders of
 // magnitude.
-constexpr double kConvergedM = 2e-5;
-constexpr double kConvergedRad = 2e-5;
+constexpr double kConvergedM = 1e-4;
+constexpr double kConvergedRad = 5e-5;
 // Starts closer together than this converge to the same place.
 constexpr double kSameStartM = 0.005;
 constexpr double kSameStartRad = 0.005;
