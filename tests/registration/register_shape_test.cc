@@ -138,6 +138,23 @@ TEST(RegisterShape, FindsTheChairWithoutAKnownGround) {
               PoseNear(world.world_from_object().RigidPart(), kPositionTolerance, kAngleTolerance));
 }
 
+// A fused shape holds only what was seen: the chair's back above a table must not be pulled to the
+// floor.
+TEST(RegisterShape, AFusedPartNeedNotStandOnTheGround) {
+  VoxelGrid back;
+  testing_support::FillBox(back, {-0.1, -0.48, -0.3}, {0.1, 0.48, 0.3});
+  FurnitureWorld world(back, 0.6);
+  ShapeCandidate candidate = CandidateFor(0.4, 0.8, 0.6);
+  std::vector<ObjectView> views = world.Views(Around(5, 0, 2));
+  for (ObjectView& view : views) view.ground_camera->d_m += 0.6;  // the floor lies deeper
+  candidate.source = CandidateSource::kFused;
+  const CandidateRegistration result = RegisterCandidate(candidate, world.model(), views, {});
+  ASSERT_TRUE(result.ok) << result.reason;
+  EXPECT_NEAR(result.world_from_object.translation_m.z(),
+              world.world_from_object().translation_m.z(),
+              kPositionTolerance);
+}
+
 TEST(RegisterShape, RefusesTheOneViewThatShowsAnotherPlace) {
   const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
   std::vector<ObjectView> views = world.Views(Around(7, 0, 4));

@@ -110,7 +110,7 @@ struct ViewSettings {
   double noise_factor = 1.0;    // times a Kinect's axial noise
   double missing_share = 0.05;  // of the pixels
   double occluded_share = 0.0;  // of the image's lower part, hidden by something near
-  double mask_error_px = 0.0;   // masks are shifted by this much, left or right
+  double mask_error_px = 0.0;   // masks are shifted by this much, left or right, onto what is near
   double drift_m = 0.0;         // rms error of the tracked positions
   int side_px = 160;
 };
@@ -213,6 +213,13 @@ class FurnitureWorld {
         const double height = world_from_camera.translation_m.z() + depth * ray.z();
         if (!on_object || hidden || height < 0.03) continue;
         if (view.mask_crop.Contains(u + shift, v)) view.mask_crop(u + shift, v) = 1;
+      }
+    }
+    // Segments are connected in space: however wrong a mask, it does not reach the wall far behind.
+    const double farthest = settings.distance_m + world_from_object_.scale;
+    for (int v = 0; v < side; ++v) {
+      for (int u = 0; u < side; ++u) {
+        if (view.depth_crop_m(u, v) > farthest) view.mask_crop(u, v) = 0;
       }
     }
   }

@@ -13,6 +13,9 @@ namespace {
 
 // Neighbouring depths further apart than this share of the depth are different surfaces.
 constexpr double kJumpShare = 0.03;
+// Two views that measure a point within this along the ray mean the same surface, drift and noise
+// included.
+constexpr double kSameSurface = 0.05;
 
 bool IsUsable(const ObjectView& view) {
   const int width = view.depth_crop_m.width();
@@ -31,7 +34,6 @@ bool IsValidDepth(float depth_m) { return std::isfinite(depth_m) && depth_m > 0.
 
 void AddPoints(const ObjectView& view, int max_points, MeasuredView& out) {
   const shape::ViewPoints points = shape::ExtractViewPoints(view, max_points);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < points.points_camera.size(); ++i) {
     const Eigen::Vector3f& point = points.points_camera[i];
     const Eigen::Vector3f& normal = points.normals_camera[i];
@@ -40,9 +42,7 @@ void AddPoints(const ObjectView& view, int max_points, MeasuredView& out) {
     out.points_camera.push_back(point);
     out.normals_camera.push_back(normal);
     out.sigmas_m.push_back(static_cast<float>(DepthNoise(point.z())));
-    sum += point.cast<double>();
   }
-  if (!out.empty()) out.centroid_camera = sum / static_cast<double>(out.points_camera.size());
 }
 
 // A reduced pixel takes the middle pixel of its block, or the first valid one where the middle has
@@ -150,6 +150,56 @@ double PatchShare(const std::vector<Eigen::Vector3f>& points, double patch_m) {
                         : static_cast<double>(patches.size()) / static_cast<double>(points.size());
 }
 
+// How the other views see a point: +1 where it lies in their segment, -1 where they measured the
+// same surface but outside it, 0 where they say nothing.
+int VoteOn(const Eigen::Vector3d& p_world, const MeasuredView& other) {
+  const Eigen::Vector3d p = other.world_from_camera.Inverse() * p_world;
+  const auto pixel = other.camera.Project(p);
+  if (!pixel || !(pixel->cwiseAbs().maxCoeff() < 1e6)) return 0;
+  const int u = static_cast<int>(std::lround(pixel->x()));
+  const int v = static_cast<int>(std::lround(pixel->y()));
+  if (!other.depth_m.Contains(u, v) || other.depth_m(u, v) <= 0) return 0;
+  if (std::abs(other.depth_m(u, v) - p.z()) > kSameSurface) return 0;
+  return other.mask(u, v) != 0 ? 1 : -1;
+}
+
+// Which points of a view most other views that see them count to something else: background under a
+// wrong mask.
+std::vector<bool> Outvoted(const MeasuredView& view, std::span<const MeasuredView> all) {
+  std::vector<bool> outvoted;
+  for (const Eigen::Vector3f& point : view.points_camera) {
+    const Eigen::Vector3d p_world = view.world_from_camera * point.cast<double>();
+    int votes = 1;  // its own
+    for (const MeasuredView& other : all) {
+      if (&other != &view && !other.empty()) votes += VoteOn(p_world, other);
+    }
+    outvoted.push_back(votes < 0);
+  }
+  return outvoted;
+}
+
+void RemovePoints(const std::vector<bool>& removed, MeasuredView& view) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < removed.size(); ++i) {
+    if (removed[i]) continue;
+    view.points_camera[kept] = view.points_camera[i];
+    view.normals_camera[kept] = view.normals_camera[i];
+    view.sigmas_m[kept] = view.sigmas_m[i];
+    ++kept;
+  }
+  view.points_camera.resize(kept);
+  view.normals_camera.resize(kept);
+  view.sigmas_m.resize(kept);
+}
+
+void AddStatistics(double patch_m, MeasuredView& view) {
+  view.patch_m = patch_m;
+  view.patch_share = PatchShare(view.points_camera, patch_m);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3f& point : view.points_camera) sum += point.cast<double>();
+  if (!view.empty()) view.centroid_camera = sum / static_cast<double>(view.points_camera.size());
+}
+
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -215,12 +265,16 @@ std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
     if (!IsUsable(views[i])) continue;
     out.world_from_camera = views[i].world_from_camera;
     AddPoints(views[i], max_points, out);
-    out.patch_m = patch_m;
-    out.patch_share = PatchShare(out.points_camera, patch_m);
     const int side = std::max(views[i].depth_crop_m.width(), views[i].depth_crop_m.height());
     AddReducedCrop(views[i], (side + max_side_px - 1) / max_side_px, out);
     AddNormals(out);
     AddNearestObjectPixel(out);
+  }
+  std::vector<std::vector<bool>> outvoted;
+  for (const MeasuredView& view : measured) outvoted.push_back(Outvoted(view, measured));
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    RemovePoints(outvoted[i], measured[i]);
+    AddStatistics(patch_m, measured[i]);
   }
   const std::optional<Plane> ground = ConsensusGround(views, measured);
   const Eigen::Vector3d up_world = ground ? ground->normal : AssumedUpWorld(measured);

@@ -54,9 +54,10 @@ struct MeasuredView {
 // Kinect), metres.
 [[nodiscard]] double DepthNoise(double depth_m);
 
-// Keeps the order of `views`. Views whose images do not fit together, or whose pose or camera is
-// not finite, come back empty. `max_points` per view; crops are reduced until their longer side is
-// at most `max_side_px`.
+// Keeps the order of `views`. Points that most of the other views seeing them count to something
+// else are left out: masks err, but rarely all at the same place. Views whose images do not fit
+// together, or whose pose or camera is not finite, come back empty. `max_points` per view; crops
+// are reduced until their longer side is at most `max_side_px`.
 [[nodiscard]] std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
                                                      int max_points = 400,
                                                      int max_side_px = 96,

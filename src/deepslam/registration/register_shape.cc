@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "deepslam/registration/information.h"
 #include "deepslam/registration/similarity_icp.h"
@@ -22,21 +23,23 @@ constexpr double kMaxSize = 5.0;
 // How far the joint pose holds a single view: the drift between views that tracking leaves.
 constexpr double kHoldSigma = 0.05;
 constexpr double kHoldSigmaRad = 5 * kDegree;
+// A placement in the air must disagree this much less than one on the ground.
+constexpr double kClearlyBetter = 0.7;
 constexpr std::size_t kPointsPerCoarseView = 150;
 
 using ViewPointers = std::vector<const MeasuredView*>;
 
 bool IsSize(double size_m) { return std::isfinite(size_m) && size_m > 0; }
 
-ScaleBounds BoundsOf(const ShapeCandidate& candidate) {
+PlacementPrior PriorOf(const ShapeCandidate& candidate) {
   double min_size = IsSize(candidate.min_size_m) ? candidate.min_size_m : kMinSize;
   double max_size = IsSize(candidate.max_size_m) ? candidate.max_size_m : kMaxSize;
   if (min_size > max_size) std::swap(min_size, max_size);
-  ScaleBounds bounds{min_size / kModelExtent, max_size / kModelExtent, 0};
+  PlacementPrior prior{min_size / kModelExtent, max_size / kModelExtent, 0};
   if (IsSize(candidate.size_m)) {
-    bounds.expected_m = std::clamp(candidate.size_m / kModelExtent, bounds.min_m, bounds.max_m);
+    prior.expected_m = std::clamp(candidate.size_m / kModelExtent, prior.min_m, prior.max_m);
   }
-  return bounds;
+  return prior;
 }
 
 ViewPointers UsableViews(std::span<const MeasuredView> views, int min_points) {
@@ -56,18 +59,18 @@ ViewPointers ViewsForJointPose(std::span<const MeasuredView> views,
   return usable.empty() ? UsableViews(views, 3) : usable;
 }
 
-SimilarityIcpOptions JointOptions(const ScaleBounds& bounds,
+SimilarityIcpOptions JointOptions(const PlacementPrior& prior,
                                   bool ground_known,
                                   const RegisterOptions& options) {
   SimilarityIcpOptions icp;
   icp.start_radius_m = options.coarse_radius_m;
   icp.end_radius_m = options.fine_radius_m;
-  icp.min_scale_m = bounds.min_m;
-  icp.max_scale_m = bounds.max_m;
-  icp.expected_scale_m = bounds.expected_m;
+  icp.min_scale_m = prior.min_m;
+  icp.max_scale_m = prior.max_m;
+  icp.expected_scale_m = prior.expected_m;
   icp.size_sigma = options.size_sigma;
   icp.upright_sigma_rad = ground_known ? options.upright_sigma_deg * kDegree : kGuessedUprightSigma;
-  icp.ground_sigma_m = options.ground_sigma_m;
+  icp.ground_sigma_m = prior.stands ? options.ground_sigma_m : 0.0;
   return icp;
 }
 
@@ -78,7 +81,7 @@ Similarity3 JointPose(const shape::ShapeModel& model,
                       const std::vector<WorldHypothesis>& hypotheses,
                       const SimilarityIcpOptions& options) {
   SimilarityIcpOptions coarse = options;
-  coarse.ground_firm = true;
+  coarse.ground_firm = options.ground_sigma_m > 0;
   std::size_t most_points = 0;
   for (const MeasuredView* view : views) {
     most_points = std::max(most_points, view->points_camera.size());
@@ -98,6 +101,39 @@ Similarity3 JointPose(const shape::ShapeModel& model,
   SimilarityIcpOptions fine = options;
   fine.start_radius_m = 0.5 * (options.start_radius_m + options.end_radius_m);
   return AlignShape(model, visible, views, best, fine);
+}
+
+struct JointPlacement {
+  Similarity3 world_from_object;
+  SimilarityIcpOptions icp;  // what it was found with
+};
+
+// Furniture stands on the ground; of a fused shape, which holds only what was seen, that is tried
+// but not required.
+std::optional<JointPlacement> PlaceJointly(const shape::ShapeModel& model,
+                                           VisibleSurface& visible,
+                                           const ViewPointers& views,
+                                           PlacementPrior prior,
+                                           CandidateSource source,
+                                           const RegisterOptions& options) {
+  std::optional<JointPlacement> best;
+  double least = 0;
+  for (const bool stands : {true, false}) {
+    prior.stands = stands;
+    if (!stands && source != CandidateSource::kFused) break;
+    const std::vector<WorldHypothesis> hypotheses =
+        FindHypotheses(model, visible, views, prior, options);
+    if (hypotheses.empty()) return std::nullopt;
+    const SimilarityIcpOptions icp =
+        JointOptions(prior, views.front()->ground_world.has_value(), options);
+    const Similarity3 joint = JointPose(model, visible, views, hypotheses, icp);
+    const double disagreement =
+        Disagreement(model, visible, views, joint, options.fine_radius_m, 2);
+    if (best && disagreement > kClearlyBetter * least) continue;
+    best = JointPlacement{joint, icp};
+    least = disagreement;
+  }
+  return best;
 }
 
 std::string WhyNotRegistered(const ViewFit& fit,
@@ -273,23 +309,19 @@ CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
   if (model.empty()) return NotRegistered(candidate, views, "the model is empty");
   const ViewPointers usable = ViewsForJointPose(views, options);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
-  const ScaleBounds bounds = BoundsOf(candidate);
   VisibleSurface visible(model);
-  const std::vector<WorldHypothesis> hypotheses =
-      FindHypotheses(model, visible, usable, bounds, options);
-  if (hypotheses.empty()) {
-    return NotRegistered(candidate, views, "the views' points have no extent");
-  }
-  const SimilarityIcpOptions icp =
-      JointOptions(bounds, usable.front()->ground_world.has_value(), options);
-  const Similarity3 joint = JointPose(model, visible, usable, hypotheses, icp);
+  const std::optional<JointPlacement> placement =
+      PlaceJointly(model, visible, usable, PriorOf(candidate), candidate.source, options);
+  if (!placement) return NotRegistered(candidate, views, "the views' points have no extent");
+  const Similarity3& joint = placement->world_from_object;
   const bool is_round = IsRound(model, options.symmetry_share);
   CandidateRegistration result;
   result.candidate = candidate.id;
   result.scale_m = joint.scale;
   result.world_from_object = joint.RigidPart();
   for (const MeasuredView& view : views) {
-    result.views.push_back(RegisterView(model, visible, view, joint, icp, is_round, options));
+    result.views.push_back(
+        RegisterView(model, visible, view, joint, placement->icp, is_round, options));
     result.ok = result.ok || result.views.back().ok;
   }
   if (!result.ok) result.reason = "no view agrees with the model";

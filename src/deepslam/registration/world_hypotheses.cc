@@ -90,18 +90,18 @@ Similarity3 Rescaled(const Similarity3& camera_from_object,
 std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
                                             VisibleSurface& visible,
                                             std::span<const MeasuredView* const> views,
-                                            const ScaleBounds& bounds,
+                                            const PlacementPrior& prior,
                                             const RegisterOptions& options) {
   const ViewPointers judges = EvenlySpaced(views, kMaxJudgeViews);
   std::vector<double> scales_m;
-  if (bounds.expected_m > 0) scales_m.push_back(bounds.expected_m);
+  if (prior.expected_m > 0) scales_m.push_back(prior.expected_m);
   const double top_m = TopHeight(views);
-  if (top_m > 0)
-    scales_m.push_back(std::clamp(top_m / model.extent().z(), bounds.min_m, bounds.max_m));
+  if (prior.stands && top_m > 0)
+    scales_m.push_back(std::clamp(top_m / model.extent().z(), prior.min_m, prior.max_m));
   std::vector<WorldHypothesis> all;
   const auto judge = [&](const MeasuredView& view, const Similarity3& camera_from_object) {
     WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
-    StandOnGround(model, view, hypothesis.world_from_object);
+    if (prior.stands) StandOnGround(model, view, hypothesis.world_from_object);
     const int stride = static_cast<int>(view.points_camera.size() / kPointsPerJudgeView) + 1;
     hypothesis.disagreement = Disagreement(
         model, visible, judges, hypothesis.world_from_object, options.coarse_radius_m, stride);
@@ -109,7 +109,7 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
   };
   for (const MeasuredView* view : BestViews(views, options.num_seed_views)) {
     for (const InitialAlignment& alignment :
-         AlignByMoments(visible, *view, options.num_azimuths, bounds.min_m, bounds.max_m)) {
+         AlignByMoments(visible, *view, options.num_azimuths, prior.min_m, prior.max_m)) {
       judge(*view, alignment.camera_from_object);
       for (const double scale_m : scales_m) {
         judge(*view, Rescaled(alignment.camera_from_object, view->centroid_camera, scale_m));

@@ -10,10 +10,12 @@
 
 namespace deepslam::registration {
 
-struct ScaleBounds {
+// What is known of a placement before any point is looked at.
+struct PlacementPrior {
   double min_m = 0;  // metres per object unit
   double max_m = 0;
   double expected_m = 0;  // 0 = unknown
+  bool stands = true;     // whole furniture stands on the ground; a fused part of it need not
 };
 
 struct WorldHypothesis {
@@ -29,7 +31,7 @@ struct WorldHypothesis {
     const shape::ShapeModel& model,
     VisibleSurface& visible,
     std::span<const MeasuredView* const> views,
-    const ScaleBounds& bounds,
+    const PlacementPrior& prior,
     const RegisterOptions& options);
 
 }  // namespace deepslam::registration
