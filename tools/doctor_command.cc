@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/library/furniture_library.h"

@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"

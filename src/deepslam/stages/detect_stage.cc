@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -37,18 +38,21 @@ Result<std::unique_ptr<detect::Detector>> LoadDetector(const RunInputs& inputs) 
   return detector;
 }
 
-std::vector<FrameIdx> FramesToLookAt(const Odometry& odometry, const DetectStageOptions& options) {
-  std::vector<FrameIdx> wanted;
-  if (options.frames == "keyframes" && options.source != "file") wanted = odometry.keyframes;
-  if (options.frames == "all" || options.source == "file") {
-    for (const TrackedFrame& frame : odometry.frames) wanted.push_back(frame.frame);
+// Keyframes or all frames, and those the user's file speaks of.
+std::vector<FrameIdx> FramesToLookAt(const Odometry& odometry,
+                                     const DetectStageOptions& options,
+                                     std::span<const Detection> given) {
+  std::set<FrameIdx> wanted(odometry.keyframes.begin(), odometry.keyframes.end());
+  for (const Detection& detection : given) wanted.insert(detection.frame);
+  if (options.frames == "all") {
+    for (const TrackedFrame& frame : odometry.frames) wanted.insert(frame.frame);
   }
   // Where a frame stands is unknown when tracking lost it: its detections could match anything.
   std::erase_if(wanted, [&](FrameIdx idx) {
     const TrackingStatus status = odometry.at(idx).status;
     return status == TrackingStatus::kLost || status == TrackingStatus::kUnreadable;
   });
-  return wanted;
+  return {wanted.begin(), wanted.end()};
 }
 
 // Every frame with the name of its colour file.
@@ -142,7 +146,8 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
   const Result<artifact::CocoDetections> from_file = ReadFileDetections(inputs, context, images);
   if (!from_file.ok()) return from_file.error();
 
-  const std::vector<FrameIdx> wanted = FramesToLookAt(*odometry, inputs.config.detect_stage);
+  const std::vector<FrameIdx> wanted =
+      FramesToLookAt(*odometry, inputs.config.detect_stage, from_file->detections);
   artifact::DetectionTable table;
   for (std::size_t begin = 0; begin < wanted.size(); begin += kBatch) {
     if (context.progress().StopRequested()) return Interrupted();
