@@ -26,10 +26,10 @@ using artifact::JsonObject;
 
 // What a run was measured to take per frame of 640 x 480 on two cores, and what it writes; for the
 // forecast alone.
-constexpr double kSecondsPerFrame = 0.35;
-constexpr double kBaseSeconds = 30;
-constexpr double kBytesPerFrame = 60e3;
-constexpr double kMemoryMib = 1500;
+constexpr double kSecondsPerFrame = 0.06;
+constexpr double kBaseSeconds = 10;
+constexpr double kBytesPerFrame = 20e3;
+constexpr double kMemoryMib = 600;
 
 // A finding: what was looked at, whether it is well, and what to do if not.
 struct Finding {
@@ -109,7 +109,7 @@ Finding CheckCapture(const std::string& folder) {
       camera.height,
       capture->has_poses ? ", with poses" : "",
       kBaseSeconds + kSecondsPerFrame * frames,
-      10 + kBytesPerFrame * frames / 1e6);
+      5 + kBytesPerFrame * frames / 1e6);
   for (const std::string& warning : capture->warnings) detail += "; " + warning;
   return {"capture", true, detail};
 }

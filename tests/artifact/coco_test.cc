@@ -113,11 +113,11 @@ TEST(CocoFile, RefusesWhatIsNoCoco) {
 }
 
 TEST(Base64, ReadsBackAndRefusesDamage) {
-  for (const std::string bytes : {std::string(),
-                                  std::string("a"),
-                                  std::string("ab"),
-                                  std::string("abc"),
-                                  std::string("\0\xff\x80", 3)}) {
+  for (const std::string& bytes : {std::string(),
+                                   std::string("a"),
+                                   std::string("ab"),
+                                   std::string("abc"),
+                                   std::string("\0\xff\x80", 3)}) {
     EXPECT_EQ(*DecodeBase64(EncodeBase64(bytes)), bytes);
   }
   EXPECT_EQ(EncodeBase64("Man"), "TWFu");

@@ -1,7 +1,10 @@
 // Every codec: what was written reads back, to the last bit, and is the same bytes when written
 // again; whatever is cut off, flipped, foreign or from the future is refused politely or still a
 // sound value.
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -201,8 +204,8 @@ TEST_P(CodecTest, RefusesTheFutureAndForeignDocuments) {
 INSTANTIATE_TEST_SUITE_P(All,
                          CodecTest,
                          testing::Range(std::size_t{0}, Cases().size()),
-                         [](const testing::TestParamInfo<std::size_t>& info) {
-                           return Cases()[info.param].name;
+                         [](const testing::TestParamInfo<std::size_t>& param) {
+                           return Cases()[param.param].name;
                          });
 
 TEST(Codecs, KeepEveryFieldOfAnObject) {
@@ -218,6 +221,7 @@ TEST(Codecs, KeepEveryFieldOfAnObject) {
   EXPECT_EQ(a.views[0].yaw_free, b.views[0].yaw_free);
   EXPECT_EQ(a.scores[0].views[0].num_seen, b.scores[0].views[0].num_seen);
   EXPECT_EQ(a.history[1].candidate, b.history[1].candidate);
+  EXPECT_EQ(a.scores[0].seen_share, b.scores[0].seen_share);
   EXPECT_EQ(a.merged, b.merged);
   EXPECT_EQ(map.dropped, read->dropped);
 }

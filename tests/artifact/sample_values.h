@@ -196,14 +196,17 @@ inline ObjectMap SampleObjects() {
   object.confidence = 0.71;
   object.note = "leans";
   object.views = {SampleView(random)};
-  object.scores = {{CandidateId{1},
-                    0.7,
-                    0.8,
-                    0.6,
-                    0.1,
-                    3,
-                    "fine",
-                    {{DetectionId{1}, FrameIdx{3}, 77, 0.8, 99, 0.6, 0.1}}}};
+  CandidateScore score;
+  score.candidate = CandidateId{1};
+  score.score = 0.7;
+  score.surface_share = 0.8;
+  score.coverage_share = 0.6;
+  score.free_violation = 0.1;
+  score.num_views = 3;
+  score.seen_share = 0.45;
+  score.note = "fine";
+  score.views = {{DetectionId{1}, FrameIdx{3}, 77, 0.8, 99, 0.6, 0.1}};
+  object.scores = {score};
   object.history = {{FrameIdx{3}, CandidateId{0}, 0.4}, {FrameIdx{4}, CandidateId{1}, 0.7}};
   object.merged = {ObjectId{9}};
   return {{object}, {"table_02: no candidate"}};
