@@ -60,7 +60,60 @@ TEST(WriteGlb, LabelsStandInCoreGltf) {
   EXPECT_EQ(root["asset"]["extras"]["credits"], Json::array({"A. Maker, CC-BY 3.0"}));
   EXPECT_EQ(root["asset"]["extras"]["capture"], "00ff");
   EXPECT_EQ(root["extensionsRequired"], Json::array({"KHR_draco_mesh_compression"}));
-  EXPECT_FALSE(Json::parse(JsonOf(*WriteGlb(SmallScene(), Plain()))).contains("extensionsUsed"));
+  GltfScene plain = SmallScene();
+  plain.objects[1].mesh.colours.clear();
+  EXPECT_FALSE(Json::parse(JsonOf(*WriteGlb(plain, Plain()))).contains("extensionsUsed"));
+}
+
+TEST(WriteGlb, ColouredObjectsSwitchToTheirClassColour) {
+  for (const bool draco : {true, false}) {
+    GltfOptions options;
+    options.draco = draco;
+    const Result<std::string> glb = WriteGlb(SmallScene(), options);
+    const Json root = Json::parse(JsonOf(*glb));
+    const Json variants = root["extensions"]["KHR_materials_variants"]["variants"];
+    ASSERT_EQ(variants, Json::array({{{"name", "appearance"}}, {{"name", "class"}}}));
+    EXPECT_EQ(ValidateGlb(*glb).variants, (std::vector<std::string>{"appearance", "class"}));
+    const Json primitive =
+        root["meshes"][NodeNamed(root, "chair_02")["mesh"].get<std::size_t>()]["primitives"][0];
+    const Json mappings = primitive["extensions"]["KHR_materials_variants"]["mappings"];
+    ASSERT_EQ(mappings.size(), 2U);
+    EXPECT_EQ(mappings[0]["material"], primitive["material"]);  // what shows without the extension
+    const Json flat = root["materials"][mappings[1]["material"].get<std::size_t>()];
+    const auto glow = flat["emissiveFactor"].get<std::vector<double>>();
+    EXPECT_NEAR(glow[0], std::pow((200 / 255.0 + 0.055) / 1.055, 2.4), 1e-4);  // sRGB 200
+    // Nobody needs the extension to read the file.
+    EXPECT_EQ(root.value("extensionsRequired", Json::array()),
+              draco ? Json::array({"KHR_draco_mesh_compression"}) : Json::array());
+  }
+}
+
+TEST(WriteGlb, ObjectsOfOneModelShareAMeshWhateverTheirSize) {
+  for (const bool draco : {true, false}) {
+    GltfOptions options;
+    options.draco = draco;
+    GltfScene scene;
+    for (int n = 1; n <= 4; ++n) {
+      GltfObject object = BoxObject("chair", n);
+      object.model = "maker__chair";
+      object.scale_m = 0.5 + 0.1 * n;
+      for (Eigen::Vector3f& p : object.mesh.vertices) p *= static_cast<float>(object.scale_m);
+      scene.objects.push_back(std::move(object));
+    }
+    scene.objects[2].model = "maker__other";
+    scene.objects[3].mesh.vertices[0].x() -= 0.01F;  // says it is that model, but is not
+    const Result<std::string> glb = WriteGlb(scene, options);
+    ASSERT_TRUE(glb.ok());
+    const Json root = Json::parse(JsonOf(*glb));
+    EXPECT_EQ(root["meshes"].size(), 3U);
+    EXPECT_EQ(NodeNamed(root, "chair_01")["mesh"], NodeNamed(root, "chair_02")["mesh"]);
+    const ValidationReport report = ValidateGlb(*glb);
+    ASSERT_TRUE(report.ok()) << AllErrors(report);
+    for (std::size_t n = 0; n < 3; ++n) {  // each as large as it is
+      const double scale = scene.objects[n].scale_m;
+      EXPECT_NEAR(report.objects[n].volume_m3, 0.6 * 0.4 * 0.9 * scale * scale * scale, 1e-4);
+    }
+  }
 }
 
 // Where a point of a node lies in glTF's world.

@@ -185,6 +185,33 @@ INSTANTIATE_TEST_SUITE_P(
                  j["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]
                   ["attributes"]["POSITION"] = 55;
                }},
+        Damage{"VariantIndex",
+               "mappings[1].variants",
+               true,
+               [](Json& j) {
+                 j["meshes"][1]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"]
+                  [1]["variants"][0] = 2;
+               }},
+        Damage{"VariantTwice",
+               "mappings[1].variants",
+               true,
+               [](Json& j) {
+                 j["meshes"][1]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"]
+                  [1]["variants"][0] = 0;
+               }},
+        Damage{"VariantMaterial",
+               "mappings[0].material",
+               true,
+               [](Json& j) {
+                 j["meshes"][1]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"]
+                  [0]["material"] = 99;
+               }},
+        Damage{"VariantsAreNone",
+               "KHR_materials_variants.variants",
+               true,
+               [](Json& j) {
+                 j["extensions"]["KHR_materials_variants"]["variants"] = Json::array();
+               }},
         Damage{"Version", "asset.version", true, [](Json& j) { j["asset"]["version"] = "1.0"; }},
         Damage{"ListIsNumber", "nodes", true, [](Json& j) { j["nodes"] = 5; }},
         Damage{"NodeIsNumber", "nodes[0]", true, [](Json& j) { j["nodes"][0] = 5; }}),

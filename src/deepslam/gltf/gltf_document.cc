@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "deepslam/gltf/glb_container.h"
 #include "deepslam/gltf/validate.h"
 
 namespace deepslam::gltf {
@@ -13,90 +15,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
-constexpr std::uint32_t kBinaryChunk = 0x004E4942;
-// Readers take JSON apart recursively: no honest scene is deeper.
-constexpr int kMaxDepth = 64;
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
+constexpr const char* kVariants = "KHR_materials_variants";
 constexpr double kUnitTolerance = 1e-3;
-
-std::uint32_t U32At(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t n = 0; n < 4; ++n) {
-    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + n])) << (8 * n);
-  }
-  return value;
-}
-
-struct Chunks {
-  std::string_view json;
-  std::string_view binary;
-};
-
-std::optional<Chunks> ReadChunks(std::string_view bytes, Findings& findings) {
-  if (bytes.size() < 20 || U32At(bytes, 0) != kMagic) {
-    findings.Error("header",
-                   "not a GLB: " + std::to_string(bytes.size()) +
-                       " bytes that do not begin with a glTF header");
-    return std::nullopt;
-  }
-  if (U32At(bytes, 4) != 2) {
-    findings.Error("header", "version " + std::to_string(U32At(bytes, 4)) + " instead of 2");
-    return std::nullopt;
-  }
-  if (U32At(bytes, 8) != bytes.size()) {
-    findings.Error("header",
-                   "length " + std::to_string(U32At(bytes, 8)) + " but the file has " +
-                       std::to_string(bytes.size()) + " bytes: truncated or damaged");
-    return std::nullopt;
-  }
-  Chunks chunks;
-  for (std::size_t at = 12, n = 0; at < bytes.size(); ++n) {
-    const std::string place = "chunk " + std::to_string(n);
-    if (bytes.size() - at < 8) {
-      findings.Error(place, "header is cut off");
-      return std::nullopt;
-    }
-    const std::size_t length = U32At(bytes, at);
-    const std::uint32_t type = U32At(bytes, at + 4);
-    if (length % 4 != 0 || length > bytes.size() - at - 8) {
-      findings.Error(place,
-                     "length " + std::to_string(length) +
-                         " is no multiple of 4 or goes past the end of the file");
-      return std::nullopt;
-    }
-    const std::string_view content = bytes.substr(at + 8, length);
-    if ((n == 0) != (type == kJsonChunk)) {
-      findings.Error(place, "the first chunk, and no other, must be JSON");
-      return std::nullopt;
-    }
-    if (n == 0) chunks.json = content;
-    if (type == kBinaryChunk && n != 1) findings.Error(place, "BIN must be the second chunk");
-    if (type == kBinaryChunk && n == 1) chunks.binary = content;
-    if (type != kBinaryChunk && n > 0) findings.Warn(place, "unknown type, ignored");
-    at += 8 + length;
-  }
-  return chunks;
-}
-
-bool TooDeep(std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t n = 0; n < text.size(); ++n) {
-    const char c = text[n];
-    if (in_string) {
-      if (c == '\\') ++n;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > kMaxDepth) return true;
-  }
-  return false;
-}
 
 std::string Indexed(const char* name, std::size_t n) {
   return std::string(name) + "[" + std::to_string(n) + "]";
@@ -136,6 +57,7 @@ class DocumentReader {
     ForEach("bufferViews", [&](const Json& o, const std::string& p) { ReadView(o, p); });
     ForEach("accessors", [&](const Json& o, const std::string& p) { ReadAccessor(o, p); });
     num_materials_ = List("materials").size();
+    ReadVariants();
     document_.num_cameras = static_cast<int>(List("cameras").size());
     ForEach("meshes", [&](const Json& o, const std::string& p) { ReadMesh(o, p); });
     num_nodes_ = List("nodes").size();
@@ -384,6 +306,9 @@ class DocumentReader {
     if (extensions != object.end() && extensions->is_object() && extensions->contains(kDraco)) {
       ReadDraco((*extensions)[kDraco], place + ".extensions." + kDraco, primitive);
     }
+    if (extensions != object.end() && extensions->is_object() && extensions->contains(kVariants)) {
+      CheckMappings((*extensions)[kVariants], place + ".extensions." + kVariants);
+    }
     return primitive;
   }
 
@@ -410,6 +335,47 @@ class DocumentReader {
     }
   }
 
+  // Names of the appearances a scene can be switched between.
+  void ReadVariants() {
+    const auto extensions = root_.find("extensions");
+    if (extensions == root_.end() || !extensions->is_object() || !extensions->contains(kVariants)) {
+      return;
+    }
+    const std::string place = std::string("extensions.") + kVariants + ".variants";
+    const Json& object = (*extensions)[kVariants];
+    const bool listed = object.is_object() && object.contains("variants") &&
+                        object["variants"].is_array() && !object["variants"].empty();
+    if (!listed) return findings_.Error(place, "must be an array that is not empty");
+    for (const Json& variant : object["variants"]) {
+      const std::string name = variant.is_object() ? Text(variant, "name") : std::string();
+      if (name.empty()) findings_.Error(place, "a variant without a name");
+      document_.variants.push_back(name);
+    }
+  }
+
+  // A material for each variant, none named twice.
+  void CheckMappings(const Json& object, const std::string& place) {
+    const bool listed = object.is_object() && object.contains("mappings") &&
+                        object["mappings"].is_array() && !object["mappings"].empty();
+    if (!listed) return findings_.Error(place + ".mappings", "must be an array that is not empty");
+    std::set<int> mapped;
+    for (std::size_t n = 0; n < object["mappings"].size(); ++n) {
+      const Json& mapping = object["mappings"][n];
+      const std::string inner = place + "." + Indexed("mappings", n);
+      if (!mapping.is_object()) {
+        findings_.Error(inner, "must be an object");
+        continue;
+      }
+      if (!mapping.contains("material")) findings_.Error(inner + ".material", "is missing");
+      Index(mapping, "material", inner, num_materials_);
+      for (const int variant : Indices(mapping, "variants", inner, document_.variants.size())) {
+        if (!mapped.insert(variant).second) {
+          findings_.Error(inner + ".variants", std::to_string(variant) + " stands twice");
+        }
+      }
+    }
+  }
+
   void ReadNode(const Json& object, const std::string& place) {
     GltfNode node;
     node.name = Text(object, "name");
@@ -418,8 +384,10 @@ class DocumentReader {
     node.children = Indices(object, "children", place, num_nodes_);
     Numbers(object, "translation", place, 3);
     Numbers(object, "matrix", place, 16);
-    for (const double factor : Numbers(object, "scale", place, 3)) {
-      if (factor == 0) findings_.Error(place + ".scale", "is zero");
+    const std::vector<double> scale = Numbers(object, "scale", place, 3);
+    for (std::size_t axis = 0; axis < scale.size(); ++axis) {
+      if (scale[axis] == 0) findings_.Error(place + ".scale", "is zero");
+      node.scale[axis] = scale[axis];
     }
     const std::vector<double> rotation = Numbers(object, "rotation", place, 4);
     if (!rotation.empty()) {
@@ -460,10 +428,10 @@ void Findings::Warn(const std::string& place, const std::string& what) {
 }
 
 std::optional<GltfDocument> ReadGltfDocument(std::string_view bytes, Findings& findings) {
-  const std::optional<Chunks> chunks = ReadChunks(bytes, findings);
+  const std::optional<GlbChunks> chunks = ReadGlbChunks(bytes, findings);
   if (!chunks) return std::nullopt;
-  if (TooDeep(chunks->json)) {
-    findings.Error("JSON", "nested deeper than " + std::to_string(kMaxDepth));
+  if (const std::string fault = NestingFault(chunks->json); !fault.empty()) {
+    findings.Error("JSON", fault);
     return std::nullopt;
   }
   const Json root = Json::parse(chunks->json.begin(), chunks->json.end(), nullptr, false);

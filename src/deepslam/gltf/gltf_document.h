@@ -1,6 +1,7 @@
 // A GLB taken apart into plain values, with every index and bound checked on the way.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -54,6 +55,7 @@ struct GltfNode {
   std::string name;
   int mesh = -1;
   int camera = -1;
+  std::array<double, 3> scale = {1, 1, 1};
   std::vector<int> children;
   bool is_object = false;  // extras.class is there
   std::string class_name;
@@ -68,6 +70,7 @@ struct GltfDocument {
   std::vector<GltfNode> nodes;
   std::vector<std::vector<int>> scenes;
   int num_cameras = 0;
+  std::vector<std::string> variants;  // of KHR_materials_variants
   bool requires_draco = false;
 };
 

@@ -34,6 +34,15 @@ struct RenderMesh {
   return {Eigen::Quaterniond(q.w(), q.y(), q.z(), q.x()), ToGltfAxes(pose.translation_m)};
 }
 
+// glTF's cameras look along -z with y up; ours along z with y down.
+[[nodiscard]] inline Pose3 GltfCameraPose(const Pose3& world_from_camera) {
+  const Eigen::Quaterniond camera_from_gltf_camera(0, 1, 0, 0);  // half a turn about x
+  // The world's axes change, the camera's do not: they are the viewer's own.
+  const Eigen::Quaterniond gltf_world_from_world(0.5, -0.5, -0.5, -0.5);
+  return {gltf_world_from_world * world_from_camera.rotation * camera_from_gltf_camera,
+          ToGltfAxes(world_from_camera.translation_m)};
+}
+
 // sRGB to linear light, 16 bit (glTF's vertex colours and factors are linear).
 [[nodiscard]] std::uint16_t LinearFromSrgb(std::uint8_t value);
 

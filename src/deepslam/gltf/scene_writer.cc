@@ -1,6 +1,7 @@
 #include "deepslam/gltf/scene_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "deepslam/gltf/check_scene.h"
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/render_mesh.h"
 #include "deepslam/gltf/utf8.h"
@@ -29,6 +31,12 @@ constexpr Rgb8 kWhite{255, 255, 255};
 constexpr Rgb8 kGroundColour{176, 170, 160};
 constexpr Rgb8 kTrajectoryColour{230, 80, 30};
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
+constexpr const char* kVariants = "KHR_materials_variants";
+constexpr int kAppearance = 0;  // places in the list of variants
+constexpr int kClassColour = 1;
+
+using ColourKey = std::array<std::uint8_t, 3>;
+ColourKey Key(Rgb8 colour) { return {colour.r, colour.g, colour.b}; }
 
 tinygltf::Value StringValue(const std::string& text) { return tinygltf::Value(ToValidUtf8(text)); }
 
@@ -49,21 +57,7 @@ class GlbBuilder {
   }
 
   int AddMaterial(const std::string& name, Rgb8 colour, bool double_sided) {
-    const auto key = std::tuple(name, colour.r, colour.g, colour.b, double_sided);
-    const auto found = materials_.find(key);
-    if (found != materials_.end()) return found->second;
-    tinygltf::Material material;
-    material.name = ToValidUtf8(name);
-    const auto linear = [](std::uint8_t value) { return LinearFromSrgb(value) / 65535.0; };
-    material.pbrMetallicRoughness.baseColorFactor = {
-        linear(colour.r), linear(colour.g), linear(colour.b), 1.0};
-    material.pbrMetallicRoughness.metallicFactor = 0.0;
-    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
-    material.doubleSided = double_sided;
-    const int index = static_cast<int>(model_.materials.size());
-    model_.materials.push_back(material);
-    materials_[key] = index;
-    return index;
+    return AddMaterial(name, {.base = colour, .double_sided = double_sided});
   }
 
   struct MeshStyle {
@@ -72,6 +66,7 @@ class GlbBuilder {
     bool double_sided = false;
     bool closed = true;
     double crease_angle_deg = 180;
+    bool class_variant = false;  // coloured meshes: `plain_colour` as a second appearance
   };
 
   Result<int> AddMesh(const std::string& name, const TriangleMesh& source, const MeshStyle& style) {
@@ -83,6 +78,7 @@ class GlbBuilder {
     primitive.material = AddMaterial(style.material_name,
                                      mesh.colours.empty() ? style.plain_colour : kWhite,
                                      style.double_sided);
+    if (style.class_variant && !mesh.colours.empty()) AddClassVariant(style, primitive);
     if (options_.draco) {
       const Status status = FillDraco(mesh, style.closed, primitive);
       if (!status) return status.error();
@@ -119,6 +115,72 @@ class GlbBuilder {
   }
 
  private:
+  struct Surface {
+    Rgb8 base;
+    Rgb8 glow{0, 0, 0};  // shown whatever light and vertex colours there are
+    bool double_sided = false;
+  };
+
+  int AddMaterial(const std::string& name, const Surface& surface) {
+    const auto key = std::tuple(name, Key(surface.base), Key(surface.glow), surface.double_sided);
+    const auto found = materials_.find(key);
+    if (found != materials_.end()) return found->second;
+    const auto linear = [](Rgb8 c) {
+      return std::vector<double>{LinearFromSrgb(c.r) / 65535.0,
+                                 LinearFromSrgb(c.g) / 65535.0,
+                                 LinearFromSrgb(c.b) / 65535.0};
+    };
+    tinygltf::Material material;
+    material.name = ToValidUtf8(name);
+    material.pbrMetallicRoughness.baseColorFactor = linear(surface.base);
+    material.pbrMetallicRoughness.baseColorFactor.push_back(1.0);
+    material.pbrMetallicRoughness.metallicFactor = 0.0;
+    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
+    material.emissiveFactor = linear(surface.glow);
+    material.doubleSided = surface.double_sided;
+    const int index = static_cast<int>(model_.materials.size());
+    model_.materials.push_back(material);
+    materials_[key] = index;
+    return index;
+  }
+
+  void UseExtension(const char* name, bool required) {
+    const auto add = [&](std::vector<std::string>& names) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+    };
+    add(model_.extensionsUsed);
+    if (required) add(model_.extensionsRequired);
+  }
+
+  // Vertex colours multiply the base colour in every material, so the class colour is one that
+  // glows: flat, as class colours of segmentations are.
+  void AddClassVariant(const MeshStyle& style, tinygltf::Primitive& primitive) {
+    const int flat = AddMaterial(style.material_name + " (class colour)",
+                                 {.base = {0, 0, 0}, .glow = style.plain_colour});
+    tinygltf::Value::Array mappings;
+    for (const auto& [variant, material] :
+         {std::pair(kAppearance, primitive.material), std::pair(kClassColour, flat)}) {
+      tinygltf::Value::Object mapping;
+      mapping["material"] = tinygltf::Value(material);
+      mapping["variants"] = tinygltf::Value(tinygltf::Value::Array{tinygltf::Value(variant)});
+      mappings.emplace_back(std::move(mapping));
+    }
+    tinygltf::Value::Object extension;
+    extension["mappings"] = tinygltf::Value(std::move(mappings));
+    primitive.extensions[kVariants] = tinygltf::Value(std::move(extension));
+    UseExtension(kVariants, false);
+    if (model_.extensions.count(kVariants) != 0) return;
+    tinygltf::Value::Array variants;
+    for (const char* name : {"appearance", "class"}) {
+      tinygltf::Value::Object variant;
+      variant["name"] = tinygltf::Value(std::string(name));
+      variants.emplace_back(std::move(variant));
+    }
+    tinygltf::Value::Object list;
+    list["variants"] = tinygltf::Value(std::move(variants));
+    model_.extensions[kVariants] = tinygltf::Value(std::move(list));
+  }
+
   int AddMeshOf(const std::string& name, const tinygltf::Primitive& primitive) {
     tinygltf::Mesh mesh;
     mesh.name = ToValidUtf8(name);
@@ -231,10 +293,7 @@ class GlbBuilder {
         tinygltf::Value(AddView(payload->bytes.data(), payload->bytes.size(), 0));
     extension["attributes"] = tinygltf::Value(std::move(attributes));
     primitive.extensions[kDraco] = tinygltf::Value(std::move(extension));
-    if (model_.extensionsUsed.empty()) {
-      model_.extensionsUsed = {kDraco};
-      model_.extensionsRequired = {kDraco};
-    }
+    UseExtension(kDraco, true);
     return Ok();
   }
 
@@ -242,54 +301,13 @@ class GlbBuilder {
   tinygltf::Model model_;
   std::vector<unsigned char> bytes_;
   std::vector<int> scene_nodes_;
-  std::map<std::tuple<std::string, std::uint8_t, std::uint8_t, std::uint8_t, bool>, int> materials_;
+  std::map<std::tuple<std::string, ColourKey, ColourKey, bool>, int> materials_;
 };
-
-Status CheckMeshInput(const TriangleMesh& mesh, const std::string& name) {
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (!mesh.vertices[v].allFinite()) {
-      return InvalidInput(name + ": vertex " + std::to_string(v) + " is not finite");
-    }
-  }
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    for (const std::uint32_t v : mesh.faces[f]) {
-      if (v >= mesh.vertices.size()) {
-        return InvalidInput(name + ": face " + std::to_string(f) + " has index " +
-                            std::to_string(v) + " of " + std::to_string(mesh.vertices.size()) +
-                            " vertices");
-      }
-    }
-  }
-  if (!mesh.colours.empty() && mesh.colours.size() != mesh.vertices.size()) {
-    return InvalidInput(name + ": " + std::to_string(mesh.colours.size()) + " colours for " +
-                        std::to_string(mesh.vertices.size()) + " vertices");
-  }
-  return Ok();
-}
-
-Status CheckPose(const Pose3& pose, const std::string& name) {
-  const double norm = pose.rotation.norm();
-  if (!pose.translation_m.allFinite() || !std::isfinite(norm) || norm < 1e-6) {
-    return InvalidInput(name + ": pose is not finite");
-  }
-  return Ok();
-}
 
 void SetPose(tinygltf::Node& node, const Pose3& world_from_node_gltf) {
   const Eigen::Quaterniond q = world_from_node_gltf.rotation.normalized();
   node.translation = ToVector(world_from_node_gltf.translation_m);
   node.rotation = {q.x(), q.y(), q.z(), q.w()};
-}
-
-std::string UniqueName(const GltfObject& object, std::set<std::string>& taken) {
-  std::string name = ToValidUtf8(object.name);
-  if (name.empty()) {
-    const std::string number = std::to_string(object.instance);
-    name = ToValidUtf8(object.class_name) + "_" + (number.size() < 2 ? "0" : "") + number;
-  }
-  std::string unique = name;
-  for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
-  return unique;
 }
 
 tinygltf::Value ObjectExtras(const GltfObject& object) {
@@ -305,32 +323,63 @@ tinygltf::Value ObjectExtras(const GltfObject& object) {
   return tinygltf::Value(std::move(extras));
 }
 
+// Meshes that later objects may use again: plain ones of a known model.
+struct SharedMesh {
+  const GltfObject* first = nullptr;
+  int index = -1;
+};
+using SharedMeshes = std::map<std::tuple<std::string, std::string, ColourKey>, SharedMesh>;
+
+// Objects of one model differ in size by a factor alone, which goes onto the node.
+Status AddObjectMesh(const GltfObject& object,
+                     const GltfOptions& options,
+                     SharedMeshes& shared,
+                     GlbBuilder& builder,
+                     tinygltf::Node& node) {
+  const bool shareable = !object.model.empty() && object.mesh.colours.empty() &&
+                         object.scale_m > 0 && !object.mesh.empty();
+  const auto key = std::tuple(object.model, object.class_name, Key(object.class_colour));
+  if (const auto found = shared.find(key); shareable && found != shared.end()) {
+    const double ratio = object.scale_m / found->second.first->scale_m;
+    if (IsScaledCopy(object.mesh, found->second.first->mesh, ratio)) {
+      node.mesh = found->second.index;
+      if (ratio != 1.0) node.scale = {ratio, ratio, ratio};
+      return Ok();
+    }
+  }
+  const Result<int> mesh = builder.AddMesh(node.name,
+                                           object.mesh,
+                                           {.material_name = object.class_name,
+                                            .plain_colour = object.class_colour,
+                                            .double_sided = false,
+                                            .closed = true,
+                                            .crease_angle_deg = options.crease_angle_deg,
+                                            .class_variant = true});
+  if (!mesh) return Error{mesh.error().code, node.name + ": " + mesh.error().message};
+  node.mesh = *mesh;
+  if (shareable && *mesh >= 0) shared.emplace(key, SharedMesh{&object, *mesh});
+  return Ok();
+}
+
 Status AddObject(const GltfObject& object,
                  const GltfOptions& options,
                  std::set<std::string>& taken,
+                 SharedMeshes& shared,
                  GlbBuilder& builder) {
   const std::string name = UniqueName(object, taken);
   Status status = CheckMeshInput(object.mesh, name);
   if (status) status = CheckPose(object.world_from_object, name);
-  if (status && !std::isfinite(object.score)) {
-    status = InvalidInput(name + ": score is not finite");
+  if (status && !(std::isfinite(object.score) && std::isfinite(object.scale_m))) {
+    status = InvalidInput(name + ": score or scale is not finite");
   }
   if (!status) return status;
   tinygltf::Node node;
   node.name = name;
   SetPose(node, ToGltfAxes(object.world_from_object));
   node.extras = ObjectExtras(object);
-  const Result<int> mesh = builder.AddMesh(name,
-                                           object.mesh,
-                                           {.material_name = object.class_name,
-                                            .plain_colour = object.class_colour,
-                                            .double_sided = false,
-                                            .closed = true,
-                                            .crease_angle_deg = options.crease_angle_deg});
-  if (!mesh) return Error{mesh.error().code, name + ": " + mesh.error().message};
-  node.mesh = *mesh;
-  builder.AddNode(std::move(node), true);
-  return Ok();
+  status = AddObjectMesh(object, options, shared, builder, node);
+  if (status) builder.AddNode(std::move(node), true);
+  return status;
 }
 
 Status AddSurface(const std::string& name,
@@ -363,15 +412,6 @@ Status AddTrajectory(const GltfScene& scene, GlbBuilder& builder) {
   node.mesh = builder.AddLine("trajectory", points, kTrajectoryColour);
   builder.AddNode(std::move(node), true);
   return Ok();
-}
-
-// glTF's cameras look along -z with y up; ours along z with y down.
-Pose3 GltfCameraPose(const Pose3& world_from_camera) {
-  const Eigen::Quaterniond camera_from_gltf_camera(0, 1, 0, 0);  // half a turn about x
-  // The world's axes change, the camera's do not: they are the viewer's own.
-  const Eigen::Quaterniond gltf_world_from_world(0.5, -0.5, -0.5, -0.5);
-  return {gltf_world_from_world * world_from_camera.rotation * camera_from_gltf_camera,
-          ToGltfAxes(world_from_camera.translation_m)};
 }
 
 Status AddKeyframes(const GltfScene& scene, const GltfOptions& options, GlbBuilder& builder) {
@@ -423,9 +463,10 @@ Result<std::string> WriteScene(const GltfScene& scene, const GltfOptions& option
   asset.generator = ToValidUtf8(scene.generator);
   asset.extras = AssetExtras(scene);
   std::set<std::string> taken = {"ground", "room", "trajectory", "keyframes"};
+  SharedMeshes shared;
   Status status;
   for (const GltfObject& object : scene.objects) {
-    status = AddObject(object, options, taken, builder);
+    status = AddObject(object, options, taken, shared, builder);
     if (!status) return status.error();
   }
   const GlbBuilder::MeshStyle ground_style{.material_name = "ground",
@@ -450,27 +491,6 @@ Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options)
   } catch (const std::exception& e) {
     return Failed(std::string("glTF: ") + e.what());
   }
-}
-
-void Describe(OptionsVisitor& visitor, GltfOptions& options) {
-  visitor.Field("draco", options.draco, "compress meshes by KHR_draco_mesh_compression");
-  visitor.Field("position_bits",
-                options.position_bits,
-                {static_cast<double>(kMinPositionBits), static_cast<double>(kMaxPositionBits)},
-                "1",
-                "Draco: bits per coordinate over a mesh's longest side");
-  visitor.Field("normal_bits", options.normal_bits, {4, 16}, "1", "Draco: bits per normal");
-  visitor.Field("crease_angle_deg",
-                options.crease_angle_deg,
-                {0, 180},
-                "deg",
-                "edges sharper than this are shaded sharp");
-  visitor.Field("cameras", options.cameras, "write the keyframes' cameras");
-  visitor.Field("max_frustum_m",
-                options.max_frustum_m,
-                {0.1, 1000},
-                "m",
-                "far end of the keyframes' cameras");
 }
 
 }  // namespace deepslam::gltf

@@ -8,6 +8,11 @@
 // Nodes of the scene, in this order: one per object (name `chair_03`, extras {class, instance,
 // score, prior, views}), `ground`, `room`, `trajectory` (LINE_STRIP), `keyframes` (its children are
 // cameras `keyframe_000017`).
+//
+// Objects of the same model whose meshes carry no colours and are equal up to size share one mesh;
+// the size is then the node's scale. Coloured objects have a mesh each, since the colours lie in
+// it, and can be switched by KHR_materials_variants: `appearance` (the vertex colours, the default)
+// and `class` (the flat class colour). Labels stand in names and extras alone, which are core glTF.
 #pragma once
 
 #include <map>
@@ -35,6 +40,10 @@ struct GltfObject {
   Pose3 world_from_object;
   Rgb8 class_colour{160, 160, 160};  // sRGB; used where the mesh has no colours
   std::string credit;                // creator and licence of a CAD model; empty = none
+  // Key of the shape, and metres per unit of it: objects of one model without colours of their own
+  // share a mesh. Empty = shares with none.
+  std::string model;
+  double scale_m = 1;
 };
 
 struct GltfKeyframe {

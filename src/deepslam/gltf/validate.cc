@@ -38,6 +38,7 @@ class Validator {
     report_.num_nodes = static_cast<int>(document_.nodes.size());
     report_.num_meshes = static_cast<int>(document_.meshes.size());
     report_.num_cameras = document_.num_cameras;
+    report_.variants = document_.variants;
     CheckTree();
     for (const GltfMesh& mesh : document_.meshes) {
       geometries_.emplace_back();
@@ -271,11 +272,14 @@ class Validator {
       return;
     }
     TriangleMesh mesh;
+    const Eigen::Vector3f scale =
+        Eigen::Map<const Eigen::Vector3d>(node.scale.data()).cast<float>();
     for (const auto& geometry : geometries_[static_cast<std::size_t>(node.mesh)]) {
       if (!geometry) return;
       const std::uint32_t first = static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.insert(
-          mesh.vertices.end(), geometry->positions.begin(), geometry->positions.end());
+      for (const Eigen::Vector3f& p : geometry->positions) {
+        mesh.vertices.emplace_back(p.cwiseProduct(scale));
+      }
       for (std::size_t n = 0; n + 2 < geometry->indices.size(); n += 3) {
         mesh.faces.push_back({first + geometry->indices[n],
                               first + geometry->indices[n + 1],
@@ -285,7 +289,6 @@ class Validator {
     const MeshCheck check = CheckMesh(mesh);
     if (!check.ok()) findings_.Error(place, "mesh is not closed and oriented: " + check.fault);
     object.num_faces = static_cast<int>(mesh.faces.size());
-    // places instead.
     std::set<std::array<float, 3>> places;
     for (const Eigen::Vector3f& p : mesh.vertices) places.insert({p.x(), p.y(), p.z()});
     object.num_vertices = static_cast<int>(places.size());

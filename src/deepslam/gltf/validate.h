@@ -33,7 +33,8 @@ struct ValidationReport {
   std::int64_t num_vertices = 0;  // of all triangle primitives, as stored
   std::int64_t num_faces = 0;
   std::size_t num_bytes = 0;
-  bool draco = false;  // any primitive compressed
+  bool draco = false;                 // any primitive compressed
+  std::vector<std::string> variants;  // appearances the scene can be switched between
   bool has_ground = false;
   bool has_room = false;
   bool has_trajectory = false;
@@ -45,9 +46,9 @@ struct ValidationReport {
 inline constexpr std::size_t kMaxFindings = 100;
 
 // Checks header and chunks, JSON, buffer views, accessors (bounds, alignment, true min and max),
-// indices, Draco payloads against their accessors, transforms, the node tree, labels (name and
-// extras agree, instance unique), and that every object is closed, oriented and two-manifold after
-// welding by position. Structure first: later checks run on what passed.
+// indices, Draco payloads against their accessors, materials of variants, transforms, the node
+// tree, labels (name and extras agree, instance unique), and that every object is closed, oriented
+// and two-manifold after welding by position. Structure first: later checks run on what passed.
 [[nodiscard]] ValidationReport ValidateGlb(std::string_view bytes);
 
 }  // namespace deepslam::gltf
