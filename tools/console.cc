@@ -86,8 +86,10 @@ void ConsoleListener::StageDone(std::string_view stage,
   }
   if (style_ == ProgressStyle::kJson) return Event("done", summary);
   if (style_ == ProgressStyle::kNone && !explain_) return;
-  LogInfo(fmt::format(
-      "{:<9} {:6.1f} s, {:4.0f} MiB: {}", stage, timing.wall_s, timing.peak_memory_mib, summary));
+  const std::string memory = timing.peak_memory_mib > 0
+                                 ? fmt::format(", {:4.0f} MiB", timing.peak_memory_mib)
+                                 : std::string();
+  LogInfo(fmt::format("{:<9} {:6.1f} s{}: {}", stage, timing.wall_s, memory, summary));
 }
 
 void ConsoleListener::Report(std::size_t done, std::size_t total) {

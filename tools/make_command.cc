@@ -1,3 +1,4 @@
+#include <chrono>
 #include <memory>
 
 #include <fmt/format.h>
@@ -19,6 +20,10 @@ namespace fs = std::filesystem;
 
 // Beside the library: from what it was made, so that it is not made again in vain.
 constexpr std::string_view kSourceStamp = ".made_from";
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 struct LibraryArguments {
   std::string catalogues = kCatalogueFolder;
@@ -78,8 +83,8 @@ int BuildLibrary(const LibraryArguments& arguments) {
     return ReportError(status.error());
   CatchStopSignals();
   ConsoleListener listener(ParseProgressStyle("auto"), false);
-  const std::string no_reason;
-  listener.StageStarts("library", {&no_reason, 1});
+  listener.StageStarts("library", {});
+  const auto start = std::chrono::steady_clock::now();
   const Result<library::LibrarySummary> summary =
       library::BuildLibrary({arguments.catalogues, out, *withheld}, listener);
   if (!summary.ok()) return ReportError(summary.error());
@@ -98,14 +103,17 @@ int BuildLibrary(const LibraryArguments& arguments) {
   return kExitOk;
 }
 
-int Synthesise(const std::string& scene, const std::string& out, const std::string& catalogues) {
+int Synthesise(const std::string& scene,
+               const std::string& rung,
+               const std::string& out,
+               const std::string& catalogues) {
   CatchStopSignals();
   ConsoleListener listener(ParseProgressStyle("auto"), false);
-  const std::string no_reason;
-  listener.StageStarts("synth", {&no_reason, 1});
+  listener.StageStarts("synth", {});
+  const auto start = std::chrono::steady_clock::now();
   const Status status = SynthesiseCapture(scene, catalogues, out, listener);
   if (!status.ok()) return ReportError(status.error());
-  listener.StageDone("synth", out, {});
+  listener.StageDone("synth", out, {SecondsSince(start), 0, 0});
   return kExitOk;
 }
 
@@ -114,6 +122,7 @@ int Synthesise(const std::string& scene, const std::string& out, const std::stri
 void AddSynth(CLI::App& app, Command& chosen) {
   struct Arguments {
     std::string scene;
+    std::string rung;
     std::string out;
     std::string catalogues = kCatalogueFolder;
   };
@@ -121,12 +130,13 @@ void AddSynth(CLI::App& app, Command& chosen) {
   CLI::App* synth = app.add_subcommand("synth", "Render a capture with truth from a scene file");
   synth->add_option("SCENE", arguments->scene, "Scene file (YAML), see configs/scenes")->required();
   synth->add_option("-o,--output", arguments->out, "Capture folder to make")->required();
+  synth->add_option("--rung", arguments->rung, "Variant of the scene, one of its `rungs`");
   synth
       ->add_option("--catalogues", arguments->catalogues, "Folder with *.sh3f furniture catalogues")
       ->capture_default_str();
   synth->callback([&chosen, arguments] {
     chosen = [arguments] {
-      return Synthesise(arguments->scene, arguments->out, arguments->catalogues);
+      return Synthesise(arguments->scene, arguments->rung, arguments->out, arguments->catalogues);
     };
   });
 }

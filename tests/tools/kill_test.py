@@ -2,14 +2,16 @@
 """Kills `deepslam run` inside every stage and checks that a second run ends in the bytes of an undisturbed one; also
 that one and two threads give equal bytes.
 
-    kill_test.py DEEPSLAM [--capture DIR] [--frames N] [-- more arguments of `deepslam run`]
+    kill_test.py DEEPSLAM [--capture DIR] [--scene YAML] [--frames N] [-- more arguments of `deepslam run`]
 
-Without --capture the first frames of redkitchen in $DEEPSLAM_TEST_DATA are used. Exit 77: nothing to test with.
+Without --capture every fifth frame of redkitchen in $DEEPSLAM_TEST_DATA is used, else the demo scene of the repository
+(--scene) is rendered. Exit 77: nothing to test with.
 """
 import argparse
 import hashlib
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -33,6 +35,13 @@ def find_capture(frames, folder):
     # Every fifth frame: enough motion for several keyframes.
     (folder / "associations.txt").write_text("\n".join(lines[:5 * frames:5]) + "\n")
     return folder
+
+
+def render_capture(program, scene, frames, folder):
+    short = folder.with_suffix(".yaml")
+    short.write_text(re.sub(r"(?m)^frames: .*$", f"frames: {frames}", scene.read_text()))
+    result = subprocess.run([program, "synth", str(short), "-o", str(folder)], capture_output=True, text=True)
+    return folder if result.returncode == 0 else None
 
 
 def command(program, capture, workspace, threads, more):
@@ -64,23 +73,39 @@ def bytes_below(folder):
     return total
 
 
-def kill_inside(stage, workspace, arguments, delay_s):
-    """Starts a run and kills it once the stage's partial folder lies there; what was seen, or None if it was too fast."""
+def kill_inside(stage, workspace, arguments, delay_s, with_bytes=False):
+    """Starts a run and kills it once the stage's partial folder lies there (with_bytes: once a file in it has bytes);
+    what was seen, or None if it was too fast."""
     process = subprocess.Popen(command(*arguments), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     partial = workspace / f"{stage}.partial-{process.pid}"
     try:
         while process.poll() is None:
-            if partial.exists():
+            if partial.exists() and (not with_bytes or bytes_below(partial) > 0):
                 time.sleep(delay_s)
                 process.send_signal(signal.SIGKILL)
                 process.wait()
                 return {"left": partial.exists(), "bytes": bytes_below(partial), "done": (workspace / stage).exists()}
-            time.sleep(0.0005)
+            if with_bytes and (workspace / stage / "manifest.json").exists():
+                return None  # over already
+            time.sleep(0.0005 if not with_bytes else 0.0001)
     finally:
         if process.poll() is None:
             process.kill()
             process.wait()
     return None
+
+
+def interrupt(workspace, arguments):
+    """SIGINT ends a run with 130 and without a partial folder."""
+    (workspace / "propose" / "manifest.json").unlink(missing_ok=True)
+    process = subprocess.Popen(command(*arguments), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and not (workspace / f"propose.partial-{process.pid}").exists():
+        time.sleep(0.0005)
+    process.send_signal(signal.SIGINT)
+    code = process.wait()
+    partials = [p.name for p in workspace.iterdir() if ".partial-" in p.name]
+    print(f"SIGINT    exit {code}, partial folders: {partials or 'none'}")
+    return code == 130 and not partials
 
 
 def compare(expected, found, what):
@@ -95,12 +120,15 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--capture", type=pathlib.Path)
     parser.add_argument("--frames", type=int, default=40)
+    parser.add_argument("--scene", type=pathlib.Path)
     parser.add_argument("more", nargs="*")
     options = parser.parse_args()
     program = str(pathlib.Path(options.program).resolve())
     with tempfile.TemporaryDirectory(prefix="deepslam-kill-") as temp:
         temp = pathlib.Path(temp)
         capture = options.capture or find_capture(options.frames, temp / "capture")
+        if capture is None and options.scene:
+            capture = render_capture(program, options.scene, options.frames, temp / "rendered")
         if capture is None:
             print("skipped: no capture; set DEEPSLAM_TEST_DATA or pass --capture")
             return 77
@@ -124,8 +152,11 @@ def main():
                     (workspace / stage / "manifest.json").unlink()  # so that the stage runs again
             hit = bool(seen and seen["left"])
             hits += hit
+            written = kill_inside(stage, workspace, arguments, 0.0, with_bytes=True) if hit else None
             print(f"{stage:<9} {'killed inside' if hit else 'NOT HIT'}, partial there: {bool(seen and seen['left'])}, "
-                  f"bytes written: {seen['bytes'] if seen else 0}")
+                  f"bytes written: {seen['bytes'] if seen else 0}; again while writing: "
+                  f"{str(written['bytes']) + ' bytes' if written and written['left'] else 'not hit'}")
+        ok = interrupt(workspace, arguments) and ok
         run_to_end(*arguments)
         ok = compare(expected, digests(workspace), "after kills") and ok
         leftovers = [p.name for p in workspace.iterdir() if ".partial-" in p.name or ".old-" in p.name]
