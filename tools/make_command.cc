@@ -97,7 +97,7 @@ int BuildLibrary(const LibraryArguments& arguments) {
   listener.StageDone(
       "library",
       fmt::format("{} models of {} catalogue items{}", total, summary->num_catalogue_items, line),
-      {});
+      {SecondsSince(start), 0, 0});
   if (Status status = artifact::WriteFileAtomically(stamp, *source); !status.ok())
     return ReportError(status.error());
   return kExitOk;
@@ -111,9 +111,12 @@ int Synthesise(const std::string& scene,
   ConsoleListener listener(ParseProgressStyle("auto"), false);
   listener.StageStarts("synth", {});
   const auto start = std::chrono::steady_clock::now();
-  const Status status = SynthesiseCapture(scene, catalogues, out, listener);
-  if (!status.ok()) return ReportError(status.error());
-  listener.StageDone("synth", out, {SecondsSince(start), 0, 0});
+  const Result<SynthSummary> summary = SynthesiseCapture(scene, rung, catalogues, out, listener);
+  if (!summary.ok()) return ReportError(summary.error());
+  for (const std::string& warning : summary->warnings) LogWarning(warning);
+  listener.StageDone("synth",
+                     fmt::format("{} frames in {}", summary->num_frames, out),
+                     {SecondsSince(start), 0, 0});
   return kExitOk;
 }
 
