@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "deepslam/artifact/ply.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/dataset/tum_writer.h"
 #include "deepslam/library/catalogue.h"
@@ -48,7 +49,7 @@ Result<synth::FurnitureModel> ReadModel(const library::ZipArchive& archive,
     return bytes ? std::optional<std::string>(*std::move(bytes)) : std::nullopt;
   };
   return synth::ParseObjModel(
-      *obj, beside, item.rotation, {item.width_m, item.depth_m, item.height_m});
+      *obj, beside, item.rotation, synth::CatalogueSize{item.width_m, item.depth_m, item.height_m});
 }
 
 // Models of the scene's objects that the catalogue `file` holds.
@@ -76,19 +77,74 @@ Status AddModels(const fs::path& file, const synth::SceneDescription& scene, Mod
   return Ok();
 }
 
-Result<Models> ReadModels(const fs::path& catalogues, const synth::SceneDescription& scene) {
+bool IsFile(const std::string& model) {
+  const std::string extension = fs::path(model).extension().string();
+  return extension == ".obj" || extension == ".glb" || extension == ".gltf";
+}
+
+// A model of the user's: z front, y up, metres, as glTF has it; from beside the scene or from the
+// folder of the catalogues.
+Result<synth::FurnitureModel> ReadModelFile(const fs::path& file) {
+  if (file.extension() != ".obj") {
+    return InvalidInput(file.string() +
+                        ": only OBJ models can be placed so far; export it as OBJ (Blender and "
+                        "MeshLab do)");
+  }
+  const Result<std::string> obj = dataset::ReadFileBytes(file, kMaxEntryBytes);
+  if (!obj) return obj.error();
+  const auto beside = [&](const std::string& name) -> std::optional<std::string> {
+    Result<std::string> bytes = dataset::ReadFileBytes(file.parent_path() / name, kMaxEntryBytes);
+    return bytes ? std::optional<std::string>(*std::move(bytes)) : std::nullopt;
+  };
+  Result<synth::FurnitureModel> model =
+      synth::ParseObjModel(*obj, beside, Eigen::Matrix3d::Identity(), std::nullopt);
+  if (!model) return InvalidInput(file.string() + ": " + model.error().message);
+  return model;
+}
+
+Status AddModelFiles(const fs::path& scene_file,
+                     const fs::path& catalogues,
+                     const synth::SceneDescription& scene,
+                     Models& models) {
+  for (const synth::SceneObject& object : scene.objects) {
+    if (!IsFile(object.model) || models.contains(object.model)) continue;
+    std::error_code code;
+    fs::path file = scene_file.parent_path() / object.model;
+    if (!fs::exists(file, code)) file = catalogues / object.model;
+    if (!fs::exists(file, code)) {
+      return InvalidInput(scene_file.string() + ":" + std::to_string(object.line) + ": model '" +
+                          object.model + "' is neither beside the scene nor in " +
+                          catalogues.string() + "; give its path from the scene file");
+    }
+    Result<synth::FurnitureModel> model = ReadModelFile(file);
+    if (!model) return model.error();
+    models.emplace(object.model, *std::move(model));
+  }
+  return Ok();
+}
+
+Result<Models> ReadModels(const fs::path& scene_file,
+                          const fs::path& catalogues,
+                          const synth::SceneDescription& scene) {
+  Models models;
+  const Status own = AddModelFiles(scene_file, catalogues, scene, models);
+  if (!own) return own.error();
+  const bool all_own =
+      std::all_of(scene.objects.begin(), scene.objects.end(), [](const synth::SceneObject& object) {
+        return IsFile(object.model);
+      });
+  if (all_own) return models;
   std::error_code code;
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(catalogues, code)) {
     if (entry.path().extension() == ".sh3f") files.push_back(entry.path());
   }
-  if (files.empty() && !scene.objects.empty()) {
+  if (files.empty()) {
     return InvalidInput(catalogues.string() +
                         ": no *.sh3f catalogues there; run scripts/setup.sh (Debian package "
                         "sweethome3d-furniture)");
   }
   std::sort(files.begin(), files.end());
-  Models models;
   for (const fs::path& file : files) {
     const Status added = AddModels(file, scene, models);
     if (!added) return added.error();
@@ -96,15 +152,20 @@ Result<Models> ReadModels(const fs::path& catalogues, const synth::SceneDescript
   return models;
 }
 
+Status WriteMesh(const fs::path& file, const TriangleMesh& mesh) {
+  const Result<std::string> ply = artifact::EncodePly({mesh, {}, {}}, file.string());
+  if (!ply) return ply.error();
+  return WriteBytes(file, *ply);
+}
+
 Status WriteTruth(const fs::path& folder, const synth::World& world) {
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    const fs::path file = folder / "meshes" / (std::to_string(i) + ".ply");
-    const Result<std::string> ply =
-        artifact::EncodePly({world.objects[i].mesh, {}, {}}, file.string());
-    if (!ply) return ply.error();
-    const Status written = WriteBytes(file, *ply);
+    const Status written =
+        WriteMesh(folder / "meshes" / (std::to_string(i) + ".ply"), world.objects[i].mesh);
     if (!written) return written;
   }
+  const Status room = WriteMesh(folder / "room.ply", synth::RoomMesh(world));
+  if (!room) return room;
   return WriteBytes(folder / "objects.json", synth::TruthJson(world));
 }
 
@@ -115,6 +176,42 @@ Status WriteInstances(const fs::path& folder, int frame, const Image<std::uint8_
   std::string number = std::to_string(frame);
   number.insert(0, 6 - std::min<std::size_t>(6, number.size()), '0');
   return dataset::WriteDepthFile(folder / (number + ".png"), image);
+}
+
+// Frames are rendered some at a time, while those before are encoded and written in their order.
+Status WriteFrames(const fs::path& folder,
+                   const synth::CaptureRenderer& renderer,
+                   dataset::TumWriter& writer,
+                   Progress& progress) {
+  constexpr int kAtATime = 4;
+  std::vector<synth::RenderedFrame> ready;
+  int num_written = 0;
+  Status status = Ok();
+  const auto write_ready = [&] {
+    for (const synth::RenderedFrame& rendered : ready) {
+      if (status) status = writer.AddFrame(rendered.frame, rendered.world_from_camera);
+      if (status)
+        status = WriteInstances(folder / "truth" / "instances", num_written, rendered.instances);
+      ++num_written;
+    }
+  };
+  for (int first = 0; first < renderer.num_frames() || !ready.empty(); first += kAtATime) {
+    if (progress.StopRequested()) return Interrupted();
+    const int count = std::clamp(renderer.num_frames() - first, 0, kAtATime);
+    std::vector<synth::RenderedFrame> next(static_cast<std::size_t>(count));
+    ParallelFor(next.size() + 1, [&](std::size_t task) {
+      if (task == 0) {
+        write_ready();
+      } else {
+        next[task - 1] = renderer.Render(first + static_cast<int>(task) - 1);
+      }
+    });
+    if (!status) return status;
+    ready = std::move(next);
+    progress.Report(static_cast<std::size_t>(num_written),
+                    static_cast<std::size_t>(renderer.num_frames()));
+  }
+  return status;
 }
 
 Status RenderInto(const fs::path& folder,
@@ -128,16 +225,8 @@ Status RenderInto(const fs::path& folder,
   if (!writer) return writer.error();
   std::error_code code;
   fs::create_directories(folder / "truth" / "instances", code);
-  const auto total = static_cast<std::size_t>(renderer.num_frames());
-  for (int i = 0; i < renderer.num_frames(); ++i) {
-    if (progress.StopRequested()) return Interrupted();
-    const synth::RenderedFrame rendered = renderer.Render(i);
-    Status written = writer->AddFrame(rendered.frame, rendered.world_from_camera);
-    if (!written) return written;
-    written = WriteInstances(folder / "truth" / "instances", i, rendered.instances);
-    if (!written) return written;
-    progress.Report(static_cast<std::size_t>(i) + 1, total);
-  }
+  const Status frames = WriteFrames(folder, renderer, *writer, progress);
+  if (!frames) return frames;
   const Status truth = WriteTruth(folder / "truth", renderer.world());
   if (!truth) return truth;
   return writer->Finish();
@@ -145,10 +234,11 @@ Status RenderInto(const fs::path& folder,
 
 }  // namespace
 
-Status SynthesiseCapture(const fs::path& scene_file,
-                         const fs::path& catalogues,
-                         const fs::path& out,
-                         Progress& progress) {
+Result<SynthSummary> SynthesiseCapture(const fs::path& scene_file,
+                                       const std::string& rung,
+                                       const fs::path& catalogues,
+                                       const fs::path& out,
+                                       Progress& progress) {
   std::error_code code;
   if (fs::exists(out, code) && !(fs::is_directory(out, code) && fs::is_empty(out, code))) {
     return InvalidConfig(out.string() +
@@ -156,27 +246,32 @@ Status SynthesiseCapture(const fs::path& scene_file,
   }
   const Result<std::string> text = dataset::ReadFileBytes(scene_file);
   if (!text) return text.error();
-  const Result<synth::SceneDescription> scene = synth::ParseScene(*text, scene_file);
+  const Result<synth::SceneDescription> scene = synth::ParseScene(*text, scene_file, rung);
   if (!scene) return scene.error();
-  const Result<Models> models = ReadModels(catalogues, *scene);
+  const Result<Models> models = ReadModels(scene_file, catalogues, *scene);
   if (!models) return models.error();
   Result<synth::World> world = synth::BuildWorld(*scene, *models);
   if (!world) return Error{world.error().code, scene_file.string() + ": " + world.error().message};
 
+  SynthSummary summary;
+  for (const std::string& warning : world->warnings)
+    summary.warnings.push_back(scene_file.string() + ": " + warning);
+  const synth::CaptureRenderer renderer(*std::move(world));
+  summary.num_frames = renderer.num_frames();
   const fs::path whole = out.has_filename() ? out : out.parent_path();
   const fs::path aside = whole.string() + ".partial";
   fs::remove_all(aside, code);
-  const Status rendered = RenderInto(aside, synth::CaptureRenderer(*std::move(world)), progress);
+  const Status rendered = RenderInto(aside, renderer, progress);
   if (!rendered) {
     fs::remove_all(aside, code);
-    return rendered;
+    return rendered.error();
   }
   fs::remove(whole, code);  // empty, or not there
   fs::rename(aside, whole, code);
   if (code)
     return Failed(whole.string() + ": cannot be put in place (" + code.message() +
                   "); the capture lies in " + aside.string());
-  return Ok();
+  return summary;
 }
 
 }  // namespace deepslam::tools

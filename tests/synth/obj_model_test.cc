@@ -24,7 +24,7 @@ std::optional<std::string> Nothing(const std::string&) { return std::nullopt; }
 
 TEST(ParseObjModel, BringsTheBoxToRealSizeInTheObjectFrame) {
   const Result<FurnitureModel> model =
-      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), {0.4, 0.5, 0.9});
+      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), CatalogueSize{0.4, 0.5, 0.9});
   ASSERT_TRUE(model.ok()) << model.error().message;
   Box3 box;
   for (const Eigen::Vector3f& v : model->mesh.vertices) box.Extend(v.cast<double>());
@@ -37,7 +37,8 @@ TEST(ParseObjModel, BringsTheBoxToRealSizeInTheObjectFrame) {
 TEST(ParseObjModel, TurnsBeforeItScales) {
   // Exchanging z and y as some catalogue entries do: the file's z becomes the height.
   const Eigen::Matrix3d rotation = (Eigen::Matrix3d() << 1, 0, 0, 0, 0, 1, 0, -1, 0).finished();
-  const Result<FurnitureModel> model = ParseObjModel(kWedge, Materials, rotation, {0.4, 0.5, 0.9});
+  const Result<FurnitureModel> model =
+      ParseObjModel(kWedge, Materials, rotation, CatalogueSize{0.4, 0.5, 0.9});
   ASSERT_TRUE(model.ok());
   // Vertex 4 is the only one with z = 1 in the file: it alone is on top now.
   int num_top = 0;
@@ -47,13 +48,13 @@ TEST(ParseObjModel, TurnsBeforeItScales) {
 
 TEST(ParseObjModel, PaintsFacesByMaterialAndUnknownOnesGrey) {
   const Result<FurnitureModel> model =
-      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), {1, 1, 1});
+      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), CatalogueSize{1, 1, 1});
   ASSERT_EQ(model->mesh.faces.size(), 4u);
   ASSERT_EQ(model->mesh.colours.size(), 12u);
   EXPECT_EQ(model->mesh.colours[model->mesh.faces[0][0]], (Rgb8{255, 0, 0}));
   EXPECT_EQ(model->mesh.colours[model->mesh.faces[2][0]], (Rgb8{153, 153, 153}));
   const Result<FurnitureModel> grey =
-      ParseObjModel(kWedge, Nothing, Eigen::Matrix3d::Identity(), {1, 1, 1});
+      ParseObjModel(kWedge, Nothing, Eigen::Matrix3d::Identity(), CatalogueSize{1, 1, 1});
   ASSERT_TRUE(grey.ok()) << "a missing material library is no reason to refuse";
   EXPECT_EQ(grey->mesh.colours[0], (Rgb8{153, 153, 153}));
 }
@@ -64,13 +65,36 @@ TEST(ParseObjModel, BrokenTexturesAreLeftOut) {
     return "this is no picture";
   };
   const Result<FurnitureModel> model =
-      ParseObjModel(kWedge, beside, Eigen::Matrix3d::Identity(), {1, 1, 1});
+      ParseObjModel(kWedge, beside, Eigen::Matrix3d::Identity(), CatalogueSize{1, 1, 1});
   ASSERT_TRUE(model.ok());
   EXPECT_EQ(model->mesh.colours[0], (Rgb8{255, 0, 0}));
 }
 
+TEST(ParseObjModel, KeepsTheFilesOwnSizeWhenNoneIsGiven) {
+  const Result<FurnitureModel> model =
+      ParseObjModel(kWedge, Materials, Eigen::Matrix3d::Identity(), std::nullopt);
+  ASSERT_TRUE(model.ok());
+  // x 2, y 4 (up), z 1 (front) in the file.
+  EXPECT_LT((model->size_m - Eigen::Vector3d(1, 2, 4)).norm(), 1e-6);
+}
+
+TEST(ParseObjModel, GlassAndChromeAreShiny) {
+  const auto shiny = [](const std::string& material) {
+    const auto beside = [&](const std::string&) -> std::optional<std::string> {
+      return "newmtl red\n" + material;
+    };
+    const Result<FurnitureModel> model =
+        ParseObjModel(kWedge, beside, Eigen::Matrix3d::Identity(), CatalogueSize{1, 1, 1});
+    return model->shiny.at(0) != 0;
+  };
+  EXPECT_TRUE(shiny("Kd 0.8 0.9 0.9\nd 0.2\n"));
+  EXPECT_TRUE(shiny("Kd 0.1 0.1 0.1\nKs 1 1 1\nNs 400\n"));
+  EXPECT_FALSE(shiny("Kd 0.6 0.5 0.4\nKs 0.5 0.5 0.5\nNs 96\n"));
+}
+
 TEST(ParseObjModel, RefusesWhatIsNoModel) {
-  const auto refusal = [](const std::string& obj, const CatalogueSize& size = {1, 1, 1}) {
+  const auto refusal = [](const std::string& obj,
+                          const CatalogueSize& size = CatalogueSize{1, 1, 1}) {
     const Result<FurnitureModel> model =
         ParseObjModel(obj, Nothing, Eigen::Matrix3d::Identity(), size);
     return model.ok() ? std::string() : model.error().message;

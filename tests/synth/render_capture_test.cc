@@ -50,7 +50,7 @@ double DistanceInRoom(const Eigen::Vector3d& origin,
 
 TEST(CaptureRenderer, NoiseFreeDepthEqualsAnAnalyticRayCastWithinAMillimetre) {
   SceneDescription scene = SmallScene();
-  scene.faults = {false, false, false};
+  scene.faults = SensorFaults::None();
   scene.num_posters = 0;
   const CaptureRenderer renderer = Renderer(scene);
   const Pose3 world_from_box = renderer.world().objects[0].world_from_object;
@@ -103,7 +103,7 @@ TEST(CaptureRenderer, SameSeedSameBytesInAnyOrderOnAnyThreads) {
 
 TEST(CaptureRenderer, BoxShadesTheFloorBesideIt) {
   SceneDescription scene = SmallScene();
-  scene.faults = {false, false, false};
+  scene.faults = SensorFaults::None();
   scene.floor = "tiles";
   const RenderedFrame shaded = Renderer(scene).Render(0);
   scene.objects.clear();
@@ -176,8 +176,166 @@ TEST(BuildWorld, RefusesWhatCannotBe) {
   scene.orbit.height_m = 0.5;
   EXPECT_THAT(refusal(scene), AllOf(HasSubstr("camera enters table"), HasSubstr("frame 0")));
   scene = SmallScene();
+  scene.openings = {{0, 3.5, 0.9, 0, 2.0, 9}};
+  EXPECT_THAT(refusal(scene), AllOf(HasSubstr("line 9"), HasSubstr("beyond its wall of 4.00")));
+  scene = SmallScene();
+  scene.objects.assign(300, scene.objects[0]);
+  EXPECT_THAT(refusal(scene), HasSubstr("300 objects"));
+}
+
+TEST(BuildWorld, WarnsOfAWayThroughAWall) {
+  EXPECT_TRUE(BuildWorld(SmallScene(), {{"box", BoxModel()}})->warnings.empty());
+  SceneDescription scene = SmallScene();
   scene.orbit.radius_m = 3;
-  EXPECT_THAT(refusal(scene), HasSubstr("camera leaves the room"));
+  const Result<World> world = BuildWorld(scene, {{"box", BoxModel()}});
+  ASSERT_TRUE(world.ok());
+  ASSERT_EQ(world->warnings.size(), 1u);
+  EXPECT_THAT(world->warnings[0], AllOf(HasSubstr("wall"), HasSubstr("frame 0")));
+}
+
+TEST(BuildWorld, StretchesModelsToTheSizeAsked) {
+  SceneDescription scene = SmallScene();
+  scene.objects[0].size_m = Eigen::Vector3d(1.0, 0.5, 0.7);
+  const World world = *BuildWorld(scene, {{"box", BoxModel()}});
+  Eigen::Vector3f high = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& v : world.objects[0].mesh.vertices) high = high.cwiseMax(v);
+  EXPECT_LT((high - Eigen::Vector3f(0.5f, 0.25f, 0.35f)).norm(), 1e-6f);
+  EXPECT_DOUBLE_EQ(world.objects[0].world_from_object.translation_m.z(), 0.35);
+}
+
+TEST(BuildWorld, ClutterStandsOnTablesAndOnTheFloor) {
+  SceneDescription scene = SmallScene();
+  scene.clutter = {2, 3};
+  const World world = *BuildWorld(scene, {{"box", BoxModel()}});
+  ASSERT_FALSE(world.clutter.empty());
+  int num_on_table = 0;
+  for (const TriangleMesh& thing : world.clutter) {
+    float lowest = 1e9f;
+    for (const Eigen::Vector3f& v : thing.vertices) lowest = std::min(lowest, v.z());
+    const bool on_table = std::abs(lowest - static_cast<float>(kBoxSizeM)) < 1e-5f;
+    EXPECT_TRUE(on_table || std::abs(lowest) < 1e-6f) << lowest;
+    num_on_table += on_table ? 1 : 0;
+  }
+  EXPECT_GT(num_on_table, 0);
+  EXPECT_EQ(world.objects.size(), 1u) << "clutter is no object";
+}
+
+TEST(CaptureRenderer, OpeningsAreHolesInTheirWallAndNowhereElse) {
+  SceneDescription scene = SmallScene();
+  scene.faults = SensorFaults::None();
+  scene.num_posters = 0;
+  scene.objects.clear();
+  const RenderedFrame whole = Renderer(scene).Render(0);
+  // The camera stands east and looks west.
+  scene.openings = {{2, 1.5, 1.0, 0.5, 1.2, 1}};
+  const RenderedFrame open = Renderer(scene).Render(0);
+  int num_open = 0;
+  for (int v = 0; v < scene.camera.height; ++v) {
+    for (int u = 0; u < scene.camera.width; ++u) {
+      const Eigen::Vector3d p =
+          whole.world_from_camera *
+          scene.camera.Unproject(u, v, static_cast<double>(whole.true_depth_m(u, v)));
+      // From inside, the west wall's left end is south.
+      const bool expected =
+          std::abs(p.x() + 2) < 1e-3 && p.y() > -0.5 && p.y() < 0.5 && p.z() > 0.5 && p.z() < 1.7;
+      num_open += expected ? 1 : 0;
+      if (expected) {
+        EXPECT_TRUE(open.true_depth_m(u, v) == 0 ||
+                    open.true_depth_m(u, v) > whole.true_depth_m(u, v));
+      } else {
+        EXPECT_NEAR(open.true_depth_m(u, v), whole.true_depth_m(u, v), 1e-4);
+      }
+    }
+  }
+  EXPECT_GT(num_open, 50);
+}
+
+TEST(CaptureRenderer, TableTopsReturnDepthNearTheirEdgesOnly) {
+  SceneDescription scene = SmallScene();
+  scene.faults = SensorFaults::None();
+  const RenderedFrame whole = Renderer(scene).Render(0);
+  scene.faults.table_edges_m = 0.1;
+  const CaptureRenderer renderer = Renderer(scene);
+  const RenderedFrame edges = renderer.Render(0);
+  const Pose3 box_from_camera =
+      renderer.world().objects[0].world_from_object.Inverse() * whole.world_from_camera;
+  int num_blind = 0, num_rim = 0;
+  for (int v = 0; v < scene.camera.height; ++v) {
+    for (int u = 0; u < scene.camera.width; ++u) {
+      const Eigen::Vector3d p =
+          box_from_camera *
+          scene.camera.Unproject(u, v, static_cast<double>(whole.true_depth_m(u, v)));
+      const double to_edge = kBoxSizeM / 2 - p.head<2>().cwiseAbs().maxCoeff();
+      const bool top = whole.instances(u, v) == 1 && p.z() > kBoxSizeM / 2 - 1e-3;
+      // A cell of the top's map is 5 mm wide.
+      if (top && to_edge > 0.107) {
+        EXPECT_EQ(edges.frame.depth_m(u, v), 0) << to_edge;
+        ++num_blind;
+      } else if (!top || to_edge < 0.093) {
+        EXPECT_EQ(edges.frame.depth_m(u, v), whole.frame.depth_m(u, v));
+        num_rim += top ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(num_blind, 50);
+  EXPECT_GT(num_rim, 30);
+  EXPECT_EQ(edges.true_depth_m, whole.true_depth_m) << "the truth has a whole top";
+}
+
+TEST(CaptureRenderer, DroppedFramesLeaveGapsInTime) {
+  SceneDescription scene = SmallScene();
+  scene.num_frames = 100;
+  scene.faults.dropped_share = 0.3;
+  const std::vector<int> kept = KeptFrames(scene);
+  EXPECT_NEAR(static_cast<double>(kept.size()), 70, 15);
+  const CaptureRenderer renderer = Renderer(scene);
+  ASSERT_EQ(renderer.num_frames(), static_cast<int>(kept.size()));
+  EXPECT_DOUBLE_EQ(renderer.Render(20).frame.time_s, kept[20] / scene.frames_per_s);
+  EXPECT_EQ(renderer.Render(20).world_from_camera,
+            CameraPath(scene)[static_cast<std::size_t>(kept[20])]);
+}
+
+SceneDescription Walking() {
+  SceneDescription scene = SmallScene();
+  scene.num_frames = 200;
+  scene.walk.points_m = {{1.5, -1.5, 1.5}, {1.5, 1.5, 1.5}, {-1.5, 1.5, 1.5}, {-1.5, -1.5, 1.5}};
+  scene.walk.look_at_m = {{0, 0, 0.5}};
+  scene.walk.shake_m = scene.walk.shake_deg = scene.walk.step_m = 0;
+  return scene;
+}
+
+TEST(CameraPath, WalksPassTheirPointsAtEvenSpeed) {
+  SceneDescription scene = Walking();
+  scene.walk.closed = true;
+  const std::vector<Pose3> path = CameraPath(scene);
+  EXPECT_LT((path.back().translation_m - path.front().translation_m).norm(), 1e-6);
+  double low = 1e9, high = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double step = (path[i].translation_m - path[i - 1].translation_m).norm();
+    low = std::min(low, step);
+    high = std::max(high, step);
+  }
+  EXPECT_LT(high, 1.1 * low);
+  for (const Eigen::Vector3d& point : scene.walk.points_m) {
+    double nearest = 1e9;
+    for (const Pose3& pose : path) nearest = std::min(nearest, (pose.translation_m - point).norm());
+    EXPECT_LT(nearest, high);
+  }
+  scene.walk.laps = 2;
+  const std::vector<Pose3> twice = CameraPath(scene);
+  EXPECT_LT((twice[50].translation_m - twice[149].translation_m).norm(), 2.2 * high);
+}
+
+TEST(CameraPath, OutAndBackComesTheSameWay) {
+  SceneDescription scene = Walking();
+  scene.walk.and_back = true;
+  scene.walk.look_at_m.clear();
+  const std::vector<Pose3> path = CameraPath(scene);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_LT((path[i].translation_m - path[199 - i].translation_m).norm(), 1e-9);
+    EXPECT_LT(path[i].rotation.angularDistance(path[199 - i].rotation), 1e-6);
+  }
+  EXPECT_LT((path[99].translation_m - scene.walk.points_m.back()).norm(), 0.05);
 }
 
 }  // namespace

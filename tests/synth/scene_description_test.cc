@@ -37,8 +37,49 @@ TEST(ParseScene, ReadsEveryPart) {
   EXPECT_EQ(scene->objects[0].yaw_deg, 90);
   EXPECT_EQ(scene->objects[0].line, 8);
   EXPECT_EQ(scene->orbit.sweep_deg, -90);
-  EXPECT_FALSE(scene->faults.depth_noise);
-  EXPECT_TRUE(scene->faults.depth_holes);
+  EXPECT_FALSE(scene->faults.axial_noise);
+  EXPECT_FALSE(scene->faults.quantisation);
+  EXPECT_TRUE(scene->faults.grazing_holes);
+}
+
+TEST(ParseScene, ReadsWhatIsNotInEveryScene) {
+  const Result<SceneDescription> scene = ParseScene(
+      "camera: {preset: kinect_v2, fx: 370}\n"
+      "openings: [{wall: south, from_m: 1, width_m: 2, bottom_m: 0.5, height_m: 1}]\n"
+      "clutter: {floor_boxes: 2, per_table: 4}\n"
+      "objects: [{class: table, model: a.obj, position_m: [0, 0], size_m: [1, 2, 0.7]}]\n"
+      "walk: {points_m: [[1, 2, 1.5], [2, 2, 1.5]], look_at_m: [[0, 0, 0.5]], closed: true}\n"
+      "faults: {all: false, shadows: true, noise_scale: 2, table_edges_m: 0.03}\n",
+      "room.yaml");
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  EXPECT_EQ(scene->camera, (PinholeCamera{512, 424, 370, 365.5, 255.5, 211.5}));
+  EXPECT_EQ(scene->sensor.name, "kinect_v2");
+  ASSERT_EQ(scene->openings.size(), 1u);
+  EXPECT_EQ(scene->openings[0].wall, 3);
+  EXPECT_EQ(scene->clutter.num_per_table, 4);
+  EXPECT_EQ(scene->objects[0].size_m, Eigen::Vector3d(1, 2, 0.7));
+  EXPECT_EQ(scene->walk.points_m.size(), 2u);
+  EXPECT_TRUE(scene->walk.closed);
+  EXPECT_FALSE(scene->faults.axial_noise);
+  EXPECT_TRUE(scene->faults.shadows);
+  EXPECT_EQ(scene->faults.noise_scale, 2);
+  EXPECT_EQ(scene->faults.table_edges_m, 0.03);
+}
+
+TEST(ParseScene, RungsReplaceFieldByField) {
+  const std::string text =
+      "seed: 1\nframes: 40\nfaults: {noise_scale: 3, shadows: false}\n"
+      "rungs:\n  few: {frames: 10, faults: {noise_scale: 1}}\n  same: {}\n  bad: {frames: x}\n";
+  EXPECT_EQ(ParseScene(text, "room.yaml")->num_frames, 40);
+  EXPECT_EQ(ParseScene(text, "room.yaml", "same")->num_frames, 40);
+  const Result<SceneDescription> few = ParseScene(text, "room.yaml", "few");
+  ASSERT_TRUE(few.ok()) << few.error().message;
+  EXPECT_EQ(few->num_frames, 10);
+  EXPECT_EQ(few->faults.noise_scale, 1);
+  EXPECT_FALSE(few->faults.shadows);
+  EXPECT_THAT(ParseScene(text, "room.yaml", "none").error().message,
+              AllOf(HasSubstr("'none'"), HasSubstr("few")));
+  EXPECT_THAT(ParseScene(text, "room.yaml", "bad").error().message, HasSubstr("room.yaml:7"));
 }
 
 TEST(ParseScene, RefusesByFileLineAndField) {
@@ -62,6 +103,14 @@ TEST(ParseScene, RefusesByFileLineAndField) {
               HasSubstr("'objects[0].model' is missing"));
   EXPECT_THAT(Refusal("objects:\n  - {class: chair, model: a, position_m: [0, x]}\n"),
               AllOf(HasSubstr("room.yaml:2"), HasSubstr("'objects[0].position_m[1]' is 'x'")));
+  EXPECT_THAT(Refusal("camera: {preset: kinect_v9}\n"),
+              AllOf(HasSubstr("'camera.preset' is 'kinect_v9'"), HasSubstr("d435")));
+  EXPECT_THAT(Refusal("walk: {points_m: [[0, 0, 1]]}\n"), HasSubstr("two or more"));
+  EXPECT_THAT(Refusal("walk: {points_m: [[0, 0, 1], [0, 1]]}\n"),
+              HasSubstr("'walk.points_m[1]' is not a point"));
+  EXPECT_THAT(Refusal("walk: {points_m: [[0, 0, 1], [1, 1, .nan]]}\n"), HasSubstr("not a point"));
+  EXPECT_THAT(Refusal("openings: [{wall: up}]\n"), AllOf(HasSubstr("'up'"), HasSubstr("east")));
+  EXPECT_THAT(Refusal("faults: {missing_share: 2}\n"), HasSubstr("'faults.missing_share' is '2'"));
   EXPECT_THAT(Refusal("lights: 3\n"), HasSubstr("'lights' is not a list"));
   EXPECT_THAT(Refusal("faults: {depth_noise: perhaps}\n"), HasSubstr("true or false"));
 }

@@ -40,7 +40,7 @@ inline SceneDescription SmallScene() {
   scene.room_size_m = {4, 4, 2.5};
   scene.num_posters = 2;
   scene.lights = {{{0.5, 0.5, 2.4}, 0.5, 2.0}};
-  scene.objects = {{"table", "box", {0, 0}, 20, 7}};
+  scene.objects = {{"table", "box", {0, 0}, 20, 7, std::nullopt}};
   scene.orbit.radius_m = 1.6;
   scene.orbit.sweep_deg = 60;
   return scene;

@@ -32,6 +32,7 @@ struct Corner {
 struct Material {
   Eigen::Vector3f diffuse = kGrey;  // display values, [0, 1]
   cv::Mat texture;                  // CV_8UC3, empty: none
+  bool shiny = false;
 };
 
 std::string BaseName(std::string name) {
@@ -65,6 +66,19 @@ cv::Mat DecodeTexture(const std::string& bytes) {
   }
 }
 
+// Exporters give nearly everything a highlight; a polished surface has a strong and narrow one and
+// little colour of its own, glass lets light through.
+bool IsShiny(const tinyobj::material_t& from) {
+  constexpr float kClear = 0.6f;
+  constexpr float kStrong = 0.8f;
+  constexpr float kNarrow = 100.0f;
+  constexpr float kPale = 0.35f;
+  const float specular = std::min({from.specular[0], from.specular[1], from.specular[2]});
+  const float diffuse = std::max({from.diffuse[0], from.diffuse[1], from.diffuse[2]});
+  return from.dissolve < kClear ||
+         (specular > kStrong && from.shininess > kNarrow && diffuse < kPale);
+}
+
 std::vector<Material> ReadMaterials(const std::vector<tinyobj::material_t>& described,
                                     const FileLookup& beside) {
   std::map<std::string, cv::Mat> textures;
@@ -75,6 +89,7 @@ std::vector<Material> ReadMaterials(const std::vector<tinyobj::material_t>& desc
         Eigen::Vector3d(from.diffuse[0], from.diffuse[1], from.diffuse[2]).cast<float>();
     if (!material.diffuse.allFinite()) material.diffuse = kGrey;
     material.diffuse = material.diffuse.cwiseMax(0.0f).cwiseMin(1.0f);
+    material.shiny = IsShiny(from);
     if (const std::string name = BaseName(from.diffuse_texname); !name.empty()) {
       if (!textures.contains(name)) {
         const std::optional<std::string> bytes = beside(name);
@@ -108,7 +123,8 @@ Rgb8 ColourAt(const Material& material, const Eigen::Vector2f& uv) {
 void AddFace(const std::array<Corner, 3>& face,
              const Material& material,
              int divisions,
-             TriangleMesh& mesh) {
+             FurnitureModel& model) {
+  TriangleMesh& mesh = model.mesh;
   const float longest = std::max({(face[0].p - face[1].p).norm(),
                                   (face[1].p - face[2].p).norm(),
                                   (face[2].p - face[0].p).norm()});
@@ -120,10 +136,10 @@ void AddFace(const std::array<Corner, 3>& face,
       const Corner& b = face[(i + 1) % 3];
       middle[i] = {0.5f * (a.p + b.p), 0.5f * (a.uv + b.uv)};
     }
-    AddFace({face[0], middle[0], middle[2]}, material, divisions + 1, mesh);
-    AddFace({middle[0], face[1], middle[1]}, material, divisions + 1, mesh);
-    AddFace({middle[2], middle[1], face[2]}, material, divisions + 1, mesh);
-    AddFace(middle, material, divisions + 1, mesh);
+    AddFace({face[0], middle[0], middle[2]}, material, divisions + 1, model);
+    AddFace({middle[0], face[1], middle[1]}, material, divisions + 1, model);
+    AddFace({middle[2], middle[1], face[2]}, material, divisions + 1, model);
+    AddFace(middle, material, divisions + 1, model);
     return;
   }
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -132,6 +148,7 @@ void AddFace(const std::array<Corner, 3>& face,
     mesh.colours.push_back(ColourAt(material, corner.uv));
   }
   mesh.faces.push_back({first, first + 1, first + 2});
+  model.shiny.push_back(material.shiny ? 1 : 0);
 }
 
 // OBJ axes (x left, y up, z front) to the object's (x front, y left, z up), real size, box in the
@@ -140,6 +157,7 @@ struct ObjectFromFile {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // turned, file units
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // turned, file axes
 
   Eigen::Vector3f operator*(const Eigen::Vector3d& p) const {
     const Eigen::Vector3d q = (turn * p - middle).cwiseProduct(scale);
@@ -156,7 +174,7 @@ Eigen::Vector3d VertexAt(const tinyobj::attrib_t& attributes, int index) {
 Result<ObjectFromFile> FitToSize(const tinyobj::attrib_t& attributes,
                                  const std::vector<tinyobj::shape_t>& shapes,
                                  const Eigen::Matrix3d& rotation,
-                                 const CatalogueSize& size) {
+                                 const std::optional<CatalogueSize>& given) {
   Box3 box;
   for (const tinyobj::shape_t& shape : shapes) {
     for (const tinyobj::index_t& index : shape.mesh.indices) {
@@ -171,12 +189,14 @@ Result<ObjectFromFile> FitToSize(const tinyobj::attrib_t& attributes,
   }
   if (box.empty()) return InvalidInput("OBJ has no faces");
   if (!(box.Size().minCoeff() > 0)) return InvalidInput("OBJ is flat");
+  const CatalogueSize size =
+      given.value_or(CatalogueSize{box.Size().x(), box.Size().z(), box.Size().y()});
   const Eigen::Vector3d wanted(size.width_m, size.height_m, size.depth_m);
   if (!wanted.allFinite() || !(wanted.minCoeff() > 0)) {
     return InvalidInput(fmt::format(
         "catalogue size {} x {} x {} m is not a size", size.width_m, size.depth_m, size.height_m));
   }
-  return ObjectFromFile{rotation, wanted.cwiseQuotient(box.Size()), box.Center()};
+  return ObjectFromFile{rotation, wanted.cwiseQuotient(box.Size()), box.Center(), wanted};
 }
 
 }  // namespace
@@ -184,7 +204,7 @@ Result<ObjectFromFile> FitToSize(const tinyobj::attrib_t& attributes,
 Result<FurnitureModel> ParseObjModel(const std::string& obj_bytes,
                                      const FileLookup& beside,
                                      const Eigen::Matrix3d& rotation,
-                                     const CatalogueSize& size) {
+                                     const std::optional<CatalogueSize>& size) {
   tinyobj::ObjReaderConfig config;
   config.triangulate = true;
   tinyobj::ObjReader reader;
@@ -214,10 +234,11 @@ Result<FurnitureModel> ParseObjModel(const std::string& obj_bytes,
       }
       const int id = f < shape.mesh.material_ids.size() ? shape.mesh.material_ids[f] : -1;
       const bool known = id >= 0 && static_cast<std::size_t>(id) < materials.size();
-      AddFace(face, known ? materials[static_cast<std::size_t>(id)] : Material(), 0, model.mesh);
+      AddFace(face, known ? materials[static_cast<std::size_t>(id)] : Material(), 0, model);
     }
   }
-  model.size_m = {size.depth_m, size.width_m, size.height_m};
+  const Eigen::Vector3d& size_m = object_from_file->size_m;
+  model.size_m = {size_m.z(), size_m.x(), size_m.y()};
   return model;
 }
 

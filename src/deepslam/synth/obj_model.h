@@ -2,9 +2,11 @@
 // the object frame.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -19,6 +21,7 @@ namespace deepslam::synth {
 struct FurnitureModel {
   TriangleMesh mesh;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // along x (front), y, z
+  std::vector<std::uint8_t> shiny;  // per face: 1 where depth cameras see nothing (glass, chrome)
 };
 
 // Bytes of a file that lies beside the OBJ (material library, texture), by the name the OBJ or MTL
@@ -35,10 +38,11 @@ struct CatalogueSize {
 
 // The OBJ is turned by `rotation` (the catalogue's modelRotation), then its box scaled to `size`.
 // What is missing or broken of materials becomes grey. Large textured faces are divided, so that
-// corners carry the texture's detail. Errors: no faces, a flat model, sizes that are not positive.
+// corners carry the texture's detail. Without a size the file's own is kept, in metres. Errors: no
+// faces, a flat model, sizes that are not positive.
 Result<FurnitureModel> ParseObjModel(const std::string& obj_bytes,
                                      const FileLookup& beside,
                                      const Eigen::Matrix3d& rotation,
-                                     const CatalogueSize& size);
+                                     const std::optional<CatalogueSize>& size);
 
 }  // namespace deepslam::synth

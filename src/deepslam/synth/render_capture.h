@@ -16,7 +16,7 @@ namespace deepslam::synth {
 struct RenderedFrame {
   Frame frame;  // with the sensor's faults
   DepthImage true_depth_m;
-  Image<std::uint8_t> instances;  // 0 = room, k + 1 = object k
+  Image<std::uint8_t> instances;  // 0 = room and clutter, k + 1 = object k
   Pose3 world_from_camera;
 };
 
@@ -26,7 +26,7 @@ class CaptureRenderer {
   ~CaptureRenderer();
   CaptureRenderer(CaptureRenderer&&) noexcept;
 
-  [[nodiscard]] int num_frames() const;
+  [[nodiscard]] int num_frames() const;  // without the dropped ones
   [[nodiscard]] const World& world() const;
   // The same frame for the same world, whatever was rendered before and on however many threads.
   [[nodiscard]] RenderedFrame Render(int frame) const;

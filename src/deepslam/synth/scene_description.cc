@@ -1,6 +1,7 @@
 #include "deepslam/synth/scene_description.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kMaxFrames = 100'000;
 constexpr int kMaxSidePx = 4096;
+constexpr std::size_t kMaxPoints = 1000;
 
 // One table of the file. Remembers the first fault and the names that were asked for.
 class Table {
@@ -100,6 +102,29 @@ class Table {
 
   Table Sub(const std::string& name) { return Table(Find(name), file_, Path(name), fault_); }
 
+  void Points(const std::string& name, std::vector<Eigen::Vector3d>& value) {
+    const YAML::Node node = Find(name);
+    if (!node) return;
+    if (!node.IsSequence() || node.size() > kMaxPoints) {
+      Fail(node, Path(name), fmt::format("is not a list of at most {} points", kMaxPoints));
+      return;
+    }
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      Eigen::Vector3d point = Eigen::Vector3d::Zero();
+      for (std::size_t k = 0; k < 3; ++k) {
+        double& x = point[static_cast<Eigen::Index>(k)];
+        if (node[i].IsSequence() && node[i].size() == 3 && node[i][k].IsScalar() &&
+            YAML::convert<double>::decode(node[i][k], x) && std::abs(x) <= 100)
+          continue;
+        Fail(node[i],
+             fmt::format("{}[{}]", Path(name), i),
+             "is not a point: a list of 3 numbers of -100 .. 100");
+        return;
+      }
+      value.push_back(point);
+    }
+  }
+
   std::vector<Table> List(const std::string& name) {
     const YAML::Node node = Find(name);
     std::vector<Table> tables;
@@ -158,8 +183,20 @@ class Table {
   std::set<std::string> asked_;
 };
 
-void ReadCamera(Table camera, PinholeCamera& value) {
-  value = {640, 480, 525.0, 525.0, 319.5, 239.5};
+void ReadCamera(Table camera, SceneDescription& scene) {
+  std::string preset = "kinect_v1";
+  camera.Text("preset", preset, false);
+  if (const std::optional<DepthSensor> sensor = DepthSensorPreset(preset)) {
+    scene.sensor = *sensor;
+  } else {
+    camera.Fail(
+        YAML::Node(YAML::NodeType::Undefined),
+        camera.Path("preset"),
+        fmt::format(
+            "is '{}', expected one of {}", preset, fmt::join(DepthSensorPresetNames(), ", ")));
+  }
+  PinholeCamera& value = scene.camera;
+  value = scene.sensor.camera;
   camera.Number("width", value.width, 16, kMaxSidePx);
   camera.Number("height", value.height, 16, kMaxSidePx);
   camera.Number("fx", value.fx, 0.05 * value.width, 50.0 * value.width);
@@ -199,6 +236,94 @@ void ReadOrbit(Table orbit, SceneOrbit& value) {
   orbit.RefuseOthers();
 }
 
+void ReadWalk(Table walk, SceneWalk& value) {
+  walk.Points("points_m", value.points_m);
+  walk.Points("look_at_m", value.look_at_m);
+  walk.Number("ahead_height_m", value.ahead_height_m, 0, 100);
+  walk.Switch("closed", value.closed);
+  walk.Switch("and_back", value.and_back);
+  walk.Number("laps", value.laps, 0.01, 100);
+  walk.Number("shake_m", value.shake_m, 0, 1);
+  walk.Number("shake_deg", value.shake_deg, 0, 30);
+  walk.Number("step_m", value.step_m, 0, 1);
+  walk.RefuseOthers();
+  const auto fail = [&](const char* field, const std::string& what) {
+    walk.Fail(YAML::Node(YAML::NodeType::Undefined), walk.Path(field), what);
+  };
+  if (value.points_m.size() == 1) fail("points_m", "holds one point, expected two or more");
+  if (value.look_at_m.size() > 1 && value.look_at_m.size() != value.points_m.size())
+    fail("look_at_m", "must hold one point, or as many as points_m");
+}
+
+void ReadFaults(Table faults, SensorFaults& value) {
+  bool all = true;
+  bool noise = true;
+  bool holes = true;
+  faults.Switch("all", all);
+  faults.Switch("depth_noise", noise);
+  faults.Switch("depth_holes", holes);
+  if (!all) value = SensorFaults::None();
+  if (!noise)
+    value.axial_noise = value.lateral_noise = value.quantisation = value.mixed_pixels = false;
+  if (!holes) {
+    value.range_limits = value.grazing_holes = value.dark_holes = value.shiny_holes = false;
+    value.shadows = false;
+  }
+  faults.Switch("axial_noise", value.axial_noise);
+  faults.Switch("lateral_noise", value.lateral_noise);
+  faults.Switch("quantisation", value.quantisation);
+  faults.Switch("mixed_pixels", value.mixed_pixels);
+  faults.Switch("range_limits", value.range_limits);
+  faults.Switch("grazing_holes", value.grazing_holes);
+  faults.Switch("dark_holes", value.dark_holes);
+  faults.Switch("shiny_holes", value.shiny_holes);
+  faults.Switch("shadows", value.shadows);
+  faults.Switch("range_bias", value.range_bias);
+  faults.Number("noise_scale", value.noise_scale, 0, 100);
+  faults.Number("missing_share", value.missing_share, 0, 1);
+  faults.Number("table_edges_m", value.table_edges_m, 0, 10);
+  faults.Switch("colour_noise", value.colour_noise);
+  faults.Number("exposure_time_s", value.exposure_time_s, 0, 1);
+  faults.Number("exposure_change_stops", value.exposure_change_stops, 0, 4);
+  faults.Number("dropped_share", value.dropped_share, 0, 0.9);
+  faults.RefuseOthers();
+}
+
+void ReadObject(Table object, SceneDescription& scene) {
+  SceneObject value;
+  object.Text("class", value.class_name, true);
+  object.Text("model", value.model, true);
+  object.Vec("position_m", value.position_m, -100, 100, true);
+  object.Number("yaw_deg", value.yaw_deg, -3600, 3600);
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  object.Vec("size_m", size_m, 0.01, 20);
+  if (size_m.x() > 0) value.size_m = size_m;
+  object.RefuseOthers();
+  value.line = object.line();
+  scene.objects.push_back(value);
+}
+
+void ReadOpening(Table opening, SceneDescription& scene) {
+  static constexpr std::array<const char*, 4> kWalls = {"east", "north", "west", "south"};
+  SceneOpening value;
+  std::string wall;
+  opening.Text("wall", wall, true);
+  const auto found = std::find(kWalls.begin(), kWalls.end(), wall);
+  if (found == kWalls.end() && !wall.empty()) {
+    opening.Fail(YAML::Node(YAML::NodeType::Undefined),
+                 opening.Path("wall"),
+                 fmt::format("is '{}', expected {}", wall, fmt::join(kWalls, ", ")));
+  }
+  value.wall = static_cast<int>(found - kWalls.begin()) % 4;
+  opening.Number("from_m", value.from_m, 0, 100);
+  opening.Number("width_m", value.width_m, 0.05, 100);
+  opening.Number("bottom_m", value.bottom_m, 0, 100);
+  opening.Number("height_m", value.height_m, 0.05, 100);
+  opening.RefuseOthers();
+  value.line = opening.line();
+  scene.openings.push_back(value);
+}
+
 void ReadLists(Table& root, SceneDescription& scene) {
   for (Table light : root.List("lights")) {
     SceneLight value;
@@ -208,16 +333,12 @@ void ReadLists(Table& root, SceneDescription& scene) {
     light.RefuseOthers();
     scene.lights.push_back(value);
   }
-  for (Table object : root.List("objects")) {
-    SceneObject value;
-    object.Text("class", value.class_name, true);
-    object.Text("model", value.model, true);
-    object.Vec("position_m", value.position_m, -100, 100, true);
-    object.Number("yaw_deg", value.yaw_deg, -3600, 3600);
-    object.RefuseOthers();
-    value.line = object.line();
-    scene.objects.push_back(value);
-  }
+  for (Table object : root.List("objects")) ReadObject(object, scene);
+  for (Table opening : root.List("openings")) ReadOpening(opening, scene);
+  Table clutter = root.Sub("clutter");
+  clutter.Number("floor_boxes", scene.clutter.num_floor_boxes, 0, 100);
+  clutter.Number("per_table", scene.clutter.num_per_table, 0, 50);
+  clutter.RefuseOthers();
 }
 
 SceneDescription ReadScene(Table root) {
@@ -228,28 +349,73 @@ SceneDescription ReadScene(Table root) {
   root.Number("frames", scene.num_frames, 1, kMaxFrames);
   root.Number("frames_per_s", scene.frames_per_s, 0.1, 1000);
   root.Number("depth_units_per_m", scene.depth_units_per_m, 1, 10'000);
-  ReadCamera(root.Sub("camera"), scene.camera);
+  ReadCamera(root.Sub("camera"), scene);
   ReadRoom(root.Sub("room"), scene);
   ReadOrbit(root.Sub("orbit"), scene.orbit);
   ReadLists(root, scene);
-  Table faults = root.Sub("faults");
-  faults.Switch("depth_noise", scene.faults.depth_noise);
-  faults.Switch("depth_holes", scene.faults.depth_holes);
-  faults.Switch("colour_noise", scene.faults.colour_noise);
-  faults.RefuseOthers();
+  (void)root.Sub("rungs");
+  ReadWalk(root.Sub("walk"), scene.walk);
+  ReadFaults(root.Sub("faults"), scene.faults);
   root.RefuseOthers();
   return scene;
 }
 
+// Fields of `over` replace those of `base`, tables field by field. In place, since copies of nodes
+// forget their lines.
+void Overlay(YAML::Node base, const YAML::Node& over) {
+  for (const auto& entry : over) {
+    const std::string name = entry.first.Scalar();
+    const YAML::Node old = std::as_const(base)[name];
+    if (old.IsDefined() && old.IsMap() && entry.second.IsMap()) {
+      Overlay(old, entry.second);
+    } else {
+      base[name] = entry.second;
+    }
+  }
+}
+
+Status ChooseRung(YAML::Node root, const std::filesystem::path& file, const std::string& rung) {
+  if (rung.empty()) return Ok();
+  const YAML::Node rungs = std::as_const(root)["rungs"];
+  const bool has_rungs = rungs.IsDefined() && rungs.IsMap();
+  if (has_rungs) {
+    const YAML::Node over = rungs[rung];
+    if (over.IsDefined() && over.IsMap()) Overlay(root, over);
+    if (over.IsDefined() && (over.IsMap() || over.IsNull())) return Ok();
+  }
+  std::vector<std::string> known;
+  if (has_rungs) {
+    for (const auto& entry : rungs) known.push_back(entry.first.Scalar());
+  }
+  return InvalidConfig(
+      fmt::format("{}: has no rung '{}'; its rungs: {}",
+                  file.string(),
+                  rung,
+                  known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
+}
+
 }  // namespace
 
-Result<SceneDescription> ParseScene(const std::string& text, const std::filesystem::path& file) {
+SensorFaults SensorFaults::None() {
+  SensorFaults none;
+  none.axial_noise = none.lateral_noise = none.quantisation = none.mixed_pixels = false;
+  none.range_limits = none.grazing_holes = none.dark_holes = none.shiny_holes = false;
+  none.shadows = none.range_bias = none.colour_noise = false;
+  none.exposure_time_s = 0;
+  return none;
+}
+
+Result<SceneDescription> ParseScene(const std::string& text,
+                                    const std::filesystem::path& file,
+                                    const std::string& rung) {
   try {
     std::optional<Error> fault;
     const YAML::Node root = YAML::Load(text);
     if (!root.IsMap())
       return InvalidConfig(
           fmt::format("{}: holds no scene; see configs/scenes/demo_room.yaml", file.string()));
+    const Status chosen = ChooseRung(root, file, rung);
+    if (!chosen) return chosen.error();
     SceneDescription scene = ReadScene(Table(root, file, "", fault));
     if (fault) return *fault;
     return scene;

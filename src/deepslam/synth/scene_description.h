@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,16 +15,33 @@
 #include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/camera.h"
+#include "deepslam/synth/depth_sensor.h"
 
 namespace deepslam::synth {
 
 struct SceneObject {
   std::string class_name;  // of the class table
-  std::string model;       // catalogue id ("Scopia#chair")
+  std::string model;       // catalogue id ("Scopia#chair"), or a file (.obj, .glb) beside the scene
   Eigen::Vector2d position_m =
       Eigen::Vector2d::Zero();  // of the middle of the model's box, on the floor
   double yaw_deg = 0;           // the model's front turned from world x towards y
   int line = 0;                 // of the scene file, for messages
+  // Along x (front), y, z: stretches the model; without it, its own size (files: y up, metres).
+  std::optional<Eigen::Vector3d> size_m;
+};
+
+struct SceneOpening {  // a door or window: a gap in a wall
+  int wall = 0;        // 0 east (+x), 1 north (+y), 2 west, 3 south
+  double from_m = 1;   // its left edge seen from inside, from the wall's left end
+  double width_m = 0.9;
+  double bottom_m = 0;
+  double height_m = 2.05;
+  int line = 0;
+};
+
+struct SceneClutter {  // small things, no objects of the truth: they get in the way
+  int num_floor_boxes = 0;
+  int num_per_table = 0;  // boxes, books and cups on each object of class table
 };
 
 struct SceneLight {  // a horizontal square that shines downwards
@@ -44,10 +62,42 @@ struct SceneOrbit {
   double shake_deg = 0.8;
 };
 
+// A way through points at even speed, on a smooth curve (Catmull-Rom).
+struct SceneWalk {
+  std::vector<Eigen::Vector3d> points_m;  // none: the orbit is the way
+  // What the camera looks at, by point; one: always that; none: 1.5 m ahead on the way, at
+  // `ahead_height_m`.
+  std::vector<Eigen::Vector3d> look_at_m;
+  double ahead_height_m = 0.6;
+  bool closed = false;    // on from the last point to the first
+  bool and_back = false;  // the same way back, looking as on the way there
+  double laps = 1;        // of a closed way; 1.2 sees its beginning again
+  double shake_m = 0.015;
+  double shake_deg = 0.8;
+  double step_m = 0.012;  // up and down with each step, standard deviation
+};
+
+// Every fault of the sensor (depth_sensor.h) can be switched; what has no switch has a size.
 struct SensorFaults {
-  bool depth_noise = true;  // axial and lateral noise, disparity steps
-  bool depth_holes = true;  // grazing views, shadow of the projector, range
-  bool colour_noise = true;
+  bool axial_noise = true;
+  bool lateral_noise = true;
+  bool quantisation = true;
+  bool mixed_pixels = true;
+  bool range_limits = true;
+  bool grazing_holes = true;
+  bool dark_holes = true;
+  bool shiny_holes = true;
+  bool shadows = true;  // of the projector (or where the second eye sees nothing)
+  bool range_bias = false;
+  double noise_scale = 1;    // times axial and lateral deviation
+  double missing_share = 0;  // of all pixels, in patches
+  double table_edges_m = 0;  // table tops return depth this near their edges only; 0: everywhere
+  bool colour_noise = true;  // photon noise, the lens's blur and vignetting
+  double exposure_time_s = 0.008;    // motion blur; 0: none
+  double exposure_change_stops = 0;  // standard deviation of the slow drift of brightness
+  double dropped_share = 0;          // of frames
+
+  static SensorFaults None();
 };
 
 struct SceneDescription {
@@ -55,6 +105,7 @@ struct SceneDescription {
   int num_frames = 120;
   double frames_per_s = 30;
   PinholeCamera camera;
+  DepthSensor sensor = *DepthSensorPreset("kinect_v1");
   double depth_units_per_m = 1000;
   Eigen::Vector3d room_size_m = {5, 5, 2.6};
   std::string floor = "wood";  // wood, carpet, tiles
@@ -63,12 +114,19 @@ struct SceneDescription {
   double ambient = 0.35;  // light from everywhere, share of white
   std::vector<SceneLight> lights;
   std::vector<SceneObject> objects;
+  std::vector<SceneOpening> openings;
+  SceneClutter clutter;
   SceneOrbit orbit;
+  SceneWalk walk;
   SensorFaults faults;
 };
 
 // Reads the text of a scene file; errors name file, line, field and what is expected. Unknown
-// fields are errors.
-Result<SceneDescription> ParseScene(const std::string& text, const std::filesystem::path& file);
+// fields are errors. A scene may hold `rungs: {NAME: {...}}`, variants of itself: the fields of the
+// rung named `rung` replace the scene's (tables field by field, lists whole). Empty: the scene as
+// it stands.
+Result<SceneDescription> ParseScene(const std::string& text,
+                                    const std::filesystem::path& file,
+                                    const std::string& rung = "");
 
 }  // namespace deepslam::synth

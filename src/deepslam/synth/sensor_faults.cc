@@ -4,22 +4,37 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::synth {
 namespace {
 
-// Standard deviation of the place a depth value really comes from (Nguyen et al. 2012: 0.8 px; much
-// of that is the matching window, which the steps at edges show already).
-constexpr double kLateralNoisePx = 0.5;
 // Share of light that comes back from a face seen under a cosine; below, the pattern is lost.
 constexpr float kMinCosine = 0.12f;
 constexpr float kSureCosine = 0.25f;
+// A polished face gives depth only when its mirror image of the projector is not far off the axis.
+constexpr float kMirrorCosine = 0.97f;
+// Neighbouring depths further apart than this are two surfaces, relative.
+constexpr double kEdgeStep = 0.03;
+// Patches of missing depth, px.
+constexpr int kPatchPx = 16;
 constexpr double kColourNoise = 0.010;  // of full scale
 constexpr double kVignetting = 0.18;    // darkening at the corners
+constexpr int kNumTones = 4096;
 
 std::uint64_t RowItem(std::uint64_t item, std::size_t row) { return item * 65'536 + row; }
+
+// Nearly normal, unit variance, from one number: the sum of four uniform ones. For what is rounded
+// to pixels or bytes anyway.
+double QuickNormal(Random& random) {
+  const std::uint64_t z = random.Next();
+  const double sum = static_cast<double>((z & 0xFFFF) + (z >> 16 & 0xFFFF) + (z >> 32 & 0xFFFF) +
+                                         (z >> 48 & 0xFFFF)) /
+                     65536.0;
+  return (sum - 2.0 + 2.0 / 65536.0) * std::sqrt(3.0);
+}
 
 // A pixel is in the projector's shadow when another one on its row lies before it as the projector
 // sees it: seen from there, columns are u - f b / z, and a nearer surface to the projector's side
@@ -40,19 +55,150 @@ std::vector<std::uint8_t> ShadowOfRow(const DepthImage& depth_m,
   return shadow;
 }
 
-float Cosine(const render::RayHit& hit,
-             const PinholeCamera& camera,
-             const Eigen::Matrix3d& rotation,
-             int u,
-             int v) {
-  const Eigen::Vector3d ray_world = rotation * camera.Ray(u, v).normalized();
-  return static_cast<float>(-ray_world.dot(hit.normal_world.cast<double>()));
+// 1 where depth is missing: smooth noise of the image below its quantile, so that the share is
+// exact.
+Mask MissingPatches(int width, int height, double share, const FrameSeed& seed) {
+  if (!(share > 0)) return {};
+  const int cells_x = width / kPatchPx + 2;
+  const int cells_y = height / kPatchPx + 2;
+  Image<float> lattice(cells_x, cells_y);
+  Random random(seed.seed, "missing", seed.frame);
+  for (float& value : lattice) value = static_cast<float>(random.Uniform());
+  Image<float> noise(width, height);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const int x = u / kPatchPx;
+      const int y = v / kPatchPx;
+      const float s = static_cast<float>(u % kPatchPx) / kPatchPx;
+      const float t = static_cast<float>(v % kPatchPx) / kPatchPx;
+      noise(u, v) = (1 - t) * ((1 - s) * lattice(x, y) + s * lattice(x + 1, y)) +
+                    t * ((1 - s) * lattice(x, y + 1) + s * lattice(x + 1, y + 1));
+    }
+  }
+  std::vector<float> sorted(noise.begin(), noise.end());
+  const auto rank = std::min(sorted.size() - 1,
+                             static_cast<std::size_t>(share * static_cast<double>(sorted.size())));
+  std::nth_element(
+      sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
+  const float limit = share >= 1 ? 2.0f : sorted[rank];
+  Mask missing(width, height, 0);
+  std::transform(noise.begin(), noise.end(), missing.begin(), [limit](float value) {
+    return static_cast<std::uint8_t>(value < limit ? 1 : 0);
+  });
+  return missing;
 }
 
-double Quantised(double depth_m, double focal_baseline_px_m) {
-  const double disparity =
-      std::round(focal_baseline_px_m / depth_m / kDisparityStepPx) * kDisparityStepPx;
-  return disparity > 0 ? focal_baseline_px_m / disparity : 0.0;
+// One frame's reading, pixel by pixel.
+class Reading {
+ public:
+  Reading(const SensedView& truth,
+          const PinholeCamera& camera,
+          const Pose3& world_from_camera,
+          const SceneDescription& scene)
+      : truth_(truth),
+        camera_(camera),
+        camera_from_world_(world_from_camera.rotation.toRotationMatrix().transpose().cast<float>()),
+        sensor_(scene.sensor),
+        faults_(scene.faults) {}
+
+  [[nodiscard]] float Cosine(int u, int v) const {
+    const Eigen::Vector3f ray = camera_.Ray(u, v).cast<float>();
+    return std::clamp(
+        -ray.dot(camera_from_world_ * truth_.view.hits(u, v).normal_world) / ray.norm(),
+        0.0f,
+        1.0f);
+  }
+
+  // Depth of the surface that pixel (u, v) takes for its own; 0 where it sees none.
+  [[nodiscard]] float At(int u,
+                         int v,
+                         const std::vector<std::uint8_t>& shadow,
+                         Random& random) const {
+    if (faults_.lateral_noise) {
+      const double theta = std::acos(static_cast<double>(Cosine(u, v)));
+      const double deviation = faults_.noise_scale * LateralDeviation(sensor_, theta);
+      u = std::clamp(
+          static_cast<int>(std::lround(u + deviation * QuickNormal(random))), 0, camera_.width - 1);
+      v = std::clamp(static_cast<int>(std::lround(v + deviation * QuickNormal(random))),
+                     0,
+                     camera_.height - 1);
+    }
+    double depth = static_cast<double>(truth_.view.depth_m(u, v));
+    if (depth <= 0 || (!truth_.blind.empty() && truth_.blind(u, v) != 0)) return 0;
+    const float cosine = Cosine(u, v);
+    if (faults_.shadows && shadow[static_cast<std::size_t>(u)] != 0) return 0;
+    if (IsHole(u, v, depth, cosine, random)) return 0;
+    if (faults_.mixed_pixels) depth = Mixed(u, v, depth, random);
+    if (faults_.range_bias) depth += RangeBias(sensor_, depth);
+    if (faults_.axial_noise) {
+      const double theta = std::acos(static_cast<double>(cosine));
+      depth += faults_.noise_scale * AxialDeviation(sensor_, depth, theta) * random.Normal();
+      depth = std::max(0.05, depth);
+    }
+    if (faults_.quantisation) depth = QuantisedDepth(sensor_, depth);
+    return static_cast<float>(depth);
+  }
+
+ private:
+  [[nodiscard]] bool IsHole(int u, int v, double depth, float cosine, Random& random) const {
+    if (faults_.range_limits && (depth < sensor_.min_range_m || depth > sensor_.max_range_m))
+      return true;
+    if (faults_.grazing_holes &&
+        random.Uniform() < static_cast<double>((kSureCosine - cosine) / (kSureCosine - kMinCosine)))
+      return true;
+    if (faults_.shiny_holes && !truth_.shiny.empty() && truth_.shiny(u, v) != 0 &&
+        cosine < kMirrorCosine)
+      return true;
+    if (!faults_.dark_holes || truth_.reflectance.empty()) return false;
+    const double signal = static_cast<double>(truth_.reflectance(u, v) * cosine) / (depth * depth);
+    return random.Uniform() <
+           (sensor_.signal_sure - signal) / (sensor_.signal_sure - sensor_.signal_lost);
+  }
+
+  [[nodiscard]] double Mixed(int u, int v, double depth, Random& random) const {
+    double other = depth;
+    for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      if (!truth_.view.depth_m.Contains(u + du, v + dv)) continue;
+      const double d = static_cast<double>(truth_.view.depth_m(u + du, v + dv));
+      if (d > 0 && std::abs(d - depth) > std::abs(other - depth)) other = d;
+    }
+    if (std::abs(other - depth) < kEdgeStep * depth || random.Uniform() >= sensor_.mixed_share)
+      return depth;
+    return depth + 0.5 * random.Uniform() * (other - depth);
+  }
+
+  const SensedView& truth_;
+  const PinholeCamera& camera_;
+  Eigen::Matrix3f camera_from_world_;
+  const DepthSensor& sensor_;
+  const SensorFaults& faults_;
+};
+
+// Fills in between cells: as phones do, across edges as well, but never far from a measurement.
+DepthImage Interpolated(const DepthImage& cells, int cell_px, int width, int height) {
+  DepthImage depth(width, height, 0.0f);
+  ParallelFor(static_cast<std::size_t>(height), [&](std::size_t row) {
+    const int v = static_cast<int>(row);
+    for (int u = 0; u < width; ++u) {
+      const double x = (u + 0.5) / cell_px - 0.5;
+      const double y = (v + 0.5) / cell_px - 0.5;
+      double sum = 0;
+      double weights = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int cu = std::clamp(static_cast<int>(std::floor(x)) + (k & 1), 0, cells.width() - 1);
+        const int cv =
+            std::clamp(static_cast<int>(std::floor(y)) + (k >> 1), 0, cells.height() - 1);
+        const auto d = static_cast<double>(cells(cu, cv));
+        const double weight =
+            std::max(0.0, 1 - std::abs(x - cu)) * std::max(0.0, 1 - std::abs(y - cv));
+        if (d <= 0) continue;
+        sum += weight * d;
+        weights += weight;
+      }
+      if (weights >= 0.5) depth(u, v) = static_cast<float>(sum / weights);
+    }
+  });
+  return depth;
 }
 
 // Gaussian of 0.6 px, which a cheap lens and the colour filter leave.
@@ -75,87 +221,123 @@ Image<Eigen::Vector3f> Blurred(const Image<Eigen::Vector3f>& from) {
   return pass(pass(from, 1, 0), 0, 1);
 }
 
-std::uint8_t Display(double linear) {
-  const double c = std::clamp(linear, 0.0, 1.0);
-  const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * s));
+// Display value by the root of the linear value: even steps of the root are nearly even to the eye.
+std::vector<std::uint8_t> Tones() {
+  std::vector<std::uint8_t> tones(kNumTones);
+  for (int i = 0; i < kNumTones; ++i) {
+    const double root = i / (kNumTones - 1.0);
+    const double c = root * root;
+    const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+    tones[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255 * s));
+  }
+  return tones;
 }
 
 }  // namespace
 
-double AxialNoise(double depth_m) {
-  const double beyond = depth_m - 0.4;
-  return 0.0012 + 0.0019 * beyond * beyond;
-}
-
-DepthImage ApplyDepthFaults(const render::RenderedView& truth,
+DepthImage ApplyDepthFaults(const SensedView& truth,
                             const PinholeCamera& camera,
                             const Pose3& world_from_camera,
-                            const SensorFaults& faults,
-                            std::uint64_t seed,
-                            std::uint64_t random_item) {
-  const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
-  const double focal_baseline = camera.fx * kBaselineM;
-  DepthImage seen(camera.width, camera.height, 0.0f);
-  ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
-    const int v = static_cast<int>(row);
-    Random random(seed, "depth", RowItem(random_item, row));
-    const std::vector<std::uint8_t> shadow = ShadowOfRow(truth.depth_m, v, focal_baseline);
-    for (int u = 0; u < camera.width; ++u) {
-      int from_u = u;
-      int from_v = v;
-      if (faults.depth_noise) {
-        from_u = std::clamp(static_cast<int>(std::lround(u + kLateralNoisePx * random.Normal())),
-                            0,
-                            camera.width - 1);
-        from_v = std::clamp(static_cast<int>(std::lround(v + kLateralNoisePx * random.Normal())),
-                            0,
-                            camera.height - 1);
-      }
-      double depth = static_cast<double>(truth.depth_m(from_u, from_v));
-      if (depth <= 0) continue;
-      if (faults.depth_holes) {
-        const float cosine = Cosine(truth.hits(from_u, from_v), camera, rotation, from_u, from_v);
-        const double lost =
-            static_cast<double>((kSureCosine - cosine) / (kSureCosine - kMinCosine));
-        if (random.Uniform() < lost || shadow[static_cast<std::size_t>(from_u)] != 0) continue;
-        if (depth < kMinRangeM || depth > kMaxRangeM) continue;
-      }
-      if (faults.depth_noise) {
-        depth =
-            Quantised(std::max(0.05, depth + AxialNoise(depth) * random.Normal()), focal_baseline);
-      }
-      seen(u, v) = static_cast<float>(depth);
+                            const SceneDescription& scene,
+                            const FrameSeed& seed) {
+  const Reading reading(truth, camera, world_from_camera, scene);
+  const double focal_baseline = camera.fx * scene.sensor.baseline_m;
+  const int cell_px = scene.faults.lateral_noise ? std::max(1, scene.sensor.cell_px) : 1;
+  DepthImage cells(
+      (camera.width + cell_px - 1) / cell_px, (camera.height + cell_px - 1) / cell_px, 0.0f);
+  ParallelFor(static_cast<std::size_t>(cells.height()), [&](std::size_t row) {
+    const int v = std::min(static_cast<int>(row) * cell_px + cell_px / 2, camera.height - 1);
+    Random random(seed.seed, "depth", RowItem(seed.frame, row));
+    const std::vector<std::uint8_t> shadow = ShadowOfRow(truth.view.depth_m, v, focal_baseline);
+    for (int c = 0; c < cells.width(); ++c) {
+      const int u = std::min(c * cell_px + cell_px / 2, camera.width - 1);
+      cells(c, static_cast<int>(row)) = reading.At(u, v, shadow, random);
     }
   });
+  DepthImage seen =
+      cell_px > 1 ? Interpolated(cells, cell_px, camera.width, camera.height) : std::move(cells);
+  const Mask missing =
+      MissingPatches(camera.width, camera.height, scene.faults.missing_share, seed);
+  if (!missing.empty()) {
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        if (missing(u, v) != 0) seen(u, v) = 0;
+      }
+    }
+  }
   return seen;
 }
 
 ColourImage DevelopColour(const Image<Eigen::Vector3f>& radiance,
                           const SensorFaults& faults,
-                          std::uint64_t seed,
-                          std::uint64_t random_item) {
+                          double gain,
+                          const FrameSeed& seed) {
   const int width = radiance.width();
   const int height = radiance.height();
-  const Image<Eigen::Vector3f> picture = faults.colour_noise ? Blurred(radiance) : radiance;
+  const std::vector<std::uint8_t> tones = Tones();
+  const Image<Eigen::Vector3f> blurred =
+      faults.colour_noise ? Blurred(radiance) : Image<Eigen::Vector3f>();
+  const Image<Eigen::Vector3f>& picture = faults.colour_noise ? blurred : radiance;
+  const auto display = [&](float linear) {
+    const float root = std::sqrt(std::clamp(linear, 0.0f, 1.0f));
+    return tones[static_cast<std::size_t>(root * (kNumTones - 1) + 0.5f)];
+  };
   ColourImage colour(width, height);
   ParallelFor(static_cast<std::size_t>(height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
-    Random random(seed, "colour", RowItem(random_item, row));
+    Random random(seed.seed, "colour", RowItem(seed.frame, row));
     for (int u = 0; u < width; ++u) {
-      Eigen::Vector3d c = picture(u, v).cast<double>();
+      Eigen::Vector3f c = static_cast<float>(gain) * picture(u, v);
       if (faults.colour_noise) {
         const double x = 2.0 * u / width - 1;
         const double y = 2.0 * v / height - 1;
-        c *= 1 - kVignetting * 0.5 * (x * x + y * y);
+        c *= static_cast<float>(1 - kVignetting * 0.5 * (x * x + y * y));
         // Photon noise grows with the root of the light.
-        for (int k = 0; k < 3; ++k)
-          c[k] += kColourNoise * std::sqrt(std::max(c[k], 0.02)) * random.Normal();
+        for (int k = 0; k < 3; ++k) {
+          c[k] += static_cast<float>(kColourNoise * QuickNormal(random)) *
+                  std::sqrt(std::max(c[k], 0.02f));
+        }
       }
-      colour(u, v) = {Display(c.x()), Display(c.y()), Display(c.z())};
+      colour(u, v) = {display(c.x()), display(c.y()), display(c.z())};
     }
   });
   return colour;
+}
+
+Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
+                                     const DepthImage& depth_m,
+                                     const PinholeCamera& camera,
+                                     const Pose3& first_from_camera,
+                                     const Pose3& last_from_camera) {
+  constexpr double kStillPx = 0.3;
+  constexpr double kFarM = 10;  // where nothing is hit
+  constexpr int kMaxTaps = 24;
+  Image<Eigen::Vector3f> blurred = radiance;
+  ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
+    const int v = static_cast<int>(row);
+    for (int u = 0; u < camera.width; ++u) {
+      const auto depth = static_cast<double>(depth_m(u, v));
+      const Eigen::Vector3d p = camera.Unproject(u, v, depth > 0 ? depth : kFarM);
+      const std::optional<Eigen::Vector2d> from = camera.Project(first_from_camera * p);
+      const std::optional<Eigen::Vector2d> to = camera.Project(last_from_camera * p);
+      if (!from || !to) continue;
+      const Eigen::Vector2d way = *to - *from;
+      const double length_px = way.norm();
+      if (!(length_px > kStillPx)) continue;
+      const int num_taps = std::min(kMaxTaps, static_cast<int>(std::ceil(length_px)) + 1);
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      for (int i = 0; i < num_taps; ++i) {
+        const double t = (i + 0.5) / num_taps - 0.5;
+        const int x =
+            std::clamp(static_cast<int>(std::lround(u + t * way.x())), 0, camera.width - 1);
+        const int y =
+            std::clamp(static_cast<int>(std::lround(v + t * way.y())), 0, camera.height - 1);
+        sum += radiance(x, y);
+      }
+      blurred(u, v) = sum / static_cast<float>(num_taps);
+    }
+  });
+  return blurred;
 }
 
 }  // namespace deepslam::synth

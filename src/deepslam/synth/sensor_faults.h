@@ -1,38 +1,55 @@
-// What a structured-light depth camera and a cheap colour camera do to the truth.
+// What a depth camera and a cheap colour camera do to the truth.
+//
+// The models: deviation, bias and steps of the depth by the sensor (depth_sensor.h). Beside them,
+// as Khoshelham, Elberink 2012 and Nguyen, Izadi, Lovell 2012 describe for structured light and
+// Wasenmueller, Stricker 2016 for time of flight: no depth on faces seen at a grazing angle, on
+// surfaces that return too little light, on polished ones that throw it elsewhere, and where the
+// projector (or second eye) does not see; values between two surfaces at edges.
 #pragma once
 
 #include "deepslam/core/image.h"
 #include "deepslam/core/random.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/render/render_view.h"
+#include "deepslam/synth/depth_sensor.h"
 #include "deepslam/synth/scene_description.h"
 
 namespace deepslam::synth {
 
-// Kinect v1. Baseline between projector and camera, and steps of its disparity (Khoshelham,
-// Elberink 2012).
-inline constexpr double kBaselineM = 0.075;
-inline constexpr double kDisparityStepPx = 0.125;
-inline constexpr double kMinRangeM = 0.45;
-inline constexpr double kMaxRangeM = 6.0;
+// What is before the sensor, per pixel; empty images: bright, dull, nothing blind.
+struct SensedView {
+  render::RenderedView view;
+  Image<float> reflectance;  // [0, 1]
+  Mask shiny;                // polished or transparent
+  Mask blind;                // gives no depth, whatever the sensor
+};
 
-// Standard deviation of depth along the axis (Nguyen, Izadi, Lovell 2012, Eq. 3 without the term of
-// steep views, which become holes), metres.
-double AxialNoise(double depth_m);
+// Numbers of the noise of one frame.
+struct FrameSeed {
+  std::uint64_t seed = 0;
+  std::uint64_t frame = 0;
+};
 
-// Depth as the sensor gives it; 0 = hole. `random_item` is the frame's number.
-DepthImage ApplyDepthFaults(const render::RenderedView& truth,
+// Depth as the sensor gives it; 0 = hole. Same result for any number of threads.
+DepthImage ApplyDepthFaults(const SensedView& truth,
                             const PinholeCamera& camera,
                             const Pose3& world_from_camera,
-                            const SensorFaults& faults,
-                            std::uint64_t seed,
-                            std::uint64_t random_item);
+                            const SceneDescription& scene,
+                            const FrameSeed& seed);
 
-// Sensor noise and the lens's slight blur and vignetting, in place of a clean picture. Linear
-// colours in [0, 1] in, display colours out.
+// Sensor noise and the lens's slight blur and vignetting, in place of a clean picture; `gain` is
+// the exposure. Linear colours in [0, 1] in, display colours out.
 ColourImage DevelopColour(const Image<Eigen::Vector3f>& radiance,
                           const SensorFaults& faults,
-                          std::uint64_t seed,
-                          std::uint64_t random_item);
+                          double gain,
+                          const FrameSeed& seed);
+
+// The picture smeared along each pixel's way while the shutter is open: from its place seen by the
+// first camera to that seen by the last.
+Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
+                                     const DepthImage& depth_m,
+                                     const PinholeCamera& camera,
+                                     const Pose3& first_from_camera,
+                                     const Pose3& last_from_camera);
 
 }  // namespace deepslam::synth

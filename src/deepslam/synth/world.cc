@@ -1,6 +1,7 @@
 #include "deepslam/synth/world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -9,12 +10,15 @@
 
 #include "deepslam/core/random.h"
 #include "deepslam/synth/camera_path.h"
+#include "deepslam/synth/clutter.h"
 
 namespace deepslam::synth {
 namespace {
 
 constexpr double kCameraMarginM = 0.1;
-constexpr double kPosterGapM = 0.004;  // before its wall
+constexpr double kWallThicknessM = 0.15;
+constexpr std::size_t kMaxObjects = 254;  // truth/instances counts in bytes
+constexpr double kPosterGapM = 0.004;     // before its wall
 
 RoomPart Rectangle(RoomSurface surface,
                    int number,
@@ -33,6 +37,79 @@ RoomPart Rectangle(RoomSurface surface,
   }
   part.mesh.faces = {{0, 1, 2}, {0, 2, 3}};
   return part;
+}
+
+void AddQuad(const Eigen::Vector3d& origin,
+             const Eigen::Vector3d& u,
+             const Eigen::Vector3d& v,
+             TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Eigen::Vector3d& p : {origin,
+                                   Eigen::Vector3d(origin + u),
+                                   Eigen::Vector3d(origin + u + v),
+                                   Eigen::Vector3d(origin + v)}) {
+    mesh.vertices.push_back(p.cast<float>());
+  }
+  mesh.faces.push_back({first, first + 1, first + 2});
+  mesh.faces.push_back({first, first + 2, first + 3});
+}
+
+// Cuts the openings out of a wall, and lines them as deep as the wall is thick.
+void CutOpenings(const std::vector<SceneOpening>& openings, RoomPart& wall) {
+  std::vector<double> us = {0, wall.extent_m.x()};
+  std::vector<double> vs = {0, wall.extent_m.y()};
+  std::vector<SceneOpening> here;
+  for (const SceneOpening& opening : openings) {
+    if (opening.wall != wall.number) continue;
+    here.push_back(opening);
+    us.insert(us.end(), {opening.from_m, opening.from_m + opening.width_m});
+    vs.insert(vs.end(), {opening.bottom_m, opening.bottom_m + opening.height_m});
+  }
+  if (here.empty()) return;
+  std::sort(us.begin(), us.end());
+  std::sort(vs.begin(), vs.end());
+  wall.mesh = TriangleMesh();
+  for (std::size_t i = 0; i + 1 < us.size(); ++i) {
+    for (std::size_t j = 0; j + 1 < vs.size(); ++j) {
+      const Eigen::Vector2d middle((us[i] + us[i + 1]) / 2, (vs[j] + vs[j + 1]) / 2);
+      const bool open = std::any_of(here.begin(), here.end(), [&](const SceneOpening& o) {
+        return middle.x() > o.from_m && middle.x() < o.from_m + o.width_m &&
+               middle.y() > o.bottom_m && middle.y() < o.bottom_m + o.height_m;
+      });
+      if (open || us[i + 1] - us[i] < 1e-9 || vs[j + 1] - vs[j] < 1e-9) continue;
+      AddQuad(wall.origin + us[i] * wall.u_axis + vs[j] * wall.v_axis,
+              (us[i + 1] - us[i]) * wall.u_axis,
+              (vs[j + 1] - vs[j]) * wall.v_axis,
+              wall.mesh);
+    }
+  }
+  const Eigen::Vector3d out = -kWallThicknessM * wall.u_axis.cross(wall.v_axis);
+  for (const SceneOpening& o : here) {
+    const Eigen::Vector3d corner = wall.origin + o.from_m * wall.u_axis + o.bottom_m * wall.v_axis;
+    const Eigen::Vector3d u = o.width_m * wall.u_axis;
+    const Eigen::Vector3d v = o.height_m * wall.v_axis;
+    AddQuad(corner, out, v, wall.mesh);
+    AddQuad(corner + u, out, v, wall.mesh);
+    AddQuad(corner, u, out, wall.mesh);
+    AddQuad(corner + v, u, out, wall.mesh);
+  }
+}
+
+Status CheckOpenings(const SceneDescription& description) {
+  for (const SceneOpening& opening : description.openings) {
+    const double length_m =
+        opening.wall % 2 == 0 ? description.room_size_m.y() : description.room_size_m.x();
+    if (opening.from_m + opening.width_m <= length_m &&
+        opening.bottom_m + opening.height_m <= description.room_size_m.z())
+      continue;
+    return InvalidInput(
+        fmt::format("line {} of the scene: opening reaches beyond its wall of {:.2f} x {:.2f} m; "
+                    "change its from_m, width_m, bottom_m or height_m",
+                    opening.line,
+                    length_m,
+                    description.room_size_m.z()));
+  }
+  return Ok();
 }
 
 // Faces look into the room: u x v is the inward normal of every part.
@@ -62,6 +139,7 @@ std::vector<RoomPart> MakeRoom(const SceneDescription& description) {
                              walls[w].along,
                              z,
                              {walls[w].length_m, s.z()}));
+    CutOpenings(description.openings, room.back());
   }
   Random random(description.seed, "posters", 0);
   for (int i = 0; i < description.num_posters; ++i) {
@@ -72,6 +150,12 @@ std::vector<RoomPart> MakeRoom(const SceneDescription& description) {
                                  std::min(random.Uniform(0.5, 0.9), 0.4 * s.z()));
     const double along_m = slot_m * (i / 4) + random.Uniform(0.1, 0.9) * (slot_m - extent.x());
     const double up_m = random.Uniform(0.35, 0.5) * s.z();
+    const bool over_opening = std::any_of(
+        description.openings.begin(), description.openings.end(), [&](const SceneOpening& o) {
+          return o.wall == i % 4 && along_m < o.from_m + o.width_m &&
+                 along_m + extent.x() > o.from_m;
+        });
+    if (over_opening) continue;
     const Eigen::Vector3d inward = wall.along.cross(z);
     const Eigen::Vector3d origin =
         wall.origin + along_m * wall.along + up_m * z + kPosterGapM * inward;
@@ -88,53 +172,77 @@ bool InsideRoom(const Eigen::Vector3d& p_world,
          p_world.z() <= room_size_m.z() - margin_m;
 }
 
-Status CheckPath(const World& world) {
+std::string Place(const Eigen::Vector3d& p) {
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) m", p.x(), p.y(), p.z());
+}
+
+Status CheckPath(World& world) {
   const std::vector<Pose3> path = CameraPath(world.description);
+  bool was_inside = true;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Eigen::Vector3d& place = path[i].translation_m;
-    if (!InsideRoom(place, world.description.room_size_m, kCameraMarginM)) {
-      return InvalidInput(
-          fmt::format("camera leaves the room in frame {} at ({:.2f}, {:.2f}, {:.2f}) m; make the "
-                      "orbit's radius or height smaller, or the room larger",
-                      i,
-                      place.x(),
-                      place.y(),
-                      place.z()));
+    const bool inside = InsideRoom(place, world.description.room_size_m, kCameraMarginM);
+    if (!inside && was_inside) {
+      world.warnings.push_back(fmt::format(
+          "the camera comes to a wall, floor or ceiling, or through it, in frame {} at {}; make "
+          "the orbit smaller, move the walk's points or enlarge the room if it should not",
+          i,
+          Place(place)));
     }
+    was_inside = inside;
     for (const PlacedObject& object : world.objects) {
       const Eigen::Vector3d p_object = object.world_from_object.Inverse() * place;
       if ((p_object.cwiseAbs() - object.size_m / 2).maxCoeff() > kCameraMarginM) continue;
       return InvalidInput(
-          fmt::format("camera enters {} '{}' in frame {}; change the orbit or the object's place",
+          fmt::format("camera enters {} '{}' in frame {} at {}; change the way (orbit, walk) or "
+                      "the object's place",
                       object.class_name,
                       object.model,
-                      i));
+                      i,
+                      Place(place)));
     }
   }
   return Ok();
+}
+
+// The model at the size the scene asks for.
+PlacedObject Sized(const SceneObject& wanted, const FurnitureModel& model) {
+  PlacedObject object{
+      wanted.class_name, wanted.model, model.mesh, model.size_m, Pose3(), model.shiny};
+  if (!wanted.size_m) return object;
+  const Eigen::Vector3f stretch = wanted.size_m->cwiseQuotient(model.size_m).cast<float>();
+  for (Eigen::Vector3f& vertex : object.mesh.vertices) vertex = vertex.cwiseProduct(stretch);
+  object.size_m = *wanted.size_m;
+  return object;
 }
 
 }  // namespace
 
 Result<World> BuildWorld(const SceneDescription& description,
                          const std::map<std::string, FurnitureModel>& models) {
-  World world{description, {}, MakeRoom(description)};
+  const Status openings = CheckOpenings(description);
+  if (!openings) return openings.error();
+  if (description.objects.size() > kMaxObjects)
+    return InvalidInput(fmt::format("scene has {} objects, more than {}; leave some out",
+                                    description.objects.size(),
+                                    kMaxObjects));
+  World world{description, {}, MakeRoom(description), {}, {}};
   for (const SceneObject& wanted : description.objects) {
     const auto found = models.find(wanted.model);
     if (found == models.end()) {
       return InvalidInput(
-          fmt::format("line {} of the scene: model '{}' is not in the catalogues; is the furniture "
-                      "package installed?",
+          fmt::format("line {} of the scene: model '{}' is not in the catalogues, nor a file; is "
+                      "the furniture package installed?",
                       wanted.line,
                       wanted.model));
     }
     const FurnitureModel& model = found->second;
     const double yaw_rad = wanted.yaw_deg * std::numbers::pi / 180.0;
-    PlacedObject object{wanted.class_name, wanted.model, model.mesh, model.size_m, Pose3()};
+    PlacedObject object = Sized(wanted, model);
     object.world_from_object.rotation =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
     object.world_from_object.translation_m = {
-        wanted.position_m.x(), wanted.position_m.y(), model.size_m.z() / 2};
+        wanted.position_m.x(), wanted.position_m.y(), object.size_m.z() / 2};
     for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
       const Eigen::Vector3d p_world = object.world_from_object * vertex.cast<double>();
       if (InsideRoom(p_world, description.room_size_m, -1e-3)) continue;
@@ -148,7 +256,19 @@ Result<World> BuildWorld(const SceneDescription& description,
   }
   const Status path = CheckPath(world);
   if (!path) return path.error();
+  world.clutter = MakeClutter(description, world.objects);
   return world;
+}
+
+TriangleMesh RoomMesh(const World& world) {
+  TriangleMesh room;
+  for (const RoomPart& part : world.room) {
+    const auto first = static_cast<std::uint32_t>(room.vertices.size());
+    room.vertices.insert(room.vertices.end(), part.mesh.vertices.begin(), part.mesh.vertices.end());
+    for (const std::array<std::uint32_t, 3>& f : part.mesh.faces)
+      room.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  }
+  return room;
 }
 
 }  // namespace deepslam::synth

@@ -1,6 +1,7 @@
 // A scene with its models in place: what is rendered, and the truth about it.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,7 +19,8 @@ struct PlacedObject {
   std::string model;  // catalogue id
   TriangleMesh mesh;  // object frame, metres
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
-  Pose3 world_from_object;  // stands on the floor
+  Pose3 world_from_object;          // stands on the floor
+  std::vector<std::uint8_t> shiny;  // per face: polished or transparent; or empty
 };
 
 enum class RoomSurface { kFloor, kWall, kCeiling, kPoster };
@@ -38,11 +40,17 @@ struct World {
   SceneDescription description;
   std::vector<PlacedObject> objects;
   std::vector<RoomPart> room;
+  std::vector<TriangleMesh> clutter;  // world, coloured; no objects of the truth
+  std::vector<std::string> warnings;
 };
 
-// Places the models, by catalogue id, and builds the room. Errors name the object: a model that is
-// not there, an object outside the room or a camera path that leaves it or enters an object's box.
+// Places the models, by catalogue id or file name, and builds the room. Errors name the object: a
+// model that is not there, an object outside the room, an opening beyond its wall, a camera path
+// that enters an object's box. A path that leads through a wall is a warning.
 Result<World> BuildWorld(const SceneDescription& description,
                          const std::map<std::string, FurnitureModel>& models);
+
+// Floor, walls, ceiling and posters as one mesh, world.
+TriangleMesh RoomMesh(const World& world);
 
 }  // namespace deepslam::synth
