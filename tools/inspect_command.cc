@@ -13,6 +13,7 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/eval/trajectory_error.h"
 #include "deepslam/gltf/validate.h"
+#include "eval_commands.h"
 
 namespace deepslam::tools {
 namespace {
@@ -166,6 +167,9 @@ void AddEval(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* eval_command = app.add_subcommand("eval", "Compare results with the truth");
   eval_command->require_subcommand(1);
+  AddEvalObjects(*eval_command, chosen);
+  AddEvalSelection(*eval_command, chosen);
+  AddEvalMap(*eval_command, chosen);
   CLI::App* trajectory = eval_command->add_subcommand("trajectory", "ATE and RPE of camera poses");
   trajectory->add_option("ESTIMATE", arguments->estimate, "Workspace, or TUM file")->required();
   trajectory->add_option("TRUTH", arguments->truth, "Capture with poses, or TUM file")->required();

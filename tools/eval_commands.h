@@ -1,0 +1,12 @@
+// Subcommands of `deepslam eval` with files of their own.
+#pragma once
+
+#include "commands.h"
+
+namespace deepslam::tools {
+
+void AddEvalObjects(CLI::App& eval_command, Command& chosen);
+void AddEvalSelection(CLI::App& eval_command, Command& chosen);
+void AddEvalMap(CLI::App& eval_command, Command& chosen);
+
+}  // namespace deepslam::tools

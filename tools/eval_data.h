@@ -1,0 +1,79 @@
+// What the `eval` commands read: the truth about a capture, and a workspace's result brought into
+// the true world.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/core/result.h"
+#include "deepslam/eval/bootstrap.h"
+#include "deepslam/eval/placement.h"
+#include "deepslam/eval/surface_comparison.h"
+#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/scene/object_map.h"
+#include "deepslam/scene/triangle_mesh.h"
+#include "deepslam/scene/voxel_grid.h"
+
+namespace deepslam::tools {
+
+struct TrueObject {
+  eval::PlacedBox box;  // true world
+  TriangleMesh mesh;    // object frame, metres; the box itself where only that is known
+  bool has_shape = false;
+  VoxelGrid grid;
+  eval::Symmetry symmetry = eval::Symmetry::kNone;
+  int visible_px = -1;  // most pixels in one frame; -1 where no masks tell
+};
+
+struct Truth {
+  std::filesystem::path capture;
+  std::vector<TrueObject> objects;  // those that some frame sees
+  std::vector<eval::TimedPose> poses;
+  int num_unseen = 0;  // objects that no frame sees well enough to ask for them
+};
+
+// `capture` is a folder with groundtruth.txt and truth/objects.json (`deepslam synth`) or
+// objects.json (annotated by hand, docs/evaluation.md); `annotation` names another file in its
+// place. `objects_wanted` false: only the poses.
+[[nodiscard]] Result<Truth> ReadTruth(const std::filesystem::path& capture,
+                                      const std::string& annotation,
+                                      bool objects_wanted = true);
+
+struct MappedObject {
+  MapObject object;
+  std::string name;
+  eval::PlacedBox box;  // true world
+  Pose3 true_world_from_object;
+  TriangleMesh mesh;  // object frame, metres
+  VoxelGrid grid;     // of the chosen model
+};
+
+struct MapResult {
+  std::filesystem::path workspace;
+  std::vector<MappedObject> objects;
+  eval::TrajectoryError trajectory;  // truth_from_estimate brings the map into the true world
+};
+// The final map, aligned by the trajectory's rigid motion.
+[[nodiscard]] Result<MapResult> ReadMapResult(const std::filesystem::path& workspace,
+                                              const Truth& truth);
+
+[[nodiscard]] Result<VoxelGrid> ReadGrid(const std::filesystem::path& file);
+[[nodiscard]] Result<TriangleMesh> ReadPlyMesh(const std::filesystem::path& file);
+
+// Pairs "WORKSPACE TRUTH WORKSPACE TRUTH ..." of the command line.
+struct EvalPair {
+  std::filesystem::path workspace;
+  std::filesystem::path truth;
+};
+[[nodiscard]] Result<std::vector<EvalPair>> PairsOf(const std::vector<std::string>& paths);
+
+[[nodiscard]] std::vector<eval::PlacedBox> BoxesOf(const Truth& truth);
+[[nodiscard]] std::vector<eval::PlacedBox> BoxesOf(const MapResult& map);
+
+[[nodiscard]] artifact::JsonValue ToJson(const eval::Interval& interval);
+[[nodiscard]] artifact::JsonValue ToJson(const eval::SurfaceComparison& surface);
+
+}  // namespace deepslam::tools

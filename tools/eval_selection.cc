@@ -1,0 +1,370 @@
+// `deepslam eval selection`: which of an object's candidates was taken, and how good each was.
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/proposals_json.h"
+#include "deepslam/artifact/registrations_json.h"
+#include "deepslam/artifact/scene_json.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/artifact/trajectory_files.h"
+#include "deepslam/eval/shape_similarity.h"
+#include "eval_commands.h"
+#include "eval_data.h"
+
+namespace deepslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using artifact::JsonArray;
+using artifact::JsonObject;
+using artifact::JsonValue;
+
+constexpr std::uint64_t kChamferSeed = 1;
+constexpr std::uint64_t kBootstrapSeed = 1;
+
+struct ShapeFigures {
+  std::vector<double> iou_sweep;
+  double chamfer = 0;
+};
+
+struct ScoredCandidate {
+  CandidateId id;
+  CandidateSource source = CandidateSource::kRetrieval;
+  ShapeFigures figures;
+};
+
+// One object's candidates, the chain's own opinion best first.
+struct ObjectCandidates {
+  std::string name;
+  std::vector<ScoredCandidate> candidates;
+  CandidateId greedy;
+  CandidateId selected;
+};
+
+// What stages propose and register left.
+struct Proposed {
+  std::map<CandidateId, ShapeCandidate> candidates;
+  std::map<CandidateId, CandidateRegistration> registrations;
+  Pose3 truth_from_tracking;
+};
+
+Result<Proposed> ReadProposed(const fs::path& workspace, const Truth& truth) {
+  Proposed proposed;
+  const fs::path file = workspace / "propose" / "candidates.json";
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  const Result<Proposals> proposals = artifact::DecodeProposals(*text, file.string());
+  if (!proposals.ok()) return proposals.error();
+  for (const ShapeCandidate& candidate : proposals->candidates)
+    proposed.candidates.emplace(candidate.id, candidate);
+  const fs::path registrations_file = workspace / "register" / "registrations.json";
+  const Result<std::string> registrations_text = artifact::ReadFile(registrations_file);
+  if (!registrations_text.ok()) return registrations_text.error();
+  const auto registrations =
+      artifact::DecodeRegistrations(*registrations_text, registrations_file.string());
+  if (!registrations.ok()) return registrations.error();
+  for (const CandidateRegistration& registration : *registrations)
+    proposed.registrations.emplace(registration.candidate, registration);
+  const fs::path poses_file = workspace / "track" / "trajectory.tum";
+  const Result<std::string> tum = artifact::ReadFile(poses_file);
+  if (!tum.ok()) return tum.error();
+  const auto decoded = artifact::DecodeTum(*tum, poses_file.string());
+  if (!decoded.ok()) return decoded.error();
+  std::vector<eval::TimedPose> poses;
+  for (const artifact::StampedPose& pose : *decoded)
+    poses.push_back({pose.time_s, pose.world_from_camera});
+  const Result<eval::TrajectoryError> error =
+      eval::ComputeTrajectoryError(poses, truth.poses, eval::TrajectoryErrorOptions());
+  if (!error.ok()) return InvalidInput(poses_file.string() + ": " + error.error().message);
+  proposed.truth_from_tracking = error->truth_from_estimate;
+  return proposed;
+}
+
+// As the candidate stands: turned by quarters before it is compared, since fused shapes have no
+// front of their own.
+Result<ShapeFigures> CompareAsPlaced(const VoxelGrid& grid,
+                                     const CandidateRegistration& registration,
+                                     const Proposed& proposed,
+                                     const TrueObject& truth) {
+  const int quarters = eval::QuarterTurnsAsPlaced(
+      proposed.truth_from_tracking * registration.world_from_object, truth.box.world_from_object);
+  const eval::Volume ours(eval::Turned(grid, quarters));
+  const Result<eval::Volume> volume = eval::NormaliseForIou(ours);
+  if (!volume.ok()) return volume.error();
+  const Result<eval::Volume> true_volume = eval::NormaliseForIou(eval::Volume(truth.grid));
+  if (!true_volume.ok()) return true_volume.error();
+  const auto points = eval::SampleForChamfer(ours, kChamferSeed);
+  if (!points.ok()) return points.error();
+  const auto true_points = eval::SampleForChamfer(eval::Volume(truth.grid), kChamferSeed);
+  if (!true_points.ok()) return true_points.error();
+  return ShapeFigures{eval::IouPerThreshold(*volume, *true_volume),
+                      eval::ChamferDistance(*points, *true_points)};
+}
+
+Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
+                                         const MappedObject& mapped,
+                                         const Proposed& proposed,
+                                         const TrueObject& truth) {
+  ObjectCandidates object;
+  object.name = mapped.name;
+  object.selected = mapped.object.chosen;
+  object.greedy =
+      mapped.object.history.empty() ? object.selected : mapped.object.history.back().candidate;
+  for (const CandidateScore& score : mapped.object.scores) {
+    const auto candidate = proposed.candidates.find(score.candidate);
+    const auto registration = proposed.registrations.find(score.candidate);
+    if (candidate == proposed.candidates.end() || registration == proposed.registrations.end() ||
+        !registration->second.ok)
+      continue;
+    const Result<VoxelGrid> grid =
+        ReadGrid(workspace / "propose" / "models" / (candidate->second.model + ".binvox"));
+    if (!grid.ok()) return grid.error();
+    Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
+    if (!figures.ok()) return figures.error();
+    object.candidates.push_back(
+        {score.candidate, candidate->second.source, std::move(figures).value()});
+  }
+  return object;
+}
+
+Status AddPair(const EvalPair& pair,
+               const std::string& annotation,
+               std::vector<ObjectCandidates>& objects) {
+  const Result<Truth> truth = ReadTruth(pair.truth, annotation);
+  if (!truth.ok()) return truth.error();
+  const Result<MapResult> map = ReadMapResult(pair.workspace, *truth);
+  if (!map.ok()) return map.error();
+  const Result<Proposed> proposed = ReadProposed(pair.workspace, *truth);
+  if (!proposed.ok()) return proposed.error();
+  for (const eval::Match& match :
+       eval::MatchObjects(BoxesOf(*map), BoxesOf(*truth), eval::PlacementOptions())) {
+    const TrueObject& true_object = truth->objects[match.truth];
+    if (!match.same_class || !true_object.has_shape) continue;
+    Result<ObjectCandidates> object =
+        ScoreCandidates(pair.workspace, map->objects[match.estimated], *proposed, true_object);
+    if (!object.ok()) return object.error();
+    if (!object->candidates.empty()) objects.push_back(std::move(object).value());
+  }
+  return Ok();
+}
+
+double Peak(const ShapeFigures& figures) {
+  return *std::max_element(figures.iou_sweep.begin(), figures.iou_sweep.end());
+}
+
+const ShapeFigures* Find(const ObjectCandidates& object, CandidateId id) {
+  for (const ScoredCandidate& candidate : object.candidates) {
+    if (candidate.id == id) return &candidate.figures;
+  }
+  return nullptr;
+}
+
+const ShapeFigures* Initial(const ObjectCandidates& object) {
+  const auto first = std::min_element(object.candidates.begin(),
+                                      object.candidates.end(),
+                                      [](auto& a, auto& b) { return a.id < b.id; });
+  return &first->figures;
+}
+
+const ShapeFigures* Oracle(const ObjectCandidates& object) {
+  const auto best =
+      std::max_element(object.candidates.begin(), object.candidates.end(), [](auto& a, auto& b) {
+        return Peak(a.figures) < Peak(b.figures);
+      });
+  return &best->figures;
+}
+
+ShapeFigures Mean(const ObjectCandidates& object) {
+  ShapeFigures mean{std::vector<double>(eval::kNumIouThresholds, 0.0), 0};
+  const auto count = static_cast<double>(object.candidates.size());
+  for (const ScoredCandidate& candidate : object.candidates) {
+    for (std::size_t n = 0; n < mean.iou_sweep.size(); ++n)
+      mean.iou_sweep[n] += candidate.figures.iou_sweep[n] / count;
+    mean.chamfer += candidate.figures.chamfer / count;
+  }
+  return mean;
+}
+
+// A way to choose: one entry per object, nothing where it has no candidate of that kind.
+struct Row {
+  std::string name;
+  std::vector<const ShapeFigures*> chosen;
+};
+
+std::vector<Row> RowsOf(const std::vector<ObjectCandidates>& objects,
+                        const std::vector<ShapeFigures>& means) {
+  std::vector<Row> rows = {{"initial", {}},
+                           {"greedy", {}},
+                           {"selected", {}},
+                           {"mean of all", {}},
+                           {"oracle", {}},
+                           {"retrieval only", {}},
+                           {"fused only", {}},
+                           {"network only", {}},
+                           {"mean latent only", {}}};
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectCandidates& object = objects[i];
+    rows[0].chosen.push_back(Initial(object));
+    rows[1].chosen.push_back(Find(object, object.greedy));
+    rows[2].chosen.push_back(Find(object, object.selected));
+    rows[3].chosen.push_back(&means[i]);
+    rows[4].chosen.push_back(Oracle(object));
+    std::size_t row = 5;
+    for (const CandidateSource source : {CandidateSource::kRetrieval,
+                                         CandidateSource::kFused,
+                                         CandidateSource::kNetwork,
+                                         CandidateSource::kMeanLatent}) {
+      const auto best = std::find_if(object.candidates.begin(),
+                                     object.candidates.end(),
+                                     [&](const ScoredCandidate& c) { return c.source == source; });
+      rows[row++].chosen.push_back(best == object.candidates.end() ? nullptr : &best->figures);
+    }
+  }
+  return rows;
+}
+
+// A row beside `initial`, over the objects that have both.
+JsonValue RowJson(const Row& row, const Row& initial) {
+  std::vector<std::vector<double>> sweeps;
+  std::vector<std::vector<double>> initial_sweeps;
+  std::vector<double> chamfer;
+  std::vector<double> chamfer_gain;
+  for (std::size_t i = 0; i < row.chosen.size(); ++i) {
+    if (row.chosen[i] == nullptr) continue;
+    sweeps.push_back(row.chosen[i]->iou_sweep);
+    initial_sweeps.push_back(initial.chosen[i]->iou_sweep);
+    chamfer.push_back(row.chosen[i]->chamfer);
+    chamfer_gain.push_back(row.chosen[i]->chamfer - initial.chosen[i]->chamfer);
+  }
+  const eval::SetIou iou = eval::BestOverSet(sweeps);
+  const eval::SetIou initial_iou = eval::BestOverSet(initial_sweeps);
+  std::vector<double> iou_gain;
+  for (std::size_t i = 0; i < iou.each.size(); ++i)
+    iou_gain.push_back(iou.each[i] - initial_iou.each[i]);
+  const eval::Interval gain = eval::BootstrapMean(iou_gain, kBootstrapSeed);
+  const eval::Interval mean_chamfer = eval::BootstrapMean(chamfer, kBootstrapSeed);
+  const eval::Interval chamfer_change = eval::BootstrapMean(chamfer_gain, kBootstrapSeed);
+  if (!sweeps.empty()) {
+    fmt::print(stderr,
+               "{:<18} {:>3} {:>7.4f} {:>+8.4f} [{:+.4f}, {:+.4f}] {:>7.4f} {:>+8.4f} [{:+.4f}, "
+               "{:+.4f}]\n",
+               row.name,
+               sweeps.size(),
+               iou.mean,
+               gain.mean,
+               gain.low,
+               gain.high,
+               mean_chamfer.mean,
+               chamfer_change.mean,
+               chamfer_change.low,
+               chamfer_change.high);
+  }
+  JsonObject json;
+  json.emplace("row", row.name);
+  json.emplace("num_objects", static_cast<int>(sweeps.size()));
+  json.emplace("iou", iou.mean);
+  json.emplace("iou_threshold", iou.threshold);
+  json.emplace("iou_minus_initial", ToJson(gain));
+  json.emplace("chamfer", mean_chamfer.mean);
+  json.emplace("chamfer_minus_initial", ToJson(chamfer_change));
+  JsonArray each;
+  for (const double value : iou.each) each.emplace_back(value);
+  json.emplace("iou_each", std::move(each));
+  return JsonValue(std::move(json));
+}
+
+JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects) {
+  JsonArray rows;
+  for (const ObjectCandidates& object : objects) {
+    JsonObject row;
+    row.emplace("mapped", object.name);
+    JsonArray candidates;
+    for (const ScoredCandidate& candidate : object.candidates) {
+      JsonObject entry;
+      entry.emplace("candidate", artifact::ToJson(candidate.id));
+      entry.emplace("source", artifact::NameOf(candidate.source));
+      entry.emplace("iou_peak", Peak(candidate.figures));
+      entry.emplace("chamfer", candidate.figures.chamfer);
+      candidates.emplace_back(std::move(entry));
+    }
+    row.emplace("candidates", std::move(candidates));
+    row.emplace("selected", artifact::ToJson(object.selected));
+    row.emplace("greedy", artifact::ToJson(object.greedy));
+    rows.emplace_back(std::move(row));
+  }
+  return rows;
+}
+
+int EvalSelection(const std::vector<std::string>& paths,
+                  const std::string& annotation,
+                  const std::string& json_file) {
+  const Result<std::vector<EvalPair>> pairs = PairsOf(paths);
+  if (!pairs.ok()) return ReportError(pairs.error());
+  std::vector<ObjectCandidates> objects;
+  for (const EvalPair& pair : *pairs) {
+    if (Status status = AddPair(pair, annotation, objects); !status.ok())
+      return ReportError(status.error());
+  }
+  if (objects.empty())
+    return ReportError(
+        InvalidInput("no mapped object matches a true one whose mesh is known: nothing to score"));
+  std::vector<ShapeFigures> means;
+  for (const ObjectCandidates& object : objects) means.push_back(Mean(object));
+  const std::vector<Row> rows = RowsOf(objects, means);
+  fmt::print(stderr,
+             "{:<18} {:>3} {:>7} {:>26} {:>8} {:>26}\n",
+             "choice",
+             "n",
+             "IoU",
+             "- initial [95 %]",
+             "CD",
+             "- initial [95 %]");
+  JsonArray row_json;
+  for (const Row& row : rows) row_json.push_back(RowJson(row, rows.front()));
+  JsonObject document = artifact::NewDocument("deepslam/eval_selection", 1);
+  JsonObject protocols;
+  protocols.emplace("iou", eval::kPix3dIou);
+  protocols.emplace("chamfer", eval::kPix3dChamfer);
+  protocols.emplace("pose", "models turned by quarters as they are placed");
+  protocols.emplace("interval", "paired percentile bootstrap over objects, 95 %, 10,000 resamples");
+  protocols.emplace("initial", "the object's first candidate");
+  document.emplace("protocols", std::move(protocols));
+  document.emplace("rows", std::move(row_json));
+  document.emplace("objects", ObjectRows(objects));
+  const Result<std::string> text = DumpJson(std::move(document), "selection");
+  const Status status = text.ok() ? WriteResult(json_file, *text) : Status(text.error());
+  return status.ok() ? kExitOk : ReportError(status.error());
+}
+
+}  // namespace
+
+void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
+  struct Arguments {
+    std::vector<std::string> paths;
+    std::string annotation;
+    std::string json;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = eval_command.add_subcommand(
+      "selection", "Shape of the first, the chosen and the best candidate against the truth");
+  command
+      ->add_option("PATHS",
+                   arguments->paths,
+                   "WORKSPACE TRUTH, or several such pairs that are scored as one set")
+      ->required();
+  command->add_option("--annotation", arguments->annotation, "Annotation file in place of TRUTH's");
+  command->add_option(
+      "--json", arguments->json, "Write the result here instead of to standard output");
+  command->callback([&chosen, arguments] {
+    chosen = [arguments] {
+      return EvalSelection(arguments->paths, arguments->annotation, arguments->json);
+    };
+  });
+}
+
+}  // namespace deepslam::tools
