@@ -210,6 +210,7 @@ FrameAlignment Conclude(const Descent& descent,
       system.num_inliers > 0 ? std::sqrt(system.sum_squared_m2 / system.num_inliers) : 0;
   result.inlier_share = system.num_inliers / num_source;
   result.overlap = system.num_overlap / num_source;
+  result.inside = system.num_inside / num_source;
   result.constraint_ratio = judged.ratio;
   result.degenerate = judged.ratio < options.degenerate_ratio;
   result.agreement = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);

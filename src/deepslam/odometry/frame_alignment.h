@@ -60,6 +60,7 @@ struct FrameAlignment {
   double brightness_correlation = 1;  // over textured points; 1 without colour
   double support = 0;  // robust agreement per source point at common scales: larger is better
   double overlap = 0;  // source points that fall on valid target points / valid source points
+  double inside = 0;   // source points that fall inside the target image / valid source points
 };
 
 // Aligns j to i from the best of the given starts (at least one), which are tried at the coarsest

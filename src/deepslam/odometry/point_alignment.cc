@@ -221,6 +221,7 @@ class SystemBuilder {
           row.v[k] < static_cast<float>(camera.height - 1))) {
       return;
     }
+    if (source_has_normal) ++system_.num_inside;
     const std::size_t target =
         static_cast<std::size_t>(row.v[k] + 0.5F) * static_cast<std::size_t>(camera.width) +
         static_cast<std::size_t>(row.u[k] + 0.5F);

@@ -22,6 +22,9 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kMaxPredictionRatio = 3.0;
 // Overlap that a skip edge needs: below, it adds little and fails often.
 constexpr double kSkipEdgeOverlap = 0.4;
+// Holes in both depth images leave few common points between frames that see the same place: only
+// this share of the asked overlap makes a keyframe of such a frame.
+constexpr double kFewCommonPoints = 0.5;
 
 // Alignments of real captures that are right reach these; below, other minima are looked for.
 constexpr double kSureAgreement = 0.85;
@@ -174,10 +177,10 @@ bool Tracker::AlignToReference(Anchor& frame) {
   Accept(frame, reference, alignment);
   if (to_previous) {
     previous_alignment_.reset();
-    if (WantsKeyframe(frame, 1.0)) AddKeyframe(frame, nullptr);
+    if (WantsKeyframe(frame, nullptr)) AddKeyframe(frame, nullptr);
   } else {
     previous_alignment_ = alignment;
-    if (WantsKeyframe(frame, alignment.overlap)) AddKeyframe(frame, &alignment);
+    if (WantsKeyframe(frame, &alignment)) AddKeyframe(frame, &alignment);
   }
   AddAligned(frame, alignment);
   return true;
@@ -250,11 +253,13 @@ void Tracker::Lose(const Anchor& frame) {
   last_interval_s_ = 0;
 }
 
-bool Tracker::WantsKeyframe(const Anchor& frame, double overlap) const {
+bool Tracker::WantsKeyframe(const Anchor& frame, const FrameAlignment* to_keyframe) const {
   const Pose3 moved = keyframes_.back().world_from_camera.Inverse() * frame.world_from_camera;
-  return moved.translation_m.norm() > options_.keyframe_distance_m ||
-         RotationAngle(moved.rotation) > options_.keyframe_angle_deg * kRadPerDeg ||
-         overlap < options_.keyframe_min_overlap;
+  if (moved.translation_m.norm() > options_.keyframe_distance_m) return true;
+  if (RotationAngle(moved.rotation) > options_.keyframe_angle_deg * kRadPerDeg) return true;
+  return to_keyframe != nullptr &&
+         (to_keyframe->inside < options_.keyframe_min_overlap ||
+          to_keyframe->overlap < kFewCommonPoints * options_.keyframe_min_overlap);
 }
 
 void Tracker::AddKeyframe(Anchor& frame, const FrameAlignment* direct) {
@@ -277,7 +282,7 @@ void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
   const Anchor& before_last = keyframes_[keyframes_.size() - 2];
   if (before_last.piece != frame.piece) return;
   const FrameAlignment skip = AlignTo(before_last, frame, {frame.world_from_camera});
-  if (!skip.ok || skip.overlap < kSkipEdgeOverlap || skip.agreement < kSureAgreement) return;
+  if (!skip.ok || skip.inside < kSkipEdgeOverlap || skip.agreement < kSureAgreement) return;
   const Pose3 by_last = keyframes_.back().world_from_camera * direct.i_from_j;
   const Pose3 by_skip = before_last.world_from_camera * skip.i_from_j;
   const Vector6d difference = T2v(by_last.Inverse() * by_skip);

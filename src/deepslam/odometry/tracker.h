@@ -51,7 +51,7 @@ class Tracker {
   [[nodiscard]] std::optional<Pose3> SearchStart(const Anchor& anchor, const Anchor& frame) const;
   void Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment);
 
-  [[nodiscard]] bool WantsKeyframe(const Anchor& frame, double overlap) const;
+  [[nodiscard]] bool WantsKeyframe(const Anchor& frame, const FrameAlignment* to_keyframe) const;
   // `direct`: the alignment of the frame to the current keyframe where there is one.
   // Moves the frame to where its alignments to the last two keyframes agree best, and a piece of
   // trajectory that has found back to an earlier one with it.
