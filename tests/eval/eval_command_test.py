@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""`deepslam eval objects|map|selection` as a user meets them, mostly with input that cannot be scored.
+
+    eval_command_test.py DEEPSLAM REPOSITORY
+"""
+import json
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+DEEPSLAM = sys.argv[1]
+REPOSITORY = pathlib.Path(sys.argv[2])
+
+
+def objects_version():
+    """Version of objects.json that this source tree writes."""
+    text = (REPOSITORY / "src/deepslam/artifact/objects_json.cc").read_text()
+    return int(re.search(r"kVersion\s*=\s*(\d+)", text).group(1))
+
+
+def png(width, height, value):
+    """A 16-bit grey image of one value."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = (b"\0" + struct.pack(">H", value) * width) * height
+    header = struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+def ply(vertices, faces):
+    header = ("ply\nformat binary_little_endian 1.0\n"
+              f"element vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    data = b"".join(struct.pack("<3f", *v) for v in vertices)
+    return header.encode() + data + b"".join(struct.pack("<B3i", 3, *f) for f in faces)
+
+
+TETRAHEDRON = ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+
+
+class Eval(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        root = pathlib.Path(self.folder.name)
+        self.workspace = root / "workspace"
+        self.capture = root / "capture"
+        for folder in (self.workspace / "optimize", self.capture / "truth/meshes", self.capture / "truth/instances"):
+            folder.mkdir(parents=True)
+        self.write_poses(self.workspace / "optimize/trajectory.tum", range(5))
+        self.write_poses(self.capture / "groundtruth.txt", range(5))
+        (self.workspace / "optimize/objects.json").write_text(
+            json.dumps({"format": "deepslam/objects", "version": objects_version(), "objects": [], "dropped": []}))
+        (self.capture / "capture.yaml").write_text(
+            "format: tum\ncamera: {width: 8, height: 6, fx: 8, fy: 8, cx: 3.5, cy: 2.5}\ndepth_units_per_m: 1000\n")
+        (self.capture / "truth/objects.json").write_text(json.dumps(
+            {"objects": [{"class": "chair", "mesh": "meshes/0.ply", "size_m": [1, 1, 1], "translation_m": [0, 0, 0.5],
+                          "rotation_xyzw": [0, 0, 0, 1]}]}))
+        (self.capture / "truth/meshes/0.ply").write_bytes(ply(*TETRAHEDRON))
+        (self.capture / "truth/instances/000000.png").write_bytes(png(8, 6, 1))
+
+    @staticmethod
+    def write_poses(file, times):
+        file.write_text("".join(f"{t} {t * t % 3} {t % 2} 1 0 0 0 1\n" for t in times))
+
+    def eval(self, kind="objects"):
+        done = subprocess.run([DEEPSLAM, "eval", kind, str(self.workspace), str(self.capture)], capture_output=True, text=True,
+                              check=False)
+        return done.returncode, done.stdout, done.stderr
+
+    def assert_refused(self, *words):
+        code, _, stderr = self.eval()
+        self.assertEqual(code, 3, stderr)
+        for word in words:
+            self.assertIn(word, stderr)
+
+    def test_an_empty_map_misses_everything(self):
+        code, stdout, stderr = self.eval()
+        self.assertEqual(code, 0, stderr)
+        result = json.loads(stdout)
+        self.assertEqual(result["summary"]["num_true"], 1)
+        self.assertEqual(result["classes"][0]["recall"], 0)
+        self.assertIn("pix3d", result["protocols"]["iou"])
+
+    def test_an_object_no_frame_sees_is_not_asked_for(self):
+        (self.capture / "truth/instances/000000.png").write_bytes(png(8, 6, 0))
+        code, stdout, stderr = self.eval()
+        self.assertEqual(code, 0, stderr)
+        self.assertEqual(json.loads(stdout)["summary"]["num_true"], 0)
+        self.assertEqual(json.loads(stdout)["summary"]["num_unseen"], 1)
+
+    def test_boxes_of_an_annotation_are_truth(self):
+        (self.capture / "truth/objects.json").unlink()
+        (self.capture / "objects.json").write_text(json.dumps({"objects": [
+            {"class": "cabinet", "center_m": [0, 0, 0.3], "yaw_rad": 0.1, "half_extent_m": [0.4, 0.2, 0.3]}]}))
+        code, stdout, stderr = self.eval()
+        self.assertEqual(code, 0, stderr)
+        self.assertEqual(json.loads(stdout)["classes"][0]["class"], "cabinet")
+
+    def test_truth_without_matching_frames(self):
+        self.write_poses(self.capture / "groundtruth.txt", range(100, 105))
+        self.assert_refused("groundtruth.txt", "aligned")
+
+    def test_fewer_than_three_matching_poses(self):
+        self.write_poses(self.capture / "groundtruth.txt", range(2))
+        self.assert_refused("groundtruth.txt", "aligned")
+
+    def test_masks_of_another_size(self):
+        (self.capture / "truth/instances/000000.png").write_bytes(png(9, 6, 1))
+        self.assert_refused("000000.png")
+
+    def test_masks_of_another_capture(self):
+        (self.capture / "truth/instances/000000.png").write_bytes(png(8, 6, 7))
+        self.assert_refused("000000.png", "7")
+
+    def test_empty_mesh(self):
+        (self.capture / "truth/meshes/0.ply").write_bytes(ply([], []))
+        self.assert_refused("0.ply", "no faces")
+
+    def test_missing_mesh_and_missing_truth(self):
+        (self.capture / "truth/meshes/0.ply").unlink()
+        self.assert_refused("0.ply")
+        (self.capture / "truth/objects.json").unlink()
+        self.assert_refused("--annotation")
+
+    def test_a_mesh_elsewhere_is_refused(self):
+        file = self.capture / "truth/objects.json"
+        file.write_text(file.read_text().replace("meshes/0.ply", "../../secret.ply"))
+        self.assert_refused("beside")
+
+    def test_nothing_to_select_from(self):
+        for folder in ("propose", "register", "track"):
+            (self.workspace / folder).mkdir()
+        code, _, stderr = self.eval("selection")
+        self.assertEqual(code, 3, stderr)
+
+    def test_one_path_alone_is_wrong_usage(self):
+        done = subprocess.run([DEEPSLAM, "eval", "objects", str(self.workspace)], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
