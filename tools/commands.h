@@ -22,6 +22,7 @@ void AddStatus(CLI::App& app, Command& chosen);
 void AddConfig(CLI::App& app, Command& chosen);
 void AddDoctor(CLI::App& app, Command& chosen);
 void AddValidate(CLI::App& app, Command& chosen);
+void AddExpand(CLI::App& app, Command& chosen);
 void AddEval(CLI::App& app, Command& chosen);
 void AddSynth(CLI::App& app, Command& chosen);
 void AddLibrary(CLI::App& app, Command& chosen);

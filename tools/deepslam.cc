@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
                          AddConfig,
                          AddDoctor,
                          AddValidate,
+                         AddExpand,
                          AddEval,
                          AddSynth,
                          AddLibrary,

@@ -39,6 +39,7 @@ struct RunArguments {
   int threads = 0;
   std::string progress = "auto";
   std::string data;
+  std::string overrides;
 };
 
 // Options that differ from the defaults.
@@ -114,6 +115,19 @@ Status TellResult(const pipeline::RunReport& report, const std::filesystem::path
   return ::isatty(STDOUT_FILENO) != 0 ? Ok() : WriteResult("", *text);
 }
 
+// The file that was named, else overrides.yaml of the workspace, else nothing.
+Result<artifact::Overrides> ReadOverrides(const RunArguments& arguments) {
+  std::filesystem::path file = arguments.overrides;
+  if (file.empty()) {
+    file = std::filesystem::path(arguments.workspace) / "overrides.yaml";
+    std::error_code error;
+    if (!std::filesystem::exists(file, error)) return artifact::Overrides{};
+  }
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  return artifact::DecodeOverrides(*text, file.filename().string());
+}
+
 int Run(const RunArguments& arguments) {
   ConfigSources sources = arguments.config;
   if (!arguments.poses.empty()) sources.settings.push_back("track.poses=" + arguments.poses);
@@ -124,6 +138,9 @@ int Run(const RunArguments& arguments) {
   const Result<std::string> record = EncodeRun(*config);
   if (!record.ok()) return ReportError(record.error());
 
+  const Result<artifact::Overrides> overrides = ReadOverrides(arguments);
+  if (!overrides.ok()) return ReportError(overrides.error());
+
   CatchStopSignals();
   const ThreadLimit limit(arguments.threads);
   Result<dataset::Capture> capture = dataset::OpenCapture(arguments.capture);
@@ -133,7 +150,8 @@ int Run(const RunArguments& arguments) {
       stages::RunInputs{*config,
                         *classes,
                         std::make_shared<const dataset::Capture>(std::move(capture).value()),
-                        stages::FindDataFolder(arguments.data)});
+                        stages::FindDataFolder(arguments.data),
+                        *overrides});
   const std::vector<pipeline::Stage> plan = stages::MakePlan(inputs);
   ConsoleListener listener(ParseProgressStyle(arguments.progress), arguments.explain);
   const pipeline::RunRequest request{arguments.workspace,
@@ -224,6 +242,9 @@ void AddRun(CLI::App& app, Command& chosen) {
                   arguments->poses,
                   "track: estimate camera poses; capture: use those of the capture")
       ->check(CLI::IsMember({"track", "capture"}));
+  run->add_option("--overrides",
+                  arguments->overrides,
+                  "Corrections by hand (YAML); default: overrides.yaml of the workspace");
   run->add_option("--until", arguments->until, "Last stage to run");
   run->add_option(
          "--force", arguments->force, "Run this stage although its files stand; may be repeated")

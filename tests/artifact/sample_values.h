@@ -236,6 +236,9 @@ inline artifact::MapFile SampleMap() {
   map.capture_name = "kitchen";
   map.capture_hash = "ab12";
   map.ground_world = Plane{};
+  map.ground_outline_m = {{-1.25, 0}, {2, 0.125}, {1, 3}};
+  map.class_colours = {{"chair", {1, 2, 255}}};
+  map.mesh_options = {{"mesh.surface.iterations", "20"}};
   map.verdict = artifact::Verdict::kDoubtful;
   map.reasons = {"no \"ground\""};
   map.objects = {{ObjectId{4},
@@ -248,7 +251,7 @@ inline artifact::MapFile SampleMap() {
                   Eigen::Vector3d(0.4, 0.5, 0.9),
                   "Ana",
                   "",
-                  {{}, "Scopia/chair_3", "cd34", ""}},
+                  {{}, "Scopia/chair_3", "cd34", {1.1, 0.95, 1}, "ef56", ""}},
                  {ObjectId{5},
                   "table_05",
                   "table",
@@ -259,7 +262,7 @@ inline artifact::MapFile SampleMap() {
                   Eigen::Vector3d(1.4, 0.5, 0.7),
                   "",
                   "low",
-                  {{}, "", "", std::string("DRACO\0\xff\x10", 8)}},
+                  {{}, "", "", Eigen::Vector3d::Ones(), "", std::string("DRACO\0\xff\x10", 8)}},
                  {ObjectId{6},
                   "sofa_06",
                   "sofa",
@@ -270,7 +273,7 @@ inline artifact::MapFile SampleMap() {
                   Eigen::Vector3d(1.4, 0.5, 0.7),
                   "",
                   "",
-                  {{0.5F, -0.1F}, "", "", ""}}};
+                  {{0.5F, -0.1F}, "", "", Eigen::Vector3d::Ones(), "", ""}}};
   return map;
 }
 

@@ -46,6 +46,28 @@ TEST(GroundPolygon, OutlinesAnLShapedFloorAndBridgesWhatStandsOnIt) {
   for (const Eigen::Vector3f& p : mesh->vertices) EXPECT_EQ(p.z(), 0.0F);
 }
 
+TEST(GroundPolygon, OutlineAloneGivesTheSameFloorBack) {
+  const auto floor = Floor(4, 3, [](double x, double y) { return !(x > 2.5 && y > 1.5); });
+  const Result<TriangleMesh> mesh = GroundPolygon(floor, {});
+  ASSERT_TRUE(mesh.ok());
+  const std::vector<Eigen::Vector2d> outline = OutlineOf(*mesh);
+  EXPECT_EQ(outline.size(), mesh->vertices.size());
+  const Result<TriangleMesh> again = TriangulateOutline(outline);
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again->faces.size(), mesh->faces.size());
+  EXPECT_NEAR(Area(*again), Area(*mesh), 1e-5);
+  EXPECT_EQ(OutlineOf(*again), outline);
+}
+
+TEST(GroundPolygon, RefusesOutlinesThatAreNone) {
+  using Outline = std::vector<Eigen::Vector2d>;
+  EXPECT_FALSE(TriangulateOutline(Outline{}).ok());
+  EXPECT_FALSE(TriangulateOutline(Outline{{0, 0}, {1, 0}}).ok());
+  EXPECT_FALSE(TriangulateOutline(Outline{{0, 0}, {1, 1}, {1, 0}, {0, 1}}).ok());
+  EXPECT_FALSE(TriangulateOutline(Outline{{0, 0}, {1, std::nan("")}, {0, 1}}).ok());
+  EXPECT_TRUE(OutlineOf({}).empty());
+}
+
 TEST(GroundPolygon, DoesNotDependOnTheOrderOfPoints) {
   auto floor = Floor(2, 2, [](double x, double y) { return x + y < 3; });
   const Result<TriangleMesh> a = GroundPolygon(floor, {});

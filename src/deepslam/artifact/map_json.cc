@@ -1,6 +1,9 @@
 #include "deepslam/artifact/map_json.h"
 
 #include <array>
+#include <cmath>
+
+#include <fmt/format.h>
 
 #include "deepslam/artifact/base64.h"
 #include "deepslam/artifact/scene_json.h"
@@ -9,7 +12,11 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/map";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
+constexpr double kMinStretch = 0.01;
+constexpr double kMaxStretch = 100;
+constexpr std::size_t kMaxOutlinePoints = 100'000;
+constexpr double kMaxPlaceM = 1e5;
 constexpr std::array<std::string_view, 3> kVerdicts = {"good", "doubtful", "bad"};
 
 JsonValue ShapeToJson(const MapShape& shape) {
@@ -22,6 +29,8 @@ JsonValue ShapeToJson(const MapShape& shape) {
   if (!shape.library_id.empty()) {
     row.emplace("library_id", shape.library_id);
     row.emplace("library_checksum", shape.library_checksum);
+    if (shape.stretch != Eigen::Vector3d::Ones()) row.emplace("stretch", ToJson(shape.stretch));
+    if (!shape.voxels_checksum.empty()) row.emplace("voxels_checksum", shape.voxels_checksum);
   }
   if (!shape.draco.empty()) row.emplace("draco_base64", EncodeBase64(shape.draco));
   return JsonValue(std::move(row));
@@ -37,6 +46,15 @@ MapShape ReadShape(const JsonNode& node) {
   if (const JsonNode id = node.Maybe("library_id"); id.exists()) {
     shape.library_id = id.String();
     shape.library_checksum = node["library_checksum"].String();
+    if (const JsonNode stretch = node.Maybe("stretch"); stretch.exists()) {
+      shape.stretch = ReadVector3(stretch);
+      if (!(shape.stretch.array() >= kMinStretch && shape.stretch.array() <= kMaxStretch).all()) {
+        stretch.Fail(fmt::format("must lie in [{}, {}]", kMinStretch, kMaxStretch));
+      }
+    }
+    if (const JsonNode sum = node.Maybe("voxels_checksum"); sum.exists()) {
+      shape.voxels_checksum = sum.String();
+    }
   }
   if (const JsonNode draco = node.Maybe("draco_base64"); draco.exists()) {
     Result<std::string> bytes = DecodeBase64(draco.String());
@@ -81,6 +99,51 @@ MapEntry ReadEntry(const JsonNode& row) {
   return entry;
 }
 
+JsonValue OutlineToJson(const MapFile& map) {
+  JsonArray outline;
+  for (const Eigen::Vector2d& p : map.ground_outline_m) {
+    JsonArray point;
+    point.emplace_back(p.x());
+    point.emplace_back(p.y());
+    outline.emplace_back(std::move(point));
+  }
+  return JsonValue(std::move(outline));
+}
+
+void ReadGroundOutline(const JsonNode& node, MapFile& map) {
+  const std::vector<JsonNode> points = node.Items();
+  if (points.size() > kMaxOutlinePoints) {
+    return node.Fail(fmt::format("has more than {} points", kMaxOutlinePoints));
+  }
+  for (const JsonNode& point : points) {
+    const std::vector<double> xy = point.Numbers(2);
+    if (!(std::abs(xy[0]) <= kMaxPlaceM && std::abs(xy[1]) <= kMaxPlaceM)) {
+      point.Fail("is too far away");
+    }
+    map.ground_outline_m.emplace_back(xy[0], xy[1]);
+  }
+}
+
+JsonValue ColoursToJson(const std::map<std::string, Rgb8>& colours) {
+  JsonObject rows;
+  for (const auto& [name, colour] : colours) {
+    JsonArray channels;
+    for (const int channel : {colour.r, colour.g, colour.b}) channels.emplace_back(channel);
+    rows.emplace(name, std::move(channels));
+  }
+  return JsonValue(std::move(rows));
+}
+
+void ReadColours(const JsonNode& node, MapFile& map) {
+  for (const auto& [name, row] : node.Members()) {
+    const std::vector<JsonNode> channels = row.Items(3);
+    const auto channel = [&](std::size_t n) {
+      return static_cast<std::uint8_t>(channels[n].Int(0, 255));
+    };
+    map.class_colours[name] = {channel(0), channel(1), channel(2)};
+  }
+}
+
 Verdict ReadVerdict(const JsonNode& node) {
   const std::string text = node.String();
   for (std::size_t i = 0; i < kVerdicts.size(); ++i) {
@@ -100,6 +163,11 @@ Result<std::string> EncodeMap(const MapFile& map, std::string_view name) {
   document.emplace("capture_name", map.capture_name);
   document.emplace("capture_hash", map.capture_hash);
   document.emplace("ground_world", map.ground_world ? ToJson(*map.ground_world) : JsonValue());
+  document.emplace("ground_outline_m", OutlineToJson(map));
+  document.emplace("class_colours", ColoursToJson(map.class_colours));
+  JsonObject mesh_options;
+  for (const auto& [option, value] : map.mesh_options) mesh_options.emplace(option, value);
+  document.emplace("mesh_options", std::move(mesh_options));
   document.emplace("verdict", NameOf(map.verdict));
   JsonArray reasons;
   for (const std::string& reason : map.reasons) reasons.emplace_back(reason);
@@ -119,6 +187,11 @@ Result<MapFile> DecodeMap(std::string_view text, std::string_view name) {
   map.capture_hash = root["capture_hash"].String();
   if (const JsonNode ground = root.Maybe("ground_world"); ground.exists())
     map.ground_world = ReadPlane(ground);
+  ReadGroundOutline(root["ground_outline_m"], map);
+  ReadColours(root["class_colours"], map);
+  for (const auto& [option, value] : root["mesh_options"].Members()) {
+    map.mesh_options[option] = value.String();
+  }
   map.verdict = ReadVerdict(root["verdict"]);
   for (const JsonNode& reason : root["reasons"].Items()) map.reasons.push_back(reason.String());
   for (const JsonNode& row : root["objects"].Items()) map.objects.push_back(ReadEntry(row));

@@ -2,11 +2,13 @@
 // ground; enough to make the scene again without the workspace.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
@@ -14,13 +16,15 @@
 
 namespace deepslam::artifact {
 
-// How a shape is stored: by latents of a decoder, by a model of a library, or as a Draco mesh of
-// its own.
+// How a shape is stored: by latents of a decoder, by a model of a library and its stretch
+// (shape::StretchGrid), or as a Draco mesh of its own.
 struct MapShape {
   std::vector<float> latents;
   std::string library_id;
-  std::string library_checksum;  // sha256 of the library model's voxels
-  std::string draco;             // bytes of a mesh in the object frame, metres; base64 in the file
+  std::string library_checksum;                       // sha256 of the library model's voxels
+  Eigen::Vector3d stretch = Eigen::Vector3d::Ones();  // ones = the library's model as it is
+  std::string voxels_checksum;  // sha256 of the stretched model as binvox; empty = unknown
+  std::string draco;            // bytes of a mesh in the object frame, metres; base64 in the file
 };
 
 struct MapEntry {
@@ -46,6 +50,11 @@ struct MapFile {
   std::string capture_name;
   std::string capture_hash;
   std::optional<Plane> ground_world;
+  // The seen piece of floor in the ground's plane: x, y in metres, counter-clockwise, no holes.
+  std::vector<Eigen::Vector2d> ground_outline_m;
+  std::map<std::string, Rgb8> class_colours;  // sRGB, of the classes in the map
+  // Options of mesh.* that differ from the defaults: shapes are made by them.
+  std::map<std::string, std::string> mesh_options;
   Verdict verdict = Verdict::kGood;
   std::vector<std::string> reasons;  // of the verdict
   std::vector<MapEntry> objects;     // ascending id

@@ -10,7 +10,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/candidates";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::size_t kMaxLatents = 4096;
 
 JsonValue CandidateToJson(const ShapeCandidate& candidate) {
@@ -31,6 +31,7 @@ JsonValue CandidateToJson(const ShapeCandidate& candidate) {
   row.emplace("latents", std::move(latents));
   row.emplace("library_id", candidate.library_id);
   row.emplace("credit", candidate.credit);
+  row.emplace("stretch", ToJson(candidate.stretch));
   return JsonValue(std::move(row));
 }
 
@@ -51,6 +52,8 @@ ShapeCandidate ReadCandidate(const JsonNode& row) {
     candidate.latents.push_back(static_cast<float>(latent.Number(-1e6, 1e6)));
   candidate.library_id = row["library_id"].String();
   candidate.credit = row["credit"].String();
+  candidate.stretch = ReadVector3(row["stretch"]);
+  if (!(candidate.stretch.array() > 0).all()) row["stretch"].Fail("must be positive");
   return candidate;
 }
 

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <exception>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -205,6 +206,56 @@ Result<TriangleMesh> GroundPolygon(std::span<const Eigen::Vector2d> points_world
     return Triangulated(Simplified(outline, options.simplify_m));
   } catch (const std::exception& e) {
     return Failed(std::string("ground polygon: ") + e.what());
+  }
+}
+
+std::vector<Eigen::Vector2d> OutlineOf(const TriangleMesh& ground_polygon) {
+  // Edges whose other direction no face has, by their start.
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& face : ground_polygon.faces) {
+    for (std::size_t n = 0; n < 3; ++n) edges.emplace(face[n], face[(n + 1) % 3]);
+  }
+  std::map<std::uint32_t, std::uint32_t> next;
+  for (const auto& [from, to] : edges) {
+    if (edges.contains({to, from})) continue;
+    if (from >= ground_polygon.vertices.size() || !next.emplace(from, to).second) return {};
+  }
+  if (next.empty()) return {};
+  const auto place = [&](std::uint32_t v) -> Eigen::Vector2d {
+    return ground_polygon.vertices[v].head<2>().cast<double>();
+  };
+  std::uint32_t first = next.begin()->first;
+  for (const auto& [from, to] : next) {
+    const Eigen::Vector2d a = place(from);
+    const Eigen::Vector2d b = place(first);
+    if (a.x() < b.x() || (a.x() == b.x() && a.y() < b.y())) first = from;
+  }
+  std::vector<Eigen::Vector2d> outline;
+  std::uint32_t at = first;
+  do {
+    outline.push_back(place(at));
+    const auto found = next.find(at);
+    if (found == next.end() || outline.size() > next.size()) return {};
+    at = found->second;
+  } while (at != first);
+  if (outline.size() != next.size()) return {};
+  return outline;
+}
+
+Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline_m) {
+  try {
+    Polygon polygon;
+    for (const Eigen::Vector2d& p : outline_m) {
+      if (!p.allFinite()) return InvalidInput("ground outline: a point is not finite");
+      polygon.push_back(Point(p.x(), p.y()));
+    }
+    if (polygon.size() < 3 || !polygon.is_simple()) {
+      return InvalidInput("ground outline: " + std::to_string(outline_m.size()) +
+                          " points that are no simple polygon");
+    }
+    return Triangulated(polygon);
+  } catch (const std::exception& e) {
+    return Failed(std::string("ground outline: ") + e.what());
   }
 }
 

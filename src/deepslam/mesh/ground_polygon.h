@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -25,5 +26,12 @@ void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options);
 // left out. The order of points does not matter. Errors: fewer than three points that span an area.
 [[nodiscard]] Result<TriangleMesh> GroundPolygon(std::span<const Eigen::Vector2d> points_world,
                                                  const GroundPolygonOptions& options);
+
+// The outline of such a mesh, counter-clockwise, beginning at its least point (by x, then y); empty
+// for anything but a triangulated simple polygon.
+[[nodiscard]] std::vector<Eigen::Vector2d> OutlineOf(const TriangleMesh& ground_polygon);
+
+// The mesh of an outline. Errors: fewer than three points, not finite, crossing itself.
+[[nodiscard]] Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline_m);
 
 }  // namespace deepslam::mesh

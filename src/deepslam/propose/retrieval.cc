@@ -215,6 +215,8 @@ void RetrievalProposer::AddCandidate(const ObjectObservations& object,
   candidate.model = ModelKey(model, percent);
   candidate.proposal_score = match.score;
   candidate.library_id = model.id;
+  const bool even = percent[0] == percent[1] && percent[1] == percent[2];
+  if (!even) candidate.stretch = factors;
   candidate.credit = model.name + " by " + model.creator + ", " + model.licence;
   SetSize(match.placement.size_m.maxCoeff(),
           options_.size_margin,
@@ -224,7 +226,6 @@ void RetrievalProposer::AddCandidate(const ObjectObservations& object,
     if (other.model == candidate.model) return;
   }
   if (!proposals.models.contains(candidate.model)) {
-    const bool even = percent[0] == percent[1] && percent[1] == percent[2];
     proposals.models[candidate.model] =
         even ? model.shape : shape::StretchGrid(model.shape, factors);
   }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "deepslam/core/ids.h"
 #include "deepslam/scene/voxel_grid.h"
 
@@ -33,6 +35,8 @@ struct ShapeCandidate {
   std::vector<float> latents;  // network sources; empty otherwise
   std::string library_id;      // retrieval: the library's id of the model
   std::string credit;          // retrieval: creator and licence, to travel into the scene
+  // Retrieval: the model is the library's, by shape::StretchGrid with these factors; ones = as it is.
+  Eigen::Vector3d stretch = Eigen::Vector3d::Ones();
 };
 
 struct Proposals {

@@ -3,6 +3,7 @@
 
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/associate/associate.h"
+#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -18,13 +19,17 @@ Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs
   if (!ground.ok()) return ground.error();
   const Result<std::vector<Segment>> segments = ReadSegments(context);
   if (!segments.ok()) return segments.error();
-  const Result<Association> association = associate::Associate(*inputs.capture->frames,
-                                                               *odometry,
-                                                               *ground,
-                                                               *segments,
-                                                               inputs.config.associate,
-                                                               context.progress());
+  Result<Association> association = associate::Associate(*inputs.capture->frames,
+                                                         *odometry,
+                                                         *ground,
+                                                         *segments,
+                                                         inputs.config.associate,
+                                                         context.progress());
   if (!association.ok()) return association.error();
+  const Result<std::vector<std::string>> applied =
+      ApplyToTracks(inputs.overrides, inputs.classes, *association);
+  if (!applied.ok()) return applied.error();
+  if (Status status = WriteApplied(context, *applied); !status.ok()) return status.error();
   if (Status status = WriteEncoded(
           context, "tracks.json", artifact::EncodeAssociation(*association, "tracks.json"));
       !status.ok()) {

@@ -8,6 +8,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kPoses = {"track", "capture"};
 constexpr std::array<std::string_view, 3> kDetectSources = {"network", "file", "none"};
 constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
+constexpr std::array<std::string_view, 2> kAppearances = {"measured", "class"};
 const std::set<std::string>& PathOptions() {
   static const std::set<std::string> names = {
       "classes.file", "detect.weights", "detect.file", "propose.library"};
@@ -47,6 +48,18 @@ void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
   visitor.Field("uncompressed_twin",
                 options.uncompressed_twin,
                 "also write scene.uncompressed.glb, without Draco");
+  visitor.Choice(
+      "appearance",
+      options.appearance,
+      kAppearances,
+      "colours of objects: as the frames saw them, with the class colour to switch to, or "
+      "the class colour alone (objects of one model then share a mesh)");
+  visitor.Field("labelled_ply",
+                options.labelled_ply,
+                "also write scene.ply: all meshes in one, vertices labelled by object id");
+  visitor.Field("habitat",
+                options.habitat,
+                "also write scene.semantic.glb and scene.semantic.txt, as Habitat reads them");
   visitor.Field("room", options.room, "put the room's measured surface into the scene");
   visitor.Field("trajectory", options.trajectory, "put camera path and keyframes into the scene");
 }

@@ -1,6 +1,7 @@
 // export: the labelled scene, the compact map, the object list.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -9,11 +10,14 @@
 #include "deepslam/artifact/objects_csv.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/scene_json.h"
+#include "deepslam/core/sha256.h"
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/stages/expand.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/scene_files.h"
 #include "deepslam/stages/stage_inputs.h"
 #include "deepslam/stages/verdict.h"
 
@@ -43,6 +47,7 @@ struct Content {
   TriangleMesh room;
   Proposals proposals;
   std::map<std::string, std::string> library_checksums;
+  std::map<std::string, std::string> voxels_checksums;  // by model key
 };
 
 Result<Content> ReadContent(const StageContext& context) {
@@ -55,6 +60,10 @@ Result<Content> ReadContent(const StageContext& context) {
         ReadMesh(context, "mesh", fmt::format("objects/{}.ply", ObjectName(object)));
     if (!mesh.ok()) return mesh.error();
     content.meshes.push_back(std::move(mesh).value());
+    const Result<std::string> voxels =
+        context.Read("loops", fmt::format("models/{}.binvox", object.model));
+    if (!voxels.ok()) return voxels.error();
+    content.voxels_checksums[object.model] = Sha256Hex(*voxels);
   }
   Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply");
   if (!room.ok()) return room.error();
@@ -84,9 +93,18 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
   return std::move(polygon).value();
 }
 
+// A mesh in its class colour alone has no colours of its own: objects of one model can share it
+// then.
+bool IsPlain(const TriangleMesh& mesh, Rgb8 class_colour) {
+  return std::all_of(mesh.colours.begin(), mesh.colours.end(), [&](const Rgb8& colour) {
+    return colour == class_colour;
+  });
+}
+
 gltf::GltfObject ToGltf(const MapObject& object,
                         const TriangleMesh& mesh,
-                        const ClassTable& classes) {
+                        const ClassTable& classes,
+                        const ExportStageOptions& options) {
   gltf::GltfObject out;
   out.name = ObjectName(object);
   out.class_name = object.class_name;
@@ -102,7 +120,10 @@ gltf::GltfObject ToGltf(const MapObject& object,
     };
     out.class_colour = {channel(0), channel(1), channel(2)};
   }
+  if (options.appearance == "class" || IsPlain(mesh, out.class_colour)) out.mesh.colours.clear();
   out.credit = object.credit;
+  out.model = object.model;
+  out.scale_m = object.scale_m;
   return out;
 }
 
@@ -110,7 +131,8 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
   const Config& config = inputs.config;
   gltf::GltfScene scene;
   for (std::size_t i = 0; i < content.meshes.size(); ++i) {
-    scene.objects.push_back(ToGltf(content.map.map.objects[i], content.meshes[i], inputs.classes));
+    scene.objects.push_back(
+        ToGltf(content.map.map.objects[i], content.meshes[i], inputs.classes, config.export_stage));
   }
   if (config.export_stage.room && !content.room.empty()) scene.room = content.room;
   scene.ground = GroundMesh(content, config);
@@ -150,14 +172,17 @@ Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
   for (const Eigen::Vector3f& vertex : mesh.vertices) box.Extend(vertex.cast<double>());
   entry.size_m = box.Size();
   for (const ShapeCandidate& candidate : content.proposals.candidates) {
-    if (candidate.id == object.chosen) entry.shape.latents = candidate.latents;
+    if (candidate.id != object.chosen) continue;
+    entry.shape.latents = candidate.latents;
+    entry.shape.stretch = candidate.stretch;
   }
   if (!object.library_id.empty()) {
     entry.shape.library_id = object.library_id;
     const auto checksum = content.library_checksums.find(object.library_id);
     if (checksum != content.library_checksums.end())
       entry.shape.library_checksum = checksum->second;
-  } else if (entry.shape.latents.empty()) {
+    entry.shape.voxels_checksum = content.voxels_checksums.at(object.model);
+  } else if (entry.shape.latents.empty() && !mesh.empty()) {
     Result<std::string> draco = gltf::DracoEncode(mesh, config.gltf.position_bits);
     if (!draco.ok()) return draco.error();
     entry.shape.draco = std::move(draco).value();
@@ -165,13 +190,30 @@ Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
   return entry;
 }
 
-Result<artifact::MapFile> MakeMap(const Content& content, const RunInputs& inputs) {
+// Options of the meshes that are not the defaults.
+std::map<std::string, std::string> MeshOptions(const Config& config) {
+  const std::set<std::string> sections = {"mesh.surface", "mesh.refine"};
+  const std::map<std::string, std::string> defaults = KeyOptions(Config(), sections);
+  std::map<std::string, std::string> options = KeyOptions(config, sections);
+  std::erase_if(options,
+                [&](const auto& option) { return defaults.at(option.first) == option.second; });
+  return options;
+}
+
+Result<artifact::MapFile> MakeMap(const Content& content,
+                                  const gltf::GltfScene& scene,
+                                  const RunInputs& inputs) {
   artifact::MapFile map;
   map.tool_version = kToolVersion;
   map.capture_name = inputs.capture->name;
   map.capture_hash = inputs.capture->content_hash;
   if (content.map.has_ground) map.ground_world = content.map.ground_world;
   const RunVerdict verdict = JudgeRun(content.map);
+  if (scene.ground) map.ground_outline_m = mesh::OutlineOf(*scene.ground);
+  for (const gltf::GltfObject& object : scene.objects) {
+    map.class_colours[object.class_name] = object.class_colour;
+  }
+  map.mesh_options = MeshOptions(inputs.config);
   map.verdict = verdict.verdict;
   map.reasons = verdict.reasons;
   for (std::size_t i = 0; i < content.meshes.size(); ++i) {
@@ -180,7 +222,31 @@ Result<artifact::MapFile> MakeMap(const Content& content, const RunInputs& input
     if (!entry.ok()) return entry.error();
     map.objects.push_back(std::move(entry).value());
   }
-  return map;
+  return Rounded(std::move(map));
+}
+
+Status WriteOnRequest(StageContext& context,
+                      const gltf::GltfScene& scene,
+                      const RunInputs& inputs) {
+  const ExportStageOptions& wanted = inputs.config.export_stage;
+  if (wanted.uncompressed_twin) {
+    gltf::GltfOptions options = inputs.config.gltf;
+    options.draco = false;
+    if (Status status =
+            WriteEncoded(context, "scene.uncompressed.glb", gltf::WriteGlb(scene, options));
+        !status.ok()) {
+      return status;
+    }
+  }
+  if (wanted.labelled_ply) {
+    if (Status status = WriteEncoded(context, "scene.ply", EncodeLabelledPly(scene)); !status.ok())
+      return status;
+  }
+  if (!wanted.habitat) return Ok();
+  const Result<HabitatPair> pair = EncodeHabitatPair(scene);
+  if (!pair.ok()) return pair.error();
+  const Status status = context.Write("scene.semantic.glb", pair->glb);
+  return status.ok() ? context.Write("scene.semantic.txt", pair->txt) : status;
 }
 
 }  // namespace
@@ -189,18 +255,10 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   const Result<Content> content = ReadContent(context);
   if (!content.ok()) return content.error();
   const gltf::GltfScene scene = MakeScene(*content, inputs);
-  gltf::GltfOptions options = inputs.config.gltf;
-  const Result<std::string> glb = gltf::WriteGlb(scene, options);
+  const Result<std::string> glb = gltf::WriteGlb(scene, inputs.config.gltf);
   if (Status status = WriteEncoded(context, "scene.glb", glb); !status.ok()) return status.error();
-  if (inputs.config.export_stage.uncompressed_twin) {
-    options.draco = false;
-    if (Status status =
-            WriteEncoded(context, "scene.uncompressed.glb", gltf::WriteGlb(scene, options));
-        !status.ok()) {
-      return status.error();
-    }
-  }
-  const Result<artifact::MapFile> map = MakeMap(*content, inputs);
+  if (Status status = WriteOnRequest(context, scene, inputs); !status.ok()) return status.error();
+  const Result<artifact::MapFile> map = MakeMap(*content, scene, inputs);
   if (!map.ok()) return map.error();
   const Result<std::string> map_json = artifact::EncodeMap(*map, "map.json");
   if (Status status = WriteEncoded(context, "map.json", map_json); !status.ok())

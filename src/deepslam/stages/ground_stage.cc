@@ -3,6 +3,7 @@
 
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -14,9 +15,11 @@ using pipeline::StageSummary;
 Result<StageSummary> RunGround(StageContext& context, const RunInputs& inputs) {
   const Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
-  const Result<Ground> ground = ground::EstimateGround(
+  Result<Ground> ground = ground::EstimateGround(
       *inputs.capture->frames, *odometry, inputs.config.ground, context.progress());
   if (!ground.ok()) return ground.error();
+  const std::vector<std::string> applied = ApplyToGround(inputs.overrides, *odometry, *ground);
+  if (Status status = WriteApplied(context, applied); !status.ok()) return status.error();
   if (Status status =
           WriteEncoded(context, "ground.json", artifact::EncodeGround(*ground, "ground.json"));
       !status.ok()) {

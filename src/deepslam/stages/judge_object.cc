@@ -3,10 +3,13 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "deepslam/core/parallel.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/select/agreement.h"
 #include "deepslam/select/select.h"
+#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -65,6 +68,44 @@ MapObject ScoreAndSelect(ObjectId id,
                                        options);
   });
   return select::SelectShape(id, class_name, candidates, registrations, scores, views, options);
+}
+
+Result<MapObject> SelectOrChoose(ObjectId id,
+                                 const std::string& class_name,
+                                 std::span<const ShapeCandidate> candidates,
+                                 std::span<const CandidateRegistration> registrations,
+                                 const ModelMap& models,
+                                 std::span<const ObjectView> views,
+                                 const RunInputs& inputs,
+                                 std::vector<std::string>& applied) {
+  const select::SelectOptions& options = inputs.config.select;
+  MapObject best =
+      ScoreAndSelect(id, class_name, candidates, registrations, models, views, options);
+  const Result<CandidateId> wanted = ChosenByHand(inputs.overrides, id, candidates);
+  if (!wanted.ok()) return wanted.error();
+  if (!wanted->valid() || *wanted == best.chosen) return best;
+  std::size_t n = 0;
+  while (candidates[n].id != *wanted) ++n;
+  MapObject chosen = ScoreAndSelect(id,
+                                    class_name,
+                                    candidates.subspan(n, 1),
+                                    registrations.subspan(n, 1),
+                                    models,
+                                    views,
+                                    options);
+  if (!chosen.chosen.valid()) {
+    return InvalidConfig(fmt::format("{}: candidate {} of object {} fits nowhere: {}",
+                                     inputs.overrides.file,
+                                     wanted->value,
+                                     id.value,
+                                     registrations[n].reason));
+  }
+  chosen.note += chosen.note.empty() ? "chosen by hand" : "; chosen by hand";
+  chosen.scores = std::move(best.scores);
+  chosen.history = std::move(best.history);
+  applied.push_back(fmt::format(
+      "object {} is candidate {} ({}) by choice", id.value, wanted->value, chosen.model));
+  return chosen;
 }
 
 }  // namespace deepslam::stages

@@ -14,7 +14,7 @@
 #include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/shape/shape_model.h"
-#include "deepslam/stages/config.h"
+#include "deepslam/stages/plan.h"
 
 namespace deepslam::stages {
 
@@ -42,5 +42,16 @@ using ModelMap = std::map<std::string, shape::ShapeModel>;
                                        const ModelMap& models,
                                        std::span<const ObjectView> views,
                                        const select::SelectOptions& options);
+
+// ScoreAndSelect, but what a person chose wins; `applied` gets a sentence then. Errors: no such
+// candidate; one that could not be registered.
+[[nodiscard]] Result<MapObject> SelectOrChoose(ObjectId id,
+                                               const std::string& class_name,
+                                               std::span<const ShapeCandidate> candidates,
+                                               std::span<const CandidateRegistration> registrations,
+                                               const ModelMap& models,
+                                               std::span<const ObjectView> views,
+                                               const RunInputs& inputs,
+                                               std::vector<std::string>& applied);
 
 }  // namespace deepslam::stages

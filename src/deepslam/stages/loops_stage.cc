@@ -187,13 +187,11 @@ Result<ObjectMap> Reselect(const StageContext& context,
     const std::vector<ObjectView>& views = in.views[object.id];
     const std::vector<CandidateRegistration> registrations =
         RegisterAll(candidates, *models, views, inputs.config.registration);
-    MapObject chosen = ScoreAndSelect(object.id,
-                                      object.class_name,
-                                      candidates,
-                                      registrations,
-                                      *models,
-                                      views,
-                                      inputs.config.select);
+    std::vector<std::string> applied;  // told by stage select already
+    Result<MapObject> selected = SelectOrChoose(
+        object.id, object.class_name, candidates, registrations, *models, views, inputs, applied);
+    if (!selected.ok()) return selected.error();
+    MapObject chosen = std::move(selected).value();
     // Nothing fits all views: what fitted the old ones stays.
     if (!chosen.chosen.valid()) chosen = object;
     chosen.merged = group->second;

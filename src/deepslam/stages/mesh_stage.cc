@@ -7,8 +7,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/colour_mesh.h"
-#include "deepslam/mesh/extract_surface.h"
-#include "deepslam/mesh/refine_mesh.h"
+#include "deepslam/stages/object_mesh.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -31,11 +30,9 @@ Result<TriangleMesh> MakeMesh(const MapObject& object,
                               const VoxelGrid& grid,
                               std::span<const ObjectView> views,
                               const RunInputs& inputs) {
-  const Result<TriangleMesh> surface = mesh::ExtractSurface(grid, inputs.config.surface);
-  if (!surface.ok()) return surface.error();
-  Result<TriangleMesh> refined = mesh::RefineMesh(*surface, inputs.config.refine);
+  const Result<TriangleMesh> refined =
+      MakeObjectMesh(grid, object.scale_m, inputs.config.surface, inputs.config.refine);
   if (!refined.ok()) return refined.error();
-  for (Eigen::Vector3f& vertex : refined->vertices) vertex *= static_cast<float>(object.scale_m);
   return mesh::ColourMesh(*refined,
                           views,
                           object.world_from_object,
@@ -89,9 +86,11 @@ Result<StageSummary> RunMesh(StageContext& context, const RunInputs& inputs) {
   std::size_t num_faulty = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::string file = fmt::format("objects/{}.ply", ObjectName(objects[i]));
-    if (!meshes[i]->ok())
-      return Error{meshes[i]->error().code,
-                   fmt::format("{}: {}", file, meshes[i]->error().message)};
+    // One object without a surface keeps its place and labels; the others are none the worse for it.
+    if (!meshes[i]->ok()) {
+      context.progress().Warn(fmt::format("{}: {}", file, meshes[i]->error().message));
+      meshes[i] = TriangleMesh();
+    }
     const TriangleMesh& triangles = meshes[i]->value();
     if (const mesh::MeshCheck check = mesh::CheckMesh(triangles); !check.ok()) {
       context.progress().Warn(fmt::format("{} is not closed: {}", file, check.fault));

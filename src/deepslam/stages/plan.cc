@@ -17,7 +17,17 @@ using StringMap = std::map<std::string, std::string>;
 using StageFunction = Result<StageSummary> (*)(StageContext&, const RunInputs&);
 
 // What a stage takes from outside the workspace.
-enum External : unsigned { kNothing = 0, kFrames = 1, kClasses = 2, kDetector = 4, kLibrary = 8 };
+enum External : unsigned {
+  kNothing = 0,
+  kFrames = 1,
+  kClasses = 2,
+  kDetector = 4,
+  kLibrary = 8,
+  // parts of overrides.yaml
+  kGroundHint = 16,
+  kTrackOverrides = 32,
+  kChoices = 64,
+};
 
 Status AddDetector(const RunInputs& inputs, StringMap& hashes) {
   const DetectStageOptions& options = inputs.config.detect_stage;
@@ -57,6 +67,13 @@ Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
   if ((what & kLibrary) != 0) {
     if (Status status = AddLibrary(inputs, hashes); !status.ok()) return status.error();
   }
+  // What is not overridden leaves no trace: an empty file is as good as none.
+  const auto add = [&](unsigned part, const char* name, const std::string& text) {
+    if ((what & part) != 0 && !text.empty()) hashes.emplace(name, Sha256Hex(text));
+  };
+  add(kGroundHint, "ground_hint", artifact::GroundOverridesText(inputs.overrides));
+  add(kTrackOverrides, "track_overrides", artifact::TrackOverridesText(inputs.overrides));
+  add(kChoices, "choices", artifact::ChoiceOverridesText(inputs.overrides));
   return hashes;
 }
 
@@ -86,18 +103,23 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return function(context, *inputs); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 1, {}, {"track"}, kFrames, RunTrack);
-  add("ground", 1, {"track"}, {"ground"}, kFrames, RunGround);
+  add("track", 2, {}, {"track"}, kFrames, RunTrack);
+  add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
-      1,
+      2,
       {"track", "ground"},
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
   add("segment", 1, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
-  add("associate", 1, {"track", "ground", "segment"}, {"associate"}, kFrames, RunAssociate);
+  add("associate",
+      2,
+      {"track", "ground", "segment"},
+      {"associate"},
+      kFrames | kTrackOverrides,
+      RunAssociate);
   add("propose",
-      1,
+      2,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured"},
       kFrames | kClasses | kLibrary,
@@ -109,16 +131,16 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      1,
+      2,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "select"},
-      kFrames,
+      kFrames | kChoices,
       RunSelect);
   add("loops",
       1,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"views", "register", "select", "loops"},
-      kFrames,
+      kFrames | kChoices,
       RunLoops);
   add("optimize", 1, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
   add("mesh",
@@ -129,13 +151,13 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunMesh);
   add("fuse", 1, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      1,
+      2,
       {"track", "propose", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,
       RunExport);
   add("report",
-      1,
+      2,
       {"track",
        "ground",
        "detect",

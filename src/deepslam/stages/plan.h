@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "deepslam/artifact/overrides_yaml.h"
 #include "deepslam/core/result.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/pipeline/stage.h"
@@ -20,6 +21,7 @@ struct RunInputs {
   ClassTable classes;
   std::shared_ptr<const dataset::Capture> capture;  // none: the plan can be looked at, not run
   std::filesystem::path data_folder;
+  artifact::Overrides overrides = {};  // a person's corrections; empty: none
 };
 using SharedInputs = std::shared_ptr<const RunInputs>;
 

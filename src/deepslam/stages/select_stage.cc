@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -43,7 +44,8 @@ void Place(MapObject object, ObjectMap& map) {
 Result<ObjectMap> SelectAll(const StageContext& context,
                             const RunInputs& inputs,
                             const Association& association,
-                            const ObjectViews& views) {
+                            const ObjectViews& views,
+                            std::vector<std::string>& applied) {
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
   const Result<std::vector<CandidateRegistration>> registrations = ReadRegistrations(context);
@@ -61,10 +63,10 @@ Result<ObjectMap> SelectAll(const StageContext& context,
     const auto found = views.find(track.id);
     const std::span<const ObjectView> own_views =
         found == views.end() ? std::span<const ObjectView>() : std::span(found->second);
-    Place(
-        ScoreAndSelect(
-            track.id, track.class_name, candidates, *own, *models, own_views, inputs.config.select),
-        map);
+    Result<MapObject> object = SelectOrChoose(
+        track.id, track.class_name, candidates, *own, *models, own_views, inputs, applied);
+    if (!object.ok()) return object.error();
+    Place(std::move(object).value(), map);
     context.progress().Report(t + 1, association.tracks.size());
   }
   return map;
@@ -81,8 +83,13 @@ Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   if (!association.ok()) return association.error();
   const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
   if (!views.ok()) return views.error();
-  const Result<ObjectMap> map = SelectAll(context, inputs, *association, *views);
+  std::vector<ObjectId> ids;
+  for (const ObjectTrack& track : association->tracks) ids.push_back(track.id);
+  if (Status status = CheckChoices(inputs.overrides, ids); !status.ok()) return status.error();
+  std::vector<std::string> applied;
+  const Result<ObjectMap> map = SelectAll(context, inputs, *association, *views, applied);
   if (!map.ok()) return map.error();
+  if (Status status = WriteApplied(context, applied); !status.ok()) return status.error();
   if (Status status =
           WriteEncoded(context, "objects.json", artifact::EncodeObjectMap(*map, "objects.json"));
       !status.ok()) {

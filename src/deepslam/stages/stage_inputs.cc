@@ -115,6 +115,15 @@ Status WriteEncoded(StageContext& context, std::string_view file, const Result<s
   return context.Write(file, *text);
 }
 
+Status WriteApplied(StageContext& context, const std::vector<std::string>& applied) {
+  return WriteEncoded(
+      context, "overrides.json", artifact::EncodeApplied(applied, "overrides.json"));
+}
+
+Result<std::vector<std::string>> ReadApplied(const StageContext& context, std::string_view stage) {
+  return Decode(context, stage, "overrides.json", artifact::DecodeApplied);
+}
+
 Status WriteChosenModels(StageContext& context, const ObjectMap& map, std::string_view from) {
   std::set<std::string> keys;
   for (const MapObject& object : map.objects) {

@@ -55,6 +55,12 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 [[nodiscard]] Status WriteEncoded(pipeline::StageContext& context,
                                   std::string_view file,
                                   const Result<std::string>& text);
+// overrides.json: what the stage applied of a person's corrections (mostly nothing).
+[[nodiscard]] Status WriteApplied(pipeline::StageContext& context,
+                                  const std::vector<std::string>& applied);
+// What a stage (ground, associate or select) applied.
+[[nodiscard]] Result<std::vector<std::string>> ReadApplied(const pipeline::StageContext& context,
+                                                           std::string_view stage);
 // The chosen models of a map as models/<key>.binvox, taken from stage `from`.
 [[nodiscard]] Status WriteChosenModels(pipeline::StageContext& context,
                                        const ObjectMap& map,

@@ -1,0 +1,78 @@
+// overrides.yaml: what a person corrects in a run; and overrides.json: what of it a stage applied.
+//
+//   version: 1
+//   drop: [7]                                        # no object
+//   merge: [[1, 4]]                                  # one object; the first keeps its id
+//   split: [{object: 2, at_frames: [130]}]           # from that frame on another object
+//   relabel: {5: table}
+//   choose: {1: scopia__kids_desk_chair}             # a candidate's model, or its number
+//   ground: {up_camera: [0, -1, 0], height_m: 1.35}  # seen from the first tracked camera
+//
+// Objects are named by id or as in the scene ("chair_04"), with the ids of a run without overrides.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/result.h"
+
+namespace deepslam::artifact {
+
+// A line of the file, for messages.
+struct ObjectOverride {
+  ObjectId object;
+  int line = 0;
+};
+struct MergeOverride {
+  ObjectId kept;
+  std::vector<ObjectId> merged;
+  int line = 0;
+};
+struct SplitOverride {
+  ObjectId object;
+  std::vector<FrameIdx> at_frames;  // ascending
+  int line = 0;
+};
+struct TextOverride {
+  ObjectId object;
+  std::string text;  // class of `relabel`; model key or number of `choose`
+  int line = 0;
+};
+struct GroundHint {
+  Eigen::Vector3d up_camera = Eigen::Vector3d(0, -1, 0);  // unit
+  double height_m = 0;                                    // of the camera above the ground
+};
+
+struct Overrides {
+  std::string file;  // for messages
+  std::vector<ObjectOverride> drop;
+  std::vector<MergeOverride> merge;
+  std::vector<SplitOverride> split;
+  std::vector<TextOverride> relabel;
+  std::vector<TextOverride> choose;
+  std::optional<GroundHint> ground;
+};
+
+// All faults at once (kInvalidConfig), each with its line: unknown keys with the known ones, values
+// of the wrong kind, an object named twice where that has no meaning.
+[[nodiscard]] Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name);
+
+// Canonical texts of what concerns the tracks, the choice of shapes and the ground, for stage keys:
+// equal whenever the meaning is, whatever comments and order of keys. Empty = nothing.
+[[nodiscard]] std::string TrackOverridesText(const Overrides& overrides);
+[[nodiscard]] std::string ChoiceOverridesText(const Overrides& overrides);
+[[nodiscard]] std::string GroundOverridesText(const Overrides& overrides);
+
+// overrides.json: one sentence per override that a stage applied.
+[[nodiscard]] Result<std::string> EncodeApplied(const std::vector<std::string>& applied,
+                                                std::string_view name);
+[[nodiscard]] Result<std::vector<std::string>> DecodeApplied(std::string_view text,
+                                                             std::string_view name);
+
+}  // namespace deepslam::artifact

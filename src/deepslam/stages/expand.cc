@@ -1,0 +1,180 @@
+#include "deepslam/stages/expand.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/scene_json.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/sha256.h"
+#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/pipeline/config.h"
+#include "deepslam/shape/binvox.h"
+#include "deepslam/shape/stretch.h"
+#include "deepslam/stages/config.h"
+#include "deepslam/stages/object_mesh.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::stages {
+namespace {
+
+double RoundedTo(double value, double step) {
+  // The inverse is a whole number, so that the result has as few digits as its shortest text.
+  const double inverse = std::round(1.0 / step);
+  return std::round(value * inverse) / inverse;
+}
+
+Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibrary& library) {
+  const auto found =
+      std::find_if(library.models.begin(), library.models.end(), [&](const LibraryModel& model) {
+        return model.id == shape.library_id;
+      });
+  if (found == library.models.end()) {
+    return InvalidInput(fmt::format(
+        "the furniture library holds no model {}; take the library the map was made with",
+        shape.library_id));
+  }
+  if (found->checksum != shape.library_checksum) {
+    return InvalidInput(
+        fmt::format("the library's model {} is another one than the map was made with (checksum "
+                    "{:.12}, expected {:.12}); take the library the map was made with",
+                    shape.library_id,
+                    found->checksum,
+                    shape.library_checksum));
+  }
+  if (shape.stretch == Eigen::Vector3d::Ones()) return found->shape;
+  VoxelGrid grid = shape::StretchGrid(found->shape, shape.stretch);
+  if (!shape.voxels_checksum.empty() &&
+      Sha256Hex(shape::WriteBinvox(grid)) != shape.voxels_checksum) {
+    return InvalidInput(fmt::format(
+        "model {} stretched by this version is another one than the map was made with; take the "
+        "version the map names",
+        shape.library_id));
+  }
+  return grid;
+}
+
+Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry,
+                                 const ModelLibrary* library,
+                                 const Config& config) {
+  const artifact::MapShape& shape = entry.shape;
+  if (!shape.draco.empty()) {
+    Result<TriangleMesh> mesh = gltf::DracoDecode(shape.draco);
+    if (!mesh.ok()) return InvalidInput("its Draco mesh is damaged: " + mesh.error().message);
+    return mesh;
+  }
+  if (!shape.library_id.empty()) {
+    if (library == nullptr) {
+      return InvalidInput(
+          fmt::format("needs model {} of the furniture library; name its folder by --library",
+                      shape.library_id));
+    }
+    const Result<VoxelGrid> grid = LibraryShape(shape, *library);
+    if (!grid.ok()) return grid.error();
+    return MakeObjectMesh(*grid, entry.scale_m, config.surface, config.refine);
+  }
+  if (!shape.latents.empty()) {
+    return InvalidInput(fmt::format(
+        "its shape is {} latents of a network, and no decoder for class {} is installed",
+        shape.latents.size(),
+        entry.class_name));
+  }
+  return TriangleMesh();  // an object without a surface, as in the scene
+}
+
+gltf::GltfObject ToGltf(const artifact::MapEntry& entry,
+                        TriangleMesh mesh,
+                        const artifact::MapFile& map) {
+  gltf::GltfObject object;
+  object.name = entry.name;
+  object.class_name = entry.class_name;
+  object.instance = entry.id.value;
+  object.score = entry.confidence;
+  object.source = artifact::NameOf(entry.source);
+  object.mesh = std::move(mesh);
+  object.world_from_object = entry.world_from_object;
+  if (const auto colour = map.class_colours.find(entry.class_name);
+      colour != map.class_colours.end()) {
+    object.class_colour = colour->second;
+  }
+  object.credit = entry.credit;
+  if (!entry.shape.library_id.empty()) {
+    const Eigen::Vector3d& stretch = entry.shape.stretch;
+    object.model =
+        fmt::format("{} {} {} {}", entry.shape.library_id, stretch.x(), stretch.y(), stretch.z());
+    object.scale_m = entry.scale_m;
+  }
+  return object;
+}
+
+Result<Config> MeshConfig(const artifact::MapFile& map) {
+  Config config;
+  for (const auto& [option, value] : map.mesh_options) {
+    if (!option.starts_with("mesh.")) {
+      return InvalidInput(fmt::format("map.json: mesh_options.{} is no option of mesh", option));
+    }
+  }
+  const Status status =
+      pipeline::ApplyValues(Sections(config), map.mesh_options, "map.json: mesh_options");
+  if (!status.ok()) return InvalidInput(status.error().message);
+  return config;
+}
+
+}  // namespace
+
+artifact::MapFile Rounded(artifact::MapFile map) {
+  for (Eigen::Vector2d& p : map.ground_outline_m) {
+    p = p.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
+  }
+  for (artifact::MapEntry& entry : map.objects) {
+    constexpr double kScoreStep = 1e-4;
+    Pose3& pose = entry.world_from_object;
+    pose.rotation.coeffs() = pose.rotation.normalized().coeffs().unaryExpr(
+        [](double value) { return RoundedTo(value, kMapRotationStep); });
+    pose.translation_m =
+        pose.translation_m.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
+    entry.scale_m = RoundedTo(entry.scale_m, kMapScaleStepM);
+    entry.size_m =
+        entry.size_m.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
+    entry.confidence = RoundedTo(entry.confidence, kScoreStep);
+  }
+  return map;
+}
+
+bool NeedsLibrary(const artifact::MapFile& map) {
+  return std::any_of(map.objects.begin(), map.objects.end(), [](const artifact::MapEntry& entry) {
+    return entry.shape.draco.empty() && !entry.shape.library_id.empty();
+  });
+}
+
+Result<gltf::GltfScene> ExpandMap(const artifact::MapFile& map, const ModelLibrary* library) {
+  const Result<Config> config = MeshConfig(map);
+  if (!config.ok()) return config.error();
+  std::vector<std::optional<Result<TriangleMesh>>> meshes(map.objects.size());
+  ParallelFor(map.objects.size(),
+              [&](std::size_t i) { meshes[i] = ExpandShape(map.objects[i], library, *config); });
+  gltf::GltfScene scene;
+  for (std::size_t i = 0; i < map.objects.size(); ++i) {
+    if (!meshes[i]->ok()) {
+      return Error{meshes[i]->error().code,
+                   fmt::format("object {}: {}", map.objects[i].name, meshes[i]->error().message)};
+    }
+    scene.objects.push_back(ToGltf(map.objects[i], std::move(*meshes[i]).value(), map));
+  }
+  if (!map.ground_outline_m.empty()) {
+    Result<TriangleMesh> ground = mesh::TriangulateOutline(map.ground_outline_m);
+    if (!ground.ok()) return ground.error();
+    scene.ground = std::move(ground).value();
+  }
+  scene.generator = fmt::format("deepslam {}", kToolVersion);
+  scene.provenance = {{"capture_sha256", map.capture_hash},
+                      {"deepslam_version", map.tool_version},
+                      {"expanded_from", "map.json"}};
+  return scene;
+}
+
+}  // namespace deepslam::stages

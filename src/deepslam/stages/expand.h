@@ -1,0 +1,30 @@
+// The scene again from the compact map alone.
+#pragma once
+
+#include "deepslam/artifact/map_json.h"
+#include "deepslam/core/result.h"
+#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/scene/model_library.h"
+
+namespace deepslam::stages {
+
+// What the map's numbers are rounded to when it is written; `expand` gives poses back to half of
+// it.
+inline constexpr double kMapPlaceStepM = 1e-4;    // translations, outline of the ground
+inline constexpr double kMapRotationStep = 1e-7;  // components of unit quaternions
+inline constexpr double kMapScaleStepM = 1e-6;    // metres per object unit
+
+// The numbers of a map rounded so. Rotations stay unit quaternions within what readers accept.
+[[nodiscard]] artifact::MapFile Rounded(artifact::MapFile map);
+
+// Whether any object of the map needs the library.
+[[nodiscard]] bool NeedsLibrary(const artifact::MapFile& map);
+
+// Objects with ids, names, classes, poses, shapes and class colours, and the ground. `library` may
+// be null when no object needs it. Errors (kInvalidInput), each naming the object: its model is not
+// in the library or is another there; its shape is a network's and no decoder is installed; its
+// Draco mesh is damaged; a mesh option is unknown.
+[[nodiscard]] Result<gltf::GltfScene> ExpandMap(const artifact::MapFile& map,
+                                                const ModelLibrary* library);
+
+}  // namespace deepslam::stages

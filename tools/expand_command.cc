@@ -1,0 +1,74 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "console.h"
+#include "deepslam/artifact/map_json.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/library/furniture_library.h"
+#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/expand.h"
+
+namespace deepslam::tools {
+namespace {
+
+struct Arguments {
+  std::string map;
+  std::string out;
+  std::string library;
+  std::string data;
+  bool uncompressed = false;
+};
+
+Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
+  const Result<std::string> text = artifact::ReadFile(arguments.map);
+  if (!text.ok()) return text.error();
+  map_bytes = text->size();
+  const Result<artifact::MapFile> map = artifact::DecodeMap(*text, arguments.map);
+  if (!map.ok()) return map.error();
+  ModelLibrary library;
+  if (stages::NeedsLibrary(*map)) {
+    const Result<std::filesystem::path> folder =
+        stages::FindLibrary(stages::FindDataFolder(arguments.data), arguments.library);
+    if (!folder.ok()) return folder.error();
+    Result<ModelLibrary> loaded = library::LoadLibrary(*folder);
+    if (!loaded.ok()) return loaded.error();
+    library = std::move(loaded).value();
+  }
+  const Result<gltf::GltfScene> scene = stages::ExpandMap(*map, &library);
+  if (!scene.ok()) {
+    return Error{scene.error().code, fmt::format("{}: {}", arguments.map, scene.error().message)};
+  }
+  return gltf::WriteGlb(*scene, {.draco = !arguments.uncompressed});
+}
+
+int Run(const Arguments& arguments) {
+  std::size_t map_bytes = 0;
+  const Result<std::string> glb = Expand(arguments, map_bytes);
+  if (!glb.ok()) return ReportError(glb.error());
+  if (Status status = artifact::WriteFileAtomically(arguments.out, *glb); !status.ok()) {
+    return ReportError(status.error());
+  }
+  LogInfo(
+      fmt::format("{} ({} bytes) from a map of {} bytes", arguments.out, glb->size(), map_bytes));
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddExpand(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* expand = app.add_subcommand(
+      "expand", "The scene again from the compact map alone: objects, labels, poses, ground");
+  expand->add_option("MAP", arguments->map, "map.json of a run")->required();
+  expand->add_option("-o,--output", arguments->out, "Scene file to write (.glb)")->required();
+  expand->add_option(
+      "--library", arguments->library, "Furniture library (default: `library` in the data folder)");
+  expand->add_option("--data", arguments->data, "Data folder (default: see `deepslam doctor`)");
+  expand->add_flag("--uncompressed", arguments->uncompressed, "Write without Draco");
+  expand->callback([&chosen, arguments] { chosen = [arguments] { return Run(*arguments); }; });
+}
+
+}  // namespace deepslam::tools
