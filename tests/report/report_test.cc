@@ -1,9 +1,14 @@
 #include "deepslam/report/report.h"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 
 #include "deepslam/report/draw.h"
+#include "deepslam/report/explain.h"
 #include "deepslam/report/html.h"
+#include "deepslam/report/plots.h"
+#include "deepslam/report/viewer_section.h"
 
 namespace deepslam::report {
 namespace {
@@ -46,6 +51,76 @@ TEST(RenderReport, NamesFromOutsideStayText) {
   const std::string page = RenderReport(content);
   EXPECT_THAT(page, Not(HasSubstr("<script>alert")));
   EXPECT_THAT(page, HasSubstr("a&#39;&quot;&amp;&lt;b&gt;"));
+}
+
+TEST(RenderReport, FramesWithPeopleAreToldOfAndUncheckedOnesToo) {
+  ReportContent content = SmallContent();
+  content.num_person_frames = 2;
+  EXPECT_THAT(RenderReport(content), HasSubstr("seen in 2 frames, which this page leaves out"));
+  content.num_person_frames = 0;
+  EXPECT_THAT(RenderReport(content), HasSubstr("no person was seen"));
+  content.looked_for_people = false;
+  EXPECT_THAT(RenderReport(content), Not(HasSubstr("no person was seen")));
+}
+
+TEST(RenderReport, WithoutASceneThePageSaysSoInPlaceOfTheView) {
+  const std::string page = RenderReport(SmallContent());
+  EXPECT_THAT(page, HasSubstr("There is no scene to show"));
+  EXPECT_THAT(page, Not(HasSubstr("id=viewer>")));
+}
+
+TEST(Facts, EveryFaultHasARemedyAndNothingFineHasOne) {
+  ReportContent content = SmallContent();
+  content.objects[0].note = "seen from one side only";
+  for (const Fact& fact : Facts(content)) EXPECT_EQ(fact.fine, fact.remedy.empty()) << fact.subject;
+  for (const Fact& fact : Facts(ReportContent{}))
+    EXPECT_EQ(fact.fine, fact.remedy.empty()) << fact.subject;
+}
+
+TEST(WhyItWon, NamesOnlyWhatSpeaksForTheWinner) {
+  ObjectRow object;
+  EXPECT_EQ(WhyItWon(object), "");
+  CandidateRow winner;
+  winner.model = "a";
+  winner.score = 0.7;
+  winner.surface_share = 0.9;
+  winner.coverage_share = 0.5;
+  winner.chosen = true;
+  CandidateRow next = winner;
+  next.model = "b";
+  next.chosen = false;
+  next.surface_share = 0.6;
+  next.coverage_share = 0.8;  // speaks for the other one
+  object.candidates = {next, winner};
+  const std::string why = WhyItWon(object);
+  EXPECT_THAT(why, HasSubstr("90 % against 60 %"));
+  EXPECT_THAT(why, Not(HasSubstr("50 %")));
+}
+
+TEST(ViewerData, CannotEndItsScriptElementAndStaysFinite) {
+  ReportContent content = SmallContent();
+  content.objects[0].name = "</script><script>alert(1)</script>";
+  content.objects[0].credit = "broken \xff text";
+  content.objects[0].confidence = std::numeric_limits<double>::quiet_NaN();
+  const std::string data = ViewerData(content);
+  EXPECT_THAT(data, Not(HasSubstr("<")));
+  EXPECT_THAT(data, Not(HasSubstr("nan")));
+}
+
+TEST(ViewerData, MeasuredPointsComeBackToTheMillimetre) {
+  ReportContent content = SmallContent();
+  content.objects[0].measured_world = {{1.0f, -2.0f, 0.5f}, {1.25f, -1.0f, 0.5f}};
+  const std::string data = ViewerData(content);
+  EXPECT_THAT(data, HasSubstr("\"origin_m\":[1.0,-2.0,0.5]"));
+  // 0, 0, 0 and 250, 1000, 0 as 16-bit little endian.
+  EXPECT_THAT(data, HasSubstr(Base64(std::string("\0\0\0\0\0\0\xFA\0\xE8\x03\0\0", 12))));
+}
+
+TEST(HeightDrift, WithoutTwoSightsOfTheFloorThereIsNoPlot) {
+  const HeightCheck one[] = {{FrameIdx{0}, 1, 1, 1}};
+  EXPECT_EQ(HeightDrift(one, 10), "");
+  const HeightCheck two[] = {{FrameIdx{0}, 1, 1, 1}, {FrameIdx{9}, 1, 1.1, 1}};
+  EXPECT_THAT(HeightDrift(two, 10), HasSubstr("10 cm"));
 }
 
 TEST(RenderReport, AnEmptyMapIsAPageThatSaysSo) {

@@ -8,7 +8,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/detections";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr int kMaxImageSide = 1 << 15;
 
 std::map<std::string, int> CategoryIds(const DetectionTable& table) {
@@ -57,6 +57,7 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
     row.emplace("file_name", image.file_name);
     row.emplace("width", image.width);
     row.emplace("height", image.height);
+    if (image.contains_person) row.emplace("contains_person", *image.contains_person);
     images.emplace_back(std::move(row));
   }
   const std::map<std::string, int> category_ids = CategoryIds(table);
@@ -86,6 +87,8 @@ Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view 
                             row["file_name"].String(),
                             row["width"].Int(1, kMaxImageSide),
                             row["height"].Int(1, kMaxImageSide)});
+    const JsonNode person = row.Maybe("contains_person");
+    if (person.exists()) table.images.back().contains_person = person.Bool();
   }
   for (const JsonNode& row : root["annotations"].Items())
     table.detections.push_back(ReadAnnotation(row));

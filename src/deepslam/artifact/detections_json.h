@@ -2,6 +2,7 @@
 // scores, so that COCO tools open it. Image ids are frame indices.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ struct DetectedImage {
   std::string file_name;
   int width = 0;   // px
   int height = 0;  // px
+  // A network saw a person: such frames are shown nowhere. Nothing when no network looked.
+  std::optional<bool> contains_person = {};
   friend bool operator==(const DetectedImage&, const DetectedImage&) = default;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -134,14 +135,84 @@ std::string TrackedPath(const Canvas& canvas, std::span<const Pose3> world_from_
   return svg + "'/>";
 }
 
+struct PlotPoint {
+  double frame = 0;
+  double value_cm = 0;
+};
+
+struct PlotLine {
+  std::vector<PlotPoint> points;
+  std::string_view colour;
+  std::string_view dashes;
+};
+
+// 1, 2 or 5 times a power of ten, so that about four lines stand over the range.
+double TickStep(double range) {
+  const double rough = std::max(range, 1e-6) / 4;
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= rough) return factor * power;
+  }
+  return 10 * power;
+}
+
+// Lines over the frames of the capture; the zero line is in the picture.
+std::string LinePlot(std::span<const PlotLine> lines, int num_frames, std::string_view label) {
+  constexpr double kWidth = 720;
+  constexpr double kHeight = 130;
+  constexpr double kLeastRange_cm = 2;  // less would make noise look like drift
+  double low = 0;
+  double high = kLeastRange_cm;
+  for (const PlotLine& line : lines) {
+    for (const PlotPoint& p : line.points) {
+      low = std::min(low, p.value_cm);
+      high = std::max(high, p.value_cm);
+    }
+  }
+  const double step = TickStep(high - low);
+  low = std::floor(low / step) * step;
+  high = std::ceil(high / step) * step;
+  const auto y = [&](double value) { return kHeight * (high - value) / (high - low); };
+  std::string svg = fmt::format(
+      "<svg viewBox='-58 -8 {} {}' role='img' aria-label='{}'>", kWidth + 68, kHeight + 30, label);
+  for (double tick = low; tick <= high + 0.5 * step; tick += step) {
+    svg += fmt::format(
+        "<path class=grid d='M0 {0:.1f}H{1}'/><text x='-6' y='{2:.1f}' text-anchor='end'>{3:g} "
+        "cm</text>",
+        y(tick),
+        kWidth,
+        y(tick) + 4,
+        std::abs(tick) < 1e-9 ? 0.0 : tick);
+  }
+  for (const PlotLine& line : lines) {
+    svg += fmt::format("<path fill='none' stroke='{}' stroke-width='2' stroke-dasharray='{}' d='",
+                       line.colour,
+                       line.dashes.empty() ? "none" : line.dashes);
+    char command = 'M';
+    for (const PlotPoint& p : line.points) {
+      svg += fmt::format(
+          "{}{:.1f} {:.1f}", command, kWidth * p.frame / std::max(1, num_frames), y(p.value_cm));
+      command = 'L';
+    }
+    svg += "'/>";
+  }
+  return svg +
+         fmt::format(
+             "<text x='0' y='{0}'>frame 0</text><text x='{1}' y='{0}' text-anchor='end'>frame "
+             "{2}</text></svg>",
+             kHeight + 16,
+             kWidth,
+             num_frames - 1);
+}
+
 }  // namespace
 
 std::string TopView(const ReportContent& content) {
   const Canvas canvas(Bounds(content), 720);
-  std::string svg =
-      fmt::format("<svg viewBox='0 0 {:.0f} {:.0f}' role='img' aria-label='room from above'>",
-                  canvas.width(),
-                  canvas.height());
+  std::string svg = fmt::format(
+      "<svg class=map viewBox='0 0 {:.0f} {:.0f}' role='img' aria-label='room from above'>",
+      canvas.width(),
+      canvas.height());
   svg += Grid(canvas);
   for (const ObjectRow& object : content.objects) svg += ObjectShape(canvas, object);
   svg += TrackedPath(canvas, content.tracked_world_from_camera);
@@ -199,6 +270,33 @@ std::string HeightOverTime(std::span<const TrackedFrame> frames) {
   svg += fmt::format(
       "<path fill='none' stroke='#1d3557' stroke-width='2' d='{}'/>{}</svg>", line, strip);
   return svg;
+}
+
+std::string HeightDrift(std::span<const HeightCheck> heights, int num_frames) {
+  if (heights.size() < 2) return {};
+  std::vector<PlotPoint> before;
+  std::vector<PlotPoint> after;
+  for (const HeightCheck& h : heights) {
+    const double frame = h.frame.value;
+    before.push_back({frame, 100 * (h.before_m - h.measured_m)});
+    after.push_back({frame, 100 * (h.after_m - h.measured_m)});
+  }
+  const PlotLine lines[] = {{before, "#999", "5 3"}, {after, "#1d3557", ""}};
+  return LinePlot(lines, num_frames, "drift of the height, cm");
+}
+
+std::string GraphCorrection(std::span<const TrackedFrame> frames,
+                            std::span<const Pose3> tracked_world_from_camera) {
+  const std::size_t count = std::min(frames.size(), tracked_world_from_camera.size());
+  if (count < 2) return {};
+  std::vector<PlotPoint> moved;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d step =
+        frames[i].world_from_camera.translation_m - tracked_world_from_camera[i].translation_m;
+    moved.push_back({static_cast<double>(i), 100 * step.norm()});
+  }
+  const PlotLine lines[] = {{moved, "#1d3557", ""}};
+  return LinePlot(lines, static_cast<int>(count), "moved by the graph, cm");
 }
 
 }  // namespace deepslam::report

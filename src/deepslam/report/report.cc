@@ -1,12 +1,12 @@
 #include "deepslam/report/report.h"
 
-#include <cmath>
-#include <numbers>
-
 #include <fmt/format.h>
 
+#include "deepslam/report/explain.h"
 #include "deepslam/report/html.h"
+#include "deepslam/report/object_section.h"
 #include "deepslam/report/plots.h"
+#include "deepslam/report/viewer_section.h"
 
 namespace deepslam::report {
 namespace {
@@ -15,86 +15,102 @@ constexpr std::string_view kStyle = R"css(
 :root{color-scheme:light}
 body{font:15px/1.45 system-ui,sans-serif;margin:0 auto;max-width:1100px;padding:24px;color:#1a1a1a}
 h1{margin:0 0 4px}h2{margin:32px 0 8px;border-bottom:1px solid #ddd;padding-bottom:4px}
-.verdict{padding:10px 14px;border-radius:6px;margin:14px 0;font-size:16px}
+.verdict{padding:10px 14px;border-radius:6px;margin:14px 0 6px;font-size:16px}.verdict ul{margin:6px 0 0}
 .good{background:#e3f5e8}.doubtful{background:#fff3d6}.bad{background:#fde2e2}
 table{border-collapse:collapse;width:100%;margin:8px 0}
 th,td{text-align:left;padding:4px 10px 4px 0;border-bottom:1px solid #eee;vertical-align:top}
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
-tr.chosen td{font-weight:600}
-.pictures{display:flex;flex-wrap:wrap;gap:10px}
-figure{margin:0;flex:1 1 300px;max-width:520px}figure img{width:100%;border-radius:4px;display:block}
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}td.name{white-space:nowrap}
+.facts td:first-child{width:46px;font-weight:600}.facts th{width:110px}.fine{color:#1e7d3c}.look{color:#b25f00}
+tr.chosen td{font-weight:600}.wide{overflow-x:auto}
+figure{margin:0}figure img{width:100%;border-radius:4px;display:block}
 figcaption{font-size:13px;color:#555}
-.crops figure{flex:0 0 170px}
-svg{width:100%;background:#fafafa;border:1px solid #eee;border-radius:4px}
+.pictures,.pairs{display:grid;gap:12px;align-items:start}
+.pairs,.large{grid-template-columns:repeat(2,minmax(0,1fr))}.frames{grid-template-columns:repeat(3,minmax(0,1fr))}
+.crops{display:flex;flex-wrap:wrap}.crops img{width:auto;height:190px;max-width:100%;object-fit:contain;object-position:left}
+.thumbnails{display:flex;flex-wrap:wrap;gap:6px}.thumbnails figure{width:84px;padding:3px;border:2px solid transparent;border-radius:6px;text-align:center}
+.thumbnails .chosen{border-color:#2a9d4e}
+.object{margin:0 0 22px}
+svg{width:100%;background:#fafafa;border:1px solid #eee;border-radius:4px}svg.map{max-height:620px}
 svg .grid{stroke:#ddd;fill:none}svg text{font:12px system-ui,sans-serif}
 .swatch{display:inline-block;width:12px;height:12px;border-radius:3px;margin-right:6px}
 .note{color:#9a5b00}.quiet{color:#666;font-size:13px}
 details{margin:6px 0}summary{cursor:pointer}
+.bar{height:9px;background:#8fb3d9;border-radius:2px}
+@media(max-width:720px){.pairs,.large,.frames{grid-template-columns:1fr}}
 )css";
 
 // Fills the table of times from `../timing.js` (deepslamTiming = [{stage, wall_s, cpu_s, peak_mb,
 // reused}]).
 constexpr std::string_view kTimingScript = R"js(
 if (typeof deepslamTiming !== 'undefined') {
+  const slowest = Math.max(1e-9, ...deepslamTiming.map(t => t.wall_s));
   const rows = deepslamTiming.map(t => {
     const tr = document.createElement('tr');
     const cells = [t.stage, t.wall_s.toFixed(1), t.cpu_s.toFixed(1), Math.round(t.peak_mb), t.reused ? 'reused' : 'ran'];
     cells.forEach((c, i) => { const td = document.createElement('td'); td.textContent = c;
       if (i > 0 && i < 4) td.className = 'n'; tr.appendChild(td); });
+    const bar = document.createElement('div'); bar.className = 'bar';
+    bar.style.width = (100 * t.wall_s / slowest).toFixed(1) + '%';
+    const td = document.createElement('td'); td.style.width = '35%'; td.append(bar); tr.append(td);
     return tr; });
+  const total = deepslamTiming.filter(t => !t.reused).reduce((sum, t) => sum + t.wall_s, 0);
+  document.getElementById('total').textContent = total.toFixed(1);
   document.getElementById('times').append(...rows);
   document.getElementById('timing').hidden = false;
 }
 )js";
 
-std::string Image(const Picture& picture) {
-  return fmt::format(
-      "<figure><img alt='{0}' src='data:{1};base64,{2}'><figcaption>{0}</figcaption></figure>",
-      EscapeHtml(picture.caption),
-      picture.mime,
-      Base64(picture.bytes));
-}
-
-std::string Gallery(const std::vector<Picture>& pictures, std::string_view extra_class) {
-  if (pictures.empty()) return {};
-  std::string html = fmt::format("<div class='pictures {}'>", extra_class);
-  for (const Picture& picture : pictures) html += Image(picture);
-  return html + "</div>";
-}
-
-std::string Verdict(const ReportContent& content) {
-  std::string html =
-      fmt::format("<div class='verdict {0}'><b>Result: {0}.</b> ", EscapeHtml(content.verdict));
-  for (const std::string& reason : content.verdict_reasons) html += EscapeHtml(reason) + ". ";
-  return html + "</div>";
-}
-
-struct StatusCounts {
-  int tracked = 0;
-  int degenerate = 0;
-  int lost = 0;
-  int unreadable = 0;
-};
-
-StatusCounts CountStatus(const std::vector<TrackedFrame>& frames) {
-  StatusCounts counts;
-  for (const TrackedFrame& frame : frames) {
-    switch (frame.status) {
-      case TrackingStatus::kTracked:
-        ++counts.tracked;
-        break;
-      case TrackingStatus::kDegenerate:
-        ++counts.degenerate;
-        break;
-      case TrackingStatus::kLost:
-        ++counts.lost;
-        break;
-      case TrackingStatus::kUnreadable:
-        ++counts.unreadable;
-        break;
-    }
+std::string Overview(const ReportContent& content) {
+  std::string html = fmt::format("<div class='verdict {0}'><b>Result: {0}.</b> {1}",
+                                 EscapeHtml(content.verdict),
+                                 EscapeHtml(MeaningOf(content.verdict)));
+  if (!content.verdict_reasons.empty()) {
+    html += "<ul>";
+    for (const std::string& reason : content.verdict_reasons)
+      html += "<li>" + EscapeHtml(reason) + "</li>";
+    html += "</ul>";
   }
-  return counts;
+  html += "</div><table class=facts>";
+  for (const Fact& fact : Facts(content)) {
+    html += fmt::format(
+        "<tr><td class={}>{}<th>{}<td>{}{}</tr>",
+        fact.fine ? "fine" : "look",
+        fact.fine ? "fine" : "look",
+        EscapeHtml(fact.subject),
+        EscapeHtml(fact.finding),
+        fact.remedy.empty() ? "" : " <span class=quiet>" + EscapeHtml(fact.remedy) + "</span>");
+  }
+  return html + "</table>";
+}
+
+std::string Photographs(const std::vector<PicturePair>& pairs) {
+  if (pairs.empty()) return {};
+  std::string html =
+      "<h2>Photograph and map</h2><p class=quiet>Left what the camera saw, right the map from the "
+      "same place: objects should stand where they do in the photograph.</p><div class=pairs>";
+  for (const PicturePair& pair : pairs) html += Figure(pair.photograph) + Figure(pair.map);
+  return html + "</div>";
+}
+
+std::string DriftPlots(const ReportContent& content) {
+  std::string html;
+  const std::string moved = GraphCorrection(content.map.frames, content.tracked_world_from_camera);
+  if (!moved.empty()) {
+    html +=
+        "<p class=quiet>How far the adjustment moved each frame, with the first frame held in "
+        "place. Steps and slopes are drift that was taken out.</p>" +
+        moved;
+  }
+  const std::string drift =
+      HeightDrift(content.heights, static_cast<int>(content.map.frames.size()));
+  if (!drift.empty()) {
+    html +=
+        "<p class=quiet>Drift that needs no truth to see: camera height of the path minus the "
+        "height read off the floor in the same frame; dashed before the adjustment, solid after. "
+        "Near zero is good.</p>" +
+        drift;
+  }
+  return html;
 }
 
 std::string CameraSection(const ReportContent& content) {
@@ -121,73 +137,7 @@ std::string CameraSection(const ReportContent& content) {
   html +=
       "<p class=quiet>Height of the camera above the ground; the strip shows each frame's "
       "status.</p>";
-  return html + HeightOverTime(content.map.frames);
-}
-
-std::string CandidateTable(const ObjectRow& object) {
-  if (object.candidates.empty()) return {};
-  std::string html = fmt::format(
-      "<details><summary>{} candidates competed; why this one "
-      "won</summary><table><tr><th>shape<th>source<th "
-      "class=n>score<th class=n>depth on model<th class=n>model seen<th class=n>through solid<th "
-      "class=n>views<th></tr>",
-      object.candidates.size());
-  for (const CandidateRow& row : object.candidates) {
-    html += fmt::format(
-        "<tr{}><td>{}<td>{}<td class=n>{:.3f}<td class=n>{:.0f} %<td class=n>{:.0f} %<td "
-        "class=n>{:.1f} %<td "
-        "class=n>{}<td>{}</tr>",
-        row.chosen ? " class=chosen" : "",
-        EscapeHtml(row.model),
-        EscapeHtml(row.source),
-        row.score,
-        100 * row.surface_share,
-        100 * row.coverage_share,
-        100 * row.free_violation,
-        row.num_views,
-        EscapeHtml(row.note));
-  }
-  return html + "</table></details>";
-}
-
-std::string ObjectTable(const ReportContent& content) {
-  std::string html =
-      "<table><tr><th>object<th>size (front x side x height)<th class=n>above ground<th "
-      "class=n>confidence<th "
-      "class=n>views<th>shape from<th>doubts</tr>";
-  for (const ObjectRow& o : content.objects) {
-    html += fmt::format(
-        "<tr><td><span class=swatch style='background:rgb({},{},{})'></span>{}<td>{:.2f} x {:.2f} "
-        "x {:.2f} m<td "
-        "class=n>{:+.1f} cm<td class=n>{:.2f}<td class=n>{}<td>{}<td class=note>{}</tr>",
-        o.colour.r,
-        o.colour.g,
-        o.colour.b,
-        EscapeHtml(o.name),
-        o.size_m.x(),
-        o.size_m.y(),
-        o.size_m.z(),
-        100 * o.bottom_above_ground_m,
-        o.confidence,
-        o.num_views,
-        EscapeHtml(o.source),
-        EscapeHtml(o.note));
-  }
-  return html + "</table>";
-}
-
-std::string ObjectSection(const ReportContent& content) {
-  std::string html = fmt::format("<h2>Objects ({})</h2>", content.objects.size());
-  if (content.objects.empty()) return html + "<p>No object entered the map.</p>";
-  html += ObjectTable(content);
-  for (const ObjectRow& object : content.objects) {
-    html += fmt::format("<h3>{}</h3>", EscapeHtml(object.name));
-    html += Gallery(object.pictures, "crops");
-    html += CandidateTable(object);
-    if (!object.credit.empty())
-      html += fmt::format("<p class=quiet>Model: {}</p>", EscapeHtml(object.credit));
-  }
-  return html;
+  return html + HeightOverTime(content.map.frames) + DriftPlots(content);
 }
 
 std::string GraphSection(const OptimizationSummary& summary) {
@@ -214,9 +164,10 @@ std::string RunSection(const ReportContent& content) {
     html += fmt::format("<tr><td>{}<td>{}</tr>", EscapeHtml(stage), EscapeHtml(summary));
   }
   html +=
-      "</table><div id=timing hidden><h3>Times of the last run</h3><table "
-      "id=times><tr><th>stage<th class=n>wall "
-      "s<th class=n>CPU s<th class=n>peak MB<th></tr></table></div>";
+      "</table><div id=timing hidden><h3>Times of the last run</h3><p "
+      "class=quiet>Stages that ran took <span id=total></span> s. Peak memory is that of the whole "
+      "process up to the end of the stage.</p><table id=times><tr><th>stage<th class=n>wall s<th "
+      "class=n>CPU s<th class=n>peak MB<th><th></tr></table></div>";
   html += "<h2>Files</h2><table>";
   for (const auto& [file, bytes] : content.file_bytes) {
     html += fmt::format("<tr><td>{}<td class=n>{:.1f} KB</tr>",
@@ -238,22 +189,32 @@ std::string WarningSection(const std::vector<std::string>& warnings) {
 std::string RenderReport(const ReportContent& content) {
   std::string html = fmt::format(
       "<!DOCTYPE html><html lang=en><head><meta charset=utf-8><meta name=viewport "
-      "content='width=device-width,initial-scale=1'><title>{0} - "
-      "deepslam</title><style>{1}</style></head><body>"
-      "<h1>{0}</h1><div class=quiet>deepslam {2}, capture {3}</div>",
+      "content='width=device-width,initial-scale=1'><link rel=icon href='data:,'><title>{0} - "
+      "deepslam</title><style>{1}{2}</style></head><body>"
+      "<h1>{0}</h1><div class=quiet>deepslam {3}, capture {4}</div>",
       EscapeHtml(content.title),
       kStyle,
+      ViewerStyle(),
       EscapeHtml(content.tool_version),
       EscapeHtml(content.capture_hash.substr(0, 16)));
-  html += Verdict(content);
-  html += Gallery(content.scene_pictures, "");
+  html += Overview(content);
+  html += ViewerSection(content);
+  html += Photographs(content.photographs);
+  if (!content.scene_pictures.empty()) html += "<h2>Overview pictures</h2>";
+  html += Gallery(content.scene_pictures, "large");
   html += WarningSection(content.warnings);
   html += ObjectSection(content);
   html += CameraSection(content);
-  if (!content.frame_pictures.empty()) html += "<h2>Detections and segments</h2>";
-  html += Gallery(content.frame_pictures, "");
+  if (!content.frame_pictures.empty()) {
+    html +=
+        "<h2>Detections and segments</h2><p class=quiet>What was found in some of the frames; one "
+        "colour is one object of the map, grey belongs to none.</p>";
+  }
+  html += Gallery(content.frame_pictures, "frames");
   html += GraphSection(content.map.summary);
   html += RunSection(content);
+  html += "<p class=quiet>3D view: three.js (MIT), Draco (Apache-2.0).</p>";
+  html += ViewerScript(content);
   html += fmt::format("<script src='../timing.js'></script><script>{}</script></body></html>\n",
                       kTimingScript);
   return html;

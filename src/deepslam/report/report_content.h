@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/core/ids.h"
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/optimized_map.h"
@@ -32,6 +33,7 @@ struct CandidateRow {
   int num_views = 0;
   bool chosen = false;
   std::string note;
+  Picture thumbnail;  // the model by itself; no bytes = none
 };
 
 struct ObjectRow {
@@ -46,8 +48,24 @@ struct ObjectRow {
   std::string credit;
   std::string note;
   Rgb8 colour;
-  std::vector<CandidateRow> candidates;  // best first
-  std::vector<Picture> pictures;         // crops with the model drawn in
+  std::vector<CandidateRow> candidates;         // best first
+  std::vector<Picture> pictures;                // crops with the model drawn in
+  std::vector<Eigen::Vector3f> measured_world;  // some of the object's depth points, m
+};
+
+// A photograph and the same view of the map.
+struct PicturePair {
+  Picture photograph;
+  Picture map;
+};
+
+// Height of the camera above the floor in one keyframe: read off the floor in that very frame, and
+// as the trajectory has it before and after the graph. All m; differences are drift.
+struct HeightCheck {
+  FrameIdx frame;
+  double measured_m = 0;
+  double before_m = 0;
+  double after_m = 0;
 };
 
 struct ReportContent {
@@ -59,10 +77,15 @@ struct ReportContent {
   std::vector<std::string> warnings;
   OptimizedMap map;  // trajectory, ground and energy; the objects are in `objects`
   std::vector<Pose3>
-      tracked_world_from_camera;  // before the graph, aligned to the same world; may be empty
+      tracked_world_from_camera;     // before the graph, aligned to the same world; may be empty
+  std::vector<HeightCheck> heights;  // ascending frames; empty without a ground
   std::vector<ObjectRow> objects;
+  std::string scene_glb;                // what the 3D view shows; empty = no 3D view
   std::vector<Picture> scene_pictures;  // the map rendered
+  std::vector<PicturePair> photographs;
   std::vector<Picture> frame_pictures;  // frames with detections and segments drawn in
+  int num_person_frames = 0;            // frames left out of all pictures: a person was seen
+  bool looked_for_people = true;        // false: no detector looked at the frames
   std::vector<std::pair<std::string, std::string>> stage_summaries;  // stage, one line
   std::vector<std::pair<std::string, std::size_t>> file_bytes;       // result file, size
 };

@@ -23,6 +23,9 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 constexpr std::size_t kBatch = 8;  // frames held at once
+// The score from which YOLO's own tools show a box. Lower than what enters the map: a picture left
+// out costs little, a person shown cannot be taken back.
+constexpr double kPersonScore = 0.25;
 
 Result<std::unique_ptr<detect::Detector>> LoadDetector(const RunInputs& inputs) {
   const Result<std::filesystem::path> file =
@@ -101,24 +104,31 @@ Result<artifact::CocoDetections> ReadFileDetections(
 struct FrameDetections {
   std::vector<Detection> detections;
   std::string warning;
+  std::optional<bool> contains_person = {};  // nothing when no network looked
 };
+
+bool SeesPerson(std::span<const detect::RawDetection> raw) {
+  return std::any_of(raw.begin(), raw.end(), [](const detect::RawDetection& r) {
+    return r.label == "person" && r.score >= kPersonScore;
+  });
+}
 
 FrameDetections DetectOne(const RunInputs& inputs,
                           const detect::Detector* detector,
                           const Ground& ground,
                           const TrackedFrame& tracked,
                           std::vector<Detection> given) {
-  FrameDetections found{std::move(given), {}};
+  FrameDetections found{std::move(given), {}, {}};
   const Result<Frame> frame = inputs.capture->frames->Read(tracked.frame);
   if (!frame.ok())
     return {{}, fmt::format("frame {} skipped: {}", tracked.frame.value, frame.error().message)};
   if (detector != nullptr) {
-    Result<std::vector<Detection>> detections =
-        detect::DetectFrame(*detector, *frame, inputs.classes, inputs.config.detect);
-    if (detections.ok()) {
-      found.detections = std::move(detections).value();
+    const Result<std::vector<detect::RawDetection>> raw = detector->Detect(frame->colour);
+    if (raw.ok()) {
+      found.detections = detect::MapDetections(*raw, *frame, inputs.classes, inputs.config.detect);
+      found.contains_person = SeesPerson(*raw);
     } else {
-      found.warning = fmt::format("frame {}: {}", tracked.frame.value, detections.error().message);
+      found.warning = fmt::format("frame {}: {}", tracked.frame.value, raw.error().message);
     }
   }
   const std::optional<Plane> plane = GroundInCamera(ground, tracked);
@@ -165,6 +175,7 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
     for (std::size_t i = 0; i < size; ++i) {
       const FrameIdx frame = wanted[begin + i];
       table.images.push_back(images[static_cast<std::size_t>(frame.value)]);
+      table.images.back().contains_person = found[i].contains_person;
       if (!found[i].warning.empty()) context.progress().Warn(found[i].warning);
       for (Detection& detection : found[i].detections) {
         detection.id = DetectionId{static_cast<int>(table.detections.size())};

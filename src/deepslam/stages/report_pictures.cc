@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -10,6 +11,8 @@
 #include "deepslam/eval/silhouette.h"
 #include "deepslam/render/shaded_view.h"
 #include "deepslam/report/draw.h"
+#include "deepslam/shape/render_voxels.h"
+#include "deepslam/shape/shape_model.h"
 
 namespace deepslam::stages {
 namespace {
@@ -17,7 +20,6 @@ namespace {
 constexpr int kSceneWidth = 900;
 constexpr int kSceneHeight = 600;
 constexpr int kMaxFramePictures = 6;
-constexpr int kMaxObjectPictures = 4;
 constexpr int kMaxPhotographs = 2;
 
 void AddPicture(std::vector<report::Picture>& pictures,
@@ -81,9 +83,11 @@ double CameraAzimuth(const OptimizedMap& map, const Box3& bounds) {
 // Share of the picture that objects fill from a keyframe; the keyframes that see most come first.
 std::vector<FrameIdx> BestKeyframes(std::span<const PicturedObject> objects,
                                     const OptimizedMap& map,
-                                    const PinholeCamera& camera) {
+                                    const PinholeCamera& camera,
+                                    const std::set<FrameIdx>& shown) {
   std::vector<std::pair<int, FrameIdx>> seen;
   for (const FrameIdx keyframe : map.keyframes) {
+    if (!shown.contains(keyframe)) continue;
     const Pose3 camera_from_world =
         map.frames[static_cast<std::size_t>(keyframe.value)].world_from_camera.Inverse();
     int count = 0;
@@ -153,12 +157,56 @@ Rgb8 InstanceColour(int id) {
   return kPalette[static_cast<std::size_t>(id) % kPalette.size()];
 }
 
+// The segments of an object's views, in the order of its views.
+std::vector<const Segment*> SegmentsOf(const MapObject& object, std::span<const Segment> segments) {
+  std::vector<const Segment*> seen;
+  for (const ViewRegistration& view : object.views) {
+    const auto segment = std::find_if(segments.begin(), segments.end(), [&](const Segment& s) {
+      return s.detection == view.view;
+    });
+    if (segment != segments.end()) seen.push_back(&*segment);
+  }
+  return seen;
+}
+
+// At most `count` of them, evenly.
+std::vector<const Segment*> Spread(const std::vector<const Segment*>& all, int max_count) {
+  std::vector<const Segment*> some;
+  const std::size_t count = std::min(all.size(), static_cast<std::size_t>(max_count));
+  for (std::size_t n = 0; n < count; ++n)
+    some.push_back(all[(2 * n + 1) * all.size() / (2 * count)]);
+  return some;
+}
+
+void AppendPoints(const Segment& segment,
+                  const Frame& frame,
+                  const PinholeCamera& camera,
+                  const Pose3& world_from_camera,
+                  int max_points,
+                  std::vector<Eigen::Vector3f>& points_world) {
+  const DepthImage& depth = frame.depth_m;
+  if (segment.mask.width() != depth.width() || segment.mask.height() != depth.height()) return;
+  const int step = segment.num_points / std::max(1, max_points) + 1;
+  int count = 0;
+  for (int v = 0; v < depth.height(); ++v) {
+    for (int u = 0; u < depth.width(); ++u) {
+      if (segment.mask(u, v) == 0 || depth(u, v) <= 0 || count++ % step != 0) continue;
+      const Eigen::Vector3d p_camera = camera.Unproject(u, v, static_cast<double>(depth(u, v)));
+      points_world.push_back((world_from_camera * p_camera).cast<float>());
+    }
+  }
+}
+
 }  // namespace
 
+PictureLimits LimitsFor(std::size_t num_objects) {
+  if (num_objects <= 20) return {};
+  if (num_objects <= 60) return {2, 4, 300};
+  return {0, 0, 0};
+}
+
 std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objects,
-                                           const TriangleMesh& room_world,
-                                           const OptimizedMap& map,
-                                           const FrameSource& frames) {
+                                           const OptimizedMap& map) {
   std::vector<report::Picture> pictures;
   const Box3 bounds = Bounds(objects);
   if (bounds.empty()) return pictures;
@@ -177,41 +225,46 @@ std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objec
                turn == 0.0 ? "The map from the camera's side; floor tiles are 0.5 m"
                            : "The map from behind");
   }
+  return pictures;
+}
+
+std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> objects,
+                                             const TriangleMesh& room_world,
+                                             const OptimizedMap& map,
+                                             const FrameSource& frames,
+                                             const std::set<FrameIdx>& shown) {
+  std::vector<report::PicturePair> pairs;
   std::vector<render::ShadedMesh> with_room = ObjectMeshes(objects);
   with_room.push_back({room_world, Pose3{}, Rgb8{200, 200, 200}, true});
-  for (const FrameIdx keyframe : BestKeyframes(objects, map, frames.camera())) {
+  for (const FrameIdx keyframe : BestKeyframes(objects, map, frames.camera(), shown)) {
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
     const Pose3& pose = map.frames[static_cast<std::size_t>(keyframe.value)].world_from_camera;
-    AddPicture(pictures,
+    std::vector<report::Picture> both;
+    AddPicture(both,
                report::DrawOverlays(frame->colour, {}, 640),
                fmt::format("Frame {}, as the camera saw it", keyframe.value));
-    AddPicture(pictures,
+    AddPicture(both,
                report::EncodeJpeg(render::ShadeView(with_room, frames.camera(), pose)),
-               fmt::format("The map with the measured room, from where frame {} was taken",
-                           keyframe.value));
+               "The map from there, objects in class colours in the measured room");
+    if (both.size() == 2) pairs.push_back({std::move(both[0]), std::move(both[1])});
   }
-  return pictures;
+  return pairs;
 }
 
 std::vector<report::Picture> ObjectPictures(const PicturedObject& object,
                                             std::span<const Segment> segments,
                                             const OptimizedMap& map,
-                                            const FrameSource& frames) {
-  std::vector<const Segment*> seen;
-  for (const ViewRegistration& view : object.object->views) {
-    const auto segment = std::find_if(segments.begin(), segments.end(), [&](const Segment& s) {
-      return s.detection == view.view;
-    });
-    if (segment != segments.end()) seen.push_back(&*segment);
-  }
+                                            const FrameSource& frames,
+                                            const std::set<FrameIdx>& shown,
+                                            int max_pictures) {
+  std::vector<const Segment*> seen = SegmentsOf(*object.object, segments);
+  std::erase_if(seen, [&](const Segment* segment) { return !shown.contains(segment->frame); });
   std::vector<report::Picture> pictures;
-  const std::size_t count = std::min<std::size_t>(seen.size(), kMaxObjectPictures);
-  for (std::size_t n = 0; n < count; ++n) {
-    const Segment& segment = *seen[(2 * n + 1) * seen.size() / (2 * count)];
-    const Result<Frame> frame = frames.ReadColour(segment.frame);
+  for (const Segment* segment : Spread(seen, max_pictures)) {
+    const Result<Frame> frame = frames.ReadColour(segment->frame);
     if (!frame.ok()) continue;
-    const Box2 box = Widened(segment.box_px, frames.camera());
+    const Box2 box = Widened(segment->box_px, frames.camera());
     PinholeCamera camera = frames.camera();
     camera.cx -= box.u_min;
     camera.cy -= box.v_min;
@@ -221,18 +274,70 @@ std::vector<report::Picture> ObjectPictures(const PicturedObject& object,
     const Mask mask =
         ModelMask(object,
                   camera,
-                  map.frames[static_cast<std::size_t>(segment.frame.value)].world_from_camera);
+                  map.frames[static_cast<std::size_t>(segment->frame.value)].world_from_camera);
     AddPicture(pictures,
                report::DrawOutline(crop, mask, object.colour, 340),
-               fmt::format("frame {}", segment.frame.value));
+               fmt::format("frame {}", segment->frame.value));
   }
   return pictures;
+}
+
+std::vector<Eigen::Vector3f> MeasuredPoints(const MapObject& object,
+                                            std::span<const Segment> segments,
+                                            const OptimizedMap& map,
+                                            const FrameSource& frames,
+                                            int max_points_per_view) {
+  constexpr int kMaxViews = 4;
+  std::vector<Eigen::Vector3f> points_world;
+  if (max_points_per_view <= 0) return points_world;
+  for (const Segment* segment : Spread(SegmentsOf(object, segments), kMaxViews)) {
+    const Result<Frame> frame = frames.Read(segment->frame);
+    if (!frame.ok()) continue;
+    AppendPoints(*segment,
+                 *frame,
+                 frames.camera(),
+                 map.frames[static_cast<std::size_t>(segment->frame.value)].world_from_camera,
+                 max_points_per_view,
+                 points_world);
+  }
+  return points_world;
+}
+
+report::Picture Thumbnail(const VoxelGrid& grid, Rgb8 colour) {
+  constexpr int kSide_px = 128;
+  const shape::ShapeModel model(grid);
+  if (model.empty()) return {};
+  // The unit cube just fills the picture from here.
+  const PinholeCamera camera{kSide_px, kSide_px, 220, 220, 0.5 * kSide_px, 0.5 * kSide_px};
+  const Pose3 object_from_camera =
+      render::LookAt(Eigen::Vector3d(2.0, 1.25, 1.1), Eigen::Vector3d::Zero());
+  const Eigen::Vector3f lamp = Eigen::Vector3f(0.55f, 0.1f, 0.83f).normalized();
+  const DepthImage depth =
+      shape::RenderDepth(model, Similarity3::From(object_from_camera.Inverse(), 1.0), camera);
+  ColourImage picture(kSide_px, kSide_px, Rgb8{255, 255, 255});
+  for (int v = 0; v < kSide_px; ++v) {
+    for (int u = 0; u < kSide_px; ++u) {
+      if (depth(u, v) <= 0) continue;
+      const Eigen::Vector3d p =
+          object_from_camera * camera.Unproject(u, v, static_cast<double>(depth(u, v)));
+      const Eigen::Vector3f normal = model.Gradient(p.cast<float>()).normalized();
+      const float light = 0.4f + 0.6f * std::max(0.0f, normal.dot(lamp));
+      const auto lit = [&](std::uint8_t c) {
+        return static_cast<std::uint8_t>(std::clamp(light * float(c) * 1.15f, 0.0f, 255.0f));
+      };
+      picture(u, v) = {lit(colour.r), lit(colour.g), lit(colour.b)};
+    }
+  }
+  std::vector<report::Picture> made;
+  AddPicture(made, report::EncodeJpeg(picture), {});
+  return made.empty() ? report::Picture{} : std::move(made.front());
 }
 
 std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
                                            std::span<const ObjectTrack> tracks,
                                            const OptimizedMap& map,
-                                           const FrameSource& frames) {
+                                           const FrameSource& frames,
+                                           const std::set<FrameIdx>& shown) {
   std::map<DetectionId, ObjectId> object_of;
   for (const ObjectTrack& track : tracks) {
     for (const TrackMember& member : track.members) object_of[member.detection] = track.id;
@@ -250,7 +355,8 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
   }
   std::vector<FrameIdx> with_detections;
   for (const FrameIdx keyframe : map.keyframes) {
-    if (overlays.contains(keyframe)) with_detections.push_back(keyframe);
+    if (overlays.contains(keyframe) && shown.contains(keyframe))
+      with_detections.push_back(keyframe);
   }
   std::vector<report::Picture> pictures;
   const std::size_t count = std::min<std::size_t>(with_detections.size(), kMaxFramePictures);

@@ -2,7 +2,8 @@
 // with detections.
 #pragma once
 
-#include <map>
+#include <cstddef>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/triangle_mesh.h"
+#include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam::stages {
 
@@ -25,24 +27,48 @@ struct PicturedObject {
   Rgb8 colour;
 };
 
-// The map from two sides, and from where frames that see most of it were taken, the photograph
-// beside.
-[[nodiscard]] std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objects,
-                                                         const TriangleMesh& room_world,
-                                                         const OptimizedMap& map,
-                                                         const FrameSource& frames);
+// How much of each object is shown, so that the page of a hall is no larger than a browser likes.
+struct PictureLimits {
+  int crops = 4;
+  int thumbnails = 12;
+  int points_per_view = 1200;
+};
+[[nodiscard]] PictureLimits LimitsFor(std::size_t num_objects);
 
-// Crops of up to four views of one object with the outline of its model at its final pose.
+// The map from two sides.
+[[nodiscard]] std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objects,
+                                                         const OptimizedMap& map);
+
+// Photographs of the keyframes in `shown` that see most of the map, and the map from there.
+[[nodiscard]] std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> objects,
+                                                           const TriangleMesh& room_world,
+                                                           const OptimizedMap& map,
+                                                           const FrameSource& frames,
+                                                           const std::set<FrameIdx>& shown);
+
+// Crops of some views of one object with the outline of its model at its final pose.
 [[nodiscard]] std::vector<report::Picture> ObjectPictures(const PicturedObject& object,
                                                           std::span<const Segment> segments,
                                                           const OptimizedMap& map,
-                                                          const FrameSource& frames);
+                                                          const FrameSource& frames,
+                                                          const std::set<FrameIdx>& shown,
+                                                          int max_pictures);
 
-// Up to six keyframes over the capture with detections and segments; those of one object share a
-// colour.
+// Depth pixels of the object's segments in some of its views, in the world, m.
+[[nodiscard]] std::vector<Eigen::Vector3f> MeasuredPoints(const MapObject& object,
+                                                          std::span<const Segment> segments,
+                                                          const OptimizedMap& map,
+                                                          const FrameSource& frames,
+                                                          int max_points_per_view);
+
+// A model by itself, seen from front left above, on white. No bytes when it is empty.
+[[nodiscard]] report::Picture Thumbnail(const VoxelGrid& model, Rgb8 colour);
+
+// Up to six keyframes of `shown` with detections and segments; those of one object share a colour.
 [[nodiscard]] std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
                                                          std::span<const ObjectTrack> tracks,
                                                          const OptimizedMap& map,
-                                                         const FrameSource& frames);
+                                                         const FrameSource& frames,
+                                                         const std::set<FrameIdx>& shown);
 
 }  // namespace deepslam::stages

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/segments_json.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/report/report.h"
 #include "deepslam/stages/report_pictures.h"
@@ -164,52 +167,142 @@ void AddManifests(const StageContext& context, report::ReportContent& content) {
   }
 }
 
+// Frames whose photographs may be shown: a person was looked for and not seen. Where no network
+// looked, all that the detect stage listed; the page says so.
+std::set<FrameIdx> ShownFrames(const artifact::DetectionTable& table,
+                               report::ReportContent& content) {
+  content.looked_for_people =
+      std::any_of(table.images.begin(), table.images.end(), [](const auto& i) {
+        return i.contains_person.has_value();
+      });
+  std::set<FrameIdx> shown;
+  for (const artifact::DetectedImage& image : table.images) {
+    if (image.contains_person.value_or(content.looked_for_people)) {
+      content.num_person_frames += image.contains_person.has_value() ? 1 : 0;
+    } else {
+      shown.insert(image.frame);
+    }
+  }
+  return shown;
+}
+
+// The tracked path laid onto the first final pose, so that what the graph changed shows; and the
+// heights read off the floor against both paths.
+void AddPaths(const Odometry& odometry, const Ground& ground, report::ReportContent& content) {
+  const std::vector<TrackedFrame>& final_frames = content.map.frames;
+  if (final_frames.empty() || odometry.frames.size() != final_frames.size()) return;
+  const Pose3 world_from_tracking =
+      final_frames.front().world_from_camera * odometry.frames.front().world_from_camera.Inverse();
+  for (const TrackedFrame& frame : odometry.frames)
+    content.tracked_world_from_camera.push_back(world_from_tracking * frame.world_from_camera);
+  if (!content.map.has_ground) return;
+  for (const GroundObservation& seen : ground.observations) {
+    const auto at = static_cast<std::size_t>(seen.keyframe.value);
+    if (at >= final_frames.size()) continue;
+    content.heights.push_back({seen.keyframe,
+                               seen.plane_camera.d_m,
+                               content.tracked_world_from_camera[at].translation_m.z(),
+                               final_frames[at].world_from_camera.translation_m.z()});
+  }
+}
+
+void AddThumbnails(const StageContext& context,
+                   Rgb8 colour,
+                   int max_thumbnails,
+                   std::vector<report::CandidateRow>& rows) {
+  const std::size_t count = std::min(rows.size(), static_cast<std::size_t>(max_thumbnails));
+  ParallelFor(count, [&](std::size_t i) {
+    const Result<VoxelGrid> model = ReadModel(context, "propose", rows[i].model);
+    if (model.ok()) rows[i].thumbnail = Thumbnail(*model, colour);
+  });
+}
+
+// What the page is made of, read from the stages.
+struct Sources {
+  Odometry odometry;
+  Ground ground;
+  artifact::DetectionTable detections;
+  std::vector<Segment> segments;
+  Association association;
+  Proposals proposals;
+  OptimizedMap map;
+  artifact::MapFile map_file;
+  std::string scene_glb;
+  TriangleMesh room;
+};
+
+template <typename T>
+Status Take(Result<T> result, T& value) {
+  if (!result.ok()) return result.error();
+  value = std::move(result).value();
+  return Ok();
+}
+
+Result<Sources> ReadSources(const StageContext& context) {
+  Sources sources;
+  std::string map_text;
+  Status status = Take(ReadOptimized(context), sources.map);
+  if (status.ok()) status = Take(ReadSegments(context), sources.segments);
+  if (status.ok()) status = Take(ReadAssociation(context, "associate"), sources.association);
+  if (status.ok()) status = Take(ReadProposals(context), sources.proposals);
+  if (status.ok()) status = Take(ReadOdometry(context), sources.odometry);
+  if (status.ok()) status = Take(ReadGround(context, "ground"), sources.ground);
+  if (status.ok()) status = Take(ReadDetections(context), sources.detections);
+  if (status.ok()) status = Take(context.Read("export", "scene.glb"), sources.scene_glb);
+  if (status.ok()) status = Take(context.Read("export", "map.json"), map_text);
+  if (status.ok())
+    status = Take(artifact::DecodeMap(map_text, "export/map.json"), sources.map_file);
+  if (!status.ok()) return status.error();
+  if (Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply"); room.ok())
+    sources.room = std::move(room).value();
+  return sources;
+}
+
+// Rows of all objects; false when the user asked to stop.
+bool AddObjects(const StageContext& context,
+                const Sources& sources,
+                std::span<const PicturedObject> pictured,
+                const FrameSource& frames,
+                const std::set<FrameIdx>& shown,
+                report::ReportContent& content) {
+  const PictureLimits limits = LimitsFor(pictured.size());
+  for (const PicturedObject& object : pictured) {
+    if (context.progress().StopRequested()) return false;
+    report::ObjectRow row = MakeRow(object, sources.proposals);
+    row.pictures =
+        ObjectPictures(object, sources.segments, sources.map, frames, shown, limits.crops);
+    row.measured_world = MeasuredPoints(
+        *object.object, sources.segments, sources.map, frames, limits.points_per_view);
+    AddThumbnails(context, object.colour, limits.thumbnails, row.candidates);
+    content.objects.push_back(std::move(row));
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
-  const Result<OptimizedMap> map = ReadOptimized(context);
-  if (!map.ok()) return map.error();
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
-  if (!segments.ok()) return segments.error();
-  const Result<Association> association = ReadAssociation(context, "associate");
-  if (!association.ok()) return association.error();
-  const Result<Proposals> proposals = ReadProposals(context);
-  if (!proposals.ok()) return proposals.error();
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
-  const Result<std::string> map_text = context.Read("export", "map.json");
-  if (!map_text.ok()) return map_text.error();
-  const Result<artifact::MapFile> map_file = artifact::DecodeMap(*map_text, "export/map.json");
-  if (!map_file.ok()) return map_file.error();
-  const Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply");
-
+  const Result<Sources> sources = ReadSources(context);
+  if (!sources.ok()) return sources.error();
   report::ReportContent content;
   content.title = inputs.capture->name;
   content.tool_version = kToolVersion;
   content.capture_hash = inputs.capture->content_hash;
-  content.verdict = artifact::NameOf(map_file->verdict);
-  content.verdict_reasons = map_file->reasons;
-  content.warnings = Warnings(inputs, *association, *proposals, *map);
-  content.map = *map;
-  if (!map->frames.empty()) {
-    // The tracked path laid onto the first final pose, so that what the graph changed shows.
-    const Pose3 world_from_tracking = map->frames.front().world_from_camera *
-                                      odometry->frames.front().world_from_camera.Inverse();
-    for (const TrackedFrame& frame : odometry->frames) {
-      content.tracked_world_from_camera.push_back(world_from_tracking * frame.world_from_camera);
-    }
-  }
+  content.verdict = artifact::NameOf(sources->map_file.verdict);
+  content.verdict_reasons = sources->map_file.reasons;
+  content.warnings = Warnings(inputs, sources->association, sources->proposals, sources->map);
+  content.map = sources->map;
+  content.scene_glb = sources->scene_glb;
+  AddPaths(sources->odometry, sources->ground, content);
+  const std::set<FrameIdx> shown = ShownFrames(sources->detections, content);
   const FrameSource& frames = *inputs.capture->frames;
-  const std::vector<PicturedObject> pictured = ReadPictured(context, map->map, inputs.classes);
-  for (const PicturedObject& object : pictured) {
-    if (context.progress().StopRequested()) return Interrupted();
-    report::ObjectRow row = MakeRow(object, *proposals);
-    row.pictures = ObjectPictures(object, *segments, *map, frames);
-    content.objects.push_back(std::move(row));
-  }
-  content.scene_pictures =
-      ScenePictures(pictured, room.ok() ? *room : TriangleMesh{}, *map, frames);
-  content.frame_pictures = FramePictures(*segments, association->tracks, *map, frames);
+  const std::vector<PicturedObject> pictured =
+      ReadPictured(context, sources->map.map, inputs.classes);
+  if (!AddObjects(context, *sources, pictured, frames, shown, content)) return Interrupted();
+  content.scene_pictures = ScenePictures(pictured, sources->map);
+  content.photographs = Photographs(pictured, sources->room, sources->map, frames, shown);
+  content.frame_pictures =
+      FramePictures(sources->segments, sources->association.tracks, sources->map, frames, shown);
   AddManifests(context, content);
   if (Status status = context.Write("index.html", report::RenderReport(content)); !status.ok())
     return status.error();

@@ -1,0 +1,340 @@
+// The 3D view of a report page: one labelled scene, objects to pick, layers to switch.
+//
+// Bundled into the program at build time. The page gives two inert script elements: `scene-glb` (the exported GLB as
+// base64) and `scene-data` (JSON of report/viewer_data.h). Nothing is fetched. `window.deepslamViewer` is for tests and
+// for people at the console.
+import * as THREE from 'three';
+import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import {OfflineDracoLoader, toBytes} from './offline_draco.js';
+import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
+import {describeObject} from './panel.js';
+
+const BACKGROUND = 0xf3f4f6;
+const CLICK_TOLERANCE_PX = 6;
+const SEE_THROUGH = 0.35;
+
+// World axes of the report (z up) to those of the GLB (y up): (x, y, z) -> (y, z, x).
+const toGltf = ([x, y, z]) => new THREE.Vector3(y, z, x);
+
+const root = document.getElementById('viewer');
+const data = JSON.parse(document.getElementById('scene-data').textContent);
+const byName = new Map(data.objects.map((object, index) => [object.name, {...object, index}]));
+
+function say(text) {
+  const note = root.querySelector('.viewer-note');
+  note.textContent = text;
+  note.hidden = !text;
+}
+
+// Points of an object: 16-bit millimetres above `origin_m`, little endian.
+function decodePoints(points) {
+  const bytes = toBytes(points.data);
+  const view = new DataView(bytes.buffer);
+  const positions = new Float32Array(bytes.length / 2);
+  for (let i = 0; i < bytes.length / 6; ++i) {
+    const world = [0, 1, 2].map((c) => points.origin_m[c] + view.getUint16(6 * i + 2 * c, true) / 1000);
+    toGltf(world).toArray(positions, 3 * i);
+  }
+  return positions;
+}
+
+function line(points_m, colour, dashed) {
+  const geometry = new THREE.BufferGeometry().setFromPoints(points_m.map(toGltf));
+  const material = dashed ? new THREE.LineDashedMaterial({color: colour, dashSize: 0.04, gapSize: 0.03})
+                          : new THREE.LineBasicMaterial({color: colour});
+  const made = new THREE.Line(geometry, material);
+  if (dashed) made.computeLineDistances();
+  return made;
+}
+
+class Viewer {
+  constructor(gltf) {
+    this.canvasBox = root.querySelector('.viewer-canvas');
+    this.renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.canvasBox.prepend(this.renderer.domElement);
+    this.scene = new THREE.Scene();
+    this.scene.background = new THREE.Color(BACKGROUND);
+    this.camera = new THREE.PerspectiveCamera(40, 1, 0.02, 200);
+    this.objects = new Map();
+    this.layers = {};
+    this.selected = null;
+    this.addLights();
+    this.adopt(gltf.scene);
+    this.addMeasured();
+    this.addPaths();
+    this.addLabels();
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.maxPolarAngle = Math.PI * 0.53;  // not far below the floor
+    this.controls.addEventListener('change', () => this.draw());
+    this.home();
+    this.listen();
+    this.resize();
+  }
+
+  addLights() {
+    const sun = new THREE.DirectionalLight(0xffffff, 1.7);
+    sun.position.set(2, 5, 3);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0xa49c90, 1.7), sun);
+  }
+
+  // Sorts the nodes of the GLB into objects and layers.
+  adopt(scene) {
+    scene.updateMatrixWorld(true);
+    this.scene.add(scene);
+    for (const node of [...scene.children]) {
+      const name = node.userData.name || node.name;
+      if (byName.has(name)) this.adoptObject(node, byName.get(name));
+      if (name === 'room') {
+        this.layers.room = node;
+        node.traverse((part) => {
+          // Measured colours hold the room's light already.
+          if (part.isMesh) part.material = new THREE.MeshBasicMaterial({vertexColors: part.material.vertexColors});
+        });
+      }
+      if (name === 'ground') this.layers.ground = node;
+      if (name === 'trajectory') node.visible = false;  // drawn from the page's data, with the tracked one
+      if (name === 'keyframes') node.visible = false;
+    }
+  }
+
+  adoptObject(node, object) {
+    const colour = new THREE.Color(`rgb(${object.colour.join(',')})`);
+    const meshes = [];
+    node.traverse((part) => {
+      if (!part.isMesh) return;
+      part.userData.object = object.name;
+      const appearance = part.material.clone();
+      const plain = new THREE.MeshStandardMaterial({color: colour, roughness: 0.85});
+      meshes.push({part, appearance, plain});
+    });
+    const box = new THREE.Box3().setFromObject(node);
+    this.objects.set(object.name, {node, object, meshes, box});
+  }
+
+  addMeasured() {
+    this.layers.measured = new THREE.Group();
+    for (const object of byName.values()) {
+      if (!object.points) continue;
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(decodePoints(object.points), 3));
+      const material = new THREE.PointsMaterial({color: 0xd0006f, size: 3, sizeAttenuation: false});
+      this.layers.measured.add(new THREE.Points(geometry, material));
+    }
+    this.scene.add(this.layers.measured);
+  }
+
+  addPaths() {
+    this.layers.trajectory = new THREE.Group();
+    if (data.trajectory_m.length > 1) this.layers.trajectory.add(line(data.trajectory_m, 0x1d3557, false));
+    if (data.tracked_m.length > 1) this.layers.trajectory.add(line(data.tracked_m, 0x888888, true));
+    this.scene.add(this.layers.trajectory);
+  }
+
+  addLabels() {
+    this.labels = root.querySelector('.viewer-labels');
+    for (const entry of this.objects.values()) {
+      const label = document.createElement('div');
+      label.className = 'viewer-label';
+      label.textContent = entry.object.name;
+      this.labels.append(label);
+      entry.label = label;
+    }
+  }
+
+  // Whole map in view, seen from the side the camera was on.
+  home() {
+    const box = new THREE.Box3();
+    for (const entry of this.objects.values()) if (!entry.box.isEmpty()) box.union(entry.box);
+    if (box.isEmpty()) box.setFromObject(this.scene);
+    if (box.isEmpty()) box.set(new THREE.Vector3(-1, 0, -1), new THREE.Vector3(1, 1, 1));
+    const centre = box.getCenter(new THREE.Vector3());
+    const radius = Math.max(0.3, box.getSize(new THREE.Vector3()).length() / 2);
+    const path = data.trajectory_m.map(toGltf);
+    const mean = path.reduce((sum, p) => sum.add(p), new THREE.Vector3()).divideScalar(Math.max(1, path.length));
+    const side = mean.sub(centre).setY(0);
+    if (side.length() < 0.05) side.set(0, 0, 1);
+    const direction = side.normalize().setY(0.75).normalize();
+    this.camera.position.copy(centre).addScaledVector(direction, radius * 2.6);
+    this.controls.target.copy(centre);
+    this.controls.update();
+  }
+
+  listen() {
+    const canvas = this.renderer.domElement;
+    let pressed = null;
+    canvas.addEventListener('pointerdown', (event) => { pressed = [event.clientX, event.clientY]; });
+    canvas.addEventListener('pointerup', (event) => {
+      if (!pressed) return;
+      const moved = Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]);
+      if (moved <= CLICK_TOLERANCE_PX) this.select(this.hit(event));
+      pressed = null;
+    });
+    this.canvasBox.addEventListener('keydown', (event) => this.key(event));
+    for (const box of root.querySelectorAll('input[data-layer]')) {
+      box.addEventListener('change', () => this.applyLayers());
+    }
+    root.querySelector('[data-action=home]').addEventListener('click', () => { this.home(); this.draw(); });
+    root.querySelector('.viewer-list').addEventListener('click', (event) => {
+      const button = event.target.closest('button');
+      if (button) this.select(button.dataset.object);
+    });
+    new ResizeObserver(() => this.resize()).observe(this.canvasBox);
+    this.applyLayers();
+  }
+
+  key(event) {
+    const turn = {ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.09], ArrowDown: [0, 0.09]}[event.key];
+    const zoom = {'+': 0.88, '=': 0.88, '-': 1.14}[event.key];
+    const step = {n: 1, p: -1}[event.key];
+    if (turn) this.orbit(turn[0], turn[1], 1);
+    else if (zoom) this.orbit(0, 0, zoom);
+    else if (step) this.selectNext(step);
+    else if (event.key === 'Home') { this.home(); this.draw(); }
+    else if (event.key === 'Escape') this.select(null);
+    else return;
+    event.preventDefault();
+  }
+
+  orbit(azimuth, polar, distance) {
+    const offset = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target));
+    offset.theta += azimuth;
+    offset.phi = Math.min(this.controls.maxPolarAngle, Math.max(0.02, offset.phi + polar));
+    offset.radius *= distance;
+    this.camera.position.setFromSpherical(offset).add(this.controls.target);
+    this.controls.update();
+    this.draw();
+  }
+
+  hit(event) {
+    const area = this.renderer.domElement.getBoundingClientRect();
+    const at = new THREE.Vector2(2 * (event.clientX - area.left) / area.width - 1,
+                                 1 - 2 * (event.clientY - area.top) / area.height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(at, this.camera);
+    if (!this.on('objects')) return null;
+    const parts = [...this.objects.values()].flatMap((entry) => entry.meshes.map((mesh) => mesh.part));
+    const hits = ray.intersectObjects(parts, false);
+    return hits.length ? hits[0].object.userData.object : null;
+  }
+
+  selectNext(step) {
+    const names = [...this.objects.keys()];
+    if (!names.length) return;
+    const at = names.indexOf(this.selected);
+    this.select(names[at < 0 ? (step > 0 ? 0 : names.length - 1) : (at + step + names.length) % names.length]);
+  }
+
+  select(name) {
+    this.selected = this.objects.has(name) ? name : null;
+    for (const button of root.querySelectorAll('.viewer-list button')) {
+      button.setAttribute('aria-pressed', String(button.dataset.object === this.selected));
+    }
+    const panel = root.querySelector('.viewer-panel');
+    panel.replaceChildren(...(this.selected ? describeObject(this.objects.get(this.selected).object) : []));
+    panel.hidden = !this.selected;
+    this.applyLayers();
+  }
+
+  on(layer) { return root.querySelector(`input[data-layer=${layer}]`).checked; }
+
+  applyLayers() {
+    for (const layer of ['room', 'ground', 'measured', 'trajectory']) {
+      if (this.layers[layer]) this.layers[layer].visible = this.on(layer);
+    }
+    for (const [name, entry] of this.objects) {
+      entry.node.visible = this.on('objects');
+      for (const {part, appearance, plain} of entry.meshes) {
+        part.material = this.on('colours') ? plain : appearance;
+        part.material.transparent = this.on('seethrough');
+        part.material.opacity = this.on('seethrough') ? SEE_THROUGH : 1;
+        part.material.depthWrite = !this.on('seethrough');
+        part.material.needsUpdate = true;
+        if (part.material.emissive) part.material.emissive.setHex(name === this.selected ? 0x553300 : 0);
+      }
+    }
+    this.labels.hidden = !this.on('labels') || !this.on('objects');
+    this.draw();
+  }
+
+  resize() {
+    const width = this.canvasBox.clientWidth, height = this.canvasBox.clientHeight;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  // Pixels of a point of the canvas box, or null when it is behind the camera.
+  project(point) {
+    const p = point.clone().project(this.camera);
+    if (p.z > 1) return null;
+    return [(p.x + 1) / 2 * this.canvasBox.clientWidth, (1 - p.y) / 2 * this.canvasBox.clientHeight];
+  }
+
+  draw() {
+    this.renderer.render(this.scene, this.camera);
+    for (const [name, entry] of this.objects) {
+      if (entry.box.isEmpty()) { entry.label.hidden = true; continue; }
+      const top = entry.box.getCenter(new THREE.Vector3()).setY(entry.box.max.y);
+      const at = this.project(top);
+      entry.label.hidden = !at;
+      if (!at) continue;
+      entry.label.style.transform = `translate(${at[0].toFixed(1)}px, ${at[1].toFixed(1)}px) translate(-50%, -110%)`;
+      entry.label.classList.toggle('selected', name === this.selected);
+    }
+  }
+
+  // A pixel of the page where a click picks this object: the first found on it that nothing hides.
+  pixelOf(name) {
+    const entry = this.objects.get(name);
+    const area = this.renderer.domElement.getBoundingClientRect();
+    for (const {part} of entry.meshes) {
+      const positions = part.geometry.attributes.position;
+      const indices = part.geometry.index;
+      for (let i = 0; i + 2 < indices.count; i += 3) {
+        const middle = new THREE.Vector3();
+        for (let c = 0; c < 3; ++c) {
+          middle.add(new THREE.Vector3().fromBufferAttribute(positions, indices.getX(i + c)).divideScalar(3));
+        }
+        const at = this.project(part.localToWorld(middle));
+        if (!at) continue;
+        const pixel = {clientX: area.left + at[0], clientY: area.top + at[1]};
+        const inside = at[0] > 0 && at[1] > 0 && at[0] < area.width && at[1] < area.height;
+        if (inside && this.hit(pixel) === name) return [pixel.clientX, pixel.clientY];
+      }
+    }
+    return null;
+  }
+}
+
+async function start() {
+  if (!document.createElement('canvas').getContext('webgl2')) {
+    say('This browser has no WebGL 2, so there is no 3D view here; export/scene.glb opens in Blender and other programs.');
+    window.deepslamViewer = {ready: false, error: 'no WebGL 2'};
+    return;
+  }
+  try {
+    const bytes = toBytes(document.getElementById('scene-glb').textContent);
+    const draco = new OfflineDracoLoader();
+    const gltf = await new GLTFLoader().setDRACOLoader(draco).parseAsync(bytes.buffer, '');
+    draco.dispose();
+    const viewer = new Viewer(gltf);
+    say('');
+    window.deepslamViewer = {
+      ready: true,
+      names: () => [...viewer.objects.keys()],
+      select: (name) => viewer.select(name),
+      selected: () => viewer.selected,
+      pixelOf: (name) => viewer.pixelOf(name),
+      visible: (layer) => Boolean(viewer.layers[layer] && viewer.layers[layer].visible),
+      cameraPosition: () => viewer.camera.position.toArray(),
+    };
+  } catch (error) {
+    say(`The scene could not be shown: ${error.message || error}`);
+    window.deepslamViewer = {ready: false, error: String(error)};
+  }
+}
+
+start();

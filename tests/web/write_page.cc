@@ -1,0 +1,143 @@
+// Writes the report page of a small made-up map: two boxes on a floor, one of them with a name that
+// wants to be markup. `deepslam_web_page FILE` writes the page; nothing else is read or written.
+#include <cstdio>
+#include <fstream>
+
+#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/report/draw.h"
+#include "deepslam/report/report.h"
+
+namespace deepslam {
+namespace {
+
+TriangleMesh BoxMesh(const Eigen::Vector3f& size_m) {
+  TriangleMesh mesh;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3f side(
+        corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f);
+    mesh.vertices.push_back(side.cwiseProduct(size_m));
+  }
+  mesh.faces = {{0, 2, 1},
+                {1, 2, 3},
+                {4, 5, 6},
+                {5, 7, 6},
+                {0, 1, 4},
+                {1, 5, 4},
+                {2, 6, 3},
+                {3, 6, 7},
+                {0, 4, 2},
+                {2, 4, 6},
+                {1, 3, 5},
+                {3, 7, 5}};
+  return mesh;
+}
+
+struct Item {
+  const char* name;
+  const char* class_name;
+  Eigen::Vector3d size_m;
+  Eigen::Vector3d place_m;
+  Rgb8 colour;
+};
+
+const Item kItems[] = {
+    {"chair_00", "chair", {0.5, 0.5, 0.9}, {1.0, -0.9, 0.45}, {230, 120, 30}},
+    {"table_01", "table", {0.8, 1.4, 0.7}, {1.2, 0.6, 0.35}, {40, 120, 200}},
+    {"<b>odd & 'name'</b>", "box", {0.3, 0.3, 0.3}, {0.2, 0.0, 0.15}, {40, 160, 90}},
+};
+
+gltf::GltfScene MakeScene() {
+  gltf::GltfScene scene;
+  for (const Item& item : kItems) {
+    gltf::GltfObject object;
+    object.name = item.name;
+    object.class_name = item.class_name;
+    object.mesh = BoxMesh(item.size_m.cast<float>());
+    object.world_from_object.translation_m = item.place_m;
+    object.class_colour = item.colour;
+    scene.objects.push_back(std::move(object));
+  }
+  TriangleMesh wall = BoxMesh({0.05f, 4.0f, 2.0f});
+  for (Eigen::Vector3f& vertex : wall.vertices) {
+    vertex += Eigen::Vector3f(2.5f, 0, 1);
+    wall.colours.push_back({180, 170, 160});
+  }
+  scene.room = wall;
+  TriangleMesh floor;
+  floor.vertices = {{-1, -2, 0}, {2.5f, -2, 0}, {2.5f, 2, 0}, {-1, 2, 0}};
+  floor.faces = {{0, 1, 2}, {0, 2, 3}};
+  scene.ground = floor;
+  return scene;
+}
+
+report::Picture Plain(Rgb8 colour) {
+  const Result<std::string> jpeg = report::EncodeJpeg(ColourImage(64, 64, colour));
+  return {jpeg.ok() ? *jpeg : std::string(), "image/jpeg", "made up"};
+}
+
+report::ObjectRow MakeRow(const Item& item) {
+  report::ObjectRow row;
+  row.name = item.name;
+  row.class_name = item.class_name;
+  row.size_m = item.size_m;
+  row.world_from_object.translation_m = item.place_m;
+  row.confidence = 0.8;
+  row.num_views = 7;
+  row.source = "CAD library";
+  row.credit = "Model by Ana";
+  row.colour = item.colour;
+  report::CandidateRow winner{"better_shape", "CAD library", 0.8, 0.9, 0.7, 0.01, 7, true, "", {}};
+  winner.thumbnail = Plain(item.colour);
+  row.candidates = {winner,
+                    {"worse_shape", "own measurement", 0.6, 0.7, 0.6, 0.05, 7, false, "", {}}};
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d offset(0.5 * item.size_m.x(), 0.001 * i, 0.002 * i);
+    row.measured_world.push_back((item.place_m - offset).cast<float>());
+  }
+  row.pictures = {Plain({120, 120, 120})};
+  return row;
+}
+
+report::ReportContent MakeContent() {
+  report::ReportContent content;
+  content.title = "made-up room";
+  content.verdict = "doubtful";
+  content.verdict_reasons = {"this is a test"};
+  for (int i = 0; i < 40; ++i) {
+    TrackedFrame frame;
+    frame.frame = FrameIdx{i};
+    frame.world_from_camera.translation_m = {-0.8 + 0.01 * i, -1.0 + 0.05 * i, 1.4};
+    content.map.frames.push_back(frame);
+    content.tracked_world_from_camera.push_back(frame.world_from_camera);
+    content.tracked_world_from_camera.back().translation_m.z() += 0.001 * i;
+  }
+  content.map.keyframes = {FrameIdx{0}, FrameIdx{20}};
+  content.map.has_ground = true;
+  content.heights = {{FrameIdx{0}, 1.4, 1.4, 1.4}, {FrameIdx{20}, 1.4, 1.42, 1.4}};
+  for (const Item& item : kItems) content.objects.push_back(MakeRow(item));
+  return content;
+}
+
+int Run(const char* file) {
+  report::ReportContent content = MakeContent();
+  const Result<std::string> glb = gltf::WriteGlb(MakeScene(), gltf::GltfOptions{});
+  if (!glb.ok()) {
+    std::fprintf(stderr, "%s\n", glb.error().message.c_str());
+    return 1;
+  }
+  content.scene_glb = *glb;
+  std::ofstream out(file, std::ios::binary);
+  out << report::RenderReport(content);
+  return out.good() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace deepslam
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: deepslam_web_page FILE\n");
+    return 2;
+  }
+  return deepslam::Run(argv[1]);
+}
