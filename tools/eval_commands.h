@@ -9,4 +9,7 @@ void AddEvalObjects(CLI::App& eval_command, Command& chosen);
 void AddEvalSelection(CLI::App& eval_command, Command& chosen);
 void AddEvalMap(CLI::App& eval_command, Command& chosen);
 
+// `eval selection --held-out`: WORKSPACE CAPTURE pairs.
+[[nodiscard]] int EvalHeldOut(const std::vector<std::string>& paths, const std::string& json_file);
+
 }  // namespace deepslam::tools

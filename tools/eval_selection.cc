@@ -348,6 +348,7 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
     std::vector<std::string> paths;
     std::string annotation;
     std::string json;
+    bool held_out = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = eval_command.add_subcommand(
@@ -360,8 +361,13 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
   command->add_option("--annotation", arguments->annotation, "Annotation file in place of TRUTH's");
   command->add_option(
       "--json", arguments->json, "Write the result here instead of to standard output");
+  command->add_flag("--held-out",
+                    arguments->held_out,
+                    "Without truth: agreement with the depth of frames no view comes from; the "
+                    "second of each pair is the capture");
   command->callback([&chosen, arguments] {
     chosen = [arguments] {
+      if (arguments->held_out) return EvalHeldOut(arguments->paths, arguments->json);
       return EvalSelection(arguments->paths, arguments->annotation, arguments->json);
     };
   });

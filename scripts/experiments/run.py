@@ -103,12 +103,16 @@ def make(case, args):
     if not call([program, "run", str(case.capture), "-o", str(case.workspace), "--progress", "none"], case.log):
         return False
     pair = [str(case.workspace), str(case.capture)]
-    kinds = {"trajectory": pair, "objects": pair, "selection": pair, "map": pair}
+    # `tracked`: before loops are closed and the graph is solved.
+    kinds = {"trajectory": pair, "objects": pair, "selection": pair, "map": pair,
+             "tracked": [str(case.workspace / "track" / "trajectory.tum"), str(case.capture / "groundtruth.txt")]}
+    made = case.workspace / "export" / "manifest.json"
     for kind, paths in kinds.items():
-        call([program, "eval", kind, *paths, "--json", str(case.results / f"{case.name}.{kind}.json")], case.log)
-    # Before loops are closed: the tracked poses alone.
-    call([program, "eval", "trajectory", str(case.workspace / "track" / "trajectory.tum"), str(case.capture / "groundtruth.txt"),
-          "--json", str(case.results / f"{case.name}.tracked.json")], case.log)
+        result = case.results / f"{case.name}.{kind}.json"
+        if result.exists() and result.stat().st_mtime > made.stat().st_mtime:
+            continue
+        result.unlink(missing_ok=True)
+        call([program, "eval", "trajectory" if kind == "tracked" else kind, *paths, "--json", str(result)], case.log)
     return True
 
 
@@ -239,17 +243,20 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/experiments")
     parser.add_argument("--docs", type=pathlib.Path, help="where tables and plots go (default: docs/evaluation)")
     parser.add_argument("--scene", type=pathlib.Path, action="append", help="a scene file; may be repeated")
+    parser.add_argument("--rung", action="append", help="of scenes with rungs only this one; may be repeated")
     parser.add_argument("--quick", action="store_true", help="half the image size, at most 60 frames")
     args = parser.parse_args()
     args.deepslam = args.deepslam.absolute()
     args.work = args.work.absolute()
     if not os.access(args.deepslam, os.X_OK):
         sys.exit(f"{args.deepslam}: no such program; build it (scripts/build.sh) or name it with --deepslam")
-    scenes = args.scene or sorted((ROOT / "configs" / "scenes").glob("*.yaml"))
+    scenes = [scene.absolute() for scene in args.scene or []] or sorted((ROOT / "configs" / "scenes").glob("*.yaml"))
     args.work.mkdir(parents=True, exist_ok=True)
-    cases = [Case(scene, rung, args.work) for scene in scenes for rung in rungs_of(scene)]
+    cases = [Case(scene, rung, args.work) for scene in scenes for rung in rungs_of(scene)
+             if not args.rung or not rung or rung in args.rung]
     made = [case for case in cases if make(case, args)]
-    command = "scripts/experiments/run.py" + "".join(f" --scene {scene}" for scene in args.scene or []) + (" --quick" if args.quick else "")
+    command = "scripts/experiments/run.py" + "".join(
+        f" --scene {scene}" for scene in args.scene or []) + "".join(f" --rung {rung}" for rung in args.rung or []) + (" --quick" if args.quick else "")
     write_tables(cases, args, command)
     return 0 if len(made) == len(cases) else 1
 

@@ -1,0 +1,46 @@
+#include "deepslam/eval/held_out.h"
+
+#include <cmath>
+
+#include "deepslam/core/check.h"
+#include "deepslam/eval/silhouette.h"
+
+namespace deepslam::eval {
+
+double HeldOutAgreement::agreement() const {
+  return num_judged() > 0 ? static_cast<double>(num_agree) / static_cast<double>(num_judged()) : 0;
+}
+
+HeldOutAgreement& HeldOutAgreement::operator+=(const HeldOutAgreement& other) {
+  num_agree += other.num_agree;
+  num_violated += other.num_violated;
+  num_hidden += other.num_hidden;
+  return *this;
+}
+
+HeldOutAgreement JudgeHeldOut(const TriangleMesh& mesh,
+                              const Pose3& camera_from_mesh,
+                              const PinholeCamera& camera,
+                              const DepthImage& depth_m) {
+  DEEPSLAM_CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height,
+                 "depth and camera differ in size");
+  const DepthImage model_m = RasteriseDepth(mesh, camera_from_mesh, camera);
+  HeldOutAgreement agreement;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const auto model = static_cast<double>(model_m(u, v));
+      const auto measured = static_cast<double>(depth_m(u, v));
+      if (!(model > 0) || !(measured > 0)) continue;
+      if (std::abs(measured - model) <= kHeldOutToleranceM) {
+        ++agreement.num_agree;
+      } else if (measured > model) {
+        ++agreement.num_violated;
+      } else {
+        ++agreement.num_hidden;
+      }
+    }
+  }
+  return agreement;
+}
+
+}  // namespace deepslam::eval

@@ -1,0 +1,36 @@
+// Agreement of a placed model with depth that had no part in making it, where no truth is known.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "deepslam/core/image.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::eval {
+
+inline constexpr std::string_view kHeldOutProtocol =
+    "held-out depth: rendered model against frames that no view of the object comes from; agrees "
+    "within 2 cm, contradicted where the ray goes on, hidden pixels left out";
+inline constexpr double kHeldOutToleranceM = 0.02;
+
+struct HeldOutAgreement {
+  std::int64_t num_agree = 0;     // pixels measured within the tolerance of the model
+  std::int64_t num_violated = 0;  // the ray goes on behind the model: free space
+  std::int64_t num_hidden = 0;    // something nearer was measured: says nothing
+
+  [[nodiscard]] std::int64_t num_judged() const { return num_agree + num_violated; }
+  // Share of judged pixels that agree; 0 where none was judged.
+  [[nodiscard]] double agreement() const;
+  HeldOutAgreement& operator+=(const HeldOutAgreement& other);
+};
+
+// Depth and camera have one size.
+[[nodiscard]] HeldOutAgreement JudgeHeldOut(const TriangleMesh& mesh,
+                                            const Pose3& camera_from_mesh,
+                                            const PinholeCamera& camera,
+                                            const DepthImage& depth_m);
+
+}  // namespace deepslam::eval
