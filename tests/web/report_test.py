@@ -52,7 +52,7 @@ def main():
     if not modules or not browser or not shutil.which("node"):
         print("skipped: needs node, playwright-core and Chromium: scripts/setup.sh --tests")
         return SKIPPED
-    folder = pathlib.Path(target) / "report_page"
+    folder = (pathlib.Path(target) / "report_page").resolve()
     folder.mkdir(parents=True, exist_ok=True)
     page = given or write_page(sys.argv[1], folder)
     script = pathlib.Path(__file__).resolve().with_name("report_test.cjs")

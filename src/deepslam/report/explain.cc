@@ -127,8 +127,8 @@ std::vector<Fact> Facts(const ReportContent& content) {
 
 std::string MeaningOf(const std::string& verdict) {
   if (verdict == "good") {
-    return "The checks of this run found nothing that speaks against the map. Compare the map with "
-           "the photographs below once, then use it.";
+    return "No check of this run failed. Lines marked \"look\" say what is less sure; compare the "
+           "map with the photographs below once, then use it.";
   }
   if (verdict == "doubtful") {
     return "Parts of the map are probably right, but at least one check failed. Look at what is "
@@ -147,12 +147,12 @@ std::string WhyItWon(const ObjectRow& object) {
                                  object.candidates.end(),
                                  [](const CandidateRow& row) { return !row.chosen; });
   if (chosen == object.candidates.end() || next == object.candidates.end()) return {};
-  std::string why = fmt::format(
-      "{} won with a score of {:.3f} of {} candidates; the best of the others has {:.3f}",
-      chosen->model,
-      chosen->score,
-      object.candidates.size(),
-      next->score);
+  std::string why =
+      fmt::format("{} won with a score of {:.3f} of {} candidates; the next in rank has {:.3f}",
+                  chosen->model,
+                  chosen->score,
+                  object.candidates.size(),
+                  next->score);
   std::string reasons;
   for (const std::string& reason : {Compared(chosen->surface_share,
                                              next->surface_share,

@@ -26,8 +26,8 @@ figure{margin:0}figure img{width:100%;border-radius:4px;display:block}
 figcaption{font-size:13px;color:#555}
 .pictures,.pairs{display:grid;gap:12px;align-items:start}
 .pairs,.large{grid-template-columns:repeat(2,minmax(0,1fr))}.frames{grid-template-columns:repeat(3,minmax(0,1fr))}
-.crops{display:flex;flex-wrap:wrap}.crops img{width:auto;height:190px;max-width:100%;object-fit:contain;object-position:left}
-.thumbnails{display:flex;flex-wrap:wrap;gap:6px}.thumbnails figure{width:84px;padding:3px;border:2px solid transparent;border-radius:6px;text-align:center}
+.crops{display:flex;flex-wrap:wrap}.crops img{width:auto;height:165px;max-width:100%;object-fit:contain;object-position:left}
+.thumbnails{display:flex;flex-wrap:wrap;gap:6px}.thumbnails figure{width:76px;padding:3px;border:2px solid transparent;border-radius:6px;text-align:center}
 .thumbnails .chosen{border-color:#2a9d4e}
 .object{margin:0 0 22px}
 svg{width:100%;background:#fafafa;border:1px solid #eee;border-radius:4px}svg.map{max-height:620px}
@@ -165,8 +165,8 @@ std::string RunSection(const ReportContent& content) {
   }
   html +=
       "</table><div id=timing hidden><h3>Times of the last run</h3><p "
-      "class=quiet>Stages that ran took <span id=total></span> s. Peak memory is that of the whole "
-      "process up to the end of the stage.</p><table id=times><tr><th>stage<th class=n>wall s<th "
+      "class=quiet>Stages that ran took <span id=total></span> s. Peak memory is that of the "
+      "process while the stage ran.</p><table id=times><tr><th>stage<th class=n>wall s<th "
       "class=n>CPU s<th class=n>peak MB<th><th></tr></table></div>";
   html += "<h2>Files</h2><table>";
   for (const auto& [file, bytes] : content.file_bytes) {

@@ -157,7 +157,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      2,
+      3,
       {"track",
        "ground",
        "detect",

@@ -308,7 +308,7 @@ report::Picture Thumbnail(const VoxelGrid& grid, Rgb8 colour) {
   const shape::ShapeModel model(grid);
   if (model.empty()) return {};
   // The unit cube just fills the picture from here.
-  const PinholeCamera camera{kSide_px, kSide_px, 220, 220, 0.5 * kSide_px, 0.5 * kSide_px};
+  const PinholeCamera camera{kSide_px, kSide_px, 290, 290, 0.5 * kSide_px, 0.5 * kSide_px};
   const Pose3 object_from_camera =
       render::LookAt(Eigen::Vector3d(2.0, 1.25, 1.1), Eigen::Vector3d::Zero());
   const Eigen::Vector3f lamp = Eigen::Vector3f(0.55f, 0.1f, 0.83f).normalized();

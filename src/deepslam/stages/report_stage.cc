@@ -146,8 +146,10 @@ std::vector<std::string> Warnings(const RunInputs& inputs,
   std::map<std::string, int> reasons;
   for (const Rejection& rejection : association.rejections) ++reasons[rejection.reason];
   for (const auto& [reason, count] : reasons) {
-    warnings.push_back(fmt::format(
-        "{} detection{} belong to no object: {}", count, count == 1 ? "" : "s", reason));
+    warnings.push_back(
+        fmt::format("{} to no object: {}",
+                    count == 1 ? "1 detection belongs" : fmt::format("{} detections belong", count),
+                    reason));
   }
   return warnings;
 }
