@@ -46,6 +46,8 @@ void CatchStopSignals() {
   ::sigaction(SIGTERM, &action, nullptr);
 }
 
+void TurnFileSizeSignalIntoError() { std::signal(SIGXFSZ, SIG_IGN); }
+
 bool StopSignalled() { return stop_signalled != 0; }
 
 ProgressStyle ParseProgressStyle(std::string_view name) {

@@ -20,6 +20,9 @@ void LogError(std::string_view line);
 
 // From now on SIGINT and SIGTERM ask the running stage to stop; a second one kills as usual.
 void CatchStopSignals();
+// A limit on file sizes then fails the write that meets it, with a message, instead of ending the
+// program.
+void TurnFileSizeSignalIntoError();
 [[nodiscard]] bool StopSignalled();
 
 enum class ProgressStyle { kBar, kLines, kJson, kNone };

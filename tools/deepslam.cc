@@ -39,5 +39,6 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? kExitOk : kExitUsage;
   }
   SetUpLogging(log_level);
+  TurnFileSizeSignalIntoError();
   return chosen();
 }

@@ -14,6 +14,7 @@
 #include "deepslam/eval/trajectory_error.h"
 #include "deepslam/gltf/validate.h"
 #include "eval_commands.h"
+#include "eval_silhouettes.h"
 
 namespace deepslam::tools {
 namespace {
@@ -157,6 +158,31 @@ void AddValidate(CLI::App& app, Command& chosen) {
   });
 }
 
+namespace {
+
+void AddEvalSilhouettes(CLI::App& eval_command, Command& chosen) {
+  struct Arguments {
+    std::string workspace;
+    std::string capture;
+    std::string json;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* silhouettes = eval_command.add_subcommand(
+      "silhouettes", "Overlap of the projected objects with what was segmented; needs no truth");
+  silhouettes->add_option("WORKSPACE", arguments->workspace, "Workspace of a finished run")
+      ->required();
+  silhouettes->add_option("CAPTURE", arguments->capture, "The capture it was made of")->required();
+  silhouettes->add_option(
+      "--json", arguments->json, "Write the result here instead of to standard output");
+  silhouettes->callback([&chosen, arguments] {
+    chosen = [arguments] {
+      return EvalSilhouettes(arguments->workspace, arguments->capture, arguments->json);
+    };
+  });
+}
+
+}  // namespace
+
 void AddEval(CLI::App& app, Command& chosen) {
   struct Arguments {
     std::string estimate;
@@ -192,6 +218,7 @@ void AddEval(CLI::App& app, Command& chosen) {
           arguments->estimate, arguments->truth, arguments->json, arguments->options);
     };
   });
+  AddEvalSilhouettes(*eval_command, chosen);
 }
 
 }  // namespace deepslam::tools

@@ -129,6 +129,8 @@ Result<artifact::Overrides> ReadOverrides(const RunArguments& arguments) {
 }
 
 int Run(const RunArguments& arguments) {
+  if (arguments.workspace.empty())
+    return ReportError(InvalidConfig("--output: names no folder; give the workspace's"));
   ConfigSources sources = arguments.config;
   if (!arguments.poses.empty()) sources.settings.push_back("track.poses=" + arguments.poses);
   const Result<stages::Config> config = ReadConfig(sources);
@@ -198,8 +200,14 @@ int ShowStatus(const std::string& workspace) {
           artifact::ReadFile(std::filesystem::path(workspace) / kRunFile);
       record.ok()) {
     Result<stages::Config> decoded = DecodeRun(*record);
-    if (!decoded.ok()) return ReportError(decoded.error());
-    config = std::move(decoded).value();
+    if (decoded.ok()) {
+      config = std::move(decoded).value();
+    } else {
+      LogWarning(
+          fmt::format("{}/{}; options are taken for the defaults, the next run writes it anew",
+                      workspace,
+                      decoded.error().message));
+    }
   }
   const auto inputs =
       std::make_shared<const stages::RunInputs>(stages::RunInputs{config, {}, nullptr, {}});

@@ -1,5 +1,5 @@
 add_executable(deepslam
-  config_command.cc console.cc deepslam.cc doctor_command.cc expand_command.cc inspect_command.cc make_command.cc
+  config_command.cc console.cc deepslam.cc doctor_command.cc eval_silhouettes.cc expand_command.cc inspect_command.cc make_command.cc
   run_command.cc
   synth_capture.cc)
 target_link_libraries(deepslam PRIVATE deepslam::stages deepslam::synth CLI11::CLI11 spdlog::spdlog fmt::fmt)

@@ -94,6 +94,19 @@ TEST(CompareSilhouette, HalfShiftedModelHasAThird) {
   EXPECT_NEAR(overlap.iou, 1.0 / 3.0, 0.02);
 }
 
+TEST(CompareSilhouette, WhatNobodyMeasuredCountsUnlessLeftOut) {
+  const TriangleMesh board = Board(0.3, 0.2, 2, 0);
+  DepthImage depth_m = RasteriseDepth(board, Pose3(), kCamera);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 80; u < kCamera.width; ++u) depth_m(u, v) = 0;
+  }
+  const Mask mask = MaskOf(depth_m);
+  EXPECT_NEAR(CompareSilhouette(board, Pose3(), kCamera, mask, depth_m).iou, 0.5, 0.03);
+  EXPECT_EQ(
+      CompareSilhouette(board, Pose3(), kCamera, mask, depth_m, {.leave_out_unmeasured = true}).iou,
+      1);
+}
+
 TEST(CompareSilhouette, WhatSomethingNearerHidesIsLeftOut) {
   const TriangleMesh board = Board(0.3, 0.2, 2);
   DepthImage depth_m = RasteriseDepth(board, Pose3(), kCamera);

@@ -241,6 +241,26 @@ TEST(OdometryFromCapturePoses, TakesPosesOverAndFillsGaps) {
   ExpectConsistent(*odometry);
 }
 
+TEST(OdometryFromCapturePoses, MarksUnreadableFramesAndRefusesMostlyBadCaptures) {
+  const std::vector<Pose3> truth = Arc(6);
+  const auto with_bad = [&](std::size_t num_bad) {
+    std::vector<Frame> frames = Render(BoxWorld::Furnished(), truth);
+    std::fill_n(frames.begin(), num_bad, Frame());
+    const MemoryFrameSource source(kSmallCamera, std::move(frames), {truth.begin(), truth.end()});
+    SilentProgress progress;
+    return OdometryFromCapturePoses(source, OdometryOptions{}, progress);
+  };
+  const Result<Odometry> some = with_bad(2);
+  ASSERT_TRUE(some.ok());
+  EXPECT_EQ(some->frames[1].status, TrackingStatus::kUnreadable);
+  EXPECT_EQ(some->keyframes.front(), FrameIdx{2});
+  EXPECT_THAT(some->frames[4].world_from_camera,
+              PoseNear(truth[0].Inverse() * truth[4], 1e-9, 1e-6));
+  const Result<Odometry> most = with_bad(4);
+  ASSERT_FALSE(most.ok());
+  EXPECT_THAT(most.error().message, testing::HasSubstr("4 of 6 frames could not be read"));
+}
+
 TEST(OdometryFromCapturePoses, NamesTheMissingFile) {
   const MemoryFrameSource source(kSmallCamera, Render(BoxWorld::Furnished(), Arc(2)));
   SilentProgress progress;

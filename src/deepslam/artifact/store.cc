@@ -43,6 +43,8 @@ std::string Remedy(int error) {
     case ENOSPC:
     case EDQUOT:
       return "; free some space and run again";
+    case EFBIG:
+      return "; raise the limit on file sizes (ulimit -f) and run again";
     case EROFS:
       return "; choose a folder on a writable file system";
     case EACCES:

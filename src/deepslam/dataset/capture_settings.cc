@@ -48,7 +48,8 @@ Result<T> Number(const std::filesystem::path& file,
   if (!node.IsScalar()) return FieldError(file, node, field, "is not a number");
   T value{};
   if (!YAML::convert<T>::decode(node, value)) {
-    return FieldError(file, node, field, fmt::format("is '{}', not a number", node.Scalar()));
+    const std::string_view what = std::is_integral_v<T> ? "a whole number" : "a number";
+    return FieldError(file, node, field, fmt::format("is '{}', not {}", node.Scalar(), what));
   }
   if (!std::isfinite(static_cast<double>(value))) {
     return FieldError(

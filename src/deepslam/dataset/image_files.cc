@@ -168,11 +168,11 @@ Result<std::string> ReadFileBytes(const std::filesystem::path& file, std::uintma
 }
 
 Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height) {
-  const Result<cv::Mat> decoded =
-      Decode(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION, width, height);
+  const Result<cv::Mat> decoded = Decode(
+      file, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION, width, height);
   if (!decoded) return decoded.error();
   if (decoded->type() != CV_8UC3)
-    return FileError(file, "not a colour image of 8 bits per channel");
+    return FileError(file, "has 16 bits per channel, a colour image 8: is it a depth image?");
   ColourImage image(width, height);
   for (int v = 0; v < height; ++v) {
     const unsigned char* bgr = decoded->ptr<unsigned char>(v);

@@ -106,6 +106,7 @@ SilhouetteOverlap CompareSilhouette(const TriangleMesh& mesh,
         ++overlap.num_occluded;
         continue;
       }
+      if (options.leave_out_unmeasured && measured <= 0 && !in_mask) continue;
       overlap.num_model += model > 0 ? 1 : 0;
       overlap.num_mask += in_mask ? 1 : 0;
       overlap.num_both += model > 0 && in_mask ? 1 : 0;

@@ -21,6 +21,9 @@ struct SilhouetteOptions {
   // metres plus share of depth.
   double occlusion_margin_m = 0.05;
   double occlusion_margin_share = 0.02;
+  // Segments hold pixels with depth alone. Where the sensor measured none, a pixel of the model
+  // tells of the sensor (dark or shiny surfaces), not of the fit: with this it says nothing either.
+  bool leave_out_unmeasured = false;
 };
 
 struct SilhouetteOverlap {

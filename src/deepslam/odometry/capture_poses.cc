@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/odometry/odometry.h"
 #include "deepslam/odometry/pose_interpolation.h"
 
@@ -55,6 +57,30 @@ void ChooseKeyframes(const OdometryOptions& options, Odometry& odometry) {
   }
 }
 
+// Poses tell nothing about the images: those that cannot be read are marked and told, as tracking
+// does. Refuses captures of which most are bad.
+Status MarkUnreadable(const FrameSource& frames, Progress& progress, Odometry& odometry) {
+  std::vector<std::string> faults(odometry.frames.size());
+  ParallelFor(faults.size(), [&](std::size_t k) {
+    if (progress.StopRequested()) return;
+    const Result<Frame> frame = frames.Read(odometry.frames[k].frame);
+    if (!frame.ok()) faults[k] = frame.error().message;
+  });
+  if (progress.StopRequested()) return Interrupted();
+  std::size_t num_bad = 0;
+  std::string first;
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    if (faults[k].empty()) continue;
+    if (num_bad++ == 0) first = faults[k];
+    odometry.frames[k].status = TrackingStatus::kUnreadable;
+    odometry.frames[k].inlier_share = 0;
+    progress.Warn("frame " + std::to_string(k) + " skipped: " + faults[k]);
+  }
+  if (2 * num_bad <= faults.size()) return Ok();
+  return InvalidInput(std::to_string(num_bad) + " of " + std::to_string(faults.size()) +
+                      " frames could not be read; the first: " + first);
+}
+
 }  // namespace
 
 Result<Odometry> OdometryFromCapturePoses(const FrameSource& frames,
@@ -86,6 +112,13 @@ Result<Odometry> OdometryFromCapturePoses(const FrameSource& frames,
     frame.status = poses[k] ? TrackingStatus::kTracked : TrackingStatus::kLost;
     frame.inlier_share = poses[k] ? 1 : 0;
     odometry.frames.push_back(frame);
+  }
+  if (Status status = MarkUnreadable(frames, progress, odometry); !status.ok())
+    return status.error();
+  if (std::none_of(odometry.frames.begin(), odometry.frames.end(), [](const TrackedFrame& frame) {
+        return frame.status == TrackingStatus::kTracked;
+      })) {
+    return InvalidInput("no frame with a pose in groundtruth.txt can be read; use --poses track");
   }
   ChooseKeyframes(options, odometry);
   progress.Report(odometry.frames.size(), odometry.frames.size());

@@ -90,7 +90,7 @@ Status CheckWorkspace(const fs::path& folder, bool may_be_missing) {
         "{}: no such folder; `deepslam run CAPTURE -o WORKSPACE` makes one", folder.string()));
   }
   if (!fs::is_directory(folder, error))
-    return InvalidInput(fmt::format("{}: is not a folder", folder.string()));
+    return InvalidInput(fmt::format("{}: is not a folder; name an empty or new one", folder.string()));
   const fs::path file = folder / kWorkspaceFile;
   if (!fs::exists(file, error)) {
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {

@@ -1,0 +1,151 @@
+#include "deepslam/stages/silhouettes.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/ply.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/eval/silhouette.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+
+// One object in one frame.
+struct View {
+  std::size_t object = 0;
+  const Segment* segment = nullptr;
+};
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+Result<std::vector<TriangleMesh>> ReadMeshes(const StageContext& context, const ObjectMap& map) {
+  std::vector<TriangleMesh> meshes;
+  for (const MapObject& object : map.objects) {
+    const std::string file = fmt::format("objects/{}.ply", ObjectName(object));
+    const Result<std::string> bytes = context.Read("mesh", file);
+    if (!bytes.ok()) return bytes.error();
+    Result<artifact::PlyMesh> ply =
+        artifact::DecodePly(*bytes, StageContext::DisplayName("mesh", file));
+    if (!ply.ok()) return ply.error();
+    meshes.push_back(std::move(ply->mesh));
+  }
+  return meshes;
+}
+
+// The views of every object by frame.
+std::map<FrameIdx, std::vector<View>> ViewsByFrame(const ObjectMap& map,
+                                                   const Association& association,
+                                                   const std::vector<Segment>& segments) {
+  std::map<DetectionId, const Segment*> usable;
+  for (const Segment& segment : segments) {
+    if (segment.usable) usable.emplace(segment.detection, &segment);
+  }
+  std::map<FrameIdx, std::vector<View>> views;
+  for (std::size_t i = 0; i < map.objects.size(); ++i) {
+    for (const ObjectTrack& track : association.tracks) {
+      if (track.id != map.objects[i].id) continue;
+      for (const TrackMember& member : track.members) {
+        const auto segment = usable.find(member.detection);
+        if (segment != usable.end()) views[member.frame].push_back({i, segment->second});
+      }
+    }
+  }
+  return views;
+}
+
+Status CheckFits(const OptimizedMap& map,
+                 const std::map<FrameIdx, std::vector<View>>& views,
+                 const FrameSource& frames) {
+  const PinholeCamera& camera = frames.camera();
+  bool fits = static_cast<int>(map.frames.size()) == frames.num_frames();
+  for (const auto& [frame, of_frame] : views) {
+    for (const View& view : of_frame) {
+      fits = fits && view.segment->mask.width() == camera.width &&
+             view.segment->mask.height() == camera.height;
+    }
+  }
+  if (fits) return Ok();
+  return InvalidInput(
+      fmt::format("the workspace was made of another capture: {} frames there, {} of {} x {} px "
+                  "here; name the capture it was made of",
+                  map.frames.size(),
+                  frames.num_frames(),
+                  camera.width,
+                  camera.height));
+}
+
+void Summarise(SilhouetteReport& report) {
+  std::vector<double> all;
+  std::vector<double> medians;
+  for (ObjectSilhouette& object : report.objects) {
+    object.median_iou = Median(object.ious);
+    all.insert(all.end(), object.ious.begin(), object.ious.end());
+    medians.push_back(object.median_iou);
+  }
+  report.num_views = static_cast<int>(all.size());
+  report.median_iou = Median(std::move(all));
+  if (!medians.empty())
+    report.lowest_object_iou = *std::min_element(medians.begin(), medians.end());
+}
+
+}  // namespace
+
+Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& workspace,
+                                             const FrameSource& frames,
+                                             Progress& progress) {
+  const StageContext context(workspace, {}, {"segment", "loops", "optimize", "mesh"}, progress);
+  const Result<OptimizedMap> map = ReadOptimized(context);
+  if (!map.ok()) return map.error();
+  const Result<Association> association = ReadAssociation(context, "loops");
+  if (!association.ok()) return association.error();
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  const Result<std::vector<TriangleMesh>> meshes = ReadMeshes(context, map->map);
+  if (!meshes.ok()) return meshes.error();
+  const auto views = ViewsByFrame(map->map, *association, *segments);
+  if (Status status = CheckFits(*map, views, frames); !status.ok()) return status.error();
+
+  SilhouetteReport report;
+  for (const MapObject& object : map->map.objects) {
+    report.objects.push_back({ObjectName(object), object.class_name, {}, 0});
+  }
+  std::vector<FrameIdx> wanted;
+  for (const auto& [frame, of_frame] : views) wanted.push_back(frame);
+  const auto compare = [&](const Frame& frame) {
+    const std::vector<View>& of_frame = views.at(frame.idx);
+    const Pose3 camera_from_world =
+        map->frames[static_cast<std::size_t>(frame.idx.value)].world_from_camera.Inverse();
+    std::vector<eval::SilhouetteOverlap> overlaps(of_frame.size());
+    ParallelFor(of_frame.size(), [&](std::size_t i) {
+      const MapObject& object = map->map.objects[of_frame[i].object];
+      overlaps[i] = eval::CompareSilhouette((*meshes)[of_frame[i].object],
+                                            camera_from_world * object.world_from_object,
+                                            frames.camera(),
+                                            of_frame[i].segment->mask,
+                                            frame.depth_m,
+                                            {.leave_out_unmeasured = true});
+    });
+    for (std::size_t i = 0; i < of_frame.size(); ++i) {
+      if (overlaps[i].num_model + overlaps[i].num_mask > 0)
+        report.objects[of_frame[i].object].ious.push_back(overlaps[i].iou);
+    }
+    return Ok();
+  };
+  if (Status status = ForFrames(context, frames, wanted, compare); !status.ok())
+    return status.error();
+  Summarise(report);
+  return report;
+}
+
+}  // namespace deepslam::stages

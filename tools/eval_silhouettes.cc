@@ -1,0 +1,51 @@
+#include "eval_silhouettes.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "console.h"
+#include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/core/progress.h"
+#include "deepslam/dataset/capture.h"
+#include "deepslam/stages/silhouettes.h"
+
+namespace deepslam::tools {
+
+int EvalSilhouettes(const std::string& workspace,
+                    const std::string& capture,
+                    const std::string& json_file) {
+  const Result<dataset::Capture> opened = dataset::OpenCapture(capture);
+  if (!opened.ok()) return ReportError(opened.error());
+  SilentProgress progress;
+  const Result<stages::SilhouetteReport> report =
+      stages::EvaluateSilhouettes(workspace, *opened->frames, progress);
+  if (!report.ok())
+    return ReportError(
+        Error{report.error().code, fmt::format("{}: {}", workspace, report.error().message)});
+  artifact::JsonArray rows;
+  fmt::print(stderr, "{:<16} {:>6} {:>11}\n", "object", "views", "median IoU");
+  for (const stages::ObjectSilhouette& object : report->objects) {
+    fmt::print(
+        stderr, "{:<16} {:>6} {:>11.3f}\n", object.name, object.ious.size(), object.median_iou);
+    artifact::JsonObject row;
+    row.emplace("name", object.name);
+    row.emplace("class", object.class_name);
+    row.emplace("num_views", static_cast<std::int64_t>(object.ious.size()));
+    row.emplace("median_iou", object.median_iou);
+    rows.emplace_back(std::move(row));
+  }
+  fmt::print(stderr, "{:<16} {:>6} {:>11.3f}\n", "all", report->num_views, report->median_iou);
+  artifact::JsonObject document = artifact::NewDocument("deepslam/silhouettes", 1);
+  document.emplace("objects", std::move(rows));
+  document.emplace("num_views", report->num_views);
+  document.emplace("median_iou", report->median_iou);
+  document.emplace("lowest_object_iou", report->lowest_object_iou);
+  const Result<std::string> text = DumpJson(std::move(document), "silhouettes");
+  const Status status = text.ok() ? WriteResult(json_file, *text) : Status(text.error());
+  return status.ok() ? kExitOk : ReportError(status.error());
+}
+
+}  // namespace deepslam::tools
