@@ -99,6 +99,17 @@ std::vector<std::string> DepthSensorPresetNames() {
   return {"kinect_v1", "kinect_v2", "d435", "phone_lidar"};
 }
 
+namespace {
+
+// z^power; the models' powers are halves, and this is asked for every pixel.
+double Power(double z, double power) {
+  if (power == -0.5) return 1 / std::sqrt(z);
+  if (power == 1.5) return z * std::sqrt(z);
+  return std::pow(z, power);
+}
+
+}  // namespace
+
 double AxialDeviation(const DepthSensor& sensor, double depth_m, double theta_rad) {
   const double beyond_m = depth_m - sensor.axial_around_m;
   double deviation_m = sensor.axial_constant_m + sensor.axial_linear * depth_m +
@@ -106,8 +117,7 @@ double AxialDeviation(const DepthSensor& sensor, double depth_m, double theta_ra
   if (sensor.axial_angle_m > 0) {
     const double theta = std::clamp(theta_rad, 0.0, kMaxTheta);
     const double ratio = theta / (std::numbers::pi / 2 - theta);
-    deviation_m +=
-        sensor.axial_angle_m * std::pow(depth_m, sensor.axial_angle_power) * ratio * ratio;
+    deviation_m += sensor.axial_angle_m * Power(depth_m, sensor.axial_angle_power) * ratio * ratio;
   }
   return std::max(0.0, deviation_m);
 }

@@ -26,6 +26,9 @@ constexpr int kNumTones = 4096;
 
 std::uint64_t RowItem(std::uint64_t item, std::size_t row) { return item * 65'536 + row; }
 
+// Nearest whole number, for small ones; std::lround is a call.
+int Nearest(double x) { return static_cast<int>(std::floor(x + 0.5)); }
+
 // Nearly normal, unit variance, from one number: the sum of four uniform ones. For what is rounded
 // to pixels or bytes anyway.
 double QuickNormal(Random& random) {
@@ -115,13 +118,10 @@ class Reading {
                          const std::vector<std::uint8_t>& shadow,
                          Random& random) const {
     if (faults_.lateral_noise) {
-      const double theta = std::acos(static_cast<double>(Cosine(u, v)));
+      const auto theta = static_cast<double>(std::acos(Cosine(u, v)));
       const double deviation = faults_.noise_scale * LateralDeviation(sensor_, theta);
-      u = std::clamp(
-          static_cast<int>(std::lround(u + deviation * QuickNormal(random))), 0, camera_.width - 1);
-      v = std::clamp(static_cast<int>(std::lround(v + deviation * QuickNormal(random))),
-                     0,
-                     camera_.height - 1);
+      u = std::clamp(Nearest(u + deviation * QuickNormal(random)), 0, camera_.width - 1);
+      v = std::clamp(Nearest(v + deviation * QuickNormal(random)), 0, camera_.height - 1);
     }
     double depth = static_cast<double>(truth_.view.depth_m(u, v));
     if (depth <= 0 || (!truth_.blind.empty() && truth_.blind(u, v) != 0)) return 0;
@@ -131,7 +131,7 @@ class Reading {
     if (faults_.mixed_pixels) depth = Mixed(u, v, depth, random);
     if (faults_.range_bias) depth += RangeBias(sensor_, depth);
     if (faults_.axial_noise) {
-      const double theta = std::acos(static_cast<double>(cosine));
+      const auto theta = static_cast<double>(std::acos(cosine));
       depth += faults_.noise_scale * AxialDeviation(sensor_, depth, theta) * random.Normal();
       depth = std::max(0.05, depth);
     }
@@ -328,10 +328,8 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (int i = 0; i < num_taps; ++i) {
         const double t = (i + 0.5) / num_taps - 0.5;
-        const int x =
-            std::clamp(static_cast<int>(std::lround(u + t * way.x())), 0, camera.width - 1);
-        const int y =
-            std::clamp(static_cast<int>(std::lround(v + t * way.y())), 0, camera.height - 1);
+        const int x = std::clamp(Nearest(u + t * way.x()), 0, camera.width - 1);
+        const int y = std::clamp(Nearest(v + t * way.y()), 0, camera.height - 1);
         sum += radiance(x, y);
       }
       blurred(u, v) = sum / static_cast<float>(num_taps);
