@@ -339,13 +339,16 @@ int EvalObjects(const std::vector<std::string>& paths,
   document.emplace("mistaken", MistakenRows(all));
   PrintObjects(all, iou, placed);
   JsonObject summary = Summary(all, iou, placed);
+  if (!iou.each.empty()) {
+    fmt::print(stderr,
+               "mean IoU {:.4f} (as placed {:.4f}), CD {:.4f} over {} shapes; ",
+               iou.mean,
+               placed.mean,
+               *summary.at("chamfer").As<double>(),
+               iou.each.size());
+  }
   fmt::print(stderr,
-             "mean IoU {:.4f} (as placed {:.4f}), CD {:.4f} over {} shapes; placed {} of {} true "
-             "objects\n",
-             iou.mean,
-             placed.mean,
-             *summary.at("chamfer").As<double>(),
-             iou.each.size(),
+             "placed {} of {} true objects\n",
              *summary.at("num_placed").As<std::int64_t>(),
              all.true_boxes.size());
   document.emplace("summary", std::move(summary));
