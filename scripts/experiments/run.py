@@ -198,8 +198,9 @@ def write_tables(cases, args, command):
             continue
         s = objects["summary"]
         num_found = sum(row["num_found"] for row in objects["classes"])
-        rows.append([case.name, f'{num_found} / {s["num_true"]}', f'{num_found} / {s["num_mapped"]}', f'{s["iou"]:.3f}', f'{s["iou_as_placed"]:.3f}',
-                     f'{s["chamfer"]:.4f}', f'{s["in_place_iou"]:.3f}', f'{s["num_placed"]} / {s["num_true"]}',
+        shapes = [f'{s["iou"]:.3f}', f'{s["iou_as_placed"]:.3f}', f'{s["chamfer"]:.4f}', f'{s["in_place_iou"]:.3f}']
+        rows.append([case.name, f'{num_found} / {s["num_true"]}', f'{num_found} / {s["num_mapped"]}',
+                     *(shapes if s["num_with_shape"] > 0 else ["-"] * 4), f'{s["num_placed"]} / {s["num_true"]}',
                      f'{100 * tracked["ate_m"]["rmse"]:.2f}', f'{100 * final["ate_m"]["rmse"]:.2f}',
                      f'{final["num_scored"]} / {final["num_frames"]}'])
     parts += ["## Objects and trajectories", "",
