@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -58,9 +60,40 @@ Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibra
   return grid;
 }
 
-Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry,
-                                 const ModelLibrary* library,
-                                 const Config& config) {
+// The library's shapes of a map, each once: one chair a thousand times is one shape.
+using ShapeKey = std::tuple<std::string, double, double, double, std::string, std::string>;
+ShapeKey KeyOf(const artifact::MapShape& shape) {
+  const Eigen::Vector3d& stretch = shape.stretch;
+  return {shape.library_id,
+          stretch.x(),
+          stretch.y(),
+          stretch.z(),
+          shape.library_checksum,
+          shape.voxels_checksum};
+}
+using UnitMeshes = std::map<ShapeKey, std::optional<Result<TriangleMesh>>>;
+
+// In object units. Empty without a library.
+UnitMeshes MakeUnitMeshes(const artifact::MapFile& map,
+                          const ModelLibrary* library,
+                          const Config& config) {
+  UnitMeshes meshes;
+  if (library == nullptr) return meshes;
+  std::map<ShapeKey, const artifact::MapShape*> shapes;
+  for (const artifact::MapEntry& entry : map.objects) {
+    if (!entry.shape.library_id.empty()) shapes.emplace(KeyOf(entry.shape), &entry.shape);
+  }
+  std::vector<std::pair<const artifact::MapShape*, std::optional<Result<TriangleMesh>>*>> work;
+  for (const auto& [key, shape] : shapes) work.emplace_back(shape, &meshes[key]);
+  ParallelFor(work.size(), [&](std::size_t i) {
+    const Result<VoxelGrid> grid = LibraryShape(*work[i].first, *library);
+    *work[i].second = grid.ok() ? MakeObjectMesh(*grid, 1.0, config.surface, config.refine)
+                                : Result<TriangleMesh>(grid.error());
+  });
+  return meshes;
+}
+
+Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry, const UnitMeshes& unit_meshes) {
   const artifact::MapShape& shape = entry.shape;
   if (!shape.draco.empty()) {
     Result<TriangleMesh> mesh = gltf::DracoDecode(shape.draco);
@@ -68,14 +101,16 @@ Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry,
     return mesh;
   }
   if (!shape.library_id.empty()) {
-    if (library == nullptr) {
+    const auto unit = unit_meshes.find(KeyOf(shape));
+    if (unit == unit_meshes.end()) {
       return InvalidInput(
           fmt::format("needs model {} of the furniture library; name its folder by --library",
                       shape.library_id));
     }
-    const Result<VoxelGrid> grid = LibraryShape(shape, *library);
-    if (!grid.ok()) return grid.error();
-    return MakeObjectMesh(*grid, entry.scale_m, config.surface, config.refine);
+    Result<TriangleMesh> mesh = *unit->second;
+    if (!mesh.ok()) return mesh.error();
+    for (Eigen::Vector3f& vertex : mesh->vertices) vertex *= static_cast<float>(entry.scale_m);
+    return mesh;
   }
   if (!shape.latents.empty()) {
     return InvalidInput(fmt::format(
@@ -154,16 +189,15 @@ bool NeedsLibrary(const artifact::MapFile& map) {
 Result<gltf::GltfScene> ExpandMap(const artifact::MapFile& map, const ModelLibrary* library) {
   const Result<Config> config = MeshConfig(map);
   if (!config.ok()) return config.error();
-  std::vector<std::optional<Result<TriangleMesh>>> meshes(map.objects.size());
-  ParallelFor(map.objects.size(),
-              [&](std::size_t i) { meshes[i] = ExpandShape(map.objects[i], library, *config); });
+  const UnitMeshes unit_meshes = MakeUnitMeshes(map, library, *config);
   gltf::GltfScene scene;
-  for (std::size_t i = 0; i < map.objects.size(); ++i) {
-    if (!meshes[i]->ok()) {
-      return Error{meshes[i]->error().code,
-                   fmt::format("object {}: {}", map.objects[i].name, meshes[i]->error().message)};
+  for (const artifact::MapEntry& entry : map.objects) {
+    Result<TriangleMesh> mesh = ExpandShape(entry, unit_meshes);
+    if (!mesh.ok()) {
+      return Error{mesh.error().code,
+                   fmt::format("object {}: {}", entry.name, mesh.error().message)};
     }
-    scene.objects.push_back(ToGltf(map.objects[i], std::move(*meshes[i]).value(), map));
+    scene.objects.push_back(ToGltf(entry, std::move(mesh).value(), map));
   }
   if (!map.ground_outline_m.empty()) {
     Result<TriangleMesh> ground = mesh::TriangulateOutline(map.ground_outline_m);
