@@ -291,7 +291,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSettings{"HalfWidth",
                     "camera: {width: 3.5, height: 24, fx: 30, fy: 30, cx: 15, cy: 11}\n",
                     "'camera.width'",
-                    "not a number"}),
+                    "not a whole number"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(OpenCapture, WarnsOfUnknownSettings) {
