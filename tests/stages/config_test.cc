@@ -138,6 +138,7 @@ OptimizedMap MapWithFrames(int num_tracked, int num_lost) {
                           0,
                           1});
   }
+  map.keyframes = {FrameIdx{0}, FrameIdx{10}, FrameIdx{20}};
   map.has_ground = true;
   map.summary.converged = true;
   MapObject object;
@@ -152,6 +153,9 @@ TEST(Verdict, FollowsWhatWentWrong) {
   EXPECT_EQ(JudgeRun(MapWithFrames(100, 0)).verdict, artifact::Verdict::kGood);
   EXPECT_EQ(JudgeRun(MapWithFrames(90, 10)).verdict, artifact::Verdict::kDoubtful);
   EXPECT_EQ(JudgeRun(MapWithFrames(40, 60)).verdict, artifact::Verdict::kBad);
+  OptimizedMap standing = MapWithFrames(100, 0);
+  standing.keyframes = {FrameIdx{0}};
+  EXPECT_EQ(JudgeRun(standing).verdict, artifact::Verdict::kDoubtful);
   OptimizedMap map = MapWithFrames(100, 0);
   map.has_ground = false;
   map.map.objects[0].confidence = 0.1;

@@ -12,7 +12,8 @@ namespace {
 constexpr double kBadLostShare = 0.5;
 constexpr double kDoubtfulLostShare = 0.05;
 constexpr double kDoubtfulDegenerateShare = 0.25;
-constexpr double kLowConfidence = 0.4;  // below even odds that class, shape and place are right
+constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
+constexpr double kLowConfidence = 0.4;    // below even odds that class, shape and place are right
 
 }  // namespace
 
@@ -39,6 +40,11 @@ RunVerdict JudgeRun(const OptimizedMap& map) {
   if (degenerate > kDoubtfulDegenerateShare) {
     note(artifact::Verdict::kDoubtful,
          fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate));
+  }
+  if (map.keyframes.size() < kFewKeyframes) {
+    note(artifact::Verdict::kDoubtful,
+         fmt::format("only {} keyframes: the camera hardly moved, so little was seen twice",
+                     map.keyframes.size()));
   }
   if (!map.has_ground) note(artifact::Verdict::kDoubtful, "no ground plane was found");
   if (!map.summary.converged) note(artifact::Verdict::kDoubtful, "the graph did not converge");
