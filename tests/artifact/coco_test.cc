@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
 #include "artifact/sample_values.h"
-#include "deepslam/artifact/base64.h"
 #include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/coco_file.h"
 #include "deepslam/artifact/rle.h"
@@ -110,20 +109,6 @@ TEST(CocoFile, RefusesWhatIsNoCoco) {
        {"", "7", "\"boxes\"", "{\"images\": []}", "{\"annotations\": 3}", "[1, 2"}) {
     EXPECT_FALSE(Read(text).ok()) << text;
   }
-}
-
-TEST(Base64, ReadsBackAndRefusesDamage) {
-  for (const std::string& bytes : {std::string(),
-                                   std::string("a"),
-                                   std::string("ab"),
-                                   std::string("abc"),
-                                   std::string("\0\xff\x80", 3)}) {
-    EXPECT_EQ(*DecodeBase64(EncodeBase64(bytes)), bytes);
-  }
-  EXPECT_EQ(EncodeBase64("Man"), "TWFu");
-  EXPECT_FALSE(DecodeBase64("TWF").ok());
-  EXPECT_FALSE(DecodeBase64("TW!u").ok());
-  EXPECT_FALSE(DecodeBase64("====").ok());
 }
 
 TEST(ClassTable, ReadsBack) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "deepslam/core/base64.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
 #include "deepslam/core/result.h"
@@ -24,6 +25,28 @@ TEST(Sha256, DoesNotDependOnHowTheBytesArrive) {
   for (std::size_t i = 0; i < bytes.size(); i += 7)
     sha.Update(std::string_view(bytes).substr(i, 7));
   EXPECT_EQ(sha.HexDigest(), Sha256Hex(bytes));
+}
+
+TEST(Base64, ReadsBackAndRefusesDamage) {
+  for (const std::string& bytes : {std::string(),
+                                   std::string("a"),
+                                   std::string("ab"),
+                                   std::string("abc"),
+                                   std::string("\0\xff\x80", 3)}) {
+    EXPECT_EQ(*DecodeBase64(EncodeBase64(bytes)), bytes);
+  }
+  EXPECT_EQ(EncodeBase64("Man"), "TWFu");
+  EXPECT_FALSE(DecodeBase64("TWF").ok());
+  EXPECT_FALSE(DecodeBase64("TW!u").ok());
+  EXPECT_FALSE(DecodeBase64("====").ok());
+}
+
+TEST(Base64, AgreesWithRfc4648) {
+  // RFC 4648, section 10.
+  EXPECT_EQ(EncodeBase64(""), "");
+  EXPECT_EQ(EncodeBase64("f"), "Zg==");
+  EXPECT_EQ(EncodeBase64("fo"), "Zm8=");
+  EXPECT_EQ(EncodeBase64("foobar"), "Zm9vYmFy");
 }
 
 TEST(ParallelFor, VisitsEveryIndexOnceForAnyThreadCount) {

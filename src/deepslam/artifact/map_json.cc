@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/base64.h"
 #include "deepslam/artifact/scene_json.h"
+#include "deepslam/core/base64.h"
 
 namespace deepslam::artifact {
 namespace {

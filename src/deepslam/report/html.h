@@ -9,7 +9,4 @@ namespace deepslam::report {
 // `text` with &, <, >, " and ' replaced, so that names from outside cannot become markup.
 [[nodiscard]] std::string EscapeHtml(std::string_view text);
 
-// RFC 4648, with padding.
-[[nodiscard]] std::string Base64(std::string_view bytes);
-
 }  // namespace deepslam::report

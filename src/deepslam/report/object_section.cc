@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/base64.h"
 #include "deepslam/report/explain.h"
 #include "deepslam/report/html.h"
 
@@ -9,7 +10,7 @@ namespace deepslam::report {
 namespace {
 
 std::string DataUri(const Picture& picture) {
-  return fmt::format("data:{};base64,{}", EscapeHtml(picture.mime), Base64(picture.bytes));
+  return fmt::format("data:{};base64,{}", EscapeHtml(picture.mime), EncodeBase64(picture.bytes));
 }
 
 // The candidates as pictures, the winner framed; the 3D view borrows them by their ids.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "deepslam/core/base64.h"
 #include "deepslam/report/explain.h"
 #include "deepslam/report/html.h"
 #include "deepslam/report/viewer_bundle.h"
@@ -41,7 +42,7 @@ Json Points(std::span<const Eigen::Vector3f> points) {
       bytes += static_cast<char>(mm >> 8 & 0xFF);
     }
   }
-  return {{"origin_m", Vector(origin.cast<double>())}, {"data", Base64(bytes)}};
+  return {{"origin_m", Vector(origin.cast<double>())}, {"data", EncodeBase64(bytes)}};
 }
 
 Json Candidate(const CandidateRow& row) {
@@ -189,7 +190,7 @@ std::string ViewerSection(const ReportContent& content) {
       "</div><script type='application/json' id=scene-data>{}</script><script type='text/plain' "
       "id=scene-glb>{}</script>",
       ViewerData(content),
-      Base64(content.scene_glb));
+      EncodeBase64(content.scene_glb));
   return html;
 }
 

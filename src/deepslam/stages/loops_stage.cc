@@ -1,6 +1,7 @@
 // loops: constellations seen again; the objects they join compete for their shape anew.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -111,15 +112,36 @@ Loops DetectLoops(const LoopInputs& in,
   return loop::AcceptLoops(verified, in.map, in.association, options, in.odometry);
 }
 
-// The correction of the constellation that joined an object with an older one.
-Pose3 CorrectionOf(const Loops& loops, ObjectId merged) {
+// A step from an object to the older one that an accepted constellation paired it with.
+struct Step {
+  ObjectId older;
+  Pose3 older_from_newer;
+};
+
+// `kept` is preferred; objects that came back twice are joined by way of the visit between.
+std::optional<Step> StepFrom(const Loops& loops, ObjectId newer, ObjectId kept) {
+  std::optional<Step> step;
   for (const Constellation& constellation : loops.constellations) {
     if (!constellation.accepted) continue;
     for (const ObjectMerge& pair : constellation.pairs) {
-      if (pair.merged == merged) return constellation.old_world_from_new_world;
+      if (pair.merged != newer) continue;
+      if (!step || pair.kept == kept) step = {pair.kept, constellation.old_world_from_new_world};
     }
   }
-  return {};
+  return step;
+}
+
+// Brings the merged object's views onto the kept one.
+Pose3 CorrectionOf(const Loops& loops, const ObjectMerge& merge) {
+  Pose3 kept_from_merged;
+  ObjectId current = merge.merged;
+  for (std::size_t n = 0; n < loops.constellations.size() && current != merge.kept; ++n) {
+    const std::optional<Step> step = StepFrom(loops, current, merge.kept);
+    if (!step) break;
+    kept_from_merged = step->older_from_newer * kept_from_merged;
+    current = step->older;
+  }
+  return kept_from_merged;
 }
 
 ObjectTrack* FindTrack(Association& association, ObjectId id) {
@@ -165,7 +187,7 @@ Result<ObjectMap> Reselect(const StageContext& context,
                            LoopInputs& in) {
   std::map<ObjectId, std::vector<ObjectId>> groups;
   for (const ObjectMerge& merge : loops.merges) {
-    Merge(merge, CorrectionOf(loops, merge.merged), in);
+    Merge(merge, CorrectionOf(loops, merge), in);
     groups[merge.kept].push_back(merge.merged);
   }
   ObjectMap map;

@@ -137,7 +137,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices,
       RunSelect);
   add("loops",
-      1,
+      2,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"views", "register", "select", "loops"},
       kFrames | kChoices,

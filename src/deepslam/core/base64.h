@@ -1,4 +1,4 @@
-// Bytes inside JSON (RFC 4648, with padding).
+// Bytes inside text (RFC 4648, with padding).
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 #include "deepslam/core/result.h"
 
-namespace deepslam::artifact {
+namespace deepslam {
 
 [[nodiscard]] std::string EncodeBase64(std::string_view bytes);
 // Refuses foreign characters, bad padding and lengths.
 [[nodiscard]] Result<std::string> DecodeBase64(std::string_view text);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam

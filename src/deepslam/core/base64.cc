@@ -1,8 +1,8 @@
-#include "deepslam/artifact/base64.h"
+#include "deepslam/core/base64.h"
 
 #include <cstdint>
 
-namespace deepslam::artifact {
+namespace deepslam {
 namespace {
 
 constexpr std::string_view kAlphabet =
@@ -48,4 +48,4 @@ Result<std::string> DecodeBase64(std::string_view text) {
   return bytes;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam
