@@ -100,6 +100,21 @@ TEST(EstimateOdometry, FollowsAnArcThroughAFurnishedRoom) {
   ExpectConsistent(odometry);
 }
 
+class EstimateOdometryNoise : public ::testing::TestWithParam<double> {};
+
+// Stereo cameras are three to four times as noisy as the model that the options state.
+TEST_P(EstimateOdometryNoise, FollowsAnArcWithDepthNoisierThanTheModel) {
+  const std::vector<Pose3> truth = Arc(12);
+  const Odometry odometry = Track(Render(BoxWorld::Furnished(), truth, GetParam()));
+  ASSERT_EQ(odometry.frames.size(), truth.size());
+  for (const TrackedFrame& frame : odometry.frames)
+    EXPECT_EQ(frame.status, TrackingStatus::kTracked) << "frame " << frame.frame;
+  ExpectTrue(odometry, truth, 0, truth.size(), 0.03, 0.8);
+  ExpectConsistent(odometry);
+}
+
+INSTANTIATE_TEST_SUITE_P(TimesTheModel, EstimateOdometryNoise, ::testing::Values(4.0, 8.0));
+
 TEST(EstimateOdometry, PlainFrameToFrameIcpIsAConfiguration) {
   OdometryOptions options;
   options.reference = "previous";

@@ -226,13 +226,15 @@ FrameAlignment Conclude(const Descent& descent,
 FrameAlignment AlignPyramids(const FramePyramid& i,
                              const FramePyramid& j,
                              std::span<const Pose3> initial_i_from_j,
-                             const AlignmentOptions& options) {
+                             const AlignmentOptions& user_options) {
   DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
   if (i.empty() || j.empty() || i.levels.size() != j.levels.size()) {
     FrameAlignment failed;
     failed.i_from_j = initial_i_from_j.front();
     return failed;
   }
+  AlignmentOptions options = user_options;
+  options.pyramid.noise = options.pyramid.noise.Scaled(std::max(i.noise_scale, j.noise_scale));
   const std::size_t num_levels = NumAlignmentLevels(i);
   const std::size_t coarsest = num_levels - 1;
   Descent descent =

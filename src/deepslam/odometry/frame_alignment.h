@@ -3,8 +3,8 @@
 //
 // Geometric residual of source point p_j: n_i . (T p_j - q_i), q_i the point of frame i seen at the
 // pixel of T p_j. Photometric residual: I_i(pixel of T p_j) - (gain * I_j + bias). Both are divided
-// by their standard deviations (depth noise model; spread of the residuals themselves) and weighted
-// as Student-t, nu = 5 (Kerl et al. 2013).
+// by their standard deviations (depth noise model times the larger FramePyramid::noise_scale of the
+// two; spread of the residuals themselves) and weighted as Student-t, nu = 5 (Kerl et al. 2013).
 #pragma once
 
 #include <span>

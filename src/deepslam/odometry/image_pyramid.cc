@@ -18,6 +18,11 @@ constexpr float kSameSurfaceSigmas = 4.0F;
 // association.
 constexpr float kMinCosine = 0.12F;
 constexpr int kWindowRadius = 2;
+// Noise is measured between 1 and this many times the model's: beyond, depth says nothing.
+constexpr double kMaxNoiseScale = 8.0;
+// Fewer second differences say nothing about the noise.
+constexpr std::size_t kMinDifferences = 500;
+constexpr float kMadToSigma = 1.4826F;
 // Levels smaller than this hold too little to align.
 constexpr int kMinLevelWidth = 16;
 constexpr int kMaxReduction = 32;
@@ -28,6 +33,44 @@ std::size_t Offset(const PinholeCamera& camera, int u, int v) {
 }
 
 std::size_t NumTexels(const PinholeCamera& camera) { return Offset(camera, 0, camera.height); }
+
+// Second differences of the inverse depth vanish on planes, however oblique. Times z^2 they are
+// those of the depth, 2.45 = sqrt(1 + 1 + 4) times as wide as its noise.
+void AddDifference(
+    float before, float centre, float after, float inverse_sigma, std::vector<float>& differences) {
+  if (!(before > 0) || !(after > 0)) return;
+  const float difference = centre * (centre / before + centre / after - 2.0F);
+  const float normalised = std::abs(difference) * inverse_sigma;
+  if (std::isfinite(normalised)) differences.push_back(normalised);
+}
+
+// Deviation of the depth in units of `noise`, from texels `lag` apart: the median, so that half of
+// the image may be edges. Noise shared over more than `lag` texels is not seen.
+double NoiseScale(
+    const float* depth, int width, int height, int lag, int stride, const DepthNoise& noise) {
+  std::vector<float> differences;
+  differences.reserve(2 * static_cast<std::size_t>(width / stride) *
+                      static_cast<std::size_t>(height / stride));
+  for (int v = lag; v + lag < height; v += stride) {
+    const float* row = depth + static_cast<std::ptrdiff_t>(v) * width;
+    const std::ptrdiff_t down = static_cast<std::ptrdiff_t>(lag) * width;
+    for (int u = lag; u + lag < width; u += stride) {
+      const float z = row[u];
+      if (!(z > 0) || !std::isfinite(z)) continue;
+      const float inverse_sigma = 1.0F / (2.44948974F * noise.SigmaM(z));
+      AddDifference(row[u - lag], z, row[u + lag], inverse_sigma, differences);
+      AddDifference(row[u - down], z, row[u + down], inverse_sigma, differences);
+    }
+  }
+  if (differences.size() < kMinDifferences) return 1.0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return std::clamp(static_cast<double>(kMadToSigma * *middle), 1.0, kMaxNoiseScale);
+}
+
+double NoiseScale(const PyramidLevel& level, int lag, const DepthNoise& noise) {
+  return NoiseScale(level.depth_m.data(), level.camera.width, level.camera.height, lag, 1, noise);
+}
 
 // Mean of the values that lie on the surface of the median one; 0 when there are none.
 float BlockDepth(std::span<float> values, const DepthNoise& noise) {
@@ -51,7 +94,9 @@ std::vector<float> ReduceDepth(const float* depth,
                                int width,
                                const PinholeCamera& reduced,
                                int factor,
-                               const PyramidOptions& options) {
+                               const PyramidOptions& options,
+                               double noise_scale) {
+  const DepthNoise noise = options.noise.Scaled(noise_scale);
   const float min_depth = static_cast<float>(options.min_depth_m);
   const float max_depth = static_cast<float>(options.max_depth_m);
   std::vector<float> result(NumTexels(reduced));
@@ -67,7 +112,7 @@ std::vector<float> ReduceDepth(const float* depth,
           if (row[du] >= min_depth && row[du] <= max_depth) block[count++] = row[du];
         }
       }
-      result[Offset(reduced, u, v)] = BlockDepth({block.data(), count}, options.noise);
+      result[Offset(reduced, u, v)] = BlockDepth({block.data(), count}, noise);
     }
   }
   return result;
@@ -91,11 +136,20 @@ void AddTap(const float* centre,
   }
 }
 
+int WindowRadius(double noise_scale) {
+  return static_cast<int>(std::lround(kWindowRadius * std::sqrt(noise_scale)));
+}
+
 // Weighted mean over a window of what lies on the same surface (a bilateral filter with the depth
-// noise as range).
+// noise as range). The slope of white noise smoothed over a window falls with the window's area, so
+// an area in proportion to the noise keeps the normals as good as they are at scale 1.
 std::vector<float> SmoothDepth(const std::vector<float>& depth,
                                const PinholeCamera& camera,
-                               const DepthNoise& noise) {
+                               const DepthNoise& model,
+                               double noise_scale) {
+  const DepthNoise noise = model.Scaled(noise_scale);
+  const int radius = WindowRadius(noise_scale);
+  const float spread = 4.5F * static_cast<float>(noise_scale);
   const int width = camera.width;
   const std::size_t row_size = static_cast<std::size_t>(width);
   std::vector<float> result(depth.size());
@@ -110,16 +164,16 @@ std::vector<float> SmoothDepth(const std::vector<float>& depth,
       sum[u] = 0;
       sum_weight[u] = 1e-6F;
     }
-    for (int dv = -kWindowRadius; dv <= kWindowRadius; ++dv) {
+    for (int dv = -radius; dv <= radius; ++dv) {
       if (v + dv < 0 || v + dv >= camera.height) continue;
-      for (int du = -kWindowRadius; du <= kWindowRadius; ++du) {
-        const float weight = std::exp(-static_cast<float>(du * du + dv * dv) / 4.5F);
+      for (int du = -radius; du <= radius; ++du) {
+        const float weight = std::exp(-static_cast<float>(du * du + dv * dv) / spread);
         AddTap(centre,
                centre + static_cast<std::ptrdiff_t>(dv) * width + du,
                inverse_tolerance_sq.data(),
                weight,
-               std::max(0, -du),
-               std::min(width, width - du),
+               std::min(width, std::max(0, -du)),
+               std::max(0, std::min(width, width - du)),
                sum.data(),
                sum_weight.data());
       }
@@ -232,19 +286,28 @@ PyramidLevel FinestLevel(const Frame& frame,
   const int factor = ReductionFactor(camera.width, options.work_width_px);
   PyramidLevel level;
   level.camera = camera.Reduced(factor);
-  level.depth_m =
-      ReduceDepth(frame.depth_m.data(), frame.depth_m.width(), level.camera, factor, options);
-  if (options.smooth_depth) level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise);
+  const float* depth = frame.depth_m.data();
+  const double raw_scale = NoiseScale(depth, camera.width, camera.height, 1, factor, options.noise);
+  level.depth_m = ReduceDepth(depth, camera.width, level.camera, factor, options, raw_scale);
+  if (options.smooth_depth) {
+    const double scale = NoiseScale(level, 1, options.noise);
+    // The range weights of a noisy texel favour its own error; a second pass takes what is left.
+    if (scale > 1) {
+      level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise, scale);
+    }
+    level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise, 1);
+  }
   if (frame.colour.width() == camera.width && frame.colour.height() == camera.height) {
     level.intensity = ReduceColour(frame.colour, level.camera, factor);
   }
   return level;
 }
 
-PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options) {
+PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, double noise_scale) {
   PyramidLevel level;
   level.camera = fine.camera.Reduced(2);
-  level.depth_m = ReduceDepth(fine.depth_m.data(), fine.camera.width, level.camera, 2, options);
+  level.depth_m =
+      ReduceDepth(fine.depth_m.data(), fine.camera.width, level.camera, 2, options, noise_scale);
   if (!fine.intensity.empty()) level.intensity = HalveIntensity(fine, level.camera);
   return level;
 }
@@ -260,13 +323,15 @@ FramePyramid BuildPyramid(const Frame& frame,
   }
   FramePyramid pyramid;
   pyramid.levels.push_back(FinestLevel(frame, camera, options));
+  // Beyond the window, so that what smoothing shared between neighbours is seen.
+  pyramid.noise_scale = NoiseScale(pyramid.levels.front(), 2 * kWindowRadius + 1, options.noise);
   while (static_cast<int>(pyramid.levels.size()) < options.num_levels &&
          pyramid.levels.back().camera.width >= 2 * kMinLevelWidth &&
          pyramid.levels.back().camera.height >= 2 * kMinLevelWidth / 2) {
-    pyramid.levels.push_back(Halved(pyramid.levels.back(), options));
+    pyramid.levels.push_back(Halved(pyramid.levels.back(), options, pyramid.noise_scale));
   }
   for (PyramidLevel& level : pyramid.levels) {
-    ComputeSurface(level, options.noise);
+    ComputeSurface(level, options.noise.Scaled(pyramid.noise_scale));
     if (!level.intensity.empty()) ComputeGradients(level);
   }
   const std::vector<SurfaceTexel>& surface = pyramid.levels.front().surface;

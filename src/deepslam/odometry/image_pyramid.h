@@ -20,6 +20,10 @@ struct DepthNoise {
     const float beyond = z_m - 0.4F;
     return static_cast<float>(base_m) + static_cast<float>(growth_per_m) * beyond * beyond;
   }
+
+  [[nodiscard]] DepthNoise Scaled(double scale) const {
+    return {scale * base_m, scale * growth_per_m};
+  }
 };
 
 struct PyramidOptions {
@@ -28,7 +32,9 @@ struct PyramidOptions {
   int num_levels = 4;        // each level half as wide as the one before
   double min_depth_m = 0.2;  // nearer or farther depth is taken as invalid
   double max_depth_m = 8.0;
-  bool smooth_depth = true;  // edge-respecting 5 x 5 mean on the finest level
+  // Edge-respecting 5 x 5 mean on the finest level; over a wider window and twice where the depth
+  // is noisier than `noise`.
+  bool smooth_depth = true;
   DepthNoise noise;
 };
 
@@ -58,6 +64,8 @@ struct PyramidLevel {
 struct FramePyramid {
   std::vector<PyramidLevel> levels;  // finest first; at least one
   double valid_share = 0;            // texels of the finest level with a normal, of all
+  // Deviation of the smoothed depth in units of DepthNoise, measured across this frame; 1 to 8.
+  double noise_scale = 1;
 
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
