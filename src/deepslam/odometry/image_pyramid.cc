@@ -20,6 +20,10 @@ constexpr float kMinCosine = 0.12F;
 constexpr int kWindowRadius = 2;
 // Noise is measured between 1 and this many times the model's: beyond, depth says nothing.
 constexpr double kMaxNoiseScale = 8.0;
+// Beyond the window of the last smoothing; noise that matching shares between neighbours is seen at
+// this lag. Up to the second value it may as well be the scene's own relief.
+constexpr int kFarLag = 2 * kWindowRadius + 1;
+constexpr double kSureNoiseScale = 1.5;
 // Fewer second differences say nothing about the noise.
 constexpr std::size_t kMinDifferences = 500;
 constexpr float kMadToSigma = 1.4826F;
@@ -290,7 +294,9 @@ PyramidLevel FinestLevel(const Frame& frame,
   const double raw_scale = NoiseScale(depth, camera.width, camera.height, 1, factor, options.noise);
   level.depth_m = ReduceDepth(depth, camera.width, level.camera, factor, options, raw_scale);
   if (options.smooth_depth) {
-    const double scale = NoiseScale(level, 1, options.noise);
+    const double shared = NoiseScale(level, kFarLag, options.noise);
+    const double scale =
+        std::max(NoiseScale(level, 1, options.noise), shared > kSureNoiseScale ? shared : 1.0);
     // The range weights of a noisy texel favour its own error; a second pass takes what is left.
     if (scale > 1) {
       level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise, scale);
@@ -324,7 +330,7 @@ FramePyramid BuildPyramid(const Frame& frame,
   FramePyramid pyramid;
   pyramid.levels.push_back(FinestLevel(frame, camera, options));
   // Beyond the window, so that what smoothing shared between neighbours is seen.
-  pyramid.noise_scale = NoiseScale(pyramid.levels.front(), 2 * kWindowRadius + 1, options.noise);
+  pyramid.noise_scale = NoiseScale(pyramid.levels.front(), kFarLag, options.noise);
   while (static_cast<int>(pyramid.levels.size()) < options.num_levels &&
          pyramid.levels.back().camera.width >= 2 * kMinLevelWidth &&
          pyramid.levels.back().camera.height >= 2 * kMinLevelWidth / 2) {
