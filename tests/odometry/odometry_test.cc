@@ -113,6 +113,27 @@ TEST_P(EstimateOdometryNoise, FollowsAnArcWithDepthNoisierThanTheModel) {
   ExpectConsistent(odometry);
 }
 
+// Errors of blocks of 4 x 4 pixels, as block matching makes them: invisible between neighbours.
+TEST(EstimateOdometry, FollowsAnArcWithNoiseSharedBetweenNeighbours) {
+  const std::vector<Pose3> truth = Arc(8);
+  const std::vector<Frame> exact = Render(BoxWorld::Furnished(), truth, 0.0);
+  std::vector<Frame> frames = Render(BoxWorld::Furnished(), truth, 8.0);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const DepthImage noisy = frames[k].depth_m;
+    for (int v = 0; v < noisy.height(); ++v) {
+      for (int u = 0; u < noisy.width(); ++u) {
+        const int block_u = u / 4 * 4, block_v = v / 4 * 4;
+        frames[k].depth_m(u, v) =
+            exact[k].depth_m(u, v) + noisy(block_u, block_v) - exact[k].depth_m(block_u, block_v);
+      }
+    }
+  }
+  const Odometry odometry = Track(std::move(frames));
+  for (const TrackedFrame& frame : odometry.frames)
+    EXPECT_EQ(frame.status, TrackingStatus::kTracked) << "frame " << frame.frame;
+  ExpectTrue(odometry, truth, 0, truth.size(), 0.05, 1.5);
+}
+
 INSTANTIATE_TEST_SUITE_P(TimesTheModel, EstimateOdometryNoise, ::testing::Values(4.0, 8.0));
 
 TEST(EstimateOdometry, PlainFrameToFrameIcpIsAConfiguration) {
