@@ -12,6 +12,8 @@ function(deepslam_compile_options target)
     # between them would be freed by the wrong one.
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     target_compile_options(${target} PUBLIC -fsanitize=address -fno-omit-frame-pointer)
+    # Instrumented code confuses gcc 12 about what is initialised.
+    target_compile_options(${target} PRIVATE -Wno-error=maybe-uninitialized)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
     if(NOT ARGV1 STREQUAL "NO_UBSAN")
       target_compile_options(${target} PRIVATE -fsanitize=undefined -fno-sanitize-recover=undefined)
