@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/base64.h"
+#include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
 #include "deepslam/core/result.h"
@@ -90,6 +91,12 @@ TEST(Random, NormalHasUnitMoments) {
   }
   EXPECT_NEAR(sum / kCount, 0.0, 0.02);  // 6 standard errors
   EXPECT_NEAR(sum2 / kCount, 1.0, 0.03);
+}
+
+TEST(NearestWord, IsSilentWhenNothingIsNear) {
+  const std::vector<std::string> known = {"track.max_depth_m", "ground.max_depth_m"};
+  EXPECT_EQ(NearestWord("track.maxdepth_m", known), "track.max_depth_m");
+  EXPECT_EQ(NearestWord("completely.different", known), "");
 }
 
 TEST(ResultTest, HoldsValueOrError) {

@@ -139,11 +139,5 @@ TEST(Config, EqualValuesHaveEqualCanonicalText) {
   EXPECT_EQ(OptionValues(Sections(a, b)[0]), OptionValues(Sections(c, b)[0]));
 }
 
-TEST(Nearest, IsSilentWhenNothingIsNear) {
-  const std::vector<std::string> known = {"track.max_depth_m", "ground.max_depth_m"};
-  EXPECT_EQ(Nearest("track.maxdepth_m", known), "track.max_depth_m");
-  EXPECT_EQ(Nearest("completely.different", known), "");
-}
-
 }  // namespace
 }  // namespace deepslam::pipeline

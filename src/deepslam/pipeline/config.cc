@@ -1,13 +1,13 @@
 #include "deepslam/pipeline/config.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/text_numbers.h"
+#include "deepslam/core/nearest_word.h"
 #include "deepslam/pipeline/yaml_values.h"
 
 namespace deepslam::pipeline {
@@ -159,28 +159,13 @@ void Apply(std::span<const OptionSection> sections,
     section.describe(setter);
   }
   for (const auto& [name, value] : values) {
-    const std::string nearest = Nearest(name, known);
+    const std::string nearest = NearestWord(name, known);
     faults.push_back(
         fmt::format("{}: unknown option {}{}; `deepslam config dump` lists all",
                     value.place,
                     name,
                     nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)));
   }
-}
-
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0U : 1U)});
-      diagonal = above;
-    }
-  }
-  return row.back();
 }
 
 std::string CommentOf(const OptionEntry& entry) {
@@ -299,19 +284,6 @@ std::string DumpConfig(std::span<const OptionSection> sections) {
     }
   }
   return text;
-}
-
-std::string Nearest(std::string_view word, std::span<const std::string> known) {
-  std::string nearest;
-  std::size_t best = std::max<std::size_t>(3, word.size() / 3) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t distance = EditDistance(word, candidate);
-    if (distance < best) {
-      best = distance;
-      nearest = candidate;
-    }
-  }
-  return nearest;
 }
 
 }  // namespace deepslam::pipeline

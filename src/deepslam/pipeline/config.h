@@ -61,7 +61,4 @@ struct OptionEntry {
 // YAML with meaning, unit and range above every option; reading it back changes nothing.
 [[nodiscard]] std::string DumpConfig(std::span<const OptionSection> sections);
 
-// The one of `known` with the fewest edits to `word`; empty when none is near.
-[[nodiscard]] std::string Nearest(std::string_view word, std::span<const std::string> known);
-
 }  // namespace deepslam::pipeline
