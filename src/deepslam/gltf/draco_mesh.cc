@@ -331,6 +331,36 @@ Result<RenderMesh> DracoDecodeForGltf(std::string_view bytes,
   return result;
 }
 
+Result<DracoModel> DracoDecodeModel(std::string_view bytes, const DracoAttributeIds& ids) {
+  const Result<std::unique_ptr<draco::Mesh>> mesh = DecodeMesh(bytes);
+  if (!mesh) return mesh.error();
+  const draco::Mesh& source = **mesh;
+  const auto attribute = [&](int id) -> const draco::PointAttribute* {
+    return id < 0 ? nullptr : source.GetAttributeByUniqueId(static_cast<std::uint32_t>(id));
+  };
+  DracoModel model;
+  const draco::PointAttribute* position = attribute(ids.position);
+  std::vector<std::array<float, 3>> positions;
+  if (position == nullptr || position->num_components() != 3 ||
+      !ReadAttribute(source, *position, positions)) {
+    return Unusable("no POSITION of three numbers");
+  }
+  for (const auto& p : positions) model.positions.emplace_back(p[0], p[1], p[2]);
+  std::vector<std::array<float, 2>> places;
+  if (const draco::PointAttribute* place = attribute(ids.place);
+      place != nullptr && place->num_components() == 2 && ReadAttribute(source, *place, places)) {
+    for (const auto& p : places) model.places.emplace_back(p[0], p[1]);
+  }
+  std::vector<std::array<float, 3>> colours;
+  if (const draco::PointAttribute* colour = attribute(ids.colour);
+      colour != nullptr && colour->num_components() >= 3 &&
+      ReadAttribute(source, *colour, colours)) {
+    for (const auto& c : colours) model.colours.emplace_back(c[0], c[1], c[2]);
+  }
+  model.faces = ReadFaces(source);
+  return model;
+}
+
 Result<std::string> DracoEncode(const TriangleMesh& mesh, int position_bits) {
   const Status bits_ok = CheckBits(position_bits);
   if (!bits_ok) return bits_ok.error();

@@ -6,9 +6,13 @@
 // closed mesh stays closed; where the grid is too coarse for that it is refined.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "deepslam/core/result.h"
 #include "deepslam/gltf/render_mesh.h"
@@ -52,5 +56,20 @@ struct DracoPayload {
                                                     int position_id,
                                                     int normal_id,
                                                     int colour_id);
+
+// Any program's mesh, for reading furniture: attributes by unique id, -1 = none.
+struct DracoAttributeIds {
+  int position = -1;
+  int place = -1;
+  int colour = -1;
+};
+struct DracoModel {
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<Eigen::Vector2f> places;   // in the texture; empty: none, or not of two numbers
+  std::vector<Eigen::Vector3f> colours;  // integers brought to [0, 1]; empty: none
+  std::vector<std::array<std::uint32_t, 3>> faces;
+};
+[[nodiscard]] Result<DracoModel> DracoDecodeModel(std::string_view bytes,
+                                                  const DracoAttributeIds& ids);
 
 }  // namespace deepslam::gltf
