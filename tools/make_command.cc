@@ -103,19 +103,16 @@ int BuildLibrary(const LibraryArguments& arguments) {
   return kExitOk;
 }
 
-int Synthesise(const std::string& scene,
-               const std::string& rung,
-               const std::string& out,
-               const std::string& catalogues) {
+int Synthesise(const SynthRequest& request) {
   CatchStopSignals();
   ConsoleListener listener(ParseProgressStyle("auto"), false);
   listener.StageStarts("synth", {});
   const auto start = std::chrono::steady_clock::now();
-  const Result<SynthSummary> summary = SynthesiseCapture(scene, rung, catalogues, out, listener);
+  const Result<SynthSummary> summary = SynthesiseCapture(request, listener);
   if (!summary.ok()) return ReportError(summary.error());
   for (const std::string& warning : summary->warnings) LogWarning(warning);
   listener.StageDone("synth",
-                     fmt::format("{} frames in {}", summary->num_frames, out),
+                     fmt::format("{} frames in {}", summary->num_frames, request.out.string()),
                      {SecondsSince(start), 0, 0});
   return kExitOk;
 }
@@ -123,25 +120,23 @@ int Synthesise(const std::string& scene,
 }  // namespace
 
 void AddSynth(CLI::App& app, Command& chosen) {
-  struct Arguments {
-    std::string scene;
-    std::string rung;
-    std::string out;
-    std::string catalogues = kCatalogueFolder;
-  };
-  auto arguments = std::make_shared<Arguments>();
+  auto request = std::make_shared<SynthRequest>();
+  request->catalogues = kCatalogueFolder;
   CLI::App* synth = app.add_subcommand("synth", "Render a capture with truth from a scene file");
-  synth->add_option("SCENE", arguments->scene, "Scene file (YAML), see configs/scenes")->required();
-  synth->add_option("-o,--output", arguments->out, "Capture folder to make")->required();
-  synth->add_option("--rung", arguments->rung, "Variant of the scene, one of its `rungs`");
+  synth->add_option("SCENE", request->scene_file, "Scene file (YAML), see configs/scenes")
+      ->required();
+  synth->add_option("-o,--output", request->out, "Capture folder to make")->required();
+  synth->add_option("--rung", request->rung, "Variant of the scene, one of its `rungs`");
   synth
-      ->add_option("--catalogues", arguments->catalogues, "Folder with *.sh3f furniture catalogues")
+      ->add_option(
+          "--catalogues", request->catalogues, "Folder with *.sh3f furniture catalogues")
       ->capture_default_str();
-  synth->callback([&chosen, arguments] {
-    chosen = [arguments] {
-      return Synthesise(arguments->scene, arguments->rung, arguments->out, arguments->catalogues);
-    };
-  });
+  synth->add_option("--furniture",
+                    request->furniture,
+                    "Folder with furniture of yours (OBJ, glTF, GLB; y up, z front, metres), which "
+                    "scenes name by path; may be given again")
+      ->allow_extra_args(false);
+  synth->callback([&chosen, request] { chosen = [request] { return Synthesise(*request); }; });
 }
 
 void AddLibrary(CLI::App& app, Command& chosen) {

@@ -1,6 +1,7 @@
 #include "synth_capture.h"
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -9,9 +10,11 @@
 #include <vector>
 
 #include "deepslam/artifact/ply.h"
+#include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/dataset/tum_writer.h"
+#include "deepslam/gltf/textured_model.h"
 #include "deepslam/library/catalogue.h"
 #include "deepslam/library/zip_archive.h"
 #include "deepslam/synth/obj_model.h"
@@ -52,8 +55,11 @@ Result<synth::FurnitureModel> ReadModel(const library::ZipArchive& archive,
       *obj, beside, item.rotation, synth::CatalogueSize{item.width_m, item.depth_m, item.height_m});
 }
 
-// Models of the scene's objects that the catalogue `file` holds.
-Status AddModels(const fs::path& file, const synth::SceneDescription& scene, Models& models) {
+// Models of the scene's objects that the catalogue `file` holds; all its ids join `known`.
+Status AddModels(const fs::path& file,
+                 const synth::SceneDescription& scene,
+                 Models& models,
+                 std::vector<std::string>& known) {
   const Result<library::ZipArchive> archive = library::ZipArchive::Open(file);
   if (!archive) return archive.error();
   const Result<std::string> properties =
@@ -62,6 +68,7 @@ Status AddModels(const fs::path& file, const synth::SceneDescription& scene, Mod
   const Result<library::Catalogue> catalogue = library::ParseCatalogue(*properties);
   if (!catalogue) return catalogue.error();
   for (const library::CatalogueItem& item : catalogue->items) {
+    known.push_back(item.id);
     const auto wanted = std::find_if(
         scene.objects.begin(), scene.objects.end(), [&](const synth::SceneObject& object) {
           return object.model == item.id;
@@ -77,77 +84,140 @@ Status AddModels(const fs::path& file, const synth::SceneDescription& scene, Mod
   return Ok();
 }
 
+std::string Extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return extension;
+}
+
 bool IsFile(const std::string& model) {
-  const std::string extension = fs::path(model).extension().string();
+  const std::string extension = Extension(model);
   return extension == ".obj" || extension == ".glb" || extension == ".gltf";
 }
 
-// A model of the user's: z front, y up, metres, as glTF has it; from beside the scene or from the
-// folder of the catalogues.
-Result<synth::FurnitureModel> ReadModelFile(const fs::path& file) {
-  if (file.extension() != ".obj") {
-    return InvalidInput(file.string() +
-                        ": only OBJ models can be placed so far; export it as OBJ (Blender and "
-                        "MeshLab do)");
-  }
-  const Result<std::string> obj = dataset::ReadFileBytes(file, kMaxEntryBytes);
-  if (!obj) return obj.error();
+// A model of the user's: x left, y up, z front, metres, as glTF has it. A size that the scene asks
+// for everywhere is the model's own, so that files in any unit are divided as finely as their real
+// size needs.
+Result<synth::FurnitureModel> ReadModelFile(const fs::path& file,
+                                            const std::optional<synth::CatalogueSize>& size) {
+  const Result<std::string> bytes = dataset::ReadFileBytes(file, kMaxEntryBytes);
+  if (!bytes) return bytes.error();
   const auto beside = [&](const std::string& name) -> std::optional<std::string> {
-    Result<std::string> bytes = dataset::ReadFileBytes(file.parent_path() / name, kMaxEntryBytes);
-    return bytes ? std::optional<std::string>(*std::move(bytes)) : std::nullopt;
+    Result<std::string> found = dataset::ReadFileBytes(file.parent_path() / name, kMaxEntryBytes);
+    return found ? std::optional<std::string>(*std::move(found)) : std::nullopt;
   };
+  const Result<TexturedMesh> mesh =
+      Extension(file) == ".obj" ? synth::ReadObj(*bytes, beside)
+                                : gltf::ReadTexturedModel(*bytes, beside, synth::kMaxModelFaces);
+  if (!mesh) return InvalidInput(file.string() + ": " + mesh.error().message);
   Result<synth::FurnitureModel> model =
-      synth::ParseObjModel(*obj, beside, Eigen::Matrix3d::Identity(), std::nullopt);
+      synth::MakeFurnitureModel(*mesh, Eigen::Matrix3d::Identity(), size);
   if (!model) return InvalidInput(file.string() + ": " + model.error().message);
   return model;
 }
 
-Status AddModelFiles(const fs::path& scene_file,
-                     const fs::path& catalogues,
+// What the scene asks for of a model wherever it stands; nothing where it stands in its own size.
+std::optional<synth::CatalogueSize> AskedSize(const synth::SceneDescription& scene,
+                                              const std::string& model) {
+  std::optional<synth::CatalogueSize> asked;
+  for (const synth::SceneObject& object : scene.objects) {
+    if (object.model != model) continue;
+    if (!object.size_m) return std::nullopt;
+    if (!asked) asked = {object.size_m->y(), object.size_m->x(), object.size_m->z()};
+  }
+  return asked;
+}
+
+// Furniture files below the folders, by path: what a misspelt one may have meant.
+std::vector<std::string> FurnitureFiles(const std::vector<fs::path>& folders) {
+  constexpr std::size_t kMaxListed = 10'000;
+  std::vector<std::string> files;
+  for (const fs::path& folder : folders) {
+    std::error_code code;
+    fs::recursive_directory_iterator entry(
+        folder, fs::directory_options::skip_permission_denied, code);
+    for (; !code && entry != fs::recursive_directory_iterator(); entry.increment(code)) {
+      if (files.size() >= kMaxListed) return files;
+      if (IsFile(entry->path().string()))
+        files.push_back(entry->path().lexically_relative(folder).generic_string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string DidYouMean(const std::string& word, const std::vector<std::string>& known) {
+  const std::string nearest = NearestWord(word, known);
+  return nearest.empty() ? nearest : "; did you mean '" + nearest + "'?";
+}
+
+std::string Line(const SynthRequest& request, const synth::SceneObject& object) {
+  return request.scene_file.string() + ":" + std::to_string(object.line) + ": model '" +
+         object.model + "' ";
+}
+
+Status AddModelFiles(const SynthRequest& request,
                      const synth::SceneDescription& scene,
                      Models& models) {
+  std::vector<fs::path> folders = {request.scene_file.parent_path()};
+  folders.insert(folders.end(), request.furniture.begin(), request.furniture.end());
+  folders.push_back(request.catalogues);
   for (const synth::SceneObject& object : scene.objects) {
     if (!IsFile(object.model) || models.contains(object.model)) continue;
-    std::error_code code;
-    fs::path file = scene_file.parent_path() / object.model;
-    if (!fs::exists(file, code)) file = catalogues / object.model;
-    if (!fs::exists(file, code)) {
-      return InvalidInput(scene_file.string() + ":" + std::to_string(object.line) + ": model '" +
-                          object.model + "' is neither beside the scene nor in " +
-                          catalogues.string() + "; give its path from the scene file");
+    const auto folder = std::find_if(folders.begin(), folders.end(), [&](const fs::path& f) {
+      std::error_code code;
+      return fs::is_regular_file(f / object.model, code);
+    });
+    if (folder == folders.end()) {
+      return InvalidInput(Line(request, object) +
+                          "is neither beside the scene nor in a folder of --furniture; give its "
+                          "path from one of them" +
+                          DidYouMean(object.model, FurnitureFiles(request.furniture)));
     }
-    Result<synth::FurnitureModel> model = ReadModelFile(file);
+    Result<synth::FurnitureModel> model =
+        ReadModelFile(*folder / object.model, AskedSize(scene, object.model));
     if (!model) return model.error();
     models.emplace(object.model, *std::move(model));
   }
   return Ok();
 }
 
-Result<Models> ReadModels(const fs::path& scene_file,
-                          const fs::path& catalogues,
-                          const synth::SceneDescription& scene) {
+Result<Models> ReadModels(const SynthRequest& request, const synth::SceneDescription& scene) {
+  for (const fs::path& folder : request.furniture) {
+    std::error_code code;
+    if (!fs::is_directory(folder, code))
+      return InvalidConfig("--furniture " + folder.string() + ": is no folder");
+  }
   Models models;
-  const Status own = AddModelFiles(scene_file, catalogues, scene, models);
+  const Status own = AddModelFiles(request, scene, models);
   if (!own) return own.error();
-  const bool all_own =
-      std::all_of(scene.objects.begin(), scene.objects.end(), [](const synth::SceneObject& object) {
-        return IsFile(object.model);
-      });
-  if (all_own) return models;
+  const auto missing = [&](const synth::SceneObject& object) {
+    return !models.contains(object.model);
+  };
+  if (std::none_of(scene.objects.begin(), scene.objects.end(), missing)) return models;
   std::error_code code;
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(catalogues, code)) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(request.catalogues, code)) {
     if (entry.path().extension() == ".sh3f") files.push_back(entry.path());
   }
   if (files.empty()) {
-    return InvalidInput(catalogues.string() +
+    return InvalidInput(request.catalogues.string() +
                         ": no *.sh3f catalogues there; run scripts/setup.sh (Debian package "
                         "sweethome3d-furniture)");
   }
   std::sort(files.begin(), files.end());
+  std::vector<std::string> known;
   for (const fs::path& file : files) {
-    const Status added = AddModels(file, scene, models);
+    const Status added = AddModels(file, scene, models, known);
     if (!added) return added.error();
+  }
+  const auto unknown = std::find_if(scene.objects.begin(), scene.objects.end(), missing);
+  if (unknown != scene.objects.end()) {
+    return InvalidInput(Line(request, *unknown) + "is no item of the catalogues in " +
+                        request.catalogues.string() + ", nor a .obj, .gltf or .glb file" +
+                        DidYouMean(unknown->model, known));
   }
   return models;
 }
@@ -234,11 +304,9 @@ Status RenderInto(const fs::path& folder,
 
 }  // namespace
 
-Result<SynthSummary> SynthesiseCapture(const fs::path& scene_file,
-                                       const std::string& rung,
-                                       const fs::path& catalogues,
-                                       const fs::path& out,
-                                       Progress& progress) {
+Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& progress) {
+  const fs::path& scene_file = request.scene_file;
+  const fs::path& out = request.out;
   std::error_code code;
   if (fs::exists(out, code) && !(fs::is_directory(out, code) && fs::is_empty(out, code))) {
     return InvalidConfig(out.string() +
@@ -246,9 +314,9 @@ Result<SynthSummary> SynthesiseCapture(const fs::path& scene_file,
   }
   const Result<std::string> text = dataset::ReadFileBytes(scene_file);
   if (!text) return text.error();
-  const Result<synth::SceneDescription> scene = synth::ParseScene(*text, scene_file, rung);
+  const Result<synth::SceneDescription> scene = synth::ParseScene(*text, scene_file, request.rung);
   if (!scene) return scene.error();
-  const Result<Models> models = ReadModels(scene_file, catalogues, *scene);
+  const Result<Models> models = ReadModels(request, *scene);
   if (!models) return models.error();
   Result<synth::World> world = synth::BuildWorld(*scene, *models);
   if (!world) return Error{world.error().code, scene_file.string() + ": " + world.error().message};

@@ -18,15 +18,18 @@ struct SynthSummary {
   std::vector<std::string> warnings;  // e.g. a way through a wall; each names the scene file
 };
 
-// Renders the scene (or its variant `rung`, empty: as it stands) into `out`, which must not exist
-// or be empty: TUM layout, truth/objects.json, truth/meshes/<id>.ply, truth/room.ply and
-// truth/instances/<frame>.png. Furniture: the *.sh3f catalogues in a folder, by id; OBJ files
-// beside the scene or in that folder, by path. Rendered aside and moved into place at the end, so
-// that `out` is a whole capture or not there.
-Result<SynthSummary> SynthesiseCapture(const std::filesystem::path& scene_file,
-                                       const std::string& rung,
-                                       const std::filesystem::path& catalogues,
-                                       const std::filesystem::path& out,
-                                       Progress& progress);
+struct SynthRequest {
+  std::filesystem::path scene_file;
+  std::string rung;                              // variant of the scene; empty: as it stands
+  std::filesystem::path catalogues;              // folder with *.sh3f: furniture by id
+  std::vector<std::filesystem::path> furniture;  // folders with OBJ, glTF and GLB files, by path
+  std::filesystem::path out;                     // must not exist, or be empty
+};
+
+// Renders the scene into `out`: TUM layout, truth/objects.json, truth/meshes/<id>.ply,
+// truth/room.ply and truth/instances/<frame>.png. Furniture in files is looked for beside the scene
+// first, then in the furniture folders, then in that of the catalogues. Rendered aside and moved
+// into place at the end, so that `out` is a whole capture or not there.
+Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& progress);
 
 }  // namespace deepslam::tools

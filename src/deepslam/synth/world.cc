@@ -19,6 +19,9 @@ constexpr double kCameraMarginM = 0.1;
 constexpr double kWallThicknessM = 0.15;
 constexpr std::size_t kMaxObjects = 254;  // truth/instances counts in bytes
 constexpr double kPosterGapM = 0.004;     // before its wall
+// Furniture beyond these is in another unit than metres.
+constexpr double kMinSizeM = 0.05;
+constexpr double kMaxSizeM = 20;
 
 RoomPart Rectangle(RoomSurface surface,
                    int number,
@@ -239,6 +242,18 @@ Result<World> BuildWorld(const SceneDescription& description,
     const FurnitureModel& model = found->second;
     const double yaw_rad = wanted.yaw_deg * std::numbers::pi / 180.0;
     PlacedObject object = Sized(wanted, model);
+    const double longest_m = object.size_m.maxCoeff();
+    if (longest_m < kMinSizeM || longest_m > kMaxSizeM) {
+      return InvalidInput(
+          fmt::format("line {} of the scene: {} '{}' is {:.4g} x {:.4g} x {:.4g} m large; is its "
+                      "file in another unit than metres? Give it a size_m",
+                      wanted.line,
+                      wanted.class_name,
+                      wanted.model,
+                      object.size_m.x(),
+                      object.size_m.y(),
+                      object.size_m.z()));
+    }
     object.world_from_object.rotation =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
     object.world_from_object.translation_m = {

@@ -9,7 +9,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/triangle_mesh.h"
-#include "deepslam/synth/obj_model.h"
+#include "deepslam/synth/furniture_model.h"
 #include "deepslam/synth/scene_description.h"
 
 namespace deepslam::synth {
