@@ -92,7 +92,9 @@ TEST(ParseScene, RefusesByFileLineAndField) {
   EXPECT_THAT(Refusal("frames: .nan\n"), HasSubstr("'frames'"));
   EXPECT_THAT(Refusal("frames: 1000000000\n"), HasSubstr("'frames'"));
   EXPECT_THAT(Refusal("seed: 1\nroms: {}\n"),
-              AllOf(HasSubstr("room.yaml:2"), HasSubstr("'roms' is unknown"), HasSubstr("room")));
+              AllOf(HasSubstr("room.yaml:2"),
+                    HasSubstr("'roms' is unknown"),
+                    HasSubstr("did you mean room?")));
   EXPECT_THAT(Refusal("room: {size_m: [4, 5]}\n"),
               HasSubstr("'room.size_m' is not a list of 3 numbers"));
   EXPECT_THAT(Refusal("room: {floor: lava}\n"),
@@ -103,8 +105,11 @@ TEST(ParseScene, RefusesByFileLineAndField) {
               HasSubstr("'objects[0].model' is missing"));
   EXPECT_THAT(Refusal("objects:\n  - {class: chair, model: a, position_m: [0, x]}\n"),
               AllOf(HasSubstr("room.yaml:2"), HasSubstr("'objects[0].position_m[1]' is 'x'")));
-  EXPECT_THAT(Refusal("camera: {preset: kinect_v9}\n"),
-              AllOf(HasSubstr("'camera.preset' is 'kinect_v9'"), HasSubstr("d435")));
+  EXPECT_THAT(Refusal("seed: 1\ncamera: {preset: kinect_v1x}\n"),
+              AllOf(HasSubstr("room.yaml:2"),
+                    HasSubstr("'camera.preset' is 'kinect_v1x'"),
+                    HasSubstr("did you mean kinect_v1?"),
+                    HasSubstr("d435")));
   EXPECT_THAT(Refusal("walk: {points_m: [[0, 0, 1]]}\n"), HasSubstr("two or more"));
   EXPECT_THAT(Refusal("walk: {points_m: [[0, 0, 1], [0, 1]]}\n"),
               HasSubstr("'walk.points_m[1]' is not a point"));

@@ -88,13 +88,42 @@ TEST(DepthFaults, NoiseOfEverySensorHasThePublishedSizeAndNoBias) {
         const double theta = theta_deg * std::numbers::pi / 180;
         const Spread spread = SpreadOf(Sense(TurnedWall(depth_m, theta), scene), depth_m);
         const double expected = Published(preset, depth_m, theta);
-        // 76800 samples: the deviation is known to 0.3 %, the mean to 0.4 % of it.
-        EXPECT_NEAR(spread.deviation_m, expected, 0.015 * expected)
+        // 76800 samples, of which neighbours share much: some 1200 of their own. The deviation is
+        // known to 2 %, the mean to 3 % of it.
+        EXPECT_NEAR(spread.deviation_m, expected, 0.04 * expected)
             << preset << " " << depth_m << " m, " << theta_deg << " deg";
-        EXPECT_LT(std::abs(spread.mean_m), 0.02 * expected) << preset << " " << depth_m << " m";
+        EXPECT_LT(std::abs(spread.mean_m), 0.1 * expected) << preset << " " << depth_m << " m";
       }
     }
   }
+}
+
+// Correlation of the noise with that of the pixel du, dv away.
+double CorrelationAt(const DepthImage& depth_m, double around_m, int du, int dv) {
+  double product = 0, square = 0;
+  for (int v = 0; v + dv < depth_m.height(); ++v) {
+    for (int u = 0; u + du < depth_m.width(); ++u) {
+      const double a = static_cast<double>(depth_m(u, v)) - around_m;
+      const double b = static_cast<double>(depth_m(u + du, v + dv)) - around_m;
+      product += a * b;
+      square += 0.5 * (a * a + b * b);
+    }
+  }
+  return product / square;
+}
+
+TEST(DepthFaults, NeighboursShareNoiseAsFarAsTheMatchingWindowReaches) {
+  SceneDescription scene = Scene();
+  scene.faults.axial_noise = true;
+  const DepthImage window = Sense(Wall(2), scene);
+  for (const int distance : {1, 2, 4, 8}) {
+    const double expected = std::exp(-distance / scene.sensor.noise_reach_px);
+    EXPECT_NEAR(CorrelationAt(window, 2, distance, 0), expected, 0.05) << distance;
+    EXPECT_NEAR(CorrelationAt(window, 2, 0, distance), expected, 0.05) << distance;
+  }
+  scene = Scene("kinect_v2");
+  scene.faults.axial_noise = true;
+  EXPECT_NEAR(CorrelationAt(Sense(Wall(2), scene), 2, 1, 0), 0, 0.02) << "each pixel its own";
 }
 
 TEST(DepthFaults, NoiseScaleMultipliesTheNoise) {
@@ -205,19 +234,74 @@ TEST(DepthFaults, MixedPixelsLieBetweenTheSurfacesAtTheEdgeOnly) {
 }
 
 TEST(DepthFaults, LateralNoiseMovesEdgesByItsDeviation) {
-  SceneDescription scene = Scene();
-  scene.faults.lateral_noise = true;
-  const DepthImage seen = Sense(Wall(3.0, 1.0, 160), scene);
-  int num_wrong = 0;
-  for (int v = 0; v < kCamera.height; ++v) {
-    for (int u = 0; u < kCamera.width; ++u)
-      num_wrong += seen(u, v) != (u < 160 ? 3.0f : 2.0f) ? 1 : 0;
+  for (const char* preset : {"kinect_v1", "d435"}) {
+    SceneDescription scene = Scene(preset);
+    scene.faults.lateral_noise = true;
+    const SensedView wall = Wall(3.0, 1.0, 160);
+    int num_wrong = 0;
+    constexpr int kFrames = 10;
+    for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
+      const DepthImage seen = ApplyDepthFaults(wall, kCamera, Pose3(), scene, {1, frame});
+      for (int v = 0; v < kCamera.height; ++v) {
+        for (int u = 0; u < kCamera.width; ++u)
+          num_wrong += seen(u, v) != (u < 160 ? 3.0f : 2.0f) ? 1 : 0;
+      }
+    }
+    // Rounded to pixels, the k-th column from the edge is wrong where the shift is larger than
+    // k - 1/2 px towards it.
+    double expected = 0;
+    for (int k = 1; k < 8; ++k)
+      expected += std::erfc((k - 0.5) / scene.sensor.lateral_px / std::sqrt(2.0));
+    expected *= kFrames * kCamera.height;
+    EXPECT_NEAR(num_wrong, expected, 0.08 * expected) << preset;
   }
-  // Rounded to pixels, a shift by more than half a pixel: about a third of the two columns at the
-  // edge (half of P(|x| > 0.5 px), both sides).
-  const double expected =
-      2 * kCamera.height * 0.5 * std::erfc(0.5 / scene.sensor.lateral_px / std::sqrt(2.0));
-  EXPECT_NEAR(num_wrong, expected, 0.25 * expected + 10);
+}
+
+TEST(DepthFaults, LateralDeviationGrowsWithTheAngleAsPublished) {
+  const DepthSensor kinect = *DepthSensorPreset("kinect_v1");
+  for (const double theta : {0.0, 0.5, 1.0, 1.4}) {
+    EXPECT_NEAR(LateralDeviation(kinect, theta),
+                0.8 + 0.035 * theta / (std::numbers::pi / 2 - theta),
+                1e-12);
+  }
+}
+
+TEST(DepthFaults, HolesOfMatchedWindowsArePatches) {
+  const auto broken_runs = [](const std::string& preset) {
+    SceneDescription scene = Scene(preset);
+    scene.faults.dark_holes = true;
+    SensedView wall = TurnedWall(2, 0);
+    const double between = 0.5 * (scene.sensor.signal_lost + scene.sensor.signal_sure);
+    wall.reflectance =
+        Image<float>(kCamera.width, kCamera.height, static_cast<float>(4 * between));
+    const DepthImage seen = Sense(wall, scene);
+    int num_holes = 0, num_changes = 0;
+    for (int v = 0; v < kCamera.height; ++v) {
+      for (int u = 1; u < kCamera.width; ++u) {
+        num_holes += seen(u, v) == 0 ? 1 : 0;
+        num_changes += (seen(u, v) == 0) != (seen(u - 1, v) == 0) ? 1 : 0;
+      }
+    }
+    // Half are lost.
+    EXPECT_NEAR(num_holes, 0.5 * kCamera.width * kCamera.height, 6000) << preset;
+    return num_changes;
+  };
+  EXPECT_LT(2 * broken_runs("kinect_v1"), broken_runs("kinect_v2"));
+}
+
+TEST(DepthFaults, TheRimGivesNoDepth) {
+  SceneDescription scene = Scene();
+  scene.faults.rim = true;
+  const DepthImage seen = Sense(Wall(2), scene);
+  const auto& [left, right, top, bottom] = scene.sensor.rim;
+  EXPECT_NEAR(NumHoles(seen),
+              (1 - (1 - left - right) * (1 - top - bottom)) * kCamera.width * kCamera.height,
+              kCamera.width + kCamera.height);
+  EXPECT_EQ(seen(0, 120), 0);
+  EXPECT_EQ(seen(319, 120), 0);
+  EXPECT_EQ(seen(160, 0), 0);
+  EXPECT_EQ(seen(160, 239), 0);
+  EXPECT_EQ(seen(160, 120), 2);
 }
 
 TEST(DepthFaults, RangeBiasShiftsTheMean) {

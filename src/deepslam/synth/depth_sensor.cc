@@ -21,8 +21,10 @@ DepthSensor KinectV1() {
   sensor.axial_around_m = 0.4;
   sensor.axial_angle_m = 0.0001;
   sensor.axial_angle_power = -0.5;
-  sensor.lateral_px = 0.5;
+  sensor.lateral_px = 0.8;
   sensor.lateral_angle_px = 0.035;
+  sensor.noise_reach_px = 4;
+  sensor.rim = {0.012, 0.05, 0.025, 0.025};
   sensor.baseline_m = 0.075;
   sensor.disparity_focal_px = 580;
   sensor.disparity_step_px = 0.125;
@@ -63,6 +65,7 @@ DepthSensor D435() {
   sensor.disparity_step_px = 1.0 / 32;
   sensor.axial_quadratic_per_m = 0.08 / (sensor.disparity_focal_px * sensor.baseline_m);
   sensor.lateral_px = 0.7;
+  sensor.noise_reach_px = 4;
   sensor.bias_quadratic_per_m = 0.002;
   sensor.mixed_share = 0.5;
   sensor.signal_lost = 0.0002;
@@ -123,7 +126,8 @@ double AxialDeviation(const DepthSensor& sensor, double depth_m, double theta_ra
 }
 
 double LateralDeviation(const DepthSensor& sensor, double theta_rad) {
-  return sensor.lateral_px + sensor.lateral_angle_px * std::clamp(theta_rad, 0.0, kMaxTheta);
+  const double theta = std::clamp(theta_rad, 0.0, kMaxTheta);
+  return sensor.lateral_px + sensor.lateral_angle_px * theta / (std::numbers::pi / 2 - theta);
 }
 
 double RangeBias(const DepthSensor& sensor, double depth_m) {

@@ -1,6 +1,7 @@
 // What a depth camera is like: its lens, its range, and the size of its errors by published models.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,9 +28,12 @@ struct DepthSensor {
   double axial_angle_m = 0;
   double axial_angle_power = 0;
   // Standard deviation of the place in the image that a value really comes from: constant + angle
-  // theta.
+  // theta / (pi/2 - theta).
   double lateral_px = 0;
   double lateral_angle_px = 0;
+  // Neighbours share noise: its correlation falls as exp(-distance / reach) along rows and columns.
+  // 0: every pixel has its own.
+  double noise_reach_px = 0;
 
   // Sensors that triangulate: distance between the two eyes (0: time of flight), and how finely
   // they measure disparity in a picture of this focal length.
@@ -46,6 +50,9 @@ struct DepthSensor {
   // Returned light, reflectance x cos theta / z^2: below `lost` no depth, above `sure` always.
   double signal_lost = 0;
   double signal_sure = 0;
+  // Border of the picture without depth, where the depth camera registered to the colour camera
+  // does not see: left, right, top, bottom, as shares of width and height.
+  std::array<double, 4> rim = {0, 0, 0, 0};
   // Measured cells are this many pixels wide, and what lies between is interpolated. 1: every
   // pixel.
   int cell_px = 1;
@@ -54,13 +61,15 @@ struct DepthSensor {
 // kinect_v1, kinect_v2, d435, phone_lidar:
 //  - kinect_v1: disparity in steps of 1/8 px over 7.5 cm (Khoshelham, Elberink 2012); axial noise
 //    1.2 mm + 1.9 mm/m^2 (z - 0.4 m)^2 + 0.1 mm z^-1/2 theta^2 / (pi/2 - theta)^2, lateral
-//    0.8 px + 0.035 px theta (Nguyen, Izadi, Lovell 2012, Eq. 1-3); of the lateral part, 0.5 px are
-//    left, since the rest is the matching window.
+//    0.8 px + 0.035 px theta / (pi/2 - theta) (Nguyen, Izadi, Lovell 2012, Eq. 1-3). Neighbours
+//    share it, since values come from windows of 9 x 9 px (Konolige, Mihelich 2012): on walls and
+//    tables of TUM RGB-D and 7-Scenes the correlation is 0.6-0.8 at 1 px, 0.4 at 4 px, 0.1 at 8 px.
+//    The rim is that of depth registered to the colour camera there.
 //  - kinect_v2: time of flight; 1.5 mm - 0.5 mm/m z + 0.3 mm/m^2 z^2
 //    + 0.1 mm z^3/2 theta^2 / (pi/2 - theta)^2 (Fankhauser et al. 2015); mixed pixels and loss on
 //    dark surfaces as Wasenmueller, Stricker 2016 describe.
 //  - d435: stereo; deviation z^2 0.08 px / (f b) with b = 5 cm (Intel's tuning guide, Keselman et
-//    al. 2017), disparity in steps of 1/32 px.
+//    al. 2017), disparity in steps of 1/32 px, shared over the matching window as for kinect_v1.
 //  - phone_lidar: few points, filled in: cells of 5 px stand for the interpolation; about 1 cm at
 //    arm's length to room size, range 5 m (Luetzenburg, Kroon, Bjork 2021).
 std::optional<DepthSensor> DepthSensorPreset(std::string_view name);

@@ -11,12 +11,19 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "deepslam/core/nearest_word.h"
+
 namespace deepslam::synth {
 namespace {
 
 constexpr int kMaxFrames = 100'000;
 constexpr int kMaxSidePx = 4096;
 constexpr std::size_t kMaxPoints = 1000;
+
+std::string DidYouMean(const std::string& word, const std::vector<std::string>& known) {
+  const std::string nearest = NearestWord(word, known);
+  return nearest.empty() ? nearest : fmt::format(" (did you mean {}?)", nearest);
+}
 
 // One table of the file. Remembers the first fault and the names that were asked for.
 class Table {
@@ -145,12 +152,16 @@ class Table {
     for (const auto& entry : node_) {
       const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : "?";
       if (asked_.contains(name)) continue;
+      const std::vector<std::string> known(asked_.begin(), asked_.end());
       Fail(entry.first,
            Path(name),
-           fmt::format("is unknown; known here: {}", fmt::join(asked_, ", ")));
+           fmt::format(
+               "is unknown{}; known here: {}", DidYouMean(name, known), fmt::join(known, ", ")));
     }
   }
 
+  // The field's node, for messages.
+  YAML::Node At(const std::string& name) { return Find(name); }
   [[nodiscard]] int line() const { return node_.Mark().is_null() ? 0 : node_.Mark().line + 1; }
 
   void Fail(const YAML::Node& node, const std::string& field, const std::string& what) {
@@ -189,11 +200,13 @@ void ReadCamera(Table camera, SceneDescription& scene) {
   if (const std::optional<DepthSensor> sensor = DepthSensorPreset(preset)) {
     scene.sensor = *sensor;
   } else {
-    camera.Fail(
-        YAML::Node(YAML::NodeType::Undefined),
-        camera.Path("preset"),
-        fmt::format(
-            "is '{}', expected one of {}", preset, fmt::join(DepthSensorPresetNames(), ", ")));
+    const std::vector<std::string> known = DepthSensorPresetNames();
+    camera.Fail(camera.At("preset"),
+                camera.Path("preset"),
+                fmt::format("is '{}'{}, expected one of {}",
+                            preset,
+                            DidYouMean(preset, known),
+                            fmt::join(known, ", ")));
   }
   PinholeCamera& value = scene.camera;
   value = scene.sensor.camera;
@@ -210,7 +223,7 @@ void ReadRoom(Table room, SceneDescription& scene) {
   room.Vec("size_m", scene.room_size_m, 1, 100);
   room.Text("floor", scene.floor, false);
   if (scene.floor != "wood" && scene.floor != "carpet" && scene.floor != "tiles") {
-    room.Fail(YAML::Node(YAML::NodeType::Undefined),
+    room.Fail(room.At("floor"),
               room.Path("floor"),
               fmt::format("is '{}', expected wood, carpet or tiles", scene.floor));
   }
@@ -248,7 +261,7 @@ void ReadWalk(Table walk, SceneWalk& value) {
   walk.Number("step_m", value.step_m, 0, 1);
   walk.RefuseOthers();
   const auto fail = [&](const char* field, const std::string& what) {
-    walk.Fail(YAML::Node(YAML::NodeType::Undefined), walk.Path(field), what);
+    walk.Fail(walk.At(field), walk.Path(field), what);
   };
   if (value.points_m.size() == 1) fail("points_m", "holds one point, expected two or more");
   if (value.look_at_m.size() > 1 && value.look_at_m.size() != value.points_m.size())
@@ -267,7 +280,7 @@ void ReadFaults(Table faults, SensorFaults& value) {
     value.axial_noise = value.lateral_noise = value.quantisation = value.mixed_pixels = false;
   if (!holes) {
     value.range_limits = value.grazing_holes = value.dark_holes = value.shiny_holes = false;
-    value.shadows = false;
+    value.shadows = value.rim = false;
   }
   faults.Switch("axial_noise", value.axial_noise);
   faults.Switch("lateral_noise", value.lateral_noise);
@@ -277,6 +290,7 @@ void ReadFaults(Table faults, SensorFaults& value) {
   faults.Switch("grazing_holes", value.grazing_holes);
   faults.Switch("dark_holes", value.dark_holes);
   faults.Switch("shiny_holes", value.shiny_holes);
+  faults.Switch("rim", value.rim);
   faults.Switch("shadows", value.shadows);
   faults.Switch("range_bias", value.range_bias);
   faults.Number("noise_scale", value.noise_scale, 0, 100);
@@ -310,7 +324,7 @@ void ReadOpening(Table opening, SceneDescription& scene) {
   opening.Text("wall", wall, true);
   const auto found = std::find(kWalls.begin(), kWalls.end(), wall);
   if (found == kWalls.end() && !wall.empty()) {
-    opening.Fail(YAML::Node(YAML::NodeType::Undefined),
+    opening.Fail(opening.At("wall"),
                  opening.Path("wall"),
                  fmt::format("is '{}', expected {}", wall, fmt::join(kWalls, ", ")));
   }
@@ -388,9 +402,10 @@ Status ChooseRung(YAML::Node root, const std::filesystem::path& file, const std:
     for (const auto& entry : rungs) known.push_back(entry.first.Scalar());
   }
   return InvalidConfig(
-      fmt::format("{}: has no rung '{}'; its rungs: {}",
+      fmt::format("{}: has no rung '{}'{}; its rungs: {}",
                   file.string(),
                   rung,
+                  DidYouMean(rung, known),
                   known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
 }
 
@@ -400,7 +415,7 @@ SensorFaults SensorFaults::None() {
   SensorFaults none;
   none.axial_noise = none.lateral_noise = none.quantisation = none.mixed_pixels = false;
   none.range_limits = none.grazing_holes = none.dark_holes = none.shiny_holes = false;
-  none.shadows = none.range_bias = none.colour_noise = false;
+  none.rim = none.shadows = none.range_bias = none.colour_noise = false;
   none.exposure_time_s = 0;
   return none;
 }

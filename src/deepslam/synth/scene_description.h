@@ -21,7 +21,7 @@ namespace deepslam::synth {
 
 struct SceneObject {
   std::string class_name;  // of the class table
-  std::string model;       // catalogue id ("Scopia#chair"), or a file (.obj, .glb) beside the scene
+  std::string model;       // catalogue id ("Scopia#chair"), or a file (.obj, .gltf, .glb)
   Eigen::Vector2d position_m =
       Eigen::Vector2d::Zero();  // of the middle of the model's box, on the floor
   double yaw_deg = 0;           // the model's front turned from world x towards y
@@ -87,6 +87,7 @@ struct SensorFaults {
   bool grazing_holes = true;
   bool dark_holes = true;
   bool shiny_holes = true;
+  bool rim = true;      // no depth at the border of the picture
   bool shadows = true;  // of the projector (or where the second eye sees nothing)
   bool range_bias = false;
   double noise_scale = 1;    // times axial and lateral deviation

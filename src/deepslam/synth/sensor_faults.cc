@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "deepslam/core/parallel.h"
@@ -20,7 +22,7 @@ constexpr float kMirrorCosine = 0.97f;
 constexpr double kEdgeStep = 0.03;
 // Patches of missing depth, px.
 constexpr int kPatchPx = 16;
-constexpr double kColourNoise = 0.010;  // of full scale
+constexpr float kColourNoise = 0.010f;  // of full scale
 constexpr double kVignetting = 0.18;    // darkening at the corners
 constexpr int kNumTones = 4096;
 
@@ -29,15 +31,51 @@ std::uint64_t RowItem(std::uint64_t item, std::size_t row) { return item * 65'53
 // Nearest whole number, for small ones; std::lround is a call.
 int Nearest(double x) { return static_cast<int>(std::floor(x + 0.5)); }
 
-// Nearly normal, unit variance, from one number: the sum of four uniform ones. For what is rounded
-// to pixels or bytes anyway.
-double QuickNormal(Random& random) {
-  const std::uint64_t z = random.Next();
-  const double sum = static_cast<double>((z & 0xFFFF) + (z >> 16 & 0xFFFF) + (z >> 32 & 0xFFFF) +
-                                         (z >> 48 & 0xFFFF)) /
-                     65536.0;
-  return (sum - 2.0 + 2.0 / 65536.0) * std::sqrt(3.0);
+// Nearly normal, unit variance: the sum of eight uniform ones. Calls of logarithm and cosine for
+// every pixel would cost more than all else here.
+float QuickNormal(Random& random) {
+  constexpr std::uint64_t kHalves = 0x0000FFFF0000FFFFULL;
+  const std::uint64_t a = random.Next();
+  const std::uint64_t b = random.Next();
+  std::uint64_t sum = (a & kHalves) + (a >> 16 & kHalves) + (b & kHalves) + (b >> 16 & kHalves);
+  sum = (sum & 0xFFFFFFFF) + (sum >> 32);
+  // Mean 8 x 32767.5, variance 8 x 65536^2 / 12.
+  return (static_cast<float>(sum) - 262140.0f) * 1.868813e-5f;
 }
+
+// One frame's noise, nearly normal, unit variance; what a pixel shares with its neighbours falls
+// with their distance (a first-order autoregressive filter along rows, then along columns).
+Image<float> SharedNoise(
+    int width, int height, double reach_px, std::string_view name, const FrameSeed& seed) {
+  constexpr std::size_t kColumns = 64;
+  Image<float> noise(width, height);
+  const auto kept = reach_px > 0 ? static_cast<float>(std::exp(-1 / reach_px)) : 0.0f;
+  const float fresh = std::sqrt(1 - kept * kept);
+  ParallelFor(static_cast<std::size_t>(height), [&](std::size_t row) {
+    Random random(seed.seed, name, RowItem(seed.frame, row));
+    float* const values = noise.row(static_cast<int>(row));
+    float last = QuickNormal(random);
+    values[0] = last;
+    for (int u = 1; u < width; ++u) {
+      last = kept * last + fresh * QuickNormal(random);
+      values[u] = last;
+    }
+  });
+  if (!(kept > 0)) return noise;
+  ParallelForChunks(
+      static_cast<std::size_t>(width), kColumns, [&](std::size_t begin, std::size_t end) {
+        for (int v = 1; v < height; ++v) {
+          const float* const above = noise.row(v - 1);
+          float* const values = noise.row(v);
+          for (std::size_t u = begin; u < end; ++u)
+            values[u] = kept * above[u] + fresh * values[u];
+        }
+      });
+  return noise;
+}
+
+// Share of a normal distribution below x: turns a noise into an even one.
+double NormalShare(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
 // A pixel is in the projector's shadow when another one on its row lies before it as the projector
 // sees it: seen from there, columns are u - f b / z, and a nearer surface to the projector's side
@@ -91,14 +129,35 @@ Mask MissingPatches(int width, int height, double share, const FrameSeed& seed) 
   return missing;
 }
 
-// One frame's reading, pixel by pixel.
+// Noise of one frame, per measured cell; empty where it is switched off.
+struct NoiseFields {
+  Image<float> axial;
+  Image<float> lateral_u;
+  Image<float> lateral_v;
+  Image<float> loss;
+
+  NoiseFields(int width, int height, const SceneDescription& scene, const FrameSeed& seed) {
+    const SensorFaults& faults = scene.faults;
+    const auto field = [&](std::string_view name) {
+      return SharedNoise(width, height, scene.sensor.noise_reach_px, name, seed);
+    };
+    if (faults.axial_noise) axial = field("axial");
+    if (faults.lateral_noise) lateral_u = field("lateral u");
+    if (faults.lateral_noise) lateral_v = field("lateral v");
+    if (faults.grazing_holes || faults.dark_holes) loss = field("loss");
+  }
+};
+
+// One frame's reading, cell by cell.
 class Reading {
  public:
   Reading(const SensedView& truth,
           const PinholeCamera& camera,
           const Pose3& world_from_camera,
-          const SceneDescription& scene)
-      : truth_(truth),
+          const SceneDescription& scene,
+          const NoiseFields& noise)
+      : noise_(noise),
+        truth_(truth),
         camera_(camera),
         camera_from_world_(world_from_camera.rotation.toRotationMatrix().transpose().cast<float>()),
         sensor_(scene.sensor),
@@ -112,27 +171,32 @@ class Reading {
         1.0f);
   }
 
-  // Depth of the surface that pixel (u, v) takes for its own; 0 where it sees none.
-  [[nodiscard]] float At(int u,
+  // Depth of the surface that cell (x, y), whose middle is pixel (u, v), takes for its own; 0 where
+  // it sees none.
+  [[nodiscard]] float At(int x,
+                         int y,
+                         int u,
                          int v,
                          const std::vector<std::uint8_t>& shadow,
                          Random& random) const {
+    if (faults_.rim && OnRim(u, v)) return 0;
     if (faults_.lateral_noise) {
       const auto theta = static_cast<double>(std::acos(Cosine(u, v)));
       const double deviation = faults_.noise_scale * LateralDeviation(sensor_, theta);
-      u = std::clamp(Nearest(u + deviation * QuickNormal(random)), 0, camera_.width - 1);
-      v = std::clamp(Nearest(v + deviation * QuickNormal(random)), 0, camera_.height - 1);
+      u = Moved(u, deviation * static_cast<double>(noise_.lateral_u(x, y)), camera_.width);
+      v = Moved(v, deviation * static_cast<double>(noise_.lateral_v(x, y)), camera_.height);
     }
     double depth = static_cast<double>(truth_.view.depth_m(u, v));
     if (depth <= 0 || (!truth_.blind.empty() && truth_.blind(u, v) != 0)) return 0;
     const float cosine = Cosine(u, v);
     if (faults_.shadows && shadow[static_cast<std::size_t>(u)] != 0) return 0;
-    if (IsHole(u, v, depth, cosine, random)) return 0;
+    if (IsHole(x, y, u, v, depth, cosine)) return 0;
     if (faults_.mixed_pixels) depth = Mixed(u, v, depth, random);
     if (faults_.range_bias) depth += RangeBias(sensor_, depth);
     if (faults_.axial_noise) {
       const auto theta = static_cast<double>(std::acos(cosine));
-      depth += faults_.noise_scale * AxialDeviation(sensor_, depth, theta) * random.Normal();
+      depth += faults_.noise_scale * AxialDeviation(sensor_, depth, theta) *
+               static_cast<double>(noise_.axial(x, y));
       depth = std::max(0.05, depth);
     }
     if (faults_.quantisation) depth = QuantisedDepth(sensor_, depth);
@@ -140,19 +204,33 @@ class Reading {
   }
 
  private:
-  [[nodiscard]] bool IsHole(int u, int v, double depth, float cosine, Random& random) const {
+  [[nodiscard]] bool OnRim(int u, int v) const {
+    const auto& [left, right, top, bottom] = sensor_.rim;
+    return u < left * camera_.width || u >= (1 - right) * camera_.width ||
+           v < top * camera_.height || v >= (1 - bottom) * camera_.height;
+  }
+
+  static int Moved(int place, double by_px, int size) {
+    return std::clamp(Nearest(place + by_px), 0, size - 1);
+  }
+
+  [[nodiscard]] bool IsHole(int x, int y, int u, int v, double depth, float cosine) const {
     if (faults_.range_limits && (depth < sensor_.min_range_m || depth > sensor_.max_range_m))
-      return true;
-    if (faults_.grazing_holes &&
-        random.Uniform() < static_cast<double>((kSureCosine - cosine) / (kSureCosine - kMinCosine)))
       return true;
     if (faults_.shiny_holes && !truth_.shiny.empty() && truth_.shiny(u, v) != 0 &&
         cosine < kMirrorCosine)
       return true;
-    if (!faults_.dark_holes || truth_.reflectance.empty()) return false;
-    const double signal = static_cast<double>(truth_.reflectance(u, v) * cosine) / (depth * depth);
-    return random.Uniform() <
-           (sensor_.signal_sure - signal) / (sensor_.signal_sure - sensor_.signal_lost);
+    double lost = 0;  // how likely
+    if (faults_.grazing_holes)
+      lost = static_cast<double>((kSureCosine - cosine) / (kSureCosine - kMinCosine));
+    if (faults_.dark_holes && !truth_.reflectance.empty()) {
+      const double signal =
+          static_cast<double>(truth_.reflectance(u, v) * cosine) / (depth * depth);
+      lost = std::max(lost,
+                      (sensor_.signal_sure - signal) / (sensor_.signal_sure - sensor_.signal_lost));
+    }
+    // Neighbours are lost together: holes are patches, with ragged edges.
+    return lost >= 1 || (lost > 0 && NormalShare(static_cast<double>(noise_.loss(x, y))) < lost);
   }
 
   [[nodiscard]] double Mixed(int u, int v, double depth, Random& random) const {
@@ -167,6 +245,7 @@ class Reading {
     return depth + 0.5 * random.Uniform() * (other - depth);
   }
 
+  const NoiseFields& noise_;
   const SensedView& truth_;
   const PinholeCamera& camera_;
   Eigen::Matrix3f camera_from_world_;
@@ -240,18 +319,20 @@ DepthImage ApplyDepthFaults(const SensedView& truth,
                             const Pose3& world_from_camera,
                             const SceneDescription& scene,
                             const FrameSeed& seed) {
-  const Reading reading(truth, camera, world_from_camera, scene);
   const double focal_baseline = camera.fx * scene.sensor.baseline_m;
   const int cell_px = scene.faults.lateral_noise ? std::max(1, scene.sensor.cell_px) : 1;
   DepthImage cells(
       (camera.width + cell_px - 1) / cell_px, (camera.height + cell_px - 1) / cell_px, 0.0f);
+  const NoiseFields noise(cells.width(), cells.height(), scene, seed);
+  const Reading reading(truth, camera, world_from_camera, scene, noise);
   ParallelFor(static_cast<std::size_t>(cells.height()), [&](std::size_t row) {
-    const int v = std::min(static_cast<int>(row) * cell_px + cell_px / 2, camera.height - 1);
+    const int y = static_cast<int>(row);
+    const int v = std::min(y * cell_px + cell_px / 2, camera.height - 1);
     Random random(seed.seed, "depth", RowItem(seed.frame, row));
     const std::vector<std::uint8_t> shadow = ShadowOfRow(truth.view.depth_m, v, focal_baseline);
-    for (int c = 0; c < cells.width(); ++c) {
-      const int u = std::min(c * cell_px + cell_px / 2, camera.width - 1);
-      cells(c, static_cast<int>(row)) = reading.At(u, v, shadow, random);
+    for (int x = 0; x < cells.width(); ++x) {
+      const int u = std::min(x * cell_px + cell_px / 2, camera.width - 1);
+      cells(x, y) = reading.At(x, y, u, v, shadow, random);
     }
   });
   DepthImage seen =
@@ -294,8 +375,7 @@ ColourImage DevelopColour(const Image<Eigen::Vector3f>& radiance,
         c *= static_cast<float>(1 - kVignetting * 0.5 * (x * x + y * y));
         // Photon noise grows with the root of the light.
         for (int k = 0; k < 3; ++k) {
-          c[k] += static_cast<float>(kColourNoise * QuickNormal(random)) *
-                  std::sqrt(std::max(c[k], 0.02f));
+          c[k] += kColourNoise * QuickNormal(random) * std::sqrt(std::max(c[k], 0.02f));
         }
       }
       colour(u, v) = {display(c.x()), display(c.y()), display(c.z())};

@@ -4,7 +4,8 @@
 // as Khoshelham, Elberink 2012 and Nguyen, Izadi, Lovell 2012 describe for structured light and
 // Wasenmueller, Stricker 2016 for time of flight: no depth on faces seen at a grazing angle, on
 // surfaces that return too little light, on polished ones that throw it elsewhere, and where the
-// projector (or second eye) does not see; values between two surfaces at edges.
+// projector (or second eye) does not see; values between two surfaces at edges. Sensors that match
+// windows share noise and loss between neighbours (DepthSensor::noise_reach_px).
 #pragma once
 
 #include "deepslam/core/image.h"
