@@ -5,6 +5,7 @@
 
 namespace deepslam::tools {
 
+void AddEvalTrajectory(CLI::App& eval_command, Command& chosen);
 void AddEvalObjects(CLI::App& eval_command, Command& chosen);
 void AddEvalSelection(CLI::App& eval_command, Command& chosen);
 void AddEvalMap(CLI::App& eval_command, Command& chosen);

@@ -116,6 +116,7 @@ void Describe(OptionsVisitor& visitor, TrajectoryErrorOptions& options) {
 Pose3 AlignRigidly(const std::vector<Eigen::Vector3d>& points_a,
                    const std::vector<Eigen::Vector3d>& points_b) {
   DEEPSLAM_CHECK(points_a.size() == points_b.size() && !points_a.empty(), "points come in pairs");
+  if (points_a == points_b) return Pose3();
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_b = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < points_a.size(); ++i) {

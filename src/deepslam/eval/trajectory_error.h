@@ -2,6 +2,7 @@
 // measures them.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "deepslam/core/options.h"
@@ -9,6 +10,10 @@
 #include "deepslam/geometry/pose.h"
 
 namespace deepslam::eval {
+
+inline constexpr std::string_view kTrajectoryProtocol =
+    "evo-ate-rpe: SE(3) alignment of positions by least squares, no scale; ATE of positions, RPE "
+    "of translation and rotation angle";
 
 struct TimedPose {
   double time_s = 0;
@@ -48,7 +53,8 @@ Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
                                                std::vector<TimedPose> truth,
                                                const TrajectoryErrorOptions& options);
 
-// b_from_a of least squares for paired points, rotation and translation only (Umeyama 1991, c = 1).
+// b_from_a of least squares for paired points, rotation and translation only (Umeyama 1991, c = 1);
+// exactly the identity for equal points.
 Pose3 AlignRigidly(const std::vector<Eigen::Vector3d>& points_a,
                    const std::vector<Eigen::Vector3d>& points_b);
 

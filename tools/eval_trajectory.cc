@@ -1,0 +1,133 @@
+// `deepslam eval trajectory`: camera poses against the true ones.
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/artifact/trajectory_files.h"
+#include "deepslam/eval/trajectory_error.h"
+#include "eval_commands.h"
+
+namespace deepslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using artifact::JsonObject;
+using artifact::JsonValue;
+
+// Poses of a TUM file, of a workspace (the final ones), or those that came with a capture.
+Result<std::vector<eval::TimedPose>> ReadPoses(const std::string& path) {
+  std::error_code error;
+  fs::path file = path;
+  if (fs::is_directory(path, error)) {
+    file = fs::path(path) / "optimize" / "trajectory.tum";
+    if (!fs::exists(file, error)) file = fs::path(path) / "track" / "trajectory.tum";
+    if (!fs::exists(file, error)) file = fs::path(path) / "groundtruth.txt";
+    if (!fs::exists(file, error)) {
+      return InvalidInput(fmt::format(
+          "{}: holds no trajectory: neither a workspace nor a capture with poses", path));
+    }
+  }
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  const auto decoded = artifact::DecodeTum(*text, file.string());
+  if (!decoded.ok()) return decoded.error();
+  std::vector<eval::TimedPose> poses;
+  for (const artifact::StampedPose& pose : *decoded)
+    poses.push_back({pose.time_s, pose.world_from_camera});
+  return poses;
+}
+
+JsonValue ToJson(const eval::ErrorStatistics& statistics) {
+  JsonObject row;
+  row.emplace("rmse", statistics.rmse);
+  row.emplace("mean", statistics.mean);
+  row.emplace("median", statistics.median);
+  row.emplace("max", statistics.max);
+  return JsonValue(std::move(row));
+}
+
+void PrintRow(std::string_view name, const eval::ErrorStatistics& statistics) {
+  fmt::print(stderr,
+             "{:<12} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f}\n",
+             name,
+             statistics.rmse,
+             statistics.mean,
+             statistics.median,
+             statistics.max);
+}
+
+struct Arguments {
+  std::string estimate;
+  std::string truth;
+  std::string json;
+  eval::TrajectoryErrorOptions options;
+};
+
+int EvalTrajectory(const Arguments& arguments) {
+  const Result<std::vector<eval::TimedPose>> estimated = ReadPoses(arguments.estimate);
+  if (!estimated.ok()) return ReportError(estimated.error());
+  const Result<std::vector<eval::TimedPose>> true_poses = ReadPoses(arguments.truth);
+  if (!true_poses.ok()) return ReportError(true_poses.error());
+  const Result<eval::TrajectoryError> result =
+      eval::ComputeTrajectoryError(*estimated, *true_poses, arguments.options);
+  if (!result.ok()) {
+    return ReportError(InvalidInput(fmt::format(
+        "{} and {}: {}", arguments.estimate, arguments.truth, result.error().message)));
+  }
+  fmt::print(
+      stderr, "{:<12} {:>10} {:>10} {:>10} {:>10}\n", "error", "rmse", "mean", "median", "max");
+  PrintRow("ATE m", result->ate_m);
+  PrintRow("RPE m", result->rpe_m);
+  PrintRow("RPE deg", result->rpe_deg);
+  fmt::print(stderr,
+             "{} of {} frames scored, {} relative poses\n",
+             result->num_scored,
+             result->num_frames,
+             result->num_relative);
+  JsonObject document = artifact::NewDocument("deepslam/trajectory_error", 1);
+  document.emplace("protocol",
+                   fmt::format("{}; pairs within {} s; relative poses over {} scored frames",
+                               eval::kTrajectoryProtocol,
+                               arguments.options.max_time_difference_s,
+                               arguments.options.rpe_delta));
+  document.emplace("num_frames", result->num_frames);
+  document.emplace("num_scored", result->num_scored);
+  document.emplace("num_relative", result->num_relative);
+  document.emplace("ate_m", ToJson(result->ate_m));
+  document.emplace("rpe_m", ToJson(result->rpe_m));
+  document.emplace("rpe_deg", ToJson(result->rpe_deg));
+  const Result<std::string> text = DumpJson(std::move(document), "trajectory error");
+  const Status status = text.ok() ? WriteResult(arguments.json, *text) : Status(text.error());
+  return status.ok() ? kExitOk : ReportError(status.error());
+}
+
+}  // namespace
+
+void AddEvalTrajectory(CLI::App& eval_command, Command& chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = eval_command.add_subcommand("trajectory", "ATE and RPE of camera poses");
+  command->add_option("ESTIMATE", arguments->estimate, "Workspace, or TUM file")->required();
+  command->add_option("TRUTH", arguments->truth, "Capture with poses, or TUM file")->required();
+  command->add_option(
+      "--json", arguments->json, "Write the result here instead of to standard output");
+  command
+      ->add_option("--max-time-difference",
+                   arguments->options.max_time_difference_s,
+                   "Between an estimated pose and its true one, s")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--rpe-delta", arguments->options.rpe_delta, "Frames between the ends of a relative pose")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->callback(
+      [&chosen, arguments] { chosen = [arguments] { return EvalTrajectory(*arguments); }; });
+}
+
+}  // namespace deepslam::tools
