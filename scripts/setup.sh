@@ -39,7 +39,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   sweethome3d-furniture
 )
-[ "$with_tests" = no ] || packages+=(chromium)
+[ "$with_tests" = no ] || packages+=(chromium python3-numpy)
 
 # 1. Debian's packages.
 installed="$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null || true)"
