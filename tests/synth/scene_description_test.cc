@@ -66,6 +66,23 @@ TEST(ParseScene, ReadsWhatIsNotInEveryScene) {
   EXPECT_EQ(scene->faults.table_edges_m, 0.03);
 }
 
+TEST(ParseScene, SmallerPicturesShowTheSameSensor) {
+  const DepthSensor whole = *DepthSensorPreset("kinect_v1");
+  EXPECT_EQ(ParseScene("seed: 1\n", "room.yaml")->sensor.lateral_px, whole.lateral_px);
+  const DepthSensor half =
+      ParseScene("camera: {preset: kinect_v1, width: 320, height: 240, fx: 262, fy: 262, cx: 160, "
+                 "cy: 120}\n",
+                 "room.yaml")
+          ->sensor;
+  EXPECT_DOUBLE_EQ(half.lateral_px, whole.lateral_px / 2);
+  EXPECT_DOUBLE_EQ(half.noise_reach_px, whole.noise_reach_px / 2);
+  EXPECT_EQ(half.axial_constant_m, whole.axial_constant_m);
+  EXPECT_EQ(ParseScene("camera: {preset: phone_lidar, width: 64, height: 48, cx: 31, cy: 23}\n",
+                       "room.yaml")
+                ->sensor.cell_px,
+            1);
+}
+
 TEST(ParseScene, RungsReplaceFieldByField) {
   const std::string text =
       "seed: 1\nframes: 40\nfaults: {noise_scale: 3, shadows: false}\n"

@@ -1,5 +1,6 @@
 #include "deepslam/render/ray_scene.h"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -112,6 +113,51 @@ std::optional<RayHit> RayScene::Cast(const Eigen::Vector3f& origin,
                 query.hit.primID,
                 query.hit.u,
                 query.hit.v};
+}
+
+void RayScene::CastFan(const Eigen::Vector3f& origin,
+                       std::span<const Eigen::Vector3f> directions,
+                       std::span<RayHit> hits) const {
+  constexpr std::size_t kWidth = 8;
+  DEEPSLAM_CHECK(impl_->committed, "CastFan before Commit");
+  DEEPSLAM_CHECK(hits.size() == directions.size(), "a hit for each direction");
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < directions.size(); first += kWidth) {
+    RTCRayHit8 query{};
+    alignas(32) int valid[kWidth];
+    const std::size_t count = std::min(kWidth, directions.size() - first);
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      valid[i] = i < count ? -1 : 0;
+      const Eigen::Vector3f& direction = directions[first + std::min(i, count - 1)];
+      query.ray.org_x[i] = origin.x();
+      query.ray.org_y[i] = origin.y();
+      query.ray.org_z[i] = origin.z();
+      query.ray.dir_x[i] = direction.x();
+      query.ray.dir_y[i] = direction.y();
+      query.ray.dir_z[i] = direction.z();
+      query.ray.tfar[i] = 1e6f;
+      query.ray.mask[i] = 0xFFFFFFFFu;
+      query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid, impl_->scene, &context, &query);
+    for (std::size_t i = 0; i < count; ++i) {
+      RayHit& hit = hits[first + i];
+      hit = RayHit();
+      if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      Eigen::Vector3f normal(query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]);
+      normal.normalize();
+      if (normal.dot(directions[first + i]) > 0) normal = -normal;
+      hit = {static_cast<double>(query.ray.tfar[i]),
+             normal,
+             static_cast<int>(query.hit.geomID[i]),
+             query.hit.primID[i],
+             query.hit.u[i],
+             query.hit.v[i]};
+    }
+  }
 }
 
 bool RayScene::Occluded(const Eigen::Vector3f& from,

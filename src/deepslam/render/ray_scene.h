@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -45,6 +46,12 @@ class RayScene {
                                            const Eigen::Vector3f& direction,
                                            float min_m = 0.0f,
                                            float max_m = 1e6f) const;
+
+  // The nearest hits of rays from one origin, in the order of `directions` (unit); `instance` is -1
+  // where nothing is hit. Quicker than Cast where neighbours in the list run side by side.
+  void CastFan(const Eigen::Vector3f& origin,
+               std::span<const Eigen::Vector3f> directions,
+               std::span<RayHit> hits) const;
 
   // Whether anything lies between two points; `margin_m` at both ends is not looked at.
   [[nodiscard]] bool Occluded(const Eigen::Vector3f& from,

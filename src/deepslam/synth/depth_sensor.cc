@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace deepslam::synth {
@@ -137,9 +138,10 @@ double RangeBias(const DepthSensor& sensor, double depth_m) {
 double QuantisedDepth(const DepthSensor& sensor, double depth_m) {
   if (!(sensor.disparity_step_px > 0) || !(sensor.baseline_m > 0)) return depth_m;
   const double focal_baseline = sensor.disparity_focal_px * sensor.baseline_m;
-  const double disparity_px =
-      std::round(focal_baseline / depth_m / sensor.disparity_step_px) * sensor.disparity_step_px;
-  return disparity_px > 0 ? focal_baseline / disparity_px : 0.0;
+  // To the nearest; std::round is a call on machines of the baseline instruction set.
+  const double steps = focal_baseline / (depth_m * sensor.disparity_step_px);
+  const auto whole = static_cast<std::int64_t>(std::min(steps, 1e9) + 0.5);
+  return whole > 0 ? focal_baseline / (static_cast<double>(whole) * sensor.disparity_step_px) : 0.0;
 }
 
 }  // namespace deepslam::synth

@@ -1,7 +1,9 @@
 #include "deepslam/synth/painted_part.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/synth/surface_pattern.h"
@@ -63,8 +65,11 @@ PaintedPart::PaintedPart(const RoomPart& part, const SceneDescription& scene) : 
 
 Eigen::Vector3f PaintedPart::At(const Eigen::Vector3d& p_world, double footprint_m) const {
   const Eigen::Vector3d d = p_world - part_->origin;
-  const double level = std::log2(std::max(1.0, footprint_m / texel_m_));
-  const std::size_t l = std::min(static_cast<std::size_t>(std::lround(level)), levels_.size() - 1);
+  // The nearest power of two of the ratio.
+  const double ratio = std::clamp(std::numbers::sqrt2 * footprint_m / texel_m_, 1.0, 1e6);
+  const std::size_t l = std::min(
+      static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(ratio))) - 1,
+      levels_.size() - 1);
   const Image<Eigen::Vector3f>& image = levels_[l];
   const double texel_m = texel_m_ * static_cast<double>(std::size_t{1} << l);
   const double x = std::clamp(d.dot(part_->u_axis) / texel_m - 0.5, 0.0, image.width() - 1.0);

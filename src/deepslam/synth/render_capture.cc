@@ -40,6 +40,7 @@ struct CaptureRenderer::Impl {
   // Of the objects, then of the clutter: instances after the room's parts.
   std::vector<std::vector<Eigen::Vector3f>> thing_colours;  // linear, per vertex
   std::vector<std::optional<TableTop>> tops;                // of tables, where tops are blind
+  std::vector<Eigen::Isometry3d> object_from_world;
 
   explicit Impl(World the_world)
       : world(std::move(the_world)),
@@ -54,6 +55,7 @@ struct CaptureRenderer::Impl {
       const Result<int> added = scene.AddMesh(object.mesh, object.world_from_object);
       DEEPSLAM_CHECK(added.ok(), "BuildWorld checks the models");
       thing_colours.push_back(LinearColours(object.mesh));
+      object_from_world.emplace_back(object.world_from_object.Inverse().Matrix());
       tops.emplace_back();
       if (world.description.faults.table_edges_m > 0 && object.class_name == "table")
         tops.back().emplace(object.mesh);
@@ -88,8 +90,7 @@ struct CaptureRenderer::Impl {
     const Eigen::Vector3f base = (1 - hit.weight_b - hit.weight_c) * colours[face[0]] +
                                  hit.weight_b * colours[face[1]] + hit.weight_c * colours[face[2]];
     // Nothing real is of one colour only: a faint grain, coarser than a pixel.
-    const Eigen::Vector3d p =
-        is_object ? world.objects[t].world_from_object.Inverse() * p_world : p_world;
+    const Eigen::Vector3d p = is_object ? object_from_world[t] * p_world : p_world;
     const double grain = 0.06 * SmoothNoise(p / 0.02, world.description.seed + t) +
                          0.05 * SmoothNoise(p / 0.15, world.description.seed + t + 100);
     return (base * static_cast<float>(1 + grain)).cwiseMax(0.0f).cwiseMin(1.0f);
@@ -106,7 +107,7 @@ struct CaptureRenderer::Impl {
     const PlacedObject& object = world.objects[*o];
     if (hit.face < object.shiny.size()) sensed.shiny(u, v) = object.shiny[hit.face];
     if (tops[*o] && std::abs(hit.normal_world.z()) > 0.5f &&
-        tops[*o]->Inside(object.world_from_object.Inverse() * p_world,
+        tops[*o]->Inside(object_from_world[*o] * p_world,
                          world.description.faults.table_edges_m)) {
       sensed.blind(u, v) = 1;
     }

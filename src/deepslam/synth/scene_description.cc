@@ -194,6 +194,17 @@ class Table {
   std::set<std::string> asked_;
 };
 
+// A smaller picture of the same sensor: what the sensor does over so many of its pixels it does
+// over as much of the picture.
+DepthSensor SeenByWidth(DepthSensor sensor, int width) {
+  const double ratio = static_cast<double>(width) / sensor.camera.width;
+  sensor.lateral_px *= ratio;
+  sensor.lateral_angle_px *= ratio;
+  sensor.noise_reach_px *= ratio;
+  sensor.cell_px = std::max(1, static_cast<int>(std::lround(sensor.cell_px * ratio)));
+  return sensor;
+}
+
 void ReadCamera(Table camera, SceneDescription& scene) {
   std::string preset = "kinect_v1";
   camera.Text("preset", preset, false);
@@ -217,6 +228,7 @@ void ReadCamera(Table camera, SceneDescription& scene) {
   camera.Number("cx", value.cx, 0, value.width - 1);
   camera.Number("cy", value.cy, 0, value.height - 1);
   camera.RefuseOthers();
+  scene.sensor = SeenByWidth(scene.sensor, value.width);
 }
 
 void ReadRoom(Table room, SceneDescription& scene) {

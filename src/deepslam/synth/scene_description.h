@@ -106,7 +106,7 @@ struct SceneDescription {
   int num_frames = 120;
   double frames_per_s = 30;
   PinholeCamera camera;
-  DepthSensor sensor = *DepthSensorPreset("kinect_v1");
+  DepthSensor sensor = *DepthSensorPreset("kinect_v1");  // its pixels brought to the camera's
   double depth_units_per_m = 1000;
   Eigen::Vector3d room_size_m = {5, 5, 2.6};
   std::string floor = "wood";  // wood, carpet, tiles

@@ -28,8 +28,19 @@ constexpr int kNumTones = 4096;
 
 std::uint64_t RowItem(std::uint64_t item, std::size_t row) { return item * 65'536 + row; }
 
-// Nearest whole number, for small ones; std::lround is a call.
-int Nearest(double x) { return static_cast<int>(std::floor(x + 0.5)); }
+// Nearest whole number of one that is not far below zero; std::lround and std::floor are calls on
+// machines of the baseline instruction set.
+int Nearest(double x) {
+  constexpr int kBelow = 1 << 16;
+  return static_cast<int>(x + (kBelow + 0.5)) - kBelow;
+}
+
+// To 1e-4 rad, of a cosine in [0, 1] (Abramowitz, Stegun 4.4.45).
+double QuickAcos(float cosine) {
+  const float c = cosine;
+  return static_cast<double>(std::sqrt(1 - c) *
+                             (1.5707288f + c * (-0.2121144f + c * (0.0742610f - 0.0187293f * c))));
+}
 
 // Nearly normal, unit variance: the sum of eight uniform ones. Calls of logarithm and cosine for
 // every pixel would cost more than all else here.
@@ -159,16 +170,20 @@ class Reading {
       : noise_(noise),
         truth_(truth),
         camera_(camera),
-        camera_from_world_(world_from_camera.rotation.toRotationMatrix().transpose().cast<float>()),
         sensor_(scene.sensor),
-        faults_(scene.faults) {}
-
-  [[nodiscard]] float Cosine(int u, int v) const {
-    const Eigen::Vector3f ray = camera_.Ray(u, v).cast<float>();
-    return std::clamp(
-        -ray.dot(camera_from_world_ * truth_.view.hits(u, v).normal_world) / ray.norm(),
-        0.0f,
-        1.0f);
+        faults_(scene.faults),
+        cosines_(camera.width, camera.height) {
+    const Eigen::Matrix3f world_from_camera_axes =
+        world_from_camera.rotation.toRotationMatrix().cast<float>();
+    ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
+      const int v = static_cast<int>(row);
+      for (int u = 0; u < camera.width; ++u) {
+        const Eigen::Vector3f ray = camera.Ray(u, v).cast<float>();
+        const Eigen::Vector3f& normal = truth.view.hits(u, v).normal_world;
+        cosines_(u, v) =
+            std::clamp(-normal.dot(world_from_camera_axes * ray) / ray.norm(), 0.0f, 1.0f);
+      }
+    });
   }
 
   // Depth of the surface that cell (x, y), whose middle is pixel (u, v), takes for its own; 0 where
@@ -181,21 +196,20 @@ class Reading {
                          Random& random) const {
     if (faults_.rim && OnRim(u, v)) return 0;
     if (faults_.lateral_noise) {
-      const auto theta = static_cast<double>(std::acos(Cosine(u, v)));
-      const double deviation = faults_.noise_scale * LateralDeviation(sensor_, theta);
+      const double deviation =
+          faults_.noise_scale * LateralDeviation(sensor_, QuickAcos(cosines_(u, v)));
       u = Moved(u, deviation * static_cast<double>(noise_.lateral_u(x, y)), camera_.width);
       v = Moved(v, deviation * static_cast<double>(noise_.lateral_v(x, y)), camera_.height);
     }
     double depth = static_cast<double>(truth_.view.depth_m(u, v));
     if (depth <= 0 || (!truth_.blind.empty() && truth_.blind(u, v) != 0)) return 0;
-    const float cosine = Cosine(u, v);
+    const float cosine = cosines_(u, v);
     if (faults_.shadows && shadow[static_cast<std::size_t>(u)] != 0) return 0;
     if (IsHole(x, y, u, v, depth, cosine)) return 0;
     if (faults_.mixed_pixels) depth = Mixed(u, v, depth, random);
     if (faults_.range_bias) depth += RangeBias(sensor_, depth);
     if (faults_.axial_noise) {
-      const auto theta = static_cast<double>(std::acos(cosine));
-      depth += faults_.noise_scale * AxialDeviation(sensor_, depth, theta) *
+      depth += faults_.noise_scale * AxialDeviation(sensor_, depth, QuickAcos(cosine)) *
                static_cast<double>(noise_.axial(x, y));
       depth = std::max(0.05, depth);
     }
@@ -248,9 +262,9 @@ class Reading {
   const NoiseFields& noise_;
   const SensedView& truth_;
   const PinholeCamera& camera_;
-  Eigen::Matrix3f camera_from_world_;
   const DepthSensor& sensor_;
   const SensorFaults& faults_;
+  Image<float> cosines_;  // between each pixel's ray and its face's normal
 };
 
 // Fills in between cells: as phones do, across edges as well, but never far from a measurement.
@@ -280,25 +294,58 @@ DepthImage Interpolated(const DepthImage& cells, int cell_px, int width, int hei
   return depth;
 }
 
-// Gaussian of 0.6 px, which a cheap lens and the colour filter leave.
+// Gaussian of 0.6 px, which a cheap lens and the colour filter leave. The border is repeated.
 Image<Eigen::Vector3f> Blurred(const Image<Eigen::Vector3f>& from) {
-  constexpr std::array<float, 3> kWeights = {0.166f, 0.668f, 0.166f};
-  const auto pass = [&](const Image<Eigen::Vector3f>& in, int du, int dv) {
-    Image<Eigen::Vector3f> out(in.width(), in.height(), Eigen::Vector3f::Zero());
-    ParallelFor(static_cast<std::size_t>(in.height()), [&](std::size_t row) {
-      const int v = static_cast<int>(row);
-      for (int u = 0; u < in.width(); ++u) {
-        for (int k = -1; k <= 1; ++k) {
-          const int a = std::clamp(u + k * du, 0, in.width() - 1);
-          const int b = std::clamp(v + k * dv, 0, in.height() - 1);
-          out(u, v) += kWeights[static_cast<std::size_t>(k + 1)] * in(a, b);
-        }
-      }
-    });
-    return out;
+  constexpr float kSide = 0.166f;
+  constexpr float kMiddle = 0.668f;
+  const int last_u = from.width() - 1;
+  const int last_v = from.height() - 1;
+  const auto mean = [&](const Eigen::Vector3f& a,
+                        const Eigen::Vector3f& middle,
+                        const Eigen::Vector3f& b) -> Eigen::Vector3f {
+    return kMiddle * middle + kSide * (a + b);
   };
-  return pass(pass(from, 1, 0), 0, 1);
+  Image<Eigen::Vector3f> out(from.width(), from.height(), Eigen::Vector3f::Zero());
+  ParallelFor(static_cast<std::size_t>(from.height()), [&](std::size_t row) {
+    const int v = static_cast<int>(row);
+    const Eigen::Vector3f* const above = from.row(std::max(v - 1, 0));
+    const Eigen::Vector3f* const here = from.row(v);
+    const Eigen::Vector3f* const below = from.row(std::min(v + 1, last_v));
+    std::vector<Eigen::Vector3f> columns(static_cast<std::size_t>(from.width()),
+                                         Eigen::Vector3f::Zero());
+    for (std::size_t u = 0; u < columns.size(); ++u) columns[u] = mean(above[u], here[u], below[u]);
+    for (int u = 0; u <= last_u; ++u) {
+      const auto n = static_cast<std::size_t>(u);
+      out(u, v) = mean(columns[static_cast<std::size_t>(std::max(u - 1, 0))],
+                       columns[n],
+                       columns[static_cast<std::size_t>(std::min(u + 1, last_u))]);
+    }
+  });
+  return out;
 }
+
+// Where a moved camera has the points of another one's pixels: their homogeneous place there is
+// linear in the pixel and the depth.
+class Pixels {
+ public:
+  Pixels(const PinholeCamera& camera, const Pose3& moved_from_camera) {
+    Eigen::Matrix3d lens;
+    lens << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+    turn_ =
+        (lens * moved_from_camera.rotation.toRotationMatrix() * lens.inverse()).cast<float>();
+    shift_ = (lens * moved_from_camera.translation_m).cast<float>();
+  }
+  [[nodiscard]] Eigen::Vector2f Of(int u, int v, float depth_m) const {
+    const Eigen::Vector3f h =
+        turn_ * Eigen::Vector3f(static_cast<float>(u), static_cast<float>(v), 1) +
+        shift_ / depth_m;
+    return h.head<2>() / h.z();
+  }
+
+ private:
+  Eigen::Matrix3f turn_;
+  Eigen::Vector3f shift_;
+};
 
 // Display value by the root of the linear value: even steps of the root are nearly even to the eye.
 std::vector<std::uint8_t> Tones() {
@@ -389,27 +436,32 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
                                      const PinholeCamera& camera,
                                      const Pose3& first_from_camera,
                                      const Pose3& last_from_camera) {
-  constexpr double kStillPx = 0.3;
-  constexpr double kFarM = 10;  // where nothing is hit
+  constexpr float kStillPx = 0.3f;
+  constexpr float kFarM = 10;  // where nothing is hit
   constexpr int kMaxTaps = 24;
-  Image<Eigen::Vector3f> blurred = radiance;
+  Image<Eigen::Vector3f> blurred(camera.width, camera.height, Eigen::Vector3f::Zero());
+  const Pixels first(camera, first_from_camera);
+  const Pixels last(camera, last_from_camera);
   ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < camera.width; ++u) {
-      const auto depth = static_cast<double>(depth_m(u, v));
-      const Eigen::Vector3d p = camera.Unproject(u, v, depth > 0 ? depth : kFarM);
-      const std::optional<Eigen::Vector2d> from = camera.Project(first_from_camera * p);
-      const std::optional<Eigen::Vector2d> to = camera.Project(last_from_camera * p);
-      if (!from || !to) continue;
-      const Eigen::Vector2d way = *to - *from;
-      const double length_px = way.norm();
-      if (!(length_px > kStillPx)) continue;
-      const int num_taps = std::min(kMaxTaps, static_cast<int>(std::ceil(length_px)) + 1);
+      const float depth = depth_m(u, v) > 0 ? depth_m(u, v) : kFarM;
+      const Eigen::Vector2f way = last.Of(u, v, depth) - first.Of(u, v, depth);
+      const float length_px = way.norm();
+      // Not finite where the point is behind a camera.
+      if (!(length_px > kStillPx) || !(length_px < 1e4f)) {
+        blurred(u, v) = radiance(u, v);
+        continue;
+      }
+      const int num_taps = std::min(kMaxTaps, static_cast<int>(length_px) + 2);
+      const Eigen::Vector2f step = way / static_cast<float>(num_taps);
+      const Eigen::Vector2f begin =
+          Eigen::Vector2f(static_cast<float>(u), static_cast<float>(v)) - 0.5f * way + 0.5f * step;
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (int i = 0; i < num_taps; ++i) {
-        const double t = (i + 0.5) / num_taps - 0.5;
-        const int x = std::clamp(Nearest(u + t * way.x()), 0, camera.width - 1);
-        const int y = std::clamp(Nearest(v + t * way.y()), 0, camera.height - 1);
+        const Eigen::Vector2f p = begin + static_cast<float>(i) * step;
+        const int x = std::clamp(Nearest(static_cast<double>(p.x())), 0, camera.width - 1);
+        const int y = std::clamp(Nearest(static_cast<double>(p.y())), 0, camera.height - 1);
         sum += radiance(x, y);
       }
       blurred(u, v) = sum / static_cast<float>(num_taps);

@@ -1,6 +1,7 @@
 #include "deepslam/synth/surface_pattern.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "deepslam/core/random.h"
@@ -16,16 +17,34 @@ std::uint64_t Mix(std::uint64_t z) {
 
 // Uniform in [-1, 1] per lattice point.
 double Lattice(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
-  std::uint64_t h = seed * 0x9E3779B97F4A7C15ULL + 0x632BE59BD9B4E019ULL;
-  for (const std::int64_t c : {x, y, z})
-    h = Mix(h ^ (static_cast<std::uint64_t>(c) * 0xD1B54A32D192ED03ULL));
+  const std::uint64_t h = Mix(seed * 0x9E3779B97F4A7C15ULL + 0x632BE59BD9B4E019ULL +
+                              static_cast<std::uint64_t>(x) * 0xD1B54A32D192ED03ULL +
+                              static_cast<std::uint64_t>(y) * 0xABC98388FB8FAC03ULL +
+                              static_cast<std::uint64_t>(z) * 0x8CB92BA72F3D8DD7ULL);
   return static_cast<double>(h >> 11) * 0x1.0p-52 - 1.0;
+}
+
+// Below x; std::floor is a call on machines of the baseline instruction set.
+std::int64_t Floor(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  return static_cast<double>(whole) > x ? whole - 1 : whole;
 }
 
 double Fade(double t) { return t * t * (3 - 2 * t); }
 
 double Noise2(const Eigen::Vector2d& p, double size_m, std::uint64_t seed) {
-  return SmoothNoise(Eigen::Vector3d(p.x() / size_m, p.y() / size_m, 0.5), seed);
+  const double px = p.x() / size_m;
+  const double py = p.y() / size_m;
+  const std::int64_t x = Floor(px);
+  const std::int64_t y = Floor(py);
+  const double r = Fade(px - static_cast<double>(x));
+  const double s = Fade(py - static_cast<double>(y));
+  const auto row = [&](std::int64_t j) {
+    const double low = Lattice(x, j, 0, seed);
+    return low + r * (Lattice(x + 1, j, 0, seed) - low);
+  };
+  const double low = row(y);
+  return low + s * (row(y + 1) - low);
 }
 
 Eigen::Vector3f Scaled(const Eigen::Vector3f& colour, double factor) {
@@ -72,21 +91,22 @@ Eigen::Vector3f Tiles(const Eigen::Vector2d& p, std::uint64_t seed) {
 }  // namespace
 
 double SmoothNoise(const Eigen::Vector3d& p, std::uint64_t seed) {
-  const Eigen::Vector3d base = p.array().floor();
-  const Eigen::Vector3d t = p - base;
-  const auto x = static_cast<std::int64_t>(base.x());
-  const auto y = static_cast<std::int64_t>(base.y());
-  const auto z = static_cast<std::int64_t>(base.z());
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner & 1;
-    const int j = corner >> 1 & 1;
-    const int k = corner >> 2;
-    const double weight =
-        Fade(i ? t.x() : 1 - t.x()) * Fade(j ? t.y() : 1 - t.y()) * Fade(k ? t.z() : 1 - t.z());
-    sum += weight * Lattice(x + i, y + j, z + k, seed);
-  }
-  return sum;
+  const std::int64_t x = Floor(p.x());
+  const std::int64_t y = Floor(p.y());
+  const std::int64_t z = Floor(p.z());
+  const double r = Fade(p.x() - static_cast<double>(x));
+  const double s = Fade(p.y() - static_cast<double>(y));
+  const double t = Fade(p.z() - static_cast<double>(z));
+  const auto along_x = [&](std::int64_t j, std::int64_t k) {
+    const double low = Lattice(x, j, k, seed);
+    return low + r * (Lattice(x + 1, j, k, seed) - low);
+  };
+  const auto layer = [&](std::int64_t k) {
+    const double low = along_x(y, k);
+    return low + s * (along_x(y + 1, k) - low);
+  };
+  const double low = layer(z);
+  return low + t * (layer(z + 1) - low);
 }
 
 Eigen::Vector3f FloorColour(std::string_view kind, const Eigen::Vector2d& p_m, std::uint64_t seed) {
@@ -139,11 +159,16 @@ Eigen::Vector3f PosterColour(int number,
 }
 
 Eigen::Vector3f Linear(const Rgb8& colour) {
-  const auto channel = [](std::uint8_t c) {
-    const double s = c / 255.0;
-    return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-  };
-  return {channel(colour.r), channel(colour.g), channel(colour.b)};
+  static const std::array<float, 256> kLinear = [] {
+    std::array<float, 256> values{};
+    for (std::size_t c = 0; c < values.size(); ++c) {
+      const double s = static_cast<double>(c) / 255.0;
+      values[c] =
+          static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  return {kLinear[colour.r], kLinear[colour.g], kLinear[colour.b]};
 }
 
 }  // namespace deepslam::synth
