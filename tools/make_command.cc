@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
@@ -103,6 +104,20 @@ int BuildLibrary(const LibraryArguments& arguments) {
   return kExitOk;
 }
 
+int SplitLibrary(const std::string& catalogues, double share) {
+  CatchStopSignals();
+  ConsoleListener listener(ParseProgressStyle("auto"), false);
+  listener.StageStarts("split", {});
+  const auto start = std::chrono::steady_clock::now();
+  const Result<std::vector<library::WithheldProduct>> withheld =
+      library::ChooseWithheld(catalogues, share, listener);
+  if (!withheld.ok()) return ReportError(withheld.error());
+  listener.StageDone(
+      "split", fmt::format("{} products withheld", withheld->size()), {SecondsSince(start), 0, 0});
+  std::fputs(library::WithheldYaml(*withheld).c_str(), stdout);
+  return kExitOk;
+}
+
 int Synthesise(const SynthRequest& request) {
   CatchStopSignals();
   ConsoleListener listener(ParseProgressStyle("auto"), false);
@@ -156,6 +171,26 @@ void AddLibrary(CLI::App& app, Command& chosen) {
   build->add_flag("--force", arguments->force, "Make it although it is up to date");
   build->callback(
       [&chosen, arguments] { chosen = [arguments] { return BuildLibrary(*arguments); }; });
+
+  struct SplitArguments {
+    std::string catalogues = kCatalogueFolder;
+    double share = 0.25;
+  };
+  auto split_arguments = std::make_shared<SplitArguments>();
+  CLI::App* split = library_command->add_subcommand(
+      "split", "Choose products to withhold from library and training; prints the list");
+  split
+      ->add_option(
+          "--catalogues", split_arguments->catalogues, "Folder with *.sh3f furniture catalogues")
+      ->capture_default_str();
+  split->add_option("--share", split_arguments->share, "Of each class's products")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  split->callback([&chosen, split_arguments] {
+    chosen = [split_arguments] {
+      return SplitLibrary(split_arguments->catalogues, split_arguments->share);
+    };
+  });
 }
 
 }  // namespace deepslam::tools

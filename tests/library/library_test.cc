@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -314,6 +315,40 @@ TEST_F(Library, RefusesDamage) {
   fs::remove(options_.out / model);
   EXPECT_THAT(LoadLibrary(options_.out).error().message, HasSubstr("library build"));
   EXPECT_THAT(LoadLibrary(dir_.path() / "nowhere").error().message, HasSubstr("library build"));
+}
+
+TEST_F(Library, SplitKeepsShapesTogetherAndTakesItsShareOfEveryClass) {
+  SilentProgress progress;
+  const auto ids_at = [&](double share) {
+    const auto withheld = ChooseWithheld(options_.catalogues, share, progress);
+    EXPECT_TRUE(withheld.ok());
+    std::set<std::string> ids;
+    for (const WithheldProduct& product : *withheld) ids.insert(product.id);
+    return ids;
+  };
+  // Chairs that can be read: two of one shape, and a stool; tables: two of one shape.
+  EXPECT_THAT(ids_at(0.0), testing::IsEmpty());
+  EXPECT_THAT(ids_at(0.34), testing::ElementsAre("Test#stool")) << "one of three chairs";
+  const std::set<std::string> two_thirds = ids_at(0.67);
+  EXPECT_EQ(two_thirds.contains("Test#chair"), two_thirds.contains("Test#larger"));
+  EXPECT_EQ(two_thirds.size(), 1U) << "of two like tables only both could be withheld";
+  EXPECT_THAT(ids_at(1.0),
+              testing::ElementsAre(
+                  "Test#chair", "Test#larger", "Test#stool", "Test#table", "Test#twin"));
+}
+
+TEST_F(Library, SplitIsReadAsAListAndLeavesNothingAlikeInTheLibrary) {
+  SilentProgress progress;
+  const auto withheld = ChooseWithheld(options_.catalogues, 0.34, progress);
+  ASSERT_TRUE(withheld.ok());
+  WriteText(dir_.path() / "list.yaml", WithheldYaml(*withheld));
+  const Result<std::vector<std::string>> ids = ReadWithheldModels(dir_.path() / "list.yaml");
+  ASSERT_TRUE(ids.ok()) << ids.error().message;
+  EXPECT_THAT(*ids, testing::ElementsAre("Test#stool"));
+  options_.withheld = *ids;
+  const Result<LibrarySummary> summary = Build();
+  ASSERT_TRUE(summary.ok());
+  EXPECT_THAT(summary->dropped, testing::Not(testing::Contains(HasSubstr("shape like"))));
 }
 
 TEST(ShapesAlike, SeesThroughSizeStretchAndTurn) {

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import zipfile
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 REPOSITORY = pathlib.Path(sys.argv[2]).resolve()
@@ -102,6 +103,59 @@ class CommandLine(unittest.TestCase):
         bad = self.dir / "bad.tum"
         bad.write_text("0 0 0 0\n")
         self.check(run("eval", "trajectory", bad, truth), 3, "bad.tum:1")
+
+
+def make_catalogue(file, *items):
+    """A Sweet Home 3D catalogue of boxes: (id, name, width, depth, height in cm)."""
+    quads = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    faces = "".join("f {} {} {} {}\n".format(*q) for q in quads)
+    lines = ["name=Boxes", "license=free"]
+    with zipfile.ZipFile(file, "w") as archive:
+        for n, (name_id, name, *sides) in enumerate(items, 1):
+            lines += [f"id#{n}={name_id}", f"name#{n}={name}", f"model#{n}=/m/{n}.obj", f"creator#{n}=nobody"]
+            lines += [f"{key}#{n}={side}" for key, side in zip(("width", "depth", "height"), sides)]
+            width, depth, height = sides
+            corners = [(x, y, z) for x in (0, width) for y in (0, height) for z in (0, depth)]
+            archive.writestr(f"m/{n}.obj", "".join("v {} {} {}\n".format(*c) for c in corners) + faces)
+        archive.writestr("PluginFurnitureCatalog.properties", "\n".join(lines) + "\n")
+
+
+class Libraries(unittest.TestCase):
+    def setUp(self):
+        self.temp = tempfile.TemporaryDirectory(prefix="deepslam-cli-")
+        self.dir = pathlib.Path(self.temp.name)
+        self.catalogues = self.dir / "catalogues"
+        self.catalogues.mkdir()
+        make_catalogue(self.catalogues / "boxes.sh3f", ("B#cabinet", "Cabinet", 80, 40, 90), ("B#desk", "Desk", 140, 70, 74))
+
+    def tearDown(self):
+        self.temp.cleanup()
+
+    def build(self):
+        result = run("library", "build", "--catalogues", self.catalogues, "--withheld", self.dir / "list.yaml",
+                     "-o", self.dir / "library")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        models = json.loads((self.dir / "library" / "library.json").read_text())["models"]
+        return "up to date" in result.stderr, [model["id"] for model in models]
+
+    def test_library_is_made_again_when_the_list_of_withheld_products_changes(self):
+        withheld = self.dir / "list.yaml"
+        withheld.write_text("withheld:\n")
+        self.assertEqual(self.build()[0], False)
+        withheld.write_text("# the same list, written anew\nwithheld:\n")
+        self.assertTrue(self.build()[0])
+        # A box is like every other box: withholding one keeps both out, by id and by shape.
+        withheld.write_text('withheld:\n  - id: "B#desk"\n')
+        self.assertEqual(self.build(), (False, []))
+
+    def test_split_prints_a_list_that_build_reads(self):
+        result = run("library", "split", "--catalogues", self.catalogues, "--share", "1")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('- id: "B#cabinet"', result.stdout)
+        self.assertIn('- id: "B#desk"', result.stdout)
+        (self.dir / "list.yaml").write_text(result.stdout)
+        self.assertEqual(self.build()[1], [])
+        self.assertEqual(run("library", "split", "--catalogues", self.catalogues, "--share", "2").returncode, 2)
 
 
 class Workspaces(unittest.TestCase):

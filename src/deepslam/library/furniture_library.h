@@ -41,14 +41,31 @@ struct LibrarySummary {
 [[nodiscard]] Result<LibrarySummary> BuildLibrary(const BuildLibraryOptions& options,
                                                   Progress& progress);
 
+struct WithheldProduct {
+  std::string id;  // "Scopia#chair"
+  std::string name;
+  std::string class_name;
+  std::string catalogue;  // file name
+  std::string mesh;       // OBJ inside the catalogue
+};
+
+// Divides the catalogues' products of mapped classes into those that the library and training may
+// hold and those that neither does: about `share` of each class is withheld. Products of one shape
+// (and of shapes that a chain of alike ones joins) stay together, whatever their catalogue, size
+// and class. The order in which they are taken is that of the hashes of their names, so it is the
+// same for everybody. Ascending class, then id.
+[[nodiscard]] Result<std::vector<WithheldProduct>> ChooseWithheld(
+    const std::filesystem::path& catalogues, double share, Progress& progress);
+
+// The list as text for ReadWithheldModels.
+[[nodiscard]] std::string WithheldYaml(const std::vector<WithheldProduct>& withheld);
+
 // The `withheld` list of a YAML file such as configs/withheld_models.yaml (a list of catalogue ids
 // under `withheld`).
 [[nodiscard]] Result<std::vector<std::string>> ReadWithheldModels(
     const std::filesystem::path& file);
 
-// Whether two canonical models show the same product: after b is stretched to a's box, in any of
-// the four quarter turns, their intersection over union is above 0.9, or nearly all of each lies
-// within a voxel of the other.
+// Whether two canonical models show the same product (Alike, alike.h).
 [[nodiscard]] bool ShapesAlike(const VoxelGrid& a, const VoxelGrid& b);
 
 }  // namespace deepslam::library

@@ -1,0 +1,84 @@
+#include "deepslam/library/alike.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "deepslam/library/furniture_library.h"
+#include "deepslam/shape/distance_transform.h"
+#include "deepslam/shape/stretch.h"
+
+namespace deepslam::library {
+namespace {
+
+constexpr double kAlike = 0.9;
+// Legs and boards are one or two voxels thick: a different rounding halves their overlap. So shapes
+// are alike as well when nearly all of each lies within a voxel of the other.
+constexpr double kNearlyAll = 0.97;
+constexpr float kNearSquared = 2.0F;  // diagonal neighbours in a plane
+
+// Sides of the occupied voxels' box, object units; zero when there are none.
+Eigen::Vector3d Extent(const VoxelGrid& grid) {
+  Eigen::Array3i low = Eigen::Array3i::Constant(kGridSize);
+  Eigen::Array3i high = Eigen::Array3i::Constant(-1);
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        if (!grid.At(i, j, k)) continue;
+        low = low.min(Eigen::Array3i(i, j, k));
+        high = high.max(Eigen::Array3i(i, j, k));
+      }
+    }
+  }
+  if (high.x() < 0) return Eigen::Vector3d::Zero();
+  return (high - low + 1).cast<double>() * kVoxelSize;
+}
+
+// Share of a's voxels that lie within a voxel of the shape whose squared distances are given.
+double ShareNear(const VoxelGrid& a, const std::vector<float>& squared_distance_b) {
+  std::size_t near = 0;
+  std::size_t all = 0;
+  for (std::size_t n = 0; n < a.occupied.size(); ++n) {
+    if (a.occupied[n] == 0) continue;
+    ++all;
+    near += squared_distance_b[n] <= kNearSquared ? 1U : 0U;
+  }
+  return all > 0 ? static_cast<double>(near) / static_cast<double>(all) : 0.0;
+}
+
+}  // namespace
+
+ComparableShape::ComparableShape(const VoxelGrid& grid) : grid_(&grid), extent_(Extent(grid)) {
+  if (extent_.minCoeff() <= 0) return;
+  const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
+  fullness_ =
+      static_cast<double>(count) * kVoxelSize * kVoxelSize * kVoxelSize / extent_.prod();
+  squared_distance_ = shape::SquaredDistanceTo(grid, true);
+}
+
+bool Alike(const ComparableShape& a, const ComparableShape& b) {
+  if (a.fullness_ <= 0 || b.fullness_ <= 0) return false;
+  // A first look that costs nothing.
+  constexpr double kOtherFullness = 1.5;
+  const double ratio = a.fullness_ / b.fullness_;
+  if (ratio > kOtherFullness || ratio < 1.0 / kOtherFullness) return false;
+  for (int turns = 0; turns < 4; ++turns) {
+    Eigen::Vector3d extent_turned = b.extent_;
+    if (turns % 2 != 0) std::swap(extent_turned.x(), extent_turned.y());
+    const VoxelGrid fitted = shape::StretchGrid(shape::TurnGrid(*b.grid_, turns),
+                                                a.extent_.cwiseQuotient(extent_turned));
+    if (shape::GridIntersectionOverUnion(*a.grid_, fitted) > kAlike) return true;
+    if (ShareNear(fitted, a.squared_distance_) > kNearlyAll &&
+        ShareNear(*a.grid_, shape::SquaredDistanceTo(fitted, true)) > kNearlyAll) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool ShapesAlike(const VoxelGrid& a, const VoxelGrid& b) {
+  return Alike(ComparableShape(a), ComparableShape(b));
+}
+
+}  // namespace deepslam::library
