@@ -90,9 +90,14 @@ const ModelLibrary& Library() {
   return *library;
 }
 
-Proposals Retrieve(const std::string& class_name, std::span<const ObjectView> views) {
+Proposals Retrieve(const std::string& class_name,
+                   std::span<const ObjectView> views,
+                   Sight sight = Sight::kColourAndDepth) {
   const std::unique_ptr<Proposer> proposer = MakeRetrievalProposer(
-      std::shared_ptr<const ModelLibrary>(&Library(), [](const ModelLibrary*) {}), Classes(), {});
+      std::shared_ptr<const ModelLibrary>(&Library(), [](const ModelLibrary*) {}),
+      Classes(),
+      {},
+      sight);
   const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, class_name, views});
   EXPECT_TRUE(proposals.ok());
   return *proposals;
@@ -115,6 +120,28 @@ TEST_P(RetrievesItself, FirstAndInTheRightSize) {
   EXPECT_THAT(best.credit, testing::HasSubstr("somebody"));
   EXPECT_EQ(best.source, CandidateSource::kRetrieval);
   EXPECT_FALSE(best.id.valid());
+}
+
+TEST_P(RetrievesItself, ByItsOutlinesAlone) {
+  const LibraryModel& model = Library().models[static_cast<std::size_t>(GetParam())];
+  Stage stage;
+  stage.size_m = model.size_m.maxCoeff();
+  std::vector<ObjectView> views = StagedViews(model.shape, stage);
+  const Proposals proposals = Retrieve(model.class_name, views, Sight::kColour);
+  ASSERT_FALSE(proposals.candidates.empty());
+  const ShapeCandidate& best = proposals.candidates.front();
+  EXPECT_EQ(best.library_id, model.id);
+  // A cell of the raster in which outlines are compared is about 1/30 of the object.
+  EXPECT_NEAR(best.size_m, stage.size_m, 0.1 * stage.size_m);
+  // No depth value has a part in it.
+  for (ObjectView& view : views)
+    view.depth_crop_m = DepthImage(view.camera.width, view.camera.height, 7.0F);
+  const Proposals blind = Retrieve(model.class_name, views, Sight::kColour);
+  ASSERT_EQ(blind.candidates.size(), proposals.candidates.size());
+  for (std::size_t n = 0; n < blind.candidates.size(); ++n) {
+    EXPECT_EQ(blind.candidates[n].model, proposals.candidates[n].model);
+    EXPECT_EQ(blind.candidates[n].proposal_score, proposals.candidates[n].proposal_score);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryModel, RetrievesItself, testing::Range(0, 5));
@@ -176,6 +203,33 @@ TEST(Retrieval, WorksWithoutAGround) {
   stage.size_m = 0.9;
   const Proposals proposals = Retrieve("chair", StagedViews(Library().models[0].shape, stage));
   EXPECT_FALSE(proposals.candidates.empty());
+}
+
+TEST(Retrieval, OutlinesStandWithoutAGroundAndOfUnknownFurniture) {
+  Stage stage;
+  stage.has_ground = false;
+  stage.size_m = 0.9;
+  const Proposals proposals =
+      Retrieve("chair", StagedViews(Library().models[0].shape, stage), Sight::kColour);
+  ASSERT_FALSE(proposals.candidates.empty());
+  EXPECT_EQ(proposals.candidates.front().library_id, Library().models[0].id);
+  stage = Stage();
+  stage.size_m = 1.4;
+  stage.distance_m = 2.4;
+  const Proposals furniture = Retrieve(std::string(kFurnitureClass),
+                                       StagedViews(Library().models[4].shape, stage),
+                                       Sight::kColour);
+  ASSERT_FALSE(furniture.candidates.empty());
+  EXPECT_EQ(furniture.candidates.front().library_id, Library().models[4].id);
+}
+
+TEST(Retrieval, NoOutlineGivesANote) {
+  EXPECT_THAT(Retrieve("chair", {}, Sight::kColour).notes, testing::SizeIs(1));
+  std::vector<ObjectView> views = StagedViews(Library().models[0].shape, Stage());
+  for (ObjectView& view : views) view.mask_crop = Mask(view.camera.width, view.camera.height, 0);
+  EXPECT_TRUE(Retrieve("chair", views, Sight::kColour).candidates.empty());
+  for (ObjectView& view : views) view.mask_crop = Mask();
+  EXPECT_TRUE(Retrieve("chair", views, Sight::kColour).candidates.empty());
 }
 
 TEST(Retrieval, NothingSeenGivesANote) {

@@ -19,10 +19,20 @@ constexpr std::size_t kMinPoints = 30;
 // Share of cells left out at either end of an extent: stray cells of segments that leak.
 constexpr double kOutlierShare = 0.01;
 
-struct LevelFrame {
-  Pose3 level_from_world;
-  bool has_ground = false;
+struct CellSum {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0;
+  int num_views = 0;
+  std::size_t last_view = SIZE_MAX;
 };
+
+double Quantile(std::vector<float>& values, double share) {
+  const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
+  return values[n];
+}
+
+}  // namespace
 
 LevelFrame FindLevel(std::span<const ObjectView> views) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
@@ -49,21 +59,6 @@ LevelFrame FindLevel(std::span<const ObjectView> views) {
   }
   return level;
 }
-
-struct CellSum {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  float count = 0;
-  int num_views = 0;
-  std::size_t last_view = SIZE_MAX;
-};
-
-double Quantile(std::vector<float>& values, double share) {
-  const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
-  return values[n];
-}
-
-}  // namespace
 
 LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
   const LevelFrame level = FindLevel(views);

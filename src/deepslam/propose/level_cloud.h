@@ -16,6 +16,14 @@
 
 namespace deepslam::propose {
 
+struct LevelFrame {
+  Pose3 level_from_world;
+  bool has_ground = false;
+};
+
+// From the views' poses and grounds alone; without a ground the height of z = 0 says nothing.
+[[nodiscard]] LevelFrame FindLevel(std::span<const ObjectView> views);
+
 struct LevelCloud {
   Pose3 level_from_world;
   bool has_ground = false;

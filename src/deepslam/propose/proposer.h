@@ -37,6 +37,12 @@ class Proposer {
   [[nodiscard]] virtual Result<Proposals> Propose(const ObjectObservations& object) const = 0;
 };
 
+// What a source may look at. Poses, ground and segmentation are known in either case.
+enum class Sight {
+  kColourAndDepth,
+  kColour,  // the colour image and the object's silhouette in it, no depth values
+};
+
 struct RetrievalOptions {
   int max_models = 8;  // designs offered per object
   int max_views = 6;   // views that take part, best supported and spread first
@@ -47,11 +53,14 @@ struct RetrievalOptions {
 };
 void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
 
-// The library is shared by all objects and outlives the call that made it.
+// The library is shared by all objects and outlives the call that made it. By colour and depth
+// designs are ranked by how well they agree with all depth, by colour alone by how well their
+// outlines agree with the silhouettes.
 [[nodiscard]] std::unique_ptr<Proposer> MakeRetrievalProposer(
     std::shared_ptr<const ModelLibrary> library,
     const ClassTable& classes,
-    const RetrievalOptions& options);
+    const RetrievalOptions& options,
+    Sight sight = Sight::kColourAndDepth);
 
 struct FusedOptions {
   int max_views = 24;         // views that are fused, best supported and spread first

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/propose/candidate_size.h"
@@ -15,6 +17,7 @@
 #include "deepslam/propose/fit_model.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
+#include "deepslam/propose/silhouette_fit.h"
 #include "deepslam/shape/stretch.h"
 
 namespace deepslam::propose {
@@ -25,12 +28,18 @@ constexpr int kNumYaws = 12;           // Gauss-Newton turns by up to half a ste
 constexpr double kTolerance_m = 0.03;  // of designs that are like the object, not the object itself
 constexpr int kStretchStep_percent = 5;
 
-// What one object's views hold, prepared for all models.
+// What one object's views hold, prepared for all models: its depth, or its silhouettes alone.
 struct Measured {
+  bool has_ground = false;
   LevelCloud cloud;
   std::vector<Eigen::Vector3f> fit_points;
   std::vector<DepthView> views;
   std::vector<LevelBox> boxes;  // at kNumYaws yaws, the first along the smallest footprint
+  std::vector<SilhouetteView> silhouettes;
+
+  [[nodiscard]] bool empty() const {
+    return silhouettes.empty() && (fit_points.empty() || views.empty());
+  }
 };
 
 std::vector<Eigen::Vector3f> EveryNth(const std::vector<Eigen::Vector3f>& points,
@@ -44,6 +53,7 @@ std::vector<Eigen::Vector3f> EveryNth(const std::vector<Eigen::Vector3f>& points
 Measured Measure(std::span<const ObjectView> views, int max_views) {
   Measured measured;
   measured.cloud = AccumulateLevel(views);
+  measured.has_ground = measured.cloud.has_ground;
   if (measured.cloud.points.empty()) return measured;
   measured.fit_points = EveryNth(measured.cloud.points, kFitPoints);
   const LevelBox box = MeasureBox(measured.cloud.points);
@@ -55,6 +65,33 @@ Measured Measure(std::span<const ObjectView> views, int max_views) {
   const Eigen::Vector3d center_world = measured.cloud.level_from_world.Inverse() * center_level;
   for (const std::size_t n : ChooseViews(views, center_world, max_views)) {
     measured.views.emplace_back(views[n], measured.cloud.level_from_world);
+  }
+  return measured;
+}
+
+// The middle between the points nearest to the views' axes: good enough to tell directions apart.
+Eigen::Vector3d AxesMeet(std::span<const ObjectView> views) {
+  Eigen::Matrix3d h = 1e-3 * Eigen::Matrix3d::Identity();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  for (const ObjectView& view : views) {
+    const Eigen::Vector3d axis =
+        (view.world_from_camera.rotation *
+         view.camera.Ray(0.5 * (view.camera.width - 1), 0.5 * (view.camera.height - 1)))
+            .normalized();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+    h += across;
+    g += across * view.world_from_camera.translation_m;
+  }
+  return h.ldlt().solve(g);
+}
+
+Measured MeasureSilhouettes(std::span<const ObjectView> views, int max_views) {
+  Measured measured;
+  const LevelFrame level = FindLevel(views);
+  measured.has_ground = level.has_ground;
+  for (const std::size_t n : ChooseViews(views, AxesMeet(views), max_views)) {
+    SilhouetteView silhouette(views[n], level.level_from_world);
+    if (!silhouette.empty()) measured.silhouettes.push_back(std::move(silhouette));
   }
   return measured;
 }
@@ -85,10 +122,12 @@ class RetrievalProposer final : public Proposer {
  public:
   RetrievalProposer(std::shared_ptr<const ModelLibrary> library,
                     ClassTable classes,
-                    const RetrievalOptions& options)
+                    const RetrievalOptions& options,
+                    Sight sight)
       : library_(std::move(library)),
         classes_(std::move(classes)),
         options_(options),
+        sight_(sight),
         shapes_(library_->models.size()),
         made_(library_->models.size()) {}
 
@@ -97,10 +136,11 @@ class RetrievalProposer final : public Proposer {
 
  private:
   [[nodiscard]] std::vector<std::size_t> ModelsFor(const std::string& class_name,
-                                                   const Eigen::Vector3d& size_m) const;
+                                                   const Measured& measured) const;
   [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
   [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
   void Refine(const Measured& measured, const FitTerms& terms, Match& match) const;
+  [[nodiscard]] double Score(const Measured& measured, const Match& match) const;
   void AddCandidate(const ObjectObservations& object,
                     const Match& match,
                     Proposals& proposals) const;
@@ -109,6 +149,7 @@ class RetrievalProposer final : public Proposer {
   std::shared_ptr<const ModelLibrary> library_;
   ClassTable classes_;
   RetrievalOptions options_;
+  Sight sight_;
   // Made on first use: most runs need a few classes only.
   mutable std::vector<std::unique_ptr<const CoarseShape>> shapes_;
   mutable std::vector<std::once_flag> made_;
@@ -123,9 +164,9 @@ const CoarseShape& RetrievalProposer::Coarse(std::size_t model) const {
 
 // Models of the classes that may stand for the object's; for an object of unknown class, or of one
 // without models, all whose real size fits what was measured (of which some may be hidden, so
-// models may be larger).
+// models may be larger); silhouettes alone measure no size.
 std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_name,
-                                                      const Eigen::Vector3d& size_m) const {
+                                                      const Measured& measured) const {
   const ObjectClass* const object_class = classes_.Find(class_name);
   std::vector<std::size_t> models;
   for (std::size_t n = 0; n < library_->models.size(); ++n) {
@@ -140,6 +181,9 @@ std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_n
   }
   if (!models.empty() && class_name != kFurnitureClass) return models;
   constexpr double kHidden = 2.0;  // at least half of each side is seen
+  const bool sized = !measured.boxes.empty();
+  const Eigen::Vector3d size_m =
+      sized ? measured.boxes.front().size_m : Eigen::Vector3d(Eigen::Vector3d::Zero());
   std::vector<std::size_t> of_size;
   for (std::size_t n = 0; n < library_->models.size(); ++n) {
     const Eigen::Vector3d& real_m = library_->models[n].size_m;
@@ -148,7 +192,7 @@ std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_n
     const std::array<double, 3> seen = {
         size_m.head<2>().maxCoeff(), size_m.head<2>().minCoeff(), size_m.z()};
     bool fits = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; sized && axis < 3; ++axis) {
       fits = fits && real[axis] * options_.stretch_max > seen[axis] &&
              real[axis] * options_.stretch_min < seen[axis] * (axis == 2 ? 1.0 : kHidden);
     }
@@ -166,13 +210,31 @@ void RetrievalProposer::Refine(const Measured& measured,
   placement.size_m = placement.size_m.cwiseMax(options_.stretch_min * real_m)
                          .cwiseMin(options_.stretch_max * real_m);
   match.placement = placement;
-  match.score = ScorePlacement(shape, placement, measured.fit_points, measured.views, kTolerance_m);
+  match.score = Score(measured, match);
+}
+
+double RetrievalProposer::Score(const Measured& measured, const Match& match) const {
+  const CoarseShape& shape = Coarse(match.model);
+  if (measured.silhouettes.empty()) {
+    return ScorePlacement(
+        shape, match.placement, measured.fit_points, measured.views, kTolerance_m);
+  }
+  return ScoreSilhouettes(
+      shape, match.placement, library_->models[match.model].size_m, measured.silhouettes);
 }
 
 Match RetrievalProposer::BestPlacement(std::size_t model, const Measured& measured) const {
   const Eigen::Vector3d& real_m = library_->models[model].size_m;
+  if (!measured.silhouettes.empty()) {
+    const SilhouetteFit fit =
+        FitSilhouettes(Coarse(model),
+                       real_m,
+                       measured.silhouettes,
+                       {options_.stretch_min, options_.stretch_max, measured.has_ground});
+    return {model, fit.score, fit.placement};
+  }
   FitTerms terms;
-  if (!measured.cloud.has_ground) terms.bottom_sigma_m = 0.3;
+  if (!measured.has_ground) terms.bottom_sigma_m = 0.3;
   Match best;
   best.model = model;
   for (const LevelBox& box : measured.boxes) {
@@ -192,8 +254,7 @@ Match RetrievalProposer::Unstretched(const Match& match, const Measured& measure
   const double factor = std::cbrt((match.placement.size_m.array() / real_m.array()).prod());
   Match even = match;
   even.placement.size_m = factor * real_m;
-  even.score = ScorePlacement(
-      Coarse(match.model), even.placement, measured.fit_points, measured.views, kTolerance_m);
+  even.score = Score(measured, even);
   return even;
 }
 
@@ -236,13 +297,15 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
   Proposals proposals;
   const std::string subject =
       "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
-  const Measured measured = Measure(object.views, options_.max_views);
-  if (measured.fit_points.empty() || measured.views.empty()) {
-    proposals.notes.push_back(subject + "too few depth points for retrieval");
+  const bool by_depth = sight_ == Sight::kColourAndDepth;
+  const Measured measured = by_depth ? Measure(object.views, options_.max_views)
+                                     : MeasureSilhouettes(object.views, options_.max_views);
+  if (measured.empty()) {
+    proposals.notes.push_back(subject + (by_depth ? "too few depth points for retrieval"
+                                                  : "no silhouette for retrieval"));
     return proposals;
   }
-  const std::vector<std::size_t> models =
-      ModelsFor(object.class_name, measured.boxes.front().size_m);
+  const std::vector<std::size_t> models = ModelsFor(object.class_name, measured);
   if (models.empty()) {
     proposals.notes.push_back(subject + "no library model of its class or size");
     return proposals;
@@ -262,7 +325,7 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
     if (n < kAlsoUnstretched) AddCandidate(object, Unstretched(matches[n], measured), proposals);
   }
   if (proposals.candidates.empty())
-    proposals.notes.push_back(subject + "no library model fits its depth");
+    proposals.notes.push_back(subject + "no library model fits it");
   std::stable_sort(proposals.candidates.begin(),
                    proposals.candidates.end(),
                    [](const ShapeCandidate& a, const ShapeCandidate& b) {
@@ -297,9 +360,10 @@ void Describe(OptionsVisitor& visitor, RetrievalOptions& options) {
 
 std::unique_ptr<Proposer> MakeRetrievalProposer(std::shared_ptr<const ModelLibrary> library,
                                                 const ClassTable& classes,
-                                                const RetrievalOptions& options) {
+                                                const RetrievalOptions& options,
+                                                Sight sight) {
   DEEPSLAM_CHECK(library != nullptr, "retrieval without a library");
-  return std::make_unique<RetrievalProposer>(std::move(library), classes, options);
+  return std::make_unique<RetrievalProposer>(std::move(library), classes, options, sight);
 }
 
 }  // namespace deepslam::propose

@@ -30,6 +30,9 @@ void Describe(OptionsVisitor& visitor, DetectStageOptions& options) {
 }
 
 void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
+  visitor.Field("use_depth",
+                options.use_depth,
+                "sources may look at depth; if not, at colour and silhouettes alone");
   visitor.Field("retrieval", options.retrieval, "offer CAD models of the furniture library");
   visitor.Field("fused", options.fused, "offer the object's own fused measurement");
   visitor.Field("library",

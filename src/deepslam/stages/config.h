@@ -41,6 +41,8 @@ struct DetectStageOptions {
 };
 
 struct ProposeStageOptions {
+  // false: sources see colour and silhouettes alone; the fused measurement, being depth, is none.
+  bool use_depth = true;
   bool retrieval = true;
   bool fused = true;
   std::string library;  // folder; empty: `library` in the data folder

@@ -29,6 +29,7 @@ struct Sources {
 
 Result<Sources> MakeSources(const RunInputs& inputs) {
   const Config& config = inputs.config;
+  const bool use_depth = config.propose_stage.use_depth;
   Sources sources;
   if (config.propose_stage.retrieval) {
     const Result<std::filesystem::path> folder =
@@ -37,10 +38,13 @@ Result<Sources> MakeSources(const RunInputs& inputs) {
     Result<ModelLibrary> library = library::LoadLibrary(*folder);
     if (!library.ok()) return library.error();
     sources.library = std::make_shared<const ModelLibrary>(std::move(library).value());
-    sources.proposers.push_back(
-        propose::MakeRetrievalProposer(sources.library, inputs.classes, config.retrieval));
+    sources.proposers.push_back(propose::MakeRetrievalProposer(
+        sources.library,
+        inputs.classes,
+        config.retrieval,
+        use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour));
   }
-  if (config.propose_stage.fused) {
+  if (config.propose_stage.fused && use_depth) {
     sources.proposers.push_back(propose::MakeFusedProposer(inputs.classes, config.fused));
   }
   return sources;
