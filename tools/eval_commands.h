@@ -8,6 +8,7 @@ namespace deepslam::tools {
 void AddEvalTrajectory(CLI::App& eval_command, Command& chosen);
 void AddEvalObjects(CLI::App& eval_command, Command& chosen);
 void AddEvalSelection(CLI::App& eval_command, Command& chosen);
+void AddEvalDetections(CLI::App& eval_command, Command& chosen);
 void AddEvalMap(CLI::App& eval_command, Command& chosen);
 
 // `eval selection --held-out`: WORKSPACE CAPTURE pairs.

@@ -25,8 +25,6 @@ using artifact::JsonNode;
 using artifact::JsonObject;
 using artifact::JsonReader;
 
-// An object that covers less of every frame cannot be asked for.
-constexpr double kVisibleShare = 0.005;
 constexpr double kMaxSizeM = 50;
 constexpr double kMaxPlaceM = 1000;
 
@@ -107,6 +105,7 @@ Result<std::vector<TrueObject>> ReadObjects(const fs::path& file) {
   for (const JsonNode& node : reader.root()["objects"].Items()) {
     TrueObject object;
     object.box = ReadBox(node);
+    object.number = static_cast<int>(objects.size()) + 1;
     objects.push_back(std::move(object));
     const JsonNode mesh = node.Maybe("mesh");
     meshes.push_back(mesh.exists() ? mesh.String() : std::string());

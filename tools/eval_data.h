@@ -19,7 +19,11 @@
 
 namespace deepslam::tools {
 
+// An object that covers less of every frame cannot be asked for.
+inline constexpr double kVisibleShare = 0.005;
+
 struct TrueObject {
+  int number = 0;  // in the truth's list and in the instance masks, from 1
   eval::PlacedBox box;  // true world
   TriangleMesh mesh;    // object frame, metres; the box itself where only that is known
   bool has_shape = false;

@@ -121,6 +121,7 @@ void AddEval(CLI::App& app, Command& chosen) {
   CLI::App* eval_command = app.add_subcommand("eval", "Compare results with the truth");
   eval_command->require_subcommand(1);
   AddEvalTrajectory(*eval_command, chosen);
+  AddEvalDetections(*eval_command, chosen);
   AddEvalObjects(*eval_command, chosen);
   AddEvalSelection(*eval_command, chosen);
   AddEvalMap(*eval_command, chosen);

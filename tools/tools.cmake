@@ -4,5 +4,6 @@ add_executable(deepslam
   synth_capture.cc)
 target_link_libraries(deepslam PRIVATE deepslam::stages deepslam::synth CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam)
-target_sources(deepslam PRIVATE eval_data.cc eval_held_out.cc eval_map.cc eval_objects.cc eval_selection.cc eval_trajectory.cc)
+target_sources(deepslam PRIVATE
+  eval_data.cc eval_detections.cc eval_held_out.cc eval_map.cc eval_objects.cc eval_selection.cc eval_trajectory.cc)
 install(TARGETS deepslam)

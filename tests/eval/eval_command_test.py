@@ -17,10 +17,18 @@ DEEPSLAM = sys.argv[1]
 REPOSITORY = pathlib.Path(sys.argv[2])
 
 
-def objects_version():
-    """Version of objects.json that this source tree writes."""
-    text = (REPOSITORY / "src/deepslam/artifact/objects_json.cc").read_text()
+def version_of(source):
+    """Version of the files that a codec of this source tree writes."""
+    text = (REPOSITORY / "src/deepslam/artifact" / source).read_text()
     return int(re.search(r"kVersion\s*=\s*(\d+)", text).group(1))
+
+
+def objects_version():
+    return version_of("objects_json.cc")
+
+
+def detections_version():
+    return version_of("detections_json.cc")
 
 
 def png(width, height, value):
@@ -133,6 +141,34 @@ class Eval(unittest.TestCase):
         file = self.capture / "truth/objects.json"
         file.write_text(file.read_text().replace("meshes/0.ply", "../../secret.ply"))
         self.assert_refused("beside")
+
+    def write_detections(self, *boxes, frame=0, width=8):
+        (self.workspace / "detect").mkdir(exist_ok=True)
+        (self.workspace / "detect/detections.json").write_text(json.dumps({
+            "format": "deepslam/detections", "version": detections_version(),
+            "images": [{"id": frame, "file_name": "a.jpg", "width": width, "height": 6}], "categories": [{"id": 1, "name": "chair"}],
+            "annotations": [{"id": n, "image_id": frame, "category_id": 1, "category_name": name, "bbox": box, "area": 1,
+                             "iscrowd": 0, "score": 0.9, "source": "network"} for n, (name, box) in enumerate(boxes)]}))
+
+    def test_detections_are_held_against_the_masks(self):
+        # The object fills the whole frame.
+        self.write_detections(("chair", [0, 0, 8, 5]), ("chair", [0, 0, 2, 2]))
+        code, stdout, stderr = self.eval("detections")
+        self.assertEqual(code, 0, stderr)
+        summary = json.loads(stdout)["summary"]
+        self.assertEqual((summary["num_seen"], summary["num_found_by_network"], summary["num_objects_found"]), (1, 1, 1))
+        self.assertEqual((summary["recall"], summary["precision"]), (1, 0.5))
+        self.write_detections(("sofa", [0, 0, 8, 6]))
+        summary = json.loads(self.eval("detections")[1])["summary"]
+        self.assertEqual((summary["num_found"], summary["num_found_any_class"]), (0, 1))
+
+    def test_detections_without_truth_or_of_another_capture(self):
+        self.assertEqual(self.eval("detections")[0], 3)
+        for frame, width, word in ((7, 8, "000007.png"), (0, 9, "000000.png")):
+            self.write_detections(frame=frame, width=width)
+            code, _, stderr = self.eval("detections")
+            self.assertEqual(code, 3, stderr)
+            self.assertIn(word, stderr)
 
     def test_nothing_to_select_from(self):
         for folder in ("propose", "register", "track"):
