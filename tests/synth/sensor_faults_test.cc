@@ -152,25 +152,31 @@ TEST(DepthFaults, SwitchedOffTheyChangeNothing) {
     EXPECT_EQ(Sense(wall, Scene(preset)), wall.view.depth_m) << preset;
 }
 
-TEST(DepthFaults, ProjectorShadowIsAsWideAsTheBaselineSays) {
+TEST(DepthFaults, ShadowsAreAsWideAsTheDistanceOfTheEyesSays) {
   SceneDescription scene = Scene();
   scene.faults.shadows = true;
   const double far_m = 3.0, near_m = 1.5;
   const int edge = 160;
-  const auto holes = [&](const SensedView& view) {
+  const auto holes = [&](const SensedView& view, int from, int to) {
     const DepthImage seen = Sense(view, scene);
     int count = 0;
-    for (int u = 0; u < kCamera.width; ++u) count += seen(u, 100) == 0 ? 1 : 0;
+    for (int u = from; u < to; ++u) count += seen(u, 100) == 0 ? 1 : 0;
     return count;
   };
-  const int num_holes = holes(Wall(far_m, far_m - near_m, edge));
-  // Either this side or the other is in shadow, by the difference of disparities.
-  const double width_px = kCamera.fx * scene.sensor.baseline_m * (1 / near_m - 1 / far_m);
-  const int num_other = holes(Wall(near_m, near_m - far_m, edge));
-  EXPECT_NEAR(num_holes + num_other, width_px, 1.5);
-  EXPECT_TRUE(num_holes == 0 || num_other == 0);
+  // Far left of near, and near left of far.
+  const SensedView near_right = Wall(far_m, far_m - near_m, edge);
+  const SensedView near_left = Wall(near_m, near_m - far_m, edge);
+  const auto width_px = [&](double eye_m) {
+    return kCamera.fx * eye_m * (1 / near_m - 1 / far_m);
+  };
+  EXPECT_NEAR(holes(near_right, 0, edge), width_px(scene.sensor.right_eye_m), 1.6);
+  EXPECT_NEAR(holes(near_left, edge, kCamera.width), width_px(scene.sensor.left_eye_m), 1.6);
+  EXPECT_EQ(holes(near_right, edge, kCamera.width) + holes(near_left, 0, edge), 0)
+      << "near surfaces are in no shadow";
+  EXPECT_DOUBLE_EQ(scene.sensor.left_eye_m + scene.sensor.right_eye_m, scene.sensor.baseline_m)
+      << "projector and infrared camera stand on either side";
   scene.sensor = *DepthSensorPreset("kinect_v2");
-  EXPECT_EQ(holes(Wall(far_m, far_m - near_m, edge)) + holes(Wall(near_m, near_m - far_m, edge)), 0)
+  EXPECT_EQ(holes(near_right, 0, kCamera.width) + holes(near_left, 0, kCamera.width), 0)
       << "time of flight has no second eye";
 }
 

@@ -27,6 +27,8 @@ DepthSensor KinectV1() {
   sensor.noise_reach_px = 4;
   sensor.rim = {0.012, 0.05, 0.025, 0.025};
   sensor.baseline_m = 0.075;
+  sensor.left_eye_m = 0.05;
+  sensor.right_eye_m = 0.025;
   sensor.disparity_focal_px = 580;
   sensor.disparity_step_px = 0.125;
   sensor.bias_quadratic_per_m = 0.001;
@@ -62,6 +64,7 @@ DepthSensor D435() {
   sensor.min_range_m = 0.28;
   sensor.max_range_m = 6.0;
   sensor.baseline_m = 0.05;
+  sensor.left_eye_m = 0.05;
   sensor.disparity_focal_px = 385;
   sensor.disparity_step_px = 1.0 / 32;
   sensor.axial_quadratic_per_m = 0.08 / (sensor.disparity_focal_px * sensor.baseline_m);

@@ -40,6 +40,10 @@ struct DepthSensor {
   double baseline_m = 0;
   double disparity_focal_px = 0;
   double disparity_step_px = 0;  // 0: not quantised
+  // Distance from the colour camera to the eye or projector left of it, and to that right of it:
+  // what a near edge hides from the one has no depth right of the edge, from the other left of it.
+  double left_eye_m = 0;
+  double right_eye_m = 0;
 
   // Mean error: constant + quadratic z^2.
   double bias_constant_m = 0;
@@ -64,7 +68,8 @@ struct DepthSensor {
 //    0.8 px + 0.035 px theta / (pi/2 - theta) (Nguyen, Izadi, Lovell 2012, Eq. 1-3). Neighbours
 //    share it, since values come from windows of 9 x 9 px (Konolige, Mihelich 2012): on walls and
 //    tables of TUM RGB-D and 7-Scenes the correlation is 0.6-0.8 at 1 px, 0.4 at 4 px, 0.1 at 8 px.
-//    The rim is that of depth registered to the colour camera there.
+//    Rim and shadows on both sides are those of depth registered to the colour camera, which
+//    stands between projector and infrared camera.
 //  - kinect_v2: time of flight; 1.5 mm - 0.5 mm/m z + 0.3 mm/m^2 z^2
 //    + 0.1 mm z^3/2 theta^2 / (pi/2 - theta)^2 (Fankhauser et al. 2015); mixed pixels and loss on
 //    dark surfaces as Wasenmueller, Stricker 2016 describe.

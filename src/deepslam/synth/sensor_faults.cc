@@ -88,22 +88,30 @@ Image<float> SharedNoise(
 // Share of a normal distribution below x: turns a noise into an even one.
 double NormalShare(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
-// A pixel is in the projector's shadow when another one on its row lies before it as the projector
-// sees it: seen from there, columns are u - f b / z, and a nearer surface to the projector's side
-// covers what is behind.
+// A pixel is in shadow when the eye beside the camera has a nearer surface before it. An eye a
+// distance b to the left has columns at u + f b / z: one that a column further left has reached
+// already is hidden. An eye to the right: the other way round.
 std::vector<std::uint8_t> ShadowOfRow(const DepthImage& depth_m,
                                       int v,
-                                      double focal_baseline_px_m) {
-  std::vector<std::uint8_t> shadow(static_cast<std::size_t>(depth_m.width()), 0);
-  double reach = std::numeric_limits<double>::infinity();
-  for (int u = depth_m.width() - 1; u >= 0; --u) {
-    const double d = static_cast<double>(depth_m(u, v));
-    if (d <= 0) continue;
-    const double column = u + focal_baseline_px_m / d;
-    // Half a pixel of slack: neighbours on one slanted surface may swap by rounding.
-    if (column > reach + 0.5) shadow[static_cast<std::size_t>(u)] = 1;
-    reach = std::min(reach, column);
-  }
+                                      double fx,
+                                      const DepthSensor& sensor) {
+  // Half a pixel of slack: neighbours on one slanted surface may swap by rounding.
+  constexpr double kSlackPx = 0.5;
+  const int width = depth_m.width();
+  std::vector<std::uint8_t> shadow(static_cast<std::size_t>(width), 0);
+  const auto look = [&](double eye_m, bool from_left) {
+    double reach = -std::numeric_limits<double>::infinity();
+    for (int i = 0; i < width; ++i) {
+      const int u = from_left ? i : width - 1 - i;
+      const auto d = static_cast<double>(depth_m(u, v));
+      if (d <= 0) continue;
+      const double column = i + fx * eye_m / d;
+      if (column < reach - kSlackPx) shadow[static_cast<std::size_t>(u)] = 1;
+      reach = std::max(reach, column);
+    }
+  };
+  if (sensor.left_eye_m > 0) look(sensor.left_eye_m, true);
+  if (sensor.right_eye_m > 0) look(sensor.right_eye_m, false);
   return shadow;
 }
 
@@ -366,7 +374,6 @@ DepthImage ApplyDepthFaults(const SensedView& truth,
                             const Pose3& world_from_camera,
                             const SceneDescription& scene,
                             const FrameSeed& seed) {
-  const double focal_baseline = camera.fx * scene.sensor.baseline_m;
   const int cell_px = scene.faults.lateral_noise ? std::max(1, scene.sensor.cell_px) : 1;
   DepthImage cells(
       (camera.width + cell_px - 1) / cell_px, (camera.height + cell_px - 1) / cell_px, 0.0f);
@@ -376,7 +383,8 @@ DepthImage ApplyDepthFaults(const SensedView& truth,
     const int y = static_cast<int>(row);
     const int v = std::min(y * cell_px + cell_px / 2, camera.height - 1);
     Random random(seed.seed, "depth", RowItem(seed.frame, row));
-    const std::vector<std::uint8_t> shadow = ShadowOfRow(truth.view.depth_m, v, focal_baseline);
+    const std::vector<std::uint8_t> shadow =
+        ShadowOfRow(truth.view.depth_m, v, camera.fx, scene.sensor);
     for (int x = 0; x < cells.width(); ++x) {
       const int u = std::min(x * cell_px + cell_px / 2, camera.width - 1);
       cells(x, y) = reading.At(x, y, u, v, shadow, random);
