@@ -56,24 +56,29 @@ def call(command, log):
     return code == 0, seconds
 
 
-def quick_scene(text):
-    """The scene with at most 60 frames over the same path; half the size where the camera is written out."""
+def with_fewer_frames(text, most):
+    """The scene with at most `most` frames over the same time and path."""
+    frames = re.search(r"^frames:\s*(\d+)", text, re.MULTILINE)
+    rate = re.search(r"^frames_per_s:\s*([\d.]+)", text, re.MULTILINE)
+    if not (frames and rate) or int(frames.group(1)) <= most:
+        return text
+    text = text.replace(frames.group(0), f"frames: {most}")
+    return text.replace(rate.group(0), f"frames_per_s: {float(rate.group(1)) * most / int(frames.group(1)):g}")
+
+
+def with_half_images(text):
+    """The scene with images of half the size, where its camera is written out."""
     def halved(match):
         return f"{match.group(1)}{float(match.group(2)) / 2:g}"
 
     camera = re.search(r"camera:\s*\{[^}]*\}", text)
-    if camera and "width" in camera.group(0):
-        short = re.sub(r"((?:width|height):\s*)(\d+)", lambda m: m.group(1) + str(int(m.group(2)) // 2), camera.group(0))
-        short = re.sub(r"((?:fx|fy):\s*)([\d.]+)", halved, short)
-        # Pixel (0, 0) is a pixel's centre: the middle of the first two is at 0.5.
-        short = re.sub(r"((?:cx|cy):\s*)([\d.]+)", lambda m: f"{m.group(1)}{(float(m.group(2)) + 0.5) / 2 - 0.5:g}", short)
-        text = text.replace(camera.group(0), short)
-    frames = re.search(r"^frames:\s*(\d+)", text, re.MULTILINE)
-    rate = re.search(r"^frames_per_s:\s*([\d.]+)", text, re.MULTILINE)
-    if frames and rate and int(frames.group(1)) > 60:
-        text = text.replace(frames.group(0), "frames: 60")
-        text = text.replace(rate.group(0), f"frames_per_s: {float(rate.group(1)) * 60 / int(frames.group(1)):g}")
-    return text
+    if not camera or "width" not in camera.group(0):
+        return text
+    short = re.sub(r"((?:width|height):\s*)(\d+)", lambda m: m.group(1) + str(int(m.group(2)) // 2), camera.group(0))
+    short = re.sub(r"((?:fx|fy):\s*)([\d.]+)", halved, short)
+    # Pixel (0, 0) is a pixel's centre: the middle of the first two is at 0.5.
+    short = re.sub(r"((?:cx|cy):\s*)([\d.]+)", lambda m: f"{m.group(1)}{(float(m.group(2)) + 0.5) / 2 - 0.5:g}", short)
+    return text.replace(camera.group(0), short)
 
 
 def rungs_of(text):
@@ -134,9 +139,12 @@ class Case:
 
 def render(case, args):
     """Renders the capture anew where its scene changed."""
-    scene, text = case.scene, case.scene.read_text()
+    text = with_fewer_frames(case.scene.read_text(), 60 if args.quick else args.max_frames)
     if args.quick:
-        text = quick_scene(text)
+        text = with_half_images(text)
+    # Models given as files lie beside the scene: only a scene that is changed is written elsewhere.
+    scene = case.scene
+    if text != scene.read_text():
         scene = args.work / "scenes" / case.scene.name
         scene.parent.mkdir(exist_ok=True)
         scene.write_text(text)

@@ -7,8 +7,9 @@ Renders the scenes (all of configs/scenes unless --scene names some), reconstruc
 docs/evaluation/results.md and docs/evaluation/*.svg, each with the command that made it. What exists in --work and still
 holds is used again: an interrupted run goes on where it was. Every rung of a scene is a capture of its own. Each capture
 is reconstructed with proposals from colour and depth and from colour alone; long_loop with and without loop closure, and
-with tracking that drifts. --quick takes at most 60 frames a scene and halves images whose camera is written out. What
-follows `--` goes to every `deepslam run`. Needs nothing beyond Python 3.
+with tracking that drifts. Longer captures are thinned to --max-frames over the same path, so that all takes less than an
+hour on two cores; --quick takes at most 60 frames and halves images whose camera is written out. What follows `--` goes
+to every `deepslam run`. Needs nothing beyond Python 3.
 """
 import argparse
 import os
@@ -26,6 +27,7 @@ def main():
     parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs/evaluation", help="where tables and plots go")
     parser.add_argument("--scene", type=pathlib.Path, action="append", help="a scene file; may be repeated")
     parser.add_argument("--rung", action="append", help="of scenes with rungs only this one; may be repeated")
+    parser.add_argument("--max-frames", type=int, default=240, help="of a capture (default: 240)")
     parser.add_argument("--quick", action="store_true", help="half the image size, at most 60 frames")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
@@ -47,6 +49,7 @@ def main():
     command = "scripts/experiments/run.py" + "".join(
         f" --scene {scene}" for scene in args.scene or []) + "".join(
         f" --rung {rung}" for rung in args.rung or []) + (" --quick" if args.quick else "") + (
+        f" --max-frames {args.max_frames}" if args.max_frames != parser.get_default("max_frames") else "") + (
         " -- " + " ".join(args.run_options) if args.run_options else "")
     write_results(cases, args, command)
     return 0 if len(made) == len(cases) else 1

@@ -111,9 +111,11 @@ class Experiments(unittest.TestCase):
         (self.dir / "fail").unlink()
         self.assertEqual(len(self.run_all()["synth"]), 1)
 
-    def test_quick_scenes_have_sixty_frames_over_the_same_time(self):
-        text = cases.quick_scene(PLAIN + "camera: {width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 319.5, cy: 239.5}\n")
+    def test_shortened_scenes_take_the_same_time(self):
+        text = cases.with_fewer_frames(PLAIN, 60)
         self.assertIn("frames: 60\nframes_per_s: 6\n", text)
+        self.assertEqual(cases.with_fewer_frames(PLAIN, 200), PLAIN)
+        text = cases.with_half_images(PLAIN + "camera: {width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 319.5, cy: 239.5}\n")
         self.assertIn("{width: 320, height: 240, fx: 262.5, fy: 262.5, cx: 159.5, cy: 119.5}", text)
 
     def test_rungs_of_the_scenes(self):
