@@ -23,7 +23,7 @@ struct FurnitureModel {
   std::vector<std::uint8_t> shiny;  // per face: 1 where depth cameras see nothing (glass, chrome)
 };
 
-// More would cost gigabytes of memory: 250 bytes a face, in each place where the model stands.
+// More would cost gigabytes of memory: some 500 bytes a face, in each place where the model stands.
 inline constexpr std::size_t kMaxModelFaces = 2'000'000;
 // What to say of more.
 [[nodiscard]] Error TooManyFaces(std::size_t num_faces);

@@ -29,12 +29,31 @@ std::pair<Eigen::Vector3f, Eigen::Vector3f> Tangents(const Eigen::Vector3f& n) {
   return {t, n.cross(t)};
 }
 
-// Place in the 4 x 4 pattern; neighbours take far apart strata. No jitter: what varies from window
-// to window is noise.
-Eigen::Vector2d Stratum(int u, int v) {
-  constexpr std::array<int, 16> kOrder = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
-  const int cell = kOrder[static_cast<std::size_t>((v % kPattern) * kPattern + u % kPattern)];
-  return Eigen::Vector2d(cell % kPattern + 0.5, cell / kPattern + 0.5) / kPattern;
+// A place of the 4 x 4 pattern: on a lamp of unit side about its middle, and as a direction of even
+// light about the z axis (Malley's method).
+struct Stratum {
+  Eigen::Vector2f on_lamp = Eigen::Vector2f::Zero();
+  Eigen::Vector3f direction = Eigen::Vector3f::UnitZ();
+};
+
+// Neighbours take far apart strata. No jitter: what varies from window to window is noise.
+const Stratum& StratumAt(int u, int v) {
+  static const std::array<Stratum, kPattern * kPattern> kStrata = [] {
+    constexpr std::array<int, 16> kOrder = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+    std::array<Stratum, kPattern * kPattern> strata;
+    for (std::size_t i = 0; i < strata.size(); ++i) {
+      const double x = (kOrder[i] % kPattern + 0.5) / kPattern;
+      const double y = (kOrder[i] / kPattern + 0.5) / kPattern;
+      strata[i].on_lamp = Eigen::Vector2d(x - 0.5, y - 0.5).cast<float>();
+      const double angle = 2 * std::numbers::pi * y;
+      strata[i].direction = Eigen::Vector3d(std::sqrt(x) * std::cos(angle),
+                                            std::sqrt(x) * std::sin(angle),
+                                            std::sqrt(1 - x))
+                                .cast<float>();
+    }
+    return strata;
+  }();
+  return kStrata[static_cast<std::size_t>((v % kPattern) * kPattern + u % kPattern)];
 }
 
 bool SameSurface(const render::RayHit& a, const render::RayHit& b) {
@@ -91,23 +110,20 @@ class Lighting {
   // each.
   void Sample(const Eigen::Vector3f& p,
               const Eigen::Vector3f& n,
-              const Eigen::Vector2d& stratum,
+              const Stratum& stratum,
               float* terms) const {
     const Eigen::Vector3f from = p + kOffSurfaceM * n;
     for (std::size_t l = 0; l < description_.lights.size(); ++l) {
       const SceneLight& light = description_.lights[l];
-      const Eigen::Vector2d s = (stratum.array() - 0.5) * light.side_m;
-      const Eigen::Vector3f q = (light.position_m + Eigen::Vector3d(s.x(), s.y(), 0)).cast<float>();
+      const Eigen::Vector2f s = static_cast<float>(light.side_m) * stratum.on_lamp;
+      const Eigen::Vector3f q = light.position_m.cast<float>() + Eigen::Vector3f(s.x(), s.y(), 0);
       const Eigen::Vector3f way = q - from;
       const bool dark = n.dot(way) <= 0 || way.z() <= 0 || scene_.Occluded(from, q);
       terms[l] = dark ? 0.0f : 1.0f;
     }
-    const double r = std::sqrt(stratum.x());
-    const double angle = 2 * std::numbers::pi * stratum.y();
     const auto [t, b] = Tangents(n);
-    const Eigen::Vector3f direction = static_cast<float>(r * std::cos(angle)) * t +
-                                      static_cast<float>(r * std::sin(angle)) * b +
-                                      static_cast<float>(std::sqrt(1 - stratum.x())) * n;
+    const Eigen::Vector3f direction = stratum.direction.x() * t + stratum.direction.y() * b +
+                                      stratum.direction.z() * n;
     // The nearer a thing, the darker: a step at the reach would show as bands.
     const std::optional<render::RayHit> near = scene_.Cast(from, direction, 0.0f, kAmbientReachM);
     terms[num_terms_ - 1] = near ? static_cast<float>(near->distance_m) / kAmbientReachM : 1.0f;
@@ -119,7 +135,7 @@ class Lighting {
       if (hit.instance < 0) continue;
       Sample(PointAt(x * kStride, y * kStride),
              hit.normal_world,
-             Stratum(x, y),
+             StratumAt(x, y),
              sampled_.data() + Offset(x, y));
     }
   }
@@ -129,7 +145,7 @@ class Lighting {
     std::vector<float> terms(num_terms_, 0.0f);
     int count = 0;
     for (int k = 0; k < kPattern * kPattern; k += 2, ++count) {
-      Sample(p, n, Stratum(k % kPattern + (k / kPattern) % 2, k / kPattern), terms.data());
+      Sample(p, n, StratumAt(k % kPattern + (k / kPattern) % 2, k / kPattern), terms.data());
       for (std::size_t t = 0; t < num_terms_; ++t) sums[t] += terms[t];
     }
     return count;
