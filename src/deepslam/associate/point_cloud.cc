@@ -87,14 +87,17 @@ std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
                                         const PinholeCamera& camera,
                                         const Pose3& world_from_camera,
                                         int max_points) {
+  const auto measured = [&](int u, int v) { return mask(u, v) != 0 && depth_m(u, v) > 0; };
   std::size_t total = 0;
-  for (const std::uint8_t value : mask) total += value != 0 ? 1U : 0U;
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) total += measured(u, v) ? 1U : 0U;
+  }
   const std::size_t step = std::max<std::size_t>(1, total / static_cast<std::size_t>(max_points));
   std::vector<Eigen::Vector3f> points;
   std::size_t count = 0;
   for (int v = 0; v < mask.height(); ++v) {
     for (int u = 0; u < mask.width(); ++u) {
-      if (mask(u, v) == 0 || count++ % step != 0 || !(depth_m(u, v) > 0)) continue;
+      if (!measured(u, v) || count++ % step != 0) continue;
       const Eigen::Vector3d p = world_from_camera * camera.Unproject(u, v, depth_m(u, v));
       if (p.allFinite()) points.emplace_back(p.cast<float>());
     }

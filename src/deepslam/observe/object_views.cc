@@ -108,6 +108,16 @@ std::optional<Plane> GroundAt(const Ground& ground,
   return Transformed(world_from_camera.Inverse(), *ground.plane_world);
 }
 
+// The pixels of the mask that have depth.
+Mask Measured(Mask mask, const DepthImage& depth_m) {
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) {
+      if (!(depth_m(u, v) > 0)) mask(u, v) = 0;
+    }
+  }
+  return mask;
+}
+
 // Nothing when the images do not fit each other or the box lies outside.
 std::optional<ObjectView> CutView(const Frame& frame,
                                   const PinholeCamera& camera,
@@ -136,7 +146,8 @@ std::optional<ObjectView> CutView(const Frame& frame,
   const int crop_height = static_cast<int>(std::ceil(wide.v_max)) - view.v0 + 1;
   view.colour_crop = Crop(frame.colour, view.u0, view.v0, crop_width, crop_height);
   view.depth_crop_m = Crop(frame.depth_m, view.u0, view.v0, crop_width, crop_height);
-  view.mask_crop = Crop(segment.mask, view.u0, view.v0, crop_width, crop_height);
+  view.mask_crop =
+      Measured(Crop(segment.mask, view.u0, view.v0, crop_width, crop_height), view.depth_crop_m);
   view.camera = camera;
   view.camera.width = crop_width;
   view.camera.height = crop_height;

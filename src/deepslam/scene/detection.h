@@ -29,18 +29,18 @@ struct Detection {
   Mask mask;
 };
 
-// The pixels of one detection that are the object: valid depth, near enough, off the ground,
-// connected.
+// The pixels of one detection that are the object: near enough, off the ground, connected; where
+// the sensor measured nothing, what lies between measured parts of the object.
 struct Segment {
   DetectionId detection;
   FrameIdx frame;
   std::string class_name;
   double score = 0;             // the detection's
   Box2 box_px;                  // the detection's box
-  Mask mask;                    // size of the image; 1 = object with valid depth
-  int num_points = 0;           // pixels in the mask
+  Mask mask;                    // size of the image; 1 = object, with or without depth
+  int num_points = 0;           // pixels of the mask with depth
   Box3 extent_camera;           // of the segment's points, metres
-  double depth_support = 0;     // mask pixels / box pixels
+  double depth_support = 0;     // num_points / box pixels
   bool touches_border = false;  // box within the border margin: may match, but starts no object
   bool usable = false;          // enough points to go on with
   std::string reason;           // why not usable

@@ -23,7 +23,7 @@ struct ObjectView {
   int v0 = 0;
   ColourImage colour_crop;
   DepthImage depth_crop_m;  // all depth, not the object's alone; 0 = invalid
-  Mask mask_crop;           // 1 = the object's segment
+  Mask mask_crop;           // 1 = the object's segment, where it has depth
   PinholeCamera
       camera;  // of the crop: principal point moved by (u0, v0), width and height of the crop
   Pose3 world_from_camera;  // tracking world

@@ -9,6 +9,7 @@
 #include "deepslam/scene/ground.h"
 #include "deepslam/segment/assign_pieces.h"
 #include "deepslam/segment/connect.h"
+#include "deepslam/segment/fill_unmeasured.h"
 #include "deepslam/segment/image_pieces.h"
 #include "deepslam/segment/level_top.h"
 #include "deepslam/segment/region.h"
@@ -139,6 +140,11 @@ void Describe(OptionsVisitor& visitor, SegmentOptions& options) {
                 {0.01, 1},
                 "m",
                 "parts whose gap in space is smaller belong together");
+  visitor.Field("fill_gap_m",
+                options.fill_gap_m,
+                {0, 1},
+                "m",
+                "gaps without depth up to this width inside an object belong to its outline");
   visitor.Field("min_piece_share",
                 options.min_piece_share,
                 {0, 1},
@@ -205,12 +211,15 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
     }
   }
   std::vector<Segment> segments;
+  Mask filled(width, height);
   for (std::size_t d = 0; d < detections.size(); ++d) {
     const bool top =
         std::any_of(tops.begin(), tops.end(), [d](const auto& entry) { return entry.first == d; });
     const std::vector<PixelPoint> kept =
         top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
     segments.push_back(Describe(detections[d], regions[d], kept, width, height, options));
+    FillUnmeasured(
+        frame.depth_m, camera, regions[d], options.fill_gap_m, filled, segments.back().mask);
   }
   return segments;
 }

@@ -23,6 +23,8 @@ struct SegmentOptions {
   double jump_m = 0.03;        // neighbouring pixels with a larger depth step are not connected ...
   double jump_per_m2 = 0.012;  // ... plus this times the squared depth
   double join_m = 0.12;        // parts whose gap in space is smaller belong together (slats, legs)
+  // Gaps without depth up to this width between measured parts of an object belong to its mask.
+  double fill_gap_m = 0.15;
   double min_piece_share =
       0.6;  // a surface belongs to a box that holds at least this share of its pixels
   // Classes that are a level top and what carries it, comma separated: theirs is what lies at the
