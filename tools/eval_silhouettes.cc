@@ -26,22 +26,34 @@ int EvalSilhouettes(const std::string& workspace,
     return ReportError(
         Error{report.error().code, fmt::format("{}: {}", workspace, report.error().message)});
   artifact::JsonArray rows;
-  fmt::print(stderr, "{:<16} {:>6} {:>11}\n", "object", "views", "median IoU");
+  const auto print = [](const std::string& name, std::size_t views, double measured, double all) {
+    fmt::print(stderr, "{:<16} {:>6} {:>14.3f} {:>14.3f}\n", name, views, measured, all);
+  };
+  fmt::print(stderr,
+             "{:<16} {:>6} {:>14} {:>14}\n",
+             "median IoU of",
+             "views",
+             "where measured",
+             "all pixels");
   for (const stages::ObjectSilhouette& object : report->objects) {
-    fmt::print(
-        stderr, "{:<16} {:>6} {:>11.3f}\n", object.name, object.ious.size(), object.median_iou);
+    print(object.name, object.ious.size(), object.median_iou, object.median_iou_all_px);
     artifact::JsonObject row;
     row.emplace("name", object.name);
     row.emplace("class", object.class_name);
     row.emplace("num_views", static_cast<std::int64_t>(object.ious.size()));
     row.emplace("median_iou", object.median_iou);
+    row.emplace("median_iou_all_px", object.median_iou_all_px);
     rows.emplace_back(std::move(row));
   }
-  fmt::print(stderr, "{:<16} {:>6} {:>11.3f}\n", "all", report->num_views, report->median_iou);
+  print("all",
+        static_cast<std::size_t>(report->num_views),
+        report->median_iou,
+        report->median_iou_all_px);
   artifact::JsonObject document = artifact::NewDocument("deepslam/silhouettes", 1);
   document.emplace("objects", std::move(rows));
   document.emplace("num_views", report->num_views);
   document.emplace("median_iou", report->median_iou);
+  document.emplace("median_iou_all_px", report->median_iou_all_px);
   document.emplace("lowest_object_iou", report->lowest_object_iou);
   const Result<std::string> text = DumpJson(std::move(document), "silhouettes");
   const Status status = text.ok() ? WriteResult(json_file, *text) : Status(text.error());

@@ -1,6 +1,7 @@
 #include "deepslam/stages/silhouettes.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 
@@ -87,14 +88,18 @@ Status CheckFits(const OptimizedMap& map,
 
 void Summarise(SilhouetteReport& report) {
   std::vector<double> all;
+  std::vector<double> all_px;
   std::vector<double> medians;
   for (ObjectSilhouette& object : report.objects) {
     object.median_iou = Median(object.ious);
+    object.median_iou_all_px = Median(object.ious_all_px);
     all.insert(all.end(), object.ious.begin(), object.ious.end());
+    all_px.insert(all_px.end(), object.ious_all_px.begin(), object.ious_all_px.end());
     medians.push_back(object.median_iou);
   }
   report.num_views = static_cast<int>(all.size());
   report.median_iou = Median(std::move(all));
+  report.median_iou_all_px = Median(std::move(all_px));
   if (!medians.empty())
     report.lowest_object_iou = *std::min_element(medians.begin(), medians.end());
 }
@@ -118,7 +123,7 @@ Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& worksp
 
   SilhouetteReport report;
   for (const MapObject& object : map->map.objects) {
-    report.objects.push_back({ObjectName(object), object.class_name, {}, 0});
+    report.objects.push_back({ObjectName(object), object.class_name, {}, {}, 0, 0});
   }
   std::vector<FrameIdx> wanted;
   for (const auto& [frame, of_frame] : views) wanted.push_back(frame);
@@ -126,19 +131,24 @@ Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& worksp
     const std::vector<View>& of_frame = views.at(frame.idx);
     const Pose3 camera_from_world =
         map->frames[static_cast<std::size_t>(frame.idx.value)].world_from_camera.Inverse();
-    std::vector<eval::SilhouetteOverlap> overlaps(of_frame.size());
+    std::vector<std::array<eval::SilhouetteOverlap, 2>> overlaps(of_frame.size());
     ParallelFor(of_frame.size(), [&](std::size_t i) {
       const MapObject& object = map->map.objects[of_frame[i].object];
-      overlaps[i] = eval::CompareSilhouette((*meshes)[of_frame[i].object],
-                                            camera_from_world * object.world_from_object,
-                                            frames.camera(),
-                                            of_frame[i].segment->mask,
-                                            frame.depth_m,
-                                            {.leave_out_unmeasured = true});
+      for (const bool measured_only : {false, true}) {
+        overlaps[i][measured_only ? 1 : 0] =
+            eval::CompareSilhouette((*meshes)[of_frame[i].object],
+                                    camera_from_world * object.world_from_object,
+                                    frames.camera(),
+                                    of_frame[i].segment->mask,
+                                    frame.depth_m,
+                                    {.leave_out_unmeasured = measured_only});
+      }
     });
     for (std::size_t i = 0; i < of_frame.size(); ++i) {
-      if (overlaps[i].num_model + overlaps[i].num_mask > 0)
-        report.objects[of_frame[i].object].ious.push_back(overlaps[i].iou);
+      const auto& [all_px, measured] = overlaps[i];
+      ObjectSilhouette& object = report.objects[of_frame[i].object];
+      if (measured.num_model + measured.num_mask > 0) object.ious.push_back(measured.iou);
+      if (all_px.num_model + all_px.num_mask > 0) object.ious_all_px.push_back(all_px.iou);
     }
     return Ok();
   };
