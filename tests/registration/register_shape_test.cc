@@ -168,6 +168,24 @@ TEST(RegisterShape, RefusesTheOneViewThatShowsAnotherPlace) {
   EXPECT_FALSE(result.views[3].reason.empty());
 }
 
+// Behind a table only the chair's back is seen, and its two faces explain the depth alike: the one
+// that faces the cameras is taken. Seen whole from behind, the chair keeps its true front.
+TEST(RegisterShape, TakesTheBackAboveATableForAChairThatFacesUs) {
+  const double yaw_rad = 0.7;
+  const FurnitureWorld world(testing_support::ChairGrid(), 0.9, yaw_rad);
+  const auto cosine_to_truth = [&](double from_rad, double occluded_share) {
+    const std::vector<ObjectView> views =
+        world.Views(Around(5, from_rad - 0.4, from_rad + 0.4), With(occluded_share, 0, 0));
+    const CandidateRegistration result =
+        RegisterCandidate(CandidateFor(0.8, 1.0), world.model(), views, RegisterOptions());
+    EXPECT_TRUE(result.ok) << result.reason;
+    return (result.world_from_object.rotation * Eigen::Vector3d::UnitX())
+        .dot(world.world_from_object().rotation * Eigen::Vector3d::UnitX());
+  };
+  EXPECT_GT(cosine_to_truth(yaw_rad, 0.6), 0.9);
+  EXPECT_GT(cosine_to_truth(yaw_rad + std::numbers::pi, 0.0), 0.9);
+}
+
 TEST(RegisterShape, TellsThatARoundTablesYawIsFree) {
   const FurnitureWorld round(testing_support::RoundTableGrid(), 1.2);
   const FurnitureWorld square(testing_support::TableGrid(), 1.2);

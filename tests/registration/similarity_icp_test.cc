@@ -46,6 +46,40 @@ TEST(AlignShape, LosesTheScaleWithEquationOneAlone) {
   EXPECT_GT(std::max(ScaleErrorFrom(0.7, false), ScaleErrorFrom(1.4, false)), 0.05);
 }
 
+// Only a table's top is measured, and not its far end: no depth contradicts a model that has slid
+// out there, but the measured top goes on past the model's other edge.
+TEST(AlignShape, ATableTopDoesNotSlideInItsOwnPlane) {
+  const double yaw_rad = 0.7;
+  const FurnitureWorld world(testing_support::TableGrid(), 1.6, yaw_rad);
+  const Similarity3 truth = world.world_from_object();
+  std::vector<ObjectView> seen = world.Views({yaw_rad - 0.2, yaw_rad, yaw_rad + 0.2});
+  for (ObjectView& view : seen) {
+    for (int v = 0; v < view.mask_crop.height(); ++v) {
+      for (int u = 0; u < view.mask_crop.width(); ++u) {
+        const double depth_m = view.depth_crop_m(u, v);
+        const Eigen::Vector3d p_object =
+            truth.Inverse() * (view.world_from_camera * view.camera.Unproject(u, v, depth_m));
+        if (p_object.z() < 0.18) view.mask_crop(u, v) = 0;
+        if (p_object.y() < 0.25) continue;
+        view.mask_crop(u, v) = 0;
+        view.depth_crop_m(u, v) = 0;
+      }
+    }
+  }
+  const std::vector<MeasuredView> views = PrepareViews(seen);
+  std::vector<const MeasuredView*> pointers;
+  for (const MeasuredView& view : views) pointers.push_back(&view);
+  const Eigen::Vector3d along = truth.rotation * Eigen::Vector3d::UnitY();
+  Similarity3 slid = truth;
+  slid.translation_m += 0.12 * along;
+  VisibleSurface visible(world.model());
+  SimilarityIcpOptions options;
+  options.free_scale = false;
+  options.edge_radius_m = 0.15;
+  const Similarity3 aligned = AlignShape(world.model(), visible, pointers, slid, options);
+  EXPECT_NEAR(along.dot(aligned.translation_m - truth.translation_m), 0.0, 0.03);
+}
+
 TEST(AlignShape, StaysWhereNothingCanBeMatched) {
   const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
   const std::vector<MeasuredView> views = PrepareViews(world.Views({0.2}));

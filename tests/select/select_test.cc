@@ -211,6 +211,12 @@ TEST_F(SelectAChair, AFusedShapeMustBeClearlyBetter) {
   EXPECT_THAT(Select().note, testing::HasSubstr("made of the measurement"));
 }
 
+TEST_F(SelectAChair, WhatMostViewsPullAwayLosesToWhatTheyConfirm) {
+  ASSERT_EQ(Select().chosen, CandidateId{1});
+  for (std::size_t i = 0; i + 1 < views_.size(); ++i) registrations_[1].views[i].ok = false;
+  EXPECT_EQ(Select().chosen, CandidateId{0});
+}
+
 TEST_F(SelectAChair, OneSideGivesLessConfidenceAndSaysSo) {
   const double all_round = Select().confidence;
   views_.resize(1);

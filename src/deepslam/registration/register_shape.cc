@@ -74,7 +74,21 @@ SimilarityIcpOptions JointOptions(const PlacementPrior& prior,
   return icp;
 }
 
-// The best world hypothesis, refined over all views with its scale.
+// The same surface explained from its other side: half a turn about the vertical through what was
+// measured. Moments do not find it where only a chair's back rises above a table.
+Similarity3 TurnedRound(const Similarity3& world_from_object, const ViewPointers& views) {
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
+  for (const MeasuredView* view : views) pivot += view->world_from_camera * view->centroid_camera;
+  pivot /= static_cast<double>(views.size());
+  const Eigen::Vector3d up = world_from_object.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(std::numbers::pi, up));
+  Similarity3 turned = world_from_object;
+  turned.rotation = (half_turn * world_from_object.rotation).normalized();
+  turned.translation_m = pivot + half_turn * (world_from_object.translation_m - pivot);
+  return turned;
+}
+
+// The best world hypothesis, or the same turned round, refined over all views with its scale.
 Similarity3 JointPose(const shape::ShapeModel& model,
                       VisibleSurface& visible,
                       const ViewPointers& views,
@@ -82,6 +96,7 @@ Similarity3 JointPose(const shape::ShapeModel& model,
                       const SimilarityIcpOptions& options) {
   SimilarityIcpOptions coarse = options;
   coarse.ground_firm = options.ground_sigma_m > 0;
+  coarse.edge_radius_m = options.start_radius_m;
   std::size_t most_points = 0;
   for (const MeasuredView* view : views) {
     most_points = std::max(most_points, view->points_camera.size());
@@ -89,15 +104,17 @@ Similarity3 JointPose(const shape::ShapeModel& model,
   coarse.point_stride = static_cast<int>(most_points / kPointsPerCoarseView) + 1;
   Similarity3 best = hypotheses.front().world_from_object;
   double least = std::numeric_limits<double>::infinity();
-  for (const WorldHypothesis& hypothesis : hypotheses) {
-    const Similarity3 refined =
-        AlignShape(model, visible, views, hypothesis.world_from_object, coarse);
+  const auto attempt = [&](const Similarity3& world_from_object) {
+    const Similarity3 refined = AlignShape(model, visible, views, world_from_object, coarse);
     const double disagreement =
-        Disagreement(model, visible, views, refined, options.end_radius_m, coarse.point_stride);
-    if (disagreement >= least) continue;
+        Disagreement(model, visible, views, refined, options.end_radius_m, coarse.point_stride) +
+        BackShownCost(refined, views);
+    if (disagreement >= least) return;
     least = disagreement;
     best = refined;
-  }
+  };
+  for (const WorldHypothesis& hypothesis : hypotheses) attempt(hypothesis.world_from_object);
+  attempt(TurnedRound(best, views));
   SimilarityIcpOptions fine = options;
   fine.start_radius_m = 0.5 * (options.start_radius_m + options.end_radius_m);
   return AlignShape(model, visible, views, best, fine);

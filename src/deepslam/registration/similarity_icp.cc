@@ -20,6 +20,8 @@ constexpr double kNeutralGap = 0.03;
 constexpr double kSilhouetteWeight = 0.5;
 // Below this cosine measured and model surface do not face the same way.
 constexpr double kMinFacing = 0.2;
+// A point outside the model whose normal is further than this from the model's lies beside an edge.
+constexpr double kEdgeFacing = 0.6;
 // A firm ground is this much surer than a soft one.
 constexpr double kFirmGround = 0.1;
 
@@ -141,15 +143,24 @@ void AddForward(const shape::ShapeModel& model,
   for (std::size_t i = 0; i < view.points_camera.size(); i += stride) {
     const PointMatch match =
         MatchPoint(model, placed.object_from_camera, view.points_camera[i], view.normals_camera[i]);
-    if (match.distance_m >= radius_m || match.facing < kMinFacing) continue;
-    const Eigen::Vector3d normal =
-        placed.object_from_camera.rotation * view.normals_camera[i].cast<double>();
     const Eigen::Vector3d x_m =
         scale_m * (placed.object_from_camera * view.points_camera[i].cast<double>());
     const double sigma = PointSigma(view.sigmas_m[i], scale_m);
-    const double weight =
-        share * match.facing * TukeyWeight(match.distance_m, radius_m) / (sigma * sigma);
-    equations.Add(-MotionJacobian(normal, x_m), match.plane_residual_m, weight);
+    const double information = share / (sigma * sigma);
+    const bool beside = options.both_directions && match.beside;
+    if (match.facing >= kMinFacing && !beside) {
+      const double weight = information * TukeyWeight(match.distance_m, radius_m);
+      const Eigen::Vector3d normal =
+          placed.object_from_camera.rotation * view.normals_camera[i].cast<double>();
+      equations.Add(-MotionJacobian(normal, x_m), match.plane_residual_m, weight * match.facing);
+    } else if (beside) {
+      // A flat surface that goes on past the model's edge: Eq. (1) is zero there wherever the edge
+      // lies, and a table top would slide in its own plane.
+      const double weight =
+          information * TukeyWeight(match.distance_m, std::max(radius_m, options.edge_radius_m));
+      equations.Add(
+          -MotionJacobian(match.outward_object, x_m), match.distance_m, kSilhouetteWeight * weight);
+    }
   }
 }
 
@@ -292,10 +303,12 @@ PointMatch MatchPoint(const shape::ShapeModel& model,
   const Eigen::Vector3f gradient = model.Gradient(x);
   const double length = gradient.norm();
   const double distance_m = model.Distance(x) / object_from_camera.scale;
-  PointMatch match{std::abs(distance_m), distance_m, 0.0};
+  PointMatch match{.distance_m = std::abs(distance_m), .plane_residual_m = distance_m};
   if (length < 1e-3) return match;
   const Eigen::Vector3d normal = object_from_camera.rotation * normal_camera.cast<double>();
   match.facing = normal.dot(gradient.cast<double>()) / length;
+  match.outward_object = gradient.cast<double>() / length;
+  match.beside = distance_m > 0 && std::abs(match.facing) < kEdgeFacing;
   match.plane_residual_m =
       distance_m * match.facing;  // n . (x - eta(x)), eta = x - distance * gradient
   return match;

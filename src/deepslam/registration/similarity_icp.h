@@ -33,6 +33,8 @@ struct SimilarityIcpOptions {
   int num_iterations = 12;
   double start_radius_m = 0.15;  // of the robust weight
   double end_radius_m = 0.05;
+  // Least radius for measured points beside an edge of the model, which nothing nearer can claim.
+  double edge_radius_m = 0;
   int point_stride = 1;       // every n-th measured point
   double min_scale_m = 1e-3;  // metres per object unit
   double max_scale_m = 1e3;
@@ -70,6 +72,8 @@ struct PointMatch {
   double distance_m = 0;        // to the surface, >= 0
   double plane_residual_m = 0;  // along the measured normal (Eq. 1)
   double facing = 0;            // measured normal . model normal
+  bool beside = false;  // outside the model, and its nearest surface is an edge seen from the side
+  Eigen::Vector3d outward_object = Eigen::Vector3d::Zero();  // model normal there, unit
 };
 [[nodiscard]] PointMatch MatchPoint(const shape::ShapeModel& model,
                                     const Similarity3& object_from_camera,

@@ -16,6 +16,7 @@ constexpr std::size_t kPointsPerJudgeView = 60;
 constexpr double kSameAngleRad = 0.3;
 constexpr double kSamePlaceShare = 0.15;
 constexpr double kSameScaleShare = 0.15;
+constexpr double kBackShown = 0.1;
 
 using ViewPointers = std::vector<const MeasuredView*>;
 
@@ -87,6 +88,21 @@ Similarity3 Rescaled(const Similarity3& camera_from_object,
 
 }  // namespace
 
+double BackShownCost(const Similarity3& world_from_object,
+                     std::span<const MeasuredView* const> views) {
+  if (views.empty()) return 0;
+  const Eigen::Vector3d up = world_from_object.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d front = world_from_object.rotation * Eigen::Vector3d::UnitX();
+  double cosines = 0;
+  for (const MeasuredView* view : views) {
+    Eigen::Vector3d to_camera =
+        view->world_from_camera.translation_m - world_from_object.translation_m;
+    to_camera -= up.dot(to_camera) * up;
+    if (to_camera.norm() > 1e-6) cosines += front.dot(to_camera.normalized());
+  }
+  return kBackShown * (0.5 - 0.5 * cosines / static_cast<double>(views.size()));
+}
+
 std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
                                             VisibleSurface& visible,
                                             std::span<const MeasuredView* const> views,
@@ -103,8 +119,10 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
     WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
     if (prior.stands) StandOnGround(model, view, hypothesis.world_from_object);
     const int stride = static_cast<int>(view.points_camera.size() / kPointsPerJudgeView) + 1;
-    hypothesis.disagreement = Disagreement(
-        model, visible, judges, hypothesis.world_from_object, options.coarse_radius_m, stride);
+    hypothesis.disagreement =
+        Disagreement(
+            model, visible, judges, hypothesis.world_from_object, options.coarse_radius_m, stride) +
+        BackShownCost(hypothesis.world_from_object, judges);
     all.push_back(hypothesis);
   };
   for (const MeasuredView* view : BestViews(views, options.num_seed_views)) {

@@ -20,8 +20,15 @@ struct PlacementPrior {
 
 struct WorldHypothesis {
   Similarity3 world_from_object;
-  double disagreement = 0;  // see Disagreement(); smaller is better
+  double disagreement = 0;  // Disagreement() + BackShownCost(); smaller is better
 };
+
+// What turning its back to the cameras costs a placement, in units of Disagreement(). Of what is
+// left of a chair behind a table, or of a cabinet seen from afar, the depth cannot tell the front
+// from the back; but cameras go where people do, and furniture faces them. Far below what seeing
+// the legs or the seat says.
+[[nodiscard]] double BackShownCost(const Similarity3& world_from_object,
+                                   std::span<const MeasuredView* const> views);
 
 // Every azimuth of the best seed views, carried into the world by the tracked cameras, each at the
 // scale of its moments and at the size the source believes, moved vertically until the model stands

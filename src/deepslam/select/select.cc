@@ -72,16 +72,35 @@ struct Ranked {
   bool placed = false;
 };
 
+int NumRegistered(const CandidateRegistration& registration) {
+  return static_cast<int>(std::count_if(registration.views.begin(),
+                                        registration.views.end(),
+                                        [](const ViewRegistration& view) { return view.ok; }));
+}
+
+// Placed: registered in at least half as many views as the candidate that is in most. Views that
+// pull a model out of its joint pose say that it stands at a place of chance, however well that
+// happens to score.
+std::vector<bool> Placed(std::span<const CandidateRegistration> registrations) {
+  int most = 0;
+  for (const CandidateRegistration& registration : registrations)
+    most = std::max(most, NumRegistered(registration));
+  std::vector<bool> placed;
+  for (const CandidateRegistration& registration : registrations)
+    placed.push_back(registration.ok && 2 * NumRegistered(registration) >= most);
+  return placed;
+}
+
 // Placed candidates first, then by deciding score, then by id.
 std::vector<Ranked> Rank(std::span<const ShapeCandidate> candidates,
                          std::span<const CandidateRegistration> registrations,
                          std::span<const CandidateScore> scores,
                          const SelectOptions& options) {
+  const std::vector<bool> placed = Placed(registrations);
   std::vector<Ranked> ranked;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double score = std::isfinite(scores[i].score) ? scores[i].score : 0.0;
-    ranked.push_back(
-        {i, DecidingScore(candidates[i], score, options), registrations[i].ok && score > 0});
+    ranked.push_back({i, DecidingScore(candidates[i], score, options), placed[i] && score > 0});
   }
   std::stable_sort(ranked.begin(), ranked.end(), [&](const Ranked& a, const Ranked& b) {
     if (a.placed != b.placed) return a.placed;
@@ -170,12 +189,6 @@ double SeenAngle(const MapObject& object, std::span<const ObjectView> views) {
     largest_gap = std::max(largest_gap, azimuths[i] - azimuths[i - 1]);
   }
   return 2 * std::numbers::pi - largest_gap;
-}
-
-int NumRegistered(const CandidateRegistration& registration) {
-  return static_cast<int>(std::count_if(registration.views.begin(),
-                                        registration.views.end(),
-                                        [](const ViewRegistration& view) { return view.ok; }));
 }
 
 // Grows with the score (one half at good_score), with the number of views, with how far round they

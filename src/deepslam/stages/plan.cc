@@ -111,7 +111,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 1, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 2, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
       2,
       {"track", "ground", "segment"},
@@ -125,19 +125,19 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses | kLibrary,
       RunPropose);
   add("register",
-      1,
+      2,
       {"track", "ground", "segment", "associate", "propose"},
       {"views", "register"},
       kFrames,
       RunRegister);
   add("select",
-      2,
+      3,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "select"},
       kFrames | kChoices,
       RunSelect);
   add("loops",
-      2,
+      3,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"views", "register", "select", "loops"},
       kFrames | kChoices,
