@@ -333,6 +333,12 @@ int EvalObjects(const std::vector<std::string>& paths,
   protocols.emplace("iou", eval::kPix3dIou);
   protocols.emplace("chamfer", eval::kPix3dChamfer);
   protocols.emplace("placement", eval::kPlacementProtocol);
+  protocols.emplace("matching",
+                    fmt::format("nearest centres within {} m, one to one, pairs of one class first; "
+                                "precision and recall by class",
+                                options.max_match_m));
+  protocols.emplace("in_place_iou", "solids where they stand, 128 points along the longest side");
+  protocols.emplace("symmetry", "best of the turns about the vertical that leave the true shape");
   document.emplace("protocols", std::move(protocols));
   document.emplace("classes", ClassRows(all));
   document.emplace("objects", ObjectRows(all, iou, placed));

@@ -10,6 +10,7 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/dataset/capture.h"
+#include "deepslam/eval/silhouette.h"
 #include "deepslam/stages/silhouettes.h"
 
 namespace deepslam::tools {
@@ -50,6 +51,7 @@ int EvalSilhouettes(const std::string& workspace,
         report->median_iou,
         report->median_iou_all_px);
   artifact::JsonObject document = artifact::NewDocument("deepslam/silhouettes", 1);
+  document.emplace("protocol", eval::kSilhouetteProtocol);
   document.emplace("objects", std::move(rows));
   document.emplace("num_views", report->num_views);
   document.emplace("median_iou", report->median_iou);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`deepslam eval objects|map|selection` as a user meets them, mostly with input that cannot be scored.
+"""`deepslam eval objects|map|selection|trajectory` as a user meets them, mostly with input that cannot be scored.
 
     eval_command_test.py DEEPSLAM REPOSITORY
 """
@@ -77,9 +77,9 @@ class Eval(unittest.TestCase):
     def write_poses(file, times):
         file.write_text("".join(f"{t} {t * t % 3} {t % 2} 1 0 0 0 1\n" for t in times))
 
-    def eval(self, kind="objects"):
-        done = subprocess.run([DEEPSLAM, "eval", kind, str(self.workspace), str(self.capture)], capture_output=True, text=True,
-                              check=False)
+    def eval(self, kind="objects", *more):
+        done = subprocess.run([DEEPSLAM, "eval", kind, str(self.workspace), str(self.capture), *more], capture_output=True,
+                              text=True, check=False)
         return done.returncode, done.stdout, done.stderr
 
     def assert_refused(self, *words):
@@ -110,6 +110,28 @@ class Eval(unittest.TestCase):
         code, stdout, stderr = self.eval()
         self.assertEqual(code, 0, stderr)
         self.assertEqual(json.loads(stdout)["classes"][0]["class"], "cabinet")
+
+    def test_an_annotation_file_stands_in_for_the_truth(self):
+        file = self.workspace / "mine.json"
+        box = {"class": "sofa", "center_m": [0, 0, 0.3], "yaw_rad": 0.1, "half_extent_m": [0.4, 0.9, 0.3]}
+        file.write_text(json.dumps({"objects": [box]}))
+        code, stdout, stderr = self.eval("objects", "--annotation", str(file))
+        self.assertEqual(code, 0, stderr)
+        self.assertEqual([row["class"] for row in json.loads(stdout)["classes"]], ["sofa"])
+        for change, word in (({"half_extent_m": [0.4, -0.9, 0.3]}, "half_extent_m"), ({"yaw_rad": "north"}, "yaw_rad"),
+                             ({"class": 3}, "class"), ({"center_m": [0, 0]}, "center_m")):
+            file.write_text(json.dumps({"objects": [{**box, **change}]}))
+            code, _, stderr = self.eval("objects", "--annotation", str(file))
+            self.assertEqual(code, 3, stderr)
+            self.assertIn("mine.json", stderr)
+            self.assertIn(word, stderr)
+
+    def test_trajectories_that_cannot_be_scored(self):
+        for times, word in ((range(100, 105), "only 0 of 5 poses"), (range(2), "only 2 of 5 poses")):
+            self.write_poses(self.capture / "groundtruth.txt", times)
+            code, _, stderr = self.eval("trajectory")
+            self.assertEqual(code, 3, stderr)
+            self.assertIn(word, stderr)
 
     def test_truth_without_matching_frames(self):
         self.write_poses(self.capture / "groundtruth.txt", range(100, 105))

@@ -2,12 +2,18 @@
 // known.
 #pragma once
 
+#include <string_view>
+
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/triangle_mesh.h"
 
 namespace deepslam::eval {
+
+inline constexpr std::string_view kSilhouetteProtocol =
+    "silhouettes: IoU of the projected object with its segment, per view, median; pixels that "
+    "something nearer hides or that have no depth say nothing";
 
 // Depth of a mesh's nearest surface at pixel centres, by z-buffer; 0 where it is not. Both sides of
 // faces are seen; faces that reach behind the camera are cut at its near plane (1 cm). Faces with
