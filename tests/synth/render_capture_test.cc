@@ -9,6 +9,7 @@
 #include "deepslam/synth/camera_path.h"
 #include "deepslam/synth/truth.h"
 #include "small_world.h"
+#include "support/box_meshes.h"
 
 namespace deepslam::synth {
 namespace {
@@ -70,6 +71,95 @@ TEST(CaptureRenderer, NoiseFreeDepthEqualsAnAnalyticRayCastWithinAMillimetre) {
     EXPECT_EQ(num_off, 0) << "frame " << i;
     EXPECT_EQ(rendered.frame.depth_m, rendered.true_depth_m);
   }
+}
+
+// Nearest of a mesh's triangles along a ray, each tried (Moeller, Trumbore 1997), in doubles.
+double DistanceToMesh(const TriangleMesh& mesh,
+                      const Eigen::Vector3d& origin,
+                      const Eigen::Vector3d& direction) {
+  double nearest = 1e9;
+  for (const auto& face : mesh.faces) {
+    const auto corner = [&](std::size_t c) { return mesh.vertices[face[c]].cast<double>().eval(); };
+    const Eigen::Vector3d ab = corner(1) - corner(0);
+    const Eigen::Vector3d ac = corner(2) - corner(0);
+    const Eigen::Vector3d h = direction.cross(ac);
+    const double determinant = ab.dot(h);
+    if (std::abs(determinant) < 1e-14) continue;
+    const Eigen::Vector3d s = origin - corner(0);
+    const double u = s.dot(h) / determinant;
+    const double v = direction.dot(s.cross(ab)) / determinant;
+    const double t = ac.dot(s.cross(ab)) / determinant;
+    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) nearest = std::min(nearest, t);
+  }
+  return nearest;
+}
+
+TEST(CaptureRenderer, NoiseFreeDepthEqualsARayCastOfAllTrianglesWithinAMillimetre) {
+  SceneDescription scene = SmallScene();
+  scene.faults = SensorFaults::None();
+  scene.num_frames = 2;
+  scene.clutter = {2, 2};
+  scene.openings = {{2, 1.5, 1.0, 0.5, 1.2, 1}};
+  FurnitureModel chair;
+  chair.mesh = testing_support::ChairMesh(0.5f, 0.5f, 0.45f, 0.9f, 0.05f);
+  for (Eigen::Vector3f& vertex : chair.mesh.vertices) vertex.z() -= 0.45f;
+  chair.size_m = {0.5, 0.5, 0.9};
+  scene.objects = {{"chair", "chair", {-0.5, 0.2}, 40, 1, std::nullopt},
+                   {"table", "box", {0.4, -0.6}, 10, 2, std::nullopt}};
+  const CaptureRenderer renderer(*BuildWorld(scene, {{"box", BoxModel()}, {"chair", chair}}));
+  const RenderedFrame rendered = renderer.Render(1);
+  int num_off = 0;
+  int num_on_objects = 0;
+  for (int v = 0; v < scene.camera.height; ++v) {
+    for (int u = 0; u < scene.camera.width; ++u) {
+      const Eigen::Vector3d origin = rendered.world_from_camera.translation_m;
+      const Eigen::Vector3d ray = rendered.world_from_camera.rotation * scene.camera.Ray(u, v);
+      double expected = DistanceToMesh(RoomMesh(renderer.world()), origin, ray);
+      for (const TriangleMesh& thing : renderer.world().clutter)
+        expected = std::min(expected, DistanceToMesh(thing, origin, ray));
+      for (const PlacedObject& object : renderer.world().objects) {
+        const Pose3 object_from_world = object.world_from_object.Inverse();
+        expected = std::min(
+            expected,
+            DistanceToMesh(
+                object.mesh, object_from_world * origin, object_from_world.rotation * ray));
+      }
+      const double seen = static_cast<double>(rendered.frame.depth_m(u, v));
+      num_off += std::abs(seen - (expected < 1e8 ? expected : 0)) > 1e-3 ? 1 : 0;
+      num_on_objects += rendered.instances(u, v) != 0 ? 1 : 0;
+    }
+  }
+  // A ray along an edge may take either side of it.
+  EXPECT_LE(num_off, 3);
+  EXPECT_GT(num_on_objects, 300);
+}
+
+TEST(CaptureRenderer, ExposureDriftsAsWideAsAskedAndSlowly) {
+  SceneDescription scene = SmallScene();
+  EXPECT_EQ(ExposureGain(scene, 3), 1);
+  scene.faults.exposure_change_stops = 0.5;
+  double squares = 0;
+  double last = std::log2(ExposureGain(scene, 0));
+  for (int i = 1; i <= 6000; ++i) {
+    const double stops = std::log2(ExposureGain(scene, 0.1 * i));
+    EXPECT_LT(std::abs(stops - last), 0.15) << "in a tenth of a second";
+    squares += stops * stops / 6000;
+    last = stops;
+  }
+  EXPECT_NEAR(std::sqrt(squares), 0.5, 0.05);
+  // Brighter pictures where more light is let in.
+  const auto mean = [](const ColourImage& image) {
+    double sum = 0;
+    for (const Rgb8& c : image) sum += c.g;
+    return sum / static_cast<double>(image.size());
+  };
+  scene.faults = SensorFaults::None();
+  const RenderedFrame plain = Renderer(scene).Render(4);
+  scene.faults.exposure_change_stops = 2;
+  const double gain = ExposureGain(scene, plain.frame.time_s);
+  const RenderedFrame drifted = Renderer(scene).Render(4);
+  EXPECT_EQ(mean(drifted.frame.colour) > mean(plain.frame.colour), gain > 1) << gain;
+  EXPECT_EQ(drifted.frame.depth_m, plain.frame.depth_m);
 }
 
 TEST(CaptureRenderer, InstancesAreTheObjectsPixels) {
