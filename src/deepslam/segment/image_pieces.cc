@@ -26,7 +26,8 @@ Points UsablePoints(const DepthImage& depth_m,
                     const PinholeCamera& camera,
                     const std::optional<Plane>& ground_camera,
                     const SegmentOptions& options,
-                    Image<float>& height_m) {
+                    Image<float>& height_m,
+                    Mask& beyond) {
   Points points(depth_m.width(), depth_m.height(), Eigen::Vector3f::Zero());
   ParallelForChunks(static_cast<std::size_t>(depth_m.height()),
                     kRowsPerChunk,
@@ -34,7 +35,9 @@ Points UsablePoints(const DepthImage& depth_m,
                       for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
                         for (int u = 0; u < depth_m.width(); ++u) {
                           const double z = depth_m(u, v);
-                          if (!(z > 0) || z > options.max_depth_m) continue;
+                          if (!(z > 0)) continue;
+                          beyond(u, v) = 1;
+                          if (z > options.max_depth_m) continue;
                           const Eigen::Vector3d p = camera.Unproject(u, v, z);
                           if (!(p.cwiseAbs().maxCoeff() < kFarthest_m)) continue;
                           if (ground_camera) {
@@ -44,6 +47,7 @@ Points UsablePoints(const DepthImage& depth_m,
                               continue;
                           }
                           points(u, v) = p.cast<float>();
+                          beyond(u, v) = 0;
                         }
                       }
                     });
@@ -198,7 +202,9 @@ ImagePieces CutIntoPieces(const DepthImage& depth_m,
   const int height = depth_m.height();
   pieces.has_ground = ground_camera.has_value();
   pieces.height_m = Image<float>(width, height, 0.0F);
-  pieces.points_camera = UsablePoints(depth_m, camera, ground_camera, options, pieces.height_m);
+  pieces.beyond = Mask(width, height);
+  pieces.points_camera =
+      UsablePoints(depth_m, camera, ground_camera, options, pieces.height_m, pieces.beyond);
   pieces.horizontal = Mask(width, height);
   pieces.piece = Image<std::int32_t>(width, height, -1);
   const Image<Eigen::Vector3f> normals = Normals(pieces.points_camera, camera.fx, options);

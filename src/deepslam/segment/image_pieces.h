@@ -21,6 +21,7 @@ struct ImagePieces {
   Image<Eigen::Vector3f> points_camera;
   Image<float> height_m;        // above the ground; 0 where no ground is known
   Mask horizontal;              // 1: surface faces up (needs a ground)
+  Mask beyond;                  // 1: the ray was seen to go on to the ground or out of reach
   Image<std::int32_t> piece;    // piece of each pixel, -1 = none
   std::vector<int> num_pixels;  // per piece
   bool has_ground = false;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/segment/image_pieces.h"
 #include "deepslam/segment/region.h"
@@ -18,9 +19,11 @@ struct LevelTop {
       hull_ground_m;  // convex, counter-clockwise, in GroundTangentBasis coordinates
 };
 
-// Finds the dominant level surface inside the region and gives its pixels that have no owner to
-// `owner`. Nothing when there is none between the heights of seats and bars.
+// Finds the layer with the largest outline inside the region that hides what is under it, and gives
+// its pixels that have no owner to `owner`. Nothing when there is none between the heights of seats
+// and bars. Depth is needed along the rim only: tops of tables often return none elsewhere.
 [[nodiscard]] std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
+                                                    const PinholeCamera& camera,
                                                     const Plane& ground_camera,
                                                     const Region& region,
                                                     int owner,

@@ -192,7 +192,8 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
     for (std::size_t d = 0; d < detections.size(); ++d) {
       if (!ground_camera || !HasLevelTop(detections[d].class_name, options)) continue;
       std::optional<LevelTop> top =
-          ClaimLevelTop(pieces, *ground_camera, regions[d], static_cast<int>(d), options, owners);
+          ClaimLevelTop(
+              pieces, camera, *ground_camera, regions[d], static_cast<int>(d), options, owners);
       if (!top) continue;
       takes_pieces[d] = false;
       tops.emplace_back(d, std::move(*top));

@@ -111,7 +111,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 2, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 3, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
       2,
       {"track", "ground", "segment"},
