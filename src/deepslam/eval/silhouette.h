@@ -13,7 +13,7 @@ namespace deepslam::eval {
 
 inline constexpr std::string_view kSilhouetteProtocol =
     "silhouettes: IoU of the projected object with its segment, per view, median; pixels that "
-    "something nearer hides or that have no depth say nothing";
+    "something nearer hides say nothing, nor do those without depth but in all_px";
 
 // Depth of a mesh's nearest surface at pixel centres, by z-buffer; 0 where it is not. Both sides of
 // faces are seen; faces that reach behind the camera are cut at its near plane (1 cm). Faces with
