@@ -18,6 +18,9 @@ namespace deepslam::tools {
 using Command = std::function<int()>;
 
 void AddRun(CLI::App& app, Command& chosen);
+void AddBatch(CLI::App& app, Command& chosen);
+void AddBatchSummary(CLI::App& app, Command& chosen);
+void AddBatchWorker(CLI::App& app, Command& chosen);
 void AddStatus(CLI::App& app, Command& chosen);
 void AddConfig(CLI::App& app, Command& chosen);
 void AddDoctor(CLI::App& app, Command& chosen);

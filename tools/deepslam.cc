@@ -21,6 +21,9 @@ int main(int argc, char** argv) {
 
   Command chosen;
   for (const auto add : {AddRun,
+                         AddBatch,
+                         AddBatchSummary,
+                         AddBatchWorker,
                          AddStatus,
                          AddConfig,
                          AddDoctor,

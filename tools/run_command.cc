@@ -11,11 +11,10 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/dataset/capture.h"
-#include "deepslam/pipeline/config.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
+#include "run_capture.h"
 
 namespace deepslam::tools {
 namespace {
@@ -23,10 +22,6 @@ namespace {
 using artifact::JsonArray;
 using artifact::JsonObject;
 using artifact::JsonValue;
-
-constexpr std::string_view kRunFile = "run.json";  // options of the last run, for `status`
-constexpr std::string_view kRunFormat = "deepslam/run";
-constexpr int kRunVersion = 1;
 
 struct RunArguments {
   std::string capture;
@@ -41,56 +36,6 @@ struct RunArguments {
   std::string data;
   std::string overrides;
 };
-
-// Options that differ from the defaults.
-Result<std::string> EncodeRun(stages::Config config) {
-  stages::Config defaults;
-  std::map<std::string, std::string> default_values;
-  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(stages::Sections(defaults))) {
-    default_values[entry.name] = entry.value;
-  }
-  JsonObject options;
-  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(stages::Sections(config))) {
-    if (default_values[entry.name] != entry.value) options.emplace(entry.name, entry.value);
-  }
-  JsonObject document = artifact::NewDocument(kRunFormat, kRunVersion);
-  document.emplace("options", std::move(options));
-  return DumpJson(std::move(document), kRunFile);
-}
-
-Result<stages::Config> DecodeRun(std::string_view text) {
-  artifact::JsonReader reader(text, kRunFile, kRunFormat, kRunVersion);
-  std::map<std::string, std::string> values;
-  for (const auto& [name, value] : reader.root()["options"].Members())
-    values[name] = value.String();
-  if (!reader.ok()) return reader.error();
-  stages::Config config;
-  if (Status status = pipeline::ApplyValues(stages::Sections(config), values, kRunFile);
-      !status.ok()) {
-    return status.error();
-  }
-  return config;
-}
-
-// timing.js beside the report, which loads it: times are no part of any artifact.
-Status WriteTimingScript(std::span<const pipeline::Stage> plan,
-                         const pipeline::RunReport& report,
-                         const std::filesystem::path& workspace) {
-  JsonArray rows;
-  for (const pipeline::StageTiming& timing : pipeline::ReadTimings(plan, workspace)) {
-    JsonObject row;
-    row.emplace("stage", timing.name);
-    row.emplace("wall_s", timing.timing.wall_s);
-    row.emplace("cpu_s", timing.timing.cpu_s);
-    row.emplace("peak_mb", timing.timing.peak_memory_mib);
-    row.emplace("reused",
-                std::find(report.ran.begin(), report.ran.end(), timing.name) == report.ran.end());
-    rows.emplace_back(std::move(row));
-  }
-  const Result<std::string> json = DumpJson(std::move(rows), "timing.js");
-  if (!json.ok()) return json.error();
-  return artifact::WriteFileAtomically(workspace / "timing.js", "const deepslamTiming = " + *json);
-}
 
 JsonValue Strings(std::span<const std::string> strings) {
   JsonArray array;
@@ -115,19 +60,6 @@ Status TellResult(const pipeline::RunReport& report, const std::filesystem::path
   return ::isatty(STDOUT_FILENO) != 0 ? Ok() : WriteResult("", *text);
 }
 
-// The file that was named, else overrides.yaml of the workspace, else nothing.
-Result<artifact::Overrides> ReadOverrides(const RunArguments& arguments) {
-  std::filesystem::path file = arguments.overrides;
-  if (file.empty()) {
-    file = std::filesystem::path(arguments.workspace) / "overrides.yaml";
-    std::error_code error;
-    if (!std::filesystem::exists(file, error)) return artifact::Overrides{};
-  }
-  const Result<std::string> text = artifact::ReadFile(file);
-  if (!text.ok()) return text.error();
-  return artifact::DecodeOverrides(*text, file.filename().string());
-}
-
 int Run(const RunArguments& arguments) {
   if (arguments.workspace.empty())
     return ReportError(InvalidConfig("--output: names no folder; give the workspace's"));
@@ -135,37 +67,20 @@ int Run(const RunArguments& arguments) {
   if (!arguments.poses.empty()) sources.settings.push_back("track.poses=" + arguments.poses);
   const Result<stages::Config> config = ReadConfig(sources);
   if (!config.ok()) return ReportError(config.error());
-  const Result<ClassTable> classes = stages::LoadClasses(*config);
-  if (!classes.ok()) return ReportError(classes.error());
-  const Result<std::string> record = EncodeRun(*config);
-  if (!record.ok()) return ReportError(record.error());
-
-  const Result<artifact::Overrides> overrides = ReadOverrides(arguments);
-  if (!overrides.ok()) return ReportError(overrides.error());
 
   CatchStopSignals();
   const ThreadLimit limit(arguments.threads);
-  Result<dataset::Capture> capture = dataset::OpenCapture(arguments.capture);
-  if (!capture.ok()) return ReportError(capture.error());
-  for (const std::string& warning : capture->warnings) LogWarning(warning);
-  const auto inputs = std::make_shared<const stages::RunInputs>(
-      stages::RunInputs{*config,
-                        *classes,
-                        std::make_shared<const dataset::Capture>(std::move(capture).value()),
-                        stages::FindDataFolder(arguments.data),
-                        *overrides});
-  const std::vector<pipeline::Stage> plan = stages::MakePlan(inputs);
+  CaptureRun run;
+  run.capture = arguments.capture;
+  run.workspace = arguments.workspace;
+  run.data_folder = stages::FindDataFolder(arguments.data);
+  run.until = arguments.until;
+  run.force = {arguments.force.begin(), arguments.force.end()};
+  run.overrides = arguments.overrides;
   ConsoleListener listener(ParseProgressStyle(arguments.progress), arguments.explain);
-  const pipeline::RunRequest request{arguments.workspace,
-                                     arguments.until,
-                                     {arguments.force.begin(), arguments.force.end()},
-                                     {{std::string(kRunFile), *record}}};
-  const Result<pipeline::RunReport> report = pipeline::RunStages(plan, request, listener);
-  if (!report.ok()) return ReportError(report.error());
-  if (Status status = WriteTimingScript(plan, *report, arguments.workspace); !status.ok()) {
-    return ReportError(status.error());
-  }
-  const Status status = TellResult(*report, arguments.workspace);
+  const Result<CaptureRunResult> result = RunCapture(run, *config, listener);
+  if (!result.ok()) return ReportError(result.error());
+  const Status status = TellResult(result->report, arguments.workspace);
   return status.ok() ? kExitOk : ReportError(status.error());
 }
 
@@ -173,6 +88,8 @@ std::string_view NameOf(pipeline::StageState state) {
   switch (state) {
     case pipeline::StageState::kDone:
       return "done";
+    case pipeline::StageState::kDropped:
+      return "dropped";
     case pipeline::StageState::kStale:
       return "stale";
     case pipeline::StageState::kMissing:

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/artifact/store.h"
+#include "deepslam/pipeline/drop.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/pipeline/workspace.h"
 #include "support/temp_dir.h"
@@ -106,6 +107,67 @@ TEST(Runner, RunsEverythingOnceAndNothingTwice) {
   const RecordingListener again = RunChain({}, dir.path() / "w");
   EXPECT_THAT(again.ran, IsEmpty());
   EXPECT_THAT(again.skipped, ElementsAre("a", "b", "c", "d"));
+}
+
+TEST(Runner, DroppedFilesAreGoneAndTheStagesStillStand) {
+  const TempDir dir;
+  RunRequest keep_c;
+  keep_c.keep = {"c"};
+  RunChain({}, dir.path(), keep_c);
+  EXPECT_FALSE(fs::exists(dir.path() / "a" / "a.txt"));
+  EXPECT_FALSE(fs::exists(dir.path() / "b" / "deep"));
+  EXPECT_TRUE(fs::exists(dir.path() / "c" / "c.txt"));
+  const RecordingListener again = RunChain({}, dir.path(), keep_c);
+  EXPECT_THAT(again.ran, IsEmpty());
+  EXPECT_THAT(again.skipped, ElementsAre("a", "b", "c", "d"));
+  const auto states = InspectWorkspace(Chain{}.Stages(), dir.path());
+  ASSERT_TRUE(states.ok()) << states.error().message;
+  EXPECT_EQ(states->at(0).state, StageState::kDropped);
+  EXPECT_EQ(states->at(2).state, StageState::kDone);
+}
+
+TEST(Runner, DroppedFilesComeBackWhereAStageNeedsThem) {
+  const TempDir dir, whole;
+  RunRequest keep_c;
+  keep_c.keep = {"c"};
+  RunChain({}, dir.path(), keep_c);
+  RunChain({}, whole.path());
+  RunRequest force_c;
+  force_c.force = {"c"};
+  RecordingListener listener = RunChain({}, dir.path(), force_c);
+  EXPECT_THAT(listener.ran, ElementsAre("a", "b", "c")) << "c reads b, b reads a; nothing reads d";
+  EXPECT_THAT(listener.reasons["b"], ElementsAre(HasSubstr("needed again")));
+  EXPECT_TRUE(fs::exists(dir.path() / "b" / "deep" / "b.txt"));
+  RunRequest force_d;
+  force_d.force = {"d"};
+  RunChain({}, dir.path(), force_d);
+  EXPECT_EQ(FilesWithoutTimes(dir.path()), FilesWithoutTimes(whole.path()));
+}
+
+TEST(Runner, ChangedOptionRunsThroughDroppedStages) {
+  const TempDir dir, whole;
+  RunRequest keep_c;
+  keep_c.keep = {"c"};
+  RunChain({}, dir.path(), keep_c);
+  Chain chain;
+  chain.b_version = 2;  // b runs and gives what it gave: the cascade ends there
+  EXPECT_THAT(RunChain(chain, dir.path()).ran, ElementsAre("a", "b"));
+  chain.a_option = "south";
+  chain.b_version = 3;
+  RunChain(chain, dir.path(), keep_c);
+  RunChain(chain, whole.path(), keep_c);
+  EXPECT_EQ(FilesWithoutTimes(dir.path()), FilesWithoutTimes(whole.path()));
+}
+
+TEST(Runner, DropThatWasCutShortCountsAsDrop) {
+  const TempDir dir;
+  RunChain({}, dir.path());
+  ASSERT_TRUE(DropOutputs(dir.path(), "b").ok());
+  WriteText(dir.path() / "b" / "deep" / "b.txt", "half");
+  RunRequest force_c;
+  force_c.force = {"c"};
+  RunChain({}, dir.path(), force_c);
+  EXPECT_EQ(ReadText(dir.path() / "c" / "c.txt"), "n");
 }
 
 TEST(Runner, ChangedOptionRunsThatStageAndWhatDependsOnIt) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/store.h"
+#include "deepslam/pipeline/drop.h"
 
 namespace deepslam::pipeline {
 namespace {
@@ -94,7 +95,8 @@ Decision Decide(const fs::path& workspace, const Manifest& expected) {
   decision.reasons = Differences(*decision.manifest, expected);
   if (!decision.reasons.empty()) return decision;
   DEEPSLAM_CHECK(Key(*decision.manifest) == Key(expected), "equal manifests have equal keys");
-  decision.reasons = DamagedOutputs(folder, *decision.manifest);
+  decision.dropped = IsDropped(workspace, expected.stage);
+  if (!decision.dropped) decision.reasons = DamagedOutputs(folder, *decision.manifest);
   return decision;
 }
 

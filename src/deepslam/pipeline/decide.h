@@ -15,6 +15,7 @@ namespace deepslam::pipeline {
 struct Decision {
   std::vector<std::string> reasons;  // why it must run; empty: its files stand
   bool missing = false;              // it never ran to its end here
+  bool dropped = false;              // it stands, but its files were dropped (drop.h)
   std::optional<Manifest> manifest;  // of the files that lie there, sound or not
 };
 

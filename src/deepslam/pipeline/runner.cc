@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -18,6 +19,7 @@
 
 #include "deepslam/artifact/store.h"
 #include "deepslam/pipeline/decide.h"
+#include "deepslam/pipeline/drop.h"
 #include "deepslam/pipeline/workspace.h"
 
 namespace deepslam::pipeline {
@@ -106,11 +108,13 @@ class Run {
                      fmt::format("{}: {}", stage.name, inputs.error().message)};
       external_inputs.push_back(std::move(inputs).value());
     }
+    needed_again_ = DroppedAndNeeded(wanted, external_inputs);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (listener_.StopRequested()) return Interrupted();
       if (Status status = Update(wanted[i], external_inputs[i]); !status.ok())
         return status.error();
     }
+    if (Status status = DropOthers(wanted); !status.ok()) return status.error();
     return report_;
   }
 
@@ -120,6 +124,49 @@ class Run {
       if (stages_[i].name == request_.until) return stages_.first(i + 1);
     }
     return stages_;
+  }
+
+  // Stages whose dropped files are read by a stage that runs, or may run: whether one whose inputs
+  // are made anew runs is known only then.
+  std::set<std::string> DroppedAndNeeded(std::span<const Stage> wanted,
+                                         std::span<const StringMap> external_inputs) const {
+    const auto dropped = [&](const std::string& stage) {
+      return IsDropped(request_.workspace, stage);
+    };
+    std::set<std::string> needed;
+    if (std::none_of(
+            wanted.begin(), wanted.end(), [&](const Stage& s) { return dropped(s.name); })) {
+      return needed;
+    }
+    StringMap hashes;  // of the stages that certainly stand
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const Stage& stage = wanted[i];
+      StringMap inputs;
+      for (const std::string& input : stage.inputs) {
+        if (const auto it = hashes.find(input); it != hashes.end()) inputs.insert(*it);
+      }
+      if (inputs.size() < stage.inputs.size() || request_.force.contains(stage.name)) continue;
+      const Decision decision =
+          Decide(request_.workspace, Expected(stage, std::move(inputs), external_inputs[i]));
+      if (decision.reasons.empty()) hashes[stage.name] = ContentHash(decision.manifest->outputs);
+    }
+    for (auto stage = wanted.rbegin(); stage != wanted.rend(); ++stage) {
+      if (hashes.contains(stage->name) && !needed.contains(stage->name)) continue;
+      std::copy_if(stage->inputs.begin(),
+                   stage->inputs.end(),
+                   std::inserter(needed, needed.end()),
+                   dropped);
+    }
+    return needed;
+  }
+
+  Status DropOthers(std::span<const Stage> wanted) const {
+    if (request_.keep.empty()) return Ok();
+    for (const Stage& stage : wanted) {
+      if (request_.keep.contains(stage.name)) continue;
+      if (Status status = DropOutputs(request_.workspace, stage.name); !status.ok()) return status;
+    }
+    return Ok();
   }
 
   Status Update(const Stage& stage, const StringMap& external_inputs) {
@@ -134,6 +181,8 @@ class Run {
     Decision decision = Decide(request_.workspace, manifest);
     if (decision.reasons.empty() && request_.force.contains(stage.name))
       decision.reasons.emplace_back("forced");
+    if (decision.reasons.empty() && decision.dropped && needed_again_.contains(stage.name))
+      decision.reasons.emplace_back("its files were dropped and are needed again");
     if (decision.reasons.empty()) {
       content_hashes_[stage.name] = ContentHash(decision.manifest->outputs);
       report_.skipped.push_back(stage.name);
@@ -194,6 +243,7 @@ class Run {
   const RunRequest& request_;
   RunListener& listener_;
   StringMap content_hashes_;
+  std::set<std::string> needed_again_;
   RunReport report_;
 };
 
@@ -218,7 +268,7 @@ Result<RunReport> RunStages(std::span<const Stage> stages,
   Run run(stages, request, listener);
   if (Status status = run.CheckRequest(); !status.ok()) return status.error();
   const std::vector<std::string> names = Names(stages);
-  const Result<Workspace> workspace = Workspace::Open(request.workspace, names);
+  const Result<Workspace> workspace = Workspace::Open(request.workspace, names, request.lock_patience_s);
   if (!workspace.ok()) return workspace.error();
   for (const auto& [file, bytes] : request.notes) {
     if (Status status = artifact::WriteFileAtomically(request.workspace / file, bytes);
@@ -266,8 +316,12 @@ Result<std::vector<StageReport>> InspectWorkspace(std::span<const Stage> stages,
     if (decision.manifest) {
       report.state = decision.reasons.empty() ? StageState::kDone : StageState::kStale;
       report.summary = decision.manifest->summary.line;
-      for (const auto& [file, output] : decision.manifest->outputs)
-        report.num_bytes += output.num_bytes;
+      if (decision.dropped && decision.reasons.empty()) {
+        report.state = StageState::kDropped;
+      } else {
+        for (const auto& [file, output] : decision.manifest->outputs)
+          report.num_bytes += output.num_bytes;
+      }
       report.timing = ReadTiming(workspace / stage.name).value_or(Timing());
       if (decision.reasons.empty())
         content_hashes[stage.name] = ContentHash(decision.manifest->outputs);

@@ -33,6 +33,11 @@ struct RunRequest {
   std::set<std::string> force;  // run although their files stand
   // Small files to be written into the workspace once it is held: name -> bytes.
   std::map<std::string, std::string> notes;
+  // Stages whose files are to stay; those of the others are dropped once all is done (drop.h).
+  // Empty: all stay.
+  std::set<std::string> keep = {};
+  // How long to wait for another run that holds the workspace.
+  int lock_patience_s = 0;
 };
 
 struct RunReport {
@@ -47,7 +52,8 @@ struct RunReport {
                                           const RunRequest& request,
                                           RunListener& listener);
 
-enum class StageState { kDone, kStale, kMissing };
+// kDropped: made, and its files dropped since; nothing needs them now.
+enum class StageState { kDone, kDropped, kStale, kMissing };
 
 struct StageReport {
   std::string name;

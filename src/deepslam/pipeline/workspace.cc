@@ -52,7 +52,16 @@ Status WriteWorkspaceFile(const fs::path& folder) {
   return artifact::WriteFileAtomically(folder / kWorkspaceFile, *text);
 }
 
-Result<int> TakeLock(const fs::path& folder) {
+// False when another process still has it after that time.
+bool Lock(int fd, int patience_s) {
+  for (int waited_s = 0;; ++waited_s) {
+    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return true;
+    if (errno != EWOULDBLOCK || waited_s >= patience_s) return false;
+    ::sleep(1);
+  }
+}
+
+Result<int> TakeLock(const fs::path& folder, int patience_s) {
   const fs::path file = folder / kLockFile;
   const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (fd < 0) {
@@ -60,7 +69,7 @@ Result<int> TakeLock(const fs::path& folder) {
                               file.string(),
                               std::strerror(errno)));
   }
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+  if (!Lock(fd, patience_s)) {
     char holder[32] = {};
     const ssize_t got = ::pread(fd, holder, sizeof(holder) - 1, 0);
     ::close(fd);
@@ -133,10 +142,11 @@ Workspace::~Workspace() {
 }
 
 Result<Workspace> Workspace::Open(const fs::path& folder,
-                                  std::span<const std::string> stage_names) {
+                                  std::span<const std::string> stage_names,
+                                  int lock_patience_s) {
   if (Status status = CheckWorkspace(folder, true); !status.ok()) return status.error();
   if (Status status = artifact::MakeFolders(folder); !status.ok()) return status.error();
-  const Result<int> lock = TakeLock(folder);
+  const Result<int> lock = TakeLock(folder, lock_patience_s);
   if (!lock.ok()) return lock.error();
   Workspace workspace(folder, *lock);
   if (Status status = WriteWorkspaceFile(folder); !status.ok()) return status.error();

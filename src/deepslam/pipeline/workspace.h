@@ -25,9 +25,11 @@ inline constexpr int kWorkspaceVersion = 1;
 class Workspace {
  public:
   // Makes the folder where needed, takes the lock (kFailed with the holder's process id when
-  // another run has it) and removes what dead runs of the stages left half-done.
+  // another run still has it after that time) and removes what dead runs of the stages left
+  // half-done.
   [[nodiscard]] static Result<Workspace> Open(const std::filesystem::path& folder,
-                                              std::span<const std::string> stage_names);
+                                              std::span<const std::string> stage_names,
+                                              int lock_patience_s = 0);
   ~Workspace();
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;

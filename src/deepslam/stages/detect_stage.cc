@@ -27,18 +27,15 @@ constexpr std::size_t kBatch = 8;  // frames held at once
 // out costs little, a person shown cannot be taken back.
 constexpr double kPersonScore = 0.25;
 
-Result<std::unique_ptr<detect::Detector>> LoadDetector(const RunInputs& inputs) {
+Result<std::shared_ptr<const detect::Detector>> LoadDetector(const RunInputs& inputs) {
   const Result<std::filesystem::path> file =
       FindWeights(inputs.data_folder, inputs.config.detect_stage.weights);
   if (!file.ok()) return file.error();
-  const Result<std::string> bytes = artifact::ReadFile(*file);
-  if (!bytes.ok()) return bytes.error();
+  if (inputs.models) return inputs.models->Detector(*file, inputs.config.network);
   Result<std::unique_ptr<detect::Detector>> detector =
-      detect::LoadNetworkDetector(*bytes, inputs.config.network);
-  if (!detector.ok())
-    return Error{detector.error().code,
-                 fmt::format("{}: {}", file->string(), detector.error().message)};
-  return detector;
+      LoadDetectorFile(*file, inputs.config.network);
+  if (!detector.ok()) return detector.error();
+  return std::shared_ptr<const detect::Detector>(std::move(detector).value());
 }
 
 // Keyframes or all frames, and those the user's file speaks of.
@@ -149,7 +146,8 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
   if (!odometry.ok()) return odometry.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
-  Result<std::unique_ptr<detect::Detector>> detector = std::unique_ptr<detect::Detector>();
+  Result<std::shared_ptr<const detect::Detector>> detector =
+      std::shared_ptr<const detect::Detector>();
   if (inputs.config.detect_stage.source == "network") detector = LoadDetector(inputs);
   if (!detector.ok()) return detector.error();
   const std::vector<artifact::DetectedImage> images = AllImages(*inputs.capture);

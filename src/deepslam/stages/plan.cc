@@ -38,7 +38,8 @@ Status AddDetector(const RunInputs& inputs, StringMap& hashes) {
     return InvalidConfig("detect.source is file, but detect.file names none");
   }
   if (!file.ok()) return file.error();
-  const Result<std::string> hash = artifact::HashFile(*file);
+  const Result<std::string> hash =
+      inputs.models ? inputs.models->Hash(*file) : artifact::HashFile(*file);
   if (!hash.ok()) return hash.error();
   hashes.emplace(options.source == "network" ? "weights" : "coco_file", *hash);
   return Ok();
@@ -49,7 +50,8 @@ Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
   const Result<std::filesystem::path> folder =
       FindLibrary(inputs.data_folder, inputs.config.propose_stage.library);
   if (!folder.ok()) return folder.error();
-  const Result<std::string> hash = artifact::HashFolder(*folder);
+  const Result<std::string> hash =
+      inputs.models ? inputs.models->Hash(*folder) : artifact::HashFolder(*folder);
   if (!hash.ok()) return hash.error();
   hashes.emplace("library", *hash);
   return Ok();
@@ -157,7 +159,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      3,
+      4,
       {"track",
        "ground",
        "detect",

@@ -12,6 +12,7 @@
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/object_class.h"
 #include "deepslam/stages/config.h"
+#include "deepslam/stages/model_cache.h"
 
 namespace deepslam::stages {
 
@@ -22,6 +23,9 @@ struct RunInputs {
   std::shared_ptr<const dataset::Capture> capture;  // none: the plan can be looked at, not run
   std::filesystem::path data_folder;
   artifact::Overrides overrides = {};  // a person's corrections; empty: none
+  // Networks and libraries kept between the runs of a process. None: each stage loads what it needs
+  // and lets it go, so that a single run's later stages have the memory.
+  std::shared_ptr<ModelCache> models = {};
 };
 using SharedInputs = std::shared_ptr<const RunInputs>;
 

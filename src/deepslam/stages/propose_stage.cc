@@ -27,6 +27,12 @@ struct Sources {
   std::shared_ptr<const ModelLibrary> library;
 };
 
+Result<std::shared_ptr<const ModelLibrary>> LoadLibraryFolder(const std::filesystem::path& folder) {
+  Result<ModelLibrary> library = library::LoadLibrary(folder);
+  if (!library.ok()) return library.error();
+  return std::make_shared<const ModelLibrary>(std::move(library).value());
+}
+
 Result<Sources> MakeSources(const RunInputs& inputs) {
   const Config& config = inputs.config;
   const bool use_depth = config.propose_stage.use_depth;
@@ -35,9 +41,10 @@ Result<Sources> MakeSources(const RunInputs& inputs) {
     const Result<std::filesystem::path> folder =
         FindLibrary(inputs.data_folder, config.propose_stage.library);
     if (!folder.ok()) return folder.error();
-    Result<ModelLibrary> library = library::LoadLibrary(*folder);
+    Result<std::shared_ptr<const ModelLibrary>> library =
+        inputs.models ? inputs.models->Library(*folder) : LoadLibraryFolder(*folder);
     if (!library.ok()) return library.error();
-    sources.library = std::make_shared<const ModelLibrary>(std::move(library).value());
+    sources.library = std::move(library).value();
     sources.proposers.push_back(propose::MakeRetrievalProposer(
         sources.library,
         inputs.classes,

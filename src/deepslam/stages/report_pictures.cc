@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kSceneWidth = 900;
 constexpr int kSceneHeight = 600;
+constexpr int kThumbnailWidth = 240;
 constexpr int kMaxFramePictures = 6;
 constexpr int kMaxPhotographs = 2;
 
@@ -226,6 +227,36 @@ std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objec
                            : "The map from behind");
   }
   return pictures;
+}
+
+report::Picture SceneThumbnail(std::span<const PicturedObject> objects,
+                               const TriangleMesh& room_world,
+                               const OptimizedMap& map) {
+  constexpr int kDrawnWidth = 2 * kThumbnailWidth;  // drawn twice as large, for smooth edges
+  constexpr int kDrawnHeight = kDrawnWidth * 2 / 3;
+  const PinholeCamera camera{kDrawnWidth,
+                             kDrawnHeight,
+                             1.1 * kDrawnWidth,
+                             1.1 * kDrawnWidth,
+                             0.5 * kDrawnWidth,
+                             0.5 * kDrawnHeight};
+  Box3 bounds = Bounds(objects);
+  std::vector<render::ShadedMesh> meshes = ObjectMeshes(objects);
+  if (bounds.empty()) {
+    for (const Eigen::Vector3f& vertex : room_world.vertices) bounds.Extend(vertex.cast<double>());
+    if (bounds.empty()) return {};
+    meshes.push_back({room_world, Pose3{}, Rgb8{200, 200, 200}, true});
+  } else {
+    const auto floor = Floor(bounds);
+    meshes.push_back({floor[0], Pose3{}, Rgb8{225, 225, 225}, false});
+    meshes.push_back({floor[1], Pose3{}, Rgb8{205, 205, 205}, false});
+  }
+  constexpr double kElevation_rad = 0.6;
+  const Pose3 pose = render::Overlook(bounds, camera, CameraAzimuth(map, bounds), kElevation_rad);
+  Result<std::string> jpeg =
+      report::DrawOverlays(render::ShadeView(meshes, camera, pose), {}, kThumbnailWidth);
+  if (!jpeg.ok()) return {};
+  return {std::move(jpeg).value(), "image/jpeg", {}};
 }
 
 std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> objects,

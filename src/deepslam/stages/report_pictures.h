@@ -39,6 +39,12 @@ struct PictureLimits {
 [[nodiscard]] std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objects,
                                                          const OptimizedMap& map);
 
+// A small picture of the map from the camera's side, for lists; without objects, of the room. No
+// bytes when there is neither.
+[[nodiscard]] report::Picture SceneThumbnail(std::span<const PicturedObject> objects,
+                                             const TriangleMesh& room_world,
+                                             const OptimizedMap& map);
+
 // Photographs of the keyframes in `shown` that see most of the map, and the map from there.
 [[nodiscard]] std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> objects,
                                                            const TriangleMesh& room_world,

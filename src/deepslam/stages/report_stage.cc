@@ -308,6 +308,11 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   AddManifests(context, content);
   if (Status status = context.Write("index.html", report::RenderReport(content)); !status.ok())
     return status.error();
+  const report::Picture thumbnail = SceneThumbnail(pictured, sources->room, sources->map);
+  if (!thumbnail.bytes.empty()) {
+    if (Status status = context.Write("thumbnail.jpg", thumbnail.bytes); !status.ok())
+      return status.error();
+  }
   return StageSummary{fmt::format("{}: {} objects", content.verdict, content.objects.size()), {}};
 }
 

@@ -1,0 +1,48 @@
+// Networks and libraries that the runs of one process share: loaded once, and again only when their
+// files changed.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "deepslam/core/result.h"
+#include "deepslam/detect/detector.h"
+#include "deepslam/scene/model_library.h"
+
+namespace deepslam::stages {
+
+// For one thread at a time. Files are taken as unchanged while their sizes, inodes and times of
+// change are.
+class ModelCache {
+ public:
+  // SHA-256 of a file's bytes, or of names and bytes of a folder's files (artifact::HashFile,
+  // HashFolder).
+  [[nodiscard]] Result<std::string> Hash(const std::filesystem::path& file_or_folder);
+  // Messages name the file. Another file, or other options, take the place of what was held.
+  [[nodiscard]] Result<std::shared_ptr<const detect::Detector>> Detector(
+      const std::filesystem::path& onnx_file, const detect::DetectorOptions& options);
+  [[nodiscard]] Result<std::shared_ptr<const ModelLibrary>> Library(
+      const std::filesystem::path& folder);
+
+ private:
+  template <typename T>
+  struct Held {
+    std::string source;  // path and state of the files, and the options, it was loaded from
+    std::shared_ptr<const T> value;
+  };
+  struct HeldHash {
+    std::string state;
+    std::string hash;
+  };
+  std::map<std::filesystem::path, HeldHash> hashes_;
+  Held<detect::Detector> detector_;
+  Held<ModelLibrary> library_;
+};
+
+// The detector of an ONNX file, loaded anew.
+[[nodiscard]] Result<std::unique_ptr<detect::Detector>> LoadDetectorFile(
+    const std::filesystem::path& onnx_file, const detect::DetectorOptions& options);
+
+}  // namespace deepslam::stages

@@ -1,0 +1,122 @@
+#include "run_capture.h"
+
+#include <algorithm>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "console.h"
+#include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/json_value.h"
+#include "deepslam/artifact/store.h"
+#include "deepslam/pipeline/config.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using artifact::JsonArray;
+using artifact::JsonObject;
+
+constexpr std::string_view kRunFormat = "deepslam/run";
+constexpr int kRunVersion = 1;
+
+// timing.js beside the report, which loads it: times are no part of any artifact.
+Status WriteTimingScript(std::span<const pipeline::StageTiming> timings,
+                         const pipeline::RunReport& report,
+                         const fs::path& workspace) {
+  JsonArray rows;
+  for (const pipeline::StageTiming& timing : timings) {
+    JsonObject row;
+    row.emplace("stage", timing.name);
+    row.emplace("wall_s", timing.timing.wall_s);
+    row.emplace("cpu_s", timing.timing.cpu_s);
+    row.emplace("peak_mb", timing.timing.peak_memory_mib);
+    row.emplace("reused",
+                std::find(report.ran.begin(), report.ran.end(), timing.name) == report.ran.end());
+    rows.emplace_back(std::move(row));
+  }
+  const Result<std::string> json = DumpJson(std::move(rows), "timing.js");
+  if (!json.ok()) return json.error();
+  return artifact::WriteFileAtomically(workspace / "timing.js", "const deepslamTiming = " + *json);
+}
+
+// The file that was named, else overrides.yaml of the workspace, else nothing.
+Result<artifact::Overrides> ReadOverrides(const CaptureRun& run) {
+  fs::path file = run.overrides;
+  if (file.empty()) {
+    file = run.workspace / "overrides.yaml";
+    std::error_code error;
+    if (!fs::exists(file, error)) return artifact::Overrides{};
+  }
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  return artifact::DecodeOverrides(*text, file.filename().string());
+}
+
+}  // namespace
+
+// Options that differ from the defaults.
+Result<std::string> EncodeRun(stages::Config config) {
+  stages::Config defaults;
+  std::map<std::string, std::string> default_values;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(stages::Sections(defaults))) {
+    default_values[entry.name] = entry.value;
+  }
+  JsonObject options;
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(stages::Sections(config))) {
+    if (default_values[entry.name] != entry.value) options.emplace(entry.name, entry.value);
+  }
+  JsonObject document = artifact::NewDocument(kRunFormat, kRunVersion);
+  document.emplace("options", std::move(options));
+  return DumpJson(std::move(document), kRunFile);
+}
+
+Result<stages::Config> DecodeRun(std::string_view text) {
+  artifact::JsonReader reader(text, kRunFile, kRunFormat, kRunVersion);
+  std::map<std::string, std::string> values;
+  for (const auto& [name, value] : reader.root()["options"].Members())
+    values[name] = value.String();
+  if (!reader.ok()) return reader.error();
+  stages::Config config;
+  if (Status status = pipeline::ApplyValues(stages::Sections(config), values, kRunFile);
+      !status.ok()) {
+    return status.error();
+  }
+  return config;
+}
+
+Result<CaptureRunResult> RunCapture(const CaptureRun& run,
+                                    const stages::Config& config,
+                                    pipeline::RunListener& listener) {
+  const Result<ClassTable> classes = stages::LoadClasses(config);
+  if (!classes.ok()) return classes.error();
+  const Result<std::string> record = EncodeRun(config);
+  if (!record.ok()) return record.error();
+  const Result<artifact::Overrides> overrides = ReadOverrides(run);
+  if (!overrides.ok()) return overrides.error();
+  Result<dataset::Capture> opened = dataset::OpenCapture(run.capture);
+  if (!opened.ok()) return opened.error();
+  for (const std::string& warning : opened->warnings) LogWarning(warning);
+  const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
+  const auto inputs = std::make_shared<const stages::RunInputs>(
+      stages::RunInputs{config, *classes, capture, run.data_folder, *overrides, run.models});
+  const std::vector<pipeline::Stage> plan = stages::MakePlan(inputs);
+  pipeline::RunRequest request;
+  request.workspace = run.workspace;
+  request.until = run.until;
+  request.force = run.force;
+  request.keep = run.keep;
+  request.lock_patience_s = run.lock_patience_s;
+  request.notes = {{std::string(kRunFile), *record}};
+  Result<pipeline::RunReport> report = pipeline::RunStages(plan, request, listener);
+  if (!report.ok()) return report.error();
+  std::vector<pipeline::StageTiming> timings = pipeline::ReadTimings(plan, run.workspace);
+  if (Status status = WriteTimingScript(timings, *report, run.workspace); !status.ok())
+    return status.error();
+  return CaptureRunResult{std::move(report).value(), std::move(timings), capture};
+}
+
+}  // namespace deepslam::tools
