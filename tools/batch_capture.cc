@@ -106,7 +106,9 @@ bool WasRequeued() {
   return count != nullptr && std::string_view(count) != "0";
 }
 
+// A cluster may call a node otherwise than the machine calls itself.
 std::string HostName() {
+  if (const char* node = std::getenv("SLURMD_NODENAME")) return node;  // NOLINT(concurrency-mt-unsafe)
   std::array<char, 256> name{};
   if (::gethostname(name.data(), name.size() - 1) != 0) return {};
   return name.data();

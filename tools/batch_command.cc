@@ -242,8 +242,8 @@ Result<BatchPlan> MakeBatchPlan(const BatchArguments& arguments) {
   return plan;
 }
 
-// What a batch that came to its end says: files for people, a document for programs.
-Status TellResult(const BatchFolder& folder, const BatchState& state) {
+// What a batch that came to its end says to people.
+void TellResult(const BatchFolder& folder, const BatchState& state) {
   const batch::StateCounts counts = Count(state);
   LogInfo(fmt::format("{} of {} done{}, {}",
                       counts.done,
@@ -259,6 +259,10 @@ Status TellResult(const BatchFolder& folder, const BatchState& state) {
   }
   LogInfo(fmt::format("page      {}", folder.page().string()));
   LogInfo(fmt::format("table     {}", folder.batch_json().string()));
+}
+
+// The same for programs.
+Status TellDocument(const BatchFolder& folder) {
   if (::isatty(STDOUT_FILENO) != 0) return Ok();
   const Result<std::string> text = artifact::ReadFile(folder.batch_json());
   return text.ok() ? WriteResult("", *text) : Status(text.error());
@@ -281,7 +285,7 @@ int Finish(const BatchFolder& folder,
   if (Status status = WriteBatchPage(folder, state); !status.ok())
     return ReportError(status.error());
   if (!outcome.ok()) return ReportError(outcome.error());
-  if (Status status = TellResult(folder, state); !status.ok()) return ReportError(status.error());
+  TellResult(folder, state);
   return ExitCode(state);
 }
 
@@ -336,7 +340,9 @@ int Batch(const BatchArguments& arguments) {
     if (!ended.ok()) outcome = ended.error();
   }
   display.Finish();
-  return Finish(folder, *plan, outcome, state);
+  const int code = Finish(folder, *plan, outcome, state);
+  if (Status status = TellDocument(folder); !status.ok()) return ReportError(status.error());
+  return code;
 }
 
 // What the summary job of a cluster does.

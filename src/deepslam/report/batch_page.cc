@@ -162,11 +162,21 @@ std::string Failures(const BatchPage& page) {
       list);
 }
 
+// The whole of a failure stands in the list of failures.
+std::string_view FirstLine(std::string_view text) {
+  constexpr std::size_t kMaxBytes = 160;
+  text = text.substr(0, text.find('\n'));
+  if (text.size() <= kMaxBytes) return text;
+  std::size_t end = kMaxBytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end);
+}
+
 std::string ResultCell(const BatchRow& row) {
   const std::string kind = KindOf(row);
   std::string html = fmt::format("<span class='badge {0}'>{0}</span>", EscapeHtml(kind));
   if (!row.failure.empty())
-    return html + "<div class='why fault'>" + EscapeHtml(row.failure) + "</div>";
+    return html + "<div class='why fault'>" + EscapeHtml(FirstLine(row.failure)) + "</div>";
   if (row.verdict_reasons.empty()) return html;
   html += "<ul class=why>";
   for (const std::string& reason : row.verdict_reasons) html += "<li>" + EscapeHtml(reason);

@@ -1,0 +1,99 @@
+// Networks are loaded once, and again when their file changed.
+#include <gmock/gmock.h>
+
+#include "deepslam/core/sha256.h"
+#include "deepslam/stages/model_cache.h"
+#include "support/temp_dir.h"
+#include "support/tiny_onnx.h"
+
+namespace deepslam::stages {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::TempDir;
+using testing_support::TinyNetwork;
+using testing_support::WriteOnnx;
+using testing_support::WriteText;
+namespace fs = std::filesystem;
+
+// A YOLOv8 head of one class and one box with that score.
+std::string OneBox(float score) {
+  TinyNetwork network;
+  std::vector<float> values(5 * 84, 0);
+  for (const auto [row, value] : {std::pair(0, 32.0F), {1, 32.0F}, {2, 16.0F}, {3, 16.0F}, {4, score}})
+    values[static_cast<std::size_t>(row) * 84] = value;
+  network.outputs = {{{1, 5, 84}, values}};
+  network.metadata = {{"names", "{0: 'chair'}"}};
+  return WriteOnnx(network);
+}
+
+double BestScore(const detect::Detector& detector) {
+  const auto found = detector.Detect(ColourImage(64, 64));
+  EXPECT_TRUE(found.ok()) << found.error().message;
+  return found.ok() && !found->empty() ? found->front().score : 0;
+}
+
+TEST(ModelCache, LoadsANetworkOnce) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "net.onnx";
+  WriteText(file, OneBox(0.75F));
+  ModelCache cache;
+  const auto first = cache.Detector(file, {});
+  ASSERT_TRUE(first.ok()) << first.error().message;
+  EXPECT_NEAR(BestScore(**first), 0.75, 1e-6);
+  EXPECT_EQ(cache.Detector(file, {})->get(), first->get());
+}
+
+TEST(ModelCache, ANewFileIsANewNetwork) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "net.onnx";
+  WriteText(file, OneBox(0.75F));
+  ModelCache cache;
+  const auto first = cache.Detector(file, {});
+  ASSERT_TRUE(first.ok()) << first.error().message;
+  WriteText(dir.path() / "other.onnx", OneBox(0.5F));
+  fs::rename(dir.path() / "other.onnx", file);
+  const auto second = cache.Detector(file, {});
+  ASSERT_TRUE(second.ok()) << second.error().message;
+  EXPECT_NEAR(BestScore(**second), 0.5, 1e-6);
+  EXPECT_NEAR(BestScore(**first), 0.75, 1e-6) << "whoever holds the old one keeps it";
+}
+
+TEST(ModelCache, OtherOptionsAreAnotherDetector) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "net.onnx";
+  WriteText(file, OneBox(0.75F));
+  ModelCache cache;
+  detect::DetectorOptions strict;
+  strict.min_score = 0.9;
+  ASSERT_TRUE(cache.Detector(file, {}).ok());
+  EXPECT_EQ(BestScore(**cache.Detector(file, strict)), 0);
+}
+
+TEST(ModelCache, HashesFollowTheFile) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "a.txt";
+  WriteText(file, "one");
+  ModelCache cache;
+  EXPECT_EQ(*cache.Hash(file), Sha256Hex("one"));
+  EXPECT_EQ(*cache.Hash(file), Sha256Hex("one"));
+  WriteText(file, "three");
+  EXPECT_EQ(*cache.Hash(file), Sha256Hex("three"));
+  const std::string folder = *cache.Hash(dir.path());
+  WriteText(dir.path() / "deep" / "b.txt", "x");
+  EXPECT_NE(*cache.Hash(dir.path()), folder);
+  fs::remove(file);
+  EXPECT_FALSE(cache.Hash(file).ok());
+}
+
+TEST(ModelCache, FaultsNameTheFile) {
+  const TempDir dir;
+  WriteText(dir.path() / "net.onnx", "no network");
+  ModelCache cache;
+  EXPECT_THAT(cache.Detector(dir.path() / "net.onnx", {}).error().message, HasSubstr("net.onnx"));
+  EXPECT_FALSE(cache.Detector(dir.path() / "none.onnx", {}).ok());
+  EXPECT_FALSE(cache.Library(dir.path() / "none").ok());
+}
+
+}  // namespace
+}  // namespace deepslam::stages
