@@ -292,7 +292,7 @@ int Finish(const BatchFolder& folder,
 int Batch(const BatchArguments& arguments) {
   if (arguments.root.empty())
     return ReportError(InvalidConfig("--output: names no folder; give the batch's"));
-  const std::vector<std::string> stage_names = StageNames();
+  std::vector<std::string> stage_names = StageNames();
   if (Status status = CheckUntil(arguments.until, stage_names); !status.ok())
     return ReportError(status.error());
   std::error_code error;
@@ -327,6 +327,10 @@ int Batch(const BatchArguments& arguments) {
   state.engine = arguments.engine;
   state.jobs = jobs;
   CatchStopSignals();
+  if (const auto last = std::find(stage_names.begin(), stage_names.end(), arguments.until);
+      last != stage_names.end()) {
+    stage_names.erase(last + 1, stage_names.end());
+  }
   BatchDisplay display(ParseBatchStyle(arguments.progress), stage_names);
   Status outcome = Ok();
   if (local) {

@@ -44,6 +44,14 @@ TEST(ProgressTable, TellsWhatRunsAndWhatFailed) {
   EXPECT_THAT(text, HasSubstr("failed   room2"));
 }
 
+TEST(ProgressTable, ReasonsAreShownWithoutTheCapturesPath) {
+  BatchState batch = Room(1, 1);
+  batch.captures[1].capture = "/data/rooms/room1";
+  batch.captures[1].reason = "/data/rooms/room1/capture.yaml:3: fx is 0";
+  const std::string text = Joined(RenderTable(batch, kStages, 1060, {100, 24}));
+  EXPECT_THAT(text, AllOf(HasSubstr("room1     capture.yaml:3"), Not(HasSubstr("/data"))));
+}
+
 TEST(ProgressTable, FitsTheTerminal) {
   for (const int width : {10, 40, 80}) {
     for (const int height : {4, 10, 24}) {

@@ -63,6 +63,14 @@ std::string RunningLine(const CaptureRecord& record,
                      LeftText(SecondsLeft(record, elapsed_s, shares, stages)));
 }
 
+// The name stands before it: the capture's path need not be said again.
+std::string_view ShortReason(const CaptureRecord& record) {
+  std::string_view reason = record.reason;
+  if (reason.starts_with(record.capture)) reason.remove_prefix(record.capture.size());
+  if (reason.starts_with("/") || reason.starts_with(": ")) reason.remove_prefix(1);
+  return reason;
+}
+
 }  // namespace
 
 std::string DurationText(double seconds) {
@@ -122,7 +130,7 @@ std::vector<std::string> RenderTable(const BatchState& batch,
       std::min({failed.size(), kMaxFailuresShown, room > lines.size() ? room - lines.size() : 0});
   for (std::size_t i = failed.size() - shown; i < failed.size(); ++i) {
     lines.push_back(Fitted(
-        fmt::format("  failed   {:<{}}  {}", failed[i]->name, name_width, failed[i]->reason),
+        fmt::format("  failed   {:<{}}  {}", failed[i]->name, name_width, ShortReason(*failed[i])),
         options.width));
   }
   return lines;
