@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 // A YOLOv8 head of one class and one box with that score.
 std::string OneBox(float score) {
   TinyNetwork network;
-  std::vector<float> values(5 * 84, 0);
-  for (const auto [row, value] : {std::pair(0, 32.0F), {1, 32.0F}, {2, 16.0F}, {3, 16.0F}, {4, score}})
-    values[static_cast<std::size_t>(row) * 84] = value;
+  const std::vector<float> column = {32, 32, 16, 16, score};
+  std::vector<float> values(column.size() * 84, 0);
+  for (std::size_t row = 0; row < column.size(); ++row) values[row * 84] = column[row];
   network.outputs = {{{1, 5, 84}, values}};
   network.metadata = {{"names", "{0: 'chair'}"}};
   return WriteOnnx(network);
