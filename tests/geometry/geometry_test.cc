@@ -5,6 +5,7 @@
 #include "deepslam/core/random.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/facing.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/geometry/similarity.h"
@@ -114,6 +115,22 @@ TEST(Box2Test, IntersectionOverUnionOfKnownBoxes) {
   EXPECT_DOUBLE_EQ(IntersectionOverUnion(a, a), 1.0);
   EXPECT_DOUBLE_EQ(IntersectionOverUnion(a, Box2{5, 5, 6, 6}), 0.0);
   EXPECT_DOUBLE_EQ(IntersectionOverUnion(Box2{}, Box2{}), 0.0);
+}
+
+TEST(BackShown, IsTheShareOfTheWayRoundFromTheFront) {
+  // An object at (1, 2, 0) that faces world y.
+  const Eigen::Quaterniond world_from_object(
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
+  const Eigen::Vector3d center(1, 2, 0);
+  const auto shown = [&](std::vector<Eigen::Vector3d> cameras) {
+    return BackShown(world_from_object, center, cameras);
+  };
+  EXPECT_NEAR(shown({{1, 5, 1.4}}), 0.0, 1e-12);
+  EXPECT_NEAR(shown({{1, -1, 1.4}}), 1.0, 1e-12);
+  EXPECT_NEAR(shown({{4, 2, 0.3}}), 0.5, 1e-12);
+  EXPECT_NEAR(shown({{1, 5, 0}, {1, -1, 0}}), 0.5, 1e-12);
+  EXPECT_EQ(shown({}), 0.5);
+  EXPECT_NEAR(shown({{1, 2, 3}}), 0.5, 1e-12);  // straight above
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -215,6 +216,20 @@ TEST_F(SelectAChair, WhatMostViewsPullAwayLosesToWhatTheyConfirm) {
   ASSERT_EQ(Select().chosen, CandidateId{1});
   for (std::size_t i = 0; i + 1 < views_.size(); ++i) registrations_[1].views[i].ok = false;
   EXPECT_EQ(Select().chosen, CandidateId{0});
+}
+
+TEST_F(SelectAChair, OfTwoThatAgreeAlikeTheOneThatFacesTheCamerasWins) {
+  Add(testing_support::ChairGrid(), 0, CandidateSource::kRetrieval);
+  const std::size_t last = candidates_.size() - 1;
+  scores_[last] = scores_[1];
+  scores_[last].candidate = candidates_[last].id;
+  scores_[last].score += 0.005;
+  scores_[1].score -= 0.005;
+  EXPECT_EQ(Select().chosen, candidates_[last].id);
+  // The true placement faces the cameras; turned round it shows them its back.
+  Eigen::Quaterniond& rotation = registrations_[last].world_from_object.rotation;
+  rotation = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()) * rotation;
+  EXPECT_EQ(Select().chosen, CandidateId{1});
 }
 
 TEST_F(SelectAChair, OneSideGivesLessConfidenceAndSaysSo) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/geometry/facing.h"
 #include "deepslam/registration/initial_alignment.h"
 #include "deepslam/registration/similarity_icp.h"
 
@@ -90,17 +91,11 @@ Similarity3 Rescaled(const Similarity3& camera_from_object,
 
 double BackShownCost(const Similarity3& world_from_object,
                      std::span<const MeasuredView* const> views) {
-  if (views.empty()) return 0;
-  const Eigen::Vector3d up = world_from_object.rotation * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d front = world_from_object.rotation * Eigen::Vector3d::UnitX();
-  double cosines = 0;
-  for (const MeasuredView* view : views) {
-    Eigen::Vector3d to_camera =
-        view->world_from_camera.translation_m - world_from_object.translation_m;
-    to_camera -= up.dot(to_camera) * up;
-    if (to_camera.norm() > 1e-6) cosines += front.dot(to_camera.normalized());
-  }
-  return kBackShown * (0.5 - 0.5 * cosines / static_cast<double>(views.size()));
+  std::vector<Eigen::Vector3d> cameras_world;
+  for (const MeasuredView* view : views)
+    cameras_world.push_back(view->world_from_camera.translation_m);
+  return kBackShown *
+         BackShown(world_from_object.rotation, world_from_object.translation_m, cameras_world);
 }
 
 std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "deepslam/core/check.h"
+#include "deepslam/geometry/facing.h"
 #include "deepslam/select/score.h"
 
 namespace deepslam::select {
@@ -60,10 +61,25 @@ Pose3 CameraFromObject(const CandidateRegistration& registration,
   return view.world_from_camera.Inverse() * registration.world_from_object;
 }
 
-double DecidingScore(const ShapeCandidate& candidate, double score, const SelectOptions& options) {
-  const double handicap =
-      candidate.source == CandidateSource::kFused ? options.fused_handicap : 0.0;
-  return std::max(0.0, score - handicap);
+// What each candidate's score is compared with less: known before any depth is looked at.
+std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
+                              std::span<const CandidateRegistration> registrations,
+                              std::span<const ObjectView> views,
+                              const SelectOptions& options) {
+  std::vector<Eigen::Vector3d> cameras_world;
+  for (const ObjectView& view : views)
+    cameras_world.push_back(view.world_from_camera.translation_m);
+  std::vector<double> handicaps;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Pose3& placed = registrations[i].world_from_object;
+    const bool is_fused = candidates[i].source == CandidateSource::kFused;
+    // A fused shape has no front of its own.
+    handicaps.push_back(is_fused
+                            ? options.fused_handicap
+                            : options.back_handicap *
+                                  BackShown(placed.rotation, placed.translation_m, cameras_world));
+  }
+  return handicaps;
 }
 
 struct Ranked {
@@ -95,12 +111,12 @@ std::vector<bool> Placed(std::span<const CandidateRegistration> registrations) {
 std::vector<Ranked> Rank(std::span<const ShapeCandidate> candidates,
                          std::span<const CandidateRegistration> registrations,
                          std::span<const CandidateScore> scores,
-                         const SelectOptions& options) {
+                         std::span<const double> handicaps) {
   const std::vector<bool> placed = Placed(registrations);
   std::vector<Ranked> ranked;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double score = std::isfinite(scores[i].score) ? scores[i].score : 0.0;
-    ranked.push_back({i, DecidingScore(candidates[i], score, options), placed[i] && score > 0});
+    ranked.push_back({i, std::max(0.0, score - handicaps[i]), placed[i] && score > 0});
   }
   std::stable_sort(ranked.begin(), ranked.end(), [&](const Ranked& a, const Ranked& b) {
     if (a.placed != b.placed) return a.placed;
@@ -151,7 +167,7 @@ std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidate
                                        std::span<const CandidateRegistration> registrations,
                                        std::span<const CandidateScore> scores,
                                        std::span<const ObjectView> views,
-                                       const SelectOptions& options) {
+                                       std::span<const double> handicaps) {
   const Arrival arrival(views);
   std::vector<Replacement> history;
   for (std::size_t step = 0; step < arrival.order().size(); ++step) {
@@ -160,7 +176,7 @@ std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidate
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!registrations[i].ok || arrival.StepOf(candidates[i]) > step) continue;
       const double score =
-          DecidingScore(candidates[i], ScoreSoFar(scores[i], arrival.order(), step + 1), options);
+          std::max(0.0, ScoreSoFar(scores[i], arrival.order(), step + 1) - handicaps[i]);
       const bool holds = !history.empty() && history.back().candidate == candidates[i].id;
       if (best && (score < best_score || (score == best_score && !holds))) continue;
       best = i;
@@ -297,6 +313,11 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
                 {0, 1},
                 "1",
                 "taken off a fused candidate's score when candidates are compared");
+  visitor.Field("back_handicap",
+                options.back_handicap,
+                {0, 1},
+                "1",
+                "taken off the score of a candidate that turns its back to all cameras");
   visitor.Field("good_score",
                 options.good_score,
                 {0, 1},
@@ -364,9 +385,10 @@ MapObject SelectShape(ObjectId id,
   MapObject object;
   object.id = id;
   object.class_name = class_name;
-  const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, options);
+  const std::vector<double> handicaps = Handicaps(candidates, registrations, views, options);
+  const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, handicaps);
   for (const Ranked& entry : ranked) object.scores.push_back(scores[entry.index]);
-  object.history = GreedyHistory(candidates, registrations, scores, views, options);
+  object.history = GreedyHistory(candidates, registrations, scores, views, handicaps);
   if (ranked.empty() || !ranked.front().placed) {
     object.note = candidates.empty()
                       ? "no candidate"

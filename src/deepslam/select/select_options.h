@@ -20,6 +20,9 @@ struct SelectOptions {
   // depth it is judged by and holds nothing of the sides nobody saw, so a whole model that agrees
   // nearly as well is worth more.
   double fused_handicap = 0.25;
+  // ... and this off one that turns its back to all cameras: where depth cannot tell front from
+  // back, furniture faces where people go.
+  double back_handicap = 0.03;
   double good_score = 0.6;           // score at which an object is as likely right as wrong
   double full_confidence_views = 4;  // views at which their number no longer limits the confidence
 };
