@@ -73,47 +73,86 @@ void WarnOfUnknown(const std::filesystem::path& file,
 }
 
 Result<PinholeCamera> ParseCamera(const YAML::Node& node,
+                                  const std::string& field,
                                   const std::filesystem::path& file,
                                   std::vector<std::string>& warnings) {
-  if (!node.IsMap()) return FieldError(file, node, "camera", "is not a table of intrinsics");
+  if (!node.IsMap()) return FieldError(file, node, field, "is not a table of intrinsics");
   constexpr std::array<std::string_view, 6> known = {"width", "height", "fx", "fy", "cx", "cy"};
   WarnOfUnknown(file, node, known, warnings);
   PinholeCamera camera;
   for (auto [key, target] : {std::pair{"width", &camera.width}, {"height", &camera.height}}) {
-    const Result<int> value = Number<int>(file, node, key, std::string("camera.") + key);
+    const Result<int> value = Number<int>(file, node, key, field + "." + key);
     if (!value) return value.error();
     *target = *value;
   }
   for (auto [key, target] :
        {std::pair{"fx", &camera.fx}, {"fy", &camera.fy}, {"cx", &camera.cx}, {"cy", &camera.cy}}) {
-    const Result<double> value = Number<double>(file, node, key, std::string("camera.") + key);
+    const Result<double> value = Number<double>(file, node, key, field + "." + key);
     if (!value) return value.error();
     *target = *value;
   }
-  const Status plausible = CheckCamera(camera, Place(file, node));
+  const Status plausible = CheckCamera(camera, Place(file, node), field);
   if (!plausible) return plausible.error();
   return camera;
 }
 
-Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem::path& file) {
-  CaptureSettings settings;
-  if (!root.IsMap()) return FieldError(file, root, "camera", "is missing");
-  constexpr std::array<std::string_view, 3> known = {"format", "camera", "depth_units_per_m"};
-  WarnOfUnknown(file, root, known, settings.warnings);
-  if (const YAML::Node format = root["format"]) {
-    if (!format.IsScalar() || format.Scalar() != "tum") {
-      const std::string value = format.IsScalar() ? format.Scalar() : "a structure";
-      return FieldError(file,
-                        format,
-                        "format",
-                        fmt::format("is '{}', which is not known here (known: tum)", value));
-    }
+template <std::size_t N>
+Result<std::array<double, N>> Numbers(const std::filesystem::path& file,
+                                      const YAML::Node& node,
+                                      const std::string& field) {
+  std::array<double, N> numbers{};
+  if (!node || !node.IsSequence() || node.size() != N)
+    return FieldError(file, node, field, fmt::format("is not a list of {} numbers", N));
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!YAML::convert<double>::decode(node[i], numbers[i]) || !std::isfinite(numbers[i]))
+      return FieldError(file, node, field, fmt::format("is not a list of {} numbers", N));
   }
-  const YAML::Node camera_node = root["camera"];
-  if (!camera_node) return FieldError(file, root, "camera", "is missing");
-  const Result<PinholeCamera> camera = ParseCamera(camera_node, file, settings.warnings);
-  if (!camera) return camera.error();
-  settings.camera = *camera;
+  return numbers;
+}
+
+Result<Pose3> ParsePose(const YAML::Node& node,
+                        const std::string& field,
+                        const std::filesystem::path& file,
+                        std::vector<std::string>& warnings) {
+  if (!node.IsMap()) {
+    return FieldError(
+        file, node, field, "is not a table {translation_m: [x, y, z], rotation_xyzw: [...]}");
+  }
+  constexpr std::array<std::string_view, 2> known = {"translation_m", "rotation_xyzw"};
+  WarnOfUnknown(file, node, known, warnings);
+  const auto t = Numbers<3>(file, node["translation_m"], field + ".translation_m");
+  if (!t) return t.error();
+  const auto q = Numbers<4>(file, node["rotation_xyzw"], field + ".rotation_xyzw");
+  if (!q) return q.error();
+  const Eigen::Quaterniond rotation((*q)[3], (*q)[0], (*q)[1], (*q)[2]);
+  if (std::abs(rotation.norm() - 1) > 0.01) {
+    return FieldError(file,
+                      node["rotation_xyzw"],
+                      field + ".rotation_xyzw",
+                      fmt::format("has length {}, a unit quaternion 1", rotation.norm()));
+  }
+  return Pose3{rotation.normalized(), {(*t)[0], (*t)[1], (*t)[2]}};
+}
+
+Status ParseFormat(const YAML::Node& node,
+                   const std::filesystem::path& file,
+                   CaptureSettings& settings) {
+  const std::string value = node.IsScalar() ? node.Scalar() : "a structure";
+  if (std::find(kFormats.begin(), kFormats.end(), value) == kFormats.end()) {
+    return FieldError(file,
+                      node,
+                      "format",
+                      fmt::format("is '{}', which is not known here (known: {})",
+                                  value,
+                                  fmt::join(kFormats, ", ")));
+  }
+  settings.format = value;
+  return Ok();
+}
+
+Status ParseUnits(const YAML::Node& root,
+                  const std::filesystem::path& file,
+                  CaptureSettings& settings) {
   const Result<double> units = Number<double>(file, root, "depth_units_per_m", "depth_units_per_m");
   if (!units) return units.error();
   if (*units < 1 || *units > kMaxUnitsPerM) {
@@ -124,16 +163,60 @@ Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem:
         fmt::format("is {}, outside 1 .. {} (usual: 1000, 5000)", *units, kMaxUnitsPerM));
   }
   settings.depth_units_per_m = *units;
+  return Ok();
+}
+
+Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem::path& file) {
+  CaptureSettings settings;
+  settings.format.clear();
+  if (root.IsNull()) return settings;
+  if (!root.IsMap()) return FieldError(file, root, "camera", "is missing");
+  constexpr std::array<std::string_view, 6> known = {"format",
+                                                     "camera",
+                                                     "depth_units_per_m",
+                                                     "depth_camera",
+                                                     "colour_from_depth",
+                                                     "min_confidence"};
+  WarnOfUnknown(file, root, known, settings.warnings);
+  if (const YAML::Node format = root["format"]) {
+    if (Status status = ParseFormat(format, file, settings); !status) return status.error();
+  }
+  if (const YAML::Node node = root["camera"]) {
+    const Result<PinholeCamera> camera = ParseCamera(node, "camera", file, settings.warnings);
+    if (!camera) return camera.error();
+    settings.camera = *camera;
+  }
+  if (root["depth_units_per_m"]) {
+    if (Status status = ParseUnits(root, file, settings); !status) return status.error();
+  }
+  if (const YAML::Node node = root["depth_camera"]) {
+    const Result<PinholeCamera> camera = ParseCamera(node, "depth_camera", file, settings.warnings);
+    if (!camera) return camera.error();
+    settings.depth_camera = *camera;
+  }
+  if (const YAML::Node node = root["colour_from_depth"]) {
+    const Result<Pose3> pose = ParsePose(node, "colour_from_depth", file, settings.warnings);
+    if (!pose) return pose.error();
+    settings.colour_from_depth = *pose;
+  }
+  if (root["min_confidence"]) {
+    const Result<int> least = Number<int>(file, root, "min_confidence", "min_confidence");
+    if (!least) return least.error();
+    settings.min_confidence = *least;
+  }
   return settings;
 }
 
 }  // namespace
 
-Status CheckCamera(const PinholeCamera& camera, const std::filesystem::path& file) {
+Status CheckCamera(const PinholeCamera& camera,
+                   const std::filesystem::path& file,
+                   std::string_view name) {
   const auto fault = [&](std::string_view field, double value, std::string_view expected) {
     return InvalidInput(fmt::format(
-        "{}: field 'camera.{}' is {}; expected {}: write the colour camera's intrinsics in px",
+        "{}: field '{}.{}' is {}; expected {}: write the camera's intrinsics in px",
         file.string(),
+        name,
         field,
         value,
         expected));
@@ -154,9 +237,14 @@ Status CheckCamera(const PinholeCamera& camera, const std::filesystem::path& fil
     const double min_px = focal_px(kMaxFieldOfViewDeg);
     const double max_px = focal_px(kMinFieldOfViewDeg);
     if (!(axis.focal_px >= min_px && axis.focal_px <= max_px)) {
+      // ICL-NUIM's page prints a negative fy for images that are stored from the top down.
       return fault(axis.focal_name,
                    axis.focal_px,
-                   fmt::format("{:.1f} .. {:.1f} for this {}", min_px, max_px, axis.size_name));
+                   fmt::format("{:.1f} .. {:.1f} for this {}{}",
+                               min_px,
+                               max_px,
+                               axis.size_name,
+                               axis.focal_px < 0 ? ", never negative" : ""));
     }
     if (!(axis.centre_px >= 0 && axis.centre_px <= axis.size_px - 1)) {
       return fault(axis.centre_name,
@@ -178,6 +266,15 @@ Result<CaptureSettings> ParseCaptureSettings(const std::string& text,
                                     fault.msg,
                                     kExample));
   }
+}
+
+Status RequireComplete(const CaptureSettings& settings, const std::filesystem::path& file) {
+  const std::string_view missing = !settings.has_camera()              ? "camera"
+                                   : settings.depth_units_per_m == 0.0 ? "depth_units_per_m"
+                                                                       : "";
+  if (missing.empty()) return Ok();
+  return InvalidInput(fmt::format(
+      "{}: field '{}' is missing; a complete file reads\n{}", file.string(), missing, kExample));
 }
 
 Result<CaptureSettings> SettingsFromName(const std::filesystem::path& folder) {
@@ -206,19 +303,43 @@ Result<CaptureSettings> SettingsFromName(const std::filesystem::path& folder) {
   return settings;
 }
 
+namespace {
+
+std::string FormatCamera(const PinholeCamera& c) {
+  return fmt::format("{{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}}}",
+                     c.width,
+                     c.height,
+                     c.fx,
+                     c.fy,
+                     c.cx,
+                     c.cy);
+}
+
+}  // namespace
+
 std::string FormatCaptureSettings(const CaptureSettings& settings) {
-  const PinholeCamera& c = settings.camera;
-  return fmt::format(
-      "format: {}\ncamera: {{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: "
-      "{}}}\ndepth_units_per_m: {}\n",
-      settings.format,
-      c.width,
-      c.height,
-      c.fx,
-      c.fy,
-      c.cx,
-      c.cy,
-      settings.depth_units_per_m);
+  std::string text;
+  if (!settings.format.empty()) text += fmt::format("format: {}\n", settings.format);
+  if (settings.has_camera()) text += fmt::format("camera: {}\n", FormatCamera(settings.camera));
+  if (settings.depth_units_per_m > 0)
+    text += fmt::format("depth_units_per_m: {}\n", settings.depth_units_per_m);
+  if (settings.depth_camera)
+    text += fmt::format("depth_camera: {}\n", FormatCamera(*settings.depth_camera));
+  if (settings.colour_from_depth) {
+    const Eigen::Vector3d& t = settings.colour_from_depth->translation_m;
+    const Eigen::Quaterniond& q = settings.colour_from_depth->rotation;
+    text += fmt::format(
+        "colour_from_depth: {{translation_m: [{}, {}, {}], rotation_xyzw: [{}, {}, {}, {}]}}\n",
+        t.x(),
+        t.y(),
+        t.z(),
+        q.x(),
+        q.y(),
+        q.z(),
+        q.w());
+  }
+  if (settings.min_confidence) text += fmt::format("min_confidence: {}\n", *settings.min_confidence);
+  return text;
 }
 
 }  // namespace deepslam::dataset

@@ -13,6 +13,10 @@
 namespace deepslam::dataset {
 namespace {
 
+// More than any compressed colour or depth image reaches; keeps a file of a few bytes from claiming
+// memory for a picture of 16384 x 16384 px.
+constexpr std::size_t kMaxPixelsPerByte = 1024;
+
 // What the file's own structure says, found without decoding. Decoders fill the rest of a truncated
 // JPEG with grey and allocate whatever size a header claims, so both are checked before.
 struct ImageStructure {
@@ -100,18 +104,24 @@ Status CheckStructure(const std::filesystem::path& file,
   }
   if (!structure->complete)
     return FileError(file, "image file ends too early (truncated or damaged)");
+  if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) >
+      kMaxPixelsPerByte * bytes.size()) {
+    return FileError(file,
+                     fmt::format("has {} bytes, too few for {} x {} px", bytes.size(), width, height));
+  }
   return Ok();
 }
 
-Result<cv::Mat> Decode(const std::filesystem::path& file, int flags, int width, int height) {
-  const Result<std::string> bytes = ReadFileBytes(file);
-  if (!bytes) return bytes.error();
-  if (bytes->empty()) return FileError(file, "file is empty");
-  const Status structure = CheckStructure(file, *bytes, width, height);
+Result<cv::Mat> Decode(std::string_view bytes,
+                       const std::filesystem::path& file,
+                       int flags,
+                       int width,
+                       int height) {
+  if (bytes.empty()) return FileError(file, "file is empty");
+  const Status structure = CheckStructure(file, bytes, width, height);
   if (!structure) return structure.error();
   try {
-    const cv::Mat raw(
-        1, static_cast<int>(bytes->size()), CV_8UC1, const_cast<char*>(bytes->data()));
+    const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
     cv::Mat image = cv::imdecode(raw, flags);
     if (image.empty()) return FileError(file, "not a readable image");
     if (image.cols != width || image.rows != height) {
@@ -122,6 +132,46 @@ Result<cv::Mat> Decode(const std::filesystem::path& file, int flags, int width, 
     return image;
   } catch (const cv::Exception& fault) {
     return FileError(file, fmt::format("not a readable image ({})", fault.err));
+  }
+}
+
+Result<cv::Mat> DecodeFile(const std::filesystem::path& file, int flags, int width, int height) {
+  const Result<std::string> bytes = ReadFileBytes(file);
+  if (!bytes) return bytes.error();
+  return Decode(*bytes, file, flags, width, height);
+}
+
+cv::Mat ToBgr(const ColourImage& image) {
+  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
+  for (int v = 0; v < image.height(); ++v) {
+    unsigned char* out = bgr.ptr<unsigned char>(v);
+    const Rgb8* rgb = image.row(v);
+    for (int u = 0; u < image.width(); ++u, out += 3) {
+      out[0] = rgb[u].b;
+      out[1] = rgb[u].g;
+      out[2] = rgb[u].r;
+    }
+  }
+  return bgr;
+}
+
+cv::Mat ToMat(const RawDepthImage& image) {
+  cv::Mat raw(image.height(), image.width(), CV_16UC1);
+  for (int v = 0; v < image.height(); ++v) {
+    std::memcpy(
+        raw.ptr(v), image.row(v), static_cast<std::size_t>(image.width()) * sizeof(std::uint16_t));
+  }
+  return raw;
+}
+
+Result<std::string> Encode(const cv::Mat& image) {
+  try {
+    std::vector<unsigned char> bytes;
+    if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 3}))
+      return Failed("cannot encode the image");
+    return std::string(bytes.begin(), bytes.end());
+  } catch (const cv::Exception& fault) {
+    return Failed(fmt::format("cannot encode the image ({})", fault.err));
   }
 }
 
@@ -167,9 +217,33 @@ Result<std::string> ReadFileBytes(const std::filesystem::path& file, std::uintma
   return bytes;
 }
 
-Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height) {
-  const Result<cv::Mat> decoded = Decode(
-      file, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION, width, height);
+ImageCodec CodecOf(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return ImageCodec::kPng;
+  if (bytes.starts_with("\xFF\xD8\xFF")) return ImageCodec::kJpeg;
+  return ImageCodec::kOther;
+}
+
+Result<ImageSize> ReadImageSize(const std::filesystem::path& file) {
+  const Result<std::string> bytes = ReadFileBytes(file);
+  if (!bytes) return bytes.error();
+  std::optional<ImageStructure> structure = PngStructure(*bytes);
+  if (!structure) structure = JpegStructure(*bytes);
+  if (!structure) return FileError(file, "is neither a PNG nor a JPEG image");
+  if (structure->width < 1 || structure->height < 1)
+    return FileError(file, "image file ends too early (truncated or damaged)");
+  return ImageSize{structure->width, structure->height};
+}
+
+Result<ColourImage> DecodeColour(std::string_view bytes,
+                                 const std::filesystem::path& file,
+                                 int width,
+                                 int height) {
+  const Result<cv::Mat> decoded =
+      Decode(bytes,
+             file,
+             cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION,
+             width,
+             height);
   if (!decoded) return decoded.error();
   if (decoded->type() != CV_8UC3)
     return FileError(file, "has 16 bits per channel, a colour image 8: is it a depth image?");
@@ -182,8 +256,14 @@ Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width,
   return image;
 }
 
+Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height) {
+  const Result<std::string> bytes = ReadFileBytes(file);
+  if (!bytes) return bytes.error();
+  return DecodeColour(*bytes, file, width, height);
+}
+
 Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height) {
-  const Result<cv::Mat> decoded = Decode(file, cv::IMREAD_UNCHANGED, width, height);
+  const Result<cv::Mat> decoded = DecodeFile(file, cv::IMREAD_UNCHANGED, width, height);
   if (!decoded) return decoded.error();
   if (decoded->type() != CV_16UC1) {
     return FileError(file,
@@ -199,29 +279,32 @@ Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width
   return image;
 }
 
+Result<Image<std::uint8_t>> ReadGreyFile(const std::filesystem::path& file, int width, int height) {
+  const Result<cv::Mat> decoded = DecodeFile(file, cv::IMREAD_UNCHANGED, width, height);
+  if (!decoded) return decoded.error();
+  if (decoded->type() != CV_8UC1) {
+    return FileError(file,
+                     fmt::format("must have one channel of 8 bits, this has {} of {} bits",
+                                 decoded->channels(),
+                                 8 * decoded->elemSize1()));
+  }
+  Image<std::uint8_t> image(width, height);
+  for (int v = 0; v < height; ++v)
+    std::memcpy(image.row(v), decoded->ptr(v), static_cast<std::size_t>(width));
+  return image;
+}
+
+Result<std::string> EncodePng(const ColourImage& image) { return Encode(ToBgr(image)); }
+Result<std::string> EncodePng(const RawDepthImage& image) { return Encode(ToMat(image)); }
+
 Status WriteColourFile(const std::filesystem::path& file,
                        const ColourImage& image,
                        int jpeg_quality) {
-  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
-  for (int v = 0; v < image.height(); ++v) {
-    unsigned char* out = bgr.ptr<unsigned char>(v);
-    const Rgb8* rgb = image.row(v);
-    for (int u = 0; u < image.width(); ++u, out += 3) {
-      out[0] = rgb[u].b;
-      out[1] = rgb[u].g;
-      out[2] = rgb[u].r;
-    }
-  }
-  return Write(file, bgr, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+  return Write(file, ToBgr(image), {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
 }
 
 Status WriteDepthFile(const std::filesystem::path& file, const RawDepthImage& image) {
-  cv::Mat raw(image.height(), image.width(), CV_16UC1);
-  for (int v = 0; v < image.height(); ++v) {
-    std::memcpy(
-        raw.ptr(v), image.row(v), static_cast<std::size_t>(image.width()) * sizeof(std::uint16_t));
-  }
-  return Write(file, raw, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  return Write(file, ToMat(image), {cv::IMWRITE_PNG_COMPRESSION, 3});
 }
 
 }  // namespace deepslam::dataset

@@ -2,8 +2,10 @@
 // it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "deepslam/core/image.h"
@@ -18,12 +20,37 @@ using RawDepthImage = Image<std::uint16_t>;
 Result<std::string> ReadFileBytes(const std::filesystem::path& file,
                                   std::uintmax_t max_bytes = 256u << 20);
 
+enum class ImageCodec { kPng, kJpeg, kOther };
+
+// By the first bytes, whatever the name says.
+[[nodiscard]] ImageCodec CodecOf(std::string_view bytes);
+
+struct ImageSize {
+  int width = 0;   // px
+  int height = 0;  // px
+};
+
+// Size of a PNG or JPEG file by its header, without decoding it.
+Result<ImageSize> ReadImageSize(const std::filesystem::path& file);
+
 // Decodes a colour image of exactly width x height px. Grey, palette, 16-bit and alpha images are
 // converted; rotation tags are ignored, since intrinsics belong to the stored pixels.
 Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height);
+// The same of bytes in memory; `file` names them in messages.
+Result<ColourImage> DecodeColour(std::string_view bytes,
+                                 const std::filesystem::path& file,
+                                 int width,
+                                 int height);
 
 // Decodes a depth image of exactly width x height px, 16 bit, one channel.
 Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height);
+
+// Decodes an image of one channel of 8 bits (a confidence map).
+Result<Image<std::uint8_t>> ReadGreyFile(const std::filesystem::path& file, int width, int height);
+
+// PNG files in memory, without loss.
+Result<std::string> EncodePng(const ColourImage& image);
+Result<std::string> EncodePng(const RawDepthImage& image);
 
 Status WriteColourFile(const std::filesystem::path& file,
                        const ColourImage& image,

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/dataset/text_lines.h"
+
 namespace deepslam::dataset {
 namespace {
 
@@ -17,63 +19,6 @@ namespace {
 constexpr double kMaxTimeS = 1e11;
 // Further away than any room; also keeps later arithmetic finite.
 constexpr double kMaxPositionM = 1e6;
-constexpr std::size_t kMaxShownChars = 80;
-
-struct Line {
-  int number = 0;
-  std::vector<std::string_view> fields;
-};
-
-std::string Shown(std::string_view text) {
-  std::string shown(text.substr(0, kMaxShownChars));
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20) c = '?';
-  }
-  return shown;
-}
-
-std::vector<Line> SplitLines(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  std::vector<Line> lines;
-  int number = 0;
-  while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    ++number;
-    Line split{number, {}};
-    constexpr std::string_view kBlank = " \t\r,";
-    while (true) {
-      const std::size_t begin = line.find_first_not_of(kBlank);
-      if (begin == std::string_view::npos) break;
-      line.remove_prefix(begin);
-      const std::size_t length = std::min(line.find_first_of(kBlank), line.size());
-      split.fields.push_back(line.substr(0, length));
-      line.remove_prefix(length);
-    }
-    if (!split.fields.empty() && !split.fields.front().starts_with('#')) lines.push_back(split);
-  }
-  return lines;
-}
-
-Error LineError(const std::filesystem::path& list, int line, std::string_view fault) {
-  return InvalidInput(fmt::format("{}:{}: {}", list.string(), line, fault));
-}
-
-Status CheckFieldCount(const std::filesystem::path& list,
-                       const Line& line,
-                       std::size_t count,
-                       std::string_view layout) {
-  if (line.fields.size() == count) return Ok();
-  return LineError(list,
-                   line.number,
-                   fmt::format("has {} fields, expected {} ('{}'; names must not contain blanks): "
-                               "correct or remove the line",
-                               line.fields.size(),
-                               count,
-                               layout));
-}
 
 Result<double> ParseTime(const std::filesystem::path& list, int line, std::string_view field) {
   double value = 0;
@@ -111,7 +56,7 @@ Result<std::string> ParseFileName(const std::filesystem::path& list,
 }
 
 Result<TimedFile> ParseTimedFile(const std::filesystem::path& list,
-                                 const Line& line,
+                                 const TextLine& line,
                                  std::size_t first) {
   const Result<double> time_s = ParseTime(list, line.number, line.fields[first]);
   if (!time_s) return time_s.error();
@@ -164,7 +109,7 @@ Result<std::vector<TimedFile>> ParseFileList(const std::string& text,
                                              const std::filesystem::path& list,
                                              std::vector<std::string>& warnings) {
   std::vector<TimedFile> entries;
-  for (const Line& line : SplitLines(text)) {
+  for (const TextLine& line : SplitLines(text)) {
     const Status count = CheckFieldCount(list, line, 2, "time file");
     if (!count) return count.error();
     Result<TimedFile> entry = ParseTimedFile(list, line, 0);
@@ -181,7 +126,7 @@ Result<std::vector<ImagePair>> ParseAssociations(const std::string& text,
                                                  const std::filesystem::path& list,
                                                  std::vector<std::string>& warnings) {
   std::vector<ImagePair> pairs;
-  for (const Line& line : SplitLines(text)) {
+  for (const TextLine& line : SplitLines(text)) {
     const Status count = CheckFieldCount(list, line, 4, "time rgb-file time depth-file");
     if (!count) return count.error();
     Result<TimedFile> first = ParseTimedFile(list, line, 0);
@@ -206,7 +151,7 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
   std::vector<TimedPose> poses;
   int num_unusable = 0;
   int first_unusable = 0;
-  for (const Line& line : SplitLines(text)) {
+  for (const TextLine& line : SplitLines(text)) {
     const Status count = CheckFieldCount(list, line, 8, "time tx ty tz qx qy qz qw");
     if (!count) return count.error();
     const Result<double> time_s = ParseTime(list, line.number, line.fields[0]);

@@ -1,0 +1,101 @@
+#include "deepslam/dataset/capture_frame_source.h"
+
+#include <utility>
+#include <vector>
+
+#include "deepslam/dataset/depth_registration.h"
+
+namespace deepslam::dataset {
+namespace {
+
+// Metres by raw value.
+std::vector<float> MetresTable(double depth_units_per_m) {
+  std::vector<float> metres(kSaturatedDepth + 1u, 0.0f);
+  for (std::size_t raw = 1; raw < kSaturatedDepth; ++raw) {
+    const double depth_m = static_cast<double>(raw) / depth_units_per_m;
+    if (depth_m <= kMaxDepthM) metres[raw] = static_cast<float>(depth_m);
+  }
+  return metres;
+}
+
+DepthImage ByTable(const RawDepthImage& raw, const std::vector<float>& metres) {
+  DepthImage depth_m(raw.width(), raw.height());
+  const std::uint16_t* value = raw.data();
+  for (float& d : depth_m) d = metres[*value++];
+  return depth_m;
+}
+
+class CaptureFrameSource final : public FrameSource {
+ public:
+  explicit CaptureFrameSource(std::shared_ptr<const StoredFrames> stored)
+      : stored_(std::move(stored)),
+        camera_(FrameCamera(stored_->cameras())),
+        reduction_(ColourReduction(stored_->cameras())),
+        metres_(MetresTable(stored_->cameras().depth_units_per_m)) {}
+
+  [[nodiscard]] int num_frames() const override {
+    return static_cast<int>(stored_->frames().size());
+  }
+  [[nodiscard]] const PinholeCamera& camera() const override { return camera_; }
+  [[nodiscard]] double time_s(FrameIdx frame) const override { return At(frame).depth_time_s; }
+
+  [[nodiscard]] Result<Frame> Read(FrameIdx frame) const override {
+    Result<Frame> depth = ReadDepth(frame);
+    if (!depth) return depth;
+    Result<Frame> colour = ReadColour(frame);
+    if (!colour) return colour;
+    colour->depth_m = std::move(depth->depth_m);
+    return colour;
+  }
+
+  [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
+    const double time_s = At(frame).depth_time_s;
+    const Result<RawDepthImage> raw = stored_->ReadDepth(Index(frame));
+    if (!raw) return raw.error();
+    const CaptureCameras& cameras = stored_->cameras();
+    DepthImage depth_m = ByTable(*raw, metres_);
+    if (!cameras.registered() || reduction_ > 1)
+      depth_m = RegisterDepth(depth_m, cameras.depth, cameras.colour_from_depth, camera_);
+    return Frame{frame, time_s, ColourImage(), std::move(depth_m)};
+  }
+
+  [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
+    const double time_s = At(frame).depth_time_s;
+    Result<StoredColour> stored = stored_->ReadColour(Index(frame));
+    if (!stored) return stored.error();
+    Result<ColourImage> colour = DecodeStored(*std::move(stored), stored_->cameras().colour);
+    if (!colour) return colour.error();
+    if (reduction_ > 1) *colour = ReduceColour(*colour, reduction_);
+    return Frame{frame, time_s, *std::move(colour), DepthImage()};
+  }
+
+  [[nodiscard]] std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const override {
+    return At(frame).world_from_colour;
+  }
+
+ private:
+  [[nodiscard]] static std::size_t Index(FrameIdx frame) {
+    return static_cast<std::size_t>(frame.value);
+  }
+  [[nodiscard]] const StoredFrame& At(FrameIdx frame) const {
+    DEEPSLAM_CHECK(frame.valid() && frame.value < num_frames(), "frame outside the capture");
+    return stored_->frames()[Index(frame)];
+  }
+
+  std::shared_ptr<const StoredFrames> stored_;
+  PinholeCamera camera_;
+  int reduction_;
+  std::vector<float> metres_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> MakeCaptureFrameSource(std::shared_ptr<const StoredFrames> stored) {
+  return std::make_unique<CaptureFrameSource>(std::move(stored));
+}
+
+DepthImage ToMetres(const RawDepthImage& raw, double depth_units_per_m) {
+  return ByTable(raw, MetresTable(depth_units_per_m));
+}
+
+}  // namespace deepslam::dataset

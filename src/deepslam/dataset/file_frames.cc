@@ -1,0 +1,169 @@
+#include "deepslam/dataset/file_frames.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/sha256.h"
+
+namespace deepslam::dataset {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+class FileFrames final : public StoredFrames {
+ public:
+  FileFrames(fs::path folder,
+             const CaptureCameras& cameras,
+             std::vector<StoredFrame> frames,
+             std::vector<ImagePair> pairs)
+      : StoredFrames(cameras, std::move(frames)),
+        folder_(std::move(folder)),
+        pairs_(std::move(pairs)) {}
+
+  [[nodiscard]] Result<StoredColour> ReadColour(std::size_t i) const override {
+    const fs::path file = folder_ / pairs_[i].colour.file;
+    Result<std::string> bytes = ReadFileBytes(file);
+    if (!bytes) return bytes.error();
+    StoredColour colour{CodecOf(*bytes), *std::move(bytes), ColourImage(), file.string()};
+    if (colour.codec != ImageCodec::kOther) return colour;
+    const PinholeCamera& camera = cameras().colour;
+    Result<ColourImage> pixels = DecodeColour(colour.bytes, file, camera.width, camera.height);
+    if (!pixels) return pixels.error();
+    colour.pixels = *std::move(pixels);
+    colour.bytes.clear();
+    return colour;
+  }
+
+  [[nodiscard]] Result<RawDepthImage> ReadDepth(std::size_t i) const override {
+    const PinholeCamera& camera = cameras().depth;
+    return ReadDepthFile(folder_ / pairs_[i].depth.file, camera.width, camera.height);
+  }
+
+ private:
+  fs::path folder_;
+  std::vector<ImagePair> pairs_;
+};
+
+}  // namespace
+
+Result<ColourImage> DecodeStored(StoredColour stored, const PinholeCamera& camera) {
+  if (stored.codec == ImageCodec::kOther) return std::move(stored.pixels);
+  return DecodeColour(stored.bytes, stored.name, camera.width, camera.height);
+}
+
+std::unique_ptr<const StoredFrames> MakeFileFrames(
+    const fs::path& folder,
+    const CaptureCameras& cameras,
+    std::vector<ImagePair> pairs,
+    const std::vector<std::optional<Pose3>>& world_from_colour) {
+  DEEPSLAM_CHECK(world_from_colour.size() == pairs.size(), "one pose entry per frame");
+  std::vector<StoredFrame> frames;
+  frames.reserve(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    frames.push_back({pairs[i].colour.time_s,
+                      pairs[i].depth.time_s,
+                      pairs[i].colour.file,
+                      world_from_colour[i]});
+  }
+  return std::make_unique<FileFrames>(folder, cameras, std::move(frames), std::move(pairs));
+}
+
+Status CheckFilesExist(const fs::path& folder,
+                       const std::vector<ImagePair>& pairs,
+                       std::vector<std::string>& warnings) {
+  std::size_t num_missing = 0;
+  const TimedFile* first = nullptr;
+  for (const ImagePair& pair : pairs) {
+    const bool colour_there = IsFile(folder / pair.colour.file);
+    if (colour_there && IsFile(folder / pair.depth.file)) continue;
+    ++num_missing;
+    if (first == nullptr) first = colour_there ? &pair.depth : &pair.colour;
+  }
+  if (num_missing == 0) return Ok();
+  const std::string place =
+      first->line > 0 ? fmt::format(" (line {} of its list)", first->line) : std::string();
+  const std::string what = fmt::format("{}: file is missing{}; {} of {} frames lack an image",
+                                       (folder / first->file).string(),
+                                       place,
+                                       num_missing,
+                                       pairs.size());
+  if (2 * num_missing > pairs.size())
+    return InvalidInput(what + ": is the capture unpacked completely?");
+  warnings.push_back(what + " and will be skipped");
+  return Ok();
+}
+
+std::string HashFiles(std::string_view tag,
+                      std::span<const NamedText> texts,
+                      const fs::path& folder,
+                      const std::vector<ImagePair>& pairs) {
+  std::vector<std::string> digests(2 * pairs.size());
+  ParallelFor(digests.size(), [&](std::size_t i) {
+    const ImagePair& pair = pairs[i / 2];
+    const Result<std::string> bytes =
+        ReadFileBytes(folder / (i % 2 == 0 ? pair.colour : pair.depth).file);
+    digests[i] = bytes ? Sha256Hex(*bytes) : "unreadable";
+  });
+  Sha256 hash;
+  hash.Update(fmt::format("{} 1\n", tag));
+  for (const NamedText& text : texts) {
+    hash.Update(
+        fmt::format("{} {}\n", text.name, text.content ? Sha256Hex(*text.content) : "none"));
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const ImagePair& pair = pairs[i];
+    hash.Update(fmt::format("{} {} {}\n{} {} {}\n",
+                            pair.colour.time_s,
+                            pair.colour.file,
+                            digests[2 * i],
+                            pair.depth.time_s,
+                            pair.depth.file,
+                            digests[2 * i + 1]));
+  }
+  return hash.HexDigest();
+}
+
+Result<std::string> HashLargeFile(const fs::path& file) {
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+  std::ifstream in(file, std::ios::binary);
+  std::string piece(kPieceBytes, '\0');
+  Sha256 hash;
+  while (in) {
+    in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    hash.Update(std::string_view(piece).substr(0, static_cast<std::size_t>(in.gcount())));
+  }
+  if (!in.eof())
+    return InvalidInput(
+        fmt::format("{}: cannot be read; check its permissions", file.string()));
+  return hash.HexDigest();
+}
+
+Result<std::optional<std::string>> ReadOptional(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(fs::symlink_status(file, ignored))) return std::optional<std::string>();
+  Result<std::string> text = ReadFileBytes(file);
+  if (!text) return text.error();
+  return std::optional<std::string>(*std::move(text));
+}
+
+std::vector<std::string> ListFiles(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored)) names.push_back(entry->path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace deepslam::dataset

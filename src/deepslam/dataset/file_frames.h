@@ -1,0 +1,51 @@
+// Captures whose images are single files in a folder, one pair per frame.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/dataset/stored_frames.h"
+#include "deepslam/dataset/tum_lists.h"
+
+namespace deepslam::dataset {
+
+// `world_from_colour` has one entry per pair.
+std::unique_ptr<const StoredFrames> MakeFileFrames(
+    const std::filesystem::path& folder,
+    const CaptureCameras& cameras,
+    std::vector<ImagePair> pairs,
+    const std::vector<std::optional<Pose3>>& world_from_colour);
+
+// A warning about pairs whose files are missing; an error when that is more than half of them.
+Status CheckFilesExist(const std::filesystem::path& folder,
+                       const std::vector<ImagePair>& pairs,
+                       std::vector<std::string>& warnings);
+
+// A text that belongs to the capture: part of its hash. No content: the file does not exist.
+struct NamedText {
+  std::string_view name;
+  std::optional<std::string> content;
+};
+
+// SHA-256 over the texts and over times, names and contents of all images, in order. `tag` tells
+// layouts apart. Contents enter by their own digests, so that files can be hashed in parallel.
+std::string HashFiles(std::string_view tag,
+                      std::span<const NamedText> texts,
+                      const std::filesystem::path& folder,
+                      const std::vector<ImagePair>& pairs);
+
+// SHA-256 of a file of any size, read piecewise.
+Result<std::string> HashLargeFile(const std::filesystem::path& file);
+
+// Text of an optional file: nothing when it does not exist.
+Result<std::optional<std::string>> ReadOptional(const std::filesystem::path& file);
+
+// Names of the files of a folder (not of folders in it), sorted; empty when it cannot be listed.
+std::vector<std::string> ListFiles(const std::filesystem::path& folder);
+
+}  // namespace deepslam::dataset

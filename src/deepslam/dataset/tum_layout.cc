@@ -1,0 +1,215 @@
+#include "deepslam/dataset/tum_layout.h"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/dataset/file_frames.h"
+#include "deepslam/dataset/layout.h"
+#include "deepslam/dataset/text_lines.h"
+
+namespace deepslam::dataset {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Half a frame of a 30 Hz camera, rounded up: further apart, colour and depth show different
+// moments.
+constexpr double kAssociationToleranceS = 0.02;
+constexpr double kMaxPoseGapS = 0.1;
+constexpr double kEth3dUnitsPerM = 5000;
+constexpr std::string_view kCalibrationName = "calibration.txt";
+
+bool IsFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+Result<std::vector<ImagePair>> PairsByTime(const fs::path& folder,
+                                           std::vector<std::string>& warnings) {
+  std::vector<std::vector<TimedFile>> lists;
+  for (const char* name : {"rgb.txt", "depth.txt"}) {
+    const fs::path list = folder / name;
+    const Result<std::string> text = ReadFileBytes(list);
+    if (!text) {
+      return InvalidInput(
+          text.error().message +
+          "; a capture needs associations.txt, or rgb.txt and depth.txt (lines 'time file')");
+    }
+    Result<std::vector<TimedFile>> files = ParseFileList(*text, list, warnings);
+    if (!files) return files.error();
+    lists.push_back(*std::move(files));
+  }
+  std::vector<ImagePair> pairs = AssociateByTime(lists[0], lists[1], kAssociationToleranceS);
+  if (pairs.empty()) {
+    return InvalidInput(
+        fmt::format("{}: no colour image of rgb.txt lies within {} s of a depth image of "
+                    "depth.txt; both must use one clock",
+                    folder.string(),
+                    kAssociationToleranceS));
+  }
+  if (const std::size_t left_out = lists[1].size() - pairs.size(); left_out > 0) {
+    warnings.push_back(
+        fmt::format("{}: {} of {} depth images have no colour image within {} s and were left out",
+                    (folder / "depth.txt").string(),
+                    left_out,
+                    lists[1].size(),
+                    kAssociationToleranceS));
+  }
+  return pairs;
+}
+
+// "capture/" and "." have no file name of their own.
+fs::path WithName(const fs::path& folder) {
+  std::error_code code;
+  const fs::path full = fs::weakly_canonical(folder, code);
+  return code ? folder : full;
+}
+
+// calibration.txt of ETH3D-SLAM: fx fy cx cy, pixel (0, 0) being the centre of the first pixel; the
+// images' size is their own.
+Result<PinholeCamera> ReadCalibration(const fs::path& folder, const std::vector<ImagePair>& pairs) {
+  const fs::path file = folder / kCalibrationName;
+  const Result<std::string> text = ReadFileBytes(file);
+  if (!text) return text.error();
+  const auto numbers = ParseNumbers(*text, file, 4, "fx fy cx cy");
+  if (!numbers) return numbers.error();
+  Result<ImageSize> size = InvalidInput("");
+  for (const ImagePair& pair : pairs) {
+    size = ReadImageSize(folder / pair.colour.file);
+    if (size) break;
+  }
+  if (!size) return size.error();
+  const PinholeCamera camera{
+      size->width, size->height, (*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
+  const Status plausible = CheckCamera(camera, file);
+  if (!plausible) return plausible.error();
+  return camera;
+}
+
+Result<OpenedLayout> OpenLists(const LayoutSource& source,
+                               std::string_view tag,
+                               std::vector<NamedText> texts,
+                               std::vector<ImagePair> pairs,
+                               const CaptureCameras& cameras,
+                               std::vector<std::string> warnings) {
+  const fs::path& folder = source.path;
+  const Result<std::optional<std::string>> poses_text = ReadOptional(folder / kPosesName);
+  if (!poses_text) return poses_text.error();
+  const Status files_exist = CheckFilesExist(folder, pairs, warnings);
+  if (!files_exist) return files_exist.error();
+  std::vector<std::optional<Pose3>> world_from_colour(pairs.size());
+  if (*poses_text) {
+    const Result<std::vector<TimedPose>> poses =
+        ParsePoses(**poses_text, folder / kPosesName, warnings);
+    if (!poses) return poses.error();
+    world_from_colour = PosesAt(*poses, pairs);
+  }
+  texts.push_back({kPosesName, *poses_text});
+  std::string hash = HashFiles(tag, texts, folder, pairs);
+  return OpenedLayout{MakeFileFrames(folder, cameras, std::move(pairs), world_from_colour),
+                      std::move(hash),
+                      std::move(warnings)};
+}
+
+}  // namespace
+
+std::vector<std::string> ListsOf(const fs::path& folder) {
+  std::vector<std::string> found;
+  for (const char* name : {"associations.txt", "associated.txt", "rgb.txt", "depth.txt"}) {
+    if (IsFile(folder / name)) found.emplace_back(name);
+  }
+  return found;
+}
+
+Result<std::vector<ImagePair>> ReadPairs(const fs::path& folder,
+                                         std::vector<std::string>& warnings) {
+  for (const char* name : {"associations.txt", "associated.txt"}) {
+    const fs::path list = folder / name;
+    if (!IsFile(list)) continue;
+    const Result<std::string> text = ReadFileBytes(list);
+    if (!text) return text.error();
+    return ParseAssociations(*text, list, warnings);
+  }
+  return PairsByTime(folder, warnings);
+}
+
+std::vector<std::optional<Pose3>> PosesAt(const std::vector<TimedPose>& poses,
+                                          const std::vector<ImagePair>& pairs) {
+  std::vector<std::optional<Pose3>> at;
+  at.reserve(pairs.size());
+  for (const ImagePair& pair : pairs)
+    at.push_back(PoseAt(poses, pair.depth.time_s, kAssociationToleranceS, kMaxPoseGapS));
+  return at;
+}
+
+LayoutMatch MatchTum(const fs::path& path) {
+  const std::vector<std::string> lists = ListsOf(path);
+  LayoutMatch match{!lists.empty(), static_cast<int>(lists.size()), {}};
+  if (lists.empty()) match.missing.emplace_back("rgb.txt and depth.txt, or associations.txt");
+  std::error_code ignored;
+  for (const char* folder : {"rgb", "depth"}) {
+    if (fs::is_directory(path / folder, ignored)) {
+      ++match.num_found;
+    } else {
+      match.missing.push_back(std::string(folder) + "/");
+    }
+  }
+  return match;
+}
+
+Result<OpenedLayout> OpenTum(const LayoutSource& source) {
+  std::vector<std::string> warnings;
+  Result<std::vector<ImagePair>> pairs = ReadPairs(source.path, warnings);
+  if (!pairs) return pairs.error();
+  CaptureSettings settings = source.settings;
+  if (source.settings_text) {
+    const Status complete = RequireComplete(settings, source.path / kSettingsName);
+    if (!complete) return complete.error();
+  } else {
+    Result<CaptureSettings> named = SettingsFromName(WithName(source.path));
+    if (!named) return named.error();
+    warnings.insert(warnings.end(), named->warnings.begin(), named->warnings.end());
+    settings = *std::move(named);
+  }
+  return OpenLists(source,
+                   "tum",
+                   {{kSettingsName, source.settings_text}},
+                   *std::move(pairs),
+                   WithStated(settings, {}),
+                   std::move(warnings));
+}
+
+LayoutMatch MatchEth3d(const fs::path& path) {
+  LayoutMatch match = MatchTum(path);
+  if (IsFile(path / kCalibrationName)) {
+    ++match.num_found;
+    // A capture.yaml with a camera says more; it is read as TUM's.
+    match.matches = match.matches && !IsFile(path / kSettingsName);
+  } else {
+    match.matches = false;
+    match.missing.emplace_back(kCalibrationName);
+  }
+  return match;
+}
+
+Result<OpenedLayout> OpenEth3d(const LayoutSource& source) {
+  std::vector<std::string> warnings;
+  Result<std::vector<ImagePair>> pairs = ReadPairs(source.path, warnings);
+  if (!pairs) return pairs.error();
+  const Result<PinholeCamera> camera = ReadCalibration(source.path, *pairs);
+  if (!camera) return camera.error();
+  const Result<std::optional<std::string>> calibration =
+      ReadOptional(source.path / kCalibrationName);
+  if (!calibration) return calibration.error();
+  return OpenLists(source,
+                   "eth3d",
+                   {{kSettingsName, source.settings_text}, {kCalibrationName, *calibration}},
+                   *std::move(pairs),
+                   WithStated(source.settings, {*camera, *camera, Pose3(), kEth3dUnitsPerM}),
+                   std::move(warnings));
+}
+
+}  // namespace deepslam::dataset
