@@ -26,6 +26,7 @@ void AddConfig(CLI::App& app, Command& chosen);
 void AddDoctor(CLI::App& app, Command& chosen);
 void AddValidate(CLI::App& app, Command& chosen);
 void AddExpand(CLI::App& app, Command& chosen);
+void AddConvert(CLI::App& app, Command& chosen);
 void AddEval(CLI::App& app, Command& chosen);
 void AddSynth(CLI::App& app, Command& chosen);
 void AddLibrary(CLI::App& app, Command& chosen);

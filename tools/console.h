@@ -42,6 +42,8 @@ class ConsoleListener final : public pipeline::RunListener {
                  const pipeline::Timing& timing) override;
   void Report(std::size_t done, std::size_t total) override;
   void Warn(std::string_view message) override;
+  // Removes the bar, for work that is no stage.
+  void EndProgress() { ClearBar(); }
   [[nodiscard]] bool StopRequested() const override { return StopSignalled(); }
 
  private:

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
                          AddDoctor,
                          AddValidate,
                          AddExpand,
+                         AddConvert,
                          AddEval,
                          AddSynth,
                          AddLibrary,

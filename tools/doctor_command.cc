@@ -97,16 +97,30 @@ Finding CheckDisk() {
           fmt::format("{:.1f} GB free in the current folder", free_bytes / 1e9)};
 }
 
+// How depth gets to the colour camera, where it is not there from the beginning.
+std::string Registration(const dataset::Capture& capture) {
+  const dataset::CaptureCameras& cameras = capture.stored->cameras();
+  if (cameras.registered()) return "";
+  return fmt::format(" (colour {} x {}, depth {} x {} {} it)",
+                     cameras.colour.width,
+                     cameras.colour.height,
+                     cameras.depth.width,
+                     cameras.depth.height,
+                     cameras.colour_from_depth == Pose3() ? "resampled to" : "registered to");
+}
+
 Finding CheckCapture(const std::string& folder) {
   const Result<dataset::Capture> capture = dataset::OpenCapture(folder);
   if (!capture.ok()) return {"capture", false, capture.error().message};
   const int frames = capture->frames->num_frames();
   const PinholeCamera& camera = capture->frames->camera();
   std::string detail = fmt::format(
-      "{} frames of {} x {}{}; a run takes about {:.0f} s on two cores and writes about {:.0f} MB",
+      "layout {}; {} frames of {} x {}{}{}; a run takes about {:.0f} s on two cores and writes about {:.0f} MB",
+      capture->format,
       frames,
       camera.width,
       camera.height,
+      Registration(*capture),
       capture->has_poses ? ", with poses" : "",
       kBaseSeconds + kSecondsPerFrame * frames,
       5 + kBytesPerFrame * frames / 1e6);

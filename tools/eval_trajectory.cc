@@ -9,6 +9,7 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
+#include "deepslam/dataset/capture.h"
 #include "deepslam/eval/trajectory_error.h"
 #include "eval_commands.h"
 
@@ -19,6 +20,21 @@ namespace fs = std::filesystem;
 using artifact::JsonObject;
 using artifact::JsonValue;
 
+// Those that came with a capture of a layout other than TUM's.
+Result<std::vector<eval::TimedPose>> CapturePoses(const std::string& path) {
+  const Result<dataset::Capture> capture = dataset::OpenCapture(path);
+  if (!capture.ok() || !capture->has_poses) {
+    return InvalidInput(fmt::format(
+        "{}: holds no trajectory: neither a workspace nor a capture with poses", path));
+  }
+  std::vector<eval::TimedPose> poses;
+  for (const dataset::StoredFrame& frame : capture->stored->frames()) {
+    if (frame.world_from_colour)
+      poses.push_back({frame.depth_time_s, *frame.world_from_colour});
+  }
+  return poses;
+}
+
 // Poses of a TUM file, of a workspace (the final ones), or those that came with a capture.
 Result<std::vector<eval::TimedPose>> ReadPoses(const std::string& path) {
   std::error_code error;
@@ -27,10 +43,9 @@ Result<std::vector<eval::TimedPose>> ReadPoses(const std::string& path) {
     file = fs::path(path) / "optimize" / "trajectory.tum";
     if (!fs::exists(file, error)) file = fs::path(path) / "track" / "trajectory.tum";
     if (!fs::exists(file, error)) file = fs::path(path) / "groundtruth.txt";
-    if (!fs::exists(file, error)) {
-      return InvalidInput(fmt::format(
-          "{}: holds no trajectory: neither a workspace nor a capture with poses", path));
-    }
+    if (!fs::exists(file, error)) return CapturePoses(path);
+  } else if (file.extension() == ".sens") {
+    return CapturePoses(path);
   }
   const Result<std::string> text = artifact::ReadFile(file);
   if (!text.ok()) return text.error();

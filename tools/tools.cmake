@@ -1,6 +1,6 @@
 add_executable(deepslam
   batch_capture.cc batch_command.cc batch_display.cc batch_local.cc batch_slurm.cc batch_summary.cc batch_worker.cc
-  config_command.cc console.cc deepslam.cc doctor_command.cc eval_silhouettes.cc expand_command.cc inspect_command.cc make_command.cc
+  config_command.cc console.cc convert_command.cc deepslam.cc doctor_command.cc eval_silhouettes.cc expand_command.cc inspect_command.cc make_command.cc
   run_capture.cc run_command.cc
   synth_capture.cc)
 target_link_libraries(deepslam PRIVATE deepslam::batch deepslam::stages deepslam::synth CLI11::CLI11 spdlog::spdlog fmt::fmt)

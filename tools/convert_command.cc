@@ -1,0 +1,84 @@
+#include <unistd.h>
+#include <memory>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "console.h"
+#include "deepslam/dataset/capture.h"
+#include "deepslam/dataset/convert.h"
+
+namespace deepslam::tools {
+namespace {
+
+struct Arguments {
+  std::string in;
+  std::string out;
+  std::string to;
+  double depth_units_per_m = 0;
+  std::string progress = "auto";
+};
+
+int Convert(const Arguments& arguments) {
+  if (arguments.out.empty())
+    return ReportError(InvalidConfig("OUT: names no folder or file; give the result's"));
+  const dataset::OutputFormat* format = dataset::FindOutputFormat(arguments.to);
+  CatchStopSignals();
+  const Result<dataset::Capture> capture = dataset::OpenCapture(arguments.in);
+  if (!capture.ok()) return ReportError(capture.error());
+  for (const std::string& warning : capture->warnings) LogWarning(warning);
+  ConsoleListener listener(ParseProgressStyle(arguments.progress), false);
+  listener.StageStarts("convert", {});
+  const Result<dataset::ConversionReport> report =
+      dataset::ConvertCapture(*capture,
+                              arguments.out,
+                              *format,
+                              arguments.depth_units_per_m,
+                              [&](std::size_t done, std::size_t total) {
+                                listener.Report(done, total);
+                                return !StopSignalled();
+                              });
+  listener.EndProgress();
+  if (!report.ok()) return ReportError(report.error());
+  LogInfo(fmt::format("{}: {} frames, {} poses, {} -> {}",
+                      arguments.out,
+                      report->num_frames,
+                      report->num_poses,
+                      report->from,
+                      report->to));
+  for (const std::string& note : report->notes) LogInfo(note);
+  for (const std::string& loss : report->losses) LogWarning("lost: " + loss);
+  if (::isatty(STDOUT_FILENO) != 0) return kExitOk;
+  const Status status = WriteResult("", dataset::FormatReport(*report));
+  return status.ok() ? kExitOk : ReportError(status.error());
+}
+
+}  // namespace
+
+void AddConvert(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* convert = app.add_subcommand(
+      "convert", "A capture in the layout of another program; says what that layout cannot hold");
+  convert->add_option("IN", arguments->in, "Capture in any layout (docs/formats.md)")->required();
+  convert->add_option("OUT", arguments->out, "Folder to write; for scannet a file NAME.sens")
+      ->required();
+  std::vector<std::string> names;
+  for (const dataset::OutputFormat& format : dataset::OutputFormats())
+    names.emplace_back(format.name);
+  convert->add_option("--to", arguments->to, "Layout to write: tum, 7scenes, scannet or open3d")
+      ->required()
+      ->check(CLI::IsMember(names));
+  convert
+      ->add_option("--depth-units",
+                   arguments->depth_units_per_m,
+                   "Raw depth of one metre in the result, 1/m; default: the source's where the "
+                   "layout can hold it")
+      ->check(CLI::Range(1.0, 1e6));
+  convert->add_option("--progress", arguments->progress, "auto, bar, json or none")
+      ->check(CLI::IsMember({"auto", "bar", "json", "none"}))
+      ->capture_default_str();
+  convert->callback([&chosen, arguments] { chosen = [arguments] { return Convert(*arguments); }; });
+}
+
+}  // namespace deepslam::tools
