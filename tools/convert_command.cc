@@ -49,6 +49,7 @@ int Convert(const Arguments& arguments) {
                       report->to));
   for (const std::string& note : report->notes) LogInfo(note);
   for (const std::string& loss : report->losses) LogWarning("lost: " + loss);
+  if (report->losses.empty()) LogInfo("nothing is lost");
   if (::isatty(STDOUT_FILENO) != 0) return kExitOk;
   const Status status = WriteResult("", dataset::FormatReport(*report));
   return status.ok() ? kExitOk : ReportError(status.error());

@@ -115,7 +115,8 @@ Finding CheckCapture(const std::string& folder) {
   const int frames = capture->frames->num_frames();
   const PinholeCamera& camera = capture->frames->camera();
   std::string detail = fmt::format(
-      "layout {}; {} frames of {} x {}{}{}; a run takes about {:.0f} s on two cores and writes about {:.0f} MB",
+      "layout {}; {} frames of {} x {}{}{}; a run takes about {:.0f} s on two cores and writes "
+      "about {:.0f} MB",
       capture->format,
       frames,
       camera.width,

@@ -24,13 +24,12 @@ using artifact::JsonValue;
 Result<std::vector<eval::TimedPose>> CapturePoses(const std::string& path) {
   const Result<dataset::Capture> capture = dataset::OpenCapture(path);
   if (!capture.ok() || !capture->has_poses) {
-    return InvalidInput(fmt::format(
-        "{}: holds no trajectory: neither a workspace nor a capture with poses", path));
+    return InvalidInput(
+        fmt::format("{}: holds no trajectory: neither a workspace nor a capture with poses", path));
   }
   std::vector<eval::TimedPose> poses;
   for (const dataset::StoredFrame& frame : capture->stored->frames()) {
-    if (frame.world_from_colour)
-      poses.push_back({frame.depth_time_s, *frame.world_from_colour});
+    if (frame.world_from_colour) poses.push_back({frame.depth_time_s, *frame.world_from_colour});
   }
   return poses;
 }
@@ -91,8 +90,8 @@ int EvalTrajectory(const Arguments& arguments) {
   const Result<eval::TrajectoryError> result =
       eval::ComputeTrajectoryError(*estimated, *true_poses, arguments.options);
   if (!result.ok()) {
-    return ReportError(InvalidInput(fmt::format(
-        "{} and {}: {}", arguments.estimate, arguments.truth, result.error().message)));
+    return ReportError(InvalidInput(
+        fmt::format("{} and {}: {}", arguments.estimate, arguments.truth, result.error().message)));
   }
   fmt::print(
       stderr, "{:<12} {:>10} {:>10} {:>10} {:>10}\n", "error", "rmse", "mean", "median", "max");

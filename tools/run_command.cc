@@ -158,7 +158,9 @@ void AddRun(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* run = app.add_subcommand(
       "run", "From a capture to a labelled scene; continues where an earlier run stopped");
-  run->add_option("CAPTURE", arguments->capture, "Folder of the capture")->required();
+  run->add_option(
+         "CAPTURE", arguments->capture, "Capture: a folder (docs/formats.md) or a .sens file")
+      ->required();
   run->add_option(
          "-o,--output", arguments->workspace, "Workspace folder: all results, one folder per stage")
       ->required();

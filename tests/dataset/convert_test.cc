@@ -49,7 +49,8 @@ void WriteTum(const fs::path& folder, int lost_frame = 2) {
     WriteText(folder / fmt::format("rgb/{}.jpg", i), foreign::ColourFile(i, ".jpg"));
     WriteText(folder / fmt::format("depth/{}.png", i), foreign::DepthFile(i, 5));
     const double colour_s = 1341841278.8427 + 0.25 * i;
-    associations += fmt::format("{0:.4f} rgb/{2}.jpg {1:.4f} depth/{2}.png\n", colour_s, colour_s + 0.0132, i);
+    associations +=
+        fmt::format("{0:.4f} rgb/{2}.jpg {1:.4f} depth/{2}.png\n", colour_s, colour_s + 0.0132, i);
     if (i != lost_frame) poses += fmt::format("{:.4f} {}\n", colour_s + 0.0132, foreign::Tum(i));
   }
   WriteText(folder / "associations.txt", associations);
@@ -80,7 +81,10 @@ void ExpectEqualFrames(const Capture& a, const Capture& b) {
   }
 }
 
-void ExpectEqualPoses(const Capture& a, const Capture& b, double tolerance_m, double tolerance_deg) {
+void ExpectEqualPoses(const Capture& a,
+                      const Capture& b,
+                      double tolerance_m,
+                      double tolerance_deg) {
   for (int i = 0; i < a.frames->num_frames(); ++i) {
     const std::optional<Pose3> pose_a = a.frames->capture_world_from_camera(FrameIdx{i});
     const std::optional<Pose3> pose_b = b.frames->capture_world_from_camera(FrameIdx{i});
@@ -111,7 +115,8 @@ TEST(Convert, TumToSensToTumKeepsPixelsTimesAndUnits) {
   // .sens holds poses as 32-bit floats.
   ExpectEqualPoses(first, last, 3e-7, 2e-5);
   for (std::size_t i = 0; i < kNumFrames; ++i) {
-    EXPECT_EQ(first.stored->ReadColour(i)->bytes, last.stored->ReadColour(i)->bytes) << "JPEG bytes";
+    EXPECT_EQ(first.stored->ReadColour(i)->bytes, last.stored->ReadColour(i)->bytes)
+        << "JPEG bytes";
     EXPECT_EQ(*first.stored->ReadDepth(i), *last.stored->ReadDepth(i)) << "raw values";
   }
   EXPECT_EQ(there.num_frames, kNumFrames);
@@ -178,12 +183,19 @@ TEST(Convert, EveryPairOfLayoutsGivesTheSameDepthWithinAMillimetre) {
 TEST(Convert, SaysWhatIsLost) {
   const TempDir dir;
   WriteTum(dir.path() / "tum");
+  EXPECT_THAT(Convert(dir.path() / "tum", dir.path() / "same", "tum").losses,
+              testing::ElementsAre(HasSubstr("1 frames have no pose")));
+  WriteText(dir.path() / "tum/accelerometer.txt", "0 1 2 3\n");
   const ConversionReport report = Convert(dir.path() / "tum", dir.path() / "seven", "7scenes");
+  EXPECT_THAT(report.losses, Contains(HasSubstr("accelerometer.txt")));
   EXPECT_THAT(report.losses, Contains(HasSubstr("times: 7scenes has no place")));
-  EXPECT_THAT(report.losses, Contains(AllOf(HasSubstr("1/1000 m instead of 1/5000 m"), HasSubstr("0.0005"))));
-  EXPECT_THAT(report.notes, Contains(HasSubstr("4 JPEG images were decoded")));
+  EXPECT_THAT(report.losses,
+              Contains(AllOf(HasSubstr("1/1000 m instead of 1/5000 m"), HasSubstr("0.0005"))));
+  EXPECT_THAT(report.notes, Contains(HasSubstr("4 colour images were decoded")));
   const std::string json = ReadText(dir.path() / "seven/conversion.json");
-  EXPECT_THAT(json, AllOf(HasSubstr("\"losses\""), HasSubstr("times: 7scenes"), HasSubstr("\"from\": \"tum\"")));
+  EXPECT_THAT(
+      json,
+      AllOf(HasSubstr("\"losses\""), HasSubstr("times: 7scenes"), HasSubstr("\"from\": \"tum\"")));
   Convert(dir.path() / "tum", dir.path() / "b.sens", "scannet");
   EXPECT_TRUE(fs::exists(dir.path() / "b.sens.conversion.json"));
 }
@@ -197,8 +209,8 @@ TEST(Convert, UnitsMayBeChosen) {
   Convert(dir.path() / "tum", dir.path() / "o3d5000", "open3d");
   EXPECT_THAT(ReadText(dir.path() / "o3d5000/config.json"), HasSubstr("\"depth_scale\": 5000"));
   const Capture capture = Open(dir.path() / "tum");
-  const auto refused = ConvertCapture(
-      capture, dir.path() / "s", *FindOutputFormat("7scenes"), 5000, {});
+  const auto refused =
+      ConvertCapture(capture, dir.path() / "s", *FindOutputFormat("7scenes"), 5000, {});
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidConfig);
   // 13 m do not fit 16 bits at 10000 units per metre: such pixels become invalid and are counted.
@@ -247,7 +259,8 @@ TEST(Convert, LeavesNothingBehindAndNothingOfOthersTouched) {
       capture, dir.path() / "out", tum, 0, [](std::size_t done, std::size_t) { return done < 2; });
   ASSERT_FALSE(stopped.ok());
   EXPECT_EQ(stopped.error().code, ErrorCode::kInterrupted);
-  const auto no_file = ConvertCapture(capture, dir.path() / "out", *FindOutputFormat("scannet"), 0, {});
+  const auto no_file =
+      ConvertCapture(capture, dir.path() / "out", *FindOutputFormat("scannet"), 0, {});
   ASSERT_FALSE(no_file.ok());
   EXPECT_THAT(no_file.error().message, HasSubstr(".sens"));
   std::vector<std::string> left;
@@ -267,7 +280,8 @@ TEST(Convert, UnreadableFramesAreLeftOutAndSaid) {
     const fs::path out = dir.path() / fmt::format("out-{}", format);
     const ConversionReport report = Convert(dir.path() / "tum", out, format);
     EXPECT_EQ(report.num_frames, 3);
-    EXPECT_THAT(report.losses, Contains(AllOf(HasSubstr("1 frames cannot be read"), HasSubstr("rgb/1.jpg"))));
+    EXPECT_THAT(report.losses,
+                Contains(AllOf(HasSubstr("1 frames cannot be read"), HasSubstr("rgb/1.jpg"))));
     const Capture read = Open(out);
     ASSERT_EQ(read.frames->num_frames(), 3);
     // Frame 2 of the source, the one without a pose, is now the second.

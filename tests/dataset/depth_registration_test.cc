@@ -125,7 +125,8 @@ TEST(RegisterDepth, NearestSurfaceHidesWhatLiesBehind) {
   EXPECT_FLOAT_EQ(registered(50, 24), 1.0f);
   EXPECT_FLOAT_EQ(registered(55, 24), 3.0f);
   EXPECT_EQ(registered(5, 24), 0) << "the depth camera did not look there";
-  for (const float d : registered) EXPECT_TRUE(d == 0 || d == 1.0f || std::abs(d - 3.0f) < 1e-5f) << d;
+  for (const float d : registered)
+    EXPECT_TRUE(d == 0 || d == 1.0f || std::abs(d - 3.0f) < 1e-5f) << d;
 }
 
 TEST(RegisterDepth, NothingComesOfNothing) {
@@ -138,7 +139,8 @@ TEST(RegisterDepth, NothingComesOfNothing) {
   }
   // A depth camera looking away from the colour camera.
   const Pose3 away{RotationFromVector({0, 3.1, 0}), {0, 0, 0}};
-  for (const float d : RegisterDepth(DepthImage(16, 12, 2.0f), camera, away, finer)) EXPECT_EQ(d, 0);
+  for (const float d : RegisterDepth(DepthImage(16, 12, 2.0f), camera, away, finer))
+    EXPECT_EQ(d, 0);
 }
 
 TEST(FrameCamera, KeepsAsMuchOfColourAsDepthAndDetectorsUse) {

@@ -66,10 +66,22 @@ inline std::string DepthFile(int i, int factor = 1, std::uint16_t no_depth = 0) 
 // World from camera of frame i: a quarter turn about y and some metres.
 inline std::array<double, 16> Matrix(int i) {
   const double a = 0.1 * i;
-  return {std::cos(a), 0, std::sin(a), 0.5 * i,
-          0,           1, 0,           1.25,
-          -std::sin(a), 0, std::cos(a), -2,
-          0,           0, 0,           1};
+  return {std::cos(a),
+          0,
+          std::sin(a),
+          0.5 * i,
+          0,
+          1,
+          0,
+          1.25,
+          -std::sin(a),
+          0,
+          std::cos(a),
+          -2,
+          0,
+          0,
+          0,
+          1};
 }
 // The same as `tx ty tz qx qy qz qw`.
 inline std::string Tum(int i) {
@@ -112,8 +124,8 @@ class SensBytes {
 inline std::array<double, 16> Intrinsics(double f, double cx, double cy) {
   return {f, 0, cx, 0, 0, f, cy, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 }
-inline constexpr std::array<double, 16> kIdentity = {1, 0, 0, 0, 0, 1, 0, 0,
-                                                     0, 0, 1, 0, 0, 0, 0, 1};
+inline constexpr std::array<double, 16> kIdentity = {
+    1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 struct SensOptions {
   std::uint32_t version = 4;
@@ -154,7 +166,8 @@ class BitWriter {
     for (const char bit : bits) {
       if (count_ % 8 == 0) bytes.push_back('\0');
       if (bit == '1')
-        bytes.back() = static_cast<char>(static_cast<unsigned char>(bytes.back()) | 128 >> count_ % 8);
+        bytes.back() =
+            static_cast<char>(static_cast<unsigned char>(bytes.back()) | 128 >> count_ % 8);
       ++count_;
     }
   }
@@ -199,10 +212,18 @@ inline std::string OcciDepth() {
       }
       flush();
       switch (step) {
-        case 1: bits.Put("11"); break;
-        case -1: bits.Put("10"); break;
-        case 2: bits.Put("01101"); break;
-        case -2: bits.Put("01100"); break;
+        case 1:
+          bits.Put("11");
+          break;
+        case -1:
+          bits.Put("10");
+          break;
+        case 2:
+          bits.Put("01101");
+          break;
+        case -2:
+          bits.Put("01100");
+          break;
         default:
           bits.Put("0111");
           bits.PutNumber(last, 11);
@@ -231,7 +252,8 @@ inline std::string SensHeader(const SensOptions& options) {
   out.PutMatrix(Intrinsics(30.3, 15.5, 11.25)).PutMatrix(kIdentity);
   out.PutMatrix(Intrinsics(30.3, 15.5, 11.25)).PutMatrix(options.depth_extrinsics);
   out.Put(options.colour_codec).Put(options.depth_codec);
-  for (const int size : {kWidth, kHeight, kWidth, kHeight}) out.Put(static_cast<std::uint32_t>(size));
+  for (const int size : {kWidth, kHeight, kWidth, kHeight})
+    out.Put(static_cast<std::uint32_t>(size));
   out.Put(options.depth_shift);
   return out.bytes;
 }
@@ -251,7 +273,8 @@ inline std::string Sens(const SensOptions& options) {
     out.PutMatrix(pose);
     out.Put(std::uint64_t{1000000} + static_cast<std::uint64_t>(33333 * i));
     out.Put(std::uint64_t{1000500} + static_cast<std::uint64_t>(33333 * i));
-    out.Put(static_cast<std::uint64_t>(colour.size())).Put(static_cast<std::uint64_t>(depth.size()));
+    out.Put(static_cast<std::uint64_t>(colour.size()))
+        .Put(static_cast<std::uint64_t>(depth.size()));
     out.bytes += colour + depth;
   }
   if (options.version < 4) return out.bytes;

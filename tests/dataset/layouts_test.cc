@@ -123,11 +123,8 @@ void WriteIcl(const fs::path& folder, bool swapped = true) {
     // The renderer's world: y turned round. Rotation about y by a is rotation by -a there... and
     // the mirror of the camera turns it back, so that only y of the position differs; a turn about
     // x shows both (TurnsAboutXToo).
-    poses += fmt::format("{} {} -1.25 -2 0 {} 0 {}\n",
-                         i,
-                         0.5 * i,
-                         std::sin(0.05 * i),
-                         std::cos(0.05 * i));
+    poses += fmt::format(
+        "{} {} -1.25 -2 0 {} 0 {}\n", i, 0.5 * i, std::sin(0.05 * i), std::cos(0.05 * i));
   }
   WriteText(folder / "associations.txt", associations);
   WriteText(folder / "livingRoom1.gt.freiburg", poses);
@@ -161,7 +158,8 @@ TEST(IclNuim, MirroredTrajectoryMovesPointsAsTheImagesDo) {
   const Pose3 a = *capture.frames->capture_world_from_camera(FrameIdx{1});
   const Pose3 b = *capture.frames->capture_world_from_camera(FrameIdx{2});
   // A point of the renderer's world in camera 2 by the renderer's own convention: y up, negative
-  // fy. The image's row grows downwards; the point in a camera with positive fy has y the other way.
+  // fy. The image's row grows downwards; the point in a camera with positive fy has y the other
+  // way.
   const Eigen::Vector3d p_renderer(0.4, -0.3, 2.5);
   const Eigen::Vector3d p_camera_renderer =
       q.conjugate() * (p_renderer - Eigen::Vector3d(0.1, 0.2, 0.3));
@@ -228,7 +226,8 @@ TEST(SevenScenes, WithoutCalibrationDepthIsRegisteredByAKinectsUsualValues) {
   EXPECT_FLOAT_EQ(frame.depth_m(320, 240), 2.0f);
   EXPECT_EQ(frame.depth_m(2, 240), 0) << "colour sees more than depth";
   // Poses are those of the depth camera: colour's is 25 mm to the right.
-  EXPECT_NEAR(capture.frames->capture_world_from_camera(FrameIdx{0})->translation_m.x(), 0.025, 1e-9);
+  EXPECT_NEAR(
+      capture.frames->capture_world_from_camera(FrameIdx{0})->translation_m.x(), 0.025, 1e-9);
 }
 
 TEST(SevenScenes, LostPosesAreNone) {
@@ -273,7 +272,8 @@ void WriteOpen3d(const fs::path& folder, const std::string& colour = "color") {
   }
   // As Open3D writes it: tabs, and the matrix column by column.
   WriteText(folder / "camera_intrinsic.json",
-            "{\n\t\"height\" : 24,\n\t\"intrinsic_matrix\" : \n\t[\n\t\t30.3,\n\t\t0,\n\t\t0,\n\t\t0,\n\t\t"
+            "{\n\t\"height\" : 24,\n\t\"intrinsic_matrix\" : "
+            "\n\t[\n\t\t30.3,\n\t\t0,\n\t\t0,\n\t\t0,\n\t\t"
             "30.3,\n\t\t0,\n\t\t15.5,\n\t\t11.25,\n\t\t1\n\t],\n\t\"width\" : 32\n}");
   WriteText(folder / "trajectory.log", log);
 }
@@ -379,7 +379,8 @@ void WriteStray(const fs::path& folder, int scale) {
   const double centre = (15.5 + 0.5) * scale - 0.5;
   const double middle = (11.25 + 0.5) * scale - 0.5;
   WriteText(folder / "camera_matrix.csv",
-            fmt::format("{},0.0,{}\n0.0,{},{}\n0.0,0.0,1.0\n", 30.3 * scale, centre, 30.3 * scale, middle));
+            fmt::format(
+                "{},0.0,{}\n0.0,{},{}\n0.0,0.0,1.0\n", 30.3 * scale, centre, 30.3 * scale, middle));
 }
 
 TEST(Stray, DepthWithLowConfidenceIsDropped) {
@@ -453,6 +454,10 @@ TEST(Stray, BadOdometryNamesLineAndColumn) {
   WriteText(dir.path() / "odometry.csv",
             "timestamp, frame, x, y, z, qx, qy, qz, qw\n0.1, 000900, 0, 0, 0, 0, 0, 0, 1\n");
   EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("000900"), HasSubstr("1 of 1")));
+  WriteStray(dir.path(), 1);
+  fs::remove_all(dir.path() / "depth");
+  WriteText(dir.path() / "depth/000000.npy", "\x93NUMPY");
+  EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("000000.npy"), HasSubstr("16-bit PNG")));
 }
 
 // --- recognition
@@ -471,14 +476,24 @@ TEST(Layouts, UnknownFolderIsToldWhatIsNearest) {
                     Not(HasSubstr("nearest"))));
   WriteText(dir.path() / "camera_matrix.csv", "1,0,1\n0,1,1\n0,0,1\n");
   fs::create_directories(dir.path() / "depth");
-  EXPECT_THAT(Refusal(dir.path()),
-              AllOf(HasSubstr("nearest is stray"), HasSubstr("odometry.csv"), HasSubstr("rgb.mp4")));
+  EXPECT_THAT(
+      Refusal(dir.path()),
+      AllOf(HasSubstr("nearest is stray"), HasSubstr("odometry.csv"), HasSubstr("rgb.mp4")));
+}
+
+TEST(Layouts, ForeignFilesInACaptureDoNotChangeWhatItIs) {
+  const TempDir dir;
+  WriteEth3d(dir.path());
+  WriteText(dir.path() / "out.sens", foreign::Sens({}));
+  WriteText(dir.path() / "odometry.csv", "made by another program\n");
+  EXPECT_EQ(Open(dir.path()).format, "eth3d");
 }
 
 TEST(Layouts, StatedFormatWins) {
   const TempDir dir;
   WriteOpen3d(dir.path());
-  WriteText(dir.path() / "capture.yaml", "format: tum\ncamera: " + kCamera + "\ndepth_units_per_m: 1000\n");
+  WriteText(dir.path() / "capture.yaml",
+            "format: tum\ncamera: " + kCamera + "\ndepth_units_per_m: 1000\n");
   EXPECT_THAT(Refusal(dir.path()), HasSubstr("rgb.txt"));
   WriteText(dir.path() / "capture.yaml", "format: open3d\n");
   EXPECT_EQ(Open(dir.path()).format, "open3d");
@@ -487,9 +502,10 @@ TEST(Layouts, StatedFormatWins) {
 TEST(Layouts, StatedCamerasRegisterDepth) {
   const TempDir dir;
   WriteOpen3d(dir.path());
-  WriteText(dir.path() / "capture.yaml",
-            "camera: " + kCamera + "\ndepth_camera: " + kCamera +
-                "\ncolour_from_depth: {translation_m: [-0.1, 0, 0], rotation_xyzw: [0, 0, 0, 1]}\n");
+  WriteText(
+      dir.path() / "capture.yaml",
+      "camera: " + kCamera + "\ndepth_camera: " + kCamera +
+          "\ncolour_from_depth: {translation_m: [-0.1, 0, 0], rotation_xyzw: [0, 0, 0, 1]}\n");
   const Capture capture = Open(dir.path());
   ASSERT_NE(capture.frames, nullptr);
   // 0.1 m at about 1.1 m: 30.3 * 0.1 / 1.1 = 2.8 px to the left.

@@ -36,7 +36,8 @@ TEST_P(SensCodecs, AreAllRead) {
   const auto [version, colour, depth] = GetParam();
   const TempDir dir;
   const fs::path file = dir.path() / "scene0000_00.sens";
-  WriteText(file, foreign::Sens({.version = version, .colour_codec = colour, .depth_codec = depth}));
+  WriteText(file,
+            foreign::Sens({.version = version, .colour_codec = colour, .depth_codec = depth}));
   const Result<Capture> capture = OpenCapture(file);
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   EXPECT_EQ(capture->format, "scannet");
@@ -49,7 +50,8 @@ TEST_P(SensCodecs, AreAllRead) {
     EXPECT_DOUBLE_EQ(frame->time_s, (1000500 + 33333 * i) / 1e6);
     for (int v = 0; v < foreign::kHeight; ++v) {
       for (int u = 0; u < foreign::kWidth; ++u) {
-        const int mm = depth == 2 ? ShiftToMillimetres(foreign::Shift(u, v)) : foreign::DepthMm(i, u, v);
+        const int mm =
+            depth == 2 ? ShiftToMillimetres(foreign::Shift(u, v)) : foreign::DepthMm(i, u, v);
         ASSERT_EQ(frame->depth_m(u, v), static_cast<float>(mm / 1000.0)) << u << ", " << v;
         const auto rgb = foreign::Rgb(i, u, v);
         ASSERT_NEAR(frame->colour(u, v).r, rgb[0], colour == 2 ? 12 : 0);
@@ -171,7 +173,9 @@ std::string HeaderWith(std::uint64_t num_frames,
   return out.bytes;
 }
 
-std::string OneFrame(std::uint64_t colour_bytes, std::uint64_t depth_bytes, const std::string& data) {
+std::string OneFrame(std::uint64_t colour_bytes,
+                     std::uint64_t depth_bytes,
+                     const std::string& data) {
   SensBytes out;
   out.PutMatrix(foreign::kIdentity).Put(std::uint64_t{1}).Put(std::uint64_t{1});
   out.Put(colour_bytes).Put(depth_bytes);
@@ -199,7 +203,9 @@ INSTANTIATE_TEST_SUITE_P(
     SensLies,
     testing::Values(
         Lie{"Empty", [] { return std::string(); }, "header"},
-        Lie{"OldVersion", [] { return SensBytes().Put(2u).Put(std::uint64_t{0}).bytes; }, "version"},
+        Lie{"OldVersion",
+            [] { return SensBytes().Put(2u).Put(std::uint64_t{0}).bytes; },
+            "version"},
         Lie{"NameLength", [] { return SensBytes().Put(4u).Put(kHuge).bytes; }, "name"},
         Lie{"NumFrames", [] { return HeaderWith(kHuge); }, "number of frames"},
         Lie{"NumFramesTwice",
@@ -214,8 +220,7 @@ INSTANTIATE_TEST_SUITE_P(
             "first frame"},
         Lie{"SumOverflows",
             [] {
-              return HeaderWith(1) +
-                     OneFrame(~std::uint64_t{0} - 50, 100, std::string(400, 'x'));
+              return HeaderWith(1) + OneFrame(~std::uint64_t{0} - 50, 100, std::string(400, 'x'));
             },
             "first frame"},
         Lie{"Width",
@@ -232,11 +237,13 @@ INSTANTIATE_TEST_SUITE_P(
         Lie{"LargeImagesOfAPlausibleCamera",
             [] {
               std::string header = HeaderWith(1, 16000, 16000);
-              // Behind version, length and name of the sensor; depth's matrices come 128 bytes later.
+              // Behind version, length and name of the sensor; depth's matrices come 128 bytes
+              // later.
               for (const std::size_t matrix : {std::size_t{27}, std::size_t{27 + 128}}) {
                 for (const auto& [cell, value] :
                      {std::pair(0, 12000.0f), {5, 12000.0f}, {2, 8000.0f}, {6, 8000.0f}}) {
-                  std::memcpy(header.data() + matrix + 4 * static_cast<std::size_t>(cell), &value, 4);
+                  std::memcpy(
+                      header.data() + matrix + 4 * static_cast<std::size_t>(cell), &value, 4);
                 }
               }
               return header + OneFrame(foreign::ColourFile(0).size(),
@@ -248,7 +255,9 @@ INSTANTIATE_TEST_SUITE_P(
             [] { return HeaderWith(1, 32, 24, 0.0f) + OneFrame(5, 5, std::string(10, 'x')); },
             "depth shift"},
         Lie{"DepthShiftNan",
-            [] { return HeaderWith(1, 32, 24, std::nanf("")) + OneFrame(5, 5, std::string(10, 'x')); },
+            [] {
+              return HeaderWith(1, 32, 24, std::nanf("")) + OneFrame(5, 5, std::string(10, 'x'));
+            },
             "depth shift"},
         Lie{"Text", [] { return std::string(5000, 'A'); }, "version"}),
     [](const auto& test) { return test.param.name; });
@@ -296,7 +305,8 @@ TEST(Sens, SeveralInAFolderAreAQuestion) {
   const TempDir dir;
   WriteText(dir.path() / "a.sens", foreign::Sens({}));
   WriteText(dir.path() / "b.sens", foreign::Sens({}));
-  EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("nearest is scannet"), HasSubstr("there are 2")));
+  EXPECT_THAT(Refusal(dir.path()),
+              AllOf(HasSubstr("nearest is scannet"), HasSubstr("there are 2")));
 }
 
 }  // namespace

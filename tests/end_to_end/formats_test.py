@@ -248,6 +248,15 @@ class SameCapture(unittest.TestCase):
                     for axis in range(3):
                         self.assertAlmostEqual(pose[axis], local[axis], 5)
 
+    def test_doctor_and_eval_know_them(self):
+        result = captures.deepslam(PROGRAM, "doctor", write_sens(DIR / "doctor.sens"))
+        self.assertRegex(result.stderr, r"ok +capture +layout scannet; 10 frames of 320 x 240, with poses")
+        write_seven_scenes(DIR / "doctor-seven")
+        for truth in (DIR / "doctor.sens", DIR / "doctor-seven"):
+            result = captures.deepslam(PROGRAM, "eval", "trajectory", truth, write_tum(DIR / "tum"))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(json.loads(result.stdout)["num_scored"], len(SOURCE))
+
     def test_other_depth_units_stay_within_a_millimetre(self):
         # Tenths of millimetres more than millimetres can say.
         fine = write_tum(DIR / "fine", 5, extra=lambda i, u, v: (3 * u + 5 * v + i) % 5 - 2)

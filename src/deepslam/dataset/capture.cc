@@ -80,9 +80,9 @@ Result<Capture> OpenCapture(const fs::path& path) {
     return InvalidInput(
         fmt::format("{}: folder is missing; name a capture's folder", path.string()));
   if (!fs::is_directory(path, ignored) && path.extension() != ".sens") {
-    return InvalidInput(fmt::format(
-        "{}: not a folder; name the folder that holds the capture, or a .sens file",
-        path.string()));
+    return InvalidInput(
+        fmt::format("{}: not a folder; name the folder that holds the capture, or a .sens file",
+                    path.string()));
   }
   const Result<LayoutSource> source = ReadSource(path);
   if (!source) return source.error();
@@ -94,13 +94,13 @@ Result<Capture> OpenCapture(const fs::path& path) {
   Capture capture;
   capture.stored = opened->frames;
   capture.frames = MakeCaptureFrameSource(opened->frames);
+  capture.path = path;
   capture.name = NameOf(path);
   capture.format = (*layout)->name;
   capture.content_hash = std::move(opened->content_hash);
   capture.warnings = std::move(opened->warnings);
-  capture.warnings.insert(capture.warnings.end(),
-                          source->settings.warnings.begin(),
-                          source->settings.warnings.end());
+  capture.warnings.insert(
+      capture.warnings.end(), source->settings.warnings.begin(), source->settings.warnings.end());
   capture.has_times = opened->has_times;
   for (const StoredFrame& frame : opened->frames->frames()) {
     capture.colour_files.push_back(frame.colour_name);

@@ -16,8 +16,9 @@ namespace deepslam::dataset {
 struct Capture {
   std::unique_ptr<FrameSource> frames;
   std::shared_ptr<const StoredFrames> stored;  // what the frames are made from
-  std::string name;    // the folder's or file's own name, without its path
-  std::string format;  // the layout's name
+  std::filesystem::path path;                  // as the user named it
+  std::string name;                            // the folder's or file's own name, without its path
+  std::string format;                          // the layout's name
   // SHA-256 over capture.yaml, calibration, poses and the ordered frames: file names relative to
   // the folder, times and file contents. Two captures with equal hash give equal frames, wherever
   // they lie.

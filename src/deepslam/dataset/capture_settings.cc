@@ -139,12 +139,12 @@ Status ParseFormat(const YAML::Node& node,
                    CaptureSettings& settings) {
   const std::string value = node.IsScalar() ? node.Scalar() : "a structure";
   if (std::find(kFormats.begin(), kFormats.end(), value) == kFormats.end()) {
-    return FieldError(file,
-                      node,
-                      "format",
-                      fmt::format("is '{}', which is not known here (known: {})",
-                                  value,
-                                  fmt::join(kFormats, ", ")));
+    return FieldError(
+        file,
+        node,
+        "format",
+        fmt::format(
+            "is '{}', which is not known here (known: {})", value, fmt::join(kFormats, ", ")));
   }
   settings.format = value;
   return Ok();
@@ -213,13 +213,13 @@ Status CheckCamera(const PinholeCamera& camera,
                    const std::filesystem::path& file,
                    std::string_view name) {
   const auto fault = [&](std::string_view field, double value, std::string_view expected) {
-    return InvalidInput(fmt::format(
-        "{}: field '{}.{}' is {}; expected {}: write the camera's intrinsics in px",
-        file.string(),
-        name,
-        field,
-        value,
-        expected));
+    return InvalidInput(
+        fmt::format("{}: field '{}.{}' is {}; expected {}: write the camera's intrinsics in px",
+                    file.string(),
+                    name,
+                    field,
+                    value,
+                    expected));
   };
   struct Axis {
     std::string_view size_name, focal_name, centre_name;
@@ -338,7 +338,8 @@ std::string FormatCaptureSettings(const CaptureSettings& settings) {
         q.z(),
         q.w());
   }
-  if (settings.min_confidence) text += fmt::format("min_confidence: {}\n", *settings.min_confidence);
+  if (settings.min_confidence)
+    text += fmt::format("min_confidence: {}\n", *settings.min_confidence);
   return text;
 }
 

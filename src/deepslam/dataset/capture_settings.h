@@ -3,8 +3,8 @@
 //   format: tum                                        # one of kFormats; else found by layout
 //   camera: {width: 640, height: 480, fx: 525, fy: 525, cx: 319.5, cy: 239.5}   # px, colour camera
 //   depth_units_per_m: 5000                            # value of one metre in the depth images
-//   depth_camera: {width: ..., fx: ...}                # px; where depth is not registered to colour
-//   colour_from_depth: {translation_m: [x, y, z], rotation_xyzw: [x, y, z, w]}
+//   depth_camera: {width: ..., fx: ...}                # px; where depth is not registered to
+//   colour colour_from_depth: {translation_m: [x, y, z], rotation_xyzw: [x, y, z, w]}
 //   min_confidence: 1                                  # least confidence of depth that is kept
 // With `camera` and without `depth_camera`, depth is taken for registered to colour.
 #pragma once

@@ -28,11 +28,7 @@ constexpr std::array<OutputFormat, 4> kOutputFormats = {{
      .poses_in_floats = true,
      .remark = "version 4, depth as zlib streams, no motion measurements",
      .create = CreateScanNet},
-    {.name = "open3d",
-     .times_in_microseconds = true,
-     .remark = "a depth scale other than 1000 lies in config.json: programs that take 1000 for "
-               "granted have to be told",
-     .create = CreateOpen3d},
+    {.name = "open3d", .times_in_microseconds = true, .create = CreateOpen3d},
 }};
 
 }  // namespace
@@ -40,10 +36,9 @@ constexpr std::array<OutputFormat, 4> kOutputFormats = {{
 std::span<const OutputFormat> OutputFormats() { return kOutputFormats; }
 
 const OutputFormat* FindOutputFormat(std::string_view name) {
-  const auto found =
-      std::find_if(kOutputFormats.begin(), kOutputFormats.end(), [&](const OutputFormat& format) {
-        return format.name == name;
-      });
+  const auto found = std::find_if(kOutputFormats.begin(),
+                                  kOutputFormats.end(),
+                                  [&](const OutputFormat& format) { return format.name == name; });
   return found == kOutputFormats.end() ? nullptr : &*found;
 }
 

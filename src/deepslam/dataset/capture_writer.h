@@ -1,5 +1,6 @@
-// Captures written in the layouts of others, frame by frame: the other half of layout.h. Images come
-// in the form in which the layout holds them; what has to be done to bring them there is convert.h.
+// Captures written in the layouts of others, frame by frame: the other half of layout.h. Images
+// come in the form in which the layout holds them; what has to be done to bring them there is
+// convert.h.
 #pragma once
 
 #include <filesystem>
@@ -51,7 +52,7 @@ struct OutputFormat {
   bool colour_must_be_png = false;
   double fixed_units_per_m = 0;  // 0: any
   std::uint16_t no_depth = kNoDepth;
-  std::string_view remark;  // what a user of the result has to know
+  std::string_view remark = {};  // what a user of the result has to know; may be empty
   Result<std::unique_ptr<CaptureWriter>> (*create)(const std::filesystem::path& path,
                                                    const WriteSettings& settings);
 };

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -27,8 +28,8 @@ class DepthUnits {
       : table_(kSaturatedDepth + 1u) {
     for (std::size_t raw = 0; raw < table_.size(); ++raw) {
       const double value = std::round(static_cast<double>(raw) * to_per_m / from_per_m);
-      table_[raw] = value >= 1 && value < kSaturatedDepth ? static_cast<std::uint16_t>(value)
-                                                         : no_depth;
+      table_[raw] =
+          value >= 1 && value < kSaturatedDepth ? static_cast<std::uint16_t>(value) : no_depth;
     }
     table_[kNoDepth] = no_depth;
     // Elsewhere than in 7-Scenes it is a value as any other, although nobody measured it.
@@ -36,8 +37,7 @@ class DepthUnits {
     table_[kSaturatedDepth] = keeps_saturated && no_depth == kNoDepth ? kSaturatedDepth : no_depth;
     rounds_ = from_per_m != to_per_m;
     largest_error_m_ = 0.5 / to_per_m;
-    for (std::size_t raw = 1; raw + 1 < table_.size(); ++raw)
-      lost_[raw] = table_[raw] == no_depth;
+    for (std::size_t raw = 1; raw + 1 < table_.size(); ++raw) lost_[raw] = table_[raw] == no_depth;
   }
 
   void Apply(RawDepthImage& depth) {
@@ -65,6 +65,42 @@ RawDepthImage ToRaw(const DepthImage& depth_m, double units_per_m) {
     return value >= 1 && value < kSaturatedDepth ? static_cast<std::uint16_t>(value) : kNoDepth;
   });
   return raw;
+}
+
+// What lies in a capture's folder and belongs to no layout.
+std::vector<std::string> OtherFiles(const fs::path& folder) {
+  constexpr std::array kKnown = {"rgb",
+                                 "depth",
+                                 "color",
+                                 "image",
+                                 "confidence",
+                                 "rgb.txt",
+                                 "depth.txt",
+                                 "associations.txt",
+                                 "associated.txt",
+                                 "groundtruth.txt",
+                                 "calibration.txt",
+                                 "capture.yaml",
+                                 "conversion.json",
+                                 "camera_intrinsic.json",
+                                 "intrinsic.json",
+                                 "config.json",
+                                 "trajectory.log",
+                                 "odometry.csv",
+                                 "camera_matrix.csv",
+                                 "rgb.mp4"};
+  std::vector<std::string> others;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
+       entry.increment(code)) {
+    const std::string name = entry->path().filename().string();
+    const bool known = std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end() ||
+                       name.starts_with("frame-") || name.ends_with(".sens") ||
+                       name.ends_with(".gt.freiburg") || name.ends_with(".log");
+    if (!known) others.push_back(name);
+  }
+  std::sort(others.begin(), others.end());
+  return others;
 }
 
 class Conversion {
@@ -109,10 +145,12 @@ class Conversion {
     TellPoses(report);
     TellDepth(report);
     TellColour(report);
-    report.notes.push_back(fmt::format("{}: {}", format_.name, format_.remark));
-    report.losses.emplace_back(
-        "frames, cameras and poses are converted; other files of the capture (truth, motion "
-        "measurements, lists of boxes) are not");
+    if (!format_.remark.empty()) report.notes.emplace_back(format_.remark);
+    if (const std::vector<std::string> others = OtherFiles(capture_.path); !others.empty()) {
+      report.losses.push_back(
+          fmt::format("{} of the source: only frames, cameras and poses are converted",
+                      fmt::join(others, ", ")));
+    }
     return report;
   }
 
@@ -142,7 +180,7 @@ class Conversion {
       frame.colour.pixels = ReduceColour(*pixels, reduction);
     } else if (as_png || kept.codec == ImageCodec::kOther) {
       frame.colour.pixels = *std::move(pixels);
-      num_encoded_ += as_png ? 1 : 0;
+      ++num_encoded_;
     } else {
       frame.colour = std::move(kept);
     }
@@ -182,8 +220,9 @@ class Conversion {
 
   void TellFrames(ConversionReport& report, const std::string& first_fault) const {
     if (report.num_skipped == 0) return;
-    report.losses.push_back(fmt::format(
-        "{} frames cannot be read and were left out; the first: {}", report.num_skipped, first_fault));
+    report.losses.push_back(fmt::format("{} frames cannot be read and were left out; the first: {}",
+                                        report.num_skipped,
+                                        first_fault));
   }
 
   void TellTimes(ConversionReport& report) const {
@@ -199,26 +238,29 @@ class Conversion {
       if (has_negative_time_) report.losses.emplace_back("times before 0 became 0");
     }
     if (settings_.has_times && num_repeated_ > 0 && !format_.is_file) {
-      report.losses.push_back(fmt::format(
-          "{} frames are not later than the one before; readers sort by time and drop repeated ones",
-          num_repeated_));
+      report.losses.push_back(
+          fmt::format("{} frames are not later than the one before; readers sort by time and drop "
+                      "repeated ones",
+                      num_repeated_));
     }
   }
 
   void TellPoses(ConversionReport& report) const {
     if (num_poses_ == 0) return;
-    report.notes.emplace_back("poses are those at the times of the frames");
+    if (capture_.format == "tum" || capture_.format == "eth3d")
+      report.notes.emplace_back("poses are those of groundtruth.txt at the times of the frames");
     if (format_.poses_in_floats) {
-      report.losses.push_back(fmt::format(
-          "poses are rounded to 32-bit floats (positions by up to {:.2g} m, rotations by up to 1e-7)",
-          largest_pose_error_m_));
+      report.losses.push_back(
+          fmt::format("poses are rounded to 32-bit floats (positions by up to {:.2g} m, rotations "
+                      "by up to 1e-7)",
+                      largest_pose_error_m_));
     }
     const int num_lost = report.num_frames - num_poses_;
     if (num_lost > 0 && format_.name == "tum") {
-      report.losses.push_back(
-          fmt::format("{} frames have no pose; readers of groundtruth.txt may interpolate one where "
-                      "the gap is short",
-                      num_lost));
+      report.losses.push_back(fmt::format(
+          "{} frames have no pose; readers of groundtruth.txt may interpolate one where "
+          "the gap is short",
+          num_lost));
     }
     if (capture_.format == "icl-nuim")
       report.notes.emplace_back("the trajectory is that of the images' world: mirrored in y");
@@ -239,11 +281,11 @@ class Conversion {
           "depth is not registered to colour; both cameras and what lies between are written");
     }
     if (units_.rounds()) {
-      report.losses.push_back(fmt::format(
-          "depth is in units of 1/{} m instead of 1/{} m: rounded by up to {:.2g} m",
-          cameras.depth_units_per_m,
-          source_.depth_units_per_m,
-          units_.largest_error_m()));
+      report.losses.push_back(
+          fmt::format("depth is in units of 1/{} m instead of 1/{} m: rounded by up to {:.2g} m",
+                      cameras.depth_units_per_m,
+                      source_.depth_units_per_m,
+                      units_.largest_error_m()));
     }
     if (units_.num_lost() > 0) {
       report.losses.push_back(fmt::format(
@@ -251,7 +293,16 @@ class Conversion {
     }
     if (capture_.format == "stray")
       report.losses.emplace_back("confidence maps: depth below the least confidence was removed");
-    report.notes.push_back(fmt::format("pixels without depth have the value {}", format_.no_depth));
+    if ((capture_.format == "7-scenes") != (format_.no_depth == kSaturatedDepth)) {
+      report.notes.push_back(
+          fmt::format("pixels without depth have the value {}", format_.no_depth));
+    }
+    if (format_.name == "open3d" && cameras.depth_units_per_m != 1000) {
+      report.notes.push_back(fmt::format(
+          "the depth scale {} lies in config.json: programs that take 1000 for granted have to be "
+          "told (or --depth-units 1000)",
+          cameras.depth_units_per_m));
+    }
   }
 
   void TellColour(ConversionReport& report) const {
@@ -263,12 +314,10 @@ class Conversion {
                                           colour.width,
                                           colour.height));
     } else if (num_encoded_ > 0) {
-      report.notes.push_back(
-          fmt::format("{} JPEG images were decoded and stored as PNG: the same pixels in larger files",
-                      num_encoded_));
+      report.notes.push_back(fmt::format(
+          "{} colour images were decoded and stored as PNG, the pixels unchanged", num_encoded_));
     } else {
-      report.notes.emplace_back("colour images are the source's, byte by byte (raw ones and those of "
-                                "a video as PNG, the same pixels)");
+      report.notes.emplace_back("colour images are the source's, byte by byte");
     }
   }
 
@@ -323,8 +372,8 @@ class Aside {
 Status CheckTarget(const fs::path& to, const OutputFormat& format) {
   std::error_code code;
   if (format.is_file && to.extension() != ".sens") {
-    return InvalidConfig(
-        fmt::format("{}: {} is one file; give it a name that ends with .sens", to.string(), format.name));
+    return InvalidConfig(fmt::format(
+        "{}: {} is one file; give it a name that ends with .sens", to.string(), format.name));
   }
   const bool is_empty_folder =
       !format.is_file && fs::is_directory(to, code) && fs::is_empty(to, code);

@@ -8,7 +8,7 @@
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kMinFrameWidth = 640;  // px; detectors work at this size
+constexpr int kMinFrameWidth = 640;     // px; detectors work at this size
 constexpr double kMaxSlantTan = 11.43;  // of 85 degrees
 constexpr double kNearPlaneM = 1e-3;
 
@@ -25,12 +25,13 @@ bool OneSurface(const std::array<float, 4>& depth_m, float max_ratio) {
 
 // Where a target's column or row lies among those of the source.
 struct Sample {
-  int first = -1;     // the neighbour before; -1: outside
-  double share = 0;   // of the neighbour after
+  int first = -1;    // the neighbour before; -1: outside
+  double share = 0;  // of the neighbour after
   int nearest = 0;
 };
 
-std::vector<Sample> Samples(int num_target, double f, double c, int num_source, double fs, double cs) {
+std::vector<Sample> Samples(
+    int num_target, double f, double c, int num_source, double fs, double cs) {
   std::vector<Sample> samples(static_cast<std::size_t>(num_target));
   for (int i = 0; i < num_target; ++i) {
     const double at = fs * (i - c) / f + cs;
@@ -69,10 +70,10 @@ DepthImage Resample(const DepthImage& depth_m,
         out(u, v) = depth_m(column.nearest, row.nearest);
         continue;
       }
-      const double upper = (1 - column.share) / static_cast<double>(z[0]) +
-                           column.share / static_cast<double>(z[1]);
-      const double lower = (1 - column.share) / static_cast<double>(z[2]) +
-                           column.share / static_cast<double>(z[3]);
+      const double upper =
+          (1 - column.share) / static_cast<double>(z[0]) + column.share / static_cast<double>(z[1]);
+      const double lower =
+          (1 - column.share) / static_cast<double>(z[2]) + column.share / static_cast<double>(z[3]);
       out(u, v) = static_cast<float>(1.0 / ((1 - row.share) * upper + row.share * lower));
     }
   }

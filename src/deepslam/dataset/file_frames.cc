@@ -141,8 +141,7 @@ Result<std::string> HashLargeFile(const fs::path& file) {
     hash.Update(std::string_view(piece).substr(0, static_cast<std::size_t>(in.gcount())));
   }
   if (!in.eof())
-    return InvalidInput(
-        fmt::format("{}: cannot be read; check its permissions", file.string()));
+    return InvalidInput(fmt::format("{}: cannot be read; check its permissions", file.string()));
   return hash.HexDigest();
 }
 

@@ -54,7 +54,8 @@ Result<std::vector<ImagePair>> PairsByNumber(const fs::path& folder) {
     const std::string stem = fs::path(name).stem().string();
     if (!IsNumber(stem) || stem.size() > 9) continue;
     const double number = std::stod(stem);
-    by_number[std::stol(stem)] = {{number, "rgb/" + name, 0}, {number, "depth/" + stem + ".png", 0}};
+    by_number[std::stol(stem)] = {{number, "rgb/" + name, 0},
+                                  {number, "depth/" + stem + ".png", 0}};
   }
   std::vector<ImagePair> pairs;
   pairs.reserve(by_number.size());
@@ -97,8 +98,8 @@ LayoutMatch MatchIclNuim(const fs::path& path) {
   if (!has_poses) match.missing.emplace_back("NAME.gt.freiburg");
   // A user's capture.yaml says that it is a capture of another camera, unless it names this layout.
   match.matches =
-      has_images && (has_poses || (HasNumberedAssociations(path) &&
-                                   !fs::exists(path / kSettingsName, ignored)));
+      has_images &&
+      (has_poses || (HasNumberedAssociations(path) && !fs::exists(path / kSettingsName, ignored)));
   return match;
 }
 
@@ -117,9 +118,10 @@ Result<OpenedLayout> OpenIclNuim(const LayoutSource& source) {
   if (pose_files.empty() && fs::exists(folder / kPosesName, ignored))
     pose_files.emplace_back(kPosesName);
   if (pose_files.size() > 1) {
-    return InvalidInput(fmt::format("{}: holds several trajectories ({}); leave the one of these images",
-                                    folder.string(),
-                                    fmt::join(pose_files, ", ")));
+    return InvalidInput(
+        fmt::format("{}: holds several trajectories ({}); leave the one of these images",
+                    folder.string(),
+                    fmt::join(pose_files, ", ")));
   }
   std::optional<std::string> poses_text;
   std::vector<std::optional<Pose3>> world_from_colour(pairs->size());
@@ -141,11 +143,11 @@ Result<OpenedLayout> OpenIclNuim(const LayoutSource& source) {
   }
   const CaptureCameras cameras =
       WithStated(source.settings, {kCamera, kCamera, Pose3(), kUnitsPerM});
-  opened.content_hash =
-      HashFiles("icl-nuim",
-                std::vector<NamedText>{{kSettingsName, source.settings_text}, {"poses", poses_text}},
-                folder,
-                *pairs);
+  opened.content_hash = HashFiles(
+      "icl-nuim",
+      std::vector<NamedText>{{kSettingsName, source.settings_text}, {"poses", poses_text}},
+      folder,
+      *pairs);
   opened.frames = MakeFileFrames(folder, cameras, *std::move(pairs), world_from_colour);
   opened.has_times = false;
   return opened;

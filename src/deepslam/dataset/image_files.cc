@@ -106,17 +106,14 @@ Status CheckStructure(const std::filesystem::path& file,
     return FileError(file, "image file ends too early (truncated or damaged)");
   if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) >
       kMaxPixelsPerByte * bytes.size()) {
-    return FileError(file,
-                     fmt::format("has {} bytes, too few for {} x {} px", bytes.size(), width, height));
+    return FileError(
+        file, fmt::format("has {} bytes, too few for {} x {} px", bytes.size(), width, height));
   }
   return Ok();
 }
 
-Result<cv::Mat> Decode(std::string_view bytes,
-                       const std::filesystem::path& file,
-                       int flags,
-                       int width,
-                       int height) {
+Result<cv::Mat> Decode(
+    std::string_view bytes, const std::filesystem::path& file, int flags, int width, int height) {
   if (bytes.empty()) return FileError(file, "file is empty");
   const Status structure = CheckStructure(file, bytes, width, height);
   if (!structure) return structure.error();

@@ -10,7 +10,6 @@ namespace deepslam::dataset {
 namespace {
 
 constexpr std::array<Layout, 7> kLayouts = {{
-    {"scannet", "one file NAME.sens, or a folder that holds one", MatchScanNet, OpenScanNet},
     {"7-scenes",
      "frame-000000.color.png, frame-000000.depth.png, frame-000000.pose.txt",
      MatchSevenScenes,
@@ -23,12 +22,16 @@ constexpr std::array<Layout, 7> kLayouts = {{
      "rgb/0.png, depth/0.png, associations.txt (depth first), NAME.gt.freiburg",
      MatchIclNuim,
      OpenIclNuim},
-    {"eth3d", "rgb.txt and depth.txt, or associated.txt, with calibration.txt", MatchEth3d, OpenEth3d},
+    {"eth3d",
+     "rgb.txt and depth.txt, or associated.txt, with calibration.txt",
+     MatchEth3d,
+     OpenEth3d},
     {"tum", "rgb.txt and depth.txt, or associations.txt, with capture.yaml", MatchTum, OpenTum},
     {"open3d",
      "color/, image/ or rgb/, depth/, camera_intrinsic.json, trajectory.log",
      MatchOpen3d,
      OpenOpen3d},
+    {"scannet", "one file NAME.sens, or a folder that holds one", MatchScanNet, OpenScanNet},
 }};
 
 static_assert(kLayouts.size() == kFormats.size());
@@ -47,8 +50,9 @@ Error UnknownLayout(const std::filesystem::path& path) {
   }
   std::string message = fmt::format("{}: holds no capture in a known layout", path.string());
   if (nearest != nullptr) {
-    message += fmt::format(
-        "; the nearest is {}, for which is missing: {}", nearest->name, fmt::join(best.missing, ", "));
+    message += fmt::format("; the nearest is {}, for which is missing: {}",
+                           nearest->name,
+                           fmt::join(best.missing, ", "));
   }
   message += ". Known layouts (docs/formats.md shows each):";
   for (const Layout& layout : kLayouts)

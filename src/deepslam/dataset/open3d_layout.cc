@@ -64,8 +64,8 @@ ImageName ParseName(const std::string& folder, const std::string& name) {
     if (parsed.time_us) return parsed;
   }
   const std::size_t last_other = stem.find_last_not_of("0123456789");
-  parsed.number =
-      WholeNumber(std::string_view(stem).substr(last_other == std::string::npos ? 0 : last_other + 1));
+  parsed.number = WholeNumber(
+      std::string_view(stem).substr(last_other == std::string::npos ? 0 : last_other + 1));
   return parsed;
 }
 
@@ -85,9 +85,9 @@ std::vector<ImageName> ListImages(const fs::path& capture, const std::string& fo
 }
 
 TimedFile ToTimed(const ImageName& image, std::size_t position) {
-  const double time_s = image.time_us
-                            ? static_cast<double>(*image.time_us) / 1e6
-                            : TimeOfNumber(image.number.value_or(static_cast<std::int64_t>(position)));
+  const double time_s =
+      image.time_us ? static_cast<double>(*image.time_us) / 1e6
+                    : TimeOfNumber(image.number.value_or(static_cast<std::int64_t>(position)));
   return {time_s, image.file, 0};
 }
 
@@ -124,14 +124,15 @@ Result<Pairs> ReadPairs(const fs::path& folder,
   const std::vector<ImageName> depth = ListImages(folder, "depth");
   for (const auto& [images, name] : {std::pair(&colour, colour_folder), {&depth, "depth"}}) {
     if (images->empty()) {
-      return InvalidInput(fmt::format(
-          "{}: holds no PNG or JPEG images; is the capture unpacked completely?", (folder / name).string()));
+      return InvalidInput(
+          fmt::format("{}: holds no PNG or JPEG images; is the capture unpacked completely?",
+                      (folder / name).string()));
     }
   }
   Pairs read;
   for (std::size_t i = 0; i < colour.size(); ++i) read.position.emplace(colour[i].file, i);
-  read.has_times = std::all_of(
-      depth.begin(), depth.end(), [](const ImageName& image) { return image.time_us; });
+  read.has_times =
+      std::all_of(depth.begin(), depth.end(), [](const ImageName& image) { return image.time_us; });
   read.pairs = PairsByNumber(colour, depth);
   if (read.pairs.empty() && read.has_times) {
     std::vector<TimedFile> timed_colour;
@@ -229,7 +230,8 @@ Result<Config> ParseConfig(const std::optional<std::string>& text, const fs::pat
   if (!text) return config;
   const json root = json::parse(*text, nullptr, false);
   if (!root.is_object())
-    return InvalidInput(fmt::format("{}: is not a JSON object; correct or remove it", file.string()));
+    return InvalidInput(
+        fmt::format("{}: is not a JSON object; correct or remove it", file.string()));
   if (const auto field = root.find("path_intrinsic");
       field != root.end() && field->is_string() && !field->get<std::string>().empty()) {
     config.intrinsics = field->get<std::string>();
@@ -237,11 +239,12 @@ Result<Config> ParseConfig(const std::optional<std::string>& text, const fs::pat
   if (const auto field = root.find("depth_scale"); field != root.end()) {
     const double scale = field->is_number() ? field->get<double>() : 0;
     if (!(scale >= 1 && scale <= 1e6)) {
-      return InvalidInput(fmt::format(
-          "{}: field 'depth_scale' is {}, not a number in 1 .. 1000000 (usual: 1000); it is the raw "
-          "depth of one metre",
-          file.string(),
-          field->dump()));
+      return InvalidInput(
+          fmt::format("{}: field 'depth_scale' is {}, not a number in 1 .. 1000000 (usual: 1000); "
+                      "it is the raw "
+                      "depth of one metre",
+                      file.string(),
+                      field->dump()));
     }
     config.depth_scale = scale;
   }
@@ -272,10 +275,10 @@ Result<std::optional<fs::path>> FindTrajectory(const fs::path& folder,
   }
   if (logs.size() == 1) return {folder / logs.front()};
   if (logs.size() > 1) {
-    warnings.push_back(
-        fmt::format("{}: holds several trajectories ({}) and none called trajectory.log; none was read",
-                    folder.string(),
-                    fmt::join(logs, ", ")));
+    warnings.push_back(fmt::format(
+        "{}: holds several trajectories ({}) and none called trajectory.log; none was read",
+        folder.string(),
+        fmt::join(logs, ", ")));
   }
   return std::optional<fs::path>();
 }
@@ -300,7 +303,8 @@ Result<std::vector<std::optional<Pose3>>> ParseTrajectory(const std::string& tex
       return LineError(
           file,
           head.number,
-          fmt::format("is the pose of frame {}, the capture has {} colour images", *index, num_frames));
+          fmt::format(
+              "is the pose of frame {}, the capture has {} colour images", *index, num_frames));
     }
     std::array<double, 16> matrix{};
     for (std::size_t row = 0; row < 4; ++row) {
@@ -323,8 +327,9 @@ Result<std::vector<std::optional<Pose3>>> ParseTrajectory(const std::string& tex
     if (!pose) ++num_unusable;
   }
   if (num_unusable > 0) {
-    warnings.push_back(fmt::format(
-        "{}: {} poses are not finite or no rotations and were left out", file.string(), num_unusable));
+    warnings.push_back(fmt::format("{}: {} poses are not finite or no rotations and were left out",
+                                   file.string(),
+                                   num_unusable));
   }
   return poses;
 }
@@ -390,10 +395,10 @@ Result<OpenedLayout> OpenOpen3d(const LayoutSource& source) {
       return JsonError(folder / kIntrinsicNames[0],
                        "is missing, so the camera's intrinsics are unknown");
     }
-    opened.warnings.push_back(
-        fmt::format("{}: missing; taken for the PrimeSense camera that Open3D takes by default (640 "
-                    "x 480, 525 px)",
-                    (folder / kIntrinsicNames[0]).string()));
+    opened.warnings.push_back(fmt::format(
+        "{}: missing; taken for the PrimeSense camera that Open3D takes by default (640 "
+        "x 480, 525 px)",
+        (folder / kIntrinsicNames[0]).string()));
   }
   const CaptureCameras cameras =
       WithStated(source.settings, {camera, camera, Pose3(), config->depth_scale});

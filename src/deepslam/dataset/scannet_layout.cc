@@ -173,8 +173,8 @@ LayoutMatch MatchScanNet(const fs::path& path) {
 Result<OpenedLayout> OpenScanNet(const LayoutSource& source) {
   const std::vector<fs::path> files = SensFiles(source.path);
   if (files.size() != 1) {
-    return InvalidInput(
-        fmt::format("{}: holds {} .sens files; name the one to read", source.path.string(), files.size()));
+    return InvalidInput(fmt::format(
+        "{}: holds {} .sens files; name the one to read", source.path.string(), files.size()));
   }
   const fs::path& file = files.front();
   Result<SensIndex> index = ReadSensIndex(file);
@@ -182,10 +182,11 @@ Result<OpenedLayout> OpenScanNet(const LayoutSource& source) {
   OpenedLayout opened;
   const std::uint64_t stated = index->header.num_frames;
   if (index->frames.size() < stated) {
-    const std::string what = fmt::format("{}: says it holds {} frames, but ends (or has a wrong size) in frame {}",
-                                         file.string(),
-                                         stated,
-                                         index->frames.size());
+    const std::string what =
+        fmt::format("{}: says it holds {} frames, but ends (or has a wrong size) in frame {}",
+                    file.string(),
+                    stated,
+                    index->frames.size());
     if (2 * index->frames.size() < stated)
       return InvalidInput(what + ": was it copied completely?");
     opened.warnings.push_back(what + "; the frames before it are used");
@@ -209,8 +210,7 @@ Result<OpenedLayout> OpenScanNet(const LayoutSource& source) {
   opened.has_times = HasTimes(index->frames);
   if (!opened.has_times) {
     for (std::size_t i = 0; i < frames.size(); ++i)
-      frames[i].colour_time_s = frames[i].depth_time_s =
-          TimeOfNumber(static_cast<std::int64_t>(i));
+      frames[i].colour_time_s = frames[i].depth_time_s = TimeOfNumber(static_cast<std::int64_t>(i));
     opened.warnings.push_back(NoTimesWarning(file));
   }
   opened.frames = std::make_shared<SensFrames>(file, cameras, std::move(frames), *std::move(index));

@@ -13,8 +13,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "raw values are stored little-endian");
 
-// What a byte of a stream can stand for at most: deflate's longest match in its shortest code, and a
-// run of 36 values in 8 bits.
+// What a byte of a stream can stand for at most: deflate's longest match in its shortest code, and
+// a run of 36 values in 8 bits.
 constexpr std::size_t kMaxDeflateRatio = 1032;
 constexpr std::size_t kMaxOcciValuesPerByte = 36;
 
@@ -25,10 +25,8 @@ std::size_t NumPixels(int width, int height) {
 }
 
 Error TooShort(std::string_view bytes, int width, int height) {
-  return InvalidInput(fmt::format("depth of {} x {} px cannot come from {} bytes (truncated?)",
-                                  width,
-                                  height,
-                                  bytes.size()));
+  return InvalidInput(fmt::format(
+      "depth of {} x {} px cannot come from {} bytes (truncated?)", width, height, bytes.size()));
 }
 
 Result<RawDepthImage> UnpackRaw(std::string_view bytes, int width, int height) {

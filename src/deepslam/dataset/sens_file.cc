@@ -70,12 +70,13 @@ Status CheckHeader(const fs::path& file, const SensHeader& header, std::uint64_t
                                    {"depth width", header.depth_width},
                                    {"depth height", header.depth_height}}) {
     if (size < 1 || size > kMaxSidePx)
-      return FileError(file, fmt::format("field '{}' is {}, outside 1 .. {}", name, size, kMaxSidePx));
+      return FileError(file,
+                       fmt::format("field '{}' is {}, outside 1 .. {}", name, size, kMaxSidePx));
   }
   if (!(header.depth_shift >= 1 && header.depth_shift <= 1e6)) {
-    return FileError(
-        file,
-        fmt::format("field 'depth shift' is {}, outside 1 .. 1000000 (usual: 1000)", header.depth_shift));
+    return FileError(file,
+                     fmt::format("field 'depth shift' is {}, outside 1 .. 1000000 (usual: 1000)",
+                                 header.depth_shift));
   }
   if (header.num_frames > bytes_left / kFrameHeadBytes) {
     return FileError(file,
@@ -111,10 +112,8 @@ Status ReadHeader(const fs::path& file, Input& input, SensHeader& header) {
     if (!input.Take(*matrix)) return ends();
   }
   if (!input.Take(header.colour_codec) || !input.Take(header.depth_codec)) return ends();
-  for (std::uint32_t* size : {&header.colour_width,
-                              &header.colour_height,
-                              &header.depth_width,
-                              &header.depth_height}) {
+  for (std::uint32_t* size :
+       {&header.colour_width, &header.colour_height, &header.depth_width, &header.depth_height}) {
     if (!input.Take(*size)) return ends();
   }
   if (!input.Take(header.depth_shift) || !input.Take(header.num_frames)) return ends();
@@ -169,9 +168,7 @@ Result<SensIndex> ReadSensIndex(const fs::path& file) {
   return index;
 }
 
-Result<std::string> ReadRange(const fs::path& file,
-                              std::uint64_t offset,
-                              std::uint64_t num_bytes) {
+Result<std::string> ReadRange(const fs::path& file, std::uint64_t offset, std::uint64_t num_bytes) {
   if (num_bytes > kMaxImageBytes)
     return FileError(file, fmt::format("an image of {} bytes is too large", num_bytes));
   std::ifstream in(file, std::ios::binary);

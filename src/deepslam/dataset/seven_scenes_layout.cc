@@ -62,8 +62,7 @@ std::vector<ImagePair> PairsIn(const fs::path& folder) {
     if (!number) continue;
     const std::string stem = name.substr(0, name.find('.'));
     const double time_s = TimeOfNumber(*number);
-    by_number.try_emplace(
-        *number, ImagePair{{time_s, name, 0}, {time_s, stem + ".depth.png", 0}});
+    by_number.try_emplace(*number, ImagePair{{time_s, name, 0}, {time_s, stem + ".depth.png", 0}});
   }
   std::vector<ImagePair> pairs;
   pairs.reserve(by_number.size());
@@ -98,8 +97,7 @@ Result<Poses> ReadPoses(const fs::path& folder,
   std::size_t num_unusable = 0;
   std::string first_unusable;
   for (const ImagePair& pair : pairs) {
-    const std::string name =
-        pair.colour.file.substr(0, pair.colour.file.find('.')) + ".pose.txt";
+    const std::string name = pair.colour.file.substr(0, pair.colour.file.find('.')) + ".pose.txt";
     const Result<std::optional<std::string>> text = ReadOptional(folder / name);
     if (!text) return text.error();
     poses.world_from_depth.emplace_back();
@@ -132,8 +130,8 @@ LayoutMatch MatchSevenScenes(const fs::path& path) {
   const std::string sequence = SequenceIn(path);
   if (!sequence.empty()) {
     match.num_found = 2;
-    match.missing.push_back(
-        fmt::format("frame-*.color.png (they lie in its sequences: name {})", (path / sequence).string()));
+    match.missing.push_back(fmt::format("frame-*.color.png (they lie in its sequences: name {})",
+                                        (path / sequence).string()));
   } else {
     match.missing.emplace_back("frame-*.color.png, frame-*.depth.png");
   }
@@ -159,7 +157,8 @@ Result<OpenedLayout> OpenSevenScenes(const LayoutSource& source) {
     if (!kinect) return kinect.error();
     opened.warnings.push_back(fmt::format(
         "{}: 7-Scenes holds no calibration; depth (585 px) is registered to colour (525 px, 25 mm "
-        "beside it) by a Kinect's usual values; state 'camera' in {} if depth is registered already",
+        "beside it) by a Kinect's usual values; state 'camera' in {} if depth is registered "
+        "already",
         folder.string(),
         kSettingsName));
   }

@@ -13,6 +13,7 @@
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
 #include "deepslam/dataset/text_lines.h"
+#include "deepslam/dataset/tum_layout.h"
 #include "deepslam/dataset/video_file.h"
 
 namespace deepslam::dataset {
@@ -27,6 +28,7 @@ constexpr double kMaxPositionM = 1e6;
 constexpr std::string_view kVideoName = "rgb.mp4";
 constexpr std::string_view kOdometryName = "odometry.csv";
 constexpr std::string_view kMatrixName = "camera_matrix.csv";
+constexpr std::string_view kArrayEnd = ".npy";
 
 // A row of odometry.csv.
 struct Row {
@@ -111,8 +113,8 @@ Result<Row> ParseRow(const fs::path& file,
   const double norm = pose.tail<4>().norm();
   if (pose.allFinite() && norm > 0.5 && norm < 2.0 &&
       pose.head<3>().cwiseAbs().maxCoeff() < kMaxPositionM) {
-    row.world_from_camera = Pose3{
-        Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5]).normalized(), pose.head<3>()};
+    row.world_from_camera =
+        Pose3{Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5]).normalized(), pose.head<3>()};
   }
   if (const auto fx = columns.Find("fx"); fx && *fx < line.fields.size())
     row.fx = ParseNumber(line.fields[*fx]).value_or(0);
@@ -168,6 +170,7 @@ void WarnOfFocus(const std::vector<Row>& rows,
 std::map<std::int64_t, std::string> ByNumber(const fs::path& folder) {
   std::map<std::int64_t, std::string> names;
   for (const std::string& name : ListFiles(folder)) {
+    if (name.ends_with(kArrayEnd)) continue;
     const std::string stem = fs::path(name).stem().string();
     if (stem.empty() || stem.size() > 9 ||
         stem.find_first_not_of("0123456789") != std::string::npos) {
@@ -221,8 +224,7 @@ class StrayFrames final : public StoredFrames {
   [[nodiscard]] Result<RawDepthImage> ReadDepth(std::size_t i) const override {
     const Files& files = files_[i];
     const PinholeCamera& camera = cameras().depth;
-    Result<RawDepthImage> depth =
-        ReadDepthFile(folder_ / files.depth, camera.width, camera.height);
+    Result<RawDepthImage> depth = ReadDepthFile(folder_ / files.depth, camera.width, camera.height);
     if (!depth || files.confidence.empty() || min_confidence_ <= 0) return depth;
     const Result<Image<std::uint8_t>> confidence =
         ReadGreyFile(folder_ / files.confidence, camera.width, camera.height);
@@ -293,15 +295,24 @@ Result<Listed> ListFrames(const fs::path& folder,
                                          num_missing,
                                          rows.size(),
                                          kOdometryName);
+    const std::vector<std::string> depth_files = ListFiles(folder / "depth");
+    if (depth.empty() && !depth_files.empty() && depth_files.front().ends_with(kArrayEnd)) {
+      return InvalidInput(
+          fmt::format("{}: depth as .npy (the app's first versions) is not read; convert it to "
+                      "16-bit PNG files, "
+                      "depth/000000.png ..., in millimetres",
+                      (folder / "depth" / depth_files.front()).string()));
+    }
     if (2 * num_missing > rows.size())
       return InvalidInput(what + ": is the capture unpacked completely?");
     warnings.push_back(what + " and are skipped");
   }
   if (num_unsure > 0) {
-    warnings.push_back(fmt::format("{}: {} of {} frames have no confidence map; all their depth is kept",
-                                   folder.string(),
-                                   num_unsure,
-                                   listed.frames.size()));
+    warnings.push_back(
+        fmt::format("{}: {} of {} frames have no confidence map; all their depth is kept",
+                    folder.string(),
+                    num_unsure,
+                    listed.frames.size()));
   }
   return listed;
 }
@@ -341,18 +352,19 @@ LayoutMatch MatchStray(const fs::path& path) {
   const bool has_odometry = fs::exists(path / kOdometryName, ignored);
   const bool has_colour =
       fs::exists(path / kVideoName, ignored) || fs::is_directory(path / "rgb", ignored);
-  for (const auto& [found, piece] :
-       {std::pair(has_odometry, "odometry.csv"),
-        {fs::exists(path / kMatrixName, ignored), "camera_matrix.csv"},
-        {has_colour, "rgb.mp4 (or rgb/)"},
-        {fs::is_directory(path / "depth", ignored), "depth/"}}) {
+  for (const auto& [found, piece] : {std::pair(has_odometry, "odometry.csv"),
+                                     {fs::exists(path / kMatrixName, ignored), "camera_matrix.csv"},
+                                     {has_colour, "rgb.mp4 (or rgb/)"},
+                                     {fs::is_directory(path / "depth", ignored), "depth/"}}) {
     if (found) {
       ++match.num_found;
     } else {
       match.missing.emplace_back(piece);
     }
   }
-  match.matches = has_odometry || (has_colour && fs::exists(path / kMatrixName, ignored));
+  // A folder with lists of files is a TUM capture, whatever else lies in it.
+  match.matches = ListsOf(path).empty() &&
+                  (has_odometry || (has_colour && fs::exists(path / kMatrixName, ignored)));
   return match;
 }
 
@@ -410,12 +422,13 @@ Result<OpenedLayout> OpenStray(const LayoutSource& source) {
                                 {kMatrixName, matrix_text},
                                 {kVideoName, video_digest}},
                                *listed);
-  opened.frames = std::make_shared<StrayFrames>(folder,
-                                                cameras,
-                                                std::move(listed->frames),
-                                                std::move(listed->files),
-                                                std::move(video),
-                                                source.settings.min_confidence.value_or(kMinConfidence));
+  opened.frames =
+      std::make_shared<StrayFrames>(folder,
+                                    cameras,
+                                    std::move(listed->frames),
+                                    std::move(listed->files),
+                                    std::move(video),
+                                    source.settings.min_confidence.value_or(kMinConfidence));
   return opened;
 }
 

@@ -80,12 +80,11 @@ Result<std::vector<double>> ParseNumbers(std::string_view text,
     for (const std::string_view field : line.fields) {
       const std::optional<double> number = ParseNumber(field);
       if (!number) {
-        return LineError(file,
-                         line.number,
-                         fmt::format("'{}' is not a number; expected {} ({} numbers)",
-                                     Shown(field),
-                                     what,
-                                     count));
+        return LineError(
+            file,
+            line.number,
+            fmt::format(
+                "'{}' is not a number; expected {} ({} numbers)", Shown(field), what, count));
       }
       if (numbers.size() == count) {
         return LineError(

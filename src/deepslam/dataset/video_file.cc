@@ -82,8 +82,8 @@ Result<std::unique_ptr<VideoFile>> VideoFile::Open(const std::filesystem::path& 
   impl->height = static_cast<int>(impl->capture.get(cv::CAP_PROP_FRAME_HEIGHT));
   if (impl->width < 1 || impl->height < 1 || impl->width > kMaxSidePx ||
       impl->height > kMaxSidePx) {
-    return InvalidInput(fmt::format(
-        "{}: has frames of {} x {} px", file.string(), impl->width, impl->height));
+    return InvalidInput(
+        fmt::format("{}: has frames of {} x {} px", file.string(), impl->width, impl->height));
   }
   const std::size_t frame_bytes =
       3 * static_cast<std::size_t>(impl->width) * static_cast<std::size_t>(impl->height);
@@ -106,11 +106,12 @@ Result<ColourImage> VideoFile::Read(int index) {
   while (impl.next <= index) {
     const bool wanted = index - impl.next < static_cast<int>(impl.max_kept);
     if (impl.Step(wanted)) continue;
-    return InvalidInput(fmt::format("{}: frame {} cannot be decoded (the video ends, or is damaged, "
-                                    "after {} frames)",
-                                    impl.file.string(),
-                                    index,
-                                    impl.next));
+    return InvalidInput(
+        fmt::format("{}: frame {} cannot be decoded (the video ends, or is damaged, "
+                    "after {} frames)",
+                    impl.file.string(),
+                    index,
+                    impl.next));
   }
   return impl.kept.at(index);
 }

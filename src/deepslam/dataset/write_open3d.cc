@@ -21,8 +21,8 @@ class WriterOfOpen3d final : public CaptureWriter {
   [[nodiscard]] Status Add(const WriteFrame& frame) override {
     const Result<std::string> bytes = ColourBytes(frame.colour);
     if (!bytes) return bytes.error();
-    const std::string colour = Stem(frame.number, frame.colour_time_s) +
-                               std::string(ColourEnd(frame.colour));
+    const std::string colour =
+        Stem(frame.number, frame.colour_time_s) + std::string(ColourEnd(frame.colour));
     if (Status status = WriteWhole(folder_ / "color" / colour, *bytes); !status) return status;
     const std::string depth = Stem(frame.number, frame.depth_time_s) + ".png";
     if (Status status = WriteDepthFile(folder_ / "depth" / depth, frame.depth); !status)
@@ -50,9 +50,9 @@ class WriterOfOpen3d final : public CaptureWriter {
     if (Status status = WriteWhole(folder_ / "camera_intrinsic.json", intrinsics); !status)
       return status;
     if (cameras.depth_units_per_m != kUsualUnitsPerM) {
-      const std::string config =
-          fmt::format("{{\n  \"path_intrinsic\": \"camera_intrinsic.json\",\n  \"depth_scale\": {}\n}}\n",
-                      cameras.depth_units_per_m);
+      const std::string config = fmt::format(
+          "{{\n  \"path_intrinsic\": \"camera_intrinsic.json\",\n  \"depth_scale\": {}\n}}\n",
+          cameras.depth_units_per_m);
       if (Status status = WriteWhole(folder_ / "config.json", config); !status) return status;
     }
     return log_.empty() ? Ok() : WriteWhole(folder_ / "trajectory.log", log_);

@@ -23,8 +23,7 @@ class WriterOfTum final : public CaptureWriter {
       : folder_(std::move(folder)), settings_(settings) {}
 
   [[nodiscard]] Status Add(const WriteFrame& frame) override {
-    const std::string colour =
-        fmt::format("rgb/{:06d}{}", frame.number, ColourEnd(frame.colour));
+    const std::string colour = fmt::format("rgb/{:06d}{}", frame.number, ColourEnd(frame.colour));
     const std::string depth = fmt::format("depth/{:06d}.png", frame.number);
     const Result<std::string> bytes = ColourBytes(frame.colour);
     if (!bytes) return bytes.error();
@@ -38,15 +37,8 @@ class WriterOfTum final : public CaptureWriter {
     if (!frame.world_from_colour) return Ok();
     const Eigen::Vector3d& t = frame.world_from_colour->translation_m;
     const Eigen::Quaterniond& q = frame.world_from_colour->rotation;
-    poses_ += fmt::format("{} {} {} {} {} {} {} {}\n",
-                          depth_time,
-                          t.x(),
-                          t.y(),
-                          t.z(),
-                          q.x(),
-                          q.y(),
-                          q.z(),
-                          q.w());
+    poses_ += fmt::format(
+        "{} {} {} {} {} {} {} {}\n", depth_time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
     return Ok();
   }
 

@@ -97,9 +97,9 @@ Result<Odometry> OdometryFromCapturePoses(const FrameSource& frames,
       std::find_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); });
   if (first == poses.end()) {
     return InvalidInput(
-        "the capture has no poses: groundtruth.txt is missing or none of its times is near a "
-        "frame; "
-        "use --poses track");
+        "the capture has no poses (in TUM's layout: groundtruth.txt is missing or none of its "
+        "times "
+        "is near a frame); use --poses track");
   }
   const Pose3 world_from_capture = (*first)->Inverse();
   const std::vector<Pose3> filled = InterpolateMissing(poses, times_s);
@@ -118,7 +118,7 @@ Result<Odometry> OdometryFromCapturePoses(const FrameSource& frames,
   if (std::none_of(odometry.frames.begin(), odometry.frames.end(), [](const TrackedFrame& frame) {
         return frame.status == TrackingStatus::kTracked;
       })) {
-    return InvalidInput("no frame with a pose in groundtruth.txt can be read; use --poses track");
+    return InvalidInput("no frame that has a pose can be read; use --poses track");
   }
   ChooseKeyframes(options, odometry);
   progress.Report(odometry.frames.size(), odometry.frames.size());
