@@ -85,7 +85,7 @@ async function main() {
     await tab.goto(`http://127.0.0.1:${server.address().port}/`);
     await tab.waitForFunction("window.result", null, {timeout: TIMEOUT_MS});
     const result = await tab.evaluate("window.result");
-    if (result.ok) await tab.screenshot({path: output});
+    if (result.ok) await tab.screenshot({path: output, timeout: TIMEOUT_MS});
     // The browser asks for an icon that nobody has.
     result.console_errors = messages.filter((text) => !text.includes("404"));
     console.log(JSON.stringify(result));

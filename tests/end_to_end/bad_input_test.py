@@ -388,7 +388,7 @@ class Workspaces(BadInput):
         for blocks in (1, 20, 120):
             command = ["bash", "-c", f'ulimit -f {blocks}; exec "$@"', "bash", PROGRAM, "run", ROOM, "-o", self.workspace,
                        *captures.BARE, "--set", "detect.source=file", "--set", f"detect.file={BOXES}"]
-            result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120)
+            result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=600)
             self.check(result, 1, r"cannot write: File too large; raise the limit on file sizes")
             self.assertEqual(leftovers(self.workspace), [])
         self.check_finished()
@@ -423,7 +423,7 @@ class Workspaces(BadInput):
             self.check(with_boxes(ROOM, self.workspace), 1, f"another run .process {first.pid}. works in this workspace; wait")
         finally:
             first.send_signal(signal.SIGCONT)
-        self.assertEqual(first.wait(timeout=120), 0)
+        self.assertEqual(first.wait(timeout=600), 0)
         self.check_finished()
 
 

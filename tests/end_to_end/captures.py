@@ -28,7 +28,7 @@ faults: {depth_noise: false, depth_holes: true, colour_noise: true}
 BARE = ("--set", "detect.source=none", "--set", "propose.retrieval=false")
 
 
-def deepslam(program, *arguments, data="/nonexistent", timeout=120, **options):
+def deepslam(program, *arguments, data="/nonexistent", timeout=600, **options):
     environment = dict(os.environ)
     if data is not None:
         environment["DEEPSLAM_DATA"] = str(data)

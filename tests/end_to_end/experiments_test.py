@@ -74,7 +74,7 @@ class Experiments(unittest.TestCase):
         result = subprocess.run(
             [sys.executable, "-B", REPOSITORY / "scripts/experiments/run.py", "--deepslam", self.program, "--work", self.dir / "work",
              "--docs", self.dir / "docs", "--scene", self.dir / "room.yaml", "--scene", self.dir / "ladder.yaml", *more],
-            capture_output=True, text=True, timeout=60)
+            capture_output=True, text=True, timeout=600)
         self.assertEqual(result.returncode, code, result.stderr)
         lines = calls.read_text().splitlines() if calls.exists() else []
         return {kind: [line for line in lines if line.startswith(kind)] for kind in ("synth", "run", "eval")}

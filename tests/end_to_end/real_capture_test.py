@@ -56,7 +56,7 @@ class Run:
               f"verdict {self.map['verdict']}", file=sys.stderr)
 
     def ask(self, *arguments):
-        result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+        result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=1200)
         print(result.stderr, end="", file=sys.stderr)
         assert result.returncode == 0, result.stderr
         return json.loads(result.stdout)

@@ -26,7 +26,7 @@ EXPORT = DIR / "workspace" / "export"
 
 
 def script(name, *arguments):
-    return subprocess.run([SCRIPTS / name, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    return subprocess.run([SCRIPTS / name, *map(str, arguments)], capture_output=True, text=True, timeout=1200)
 
 
 class Scene(unittest.TestCase):
@@ -35,7 +35,7 @@ class Scene(unittest.TestCase):
         boxes = DIR / "boxes.json"
         boxes.write_text(json.dumps(captures.true_boxes(ROOM)))
         result = captures.deepslam(PROGRAM, "run", ROOM, "-o", DIR / "workspace", "--set", "propose.retrieval=false", "--set",
-                                   "detect.source=file", "--set", f"detect.file={boxes}", "--progress", "none", timeout=300)
+                                   "detect.source=file", "--set", f"detect.file={boxes}", "--progress", "none", timeout=1200)
         assert result.returncode == 0, result.stderr
         cls.objects = json.loads((EXPORT / "map.json").read_text())["objects"]
         assert cls.objects, "the room has furniture"

@@ -19,7 +19,7 @@ REPOSITORY = pathlib.Path(sys.argv[2]).resolve()
 
 def run(*arguments, data=None):
     environment = dict(os.environ, DEEPSLAM_DATA=str(data) if data else "/nonexistent")
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=60, env=environment)
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=600, env=environment)
 
 
 class CommandLine(unittest.TestCase):

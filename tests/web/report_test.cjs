@@ -6,7 +6,7 @@ const [page, folder] = process.argv.slice(2);
 const TIMEOUT_MS = 120000;
 
 const view = (tab, expression) => tab.evaluate(`window.deepslamViewer.${expression}`);
-const shot = (tab, name) => tab.screenshot({path: path.join(folder, name)});
+const shot = (tab, name) => tab.screenshot({path: path.join(folder, name), timeout: TIMEOUT_MS});
 
 async function picksByClick(tab, name) {
   const pixel = await view(tab, `pixelOf(${JSON.stringify(name)})`);
@@ -26,12 +26,12 @@ async function picksByClick(tab, name) {
 // What is drawn changes when a switch is turned, and comes back when it is turned again.
 async function switchesLayer(tab, layer) {
   const canvas = tab.locator(".viewer-canvas");
-  const before = await canvas.screenshot();
+  const before = await canvas.screenshot({timeout: TIMEOUT_MS});
   await tab.locator(`input[data-layer=${layer}]`).click();
-  const during = await canvas.screenshot();
+  const during = await canvas.screenshot({timeout: TIMEOUT_MS});
   assert.ok(!before.equals(during), `switch ${layer} changes the picture`);
   await tab.locator(`input[data-layer=${layer}]`).click();
-  assert.ok((await canvas.screenshot()).equals(before), `switch ${layer} back brings the picture back`);
+  assert.ok((await canvas.screenshot({timeout: TIMEOUT_MS})).equals(before), `switch ${layer} back brings the picture back`);
 }
 
 async function turnsByKeyAndMouse(tab) {
@@ -87,7 +87,7 @@ async function check(tab) {
   await turnsByKeyAndMouse(tab);
   await selectsByKeyAndList(tab, names);
   assert.ok(await tab.locator("#timing").isVisible(), "times of the last run are shown");
-  await tab.screenshot({path: path.join(folder, "page.png"), fullPage: true});
+  await tab.screenshot({path: path.join(folder, "page.png"), fullPage: true, timeout: TIMEOUT_MS});
 }
 
 async function main() {
