@@ -227,6 +227,6 @@ def write_results(cases, args, command):
     parts += time_parts(cases)
     failed = [case.name for case in cases if not case.load("objects")]
     if failed:
-        parts += ["Not scored (see the logs): " + ", ".join(failed), ""]
+        parts += ["Not run yet, or failed (see the logs): " + ", ".join(failed), ""]
     (folder / "results.md").write_text("\n".join(parts))
     print(folder / "results.md")

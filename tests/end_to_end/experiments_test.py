@@ -107,7 +107,7 @@ class Experiments(unittest.TestCase):
     def test_one_failing_rung_leaves_the_others_and_is_told(self):
         (self.dir / "fail").write_text("noisy")
         self.run_all(code=1)
-        self.assertIn("Not scored (see the logs): ladder_noisy", (self.dir / "docs/results.md").read_text())
+        self.assertIn("Not run yet, or failed (see the logs): ladder_noisy", (self.dir / "docs/results.md").read_text())
         (self.dir / "fail").unlink()
         self.assertEqual(len(self.run_all()["synth"]), 1)
 
