@@ -107,7 +107,7 @@ class Cluster:
         key.write_bytes(os.urandom(128))
         key.chmod(0o400)
         controller_port, *ports = free_ports(1 + len(NODES))
-        lines = [f"NodeName={name} NodeAddr=127.0.0.1 NodeHostname={socket.gethostname()} Port={port} CPUs=2 RealMemory=1000 "
+        lines = [f"NodeName={name} NodeAddr=127.0.0.1 NodeHostname={socket.gethostname()} Port={port} CPUs=1 RealMemory=1000 "
                  "State=UNKNOWN" for name, port in zip(NODES, ports)]
         import pwd
         (folder / "slurm.conf").write_text(CONF.format(

@@ -70,8 +70,9 @@ def main():
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--step", type=int, default=1)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("options", nargs="*")
-    given = parser.parse_args()
+    split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    given = parser.parse_args(sys.argv[1:split])
+    given.options = sys.argv[split + 1:]
     program, threads = given.program.resolve(), max(2, os.cpu_count() or 2)
     rows = {"batch": [], "singles": []}
     with tempfile.TemporaryDirectory(prefix="deepslam-throughput-") as temp:
