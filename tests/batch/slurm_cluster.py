@@ -80,6 +80,20 @@ def children(parents):
     return found
 
 
+def parent(pid):
+    try:
+        return int(pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+    except (OSError, IndexError):
+        return 0
+
+
+def command(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/comm").read_text().strip()
+    except OSError:
+        return ""
+
+
 def on_node(name):
     """Processes that Slurm started on a node: they know its name."""
     found = set()
@@ -157,9 +171,10 @@ class Cluster:
     def lose(self, name):
         """The node is gone, with all that ran on it: nobody is told."""
         daemon = self.nodes.pop(name)
-        lost = children([daemon.pid]) | on_node(name) | {daemon.pid}
-        steps = {pid for pid in lost if pid != daemon.pid}
-        for pid in [daemon.pid, *steps]:
+        steps = on_node(name) - {daemon.pid}
+        # The keepers of the steps go before the steps: they would tell the controller how these ended.
+        keepers = {pid for pid in map(parent, steps) if command(pid) == "slurmstepd"}
+        for pid in [daemon.pid, *keepers, *(steps - keepers)]:
             try:
                 os.kill(pid, signal.SIGKILL)
             except ProcessLookupError:
