@@ -26,6 +26,10 @@ Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
   const Result<std::string> text = artifact::ReadFile(arguments.map);
   if (!text.ok()) return text.error();
   map_bytes = text->size();
+  if (text->starts_with("glTF")) {
+    return InvalidInput(fmt::format(
+        "{}: is a glTF scene already; expand makes one from the map.json beside it", arguments.map));
+  }
   const Result<artifact::MapFile> map = artifact::DecodeMap(*text, arguments.map);
   if (!map.ok()) return map.error();
   ModelLibrary library;

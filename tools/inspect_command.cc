@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -8,8 +9,11 @@
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
+#include "deepslam/artifact/map_json.h"
+#include "deepslam/artifact/scene_json.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/gltf/validate.h"
+#include "deepslam/stages/scene_check.h"
 #include "eval_commands.h"
 #include "eval_silhouettes.h"
 
@@ -48,6 +52,7 @@ JsonValue ToJson(const gltf::ValidationReport& report) {
     row.emplace("name", object.name);
     row.emplace("class", object.class_name);
     row.emplace("instance", object.instance);
+    row.emplace("size_m", artifact::ToJson(object.size_m));
     row.emplace("num_faces", object.num_faces);
     row.emplace("num_components", object.num_components);
     row.emplace("volume_m3", object.volume_m3);
@@ -59,15 +64,41 @@ JsonValue ToJson(const gltf::ValidationReport& report) {
   return JsonValue(std::move(document));
 }
 
-int Validate(const std::string& file, const std::string& json_file) {
-  const Result<std::string> bytes = artifact::ReadFile(file);
+struct ValidateArguments {
+  std::string file;
+  std::string map;
+  std::string json;
+};
+
+// The map that was named, else `map.json` beside the scene, else none.
+Result<std::optional<artifact::MapFile>> ReadMapOf(const ValidateArguments& arguments) {
+  fs::path file = arguments.map;
+  if (file.empty()) {
+    file = fs::path(arguments.file).parent_path() / "map.json";
+    std::error_code error;
+    if (!fs::exists(file, error)) return std::optional<artifact::MapFile>();
+  }
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  Result<artifact::MapFile> map = artifact::DecodeMap(*text, file.string());
+  if (!map.ok()) return map.error();
+  LogInfo(fmt::format("labels, places and sizes are held against {}", file.string()));
+  return std::optional(std::move(map).value());
+}
+
+int Validate(const ValidateArguments& arguments) {
+  const Result<std::string> bytes = artifact::ReadFile(arguments.file);
   if (!bytes.ok()) return ReportError(bytes.error());
-  const gltf::ValidationReport report = gltf::ValidateGlb(*bytes);
+  const Result<std::optional<artifact::MapFile>> map = ReadMapOf(arguments);
+  if (!map.ok()) return ReportError(map.error());
+  gltf::ValidationReport report = gltf::ValidateGlb(*bytes);
+  if (report.ok() && *map) report.errors = stages::CompareWithMap(report, **map);
   for (const std::string& warning : report.warnings)
-    LogWarning(fmt::format("{}: {}", file, warning));
-  for (const std::string& error : report.errors) LogError(fmt::format("{}: {}", file, error));
+    LogWarning(fmt::format("{}: {}", arguments.file, warning));
+  for (const std::string& error : report.errors)
+    LogError(fmt::format("{}: {}", arguments.file, error));
   const Result<std::string> text = DumpJson(ToJson(report), "validation");
-  if (Status status = text.ok() ? WriteResult(json_file, *text) : Status(text.error());
+  if (Status status = text.ok() ? WriteResult(arguments.json, *text) : Status(text.error());
       !status.ok()) {
     return ReportError(status.error());
   }
@@ -77,19 +108,17 @@ int Validate(const std::string& file, const std::string& json_file) {
 }  // namespace
 
 void AddValidate(CLI::App& app, Command& chosen) {
-  struct Arguments {
-    std::string file;
-    std::string json;
-  };
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ValidateArguments>();
   CLI::App* validate = app.add_subcommand(
       "validate", "Check a scene file: reread, decode, bounds, closedness, labels");
   validate->add_option("SCENE", arguments->file, "A .glb file")->required();
+  validate->add_option("--map",
+                       arguments->map,
+                       "map.json to hold it against (default: the one beside the scene, if any)");
   validate->add_option(
       "--json", arguments->json, "Write the result here instead of to standard output");
-  validate->callback([&chosen, arguments] {
-    chosen = [arguments] { return Validate(arguments->file, arguments->json); };
-  });
+  validate->callback(
+      [&chosen, arguments] { chosen = [arguments] { return Validate(*arguments); }; });
 }
 
 namespace {

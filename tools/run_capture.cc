@@ -20,13 +20,15 @@ namespace fs = std::filesystem;
 using artifact::JsonArray;
 using artifact::JsonObject;
 
+constexpr std::string_view kTimingPage = "timing.html";
 constexpr std::string_view kRunFormat = "deepslam/run";
 constexpr int kRunVersion = 1;
 
-// timing.js beside the report, which loads it: times are no part of any artifact.
-Status WriteTimingScript(std::span<const pipeline::StageTiming> timings,
-                         const pipeline::RunReport& report,
-                         const fs::path& workspace) {
+// timing.html beside the report, which opens it in a hidden frame and is told the times: they are no
+// part of any artifact, and a page that was copied away goes without them.
+Status WriteTimingPage(std::span<const pipeline::StageTiming> timings,
+                       const pipeline::RunReport& report,
+                       const fs::path& workspace) {
   JsonArray rows;
   for (const pipeline::StageTiming& timing : timings) {
     JsonObject row;
@@ -38,9 +40,12 @@ Status WriteTimingScript(std::span<const pipeline::StageTiming> timings,
                 std::find(report.ran.begin(), report.ran.end(), timing.name) == report.ran.end());
     rows.emplace_back(std::move(row));
   }
-  const Result<std::string> json = DumpJson(std::move(rows), "timing.js");
+  const Result<std::string> json = DumpJson(std::move(rows), kTimingPage);
   if (!json.ok()) return json.error();
-  return artifact::WriteFileAtomically(workspace / "timing.js", "const deepslamTiming = " + *json);
+  return artifact::WriteFileAtomically(workspace / kTimingPage,
+                                       "<!DOCTYPE html><meta charset=utf-8><title>times</title>"
+                                       "<script>\nparent.postMessage({deepslamTiming: " +
+                                           *json + "}, '*');\n</script>\n");
 }
 
 // The file that was named, else overrides.yaml of the workspace, else nothing.
@@ -114,7 +119,7 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   Result<pipeline::RunReport> report = pipeline::RunStages(plan, request, listener);
   if (!report.ok()) return report.error();
   std::vector<pipeline::StageTiming> timings = pipeline::ReadTimings(plan, run.workspace);
-  if (Status status = WriteTimingScript(timings, *report, run.workspace); !status.ok())
+  if (Status status = WriteTimingPage(timings, *report, run.workspace); !status.ok())
     return status.error();
   return CaptureRunResult{std::move(report).value(), std::move(timings), capture};
 }

@@ -41,7 +41,7 @@ struct CaptureRunResult {
   std::shared_ptr<const dataset::Capture> capture;
 };
 
-// Opens the capture, runs the stages, writes timing.js beside them. Warnings of the capture are
+// Opens the capture, runs the stages, writes timing.html beside them. Warnings of the capture are
 // logged.
 [[nodiscard]] Result<CaptureRunResult> RunCapture(const CaptureRun& run,
                                                   const stages::Config& config,

@@ -40,7 +40,7 @@ def with_boxes(capture, workspace, *more, **options):
 
 def artifacts(workspace):
     return {str(file.relative_to(workspace)): file.read_bytes() for file in workspace.rglob("*")
-            if file.is_file() and file.name not in ("timing.json", "timing.js", ".lock")}
+            if file.is_file() and file.name not in ("timing.json", "timing.html", ".lock")}
 
 
 def leftovers(workspace):

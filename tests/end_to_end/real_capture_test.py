@@ -159,7 +159,7 @@ class RealCapture(unittest.TestCase):
     def test_threads_change_no_byte(self):
         def artifacts(run):
             return {str(f.relative_to(run.workspace)): f.read_bytes() for f in run.workspace.rglob("*")
-                    if f.is_file() and f.name not in ("timing.json", "timing.js", ".lock")}
+                    if f.is_file() and f.name not in ("timing.json", "timing.html", ".lock")}
         one = artifacts(Run("fr3_cabinet", "one_thread", "--threads", "1"))
         two = artifacts(Run("fr3_cabinet", "two_threads", "--threads", "2"))
         self.assertEqual(sorted(one), sorted(two))

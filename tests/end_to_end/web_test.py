@@ -16,6 +16,7 @@ import tempfile
 import unittest
 
 import captures
+import surfaces
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 SCRIPTS = pathlib.Path(sys.argv[2]).resolve() / "scripts"
@@ -74,6 +75,15 @@ class Scene(unittest.TestCase):
             self.assertIn(name, nodes)
         width, height = struct.unpack(">II", picture.read_bytes()[16:24])
         self.assertEqual((width, height), (1200, 900))
+
+    def test_objects_are_closed_two_manifolds_by_another_count(self):
+        found = surfaces.objects(EXPORT / "scene.uncompressed.glb")
+        self.assertEqual(sorted(found), sorted(thing["name"] for thing in self.objects))
+        for name, faces in found.items():
+            self.assertGreater(len(faces), 100, name)
+            self.assertEqual(surfaces.faults(faces), [], name)
+            self.assertGreater(surfaces.volume(faces), 0, name)
+            self.assertNotEqual(surfaces.faults(faces[1:]), [], "the count would notice a hole")
 
     def test_scene_is_draco_and_its_twin_is_not(self):
         self.assertIn(b"KHR_draco_mesh_compression", (EXPORT / "scene.glb").read_bytes())

@@ -1,5 +1,7 @@
 #include "deepslam/mesh/refine_mesh.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "deepslam/mesh/check_mesh.h"
@@ -15,7 +17,9 @@ using namespace testing_support;  // NOLINT(google-build-using-namespace)
 TEST(RefineMesh, StaysClosedWithinHalfAVoxelAndGetsSmall) {
   for (const VoxelGrid& grid : {Sphere(12), ChairWithThinLegs(), Box(12, 9, 5)}) {
     const TriangleMesh surface = *ExtractSurface(grid, {});
-    const Result<TriangleMesh> refined = RefineMesh(surface, {});
+    RefineOptions options;
+    options.max_edge = 10;
+    const Result<TriangleMesh> refined = RefineMesh(surface, options);
     ASSERT_TRUE(refined.ok());
     const MeshCheck before = CheckMesh(surface);
     const MeshCheck after = CheckMesh(*refined);
@@ -26,6 +30,24 @@ TEST(RefineMesh, StaysClosedWithinHalfAVoxelAndGetsSmall) {
     EXPECT_LE(refined->faces.size(), 2500U);
     EXPECT_NEAR(after.volume_m3 / before.volume_m3, 1.0, 0.05);
   }
+}
+
+TEST(RefineMesh, LeavesVerticesForColoursOnFlatSides) {
+  const auto longest = [](const TriangleMesh& mesh) {
+    float length = 0;
+    for (const auto& face : mesh.faces) {
+      for (std::size_t n = 0; n < 3; ++n) {
+        length = std::max(length, (mesh.vertices[face[n]] - mesh.vertices[face[(n + 1) % 3]]).norm());
+      }
+    }
+    return static_cast<double>(length);
+  };
+  const TriangleMesh surface = *ExtractSurface(Box(20, 12, 8), {});
+  RefineOptions options;
+  options.target_faces = 4;
+  EXPECT_LE(longest(*RefineMesh(surface, options)), options.max_edge + 1e-6);
+  options.max_edge = 10;
+  EXPECT_GT(longest(*RefineMesh(surface, options)), 10 * kVoxelSize);
 }
 
 TEST(RefineMesh, KeepsATightBoundInsteadOfTheFaceCount) {

@@ -64,6 +64,37 @@ TEST(RenderReport, FramesWithPeopleAreToldOfAndUncheckedOnesToo) {
   EXPECT_THAT(RenderReport(content), Not(HasSubstr("no person was seen")));
 }
 
+TEST(RenderReport, CorrectionsByHandAreShownAsText) {
+  ReportContent content = SmallContent();
+  EXPECT_THAT(RenderReport(content), Not(HasSubstr("Corrected by hand")));
+  content.corrections = {"object 3 was dropped", "object 4 is a <table>"};
+  const std::string page = RenderReport(content);
+  EXPECT_THAT(page, HasSubstr("Corrected by hand"));
+  EXPECT_THAT(page, HasSubstr("<li>object 3 was dropped"));
+  EXPECT_THAT(page, HasSubstr("&lt;table&gt;"));
+}
+
+TEST(RenderReport, SizesStandBesideEachOtherWithTheirRatios) {
+  ReportContent content = SmallContent();
+  content.objects.push_back(content.objects.front());
+  content.sizes = {4000, 60'000, 800'000, 6'000'000};
+  const std::string page = RenderReport(content);
+  EXPECT_THAT(page, HasSubstr("map.json takes 4.0 KB, 2.0 KB an object"));
+  EXPECT_THAT(page, HasSubstr("fused point cloud takes 6.0 MB, 1500 times as much"));
+  for (const char* ratio : {"1500 x", "100 x", "8 x"}) EXPECT_THAT(page, HasSubstr(ratio));
+  content.objects.clear();  // nothing to divide by
+  EXPECT_THAT(RenderReport(content), HasSubstr("1500 x"));
+  content.sizes = {};
+  EXPECT_THAT(RenderReport(content), Not(HasSubstr("map.json takes")));
+}
+
+TEST(RenderReport, AsksForNothingThatCouldBeMissingAloud) {
+  // A missing script or picture is an error on the console; a missing frame is not.
+  const std::string page = RenderReport(SmallContent());
+  EXPECT_THAT(page, Not(HasSubstr("<script src")));
+  EXPECT_THAT(page, HasSubstr("<iframe id=timing-source src='../timing.html' hidden"));
+}
+
 TEST(RenderReport, WithoutASceneThePageSaysSoInPlaceOfTheView) {
   const std::string page = RenderReport(SmallContent());
   EXPECT_THAT(page, HasSubstr("There is no scene to show"));
@@ -96,6 +127,11 @@ TEST(WhyItWon, NamesOnlyWhatSpeaksForTheWinner) {
   const std::string why = WhyItWon(object);
   EXPECT_THAT(why, HasSubstr("90 % against 60 %"));
   EXPECT_THAT(why, Not(HasSubstr("50 %")));
+  EXPECT_THAT(why, Not(HasSubstr("Set aside")));
+  object.candidates.push_back(next);
+  object.candidates.back().model = "fused_0";
+  object.candidates.back().score = 0.9;
+  EXPECT_THAT(WhyItWon(object), HasSubstr("Set aside in spite of a higher score: fused_0"));
 }
 
 TEST(ViewerData, CannotEndItsScriptElementAndStaysFinite) {

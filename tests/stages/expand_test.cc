@@ -9,6 +9,7 @@
 #include "deepslam/core/sha256.h"
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/validate.h"
+#include "deepslam/mesh/ground_polygon.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/stages/object_mesh.h"
@@ -120,6 +121,27 @@ TEST(ExpandMap, GivesObjectsBackWithinTheStatedQuantisation) {
       const Eigen::Vector3d b = object.world_from_object * object.mesh.vertices[v].cast<double>();
       ASSERT_LT((a - b).norm(), bound_m);
     }
+  }
+}
+
+TEST(ExpandMap, GivesTheRoundedGroundBackExactly) {
+  // A floor whose corners lie nearer to each other than the map's steps, and off them.
+  const std::vector<Eigen::Vector2d> outline = {
+      {-1.00412, -1.00378}, {2.00004, -1.00771}, {2.0001, -1.0076}, {1.98, 1.234567}, {0, 0.5}};
+  const TriangleMesh ground = RoundedGround(*mesh::TriangulateOutline(outline));
+  artifact::MapFile map = SomeMap();
+  map.ground_outline_m = mesh::OutlineOf(ground);
+  const Result<gltf::GltfScene> scene = Expanded(map, OneTable());
+  ASSERT_TRUE(scene.ok());
+  EXPECT_EQ(scene->ground->vertices, ground.vertices);
+  EXPECT_EQ(ground.vertices.size(), 4U);  // two corners fell together
+  for (const Eigen::Vector3f& p : ground.vertices) {
+    const auto off = [&](const Eigen::Vector2d& q) {
+      return (p.head<2>().cast<double>() - q).cwiseAbs().maxCoeff();
+    };
+    EXPECT_TRUE(std::any_of(outline.begin(), outline.end(), [&](const Eigen::Vector2d& q) {
+      return off(q) <= 0.5 * kMapOutlineStepM + 1e-6;
+    }));
   }
 }
 

@@ -7,6 +7,7 @@ import fcntl
 import json
 import os
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,16 @@ REPOSITORY = pathlib.Path(sys.argv[2]).resolve()
 def run(*arguments, data=None):
     environment = dict(os.environ, DEEPSLAM_DATA=str(data) if data else "/nonexistent")
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=600, env=environment)
+
+
+def glb(document):
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
+
+
+EMPTY_MAP = {"format": "deepslam/map", "version": 3, "tool_version": "0", "capture_name": "", "capture_hash": "",
+             "ground_outline_m": [], "class_colours": {}, "mesh_options": {}, "verdict": "bad", "reasons": [], "objects": []}
 
 
 class CommandLine(unittest.TestCase):
@@ -92,6 +103,45 @@ class CommandLine(unittest.TestCase):
         self.check(result, 1)
         self.assertFalse(json.loads(result.stdout)["ok"])
         self.check(run("validate", self.dir / "none.glb"), 3)
+
+    def test_validate_names_the_place_of_the_damage(self):
+        whole = glb({"asset": {"version": "2.0"}})
+        file = self.dir / "scene.glb"
+        file.write_bytes(whole)
+        self.check(run("validate", file), 0)  # foreign and without objects, but sound
+        file.write_bytes(whole[:-4])
+        self.check(run("validate", file), 1, "header: length", "truncated or damaged")
+        file.write_bytes(glb({"asset": {"version": "2.0"}, "nodes": [{"mesh": 7}]}))
+        self.check(run("validate", file), 1, "nodes[0].mesh: 7 of 0")
+
+    def test_validate_holds_a_scene_against_its_map(self):
+        file, beside = self.dir / "scene.glb", self.dir / "map.json"
+        chair = {"name": "chair_04", "extras": {"class": "chair", "instance": 4}}
+        file.write_bytes(glb({"asset": {"version": "2.0"}, "nodes": [chair], "scenes": [{"nodes": [0]}]}))
+        beside.write_text(json.dumps(EMPTY_MAP))
+        result = run("validate", file)  # finds the map by itself
+        self.check(result, 1, "object 4 ('chair_04') of the scene is not in the map")
+        self.assertFalse(json.loads(result.stdout)["ok"])
+        beside.write_text("{")
+        self.check(run("validate", file), 3, "map.json")
+        self.check(run("validate", file, "--map", self.dir / "none.json"), 3, "none.json")
+
+    def test_expand_refuses_what_is_no_map(self):
+        file, scene = self.dir / "map.json", self.dir / "out.glb"
+        for content, pattern in [
+                (glb({"asset": {"version": "2.0"}}), "is a glTF scene already"),
+                (b"", "map.json"),
+                (json.dumps(EMPTY_MAP).encode()[:-20], "map.json: not valid JSON: parse error at line 1"),
+                (b'{"format": "deepslam/other", "version": 1}', 'map.json: format is not "deepslam/map"'),
+                (json.dumps(dict(EMPTY_MAP, version=99)).encode(), "99"),
+                (json.dumps(dict(EMPTY_MAP, ground_outline_m=[0, 1, 2])).encode(), "ground_outline_m must hold x and y in turn"),
+                (json.dumps(dict(EMPTY_MAP, verdict="lovely")).encode(), "verdict")]:
+            file.write_bytes(content)
+            self.check(run("expand", file, "-o", scene), 3, pattern)
+            self.assertFalse(scene.exists(), "nothing may be written")
+        file.write_text(json.dumps(EMPTY_MAP))
+        self.check(run("expand", file, "-o", scene), 0)
+        self.check(run("validate", scene, "--map", file), 0)
 
     def test_eval_trajectory(self):
         lines = [f"{i / 10} {i * 0.1} {i * i * 0.01} 0 0 0 0 1" for i in range(20)]

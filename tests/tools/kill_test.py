@@ -20,7 +20,7 @@ import time
 
 STAGES = ["track", "ground", "detect", "segment", "associate", "propose", "register", "select", "loops", "optimize",
           "mesh", "fuse", "export", "report"]
-NOT_COMPARED = {"timing.json", "timing.js", ".lock"}  # times, and the process that held the workspace
+NOT_COMPARED = {"timing.json", "timing.html", ".lock"}  # times, and the process that held the workspace
 
 
 def find_capture(frames, folder):

@@ -1,8 +1,9 @@
-// The body of report_test.py: opens PAGE from disk, tries what a person would, keeps pictures in FOLDER.
+// The body of report_test.py: opens pages from disk, tries what a person would, keeps pictures in FOLDER.
+//   report_test.cjs FOLDER KIND=PAGE...       KIND: room, copied (without the times beside it), hall, empty
 const assert = require("assert");
 const path = require("path");
 const {chromium} = require(path.join(process.env.DEEPSLAM_NODE_MODULES, "playwright-core"));
-const [page, folder] = process.argv.slice(2);
+const [folder, ...pages] = process.argv.slice(2);
 const TIMEOUT_MS = 120000;
 
 const view = (tab, expression) => tab.evaluate(`window.deepslamViewer.${expression}`);
@@ -63,17 +64,27 @@ async function selectsByKeyAndList(tab, names) {
   await view(tab, "select(null)");
 }
 
-async function check(tab) {
-  const started = Date.now();
+// Opens a page and waits for its first picture.
+async function open(tab, page) {
   await tab.goto("file://" + page);
   await tab.waitForFunction("window.deepslamViewer", null, {timeout: TIMEOUT_MS});
-  console.log(`first picture after ${Date.now() - started} ms`);
   assert.ok(await tab.evaluate("window.deepslamViewer.ready"), await tab.evaluate("window.deepslamViewer.error || ''"));
-  const names = await view(tab, "names()");
+  console.log(`first picture after ${await tab.evaluate("window.deepslamViewer.firstPictureMs.toFixed()")} ms`);
+  return view(tab, "names()");
+}
+
+async function checkRoom(tab, page) {
+  const names = await open(tab, page);
   assert.ok(names.length > 0, "the scene has objects");
   const labels = (await tab.locator(".viewer-label").allTextContents()).sort();
   assert.deepStrictEqual(labels, [...names].sort(), "every object has its label");
-  assert.ok(await tab.locator(".viewer-label").first().isVisible(), "labels are shown");
+  const boxes = await tab.locator(".viewer-label:visible").evaluateAll((all) => all.map((one) => {
+    const box = one.getBoundingClientRect();
+    return [box.left, box.top, box.right, box.bottom];
+  }));
+  assert.ok(boxes.length > 0, "labels are shown");
+  const cover = (a, b) => a[0] + 1 < b[2] && b[0] + 1 < a[2] && a[1] + 1 < b[3] && b[1] + 1 < a[3];
+  assert.ok(!boxes.some((a, i) => boxes.some((b, j) => i < j && cover(a, b))), "labels do not cover each other");
   await tab.locator("#viewer").scrollIntoViewIfNeeded();
   let picked = 0;
   for (const name of names) picked += await picksByClick(tab, name) ? 1 : 0;
@@ -90,23 +101,110 @@ async function check(tab) {
   await tab.screenshot({path: path.join(folder, "page.png"), fullPage: true, timeout: TIMEOUT_MS});
 }
 
+// A page away from its workspace is whole but for the times, and says so.
+async function checkCopied(tab, page) {
+  await open(tab, page);
+  await tab.waitForTimeout(500);
+  assert.ok(await tab.locator("#timing").isHidden(), "there are no times to show");
+  assert.ok(await tab.locator("#no-timing").isVisible(), "the page says where times are");
+}
+
+async function checkHall(tab, page) {
+  const names = await open(tab, page);
+  assert.ok(names.length >= 1000, "the scene has a thousand objects");
+  await tab.locator(".viewer-list button").nth(999).click();
+  assert.strictEqual(await view(tab, "selected()"), names[999], "the last one can be picked");
+  await view(tab, "select(null)");
+  await tab.locator("#viewer").scrollIntoViewIfNeeded();
+  const started = Date.now();
+  await tab.locator(".viewer-canvas").focus();
+  for (let n = 0; n < 5; ++n) await tab.keyboard.press("ArrowLeft");
+  console.log(`${names.length} objects: a turn takes ${(Date.now() - started) / 5} ms`);
+  await shot(tab, "hall.png");
+}
+
+async function checkEmpty(tab, page) {
+  assert.deepStrictEqual(await open(tab, page), [], "the scene has no objects");
+  assert.ok((await tab.locator("body").textContent()).includes("No object entered the map"), "the page says so");
+  assert.ok(await view(tab, "visible('trajectory')"), "the path is there all the same");
+  await tab.locator("[data-action=home]").click();
+  await tab.locator(".viewer-canvas").focus();
+  await tab.keyboard.press("n");
+  assert.strictEqual(await view(tab, "selected()"), null, "there is nothing to pick");
+  await tab.locator("#viewer").scrollIntoViewIfNeeded();
+  await shot(tab, "empty.png");
+}
+
+const distance = (position) => Math.hypot(...position);
+
+async function touch(session, ...steps) {
+  const points = (list) => list.map(([x, y], id) => ({x, y, id}));
+  await session.send("Input.dispatchTouchEvent", {type: "touchStart", touchPoints: points(steps[0])});
+  for (const step of steps.slice(1)) {
+    await session.send("Input.dispatchTouchEvent", {type: "touchMove", touchPoints: points(step)});
+  }
+  await session.send("Input.dispatchTouchEvent", {type: "touchEnd", touchPoints: []});
+}
+
+// On a telephone: fingers turn, spread and tap; nothing is wider than the screen.
+async function checkPhone(tab, page, context) {
+  const names = await open(tab, page);
+  const [wide, screen] = await tab.evaluate("[document.documentElement.scrollWidth, document.documentElement.clientWidth]");
+  assert.ok(wide <= screen, `the page is ${wide} px wide on a screen of ${screen}`);
+  await tab.locator(".viewer-main").scrollIntoViewIfNeeded();
+  const session = await context.newCDPSession(tab);
+  const area = await tab.locator(".viewer-canvas").boundingBox();
+  const at = (u, v) => [area.x + u * area.width, area.y + v * area.height];
+  const before = await view(tab, "cameraPosition()");
+  await touch(session, [at(0.3, 0.5)], [at(0.5, 0.5)], [at(0.7, 0.5)]);
+  const turned = await view(tab, "cameraPosition()");
+  assert.notDeepStrictEqual(turned, before, "a finger turns the view");
+  await touch(session, [at(0.45, 0.5), at(0.55, 0.5)], [at(0.35, 0.5), at(0.65, 0.5)], [at(0.2, 0.5), at(0.8, 0.5)]);
+  assert.ok(distance(await view(tab, "cameraPosition()")) < distance(turned), "two fingers that part come nearer");
+  await tab.locator("[data-action=home]").click();
+  await tab.locator(".viewer-main").scrollIntoViewIfNeeded();
+  for (const name of names) {
+    const pixel = await view(tab, `pixelOf(${JSON.stringify(name)})`);
+    if (!pixel) continue;
+    await tab.touchscreen.tap(pixel[0], pixel[1]);
+    assert.strictEqual(await view(tab, "selected()"), name, "a tap picks an object");
+    break;
+  }
+  assert.ok(await tab.locator(".viewer-panel").isVisible(), "the panel is shown");
+  await shot(tab, "phone.png");
+}
+
+const DESKTOP = {viewport: {width: 1150, height: 900}, offline: true};
+const PHONE = {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: true, deviceScaleFactor: 2, offline: true};
+
+async function inTab(browser, settings, check, page) {
+  const context = await browser.newContext(settings);
+  const tab = await context.newPage();
+  const errors = [];
+  tab.on("console", (message) => { if (message.type() === "error") errors.push(message.text()); });
+  tab.on("pageerror", (error) => errors.push(String(error)));
+  tab.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) errors.push(`asked for ${request.url()}`);
+  });
+  await check(tab, page, context);
+  assert.deepStrictEqual(errors, [], "no error on the console, nothing asked of a network");
+  await context.close();
+}
+
 async function main() {
   const browser = await chromium.launch({
     executablePath: process.env.DEEPSLAM_BROWSER, headless: true,
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
            "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
            "--disable-default-apps", "--disable-sync", "--no-first-run", "--disable-dev-shm-usage"]});
+  const checks = {room: checkRoom, copied: checkCopied, hall: checkHall, empty: checkEmpty};
   try {
-    const context = await browser.newContext({viewport: {width: 1150, height: 900}, offline: true});
-    const tab = await context.newPage();
-    const errors = [];
-    tab.on("console", (message) => { if (message.type() === "error") errors.push(message.text()); });
-    tab.on("pageerror", (error) => errors.push(String(error)));
-    tab.on("request", (request) => {
-      if (!/^(file|data|blob):/.test(request.url())) errors.push(`asked for ${request.url()}`);
-    });
-    await check(tab);
-    assert.deepStrictEqual(errors, [], "no error on the console, nothing asked of a network");
+    for (const argument of pages) {
+      const [kind, page] = [argument.slice(0, argument.indexOf("=")), argument.slice(argument.indexOf("=") + 1)];
+      console.log(`${kind}: ${page}`);
+      await inTab(browser, DESKTOP, checks[kind], page);
+      if (kind === "room") await inTab(browser, PHONE, checkPhone, page);
+    }
   } finally {
     await browser.close();
   }

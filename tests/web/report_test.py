@@ -13,7 +13,8 @@ import subprocess
 import sys
 
 SKIPPED = 77
-TIMING = 'const deepslamTiming = [{"stage": "track", "wall_s": 2, "cpu_s": 2, "peak_mb": 100, "reused": false}];\n'
+TIMING = ('<script>parent.postMessage({deepslamTiming: [{"stage": "track", "wall_s": 2, "cpu_s": 2, "peak_mb": 100, '
+          '"reused": false}]}, "*")</script>\n')
 
 
 def find_modules():
@@ -29,15 +30,20 @@ def find_browser():
     return next(filter(None, (shutil.which(name) for name in names if name)), None)
 
 
-def write_page(writer, folder):
-    page = folder / "workspace" / "report" / "index.html"
+def write_page(writer, page, *arguments):
     page.parent.mkdir(parents=True, exist_ok=True)
-    subprocess.run([writer, page], check=True, timeout=60)
-    first = page.read_bytes()
-    subprocess.run([writer, page], check=True, timeout=60)
-    assert page.read_bytes() == first, "two pages of one content differ"
-    (page.parent.parent / "timing.js").write_text(TIMING)
+    subprocess.run([writer, page, *arguments], check=True, timeout=60)
     return page
+
+
+def made_pages(writer, folder):
+    room = write_page(writer, folder / "workspace" / "report" / "index.html")
+    first = room.read_bytes()
+    write_page(writer, room)
+    assert room.read_bytes() == first, "two pages of one content differ"
+    (room.parent.parent / "timing.html").write_text(TIMING)
+    return {"room": room, "hall": write_page(writer, folder / "hall" / "index.html", "1000"),
+            "empty": write_page(writer, folder / "empty" / "index.html", "0")}
 
 
 def main():
@@ -54,10 +60,14 @@ def main():
         return SKIPPED
     folder = (pathlib.Path(target) / "report_page").resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    page = given or write_page(sys.argv[1], folder)
+    pages = {"room": given} if given else made_pages(sys.argv[1], folder)
+    pages["copied"] = folder / "copied" / "alone" / "page.html"
+    pages["copied"].parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(pages["room"], pages["copied"])
     script = pathlib.Path(__file__).resolve().with_name("report_test.cjs")
     environment = dict(os.environ, DEEPSLAM_NODE_MODULES=str(modules), DEEPSLAM_BROWSER=browser)
-    done = subprocess.run(["node", script, page, folder], env=environment, timeout=240)
+    arguments = [f"{kind}={page}" for kind, page in pages.items()]
+    done = subprocess.run(["node", script, folder, *arguments], env=environment, timeout=280)
     return done.returncode
 
 

@@ -1,7 +1,12 @@
-// Writes the report page of a small made-up map: two boxes on a floor, one of them with a name that
-// wants to be markup. `deepslam_web_page FILE` writes the page; nothing else is read or written.
+// Writes the report page of a made-up map: boxes on a floor, the third with a name that wants to be
+// markup, the fourth without a surface. `deepslam_web_page FILE [NUM_OBJECTS]` writes the page;
+// nothing else is read or written.
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/report/draw.h"
@@ -33,26 +38,46 @@ TriangleMesh BoxMesh(const Eigen::Vector3f& size_m) {
 }
 
 struct Item {
-  const char* name;
-  const char* class_name;
+  std::string name;
+  std::string class_name;
   Eigen::Vector3d size_m;
   Eigen::Vector3d place_m;
   Rgb8 colour;
+  bool has_surface = true;
 };
 
 const Item kItems[] = {
     {"chair_00", "chair", {0.5, 0.5, 0.9}, {1.0, -0.9, 0.45}, {230, 120, 30}},
     {"table_01", "table", {0.8, 1.4, 0.7}, {1.2, 0.6, 0.35}, {40, 120, 200}},
-    {"<b>odd & 'name'</b>", "box", {0.3, 0.3, 0.3}, {0.2, 0.0, 0.15}, {40, 160, 90}},
+    {"<b>odd & 'name'</b> \xE6\xA4\x85\xF0\x9F\xAA\x91",
+     "box",
+     {0.3, 0.3, 0.3},
+     {0.2, 0.0, 0.15},
+     {40, 160, 90}},
+    {"ghost_03", "ghost", {0, 0, 0}, {0.4, 1.0, 0.2}, {90, 90, 90}, false},
 };
 
-gltf::GltfScene MakeScene() {
+// The items above, then a hall of chairs in rows.
+std::vector<Item> MakeItems(int count) {
+  std::vector<Item> items(std::begin(kItems), std::end(kItems));
+  items.resize(static_cast<std::size_t>(std::min(count, static_cast<int>(items.size()))));
+  const int per_row = std::max(1, static_cast<int>(std::sqrt(count)));
+  for (int n = static_cast<int>(items.size()); n < count; ++n) {
+    Item item = kItems[0];
+    item.name = "chair_" + std::to_string(n);
+    item.place_m += Eigen::Vector3d(3.0 + n / per_row, n % per_row, 0);
+    items.push_back(item);
+  }
+  return items;
+}
+
+gltf::GltfScene MakeScene(const std::vector<Item>& items) {
   gltf::GltfScene scene;
-  for (const Item& item : kItems) {
+  for (const Item& item : items) {
     gltf::GltfObject object;
     object.name = item.name;
     object.class_name = item.class_name;
-    object.mesh = BoxMesh(item.size_m.cast<float>());
+    if (item.has_surface) object.mesh = BoxMesh(item.size_m.cast<float>());
     object.world_from_object.translation_m = item.place_m;
     object.class_colour = item.colour;
     scene.objects.push_back(std::move(object));
@@ -90,7 +115,7 @@ report::ObjectRow MakeRow(const Item& item) {
   winner.thumbnail = Plain(item.colour);
   row.candidates = {winner,
                     {"worse_shape", "own measurement", 0.6, 0.7, 0.6, 0.05, 7, false, "", {}}};
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 200 && item.has_surface; ++i) {
     const Eigen::Vector3d offset(0.5 * item.size_m.x(), 0.001 * i, 0.002 * i);
     row.measured_world.push_back((item.place_m - offset).cast<float>());
   }
@@ -98,7 +123,7 @@ report::ObjectRow MakeRow(const Item& item) {
   return row;
 }
 
-report::ReportContent MakeContent() {
+report::ReportContent MakeContent(const std::vector<Item>& items) {
   report::ReportContent content;
   content.title = "made-up room";
   content.verdict = "doubtful";
@@ -114,13 +139,14 @@ report::ReportContent MakeContent() {
   content.map.keyframes = {FrameIdx{0}, FrameIdx{20}};
   content.map.has_ground = true;
   content.heights = {{FrameIdx{0}, 1.4, 1.4, 1.4}, {FrameIdx{20}, 1.4, 1.42, 1.4}};
-  for (const Item& item : kItems) content.objects.push_back(MakeRow(item));
+  for (const Item& item : items) content.objects.push_back(MakeRow(item));
   return content;
 }
 
-int Run(const char* file) {
-  report::ReportContent content = MakeContent();
-  const Result<std::string> glb = gltf::WriteGlb(MakeScene(), gltf::GltfOptions{});
+int Run(const char* file, int num_objects) {
+  const std::vector<Item> items = MakeItems(num_objects);
+  report::ReportContent content = MakeContent(items);
+  const Result<std::string> glb = gltf::WriteGlb(MakeScene(items), gltf::GltfOptions{});
   if (!glb.ok()) {
     std::fprintf(stderr, "%s\n", glb.error().message.c_str());
     return 1;
@@ -135,9 +161,9 @@ int Run(const char* file) {
 }  // namespace deepslam
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: deepslam_web_page FILE\n");
+  if (argc != 2 && argc != 3) {
+    std::fprintf(stderr, "usage: deepslam_web_page FILE [NUM_OBJECTS]\n");
     return 2;
   }
-  return deepslam::Run(argv[1]);
+  return deepslam::Run(argv[1], argc == 3 ? std::atoi(argv[2]) : static_cast<int>(std::size(deepslam::kItems)));
 }

@@ -12,7 +12,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/map";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr double kMinStretch = 0.01;
 constexpr double kMaxStretch = 100;
 constexpr std::size_t kMaxOutlinePoints = 100'000;
@@ -99,28 +99,25 @@ MapEntry ReadEntry(const JsonNode& row) {
   return entry;
 }
 
+// x and y in turn: an array of its own for every point would cost as much as its numbers.
 JsonValue OutlineToJson(const MapFile& map) {
   JsonArray outline;
   for (const Eigen::Vector2d& p : map.ground_outline_m) {
-    JsonArray point;
-    point.emplace_back(p.x());
-    point.emplace_back(p.y());
-    outline.emplace_back(std::move(point));
+    outline.emplace_back(p.x());
+    outline.emplace_back(p.y());
   }
   return JsonValue(std::move(outline));
 }
 
 void ReadGroundOutline(const JsonNode& node, MapFile& map) {
-  const std::vector<JsonNode> points = node.Items();
-  if (points.size() > kMaxOutlinePoints) {
+  const std::vector<JsonNode> numbers = node.Items();
+  if (numbers.size() > 2 * kMaxOutlinePoints) {
     return node.Fail(fmt::format("has more than {} points", kMaxOutlinePoints));
   }
-  for (const JsonNode& point : points) {
-    const std::vector<double> xy = point.Numbers(2);
-    if (!(std::abs(xy[0]) <= kMaxPlaceM && std::abs(xy[1]) <= kMaxPlaceM)) {
-      point.Fail("is too far away");
-    }
-    map.ground_outline_m.emplace_back(xy[0], xy[1]);
+  if (numbers.size() % 2 != 0) return node.Fail("must hold x and y in turn");
+  for (std::size_t n = 0; n < numbers.size(); n += 2) {
+    map.ground_outline_m.emplace_back(numbers[n].Number(-kMaxPlaceM, kMaxPlaceM),
+                                      numbers[n + 1].Number(-kMaxPlaceM, kMaxPlaceM));
   }
 }
 

@@ -2,6 +2,7 @@
 // ground; enough to make the scene again without the workspace.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,14 +17,18 @@
 
 namespace deepslam::artifact {
 
+// Digits of a checksum that a map keeps: 64 bits tell models apart, and the map stays small.
+inline constexpr std::size_t kMapChecksumDigits = 16;
+
 // How a shape is stored: by latents of a decoder, by a model of a library and its stretch
 // (shape::StretchGrid), or as a Draco mesh of its own.
 struct MapShape {
   std::vector<float> latents;
   std::string library_id;
-  std::string library_checksum;                       // sha256 of the library model's voxels
+  // First digits of the sha256 of the library model's voxels, and of the stretched model as binvox.
+  std::string library_checksum;
   Eigen::Vector3d stretch = Eigen::Vector3d::Ones();  // ones = the library's model as it is
-  std::string voxels_checksum;  // sha256 of the stretched model as binvox; empty = unknown
+  std::string voxels_checksum;  // empty = unknown
   std::string draco;            // bytes of a mesh in the object frame, metres; base64 in the file
 };
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <omp.h>
 
 #include "deepslam/fuse/canonical_mesh.h"
@@ -226,6 +227,17 @@ Result<TriangleMesh> TsdfFusion::ExtractMesh() const {
 std::int64_t TsdfFusion::CountSurfacePoints() const {
   const SingleThread single_thread;
   return static_cast<std::int64_t>(impl_->volume.ExtractTriangleMesh()->vertices_.size());
+}
+
+std::int64_t ExpectedSurfacePoints(const TriangleMesh& surface, double voxel_m) {
+  double crossings_m2 = 0;
+  for (const auto& face : surface.faces) {
+    const Eigen::Vector3d a = surface.vertices[face[0]].cast<double>();
+    const Eigen::Vector3d b = surface.vertices[face[1]].cast<double>();
+    const Eigen::Vector3d c = surface.vertices[face[2]].cast<double>();
+    crossings_m2 += 0.5 * (b - a).cross(c - a).cwiseAbs().sum();
+  }
+  return std::llround(crossings_m2 / (voxel_m * voxel_m));
 }
 
 void Describe(OptionsVisitor& visitor, FuseOptions& options) {

@@ -57,4 +57,9 @@ class TsdfFusion {
   std::unique_ptr<Impl> impl_;
 };
 
+// How many points a field of this voxel size would have on a surface: a plane with normal n crosses
+// (|n_x| + |n_y| + |n_z|) / voxel^2 of a grid's edges per area. Within a few per cent of
+// CountSurfacePoints, without fusing again. Indices must be in range.
+[[nodiscard]] std::int64_t ExpectedSurfacePoints(const TriangleMesh& surface, double voxel_m);
+
 }  // namespace deepslam::fuse

@@ -20,7 +20,7 @@
 
 namespace deepslam::gltf {
 
-inline constexpr int kMinPositionBits = 8;
+inline constexpr int kMinPositionBits = 6;
 inline constexpr int kMaxPositionBits = 20;
 
 // Largest difference per coordinate between a mesh and its copy decoded from a grid of so many

@@ -1,5 +1,6 @@
 #include "deepslam/gltf/gltf_document.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -382,7 +383,8 @@ class DocumentReader {
     node.mesh = Index(object, "mesh", place, document_.meshes.size());
     node.camera = Index(object, "camera", place, static_cast<std::size_t>(document_.num_cameras));
     node.children = Indices(object, "children", place, num_nodes_);
-    Numbers(object, "translation", place, 3);
+    const std::vector<double> translation = Numbers(object, "translation", place, 3);
+    std::copy(translation.begin(), translation.end(), node.translation.begin());
     Numbers(object, "matrix", place, 16);
     const std::vector<double> scale = Numbers(object, "scale", place, 3);
     for (std::size_t axis = 0; axis < scale.size(); ++axis) {
@@ -390,6 +392,7 @@ class DocumentReader {
       node.scale[axis] = scale[axis];
     }
     const std::vector<double> rotation = Numbers(object, "rotation", place, 4);
+    std::copy(rotation.begin(), rotation.end(), node.rotation.begin());
     if (!rotation.empty()) {
       double squared = 0;
       for (const double value : rotation) squared += value * value;
@@ -405,6 +408,9 @@ class DocumentReader {
       if (instance != extras->end() && instance->is_number_integer()) {
         node.instance = instance->get<std::int64_t>();
       }
+      node.prior = Text(*extras, "prior");
+      const auto score = extras->find("score");
+      if (score != extras->end() && score->is_number()) node.score = score->get<double>();
     }
     document_.nodes.push_back(std::move(node));
   }

@@ -55,11 +55,15 @@ struct GltfNode {
   std::string name;
   int mesh = -1;
   int camera = -1;
+  std::array<double, 3> translation = {0, 0, 0};
+  std::array<double, 4> rotation = {0, 0, 0, 1};  // x, y, z, w
   std::array<double, 3> scale = {1, 1, 1};
   std::vector<int> children;
   bool is_object = false;  // extras.class is there
   std::string class_name;
   std::optional<std::int64_t> instance;
+  std::string prior;
+  std::optional<double> score;
 };
 
 struct GltfDocument {

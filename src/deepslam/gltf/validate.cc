@@ -29,6 +29,27 @@ struct Geometry {
   std::vector<std::uint32_t> indices;
 };
 
+// glTF's axes back to ours: its (x, y, z) is our (y, z, x).
+Eigen::Vector3d FromGltfAxes(const Eigen::Vector3d& p) { return {p.z(), p.x(), p.y()}; }
+
+Pose3 PoseOf(const GltfNode& node) {
+  const auto& r = node.rotation;
+  const auto& t = node.translation;
+  return {Eigen::Quaterniond(r[3], r[2], r[0], r[1]).normalized(),
+          FromGltfAxes({t[0], t[1], t[2]})};
+}
+
+Eigen::Vector3d SizeOf(const std::vector<Eigen::Vector3f>& points_gltf) {
+  if (points_gltf.empty()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3f low = points_gltf.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& p : points_gltf) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return FromGltfAxes((high - low).cast<double>());
+}
+
 class Validator {
  public:
   Validator(const GltfDocument& document, Findings& findings, ValidationReport& report)
@@ -266,6 +287,9 @@ class Validator {
     object.name = node.name;
     object.class_name = node.class_name;
     object.instance = static_cast<int>(*node.instance);
+    object.prior = node.prior;
+    object.score = node.score;
+    object.world_from_object = PoseOf(node);
     if (node.mesh < 0) {
       findings_.Warn(place, "object has no mesh");
       report_.objects.push_back(object);
@@ -286,6 +310,7 @@ class Validator {
                               first + geometry->indices[n + 2]});
       }
     }
+    object.size_m = SizeOf(mesh.vertices);
     const MeshCheck check = CheckMesh(mesh);
     if (!check.ok()) findings_.Error(place, "mesh is not closed and oriented: " + check.fault);
     object.num_faces = static_cast<int>(mesh.faces.size());

@@ -4,9 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/geometry/pose.h"
 
 namespace deepslam::gltf {
 
@@ -14,6 +19,10 @@ struct ValidatedObject {
   std::string name;
   std::string class_name;
   int instance = 0;
+  std::string prior;                                 // extras.prior
+  std::optional<double> score;                       // extras.score
+  Pose3 world_from_object;                           // in our axes: z up, m
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // of the mesh along the object's axes
   int num_vertices = 0;  // after welding by position
   int num_faces = 0;
   int num_components = 0;

@@ -15,7 +15,7 @@
 namespace deepslam::mesh {
 
 struct SurfaceOptions {
-  int iterations = 50;            // of the relaxation; 0 = the bare voxel boundary
+  int iterations = 80;            // of the relaxation; 0 = the bare voxel boundary
   double max_shift_voxels = 0.5;  // farthest a vertex may go from its voxel corner, per axis
   double min_component_share =
       0.01;  // parts with a smaller share of the occupied voxels are noise and go

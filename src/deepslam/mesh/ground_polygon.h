@@ -16,7 +16,7 @@ struct GroundPolygonOptions {
   double cell_m = 0.05;  // points are thinned to one per cell of this size
   double alpha_m =
       0.25;  // gaps in the floor narrower than twice this are bridged (things standing on it)
-  double simplify_m = 0.03;   // the outline may leave the points' outline by about this much
+  double simplify_m = 0.06;   // the outline may leave the points' outline by about this much
   double max_extent_m = 200;  // points farther from the origin are refused as outliers
 };
 void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options);

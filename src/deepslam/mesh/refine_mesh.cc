@@ -32,9 +32,9 @@ using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
 constexpr double kMaxNormalTurnDeg = 60.0;
 constexpr int kMaxAttempts = 4;
 // Shares of the bound: smoothing keeps to its share exactly, decimation bounds a mean, of which the
-// maximum is a multiple.
+// maximum is a multiple. On furniture these keep to the bound at the first attempt.
 constexpr double kSmoothingShare = 0.3;
-constexpr double kDecimationShare = 0.3;
+constexpr double kDecimationShare = 0.2;
 
 // Welded by position first: OpenMesh takes indices as they are.
 std::optional<Mesh> ToOpenMesh(const TriangleMesh& source) {
@@ -92,6 +92,7 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
   explicit ModPlaneDistance(MeshT& mesh) : Base(mesh, false) {}
 
   void set_max_distance(double distance) { max_squared_ = distance * distance; }
+  void set_max_edge(double length) { max_edge_squared_ = length * length; }
 
   void initialize() override {
     quadrics_.assign(Base::mesh().n_vertices(), OpenMesh::Geometry::QuadricT<double>());
@@ -116,6 +117,7 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
   float collapse_priority(const CollapseInfo& info) override {
     const auto removed = static_cast<std::size_t>(info.v0.idx());
     const auto kept = static_cast<std::size_t>(info.v1.idx());
+    if (MakesLongEdge(info)) return static_cast<float>(Base::ILLEGAL_COLLAPSE);
     auto quadric = quadrics_[removed];
     quadric += quadrics_[kept];
     const double error = std::max(0.0, quadric(info.p1));
@@ -133,21 +135,30 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
   }
 
  private:
+  bool MakesLongEdge(const CollapseInfo& info) {
+    for (auto v = Base::mesh().cvv_iter(info.v0); v.is_valid(); ++v) {
+      if ((Base::mesh().point(*v) - info.p1).sqrnorm() > max_edge_squared_) return true;
+    }
+    return false;
+  }
+
   double max_squared_ = 0;
+  double max_edge_squared_ = 0;
   std::vector<OpenMesh::Geometry::QuadricT<double>> quadrics_;
   std::vector<double> areas_;
 };
 
-void Decimate(Mesh& mesh, double max_distance, int target_faces) {
+void Decimate(Mesh& mesh, double max_distance, const RefineOptions& options) {
   Decimater decimater(mesh);
   ModPlaneDistance<Mesh>::Handle distance;
   OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle flipping;
   decimater.add(distance);
   decimater.add(flipping);
   decimater.module(distance).set_max_distance(max_distance);
+  decimater.module(distance).set_max_edge(options.max_edge);
   decimater.module(flipping).set_max_normal_deviation(kMaxNormalTurnDeg);
   if (!decimater.initialize()) return;
-  decimater.decimate_to_faces(0, static_cast<std::size_t>(target_faces));
+  decimater.decimate_to_faces(0, static_cast<std::size_t>(options.target_faces));
   mesh.garbage_collection();
 }
 
@@ -168,7 +179,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
     mesh->update_normals();
     Smooth(*mesh, options.smoothing_iterations, kSmoothingShare * bound);
     mesh->update_normals();
-    Decimate(*mesh, kDecimationShare * bound, options.target_faces);
+    Decimate(*mesh, kDecimationShare * bound, options);
     const TriangleMesh refined = ToTriangleMesh(*mesh);
     const MeshCheck after = CheckMesh(refined);
     if (after.ok() && after.num_components == before.num_components &&
@@ -192,11 +203,16 @@ void Describe(OptionsVisitor& visitor, RefineOptions& options) {
                 {1e-6, 1.0},
                 "1",
                 "Hausdorff bound against the extracted surface, object units (a voxel is 1/64)");
+  visitor.Field("max_edge",
+                options.max_edge,
+                {1e-6, 1e6},
+                "1",
+                "longest edge that decimation makes, object units; shorter = finer colours");
   visitor.Field("target_faces",
                 options.target_faces,
                 {4, 1'000'000},
                 "1",
-                "decimation stops at this number of faces, or earlier at the bound");
+                "decimation stops at this number of faces, or earlier at the bounds");
 }
 
 }  // namespace deepslam::mesh

@@ -11,7 +11,9 @@ struct RefineOptions {
   int smoothing_iterations = 2;  // Jacobi-Laplace steps before decimation; 0 = none
   double max_error =
       0.5 / 64;  // Hausdorff bound against the input, in the mesh's own unit: half a voxel
-  int target_faces = 2500;  // decimation stops here, or earlier where the bound says so
+  double max_edge = 3.0 / 64;  // longest edge that decimation makes, own unit: colours stand at
+                               // vertices, and a table top of two triangles would show none
+  int target_faces = 2500;     // decimation stops here, or earlier where the bounds say so
 };
 void Describe(OptionsVisitor& visitor, RefineOptions& options);
 

@@ -1,6 +1,7 @@
 #include "deepslam/mesh/relax_boundary.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,17 +9,22 @@
 namespace deepslam::mesh {
 namespace {
 
-// Share of its width that a leg of one or two voxels keeps at least.
-constexpr double kKeptThinWidth = 0.8;
+// What a leg of one or two voxels keeps at least of its width, voxels. A slanting leg of one and a
+// half voxels is one voxel wide here and two there: both may become what it is.
+constexpr std::array<double, kThinVoxels + 1> kKeptThinWidth = {0, 0.8, 1.1};
 // Below the inverse of the largest eigenvalue of the squared umbrella operator, which is at most 4
 // for equal valences.
 constexpr double kStepSize = 0.2;
 
+// Momentum beyond this lets the slowest modes overshoot: the middle of a board would bulge as its
+// edges round.
+constexpr double kMaxMomentum = 0.85;
+
 // Bends (length of the umbrella vector, voxels) beyond this count by their length, no longer by its
 // square: the edges of a board then stay edges instead of swelling its faces. It shrinks while the
-// stairs go.
-constexpr double kFirstBend = 0.15;
-constexpr double kLastBend = 0.05;
+// stairs go. Smaller at the end makes sharper edges, and keeps steps that are as sharp.
+constexpr double kFirstBend = 2.0;
+constexpr double kLastBend = 0.35;
 
 // Neighbours of vertex v are indices[starts[v]] .. indices[starts[v + 1] - 1].
 struct Adjacency {
@@ -69,7 +75,8 @@ void Project(const VoxelBoundary& boundary, double max_shift, Points& p) {
   for (const ThinPair& pair : boundary.thin_pairs) {
     double& low = p[pair.low][pair.axis];
     double& high = p[pair.high][pair.axis];
-    const double missing = kKeptThinWidth * pair.width - (high - low);
+    const double missing =
+        kKeptThinWidth[static_cast<std::size_t>(pair.width)] - (high - low);
     if (missing <= 0) continue;
     low -= 0.5 * missing;
     high += 0.5 * missing;
@@ -95,7 +102,7 @@ std::vector<Eigen::Vector3d> RelaxBoundary(const VoxelBoundary& boundary,
   double momentum = 1.0;
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const double next_momentum = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum * momentum));
-    const double weight = (momentum - 1.0) / next_momentum;
+    const double weight = std::min(kMaxMomentum, (momentum - 1.0) / next_momentum);
     momentum = next_momentum;
     Points ahead(current.size());
     for (std::size_t v = 0; v < current.size(); ++v) {

@@ -11,7 +11,7 @@ namespace deepslam::mesh {
 
 // New places of the boundary's vertices, in voxels: least sum of squared umbrella vectors (bending,
 // not area, so that round shapes do not shrink), each vertex within `max_shift` of its corner per
-// axis, thin parts and gaps keeping kKeptThinWidth of their width.
+// axis; parts and gaps of one or two voxels stay at least 0.8 and 1.1 voxels wide.
 [[nodiscard]] std::vector<Eigen::Vector3d> RelaxBoundary(const VoxelBoundary& boundary,
                                                          int iterations,
                                                          double max_shift);

@@ -87,11 +87,44 @@ Fact PeopleFact(const ReportContent& content) {
           {}};
 }
 
+Fact SizeFact(const ReportContent& content) {
+  const ResultSizes& sizes = content.sizes;
+  Fact fact{true, "Size", "map.json takes " + BytesInWords(sizes.map_json), {}};
+  if (!content.objects.empty()) {
+    fact.finding += fmt::format(
+        ", {} an object", BytesInWords(sizes.map_json / content.objects.size()));
+  }
+  if (sizes.fused_cloud > 0) {
+    fact.finding += fmt::format("; the room as a fused point cloud takes {}, {:.0f} times as much",
+                                BytesInWords(sizes.fused_cloud),
+                                static_cast<double>(sizes.fused_cloud) /
+                                    static_cast<double>(sizes.map_json));
+  }
+  return fact;
+}
+
 std::string Compared(double winner, double next, std::string_view what, bool more_is_better) {
   constexpr double kNoticeable = 0.005;
   const double gain = more_is_better ? winner - next : next - winner;
   if (gain < kNoticeable) return {};
   return fmt::format("{} ({:.0f} % against {:.0f} %)", what, 100 * winner, 100 * next);
+}
+
+// Candidates that agree better with the depth than the winner and lost all the same.
+std::string SetAside(const ObjectRow& object, const CandidateRow& winner) {
+  std::string set_aside;
+  for (const CandidateRow& row : object.candidates) {
+    if (row.chosen || row.score <= winner.score) continue;
+    set_aside += fmt::format("{}{} ({}, {:.3f})",
+                             set_aside.empty() ? "" : ", ",
+                             row.model,
+                             row.source,
+                             row.score);
+  }
+  if (set_aside.empty()) return {};
+  return " Set aside in spite of a higher score: " + set_aside +
+         ". What was made of the measurement agrees with it by nature, but lacks the sides nobody "
+         "saw; it wins only where no complete shape agrees.";
 }
 
 }  // namespace
@@ -118,11 +151,13 @@ StatusCounts CountStatus(const std::vector<TrackedFrame>& frames) {
 }
 
 std::vector<Fact> Facts(const ReportContent& content) {
-  return {CameraFact(content),
-          FloorFact(content),
-          ObjectsFact(content),
-          GraphFact(content),
-          PeopleFact(content)};
+  std::vector<Fact> facts = {CameraFact(content),
+                             FloorFact(content),
+                             ObjectsFact(content),
+                             GraphFact(content),
+                             PeopleFact(content)};
+  if (content.sizes.map_json > 0) facts.push_back(SizeFact(content));
+  return facts;
 }
 
 std::string MeaningOf(const std::string& verdict) {
@@ -147,6 +182,8 @@ std::string WhyItWon(const ObjectRow& object) {
                                  object.candidates.end(),
                                  [](const CandidateRow& row) { return !row.chosen; });
   if (chosen == object.candidates.end() || next == object.candidates.end()) return {};
+  if (object.note.find("chosen by hand") != std::string::npos)
+    return chosen->model + " was chosen by hand.";
   std::string why =
       fmt::format("{} won with a score of {:.3f} of {} candidates; the next in rank has {:.3f}",
                   chosen->model,
@@ -169,7 +206,14 @@ std::string WhyItWon(const ObjectRow& object) {
     if (reason.empty()) continue;
     reasons += (reasons.empty() ? ": " : ", ") + reason;
   }
-  return why + reasons + ".";
+  return why + reasons + "." + SetAside(object, *chosen);
+}
+
+std::string BytesInWords(std::size_t bytes) {
+  const auto number = static_cast<double>(bytes);
+  if (bytes < 1000) return fmt::format("{} bytes", bytes);
+  if (bytes < 1'000'000) return fmt::format("{:.1f} KB", number / 1e3);
+  return fmt::format("{:.1f} MB", number / 1e6);
 }
 
 std::string CountInWords(const std::vector<ObjectRow>& objects) {

@@ -1,6 +1,7 @@
 // What the figures of a run mean, in words for people who do not know the method.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct Fact {
 
 // Why the chosen candidate beat the next one; empty when nothing competed.
 [[nodiscard]] std::string WhyItWon(const ObjectRow& object);
+
+// "940 bytes", "4.0 KB", "7.5 MB".
+[[nodiscard]] std::string BytesInWords(std::size_t bytes);
 
 // "3 x chair, 1 x table", most first.
 [[nodiscard]] std::string CountInWords(const std::vector<ObjectRow>& objects);

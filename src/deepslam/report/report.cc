@@ -1,5 +1,8 @@
 #include "deepslam/report/report.h"
 
+#include <string_view>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "deepslam/report/explain.h"
@@ -16,6 +19,7 @@ constexpr std::string_view kStyle = R"css(
 body{font:15px/1.45 system-ui,sans-serif;margin:0 auto;max-width:1100px;padding:24px;color:#1a1a1a}
 h1{margin:0 0 4px}h2{margin:32px 0 8px;border-bottom:1px solid #ddd;padding-bottom:4px}
 .verdict{padding:10px 14px;border-radius:6px;margin:14px 0 6px;font-size:16px}.verdict ul{margin:6px 0 0}
+.corrections{background:#e8eefc;padding:8px 14px;border-radius:6px;margin:6px 0}.corrections ul{margin:4px 0 0}
 .good{background:#e3f5e8}.doubtful{background:#fff3d6}.bad{background:#fde2e2}
 table{border-collapse:collapse;width:100%;margin:8px 0}
 th,td{text-align:left;padding:4px 10px 4px 0;border-bottom:1px solid #eee;vertical-align:top}
@@ -39,12 +43,15 @@ details{margin:6px 0}summary{cursor:pointer}
 @media(max-width:720px){.pairs,.large,.frames{grid-template-columns:1fr}}
 )css";
 
-// Fills the table of times from `../timing.js` (deepslamTiming = [{stage, wall_s, cpu_s, peak_mb,
-// reused}]).
+// Fills the table of times from `../timing.html` (see report.h). A frame whose file is missing says
+// nothing, where a missing script would be an error on the console.
 constexpr std::string_view kTimingScript = R"js(
-if (typeof deepslamTiming !== 'undefined') {
-  const slowest = Math.max(1e-9, ...deepslamTiming.map(t => t.wall_s));
-  const rows = deepslamTiming.map(t => {
+window.addEventListener('message', (event) => {
+  if (event.source !== document.getElementById('timing-source').contentWindow) return;
+  const timing = event.data.deepslamTiming;
+  if (!Array.isArray(timing)) return;
+  const slowest = Math.max(1e-9, ...timing.map(t => t.wall_s));
+  const rows = timing.map(t => {
     const tr = document.createElement('tr');
     const cells = [t.stage, t.wall_s.toFixed(1), t.cpu_s.toFixed(1), Math.round(t.peak_mb), t.reused ? 'reused' : 'ran'];
     cells.forEach((c, i) => { const td = document.createElement('td'); td.textContent = c;
@@ -53,12 +60,22 @@ if (typeof deepslamTiming !== 'undefined') {
     bar.style.width = (100 * t.wall_s / slowest).toFixed(1) + '%';
     const td = document.createElement('td'); td.style.width = '35%'; td.append(bar); tr.append(td);
     return tr; });
-  const total = deepslamTiming.filter(t => !t.reused).reduce((sum, t) => sum + t.wall_s, 0);
+  const total = timing.filter(t => !t.reused).reduce((sum, t) => sum + t.wall_s, 0);
   document.getElementById('total').textContent = total.toFixed(1);
   document.getElementById('times').append(...rows);
   document.getElementById('timing').hidden = false;
-}
+  document.getElementById('no-timing').hidden = true;
+});
 )js";
+
+std::string Corrections(const std::vector<std::string>& corrections) {
+  if (corrections.empty()) return {};
+  std::string html =
+      "<div class=corrections><b>Corrected by hand</b> (overrides.yaml); without it this run would "
+      "show something else:<ul>";
+  for (const std::string& correction : corrections) html += "<li>" + EscapeHtml(correction) + "</li>";
+  return html + "</ul></div>";
+}
 
 std::string Overview(const ReportContent& content) {
   std::string html = fmt::format("<div class='verdict {0}'><b>Result: {0}.</b> {1}",
@@ -70,7 +87,7 @@ std::string Overview(const ReportContent& content) {
       html += "<li>" + EscapeHtml(reason) + "</li>";
     html += "</ul>";
   }
-  html += "</div><table class=facts>";
+  html += "</div>" + Corrections(content.corrections) + "<table class=facts>";
   for (const Fact& fact : Facts(content)) {
     html += fmt::format(
         "<tr><td class={}>{}<th>{}<td>{}{}</tr>",
@@ -140,20 +157,65 @@ std::string CameraSection(const ReportContent& content) {
   return html + HeightOverTime(content.map.frames) + DriftPlots(content);
 }
 
+// What a term of the graph holds together.
+std::string_view TermInWords(std::string_view term) {
+  constexpr std::pair<std::string_view, std::string_view> kWords[] = {
+      {"r_io", "objects stand where each frame saw them"},
+      {"r_ij", "the path is as it was tracked"},
+      {"r_pi", "the floor lies where each frame saw it"},
+      {"r_po", "objects are upright on the floor"},
+      {"loop", "places seen again are the same places"},
+      {"stand", "objects touch the floor"}};
+  for (const auto& [name, words] : kWords) {
+    if (name == term) return words;
+  }
+  return {};
+}
+
 std::string GraphSection(const OptimizationSummary& summary) {
   std::string html = fmt::format(
-      "<h2>Graph</h2><p>{} after {} iterations. {}</p><table><tr><th>term<th class=n>edges<th "
+      "<h2>Graph</h2><p>{} after {} iterations. {}</p><p class=quiet>What the adjustment weighs "
+      "against each other, and how far from agreement each is (0 = full agreement); the sum went down "
+      "as far as it goes.</p><table><tr><th>term<th><th class=n>edges<th "
       "class=n>energy before<th "
       "class=n>after</tr>",
       summary.converged ? "Converged" : "Did not converge",
       summary.num_iterations,
       EscapeHtml(summary.message));
   for (const EnergyTerm& term : summary.terms) {
-    html += fmt::format("<tr><td>{}<td class=n>{}<td class=n>{:.4g}<td class=n>{:.4g}</tr>",
+    html += fmt::format("<tr><td>{}<td>{}<td class=n>{}<td class=n>{:.4g}<td class=n>{:.4g}</tr>",
                         EscapeHtml(term.name),
+                        TermInWords(term.name),
                         term.num_edges,
                         term.before,
                         term.after);
+  }
+  return html + "</table>";
+}
+
+// The same room as a map, as meshes and as points.
+std::string SizeTable(const ReportContent& content) {
+  const ResultSizes& sizes = content.sizes;
+  if (sizes.map_json == 0 || sizes.fused_cloud == 0) return {};
+  const double cloud = static_cast<double>(sizes.fused_cloud);
+  std::string html =
+      "<h3>The same room in other forms</h3><table><tr><th>form<th class=n>size<th class=n>an "
+      "object<th class=n>smaller than the cloud</tr>";
+  for (const auto& [form, bytes] :
+       {std::pair("map.json: class, shape, place of every object, and the floor", sizes.map_json),
+        std::pair("meshes of the objects, compressed (GLB)", sizes.objects_glb),
+        std::pair("scene.glb: the objects, and the measured room, floor and path",
+                  sizes.scene_glb),
+        std::pair("the fused surface as points at 1 cm, 15 bytes each (reckoned from its area)",
+                  sizes.fused_cloud)}) {
+    if (bytes == 0) continue;
+    const bool of_objects = bytes <= sizes.objects_glb && !content.objects.empty();
+    html += fmt::format(
+        "<tr><td>{}<td class=n>{}<td class=n>{}<td class=n>{}</tr>",
+        form,
+        BytesInWords(bytes),
+        of_objects ? BytesInWords(bytes / content.objects.size()) : "",
+        bytes == sizes.fused_cloud ? "" : fmt::format("{:.0f} x", cloud / double(bytes)));
   }
   return html + "</table>";
 }
@@ -164,17 +226,17 @@ std::string RunSection(const ReportContent& content) {
     html += fmt::format("<tr><td>{}<td>{}</tr>", EscapeHtml(stage), EscapeHtml(summary));
   }
   html +=
-      "</table><div id=timing hidden><h3>Times of the last run</h3><p "
+      "</table><p id=no-timing class=quiet>The times of the last run lie beside the workspace's "
+      "reports, in timing.html; this page was opened without it.</p><div id=timing hidden><h3>Times of the last run</h3><p "
       "class=quiet>Stages that ran took <span id=total></span> s. Peak memory is that of the "
       "process while the stage ran.</p><table id=times><tr><th>stage<th class=n>wall s<th "
       "class=n>CPU s<th class=n>peak MB<th><th></tr></table></div>";
   html += "<h2>Files</h2><table>";
   for (const auto& [file, bytes] : content.file_bytes) {
-    html += fmt::format("<tr><td>{}<td class=n>{:.1f} KB</tr>",
-                        EscapeHtml(file),
-                        static_cast<double>(bytes) / 1000.0);
+    html +=
+        fmt::format("<tr><td>{}<td class=n>{}</tr>", EscapeHtml(file), BytesInWords(bytes));
   }
-  return html + "</table>";
+  return html + "</table>" + SizeTable(content);
 }
 
 std::string WarningSection(const std::vector<std::string>& warnings) {
@@ -215,8 +277,10 @@ std::string RenderReport(const ReportContent& content) {
   html += RunSection(content);
   html += "<p class=quiet>3D view: three.js (MIT), Draco (Apache-2.0).</p>";
   html += ViewerScript(content);
-  html += fmt::format("<script src='../timing.js'></script><script>{}</script></body></html>\n",
-                      kTimingScript);
+  html += fmt::format(
+      "<script>{}</script><iframe id=timing-source src='../timing.html' hidden "
+      "title=times></iframe></body></html>\n",
+      kTimingScript);
   return html;
 }
 

@@ -2,6 +2,7 @@
 // page.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -68,6 +69,14 @@ struct HeightCheck {
   double after_m = 0;
 };
 
+// Bytes of what a run leaves, each for the same room; 0 = not known.
+struct ResultSizes {
+  std::size_t map_json = 0;
+  std::size_t objects_glb = 0;  // a scene of the objects alone, compressed as in scene.glb
+  std::size_t scene_glb = 0;    // with the room, the floor and the path
+  std::size_t fused_cloud = 0;  // points of the fused surface at 1 cm, 15 bytes each, reckoned from its area
+};
+
 struct ReportContent {
   std::string title;  // the capture's name
   std::string tool_version;
@@ -75,6 +84,7 @@ struct ReportContent {
   std::string verdict;  // "good", "doubtful" or "bad"
   std::vector<std::string> verdict_reasons;
   std::vector<std::string> warnings;
+  std::vector<std::string> corrections;  // what a person overrode, one sentence each
   OptimizedMap map;  // trajectory, ground and energy; the objects are in `objects`
   std::vector<Pose3>
       tracked_world_from_camera;     // before the graph, aligned to the same world; may be empty
@@ -88,6 +98,7 @@ struct ReportContent {
   bool looked_for_people = true;        // false: no detector looked at the frames
   std::vector<std::pair<std::string, std::string>> stage_summaries;  // stage, one line
   std::vector<std::pair<std::string, std::size_t>> file_bytes;       // result file, size
+  ResultSizes sizes;
 };
 
 }  // namespace deepslam::report

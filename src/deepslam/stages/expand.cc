@@ -40,7 +40,7 @@ Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibra
         "the furniture library holds no model {}; take the library the map was made with",
         shape.library_id));
   }
-  if (found->checksum != shape.library_checksum) {
+  if (shape.library_checksum.empty() || !found->checksum.starts_with(shape.library_checksum)) {
     return InvalidInput(
         fmt::format("the library's model {} is another one than the map was made with (checksum "
                     "{:.12}, expected {:.12}); take the library the map was made with",
@@ -51,7 +51,7 @@ Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibra
   if (shape.stretch == Eigen::Vector3d::Ones()) return found->shape;
   VoxelGrid grid = shape::StretchGrid(found->shape, shape.stretch);
   if (!shape.voxels_checksum.empty() &&
-      Sha256Hex(shape::WriteBinvox(grid)) != shape.voxels_checksum) {
+      !Sha256Hex(shape::WriteBinvox(grid)).starts_with(shape.voxels_checksum)) {
     return InvalidInput(fmt::format(
         "model {} stretched by this version is another one than the map was made with; take the "
         "version the map names",
@@ -161,12 +161,26 @@ Result<Config> MeshConfig(const artifact::MapFile& map) {
 
 }  // namespace
 
+TriangleMesh RoundedGround(const TriangleMesh& ground_polygon) {
+  const std::vector<Eigen::Vector2d> outline = mesh::OutlineOf(ground_polygon);
+  for (const double step_m : {kMapOutlineStepM, kMapPlaceStepM}) {
+    std::vector<Eigen::Vector2d> rounded;
+    for (const Eigen::Vector2d& p : outline) {
+      const Eigen::Vector2d q = {RoundedTo(p.x(), step_m), RoundedTo(p.y(), step_m)};
+      if (rounded.empty() || q != rounded.back()) rounded.push_back(q);
+    }
+    if (rounded.size() > 1 && rounded.front() == rounded.back()) rounded.pop_back();
+    Result<TriangleMesh> mesh = mesh::TriangulateOutline(rounded);
+    if (mesh.ok()) return std::move(mesh).value();
+  }
+  return ground_polygon;
+}
+
 artifact::MapFile Rounded(artifact::MapFile map) {
   for (Eigen::Vector2d& p : map.ground_outline_m) {
     p = p.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
   }
   for (artifact::MapEntry& entry : map.objects) {
-    constexpr double kScoreStep = 1e-4;
     Pose3& pose = entry.world_from_object;
     pose.rotation.coeffs() = pose.rotation.normalized().coeffs().unaryExpr(
         [](double value) { return RoundedTo(value, kMapRotationStep); });
@@ -175,7 +189,7 @@ artifact::MapFile Rounded(artifact::MapFile map) {
     entry.scale_m = RoundedTo(entry.scale_m, kMapScaleStepM);
     entry.size_m =
         entry.size_m.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
-    entry.confidence = RoundedTo(entry.confidence, kScoreStep);
+    entry.confidence = RoundedTo(entry.confidence, kMapScoreStep);
   }
   return map;
 }

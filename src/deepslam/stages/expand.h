@@ -10,11 +10,17 @@ namespace deepslam::stages {
 
 // What the map's numbers are rounded to when it is written; `expand` gives poses back to half of
 // it.
-inline constexpr double kMapPlaceStepM = 1e-4;    // translations, outline of the ground
+inline constexpr double kMapPlaceStepM = 1e-4;    // translations
+inline constexpr double kMapOutlineStepM = 1e-2;  // corners of the ground's outline
 inline constexpr double kMapRotationStep = 1e-7;  // components of unit quaternions
 inline constexpr double kMapScaleStepM = 1e-6;    // metres per object unit
+inline constexpr double kMapScoreStep = 1e-4;     // confidence
 
-// The numbers of a map rounded so. Rotations stay unit quaternions within what readers accept.
+// The ground with its corners rounded to kMapOutlineStepM, or to kMapPlaceStepM where that would make
+// its outline cross itself: scene and map then hold the very same one.
+[[nodiscard]] TriangleMesh RoundedGround(const TriangleMesh& ground_polygon);
+
+// The numbers of a map rounded so; the outline of the ground to kMapPlaceStepM (see RoundedGround). Rotations stay unit quaternions within what readers accept.
 [[nodiscard]] artifact::MapFile Rounded(artifact::MapFile map);
 
 // Whether any object of the map needs the library.

@@ -1,6 +1,7 @@
 // export: the labelled scene, the compact map, the object list.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -8,13 +9,13 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/objects_csv.h"
-#include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/scene_json.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
-#include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/stages/compact_shape.h"
 #include "deepslam/stages/expand.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/scene_files.h"
@@ -28,17 +29,6 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
-
-Result<TriangleMesh> ReadMesh(const StageContext& context,
-                              std::string_view stage,
-                              const std::string& file) {
-  const Result<std::string> bytes = context.Read(stage, file);
-  if (!bytes.ok()) return bytes.error();
-  Result<artifact::PlyMesh> ply =
-      artifact::DecodePly(*bytes, StageContext::DisplayName(stage, file));
-  if (!ply.ok()) return ply.error();
-  return std::move(ply->mesh);
-}
 
 // Everything the scene is made of.
 struct Content {
@@ -88,9 +78,18 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
   for (const Eigen::Vector3f& vertex : content.room.vertices) {
     if (std::abs(vertex.z()) < kFloorBandM) points.emplace_back(vertex.x(), vertex.y());
   }
-  Result<TriangleMesh> polygon = mesh::GroundPolygon(points, config.ground_polygon);
+  const Result<TriangleMesh> polygon = mesh::GroundPolygon(points, config.ground_polygon);
   if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
-  return std::move(polygon).value();
+  return RoundedGround(*polygon);
+}
+
+// The scene without its surroundings, to say how large its objects are.
+gltf::GltfScene ObjectsOnly(const gltf::GltfScene& scene) {
+  gltf::GltfScene objects;
+  objects.objects = scene.objects;
+  objects.generator = scene.generator;
+  objects.provenance = scene.provenance;
+  return objects;
 }
 
 // A mesh in its class colour alone has no colours of its own: objects of one model can share it
@@ -155,8 +154,7 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
 
 Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
                                       const TriangleMesh& mesh,
-                                      const Content& content,
-                                      const Config& config) {
+                                      const Content& content) {
   artifact::MapEntry entry{object.id,
                            ObjectName(object),
                            object.class_name,
@@ -180,10 +178,11 @@ Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
     entry.shape.library_id = object.library_id;
     const auto checksum = content.library_checksums.find(object.library_id);
     if (checksum != content.library_checksums.end())
-      entry.shape.library_checksum = checksum->second;
-    entry.shape.voxels_checksum = content.voxels_checksums.at(object.model);
+      entry.shape.library_checksum = checksum->second.substr(0, artifact::kMapChecksumDigits);
+    entry.shape.voxels_checksum =
+        content.voxels_checksums.at(object.model).substr(0, artifact::kMapChecksumDigits);
   } else if (entry.shape.latents.empty() && !mesh.empty()) {
-    Result<std::string> draco = gltf::DracoEncode(mesh, config.gltf.position_bits);
+    Result<std::string> draco = EncodeCompactShape(mesh, object.scale_m);
     if (!draco.ok()) return draco.error();
     entry.shape.draco = std::move(draco).value();
   }
@@ -216,11 +215,13 @@ Result<artifact::MapFile> MakeMap(const Content& content,
   map.mesh_options = MeshOptions(inputs.config);
   map.verdict = verdict.verdict;
   map.reasons = verdict.reasons;
-  for (std::size_t i = 0; i < content.meshes.size(); ++i) {
-    Result<artifact::MapEntry> entry =
-        ToMapEntry(content.map.map.objects[i], content.meshes[i], content, inputs.config);
-    if (!entry.ok()) return entry.error();
-    map.objects.push_back(std::move(entry).value());
+  std::vector<std::optional<Result<artifact::MapEntry>>> entries(content.meshes.size());
+  ParallelFor(entries.size(), [&](std::size_t i) {
+    entries[i] = ToMapEntry(content.map.map.objects[i], content.meshes[i], content);
+  });
+  for (std::optional<Result<artifact::MapEntry>>& entry : entries) {
+    if (!entry->ok()) return entry->error();
+    map.objects.push_back(std::move(*entry).value());
   }
   return Rounded(std::move(map));
 }
@@ -258,6 +259,8 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   const Result<std::string> glb = gltf::WriteGlb(scene, inputs.config.gltf);
   if (Status status = WriteEncoded(context, "scene.glb", glb); !status.ok()) return status.error();
   if (Status status = WriteOnRequest(context, scene, inputs); !status.ok()) return status.error();
+  const Result<std::string> objects_glb = gltf::WriteGlb(ObjectsOnly(scene), inputs.config.gltf);
+  if (!objects_glb.ok()) return objects_glb.error();
   const Result<artifact::MapFile> map = MakeMap(*content, scene, inputs);
   if (!map.ok()) return map.error();
   const Result<std::string> map_json = artifact::EncodeMap(*map, "map.json");
@@ -271,13 +274,15 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
       !status.ok()) {
     return status.error();
   }
-  return StageSummary{fmt::format("{} objects, scene {} bytes, map {} bytes, verdict {}",
+  return StageSummary{fmt::format("{} objects, scene {} bytes (objects {}), map {} bytes, verdict {}",
                                   map->objects.size(),
                                   glb->size(),
+                                  objects_glb->size(),
                                   map_json->size(),
                                   artifact::NameOf(map->verdict)),
                       {{"num_objects", static_cast<double>(map->objects.size())},
                        {"scene_bytes", static_cast<double>(glb->size())},
+                       {"objects_glb_bytes", static_cast<double>(objects_glb->size())},
                        {"map_bytes", static_cast<double>(map_json->size())}}};
 }
 

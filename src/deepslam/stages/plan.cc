@@ -146,14 +146,14 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunLoops);
   add("optimize", 1, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
   add("mesh",
-      1,
+      2,
       {"track", "ground", "segment", "loops", "optimize"},
       {"views", "mesh.surface", "mesh.refine", "mesh.colour"},
       kFrames | kClasses,
       RunMesh);
   add("fuse", 1, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      3,
+      4,
       {"track", "propose", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/map_json.h"
-#include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/fuse/tsdf.h"
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/report/report.h"
 #include "deepslam/stages/report_pictures.h"
@@ -34,6 +34,10 @@ constexpr std::array<std::string_view, 13> kReportedStages = {"track",
                                                               "mesh",
                                                               "fuse",
                                                               "export"};
+
+// The cloud that the map's size is held against.
+constexpr double kCloudVoxelM = 0.01;
+constexpr std::int64_t kCloudPointBytes = 15;  // three floats, three bytes of colour
 
 std::string SourceInWords(CandidateSource source) {
   switch (source) {
@@ -111,17 +115,6 @@ Rgb8 ColourOf(const ClassTable& classes, const std::string& class_name) {
   return {byte(known->colour_rgb[0]), byte(known->colour_rgb[1]), byte(known->colour_rgb[2])};
 }
 
-Result<TriangleMesh> ReadMesh(const StageContext& context,
-                              std::string_view stage,
-                              const std::string& file) {
-  const Result<std::string> bytes = context.Read(stage, file);
-  if (!bytes.ok()) return bytes.error();
-  Result<artifact::PlyMesh> ply =
-      artifact::DecodePly(*bytes, StageContext::DisplayName(stage, file));
-  if (!ply.ok()) return ply.error();
-  return std::move(ply->mesh);
-}
-
 // An object whose mesh could not be made stands in the map without one and is left out of pictures.
 std::vector<PicturedObject> ReadPictured(const StageContext& context,
                                          const ObjectMap& map,
@@ -154,6 +147,16 @@ std::vector<std::string> Warnings(const RunInputs& inputs,
   return warnings;
 }
 
+Result<std::vector<std::string>> Corrections(const StageContext& context) {
+  std::vector<std::string> corrections;
+  for (const std::string_view stage : {"ground", "associate", "select"}) {
+    const Result<std::vector<std::string>> applied = ReadApplied(context, stage);
+    if (!applied.ok()) return applied.error();
+    corrections.insert(corrections.end(), applied->begin(), applied->end());
+  }
+  return corrections;
+}
+
 // What the stages said of themselves, and the sizes of the files a user takes away.
 void AddManifests(const StageContext& context, report::ReportContent& content) {
   for (const std::string_view stage : kReportedStages) {
@@ -163,7 +166,14 @@ void AddManifests(const StageContext& context, report::ReportContent& content) {
     const Result<pipeline::Manifest> manifest = pipeline::DecodeManifest(*text, name);
     if (!manifest.ok()) continue;
     content.stage_summaries.emplace_back(stage, manifest->summary.line);
+    const auto figure = [&](const char* figure_name) {
+      const auto found = manifest->summary.figures.find(figure_name);
+      return found == manifest->summary.figures.end() ? 0 : static_cast<std::size_t>(found->second);
+    };
     if (stage != "export") continue;
+    content.sizes.map_json = figure("map_bytes");
+    content.sizes.scene_glb = figure("scene_bytes");
+    content.sizes.objects_glb = figure("objects_glb_bytes");
     for (const auto& [file, output] : manifest->outputs)
       content.file_bytes.emplace_back(file, output.num_bytes);
   }
@@ -230,6 +240,7 @@ struct Sources {
   OptimizedMap map;
   artifact::MapFile map_file;
   std::string scene_glb;
+  std::vector<std::string> corrections;
   TriangleMesh room;
 };
 
@@ -250,6 +261,7 @@ Result<Sources> ReadSources(const StageContext& context) {
   if (status.ok()) status = Take(ReadOdometry(context), sources.odometry);
   if (status.ok()) status = Take(ReadGround(context, "ground"), sources.ground);
   if (status.ok()) status = Take(ReadDetections(context), sources.detections);
+  if (status.ok()) status = Take(Corrections(context), sources.corrections);
   if (status.ok()) status = Take(context.Read("export", "scene.glb"), sources.scene_glb);
   if (status.ok()) status = Take(context.Read("export", "map.json"), map_text);
   if (status.ok())
@@ -293,6 +305,7 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   content.verdict = artifact::NameOf(sources->map_file.verdict);
   content.verdict_reasons = sources->map_file.reasons;
   content.warnings = Warnings(inputs, sources->association, sources->proposals, sources->map);
+  content.corrections = sources->corrections;
   content.map = sources->map;
   content.scene_glb = sources->scene_glb;
   AddPaths(sources->odometry, sources->ground, content);
@@ -306,6 +319,8 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   content.frame_pictures =
       FramePictures(sources->segments, sources->association.tracks, sources->map, frames, shown);
   AddManifests(context, content);
+  content.sizes.fused_cloud = static_cast<std::size_t>(
+      kCloudPointBytes * fuse::ExpectedSurfacePoints(sources->room, kCloudVoxelM));
   if (Status status = context.Write("index.html", report::RenderReport(content)); !status.ok())
     return status.error();
   const report::Picture thumbnail = SceneThumbnail(pictured, sources->room, sources->map);

@@ -9,6 +9,7 @@
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/segments_json.h"
@@ -108,6 +109,14 @@ Result<OptimizedMap> ReadOptimized(const StageContext& context) {
                       record->has_ground,
                       std::move(map).value(),
                       record->summary};
+}
+
+Result<TriangleMesh> ReadMesh(const StageContext& context,
+                              std::string_view stage,
+                              const std::string& file) {
+  Result<artifact::PlyMesh> ply = Decode(context, stage, file, artifact::DecodePly);
+  if (!ply.ok()) return ply.error();
+  return std::move(ply->mesh);
 }
 
 Status WriteEncoded(StageContext& context, std::string_view file, const Result<std::string>& text) {

@@ -24,6 +24,7 @@
 #include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/scene/trajectory.h"
+#include "deepslam/scene/triangle_mesh.h"
 #include "deepslam/stages/plan.h"
 
 namespace deepslam::stages {
@@ -50,6 +51,11 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
                                             std::string_view stage);
 [[nodiscard]] Result<Loops> ReadLoops(const pipeline::StageContext& context);
 [[nodiscard]] Result<OptimizedMap> ReadOptimized(const pipeline::StageContext& context);
+
+// A mesh that stage `mesh` or `fuse` wrote.
+[[nodiscard]] Result<TriangleMesh> ReadMesh(const pipeline::StageContext& context,
+                                            std::string_view stage,
+                                            const std::string& file);
 
 // Writes an encoded text, or passes its error on.
 [[nodiscard]] Status WriteEncoded(pipeline::StageContext& context,

@@ -11,6 +11,7 @@ import {describeObject} from './panel.js';
 
 const BACKGROUND = 0xf3f4f6;
 const CLICK_TOLERANCE_PX = 6;
+const TAP_TOLERANCE_PX = 14;  // fingers are not as steady
 const SEE_THROUGH = 0.35;
 
 // World axes of the report (z up) to those of the GLB (y up): (x, y, z) -> (y, z, x).
@@ -140,6 +141,9 @@ class Viewer {
       this.labels.append(label);
       entry.label = label;
     }
+    for (const entry of this.objects.values()) {
+      entry.labelSize = [entry.label.offsetWidth, entry.label.offsetHeight];
+    }
   }
 
   // Whole map in view, seen from the side the camera was on.
@@ -155,7 +159,9 @@ class Viewer {
     const side = mean.sub(centre).setY(0);
     if (side.length() < 0.05) side.set(0, 0, 1);
     const direction = side.normalize().setY(0.75).normalize();
-    this.camera.position.copy(centre).addScaledVector(direction, radius * 2.6);
+    const aspect = this.canvasBox.clientWidth / Math.max(1, this.canvasBox.clientHeight);
+    const distance = radius * 2.6 * Math.max(1, 1 / Math.max(0.3, aspect));  // narrow screens stand back
+    this.camera.position.copy(centre).addScaledVector(direction, distance);
     this.controls.target.copy(centre);
     this.controls.update();
   }
@@ -163,11 +169,15 @@ class Viewer {
   listen() {
     const canvas = this.renderer.domElement;
     let pressed = null;
-    canvas.addEventListener('pointerdown', (event) => { pressed = [event.clientX, event.clientY]; });
+    canvas.addEventListener('pointerdown', (event) => {
+      // A second finger zooms: no tap any more.
+      pressed = event.isPrimary && event.button === 0 ? [event.clientX, event.clientY] : null;
+    });
     canvas.addEventListener('pointerup', (event) => {
       if (!pressed) return;
       const moved = Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]);
-      if (moved <= CLICK_TOLERANCE_PX) this.select(this.hit(event));
+      const tolerance = event.pointerType === 'touch' ? TAP_TOLERANCE_PX : CLICK_TOLERANCE_PX;
+      if (moved <= tolerance) this.select(this.hit(event));
       pressed = null;
     });
     this.canvasBox.addEventListener('keydown', (event) => this.key(event));
@@ -275,14 +285,29 @@ class Viewer {
 
   draw() {
     this.renderer.render(this.scene, this.camera);
+    this.placeLabels();
+  }
+
+  // The selected object's label, then the nearest ones: a label that would cover one of these is left out.
+  placeLabels() {
+    if (this.labels.hidden) return;
+    const waiting = [];
     for (const [name, entry] of this.objects) {
-      if (entry.box.isEmpty()) { entry.label.hidden = true; continue; }
-      const top = entry.box.getCenter(new THREE.Vector3()).setY(entry.box.max.y);
-      const at = this.project(top);
-      entry.label.hidden = !at;
-      if (!at) continue;
-      entry.label.style.transform = `translate(${at[0].toFixed(1)}px, ${at[1].toFixed(1)}px) translate(-50%, -110%)`;
+      const top = entry.box.isEmpty() ? null : entry.box.getCenter(new THREE.Vector3()).setY(entry.box.max.y);
+      const at = top && this.project(top);
+      entry.label.hidden = true;
       entry.label.classList.toggle('selected', name === this.selected);
+      if (at) waiting.push({entry, at, far: name === this.selected ? -1 : top.distanceTo(this.camera.position)});
+    }
+    waiting.sort((a, b) => a.far - b.far);
+    const placed = [];
+    for (const {entry, at} of waiting) {
+      const [width, height] = entry.labelSize;
+      const box = [at[0] - width / 2, at[1] - 1.1 * height, at[0] + width / 2, at[1] - 0.1 * height];
+      if (placed.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) continue;
+      placed.push(box);
+      entry.label.hidden = false;
+      entry.label.style.transform = `translate(${at[0].toFixed(1)}px, ${at[1].toFixed(1)}px) translate(-50%, -110%)`;
     }
   }
 
@@ -324,6 +349,7 @@ async function start() {
     say('');
     window.deepslamViewer = {
       ready: true,
+      firstPictureMs: performance.now(),  // since the page was asked for
       names: () => [...viewer.objects.keys()],
       select: (name) => viewer.select(name),
       selected: () => viewer.selected,

@@ -1,0 +1,86 @@
+#include "deepslam/stages/scene_check.h"
+
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "deepslam/artifact/scene_json.h"
+#include "deepslam/scene/voxel_grid.h"
+#include "deepslam/stages/compact_shape.h"
+#include "deepslam/stages/expand.h"
+
+namespace deepslam::stages {
+namespace {
+
+// What the scene's own numbers and its Draco grid may add to the rounding of the map's.
+constexpr double kSceneSizeErrorM = 3e-4;
+constexpr double kRotationErrorRad = 4 * kMapRotationStep;
+
+std::string Vector(const Eigen::Vector3d& v) {
+  return fmt::format("({:.4f}, {:.4f}, {:.4f})", v.x(), v.y(), v.z());
+}
+
+void CompareObject(const gltf::ValidatedObject& scene,
+                   const artifact::MapEntry& entry,
+                   std::vector<std::string>& differences) {
+  const auto differ = [&](std::string_view what, const auto& in_scene, const auto& in_map) {
+    differences.push_back(fmt::format(
+        "object {} ('{}'): {} is {} in the scene, {} in the map", entry.id.value, entry.name, what, in_scene, in_map));
+  };
+  if (scene.name != entry.name) differ("name", scene.name, entry.name);
+  if (scene.class_name != entry.class_name) differ("class", scene.class_name, entry.class_name);
+  const std::string source(artifact::NameOf(entry.source));
+  if (scene.prior != source) differ("source of the shape", scene.prior, source);
+  if (!scene.score || std::abs(*scene.score - entry.confidence) > kMapScoreStep) {
+    differ("confidence", scene.score ? fmt::to_string(*scene.score) : "missing", entry.confidence);
+  }
+  const Eigen::Vector3d& place = scene.world_from_object.translation_m;
+  const Eigen::Vector3d& map_place = entry.world_from_object.translation_m;
+  if ((place - map_place).cwiseAbs().maxCoeff() > kMapPlaceStepM)
+    differ("place", Vector(place), Vector(map_place));
+  const double turn_rad =
+      scene.world_from_object.rotation.angularDistance(entry.world_from_object.rotation);
+  if (!(turn_rad <= kRotationErrorRad)) {
+    differences.push_back(fmt::format("object {} ('{}'): is turned by {:.6f} rad between scene and map",
+                                      entry.id.value,
+                                      entry.name,
+                                      turn_rad));
+  }
+  double size_error_m = kMapPlaceStepM + kSceneSizeErrorM;
+  if (!entry.shape.draco.empty())
+    size_error_m += 2 * kEmbeddedErrorVoxels * kVoxelSize * entry.scale_m;
+  if ((scene.size_m - entry.size_m).cwiseAbs().maxCoeff() > size_error_m)
+    differ("size", Vector(scene.size_m), Vector(entry.size_m));
+}
+
+}  // namespace
+
+std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
+                                        const artifact::MapFile& map) {
+  std::vector<std::string> differences;
+  std::map<int, const gltf::ValidatedObject*> by_instance;
+  for (const gltf::ValidatedObject& object : scene.objects) by_instance[object.instance] = &object;
+  for (const artifact::MapEntry& entry : map.objects) {
+    const auto found = by_instance.find(entry.id.value);
+    if (found == by_instance.end()) {
+      differences.push_back(
+          fmt::format("object {} ('{}') of the map is not in the scene", entry.id.value, entry.name));
+      continue;
+    }
+    CompareObject(*found->second, entry, differences);
+    by_instance.erase(found);
+  }
+  for (const auto& [instance, object] : by_instance) {
+    differences.push_back(
+        fmt::format("object {} ('{}') of the scene is not in the map", instance, object->name));
+  }
+  if (scene.has_ground != !map.ground_outline_m.empty()) {
+    differences.push_back(fmt::format("ground: {} in the scene, {} in the map",
+                                      scene.has_ground ? "there" : "none",
+                                      map.ground_outline_m.empty() ? "none" : "there"));
+  }
+  return differences;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,110 @@
+// Scenes held against maps, and what Draco does to their surfaces.
+#include "deepslam/stages/scene_check.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+
+#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/mesh/surface_distance.h"
+#include "deepslam/stages/expand.h"
+#include "deepslam/stages/object_mesh.h"
+#include "support/voxel_shapes.h"
+
+namespace deepslam::stages {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const TriangleMesh& ChairMesh() {
+  static const TriangleMesh kMesh =
+      *MakeObjectMesh(testing_support::ChairWithThinLegs(), 1.0, {}, {});
+  return kMesh;
+}
+
+artifact::MapFile MapOfTwo() {
+  artifact::MapFile map;
+  map.ground_outline_m = {{-1, -1}, {2, -1}, {2, 1}};
+  for (int n = 1; n <= 2; ++n) {
+    artifact::MapEntry entry;
+    entry.id = ObjectId{n};
+    entry.name = "chair_0" + std::to_string(n);
+    entry.class_name = "chair";
+    entry.confidence = 0.123456;
+    entry.world_from_object = {
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * n, Eigen::Vector3d::UnitZ())),
+        {1.23456789 * n, 2, 0.5}};
+    entry.shape.draco = *gltf::DracoEncode(ChairMesh(), 14);
+    Eigen::Vector3f low = ChairMesh().vertices.front();
+    Eigen::Vector3f high = low;
+    for (const Eigen::Vector3f& p : ChairMesh().vertices) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    entry.size_m = (high - low).cast<double>();
+    map.objects.push_back(entry);
+  }
+  return map;
+}
+
+gltf::ValidationReport ReportOf(const artifact::MapFile& map) {
+  return gltf::ValidateGlb(*gltf::WriteGlb(*ExpandMap(map, nullptr), {}));
+}
+
+TEST(CompareWithMap, FindsNothingBetweenAMapAndItsScene) {
+  const artifact::MapFile map = MapOfTwo();
+  EXPECT_THAT(CompareWithMap(ReportOf(map), Rounded(map)), ElementsAre());
+}
+
+struct Change {
+  const char* what;
+  std::function<void(artifact::MapFile&)> apply;
+};
+
+TEST(CompareWithMap, NamesTheObjectAndWhatDiffers) {
+  const gltf::ValidationReport report = ReportOf(MapOfTwo());
+  const Change changes[] = {
+      {"name is", [](auto& map) { map.objects[1].name = "chair_07"; }},
+      {"class is", [](auto& map) { map.objects[1].class_name = "sofa"; }},
+      {"confidence is", [](auto& map) { map.objects[1].confidence += 0.001; }},
+      {"source of the shape is",
+       [](auto& map) { map.objects[1].source = CandidateSource::kFused; }},
+      {"place is", [](auto& map) { map.objects[1].world_from_object.translation_m.y() += 0.001; }},
+      {"turned by",
+       [](auto& map) {
+         map.objects[1].world_from_object.rotation =
+             map.objects[1].world_from_object.rotation *
+             Eigen::AngleAxisd(1e-5, Eigen::Vector3d::UnitX());
+       }},
+      {"size is", [](auto& map) { map.objects[1].size_m.z() += 0.05; }},
+      {"of the scene is not in the map", [](auto& map) { map.objects.pop_back(); }},
+      {"of the map is not in the scene",
+       [](auto& map) {
+         map.objects.push_back(map.objects[0]);
+         map.objects.back().id = ObjectId{9};
+       }},
+      {"ground", [](auto& map) { map.ground_outline_m.clear(); }},
+  };
+  for (const Change& change : changes) {
+    artifact::MapFile map = MapOfTwo();
+    change.apply(map);
+    const std::vector<std::string> found = CompareWithMap(report, map);
+    EXPECT_THAT(found, ElementsAre(HasSubstr(change.what))) << change.what;
+  }
+}
+
+// The bound that docs/artifacts.md states for scene.glb.
+TEST(Draco, DecodedSurfacesStayWithinTheStatedDistance) {
+  for (const int bits : {10, 14}) {
+    const TriangleMesh& source = ChairMesh();
+    const TriangleMesh decoded = *gltf::DracoDecode(*gltf::DracoEncode(source, bits));
+    EXPECT_LE(mesh::SurfaceDistance(source, decoded),
+              std::sqrt(3.0) * gltf::QuantisationError(source, bits));
+  }
+}
+
+}  // namespace
+}  // namespace deepslam::stages
