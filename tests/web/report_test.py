@@ -32,7 +32,7 @@ def find_browser():
 
 def write_page(writer, page, *arguments):
     page.parent.mkdir(parents=True, exist_ok=True)
-    subprocess.run([writer, page, *arguments], check=True, timeout=60)
+    subprocess.run([writer, page, *arguments], check=True, timeout=1200)
     return page
 
 
@@ -67,7 +67,7 @@ def main():
     script = pathlib.Path(__file__).resolve().with_name("report_test.cjs")
     environment = dict(os.environ, DEEPSLAM_NODE_MODULES=str(modules), DEEPSLAM_BROWSER=browser)
     arguments = [f"{kind}={page}" for kind, page in pages.items()]
-    done = subprocess.run(["node", script, folder, *arguments], env=environment, timeout=280)
+    done = subprocess.run(["node", script, folder, *arguments], env=environment, timeout=1200)
     return done.returncode
 
 
