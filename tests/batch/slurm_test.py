@@ -22,9 +22,9 @@ PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 SKIPPED = 77
 TEMP = tempfile.TemporaryDirectory(prefix="deepslam-slurm-")
 DIR = pathlib.Path(TEMP.name)
-PATIENCE_S = 1200
-# The chain to its most expensive stages, so that the test stays short.
-OPTIONS = (*captures.BARE, "--until", "select")
+PATIENCE_S = 600
+# The chain to its most expensive stages, so that the test stays short; a node has one processor.
+OPTIONS = (*captures.BARE, "--until", "select", "--threads", "1")
 
 
 def start(*arguments):
@@ -64,7 +64,7 @@ class LostNode(unittest.TestCase):
     def setUpClass(cls):
         cls.fleet = fleets.Fleet(ROOM, DIR / "forty")
         cls.root = DIR / "forty_batch"
-        process = start(cls.fleet.list, "-o", cls.root, "--jobs", "2", "--threads", "1", "--time", "30", *OPTIONS)
+        process = start(cls.fleet.list, "-o", cls.root, "--jobs", "2", "--time", "30", *OPTIONS)
         crashing = wait_for(lambda: [row for row in records(cls.root).values() if row["name"] == "crash" and
                                      row["state"] == "running"], "start of `crash`")
         os.kill(crashing[0]["process"], signal.SIGSEGV)

@@ -29,7 +29,7 @@ const std::array<std::pair<const char*, double>, 14> kUsualSeconds = {{{"track",
                                                                        {"report", 2.0}}};
 constexpr double kOtherStageSeconds = 1.0;
 
-// Measured on rendered and real rooms, and rounded up.
+// Rounded up from a handful of rendered and real rooms.
 constexpr std::uintmax_t kBytesPerCapture = 12'000'000;
 constexpr std::uintmax_t kBytesPerFrame = 30'000;
 constexpr std::uintmax_t kKeptBytesPerCapture = 10'000'000;
