@@ -23,8 +23,9 @@ SKIPPED = 77
 TEMP = tempfile.TemporaryDirectory(prefix="deepslam-slurm-")
 DIR = pathlib.Path(TEMP.name)
 PATIENCE_S = 600
-# The chain to its most expensive stages, so that the test stays short; a node has one processor.
-OPTIONS = (*captures.BARE, "--until", "select", "--threads", "1")
+# The chain to its most expensive stages, so that the test stays short.
+CHAIN = (*captures.BARE, "--until", "select")
+OPTIONS = (*CHAIN, "--threads", "1")  # a node has one processor
 
 
 def start(*arguments):
@@ -85,7 +86,7 @@ class LostNode(unittest.TestCase):
         self.assertEqual({row["host"] for row in self.rows.values() if row["state"] == "done"}, {"n1", "n2"})
 
     def test_good_ones_equal_single_runs(self):
-        expected = fleets.single_runs(PROGRAM, self.fleet, DIR / "forty_single", OPTIONS, PATIENCE_S)
+        expected = fleets.single_runs(PROGRAM, self.fleet, DIR / "forty_single", CHAIN, PATIENCE_S)
         self.assertEqual(len(expected), 34)
         for name, digests in expected.items():
             self.assertEqual(self.rows[name]["state"], "done", self.rows[name]["reason"])
