@@ -269,10 +269,12 @@ TEST(Runner, KilledRunGoesOnWithEqualBytes) {
   // What a killed process leaves: a half-written stage, and one that was moved aside while being
   // replaced.
   WriteText(dir.path() / "c.partial-99999" / "c.txt", "ha");
+  WriteText(dir.path() / "workspace.json.tmp-99999", "{");
   fs::rename(dir.path() / "b", dir.path() / "b.old-99999");
   WriteText(dir.path() / "mine.partial-1" / "notes.txt", "the user's own");
   EXPECT_THAT(RunChain({}, dir.path()).ran, ElementsAre("b", "c", "d"));
   EXPECT_FALSE(fs::exists(dir.path() / "c.partial-99999"));
+  EXPECT_FALSE(fs::exists(dir.path() / "workspace.json.tmp-99999"));
   EXPECT_FALSE(fs::exists(dir.path() / "b.old-99999"));
   EXPECT_TRUE(fs::exists(dir.path() / "mine.partial-1"));
   fs::remove_all(dir.path() / "mine.partial-1");

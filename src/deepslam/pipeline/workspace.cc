@@ -25,6 +25,7 @@ constexpr std::string_view kWorkspaceFile = "workspace.json";
 constexpr std::string_view kLockFile = ".lock";
 
 bool IsLeftover(const std::string& name, std::span<const std::string> stage_names) {
+  if (name.starts_with(std::string(kWorkspaceFile) + ".tmp-")) return true;
   return std::any_of(stage_names.begin(), stage_names.end(), [&](const std::string& stage) {
     return name.starts_with(stage + ".partial-") || name.starts_with(stage + ".old-");
   });
