@@ -11,31 +11,12 @@
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/report/draw.h"
 #include "deepslam/report/report.h"
+#include "support/box_meshes.h"
 
 namespace deepslam {
 namespace {
 
-TriangleMesh BoxMesh(const Eigen::Vector3f& size_m) {
-  TriangleMesh mesh;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3f side(
-        corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f);
-    mesh.vertices.push_back(side.cwiseProduct(size_m));
-  }
-  mesh.faces = {{0, 2, 1},
-                {1, 2, 3},
-                {4, 5, 6},
-                {5, 7, 6},
-                {0, 1, 4},
-                {1, 5, 4},
-                {2, 6, 3},
-                {3, 6, 7},
-                {0, 4, 2},
-                {2, 4, 6},
-                {1, 3, 5},
-                {3, 7, 5}};
-  return mesh;
-}
+using testing_support::BoxMesh;
 
 struct Item {
   std::string name;

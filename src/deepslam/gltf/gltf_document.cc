@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "deepslam/gltf/component_type.h"
 #include "deepslam/gltf/glb_container.h"
 #include "deepslam/gltf/validate.h"
 
@@ -29,22 +30,6 @@ int NumComponents(const std::string& type) {
       {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
   const auto found = kTypes.find(type);
   return found == kTypes.end() ? 0 : found->second;
-}
-
-int ComponentBytes(int component_type) {
-  switch (component_type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
 }
 
 class DocumentReader {

@@ -18,6 +18,7 @@
 
 #include "deepslam/core/base64.h"
 #include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/component_type.h"
 #include "deepslam/gltf/glb_container.h"
 
 namespace deepslam::gltf {
@@ -82,22 +83,6 @@ struct ModelValues {
                       : value;
   }
 };
-
-int ComponentBytes(std::uint64_t component_type) {
-  switch (component_type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
-}
 
 int NumComponents(const std::string& type) {
   static const std::map<std::string, int> kTypes = {
