@@ -1,5 +1,7 @@
 #include <atomic>
+#include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -57,6 +59,19 @@ TEST(ParallelFor, VisitsEveryIndexOnceForAnyThreadCount) {
     ParallelFor(visits.size(), [&](std::size_t i) { ++visits[i]; });
     for (const auto& v : visits) EXPECT_EQ(v, 1);
   }
+}
+
+TEST(OnOneThread, KeepsParallelLoopsOnTheCallersThread) {
+  std::set<std::thread::id> threads;
+  int visits = 0;
+  OnOneThread([&] {
+    ParallelFor(1000, [&](std::size_t) {
+      threads.insert(std::this_thread::get_id());
+      ++visits;
+    });
+  });
+  EXPECT_EQ(threads, std::set<std::thread::id>{std::this_thread::get_id()});
+  EXPECT_EQ(visits, 1000);
 }
 
 TEST(ParallelForChunks, CoversTheRangeWithoutOverlap) {

@@ -1,7 +1,11 @@
 #include "deepslam/render/ray_scene.h"
 
+#include <atomic>
+#include <chrono>
+#include <latch>
 #include <limits>
 #include <numbers>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -146,6 +150,25 @@ TEST(RenderView, DepthIsAlongTheAxisAndEqualForAnyThreads) {
   EXPECT_GT(num_plane, 100);
   const ThreadLimit one(1);
   EXPECT_EQ(RenderView(scene, camera, above).depth_m, view.depth_m);
+}
+
+// Embree can be told to bound the scheduler that it shares with everything else.
+TEST(RayScene, LeavesParallelLoopsTheirThreads) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor";
+  RayScene scene;
+  ASSERT_TRUE(scene.AddMesh(Square(1), Pose3()).ok());
+  scene.Commit();
+  // Two bodies that wait for each other end only when they run at once.
+  std::latch both(2);
+  std::atomic<int> met = 0;
+  ParallelFor(2, [&](std::size_t) {
+    both.count_down();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!both.try_wait() && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::yield();
+    if (both.try_wait()) ++met;
+  });
+  EXPECT_EQ(met, 2);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace deepslam {
 
@@ -37,6 +38,10 @@ void ParallelForChunks(std::size_t count,
   const std::size_t num_chunks = (count + chunk - 1) / chunk;
   ParallelFor(num_chunks,
               [&](std::size_t c) { body(c * chunk, std::min(count, (c + 1) * chunk)); });
+}
+
+void OnOneThread(const std::function<void()>& body) {
+  tbb::task_arena(1).execute([&] { body(); });
 }
 
 }  // namespace deepslam

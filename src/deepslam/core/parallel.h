@@ -31,4 +31,8 @@ void ParallelForChunks(std::size_t count,
                        std::size_t chunk,
                        const std::function<void(std::size_t, std::size_t)>& body);
 
+// Runs `body` so that parallel loops inside it, ours and those of libraries on the same scheduler,
+// get no thread but the caller's.
+void OnOneThread(const std::function<void()>& body);
+
 }  // namespace deepslam

@@ -6,12 +6,13 @@
 
 #include <embree3/rtcore.h>
 
+#include "deepslam/core/parallel.h"
+
 namespace deepslam::render {
 
 struct RayScene::Impl {
-  // One building thread: the tree, and with it which of two equally near faces is hit, must not
-  // depend on timing.
-  RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+  // Without "threads": that setting bounds every TBB loop of the process while the device lives.
+  RTCDevice device = rtcNewDevice("set_affinity=0");
   RTCScene scene = nullptr;
   int num_instances = 0;
   bool committed = false;
@@ -77,7 +78,8 @@ Result<int> RayScene::AddMesh(const TriangleMesh& mesh, const Pose3& world_from_
 }
 
 void RayScene::Commit() {
-  rtcCommitScene(impl_->scene);
+  // The tree, and with it which of two equally near faces is hit, must not depend on timing.
+  OnOneThread([this] { rtcCommitScene(impl_->scene); });
   impl_->committed = true;
 }
 
