@@ -273,6 +273,18 @@ TEST(BuildWorld, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal(scene), HasSubstr("300 objects"));
 }
 
+TEST(BuildWorld, LetsTheCameraUnderATopButNotAgainstItNorIntoABox) {
+  FurnitureModel top = BoxModel();
+  top.mesh.faces = {{4, 5, 6}, {5, 7, 6}};  // without sides and bottom
+  SceneDescription scene = SmallScene();
+  scene.orbit.radius_m = 0.2;
+  scene.orbit.height_m = 0.5;
+  EXPECT_TRUE(BuildWorld(scene, {{"box", top}}).ok());
+  EXPECT_FALSE(BuildWorld(scene, {{"box", BoxModel()}}).ok());
+  scene.orbit.height_m = 0.74;
+  EXPECT_FALSE(BuildWorld(scene, {{"box", top}}).ok());
+}
+
 TEST(BuildWorld, WarnsOfAWayThroughAWall) {
   EXPECT_TRUE(BuildWorld(SmallScene(), {{"box", BoxModel()}})->warnings.empty());
   SceneDescription scene = SmallScene();

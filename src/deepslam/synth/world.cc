@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/core/random.h"
+#include "deepslam/synth/camera_clearance.h"
 #include "deepslam/synth/camera_path.h"
 #include "deepslam/synth/clutter.h"
 
@@ -181,6 +183,7 @@ std::string Place(const Eigen::Vector3d& p) {
 
 Status CheckPath(World& world) {
   const std::vector<Pose3> path = CameraPath(world.description);
+  std::map<std::size_t, CameraClearance> clearances;  // of objects in whose box the camera comes
   bool was_inside = true;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Eigen::Vector3d& place = path[i].translation_m;
@@ -193,9 +196,12 @@ Status CheckPath(World& world) {
           Place(place)));
     }
     was_inside = inside;
-    for (const PlacedObject& object : world.objects) {
+    for (std::size_t o = 0; o < world.objects.size(); ++o) {
+      const PlacedObject& object = world.objects[o];
       const Eigen::Vector3d p_object = object.world_from_object.Inverse() * place;
       if ((p_object.cwiseAbs() - object.size_m / 2).maxCoeff() > kCameraMarginM) continue;
+      const auto& clearance = clearances.try_emplace(o, object.mesh).first->second;
+      if (!clearance.Blocked(p_object, kCameraMarginM)) continue;
       return InvalidInput(
           fmt::format("camera enters {} '{}' in frame {} at {}; change the way (orbit, walk) or "
                       "the object's place",
