@@ -1,4 +1,5 @@
 """What is rendered, reconstructed and scored: one case per scene and rung, with variants of its reconstruction."""
+import functools
 import hashlib
 import json
 import os
@@ -137,8 +138,13 @@ class Case:
         file.write_text(json.dumps(spent))
 
 
+@functools.cache
+def program_hash(program):
+    return hashlib.sha256(program.read_bytes()).hexdigest()
+
+
 def render(case, args):
-    """Renders the capture anew where its scene changed."""
+    """Renders the capture anew where its scene or the program changed; equal bytes keep finished stages valid."""
     text = with_fewer_frames(case.scene.read_text(), 60 if args.quick else args.max_frames)
     if args.quick:
         text = with_half_images(text)
@@ -149,7 +155,7 @@ def render(case, args):
         scene.parent.mkdir(exist_ok=True)
         scene.write_text(text)
     stamp = pathlib.Path(str(case.capture) + ".made_from")
-    made_from = hashlib.sha256(f"{text}\n{case.rung}".encode()).hexdigest()
+    made_from = hashlib.sha256(f"{text}\n{case.rung}\n{program_hash(args.deepslam)}".encode()).hexdigest()
     if case.capture.exists() and stamp.exists() and stamp.read_text() == made_from:
         return True
     shutil.rmtree(case.capture, ignore_errors=True)
