@@ -10,7 +10,7 @@
 #include "deepslam/core/random.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/colour_mesh.h"
-#include "deepslam/stages/compact_shape.h"
+#include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/object_mesh.h"
 #include "support/voxel_shapes.h"
 
@@ -134,20 +134,17 @@ void ExportFiftyObjects(benchmark::State& state) {
 }
 BENCHMARK(ExportFiftyObjects)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-// Ten fused winners among the fifty.
-void EmbedTenShapes(benchmark::State& state) {
-  Meshes();
-  std::vector<std::size_t> bytes(10);
+// All fifty as fused winners.
+void EmbedFiftyShapes(benchmark::State& state) {
+  Grids();
+  std::size_t bytes = 0;
   for (auto _ : state) {
-    ParallelFor(bytes.size(), [&](std::size_t i) {
-      bytes[i] = stages::EncodeCompactShape(Meshes()[5 * i + 4], 1.0)->size();
-    });
+    bytes = 0;
+    for (const VoxelGrid& grid : Grids()) bytes += shape::EncodeVoxels(grid).size();
   }
-  double sum = 0;
-  for (const std::size_t b : bytes) sum += static_cast<double>(b);
-  state.counters["bytes_per_shape"] = sum / 10;
+  state.counters["bytes_per_shape"] = static_cast<double>(bytes) / kNumObjects;
 }
-BENCHMARK(EmbedTenShapes)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(EmbedFiftyShapes)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace deepslam

@@ -9,6 +9,7 @@
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/surface_distance.h"
+#include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/expand.h"
 #include "deepslam/stages/object_mesh.h"
 #include "support/voxel_shapes.h"
@@ -37,7 +38,7 @@ artifact::MapFile MapOfTwo() {
     entry.world_from_object = {
         Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * n, Eigen::Vector3d::UnitZ())),
         {1.23456789 * n, 2, 0.5}};
-    entry.shape.draco = *gltf::DracoEncode(ChairMesh(), 14);
+    entry.shape.voxel_code = shape::EncodeVoxels(testing_support::ChairWithThinLegs());
     Eigen::Vector3f low = ChairMesh().vertices.front();
     Eigen::Vector3f high = low;
     for (const Eigen::Vector3f& p : ChairMesh().vertices) {

@@ -12,7 +12,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/map";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 constexpr double kMinStretch = 0.01;
 constexpr double kMaxStretch = 100;
 constexpr std::size_t kMaxOutlinePoints = 100'000;
@@ -32,7 +32,8 @@ JsonValue ShapeToJson(const MapShape& shape) {
     if (shape.stretch != Eigen::Vector3d::Ones()) row.emplace("stretch", ToJson(shape.stretch));
     if (!shape.voxels_checksum.empty()) row.emplace("voxels_checksum", shape.voxels_checksum);
   }
-  if (!shape.draco.empty()) row.emplace("draco_base64", EncodeBase64(shape.draco));
+  if (!shape.voxel_code.empty())
+    row.emplace("voxels_base64", EncodeBase64(shape.voxel_code));
   return JsonValue(std::move(row));
 }
 
@@ -56,12 +57,12 @@ MapShape ReadShape(const JsonNode& node) {
       shape.voxels_checksum = sum.String();
     }
   }
-  if (const JsonNode draco = node.Maybe("draco_base64"); draco.exists()) {
-    Result<std::string> bytes = DecodeBase64(draco.String());
+  if (const JsonNode voxels = node.Maybe("voxels_base64"); voxels.exists()) {
+    Result<std::string> bytes = DecodeBase64(voxels.String());
     if (bytes.ok()) {
-      shape.draco = std::move(bytes).value();
+      shape.voxel_code = std::move(bytes).value();
     } else {
-      draco.Fail(": " + bytes.error().message);
+      voxels.Fail(": " + bytes.error().message);
     }
   }
   return shape;

@@ -21,7 +21,7 @@ namespace deepslam::artifact {
 inline constexpr std::size_t kMapChecksumDigits = 16;
 
 // How a shape is stored: by latents of a decoder, by a model of a library and its stretch
-// (shape::StretchGrid), or as a Draco mesh of its own.
+// (shape::StretchGrid), or by its own voxels.
 struct MapShape {
   std::vector<float> latents;
   std::string library_id;
@@ -29,7 +29,7 @@ struct MapShape {
   std::string library_checksum;
   Eigen::Vector3d stretch = Eigen::Vector3d::Ones();  // ones = the library's model as it is
   std::string voxels_checksum;  // empty = unknown
-  std::string draco;            // bytes of a mesh in the object frame, metres; base64 in the file
+  std::string voxel_code;       // bytes of shape::EncodeVoxels; base64 in the file
 };
 
 struct MapEntry {

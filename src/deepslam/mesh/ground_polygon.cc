@@ -170,9 +170,10 @@ void MarkInside(Constrained& triangulation) {
   }
 }
 
-TriangleMesh Triangulated(const Polygon& outline) {
+TriangleMesh Triangulated(const Polygon& outline, std::span<const Eigen::Vector2d> inner = {}) {
   Constrained triangulation;
   triangulation.insert_constraint(outline.vertices_begin(), outline.vertices_end(), true);
+  for (const Eigen::Vector2d& p : inner) triangulation.insert(Point(p.x(), p.y()));
   MarkInside(triangulation);
   TriangleMesh mesh;
   for (const auto v : triangulation.finite_vertex_handles()) {
@@ -242,7 +243,8 @@ std::vector<Eigen::Vector2d> OutlineOf(const TriangleMesh& ground_polygon) {
   return outline;
 }
 
-Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline_m) {
+Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline_m,
+                                        std::span<const Eigen::Vector2d> inner_m) {
   try {
     Polygon polygon;
     for (const Eigen::Vector2d& p : outline_m) {
@@ -253,7 +255,10 @@ Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline
       return InvalidInput("ground outline: " + std::to_string(outline_m.size()) +
                           " points that are no simple polygon");
     }
-    return Triangulated(polygon);
+    for (const Eigen::Vector2d& p : inner_m) {
+      if (!p.allFinite()) return InvalidInput("ground outline: an inner point is not finite");
+    }
+    return Triangulated(polygon, inner_m);
   } catch (const std::exception& e) {
     return Failed(std::string("ground outline: ") + e.what());
   }
@@ -277,6 +282,11 @@ void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options) {
                 {1, 10000},
                 "m",
                 "floor points farther from the origin are outliers");
+  visitor.Field("colour_step_m",
+                options.colour_step_m,
+                {0, 10},
+                "m",
+                "distance of the points that carry the floor's measured colours; 0 = plain floor");
 }
 
 }  // namespace deepslam::mesh

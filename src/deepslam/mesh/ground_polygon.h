@@ -18,6 +18,7 @@ struct GroundPolygonOptions {
       0.25;  // gaps in the floor narrower than twice this are bridged (things standing on it)
   double simplify_m = 0.06;   // the outline may leave the points' outline by about this much
   double max_extent_m = 200;  // points farther from the origin are refused as outliers
+  double colour_step_m = 0.05;  // between the points that carry the floor's colours; 0 = plain floor
 };
 void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options);
 
@@ -31,7 +32,9 @@ void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options);
 // for anything but a triangulated simple polygon.
 [[nodiscard]] std::vector<Eigen::Vector2d> OutlineOf(const TriangleMesh& ground_polygon);
 
-// The mesh of an outline. Errors: fewer than three points, not finite, crossing itself.
-[[nodiscard]] Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline_m);
+// The mesh of an outline, with `inner_m` as further vertices; they must lie well inside, so that the
+// outline stays what it is. Errors: fewer than three points, not finite, crossing itself.
+[[nodiscard]] Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline_m,
+                                                      std::span<const Eigen::Vector2d> inner_m = {});
 
 }  // namespace deepslam::mesh

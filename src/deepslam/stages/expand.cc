@@ -12,11 +12,11 @@
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
-#include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/mesh/ground_polygon.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/stretch.h"
+#include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/config.h"
 #include "deepslam/stages/object_mesh.h"
 #include "deepslam/stages/plan.h"
@@ -60,8 +60,17 @@ Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibra
   return grid;
 }
 
-// The library's shapes of a map, each once: one chair a thousand times is one shape.
-using ShapeKey = std::tuple<std::string, double, double, double, std::string, std::string>;
+// The voxels a shape of a map stands for, its own or a library's.
+Result<VoxelGrid> ShapeOf(const artifact::MapShape& shape, const ModelLibrary* library) {
+  if (!shape.voxel_code.empty()) return shape::DecodeVoxels(shape.voxel_code);
+  if (library != nullptr) return LibraryShape(shape, *library);
+  return InvalidInput(
+      fmt::format("needs model {} of the furniture library; name its folder by --library",
+                  shape.library_id));
+}
+
+// The shapes of a map, each once: one chair a thousand times is one shape.
+using ShapeKey = std::tuple<std::string, double, double, double, std::string, std::string, std::string>;
 ShapeKey KeyOf(const artifact::MapShape& shape) {
   const Eigen::Vector3d& stretch = shape.stretch;
   return {shape.library_id,
@@ -69,24 +78,25 @@ ShapeKey KeyOf(const artifact::MapShape& shape) {
           stretch.y(),
           stretch.z(),
           shape.library_checksum,
-          shape.voxels_checksum};
+          shape.voxels_checksum,
+          shape.voxel_code};
 }
 using UnitMeshes = std::map<ShapeKey, std::optional<Result<TriangleMesh>>>;
 
-// In object units. Empty without a library.
+// In object units.
 UnitMeshes MakeUnitMeshes(const artifact::MapFile& map,
                           const ModelLibrary* library,
                           const Config& config) {
   UnitMeshes meshes;
-  if (library == nullptr) return meshes;
   std::map<ShapeKey, const artifact::MapShape*> shapes;
   for (const artifact::MapEntry& entry : map.objects) {
-    if (!entry.shape.library_id.empty()) shapes.emplace(KeyOf(entry.shape), &entry.shape);
+    if (!entry.shape.voxel_code.empty() || !entry.shape.library_id.empty())
+      shapes.emplace(KeyOf(entry.shape), &entry.shape);
   }
   std::vector<std::pair<const artifact::MapShape*, std::optional<Result<TriangleMesh>>*>> work;
   for (const auto& [key, shape] : shapes) work.emplace_back(shape, &meshes[key]);
   ParallelFor(work.size(), [&](std::size_t i) {
-    const Result<VoxelGrid> grid = LibraryShape(*work[i].first, *library);
+    const Result<VoxelGrid> grid = ShapeOf(*work[i].first, library);
     *work[i].second = grid.ok() ? MakeObjectMesh(*grid, 1.0, config.surface, config.refine)
                                 : Result<TriangleMesh>(grid.error());
   });
@@ -95,18 +105,7 @@ UnitMeshes MakeUnitMeshes(const artifact::MapFile& map,
 
 Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry, const UnitMeshes& unit_meshes) {
   const artifact::MapShape& shape = entry.shape;
-  if (!shape.draco.empty()) {
-    Result<TriangleMesh> mesh = gltf::DracoDecode(shape.draco);
-    if (!mesh.ok()) return InvalidInput("its Draco mesh is damaged: " + mesh.error().message);
-    return mesh;
-  }
-  if (!shape.library_id.empty()) {
-    const auto unit = unit_meshes.find(KeyOf(shape));
-    if (unit == unit_meshes.end()) {
-      return InvalidInput(
-          fmt::format("needs model {} of the furniture library; name its folder by --library",
-                      shape.library_id));
-    }
+  if (const auto unit = unit_meshes.find(KeyOf(shape)); unit != unit_meshes.end()) {
     Result<TriangleMesh> mesh = *unit->second;
     if (!mesh.ok()) return mesh.error();
     for (Eigen::Vector3f& vertex : mesh->vertices) vertex *= static_cast<float>(entry.scale_m);
@@ -137,7 +136,10 @@ gltf::GltfObject ToGltf(const artifact::MapEntry& entry,
     object.class_colour = colour->second;
   }
   object.credit = entry.credit;
-  if (!entry.shape.library_id.empty()) {
+  if (!entry.shape.voxel_code.empty()) {
+    object.model = entry.shape.voxel_code;
+    object.scale_m = entry.scale_m;
+  } else if (!entry.shape.library_id.empty()) {
     const Eigen::Vector3d& stretch = entry.shape.stretch;
     object.model =
         fmt::format("{} {} {} {}", entry.shape.library_id, stretch.x(), stretch.y(), stretch.z());
@@ -196,7 +198,7 @@ artifact::MapFile Rounded(artifact::MapFile map) {
 
 bool NeedsLibrary(const artifact::MapFile& map) {
   return std::any_of(map.objects.begin(), map.objects.end(), [](const artifact::MapEntry& entry) {
-    return entry.shape.draco.empty() && !entry.shape.library_id.empty();
+    return entry.shape.voxel_code.empty() && !entry.shape.library_id.empty();
   });
 }
 

@@ -29,7 +29,7 @@ inline constexpr double kMapScoreStep = 1e-4;     // confidence
 // Objects with ids, names, classes, poses, shapes and class colours, and the ground. `library` may
 // be null when no object needs it. Errors (kInvalidInput), each naming the object: its model is not
 // in the library or is another there; its shape is a network's and no decoder is installed; its
-// Draco mesh is damaged; a mesh option is unknown.
+// voxels are damaged; a mesh option is unknown.
 [[nodiscard]] Result<gltf::GltfScene> ExpandMap(const artifact::MapFile& map,
                                                 const ModelLibrary* library);
 

@@ -10,12 +10,13 @@
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/objects_csv.h"
 #include "deepslam/artifact/scene_json.h"
-#include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
+#include "deepslam/fuse/canonical_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
+#include "deepslam/mesh/floor_surface.h"
 #include "deepslam/mesh/ground_polygon.h"
-#include "deepslam/stages/compact_shape.h"
+#include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/expand.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/scene_files.h"
@@ -29,6 +30,8 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
+// Smaller pieces of the room that hang in the air once the floor is gone are crumbs.
+constexpr int kMinPieceFaces = 50;
 
 // Everything the scene is made of.
 struct Content {
@@ -80,7 +83,16 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
   }
   const Result<TriangleMesh> polygon = mesh::GroundPolygon(points, config.ground_polygon);
   if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
-  return RoundedGround(*polygon);
+  return mesh::ColouredGround(RoundedGround(*polygon),
+                              content.room,
+                              kFloorBandM,
+                              config.ground_polygon.colour_step_m);
+}
+
+// The measured room without the floor that the polygon shows, and without the crumbs this leaves.
+TriangleMesh RoomBesideGround(const Content& content, const TriangleMesh& ground) {
+  return fuse::CanonicalMesh(fuse::WithoutSmallComponents(
+      mesh::WithoutFloor(content.room, ground, kFloorBandM), kMinPieceFaces));
 }
 
 // The scene without its surroundings, to say how large its objects are.
@@ -133,8 +145,9 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
     scene.objects.push_back(
         ToGltf(content.map.map.objects[i], content.meshes[i], inputs.classes, config.export_stage));
   }
-  if (config.export_stage.room && !content.room.empty()) scene.room = content.room;
   scene.ground = GroundMesh(content, config);
+  if (config.export_stage.room && !content.room.empty())
+    scene.room = scene.ground ? RoomBesideGround(content, *scene.ground) : content.room;
   if (config.export_stage.trajectory) {
     for (const TrackedFrame& frame : content.map.frames) {
       scene.trajectory_world_from_camera.push_back(frame.world_from_camera);
@@ -154,7 +167,8 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
 
 Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
                                       const TriangleMesh& mesh,
-                                      const Content& content) {
+                                      const Content& content,
+                                      const StageContext& context) {
   artifact::MapEntry entry{object.id,
                            ObjectName(object),
                            object.class_name,
@@ -182,9 +196,9 @@ Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
     entry.shape.voxels_checksum =
         content.voxels_checksums.at(object.model).substr(0, artifact::kMapChecksumDigits);
   } else if (entry.shape.latents.empty() && !mesh.empty()) {
-    Result<std::string> draco = EncodeCompactShape(mesh, object.scale_m);
-    if (!draco.ok()) return draco.error();
-    entry.shape.draco = std::move(draco).value();
+    const Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
+    if (!grid.ok()) return grid.error();
+    entry.shape.voxel_code = shape::EncodeVoxels(*grid);
   }
   return entry;
 }
@@ -199,7 +213,8 @@ std::map<std::string, std::string> MeshOptions(const Config& config) {
   return options;
 }
 
-Result<artifact::MapFile> MakeMap(const Content& content,
+Result<artifact::MapFile> MakeMap(const StageContext& context,
+                                  const Content& content,
                                   const gltf::GltfScene& scene,
                                   const RunInputs& inputs) {
   artifact::MapFile map;
@@ -215,13 +230,11 @@ Result<artifact::MapFile> MakeMap(const Content& content,
   map.mesh_options = MeshOptions(inputs.config);
   map.verdict = verdict.verdict;
   map.reasons = verdict.reasons;
-  std::vector<std::optional<Result<artifact::MapEntry>>> entries(content.meshes.size());
-  ParallelFor(entries.size(), [&](std::size_t i) {
-    entries[i] = ToMapEntry(content.map.map.objects[i], content.meshes[i], content);
-  });
-  for (std::optional<Result<artifact::MapEntry>>& entry : entries) {
-    if (!entry->ok()) return entry->error();
-    map.objects.push_back(std::move(*entry).value());
+  for (std::size_t i = 0; i < content.meshes.size(); ++i) {
+    Result<artifact::MapEntry> entry =
+        ToMapEntry(content.map.map.objects[i], content.meshes[i], content, context);
+    if (!entry.ok()) return entry.error();
+    map.objects.push_back(std::move(entry).value());
   }
   return Rounded(std::move(map));
 }
@@ -261,7 +274,7 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   if (Status status = WriteOnRequest(context, scene, inputs); !status.ok()) return status.error();
   const Result<std::string> objects_glb = gltf::WriteGlb(ObjectsOnly(scene), inputs.config.gltf);
   if (!objects_glb.ok()) return objects_glb.error();
-  const Result<artifact::MapFile> map = MakeMap(*content, scene, inputs);
+  const Result<artifact::MapFile> map = MakeMap(context, *content, scene, inputs);
   if (!map.ok()) return map.error();
   const Result<std::string> map_json = artifact::EncodeMap(*map, "map.json");
   if (Status status = WriteEncoded(context, "map.json", map_json); !status.ok())

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/scene_json.h"
-#include "deepslam/scene/voxel_grid.h"
-#include "deepslam/stages/compact_shape.h"
 #include "deepslam/stages/expand.h"
 
 namespace deepslam::stages {
@@ -47,10 +45,8 @@ void CompareObject(const gltf::ValidatedObject& scene,
                                       entry.name,
                                       turn_rad));
   }
-  double size_error_m = kMapPlaceStepM + kSceneSizeErrorM;
-  if (!entry.shape.draco.empty())
-    size_error_m += 2 * kEmbeddedErrorVoxels * kVoxelSize * entry.scale_m;
-  if ((scene.size_m - entry.size_m).cwiseAbs().maxCoeff() > size_error_m)
+  constexpr double kSizeErrorM = kMapPlaceStepM + kSceneSizeErrorM;
+  if ((scene.size_m - entry.size_m).cwiseAbs().maxCoeff() > kSizeErrorM)
     differ("size", Vector(scene.size_m), Vector(entry.size_m));
 }
 

@@ -11,8 +11,7 @@ namespace deepslam::stages {
 
 // The disagreements, each naming the object and both values; empty when scene and map agree:
 // every object of either is in the other, with the same name, class, source, confidence, pose and
-// size to within what the map's numbers are rounded to (shapes embedded in the map: to within
-// kEmbeddedErrorVoxels), and both have a ground or neither.
+// size to within what the map's numbers are rounded to, and both have a ground or neither.
 [[nodiscard]] std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
                                                       const artifact::MapFile& map);
 

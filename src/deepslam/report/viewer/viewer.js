@@ -86,14 +86,14 @@ class Viewer {
     for (const node of [...scene.children]) {
       const name = node.userData.name || node.name;
       if (byName.has(name)) this.adoptObject(node, byName.get(name));
-      if (name === 'room') {
-        this.layers.room = node;
+      if (name === 'room' || name === 'ground') {
+        this.layers[name] = node;
         node.traverse((part) => {
           // Measured colours hold the room's light already.
-          if (part.isMesh) part.material = new THREE.MeshBasicMaterial({vertexColors: part.material.vertexColors});
+          if (!part.isMesh || !part.material.vertexColors) return;
+          part.material = new THREE.MeshBasicMaterial({vertexColors: true, side: part.material.side});
         });
       }
-      if (name === 'ground') this.layers.ground = node;
       if (name === 'trajectory') node.visible = false;  // drawn from the page's data, with the tracked one
       if (name === 'keyframes') node.visible = false;
     }

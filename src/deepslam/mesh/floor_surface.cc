@@ -1,0 +1,244 @@
+#include "deepslam/mesh/floor_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "deepslam/mesh/ground_polygon.h"
+
+namespace deepslam::mesh {
+namespace {
+
+constexpr double kMaxColourPoints = 40'000;
+// Cosine of the steepest face that is floor: noise tilts faces of a few centimetres a good deal.
+constexpr double kMinLevel = 0.6;
+// Colours come from so many steps away at most, else from the floor as a whole.
+constexpr int kMaxSpread = 20;
+
+double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+class Outline {
+ public:
+  explicit Outline(std::vector<Eigen::Vector2d> points) : points_(std::move(points)) {}
+
+  [[nodiscard]] bool empty() const { return points_.size() < 3; }
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }
+
+  [[nodiscard]] bool Contains(const Eigen::Vector2d& p) const {
+    bool inside = false;
+    ForEdges([&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      if ((a.y() > p.y()) == (b.y() > p.y())) return;
+      const double x = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+      if (p.x() < x) inside = !inside;
+    });
+    return inside;
+  }
+  [[nodiscard]] bool Crosses(const Eigen::Vector2d& p, const Eigen::Vector2d& q) const {
+    bool crosses = false;
+    ForEdges([&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      const bool parted = Cross(b - a, p - a) * Cross(b - a, q - a) < 0;
+      crosses = crosses || (parted && Cross(q - p, a - p) * Cross(q - p, b - p) < 0);
+    });
+    return crosses;
+  }
+  [[nodiscard]] double DistanceTo(const Eigen::Vector2d& p) const {
+    double squared = 1e300;
+    ForEdges([&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      const Eigen::Vector2d along = b - a;
+      const double t = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      squared = std::min(squared, (p - a - t * along).squaredNorm());
+    });
+    return std::sqrt(squared);
+  }
+  [[nodiscard]] double Area() const {
+    double twice = 0;
+    ForEdges([&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { twice += Cross(a, b); });
+    return 0.5 * twice;
+  }
+
+ private:
+  template <typename Visit>
+  void ForEdges(const Visit& visit) const {
+    for (std::size_t n = 0; n < points_.size(); ++n)
+      visit(points_[n], points_[(n + 1) % points_.size()]);
+  }
+
+  std::vector<Eigen::Vector2d> points_;
+};
+
+Eigen::Vector2d Plan(const Eigen::Vector3f& p) { return p.head<2>().cast<double>(); }
+
+enum class Place : std::uint8_t { kOff, kBeside, kOver };  // off the floor's plane; in it
+
+std::vector<Place> PlacesOf(const TriangleMesh& room, const Outline& outline, double band_m) {
+  std::vector<Place> places(room.vertices.size(), Place::kOff);
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    if (std::abs(room.vertices[v].z()) >= band_m) continue;
+    places[v] = outline.Contains(Plan(room.vertices[v])) ? Place::kOver : Place::kBeside;
+  }
+  return places;
+}
+
+// Of faces whose corners all lie in the band.
+bool IsLevel(const TriangleMesh& room, const std::array<std::uint32_t, 3>& face) {
+  const Eigen::Vector3f& a = room.vertices[face[0]];
+  const Eigen::Vector3f normal =
+      (room.vertices[face[1]] - a).cross(room.vertices[face[2]] - a);
+  return std::abs(normal.z()) >= kMinLevel * static_cast<double>(normal.norm());
+}
+
+std::uint32_t FindRoot(std::vector<std::uint32_t>& parent, std::uint32_t x) {
+  while (parent[x] != x) x = parent[x] = parent[parent[x]];
+  return x;
+}
+
+// Pieces of the mesh that lie in the band as a whole, and mostly over the polygon.
+void DropRags(const std::vector<Place>& places, TriangleMesh& room) {
+  std::vector<std::uint32_t> parent(room.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  for (const auto& face : room.faces) {
+    for (const std::uint32_t v : {face[1], face[2]}) {
+      const std::uint32_t a = FindRoot(parent, face[0]);
+      const std::uint32_t b = FindRoot(parent, v);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<std::array<int, 3>> counts(room.vertices.size(), {0, 0, 0});
+  for (const auto& face : room.faces) {
+    for (const std::uint32_t v : face)
+      ++counts[FindRoot(parent, v)][static_cast<std::size_t>(places[v])];
+  }
+  std::erase_if(room.faces, [&](const auto& face) {
+    const auto& [off, beside, over] = counts[FindRoot(parent, face[0])];
+    return off == 0 && over > beside;
+  });
+}
+
+// Mean colours of the floor by cells of a raster over the plane.
+class ColourRaster {
+ public:
+  explicit ColourRaster(double step_m) : step_m_(step_m) {}
+
+  using Cell = std::pair<long, long>;
+  [[nodiscard]] Cell CellOf(const Eigen::Vector2d& p) const {
+    return {std::lround(p.x() / step_m_), std::lround(p.y() / step_m_)};
+  }
+  void Add(const Eigen::Vector2d& p, Rgb8 colour) {
+    const Eigen::Vector3d rgb(colour.r, colour.g, colour.b);
+    Sum& sum = sums_[CellOf(p)];
+    sum.rgb += rgb;
+    ++sum.count;
+    total_.rgb += rgb;
+    ++total_.count;
+  }
+  [[nodiscard]] bool empty() const { return total_.count == 0; }
+
+  // Mean over the nearest ring of cells that holds any.
+  [[nodiscard]] Rgb8 At(const Eigen::Vector2d& p) const {
+    const Cell middle = CellOf(p);
+    for (int ring = 0; ring <= kMaxSpread; ++ring) {
+      Sum sum;
+      for (int x = -ring; x <= ring; ++x) {
+        const int stride = std::abs(x) == ring ? 1 : std::max(1, 2 * ring);
+        for (int y = -ring; y <= ring; y += stride) {
+          const auto found = sums_.find({middle.first + x, middle.second + y});
+          if (found == sums_.end()) continue;
+          sum.rgb += found->second.rgb;
+          sum.count += found->second.count;
+        }
+      }
+      if (sum.count > 0) return ToRgb(sum);
+    }
+    return ToRgb(total_);
+  }
+
+ private:
+  struct Sum {
+    Eigen::Vector3d rgb = Eigen::Vector3d::Zero();
+    int count = 0;
+  };
+  static Rgb8 ToRgb(const Sum& sum) {
+    const auto channel = [&](int c) {
+      return static_cast<std::uint8_t>(std::lround(sum.rgb[c] / sum.count));
+    };
+    return {channel(0), channel(1), channel(2)};
+  }
+
+  double step_m_;
+  std::map<Cell, Sum> sums_;
+  Sum total_;
+};
+
+std::vector<Eigen::Vector2d> PointsInside(const Outline& outline, double step_m) {
+  Eigen::Vector2d low = outline.points().front();
+  Eigen::Vector2d high = low;
+  for (const Eigen::Vector2d& p : outline.points()) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  std::vector<Eigen::Vector2d> inside;
+  for (double x = std::ceil(low.x() / step_m) * step_m; x < high.x(); x += step_m) {
+    for (double y = std::ceil(low.y() / step_m) * step_m; y < high.y(); y += step_m) {
+      const Eigen::Vector2d p(x, y);
+      if (outline.Contains(p) && outline.DistanceTo(p) > 0.4 * step_m) inside.push_back(p);
+    }
+  }
+  return inside;
+}
+
+}  // namespace
+
+TriangleMesh WithoutFloor(const TriangleMesh& room_world,
+                          const TriangleMesh& ground_polygon,
+                          double band_m) {
+  TriangleMesh room = room_world;
+  const Outline outline(OutlineOf(ground_polygon));
+  if (outline.empty()) return room;
+  const std::vector<Place> places = PlacesOf(room, outline, band_m);
+  std::erase_if(room.faces, [&](const std::array<std::uint32_t, 3>& face) {
+    bool over = false;
+    for (const std::uint32_t v : face) {
+      if (places[v] == Place::kOff) return false;
+      over = over || places[v] == Place::kOver;
+    }
+    for (std::size_t n = 0; n < 3 && !over; ++n)
+      over = outline.Crosses(Plan(room.vertices[face[n]]), Plan(room.vertices[face[(n + 1) % 3]]));
+    return over && IsLevel(room, face);
+  });
+  DropRags(places, room);
+  return room;
+}
+
+TriangleMesh ColouredGround(const TriangleMesh& ground_polygon,
+                            const TriangleMesh& room_world,
+                            double band_m,
+                            double step_m) {
+  const Outline outline(OutlineOf(ground_polygon));
+  if (outline.empty() || step_m <= 0 || room_world.colours.empty()) return ground_polygon;
+  step_m = std::max(step_m, std::sqrt(outline.Area() / kMaxColourPoints));
+  ColourRaster raster(step_m);
+  for (std::size_t v = 0; v < room_world.vertices.size(); ++v) {
+    const Eigen::Vector3f& p = room_world.vertices[v];
+    if (std::abs(p.z()) < band_m) raster.Add(Plan(p), room_world.colours[v]);
+  }
+  if (raster.empty()) return ground_polygon;
+  Result<TriangleMesh> ground =
+      TriangulateOutline(outline.points(), PointsInside(outline, step_m));
+  if (!ground.ok()) return ground_polygon;
+  ground->colours.reserve(ground->vertices.size());
+  for (const Eigen::Vector3f& p : ground->vertices) ground->colours.push_back(raster.At(Plan(p)));
+  return std::move(ground).value();
+}
+
+}  // namespace deepslam::mesh
