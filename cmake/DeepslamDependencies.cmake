@@ -35,7 +35,16 @@ find_library(ONNXRUNTIME_LIBRARY onnxruntime
 if(NOT ONNXRUNTIME_INCLUDE_DIR OR NOT ONNXRUNTIME_LIBRARY)
   message(FATAL_ERROR "ONNX Runtime not found: run scripts/setup.sh, or pass -Donnxruntime_ROOT=DIR")
 endif()
-add_library(onnxruntime SHARED IMPORTED)
-set_target_properties(onnxruntime PROPERTIES
+# Imported under our own name, which deepslamConfig.cmake gives to the copy that is installed with the program.
+add_library(deepslam::onnxruntime SHARED IMPORTED)
+set_target_properties(deepslam::onnxruntime PROPERTIES
   IMPORTED_LOCATION "${ONNXRUNTIME_LIBRARY}"
   INTERFACE_INCLUDE_DIRECTORIES "${ONNXRUNTIME_INCLUDE_DIR}")
+
+# Debian's libzip-config.cmake asks for the command line tools of another package: find the library itself.
+find_path(LIBZIP_INCLUDE_DIR zip.h REQUIRED)
+find_library(LIBZIP_LIBRARY zip REQUIRED)
+add_library(deepslam::libzip UNKNOWN IMPORTED)
+set_target_properties(deepslam::libzip PROPERTIES
+  IMPORTED_LOCATION "${LIBZIP_LIBRARY}"
+  INTERFACE_INCLUDE_DIRECTORIES "${LIBZIP_INCLUDE_DIR}")

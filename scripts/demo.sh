@@ -4,18 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then sed -n '2,3s/^# \{0,1\}//p' "$0"; exit 0; fi
 scripts/setup.sh "$@"
 scripts/build.sh release -DDEEPSLAM_TESTS=OFF
-deepslam=build/release/tools/deepslam
-scripts/furniture.sh "$deepslam"
-
-scene=configs/scenes/demo_room.yaml
-if [ ! out/demo_capture/capture.yaml -nt "$scene" ]; then
-  rm -rf out/demo_capture
-  "$deepslam" synth "$scene" -o out/demo_capture
-fi
-"$deepslam" run out/demo_capture -o out/demo --progress auto
-
-echo
-echo "scene   $PWD/out/demo/export/scene.glb"
-echo "report  $PWD/out/demo/report/index.html"
+scripts/sample.sh "$@" --program build/release/tools/deepslam out/demo

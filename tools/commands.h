@@ -30,6 +30,7 @@ void AddConvert(CLI::App& app, Command& chosen);
 void AddEval(CLI::App& app, Command& chosen);
 void AddSynth(CLI::App& app, Command& chosen);
 void AddLibrary(CLI::App& app, Command& chosen);
+void AddForms(CLI::App& app, Command& chosen);
 void AddVersion(CLI::App& app, Command& chosen);
 
 // 0 done, 1 failed, 2 wrong usage or configuration, 3 input unusable, 130 interrupted.

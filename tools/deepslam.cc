@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
                          AddEval,
                          AddSynth,
                          AddLibrary,
+                         AddForms,
                          AddVersion}) {
     add(app, chosen);
   }

@@ -54,7 +54,9 @@ std::string DefaultWithheld(const std::string& given, const fs::path& data_folde
   if (!given.empty()) return given;
   std::error_code error;
   for (const fs::path& file :
-       {fs::path("configs/withheld_models.yaml"), data_folder / "withheld_models.yaml"}) {
+       {fs::path("configs/withheld_models.yaml"),
+        data_folder / "withheld_models.yaml",
+        stages::InstalledFolder() / "configs" / "withheld_models.yaml"}) {
     if (fs::exists(file, error)) return file.string();
   }
   return {};

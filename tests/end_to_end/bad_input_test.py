@@ -238,10 +238,10 @@ class Inputs(BadInput):
         arguments = ("run", ROOM, "-o", self.workspace, "--progress", "none")
         self.check(captures.deepslam(PROGRAM, *arguments), 3, r"yolov8.\.onnx; run scripts/setup.sh.*deepslam doctor")
         self.check(captures.deepslam(PROGRAM, *arguments, *captures.BARE[:2]), 3,
-                   "no furniture library in .*; run scripts/setup.sh.*deepslam doctor")
+                   "no furniture library in .*; make it by `deepslam library build`.*deepslam doctor")
         self.assertFalse((self.workspace / "track").exists(), "told before any work")
         doctor = captures.deepslam(PROGRAM, "doctor", ROOM)
-        self.check(doctor, 3, "MISSING detector weights.*run scripts/setup.sh", "MISSING furniture library.*setup.sh")
+        self.check(doctor, 3, "MISSING detector weights.*run scripts/setup.sh", "MISSING furniture library.*library build")
 
     def test_networks_that_are_none(self):
         self.check(run(ROOM, self.workspace, "--until", "ground"), 0)

@@ -120,7 +120,7 @@ TEST(DataFolder, NamesTheRemedyForMissingWeightsAndLibrary) {
   EXPECT_EQ(weights.error().code, ErrorCode::kInvalidInput);
   EXPECT_THAT(weights.error().message,
               testing::AllOf(HasSubstr("scripts/setup.sh"), HasSubstr("deepslam doctor")));
-  EXPECT_THAT(FindLibrary(dir.path(), "").error().message, HasSubstr("scripts/setup.sh"));
+  EXPECT_THAT(FindLibrary(dir.path(), "").error().message, HasSubstr("deepslam library build"));
   WriteText(dir.path() / "weights" / "own.onnx", "x");
   EXPECT_EQ(*FindWeights(dir.path(), "own"), dir.path() / "weights" / "own.onnx");
   EXPECT_EQ(*FindWeights("/nowhere", (dir.path() / "weights" / "own.onnx").string()),

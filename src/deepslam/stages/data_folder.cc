@@ -16,14 +16,21 @@ std::string Environment(const char* name) {
 
 }  // namespace
 
+fs::path InstalledFolder() {
+  std::error_code error;
+  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  return executable.parent_path().parent_path() / "share" / "deepslam";
+}
+
 fs::path FindDataFolder(const std::string& explicit_folder) {
   if (!explicit_folder.empty()) return explicit_folder;
   if (const std::string folder = Environment("DEEPSLAM_DATA"); !folder.empty()) return folder;
   std::error_code error;
-  const fs::path executable = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    const fs::path beside = executable.parent_path().parent_path() / "share" / "deepslam";
-    if (fs::is_directory(beside, error)) return beside;
+  if (const fs::path installed = InstalledFolder();
+      fs::is_directory(installed / "weights", error) ||
+      fs::is_directory(installed / "library", error)) {
+    return installed;
   }
   if (const std::string xdg = Environment("XDG_DATA_HOME"); !xdg.empty())
     return fs::path(xdg) / "deepslam";
@@ -36,8 +43,8 @@ Result<fs::path> FindWeights(const fs::path& data_folder, const std::string& wei
   std::error_code error;
   if (fs::is_regular_file(file, error)) return file;
   return InvalidInput(
-      fmt::format("detect.weights: no file {}; run scripts/setup.sh to fetch the weights "
-                  "(`deepslam doctor` shows what is there), "
+      fmt::format("detect.weights: no file {}; run scripts/setup.sh, or deepslam-fetch-weights of an installed "
+                  "package, to fetch the weights (`deepslam doctor` shows what is there), "
                   "or use --set detect.source=none",
                   file.string()));
 }
@@ -47,9 +54,8 @@ Result<fs::path> FindLibrary(const fs::path& data_folder, const std::string& lib
   std::error_code error;
   if (fs::is_regular_file(folder / "library.json", error)) return folder;
   return InvalidInput(
-      fmt::format("propose.library: no furniture library in {}; run scripts/setup.sh, which builds "
-                  "it (`deepslam doctor` shows what "
-                  "is there), or use --set propose.retrieval=false",
+      fmt::format("propose.library: no furniture library in {}; make it by "
+                  "`deepslam library build` (`deepslam doctor` shows what is there), or use --set propose.retrieval=false",
                   folder.string()));
 }
 

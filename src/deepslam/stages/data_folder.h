@@ -8,8 +8,12 @@
 
 namespace deepslam::stages {
 
-// `explicit_folder` if not empty, else $DEEPSLAM_DATA, else PREFIX/share/deepslam beside the
-// executable where that exists, else ${XDG_DATA_HOME:-~/.local/share}/deepslam.
+// PREFIX/share/deepslam of the running program PREFIX/bin/deepslam: `configs` and `scripts` as in
+// the source tree, where it was installed. May not exist; empty when the system does not tell.
+[[nodiscard]] std::filesystem::path InstalledFolder();
+
+// `explicit_folder` if not empty, else $DEEPSLAM_DATA, else the installed folder where it holds
+// weights or a library, else ${XDG_DATA_HOME:-~/.local/share}/deepslam.
 [[nodiscard]] std::filesystem::path FindDataFolder(const std::string& explicit_folder);
 
 // A name ("yolov8s") is DATA/weights/NAME.onnx; anything with a slash or ending in .onnx is a path.

@@ -1,0 +1,112 @@
+# What `cmake --install` puts where. All places are relative to the prefix, so that an installed tree can be moved:
+#
+#   bin/deepslam, deepslam-demo, deepslam-fetch-weights
+#   lib/deepslam/libonnxruntime.so.1        ours alone; the program finds it by its run path $ORIGIN/../lib/deepslam
+#   share/deepslam/configs, scripts         the same two folders as in the source tree
+#   share/man, share/bash-completion, ...   written by the program itself (DeepslamPackages.cmake)
+#   share/doc/deepslam
+#   lib/libdeepslam_<room>.a, include/deepslam/<room>, lib/cmake/deepslam       component `development`
+set(CMAKE_INSTALL_LIBDIR lib)  # not lib/<triplet>: the prefix decides nothing
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME runtime)
+set(DEEPSLAM_PRIVATE_LIBDIR lib/deepslam)
+set(DEEPSLAM_CMAKEDIR lib/cmake/deepslam)
+
+# The packages that give the targets which rooms link.
+set(deepslam_package_of_fmt fmt)
+set(deepslam_package_of_TBB TBB)
+set(deepslam_package_of_OpenSSL OpenSSL)
+set(deepslam_package_of_yaml-cpp yaml-cpp)
+set(deepslam_package_of_nlohmann_json nlohmann_json)
+set(deepslam_package_of_opencv_core OpenCV)
+set(deepslam_package_of_opencv_imgproc OpenCV)
+set(deepslam_package_of_opencv_imgcodecs OpenCV)
+set(deepslam_package_of_opencv_videoio OpenCV)
+set(deepslam_package_of_ZLIB ZLIB)
+set(deepslam_package_of_Ceres Ceres)
+set(deepslam_package_of_OpenMeshTools OpenMesh)
+set(deepslam_package_of_OpenMeshCore OpenMesh)
+set(deepslam_package_of_CGAL CGAL)
+set(deepslam_package_of_draco draco)
+set(deepslam_package_of_tinyobjloader tinyobjloader)
+set(deepslam_package_of_nanoflann nanoflann)
+set(deepslam_package_of_embree embree)
+set(deepslam_package_of_Open3D Open3D)
+set(deepslam_package_of_OpenMP OpenMP)
+# Those that deepslamConfig.cmake makes itself.
+set(deepslam_package_of_deepslam::onnxruntime onnxruntime)
+set(deepslam_package_of_deepslam::libzip libzip)
+
+# deepslam_install_room(<room> DEPS rooms... FENCED libs...)
+function(deepslam_install_room room)
+  cmake_parse_arguments(ROOM "" "" "DEPS;FENCED" ${ARGN})
+  set_target_properties(deepslam_${room} PROPERTIES EXPORT_NAME ${room})
+  install(TARGETS deepslam_${room} EXPORT deepslamTargets
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+          INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/deepslam/${room}
+          COMPONENT development FILES_MATCHING PATTERN "*.h")
+
+  # Packages of this room and of those below it, in the order in which they are to be looked for.
+  set(packages "")
+  foreach(dep IN LISTS ROOM_DEPS)
+    get_property(below GLOBAL PROPERTY deepslam_packages_${dep})
+    list(APPEND packages ${below})
+  endforeach()
+  foreach(lib IN LISTS ROOM_FENCED)
+    set(key "${lib}")
+    if(NOT DEFINED deepslam_package_of_${key})
+      string(REGEX REPLACE "::.*" "" key "${lib}")
+    endif()
+    if(NOT DEFINED deepslam_package_of_${key})
+      message(FATAL_ERROR "${lib}, which room ${room} links, has no package in cmake/DeepslamInstall.cmake")
+    endif()
+    list(APPEND packages ${deepslam_package_of_${key}})
+  endforeach()
+  list(REMOVE_DUPLICATES packages)
+  set_property(GLOBAL PROPERTY deepslam_packages_${room} ${packages})
+  set_property(GLOBAL APPEND PROPERTY deepslam_installed_rooms ${room})
+endfunction()
+
+# After all rooms: the files behind find_package(deepslam).
+function(deepslam_install_config)
+  get_property(rooms GLOBAL PROPERTY deepslam_installed_rooms)
+  set(DEEPSLAM_ROOM_PACKAGES "")
+  foreach(room IN LISTS rooms)
+    get_property(packages GLOBAL PROPERTY deepslam_packages_${room})
+    string(APPEND DEEPSLAM_ROOM_PACKAGES "set(_deepslam_packages_${room} ${packages})\n")
+  endforeach()
+  set(DEEPSLAM_ROOMS "${rooms}")
+  configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/deepslamConfig.cmake.in"
+    "${PROJECT_BINARY_DIR}/deepslamConfig.cmake" INSTALL_DESTINATION ${DEEPSLAM_CMAKEDIR}
+    NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+  # Before 1.0 headers may change with every minor version.
+  write_basic_package_version_file("${PROJECT_BINARY_DIR}/deepslamConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+  install(EXPORT deepslamTargets NAMESPACE deepslam:: DESTINATION ${DEEPSLAM_CMAKEDIR} COMPONENT development)
+  install(FILES "${PROJECT_BINARY_DIR}/deepslamConfig.cmake" "${PROJECT_BINARY_DIR}/deepslamConfigVersion.cmake"
+          DESTINATION ${DEEPSLAM_CMAKEDIR} COMPONENT development)
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/consumer" DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/deepslam/examples
+          COMPONENT development)
+endfunction()
+
+# The file has its SONAME's name, which is what the loader looks for.
+file(REAL_PATH "${ONNXRUNTIME_LIBRARY}" deepslam_onnxruntime_file)
+install(FILES "${deepslam_onnxruntime_file}" DESTINATION ${DEEPSLAM_PRIVATE_LIBDIR} RENAME libonnxruntime.so.1
+        PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam)
+install(PROGRAMS scripts/sample.sh scripts/furniture.sh scripts/fetch_weights.sh
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
+install(FILES scripts/npm_files.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
+# Links, since the scripts look for their neighbours from where they are themselves.
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/installed")
+foreach(pair "deepslam-demo sample.sh" "deepslam-fetch-weights fetch_weights.sh")
+  separate_arguments(pair)
+  list(GET pair 0 name)
+  list(GET pair 1 script)
+  file(CREATE_LINK "../${CMAKE_INSTALL_DATADIR}/deepslam/scripts/${script}" "${PROJECT_BINARY_DIR}/installed/${name}" SYMBOLIC)
+  install(FILES "${PROJECT_BINARY_DIR}/installed/${name}" DESTINATION ${CMAKE_INSTALL_BINDIR})
+endforeach()
+install(FILES README.md LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/deepslam)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/deepslam FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
