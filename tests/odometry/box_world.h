@@ -40,6 +40,8 @@ struct BoxWorld {
   std::vector<Box3> boxes;              // seen from outside
   double texture = 1;                   // contrast, 0 to 1
   double texture_phase = 0;             // another world's texture
+  double tile_m =
+      0;  // above 0: everything is tiled, tiles a little lighter or darker than each other
 
   static BoxWorld Furnished() {
     BoxWorld world;
@@ -67,6 +69,7 @@ struct BoxWorld {
   }
 
   [[nodiscard]] double Brightness(const Eigen::Vector3d& p) const {
+    if (tile_m > 0) return TileBrightness(p / tile_m);
     const double a = std::sin(9.1 * p.x() + 3.7 * p.y() + 1.3 * p.z() + texture_phase) *
                      std::sin(2.3 * p.x() - 7.9 * p.y() + 5.1 * p.z() + 2 * texture_phase);
     const double b = std::sin(3.1 * p.x() + 4.3 * p.y() - 8.7 * p.z() + 0.5);
@@ -74,6 +77,16 @@ struct BoxWorld {
   }
 
  private:
+  [[nodiscard]] double TileBrightness(const Eigen::Vector3d& p_tiles) const {
+    constexpr double kJoint = 0.05;
+    // Surfaces lie on multiples of the tile only by chance: a little off, they are in one tile.
+    const Eigen::Array3d at = p_tiles.array() + 0.013;
+    const Eigen::Array3d tile = at.floor();
+    const bool joint = ((at - tile) < kJoint).any();
+    const double shade = std::sin(12.9 * tile.x() + 78.2 * tile.y() + 37.7 * tile.z());
+    return std::clamp(128 + texture * (joint ? -40.0 : 12 * shade), 0.0, 255.0);
+  }
+
   static double Exit(const Box3& box,
                      const Eigen::Vector3d& origin,
                      const Eigen::Vector3d& direction) {

@@ -112,6 +112,25 @@ TEST(AlignFrames, FlatWallIsDegenerateUnlessItsTextureHelps) {
   EXPECT_THAT(with_colour.i_from_j, PoseNear(sideways, kToleranceM, kToleranceDeg));
 }
 
+// Floor and wall leave the way along the wall open, and a start some tiles off looks as good there.
+TEST(AlignFrames, FindsThePlaceAlongATiledWall) {
+  BoxWorld hall;
+  hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
+  hall.tile_m = 0.41;
+  const Pose3 world_from_i = LookAt({0, 0, 1.5}, {0.3, 2.6, 0.7});
+  const Pose3 world_from_j = LookAt({0.06, 0.02, 1.52}, {0.5, 2.6, 0.7});
+  const Frame i = RenderFrame(hall, world_from_i, 1, 1);
+  const Frame j = RenderFrame(hall, world_from_j, 1, 2);
+  const Pose3 i_from_j = world_from_i.Inverse() * world_from_j;
+  for (const double off_m : {-0.2, -0.1, 0.0, 0.1, 0.2}) {
+    const Pose3 along{Eigen::Quaterniond::Identity(), Eigen::Vector3d(off_m, 0, 0)};
+    const Pose3 start = world_from_i.Inverse() * along * world_from_j;
+    const FrameAlignment alignment = AlignFrames(i, j, kSmallCamera, start, {});
+    EXPECT_TRUE(alignment.ok) << off_m;
+    EXPECT_THAT(alignment.i_from_j, PoseNear(i_from_j, 0.01, 0.3)) << off_m;
+  }
+}
+
 TEST(AlignFrames, ChangedExposureDoesNotMatter) {
   Pair pair = RenderPair(
       BoxWorld::Wall(), Pose3{}, V2t((Vector6d() << 0.05, 0.03, 0, 0, 0, 0).finished()), 0.3);

@@ -31,9 +31,14 @@ constexpr double kConvergedRad = 5e-5;
 // Starts closer together than this converge to the same place.
 constexpr double kSameStartM = 0.005;
 constexpr double kSameStartRad = 0.005;
-// Scales at which competing starts are compared.
+// Scale at which competing starts are compared.
 constexpr float kJudgeScale = 3.0F;
-constexpr float kJudgePhotometricScale = 10.0F;
+// Share of the strongest direction's information below which depth leaves a direction open: along a
+// wall, round the vertical on a floor.
+constexpr double kOpenRatio = 0.02;
+// Steps along an open direction, pixels of the coarsest level, to each side.
+constexpr double kOpenStepPx = 0.75;
+constexpr int kNumOpenSteps = 10;
 // Fewer photometric residuals say nothing about the images' agreement.
 constexpr int kMinPhotometricResiduals = 300;
 
@@ -48,6 +53,28 @@ std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
   while (count < pyramid.levels.size() && pyramid.levels[count].camera.width >= kMinAlignmentWidth)
     ++count;
   return count;
+}
+
+// Factors that turn a perturbation into metres: rotations count by their arc at the mean distance.
+// Nothing where the Hessian says nothing.
+std::optional<Vector6d> ArcScale(const Matrix6d& hessian) {
+  const double translation = hessian.topLeftCorner<3, 3>().trace();
+  const double rotation = hessian.bottomRightCorner<3, 3>().trace();
+  if (!(translation > 0) || !(rotation > 0)) return std::nullopt;
+  Vector6d scale = Vector6d::Ones();
+  scale.tail<3>().setConstant(std::sqrt(rotation / translation));
+  return scale;
+}
+
+double MeanDepthM(const PyramidLevel& level) {
+  double sum = 0;
+  int count = 0;
+  for (const float z : level.depth_m) {
+    if (!(z > 0)) continue;
+    sum += static_cast<double>(z);
+    ++count;
+  }
+  return count > 0 ? sum / count : 1.0;
 }
 
 // The descent of one start through the levels.
@@ -105,25 +132,74 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
   return gates;
 }
 
-// Agreement at common scales, per source point: what competing starts are judged by.
+// What competing starts are judged by: over the common points, geometric agreement at a common
+// scale and correlation of the images. Of a pattern's pixels most fit anywhere to within a robust
+// scale; the correlation lives by the few strong ones. Larger overlap counts for more, but less
+// than likeness: a wrong place may well show more of the other frame.
 double Support(const PyramidLevel& i,
                const PyramidLevel& j,
                const Descent& descent,
                const AlignmentOptions& options) {
   AlignmentGates gates = LevelGates(options, 0);
-  gates.gain = descent.gates.gain;
-  gates.bias = descent.gates.bias;
   gates.geometric_scale = kJudgeScale;
-  gates.photometric_scale = kJudgePhotometricScale;
   const AlignmentSystem system =
       BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
-  return system.support / std::max(1, system.num_source);
+  if (system.num_overlap == 0) return 0;
+  const double images = system.num_photometric * std::max(0.0, system.brightness_correlation);
+  const double likeness = (system.support + images) / system.num_overlap;
+  return likeness * std::sqrt(static_cast<double>(system.num_overlap) / system.num_source);
 }
 
 bool SameStart(const Pose3& a, const Pose3& b) {
   const Pose3 difference = a.Inverse() * b;
   return difference.translation_m.norm() < kSameStartM &&
          RotationAngle(difference.rotation) < kSameStartRad;
+}
+
+// Directions that depth leaves open at `i_from_j`, weakest first: unit vectors of a left
+// perturbation whose rotations count by their arc at the mean distance.
+std::vector<Vector6d> OpenDirections(const AlignmentSystem& system) {
+  const Matrix6d geometric = system.hessian - system.photometric_hessian;
+  const std::optional<Vector6d> scale = ArcScale(geometric);
+  if (!scale) return {};
+  const Eigen::DiagonalMatrix<double, 6> by_arc(scale->cwiseInverse());
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(by_arc * geometric * by_arc);
+  std::vector<Vector6d> open;
+  for (int k = 0; k < 3 && eigen.eigenvalues()[k] < kOpenRatio * eigen.eigenvalues()[5]; ++k)
+    open.emplace_back(by_arc * eigen.eigenvectors().col(k));
+  return open;
+}
+
+// Where depth leaves a direction open, only the images tell the place along it, and their descent
+// ends at the nearest stripe, tile or board that looks alike. So places on both sides are tried.
+Descent SearchOpenDirections(const PyramidLevel& i,
+                             const PyramidLevel& j,
+                             const AlignmentOptions& options,
+                             const Descent& descent) {
+  Descent best = descent;
+  double best_support = Support(i, j, best, options);
+  for (const Vector6d& direction : OpenDirections(descent.system)) {
+    const double step_m = kOpenStepPx * MeanDepthM(j) / j.camera.fx;
+    const Descent centre = best;
+    Descent tried = centre;
+    double tried_support = best_support;
+    for (int n = -kNumOpenSteps; n <= kNumOpenSteps; ++n) {
+      Descent moved = centre;
+      moved.i_from_j = V2t(n * step_m * direction) * centre.i_from_j;
+      const double support = Support(i, j, moved, options);
+      if (n == 0 || support <= tried_support) continue;
+      tried = moved;
+      tried_support = support;
+    }
+    if (tried_support <= best_support) continue;
+    tried.start_i_from_j = tried.i_from_j;
+    Descend(i, j, options, tried);
+    tried_support = Support(i, j, tried, options);
+    if (tried_support <= best_support) continue;
+    best = tried;
+    best_support = tried_support;
+  }
+  return best;
 }
 
 Descent BestCoarseDescent(const PyramidLevel& i,
@@ -164,19 +240,15 @@ JudgedHessian Judge(const AlignmentSystem& system,
   const Matrix6d raw =
       (system.hessian - photometric) / CorrelationFactor(finest, options.correlation_length_px) +
       photometric / CorrelationFactor(finest, options.photometric_correlation_length_px);
-  const double translation = raw.topLeftCorner<3, 3>().trace();
-  const double rotation = raw.bottomRightCorner<3, 3>().trace();
-  if (!(translation > 0) || !(rotation > 0)) return {};
-  const double arm = std::sqrt(rotation / translation);
-  Vector6d scale = Vector6d::Ones();
-  scale.tail<3>().setConstant(arm);
+  const std::optional<Vector6d> scale = ArcScale(raw);
+  if (!scale) return {};
   const Matrix6d scaled =
-      scale.cwiseInverse().asDiagonal() * raw * scale.cwiseInverse().asDiagonal();
+      scale->cwiseInverse().asDiagonal() * raw * scale->cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
   const Vector6d values = eigen.eigenvalues().cwiseMax(0.0);
   const Matrix6d clamped =
       eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-  return {scale.asDiagonal() * clamped * scale.asDiagonal(),
+  return {scale->asDiagonal() * clamped * scale->asDiagonal(),
           values[5] > 0 ? values[0] / values[5] : 0};
 }
 
@@ -239,6 +311,8 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   const std::size_t coarsest = num_levels - 1;
   Descent descent =
       BestCoarseDescent(i.levels[coarsest], j.levels[coarsest], initial_i_from_j, options);
+  if (options.photometric)
+    descent = SearchOpenDirections(i.levels[coarsest], j.levels[coarsest], options, descent);
   for (std::size_t level = coarsest; level-- > 0;) {
     AlignmentGates gates = LevelGates(options, coarsest - level);
     gates.geometric_scale = 2 * descent.gates.geometric_scale;

@@ -290,7 +290,6 @@ class SystemBuilder {
     photometric_histogram_.Add(std::abs(residual), kBinsPerGrey);
     brightness_.Add(source.value, value, weight);
     all_brightness_.Add(source.value, value, 1.0F);
-    system_.support += static_cast<double>(weight);
     const float x = row.x[k], y = row.y[k], inverse_z = 1.0F / row.z[k];
     const float dx = du * static_cast<float>(i_.camera.fx) * inverse_z;
     const float dy = dv * static_cast<float>(i_.camera.fy) * inverse_z;

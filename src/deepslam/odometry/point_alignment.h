@@ -38,7 +38,7 @@ struct AlignmentSystem {
   int num_photometric = 0;
   double sum_squared_m2 = 0;          // geometric, over inliers
   double brightness_correlation = 0;  // of the two intensities over the photometric residuals
-  double support = 0;  // sum of Student-t weights at the gates' scales, geometric and photometric
+  double support = 0;  // sum of the geometric residuals' Student-t weights at the gates' scale
   // What the next step should use: robust spread of the residuals found, brightness fitted to them.
   float geometric_scale = 1.0F;
   float photometric_scale = 10.0F;
