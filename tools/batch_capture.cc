@@ -3,8 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
@@ -108,24 +108,11 @@ bool WasRequeued() {
 
 // A cluster may call a node otherwise than the machine calls itself.
 std::string HostName() {
-  if (const char* node = std::getenv("SLURMD_NODENAME")) return node;  // NOLINT(concurrency-mt-unsafe)
+  if (const char* node = std::getenv("SLURMD_NODENAME"))
+    return node;  // NOLINT(concurrency-mt-unsafe)
   std::array<char, 256> name{};
   if (::gethostname(name.data(), name.size() - 1) != 0) return {};
   return name.data();
-}
-
-int ExitCodeOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidConfig:
-      return kExitUsage;
-    case ErrorCode::kInvalidInput:
-      return kExitInput;
-    case ErrorCode::kInterrupted:
-      return kExitInterrupted;
-    case ErrorCode::kFailed:
-      break;
-  }
-  return kExitFailed;
 }
 
 bool Stands(const pipeline::RunReport& report, std::string_view stage) {
@@ -186,8 +173,7 @@ void NoteResults(const BatchWork& work,
   for (const pipeline::StageTiming& timing : result.timings)
     record.stage_s[timing.name] = timing.timing.wall_s;
   if (Stands(result.report, "export")) NoteMap(workspace, record);
-  if (work.config.track_stage.poses == "track")
-    record.path_error = MeasurePath(result, workspace);
+  if (work.config.track_stage.poses == "track") record.path_error = MeasurePath(result, workspace);
   record.num_bytes = BytesBelow(workspace);
 }
 
@@ -232,7 +218,7 @@ void End(const Result<CaptureRunResult>& result, double elapsed_s, CaptureRecord
     return;
   }
   record.state = result.error().code == ErrorCode::kInterrupted ? CaptureState::kInterrupted
-                                                                 : CaptureState::kFailed;
+                                                                : CaptureState::kFailed;
   record.reason = result.error().message;
   record.exit_code = ExitCodeOf(result.error().code);
 }
@@ -267,8 +253,7 @@ Status WritePlan(const batch::BatchFolder& folder, const batch::BatchPlan& plan)
   return artifact::WriteFileAtomically(folder.plan(), *text);
 }
 
-CaptureRecord ReadRecordOf(const batch::BatchFolder& folder,
-                           const batch::PlannedCapture& capture) {
+CaptureRecord ReadRecordOf(const batch::BatchFolder& folder, const batch::PlannedCapture& capture) {
   const fs::path file = folder.record(capture.name);
   const Result<std::string> text = artifact::ReadFile(file);
   if (text.ok()) {

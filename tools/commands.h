@@ -40,6 +40,7 @@ inline constexpr int kExitUsage = 2;
 inline constexpr int kExitInput = 3;
 inline constexpr int kExitInterrupted = 130;
 
+[[nodiscard]] int ExitCodeOf(ErrorCode code);
 // Prints the message and gives the exit code that goes with it.
 [[nodiscard]] int ReportError(const Error& error);
 

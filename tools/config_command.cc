@@ -31,9 +31,8 @@ int Check(const ConfigSources& sources) {
 
 }  // namespace
 
-int ReportError(const Error& error) {
-  LogError(error.message);
-  switch (error.code) {
+int ExitCodeOf(ErrorCode code) {
+  switch (code) {
     case ErrorCode::kInvalidConfig:
       return kExitUsage;
     case ErrorCode::kInvalidInput:
@@ -44,6 +43,11 @@ int ReportError(const Error& error) {
       break;
   }
   return kExitFailed;
+}
+
+int ReportError(const Error& error) {
+  LogError(error.message);
+  return ExitCodeOf(error.code);
 }
 
 void AddConfigOptions(CLI::App& command, ConfigSources& sources) {

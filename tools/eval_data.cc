@@ -166,17 +166,6 @@ Status CountVisible(const fs::path& capture, Truth& truth) {
   return Ok();
 }
 
-Result<std::vector<eval::TimedPose>> ReadTum(const fs::path& file) {
-  const Result<std::string> text = artifact::ReadFile(file);
-  if (!text.ok()) return text.error();
-  const auto decoded = artifact::DecodeTum(*text, file.string());
-  if (!decoded.ok()) return decoded.error();
-  std::vector<eval::TimedPose> poses;
-  for (const artifact::StampedPose& pose : *decoded)
-    poses.push_back({pose.time_s, pose.world_from_camera});
-  return poses;
-}
-
 Result<fs::path> TruthFile(const fs::path& capture, const std::string& annotation) {
   if (!annotation.empty()) return fs::path(annotation);
   std::error_code code;
@@ -214,6 +203,17 @@ Result<MappedObject> ReadMapped(const fs::path& workspace,
 }
 
 }  // namespace
+
+Result<std::vector<eval::TimedPose>> ReadTum(const fs::path& file) {
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  const auto decoded = artifact::DecodeTum(*text, file.string());
+  if (!decoded.ok()) return decoded.error();
+  std::vector<eval::TimedPose> poses;
+  for (const artifact::StampedPose& pose : *decoded)
+    poses.push_back({pose.time_s, pose.world_from_camera});
+  return poses;
+}
 
 Result<VoxelGrid> ReadGrid(const fs::path& file) {
   const Result<std::string> bytes = artifact::ReadFile(file);

@@ -23,7 +23,7 @@ namespace deepslam::tools {
 inline constexpr double kVisibleShare = 0.005;
 
 struct TrueObject {
-  int number = 0;  // in the truth's list and in the instance masks, from 1
+  int number = 0;       // in the truth's list and in the instance masks, from 1
   eval::PlacedBox box;  // true world
   TriangleMesh mesh;    // object frame, metres; the box itself where only that is known
   bool has_shape = false;
@@ -38,6 +38,8 @@ struct Truth {
   std::vector<eval::TimedPose> poses;
   int num_unseen = 0;  // objects that no frame sees well enough to ask for them
 };
+
+[[nodiscard]] Result<std::vector<eval::TimedPose>> ReadTum(const std::filesystem::path& file);
 
 // `capture` is a folder with groundtruth.txt and truth/objects.json (`deepslam synth`) or
 // objects.json (annotated by hand, docs/evaluation.md); `annotation` names another file in its

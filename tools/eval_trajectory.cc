@@ -7,11 +7,10 @@
 #include <CLI/CLI.hpp>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/store.h"
-#include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/eval/trajectory_error.h"
 #include "eval_commands.h"
+#include "eval_data.h"
 
 namespace deepslam::tools {
 namespace {
@@ -46,14 +45,7 @@ Result<std::vector<eval::TimedPose>> ReadPoses(const std::string& path) {
   } else if (file.extension() == ".sens") {
     return CapturePoses(path);
   }
-  const Result<std::string> text = artifact::ReadFile(file);
-  if (!text.ok()) return text.error();
-  const auto decoded = artifact::DecodeTum(*text, file.string());
-  if (!decoded.ok()) return decoded.error();
-  std::vector<eval::TimedPose> poses;
-  for (const artifact::StampedPose& pose : *decoded)
-    poses.push_back({pose.time_s, pose.world_from_camera});
-  return poses;
+  return ReadTum(file);
 }
 
 JsonValue ToJson(const eval::ErrorStatistics& statistics) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "foreign_captures.h"
+#include "opened_capture.h"
 #include "support/pose_matchers.h"
 
 namespace deepslam::dataset {
@@ -23,12 +24,6 @@ using testing_support::WriteText;
 
 constexpr int kNumFrames = 4;
 const std::string kCamera = "{width: 32, height: 24, fx: 30.3, fy: 30.3, cx: 15.5, cy: 11.25}";
-
-Capture Open(const fs::path& path) {
-  Result<Capture> capture = OpenCapture(path);
-  EXPECT_TRUE(capture.ok()) << (capture.ok() ? "" : capture.error().message);
-  return capture.ok() ? std::move(capture).value() : Capture();
-}
 
 ConversionReport Convert(const fs::path& from,
                          const fs::path& to,

@@ -6,28 +6,14 @@
 #include <string>
 
 #include "deepslam/gltf/scene_writer.h"
+#include "support/box_meshes.h"
 
 namespace deepslam::gltf {
 
 // A box with its lower side at z = 0, metres, closed.
 inline TriangleMesh BoxMesh(float x, float y, float z) {
   TriangleMesh mesh;
-  for (int n = 0; n < 8; ++n) {
-    mesh.vertices.emplace_back(
-        (n & 1) != 0 ? x : -x, (n & 2) != 0 ? y : -y, (n & 4) != 0 ? z : 0.0F);
-  }
-  mesh.faces = {{0, 2, 1},
-                {1, 2, 3},
-                {4, 5, 6},
-                {5, 7, 6},
-                {0, 1, 4},
-                {1, 5, 4},
-                {2, 6, 3},
-                {3, 6, 7},
-                {0, 4, 2},
-                {2, 4, 6},
-                {1, 3, 5},
-                {3, 7, 5}};
+  testing_support::AddBox({-x, -y, 0}, {x, y, z}, mesh);
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "deepslam/synth/world.h"
+#include "support/box_meshes.h"
 
 namespace deepslam::synth {
 
@@ -10,23 +11,8 @@ inline constexpr double kBoxSizeM = 0.8;
 // A cube of 0.8 m, 12 faces, grey.
 inline FurnitureModel BoxModel() {
   FurnitureModel model;
-  const auto h = static_cast<float>(kBoxSizeM / 2);
-  for (int corner = 0; corner < 8; ++corner) {
-    model.mesh.vertices.emplace_back(corner & 1 ? h : -h, corner & 2 ? h : -h, corner & 4 ? h : -h);
-    model.mesh.colours.push_back({150, 100, 60});
-  }
-  model.mesh.faces = {{0, 2, 1},
-                      {1, 2, 3},
-                      {4, 5, 6},
-                      {5, 7, 6},
-                      {0, 1, 4},
-                      {1, 5, 4},
-                      {2, 6, 3},
-                      {3, 6, 7},
-                      {0, 4, 2},
-                      {2, 4, 6},
-                      {1, 3, 5},
-                      {3, 7, 5}};
+  model.mesh = testing_support::BoxMesh(Eigen::Vector3d::Constant(kBoxSizeM).cast<float>());
+  model.mesh.colours.assign(model.mesh.vertices.size(), {150, 100, 60});
   model.size_m = Eigen::Vector3d::Constant(kBoxSizeM);
   return model;
 }

@@ -20,19 +20,9 @@ constexpr float kNearSquared = 2.0F;  // diagonal neighbours in a plane
 
 // Sides of the occupied voxels' box, object units; zero when there are none.
 Eigen::Vector3d Extent(const VoxelGrid& grid) {
-  Eigen::Array3i low = Eigen::Array3i::Constant(kGridSize);
-  Eigen::Array3i high = Eigen::Array3i::Constant(-1);
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        if (!grid.At(i, j, k)) continue;
-        low = low.min(Eigen::Array3i(i, j, k));
-        high = high.max(Eigen::Array3i(i, j, k));
-      }
-    }
-  }
-  if (high.x() < 0) return Eigen::Vector3d::Zero();
-  return (high - low + 1).cast<double>() * kVoxelSize;
+  const std::optional<VoxelBox> box = OccupiedBox(grid);
+  if (!box) return Eigen::Vector3d::Zero();
+  return box->sides().cast<double>() * kVoxelSize;
 }
 
 // Share of a's voxels that lie within a voxel of the shape whose squared distances are given.
@@ -52,8 +42,7 @@ double ShareNear(const VoxelGrid& a, const std::vector<float>& squared_distance_
 ComparableShape::ComparableShape(const VoxelGrid& grid) : grid_(&grid), extent_(Extent(grid)) {
   if (extent_.minCoeff() <= 0) return;
   const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
-  fullness_ =
-      static_cast<double>(count) * kVoxelSize * kVoxelSize * kVoxelSize / extent_.prod();
+  fullness_ = static_cast<double>(count) * kVoxelSize * kVoxelSize * kVoxelSize / extent_.prod();
   squared_distance_ = shape::SquaredDistanceTo(grid, true);
 }
 

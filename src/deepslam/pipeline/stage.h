@@ -40,6 +40,8 @@ class StageContext {
   [[nodiscard]] Result<std::string> Read(std::string_view stage, std::string_view file) const;
   // Writes and syncs a file of this stage's output, `file` relative ("models/a.binvox").
   [[nodiscard]] Status Write(std::string_view file, std::string_view bytes);
+  // The stages whose files may be read, in the order declared.
+  [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
   [[nodiscard]] Progress& progress() const { return progress_; }
   // How messages call a file: "track/frames.json".
   [[nodiscard]] static std::string DisplayName(std::string_view stage, std::string_view file);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "deepslam/geometry/trilinear.h"
 #include "deepslam/shape/shape_model.h"
 
 namespace deepslam::propose {
@@ -79,22 +80,10 @@ CoarseShape::Sample CoarseShape::At(const Eigen::Vector3f& p_object) const {
   const Eigen::Array3f cell = (inside.array() + 0.5F) * kSize - 0.5F;
   const Eigen::Array3i base = cell.floor().cast<int>().max(0).min(kSize - 2);
   const Eigen::Array3f t = cell - base.cast<float>();
-  const float* const c = field_.data() + Index(base.x(), base.y(), base.z());
-  constexpr std::size_t kI = static_cast<std::size_t>(kSize) * kSize;
-  constexpr std::size_t kJ = kSize;
-  const auto mix = [](float a, float b, float w) { return a + w * (b - a); };
-  const float c00 = mix(c[0], c[1], t.z());
-  const float c01 = mix(c[kJ], c[kJ + 1], t.z());
-  const float c10 = mix(c[kI], c[kI + 1], t.z());
-  const float c11 = mix(c[kI + kJ], c[kI + kJ + 1], t.z());
-  const float low = mix(c00, c01, t.y());
-  const float high = mix(c10, c11, t.y());
-  const float dz = mix(mix(c[1] - c[0], c[kJ + 1] - c[kJ], t.y()),
-                       mix(c[kI + 1] - c[kI], c[kI + kJ + 1] - c[kI + kJ], t.y()),
-                       t.x());
-  Eigen::Vector3f gradient =
-      Eigen::Vector3f(high - low, mix(c01 - c00, c11 - c10, t.x()), dz) * kSize;
-  float distance = mix(low, high, t.x());
+  const TrilinearSample sample = SampleTrilinear(
+      field_.data() + Index(base.x(), base.y(), base.z()), std::size_t{kSize} * kSize, kSize, t);
+  Eigen::Vector3f gradient = sample.gradient * kSize;
+  float distance = sample.value;
   if (inside != p_object) {
     const Eigen::Vector3f nearest = inside - distance / std::max(gradient.norm(), 1e-6F) * gradient;
     gradient = (p_object - nearest).normalized();

@@ -124,22 +124,6 @@ void Stand(int ground_k, int max_gap, VoxelGrid& grid) {
   }
 }
 
-// Longest side of the occupied box, voxels.
-int LongestSide(const VoxelGrid& grid) {
-  Eigen::Array3i low = Eigen::Array3i::Constant(kGridSize);
-  Eigen::Array3i high = Eigen::Array3i::Constant(-1);
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        if (!grid.At(i, j, k)) continue;
-        low = low.min(Eigen::Array3i(i, j, k));
-        high = high.max(Eigen::Array3i(i, j, k));
-      }
-    }
-  }
-  return (high - low + 1).maxCoeff();
-}
-
 bool Listed(std::string_view list, std::string_view word) {
   while (!list.empty()) {
     const std::size_t end = std::min(list.find(' '), list.size());
@@ -196,7 +180,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
     proposals.notes.push_back(subject + "its fused depth holds no solid");
     return proposals;
   }
-  const double size_m = LongestSide(grid) * raster.voxel_m;
+  const double size_m = OccupiedBox(grid)->sides().maxCoeff() * raster.voxel_m;
   grid = shape::StretchGrid(grid, Eigen::Vector3d::Ones());
   grid = shape::TurnGrid(grid, shape::QuarterTurnsToFront(grid));
   std::array<char, 32> key{};

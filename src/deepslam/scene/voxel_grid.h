@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,5 +35,16 @@ struct VoxelGrid {
   }
   friend bool operator==(const VoxelGrid&, const VoxelGrid&) = default;
 };
+
+// Box of the occupied voxels, both corners within it.
+struct VoxelBox {
+  Eigen::Array3i low;
+  Eigen::Array3i high;
+
+  [[nodiscard]] Eigen::Array3i sides() const { return high - low + 1; }
+};
+
+// Nothing where no voxel is occupied.
+std::optional<VoxelBox> OccupiedBox(const VoxelGrid& grid);
 
 }  // namespace deepslam

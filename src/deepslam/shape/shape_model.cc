@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "deepslam/geometry/trilinear.h"
 #include "deepslam/shape/distance_transform.h"
 
 namespace deepslam::shape {
@@ -71,14 +72,10 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
   // to 0.
   constexpr float kClearGradient = 0.12F;
   const std::vector<float> blurred = Blurred(grid);
-  Eigen::Array3i low = Eigen::Array3i::Constant(kGridSize);
-  Eigen::Array3i high = Eigen::Array3i::Constant(-1);
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
         if (!grid.At(i, j, k)) continue;
-        low = low.min(Eigen::Array3i(i, j, k));
-        high = high.max(Eigen::Array3i(i, j, k));
         const Eigen::Vector3f center = VoxelGrid::Center(i, j, k).cast<float>();
         const Eigen::Vector3f outward = OutwardGradient(blurred, i, j, k);
         bool exposed = false;
@@ -97,31 +94,22 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
       }
     }
   }
-  if (points_.empty()) return;
-  box_min_ = low.cast<float>() * kVoxel - 0.5F;
-  box_max_ = (high + 1).cast<float>() * kVoxel - 0.5F;
+  const std::optional<VoxelBox> box = OccupiedBox(grid);
+  if (!box) return;
+  box_min_ = box->low.cast<float>() * kVoxel - 0.5F;
+  box_max_ = (box->high + 1).cast<float>() * kVoxel - 0.5F;
 }
 
 ShapeModel::Sample ShapeModel::SampleInside(const Eigen::Vector3f& p_object) const {
   const Eigen::Array3f voxel = (p_object.array() + 0.5F) * static_cast<float>(kGridSize) - 0.5F;
   const Eigen::Array3i base = voxel.floor().cast<int>().max(0).min(kGridSize - 2);
   const Eigen::Array3f t = voxel - base.cast<float>();
-  const float* const c = field_.data() + VoxelGrid::Index(base.x(), base.y(), base.z());
-  constexpr std::size_t kI = kGridSize * kGridSize;
-  constexpr std::size_t kJ = kGridSize;
-  const auto mix = [](float a, float b, float w) { return a + w * (b - a); };
-  const float c00 = mix(c[0], c[1], t.z());
-  const float c01 = mix(c[kJ], c[kJ + 1], t.z());
-  const float c10 = mix(c[kI], c[kI + 1], t.z());
-  const float c11 = mix(c[kI + kJ], c[kI + kJ + 1], t.z());
-  const float low = mix(c00, c01, t.y());
-  const float high = mix(c10, c11, t.y());
-  const float dz = mix(mix(c[1] - c[0], c[kJ + 1] - c[kJ], t.y()),
-                       mix(c[kI + 1] - c[kI], c[kI + kJ + 1] - c[kI + kJ], t.y()),
-                       t.x());
-  const float dy = mix(c01 - c00, c11 - c10, t.x());
-  return {mix(low, high, t.x()),
-          Eigen::Vector3f(high - low, dy, dz) * static_cast<float>(kGridSize)};
+  const TrilinearSample sample =
+      SampleTrilinear(field_.data() + VoxelGrid::Index(base.x(), base.y(), base.z()),
+                      std::size_t{kGridSize} * kGridSize,
+                      kGridSize,
+                      t);
+  return {sample.value, sample.gradient * static_cast<float>(kGridSize)};
 }
 
 float ShapeModel::Distance(const Eigen::Vector3f& p_object) const {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <map>
 #include <set>
@@ -20,20 +19,6 @@ namespace {
 
 using pipeline::StageContext;
 using pipeline::StageSummary;
-
-constexpr std::array<std::string_view, 13> kReportedStages = {"track",
-                                                              "ground",
-                                                              "detect",
-                                                              "segment",
-                                                              "associate",
-                                                              "propose",
-                                                              "register",
-                                                              "select",
-                                                              "loops",
-                                                              "optimize",
-                                                              "mesh",
-                                                              "fuse",
-                                                              "export"};
 
 // The cloud that the map's size is held against.
 constexpr double kCloudVoxelM = 0.01;
@@ -159,7 +144,7 @@ Result<std::vector<std::string>> Corrections(const StageContext& context) {
 
 // What the stages said of themselves, and the sizes of the files a user takes away.
 void AddManifests(const StageContext& context, report::ReportContent& content) {
-  for (const std::string_view stage : kReportedStages) {
+  for (const std::string& stage : context.inputs()) {
     const std::string name = StageContext::DisplayName(stage, pipeline::kManifestFile);
     const Result<std::string> text = context.Read(stage, pipeline::kManifestFile);
     if (!text.ok()) continue;
