@@ -7,7 +7,7 @@ Renders the scenes (all of configs/scenes unless --scene names some), reconstruc
 docs/evaluation/results.md and docs/evaluation/*.svg, each with the command that made it. What exists in --work and still
 holds is used again: an interrupted run goes on where it was. Every rung of a scene is a capture of its own. Each capture
 is reconstructed with proposals from colour and depth and from colour alone; long_loop with and without loop closure, and
-with tracking that drifts. Longer captures are thinned to --max-frames over the same path, so that all takes less than an
+with tracking that drifts. Longer captures but that one are thinned to --max-frames over the same path, so that all takes less than an
 hour on two cores; --quick takes at most 60 frames and halves images whose camera is written out. What follows `--` goes
 to every `deepslam run`. Needs nothing beyond Python 3.
 """

@@ -199,9 +199,15 @@ TEST(DepthFaults, GrazingFacesFarOnesDarkOnesAndShinyOnesAreHoles) {
 
   scene = Scene();
   scene.faults.dark_holes = true;
-  SensedView wall = Wall(2);
-  wall.reflectance = Image<float>(kCamera.width, kCamera.height, 0.001f);
+  SensedView wall = TurnedWall(5.5, 1.0);
+  wall.reflectance = Image<float>(kCamera.width, kCamera.height, 0.0f);
   EXPECT_EQ(NumHoles(Sense(wall, scene)), all);
+  wall.reflectance = Image<float>(kCamera.width, kCamera.height, 0.3f);
+  EXPECT_EQ(NumHoles(Sense(wall, scene)), 0);
+  // Black near by is seen.
+  wall = Wall(2);
+  wall.reflectance = Image<float>(kCamera.width, kCamera.height, 0.0f);
+  EXPECT_EQ(NumHoles(Sense(wall, scene)), 0);
   wall.reflectance = Image<float>(kCamera.width, kCamera.height, 0.3f);
   EXPECT_EQ(NumHoles(Sense(wall, scene)), 0);
 
@@ -276,10 +282,12 @@ TEST(DepthFaults, HolesOfMatchedWindowsArePatches) {
   const auto broken_runs = [](const std::string& preset) {
     SceneDescription scene = Scene(preset);
     scene.faults.dark_holes = true;
-    SensedView wall = TurnedWall(2, 0);
-    const double between = 0.5 * (scene.sensor.signal_lost + scene.sensor.signal_sure);
-    wall.reflectance =
-        Image<float>(kCamera.width, kCamera.height, static_cast<float>(4 * between));
+    SensedView wall = TurnedWall(10, 0);
+    // A reflectance between those that are always and never seen from 10 m.
+    const double between = 100 * 0.5 * (scene.sensor.signal_lost + scene.sensor.signal_sure);
+    const double black = InfraredReflectance(0);
+    wall.reflectance = Image<float>(
+        kCamera.width, kCamera.height, static_cast<float>((between - black) / (1 - black)));
     const DepthImage seen = Sense(wall, scene);
     int num_holes = 0, num_changes = 0;
     for (int v = 0; v < kCamera.height; ++v) {

@@ -134,6 +134,11 @@ double LateralDeviation(const DepthSensor& sensor, double theta_rad) {
   return sensor.lateral_px + sensor.lateral_angle_px * theta / (std::numbers::pi / 2 - theta);
 }
 
+double InfraredReflectance(double visible) {
+  constexpr double kOfBlack = 0.03;
+  return kOfBlack + (1 - kOfBlack) * visible;
+}
+
 double RangeBias(const DepthSensor& sensor, double depth_m) {
   return sensor.bias_constant_m + sensor.bias_quadratic_per_m * depth_m * depth_m;
 }

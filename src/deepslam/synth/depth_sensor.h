@@ -51,7 +51,8 @@ struct DepthSensor {
 
   // Share of the pixels at an edge that lie between the two surfaces.
   double mixed_share = 0;
-  // Returned light, reflectance x cos theta / z^2: below `lost` no depth, above `sure` always.
+  // Returned light, infrared reflectance x cos theta / z^2: below `lost` no depth, above `sure`
+  // always.
   double signal_lost = 0;
   double signal_sure = 0;
   // Border of the picture without depth, where the depth camera registered to the colour camera
@@ -83,6 +84,10 @@ std::vector<std::string> DepthSensorPresetNames();
 // By the sensor's formula; theta in [0, pi/2).
 double AxialDeviation(const DepthSensor& sensor, double depth_m, double theta_rad);
 double LateralDeviation(const DepthSensor& sensor, double theta_rad);
+// What a surface sends back of near infrared, from its visible reflectance. Most dyes are transparent
+// there, and what looks black is not: pixels of grey value 10 to 30 have depth in 0.8 of all cases
+// in 7-Scenes redkitchen and in 0.99 in TUM fr3_cabinet, at 1 to 3 m.
+double InfraredReflectance(double visible);
 double RangeBias(const DepthSensor& sensor, double depth_m);
 // Nearest depth that the sensor's disparity steps can express; 0 when there is none.
 double QuantisedDepth(const DepthSensor& sensor, double depth_m);

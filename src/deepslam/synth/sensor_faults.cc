@@ -246,8 +246,8 @@ class Reading {
     if (faults_.grazing_holes)
       lost = static_cast<double>((kSureCosine - cosine) / (kSureCosine - kMinCosine));
     if (faults_.dark_holes && !truth_.reflectance.empty()) {
-      const double signal =
-          static_cast<double>(truth_.reflectance(u, v) * cosine) / (depth * depth);
+      const double signal = InfraredReflectance(static_cast<double>(truth_.reflectance(u, v))) *
+                            static_cast<double>(cosine) / (depth * depth);
       lost = std::max(lost,
                       (sensor_.signal_sure - signal) / (sensor_.signal_sure - sensor_.signal_lost));
     }
