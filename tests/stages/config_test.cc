@@ -149,6 +149,27 @@ OptimizedMap MapWithFrames(int num_tracked, int num_lost) {
   return map;
 }
 
+// A walk at one pace; from `jump_at` on, the camera stands `jump_m` further along.
+OptimizedMap MapOfAWalk(std::size_t jump_at, double jump_m) {
+  OptimizedMap map = MapWithFrames(100, 0);
+  for (std::size_t k = 0; k < map.frames.size(); ++k)
+    map.frames[k].world_from_camera.translation_m.x() =
+        0.02 * static_cast<double>(k) + (k >= jump_at ? jump_m : 0);
+  return map;
+}
+
+TEST(Verdict, NamesTheFrameAtWhichTheCameraJumps) {
+  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0)).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0.1)).verdict, artifact::Verdict::kGood);
+  const RunVerdict jumped = JudgeRun(MapOfAWalk(40, 0.5));
+  EXPECT_EQ(jumped.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_THAT(jumped.reasons, testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
+  // Keyframes far apart, as sparse captures have them, are a pace of their own.
+  OptimizedMap sparse = MapOfAWalk(40, 0);
+  for (TrackedFrame& frame : sparse.frames) frame.world_from_camera.translation_m *= 20;
+  EXPECT_EQ(JudgeRun(sparse).verdict, artifact::Verdict::kGood);
+}
+
 TEST(Verdict, FollowsWhatWentWrong) {
   EXPECT_EQ(JudgeRun(MapWithFrames(100, 0)).verdict, artifact::Verdict::kGood);
   EXPECT_EQ(JudgeRun(MapWithFrames(90, 10)).verdict, artifact::Verdict::kDoubtful);

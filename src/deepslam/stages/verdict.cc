@@ -1,6 +1,8 @@
 #include "deepslam/stages/verdict.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,6 +16,48 @@ constexpr double kDoubtfulLostShare = 0.05;
 constexpr double kDoubtfulDegenerateShare = 0.25;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
 constexpr double kLowConfidence = 0.4;    // below even odds that class, shape and place are right
+// A camera in a hand or on a robot keeps its pace: a step between neighbouring frames that is
+// longer than the first and quicker than the second times the capture's median speed is a wrong
+// alignment or a cut in the capture.
+constexpr double kJumpM = 0.2;
+constexpr double kJumpSpeeds = 4;
+
+bool Aligned(const TrackedFrame& frame) {
+  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
+}
+
+struct Step {
+  std::size_t to_frame;
+  double length_m;
+  double speed_m_per_s;
+};
+
+std::vector<Step> Steps(const std::vector<TrackedFrame>& frames) {
+  std::vector<Step> steps;
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const double time_s = frames[k].time_s - frames[k - 1].time_s;
+    if (!Aligned(frames[k - 1]) || !Aligned(frames[k]) || !(time_s > 0)) continue;
+    const double length_m =
+        (frames[k].world_from_camera.translation_m - frames[k - 1].world_from_camera.translation_m)
+            .norm();
+    steps.push_back({k, length_m, length_m / time_s});
+  }
+  return steps;
+}
+
+std::vector<Step> Jumps(const std::vector<TrackedFrame>& frames) {
+  std::vector<Step> steps = Steps(frames);
+  if (steps.empty()) return steps;
+  std::vector<double> speeds;
+  for (const Step& step : steps) speeds.push_back(step.speed_m_per_s);
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  const double usual = *middle;
+  std::erase_if(steps, [&](const Step& step) {
+    return step.length_m < kJumpM || step.speed_m_per_s < kJumpSpeeds * usual;
+  });
+  return steps;
+}
 
 }  // namespace
 
@@ -40,6 +84,15 @@ RunVerdict JudgeRun(const OptimizedMap& map) {
   if (degenerate > kDoubtfulDegenerateShare) {
     note(artifact::Verdict::kDoubtful,
          fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate));
+  }
+  const std::vector<Step> jumps = Jumps(map.frames);
+  if (!jumps.empty()) {
+    note(artifact::Verdict::kDoubtful,
+         fmt::format("the camera jumps by {:.2f} m at frame {}{}; what was seen before and after "
+                     "may not fit together",
+                     jumps.front().length_m,
+                     jumps.front().to_frame,
+                     jumps.size() > 1 ? fmt::format(" and at {} others", jumps.size() - 1) : ""));
   }
   if (map.keyframes.size() < kFewKeyframes) {
     note(artifact::Verdict::kDoubtful,
