@@ -9,6 +9,7 @@
 
 #include "deepslam/core/random.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/mesh/surface_distance.h"
 
 namespace deepslam::mesh {
 namespace {
@@ -103,6 +104,32 @@ TEST(WithoutFloor, LeavesNothingInThePlaneOfThePolygon) {
     EXPECT_FALSE(covers(rest, p, static_cast<float>(kBandM))) << p.transpose();
   }
   EXPECT_GT(num_on_ground, 300);
+}
+
+TEST(WithoutObjects, TakesWhatLiesOnAnObjectAndLeavesItsSurroundings) {
+  const TriangleMesh room = Room();
+  TriangleMesh object;  // just over the box's top, and beyond it on one side
+  object.vertices = {{1.0F, 0, 0.22F}, {1.4F, 0, 0.22F}, {1.4F, 3, 0.22F}, {1.0F, 3, 0.22F}};
+  object.faces = {{0, 1, 2}, {0, 2, 3}};
+  const std::vector<TriangleMesh> objects = {TriangleMesh(), object};
+  const TriangleMesh rest = WithoutObjects(room, objects, 0.05);
+  EXPECT_EQ(CountFaces(rest, {7, 7, 7}), 0);
+  EXPECT_EQ(room.faces.size() - rest.faces.size(),
+            static_cast<std::size_t>(CountFaces(room, {7, 7, 7})));
+  EXPECT_EQ(WithoutObjects(room, objects, 0.01).faces.size(), room.faces.size());
+}
+
+TEST(SurfaceDistance, BoundsAgreeWithTheDistanceItself) {
+  const TriangleMesh room = Room();
+  TriangleMesh moved = room;
+  for (Eigen::Vector3f& p : moved.vertices) p.z() += 0.003F;
+  const double distance = SurfaceDistance(room, moved);
+  EXPECT_GT(distance, 0.001);
+  EXPECT_TRUE(WithinDistance(room, moved, distance * 1.0001));
+  EXPECT_FALSE(WithinDistance(room, moved, distance * 0.9999));
+  moved.faces.erase(moved.faces.begin(), moved.faces.begin() + 400);  // one way alone
+  EXPECT_FALSE(WithinDistance(room, moved, distance * 1.0001));
+  EXPECT_FALSE(WithinDistance(moved, room, distance * 1.0001));
 }
 
 TEST(ColouredGround, HasTheFloorsColoursAndTheSameOutline) {

@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/mesh/surface_distance.h"
 
 namespace deepslam::mesh {
 namespace {
@@ -217,6 +218,33 @@ TriangleMesh WithoutFloor(const TriangleMesh& room_world,
     return over && IsLevel(room, face);
   });
   DropRags(places, room);
+  return room;
+}
+
+TriangleMesh WithoutObjects(const TriangleMesh& room_world,
+                            std::span<const TriangleMesh> objects_world,
+                            double distance_m) {
+  const auto margin = static_cast<float>(distance_m);
+  std::vector<std::uint8_t> near(room_world.vertices.size(), 0);
+  for (const TriangleMesh& object : objects_world) {
+    if (object.faces.empty()) continue;
+    Eigen::AlignedBox3f box;
+    for (const Eigen::Vector3f& p : object.vertices) box.extend(p);
+    const Eigen::AlignedBox3f reach(box.min().array() - margin, box.max().array() + margin);
+    std::vector<std::size_t> which;
+    std::vector<Eigen::Vector3f> points;
+    for (std::size_t v = 0; v < near.size(); ++v) {
+      if (near[v] != 0 || !reach.contains(room_world.vertices[v])) continue;
+      which.push_back(v);
+      points.push_back(room_world.vertices[v]);
+    }
+    const std::vector<std::uint8_t> found = AreNear(points, object, distance_m);
+    for (std::size_t n = 0; n < which.size(); ++n) near[which[n]] = found[n];
+  }
+  TriangleMesh room = room_world;
+  std::erase_if(room.faces, [&](const std::array<std::uint32_t, 3>& face) {
+    return near[face[0]] != 0 && near[face[1]] != 0 && near[face[2]] != 0;
+  });
   return room;
 }
 

@@ -1,6 +1,8 @@
-// The floor is measured twice over: as the ground polygon, and in the room's surface. In one plane the
-// two would fight for every pixel, so a scene shows the polygon, in the colours of the surface, and the
-// surface without what the polygon stands for.
+// The room's measured surface beside what a scene shows in its place.
+//
+// The floor is there twice over: as the ground polygon, and in the room's surface. In one plane the two
+// would fight for every pixel, so a scene shows the polygon, in the colours of the surface, and the
+// surface without what the polygon stands for. Objects likewise.
 #pragma once
 
 #include <span>
@@ -26,5 +28,12 @@ namespace deepslam::mesh {
                                           const TriangleMesh& room_world,
                                           double band_m,
                                           double step_m);
+
+// The room without its faces that lie within `distance_m` of an object's surface, each corner of some
+// object's: the rims of objects that segmentation left to the room, which would lie about the object's
+// mesh in rags. `objects_world` are meshes in the world; empty ones are passed over.
+[[nodiscard]] TriangleMesh WithoutObjects(const TriangleMesh& room_world,
+                                          std::span<const TriangleMesh> objects_world,
+                                          double distance_m);
 
 }  // namespace deepslam::mesh

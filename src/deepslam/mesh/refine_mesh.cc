@@ -183,7 +183,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
     const TriangleMesh refined = ToTriangleMesh(*mesh);
     const MeshCheck after = CheckMesh(refined);
     if (after.ok() && after.num_components == before.num_components &&
-        SurfaceDistance(source, refined) <= options.max_error && !SelfIntersects(refined)) {
+        WithinDistance(source, refined, options.max_error) && !SelfIntersects(refined)) {
       return refined;
     }
   }

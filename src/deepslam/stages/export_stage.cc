@@ -30,7 +30,8 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
-// Smaller pieces of the room that hang in the air once the floor is gone are crumbs.
+constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
+// Smaller pieces of the room that hang in the air once floor and objects are gone are crumbs.
 constexpr int kMinPieceFaces = 50;
 
 // Everything the scene is made of.
@@ -89,10 +90,16 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
                               config.ground_polygon.colour_step_m);
 }
 
-// The measured room without the floor that the polygon shows, and without the crumbs this leaves.
-TriangleMesh RoomBesideGround(const Content& content, const TriangleMesh& ground) {
-  return fuse::CanonicalMesh(fuse::WithoutSmallComponents(
-      mesh::WithoutFloor(content.room, ground, kFloorBandM), kMinPieceFaces));
+// The measured room without what the scene shows in its place, and without the crumbs this leaves.
+TriangleMesh RoomBeside(const Content& content, const std::optional<TriangleMesh>& ground) {
+  std::vector<TriangleMesh> objects = content.meshes;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (Eigen::Vector3f& p : objects[i].vertices)
+      p = (content.map.map.objects[i].world_from_object * p.cast<double>()).cast<float>();
+  }
+  TriangleMesh room = mesh::WithoutObjects(content.room, objects, kObjectRimM);
+  if (ground) room = mesh::WithoutFloor(room, *ground, kFloorBandM);
+  return fuse::CanonicalMesh(fuse::WithoutSmallComponents(room, kMinPieceFaces));
 }
 
 // The scene without its surroundings, to say how large its objects are.
@@ -147,7 +154,7 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
   }
   scene.ground = GroundMesh(content, config);
   if (config.export_stage.room && !content.room.empty())
-    scene.room = scene.ground ? RoomBesideGround(content, *scene.ground) : content.room;
+    scene.room = RoomBeside(content, scene.ground);
   if (config.export_stage.trajectory) {
     for (const TrackedFrame& frame : content.map.frames) {
       scene.trajectory_world_from_camera.push_back(frame.world_from_camera);
