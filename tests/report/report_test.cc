@@ -129,9 +129,17 @@ TEST(WhyItWon, NamesOnlyWhatSpeaksForTheWinner) {
   EXPECT_THAT(why, Not(HasSubstr("50 %")));
   EXPECT_THAT(why, Not(HasSubstr("Set aside")));
   object.candidates.push_back(next);
-  object.candidates.back().model = "fused_0";
-  object.candidates.back().score = 0.9;
+  CandidateRow& better = object.candidates.back();
+  better.model = "fused_0";
+  better.source = "own measurement";
+  better.score = 0.9;
   EXPECT_THAT(WhyItWon(object), HasSubstr("Set aside in spite of a higher score: fused_0"));
+  EXPECT_THAT(WhyItWon(object), HasSubstr("lacks the sides nobody saw"));
+  better.source = "CAD library";
+  EXPECT_THAT(WhyItWon(object), HasSubstr("turns its back"));
+  object.candidates.front().num_views = 9;
+  better.num_views = 4;
+  EXPECT_THAT(WhyItWon(object), HasSubstr("in 4 views only, others in 9"));
 }
 
 TEST(ViewerData, CannotEndItsScriptElementAndStaysFinite) {

@@ -110,21 +110,32 @@ std::string Compared(double winner, double next, std::string_view what, bool mor
   return fmt::format("{} ({:.0f} % against {:.0f} %)", what, 100 * winner, 100 * next);
 }
 
+// Why selection passed over a candidate of a higher score (select/select.h).
+std::string WhyPassedOver(const CandidateRow& row, int most_views) {
+  if (row.source == "own measurement") {
+    return "what was made of the measurement agrees with it by nature, but lacks the sides nobody "
+           "saw; it wins only where no complete shape agrees";
+  }
+  if (2 * row.num_views < most_views)
+    return fmt::format("could be placed in {} views only, others in {}", row.num_views, most_views);
+  return "turns its back to the cameras, as furniture seldom does";
+}
+
 // Candidates that agree better with the depth than the winner and lost all the same.
 std::string SetAside(const ObjectRow& object, const CandidateRow& winner) {
+  int most_views = 0;
+  for (const CandidateRow& row : object.candidates) most_views = std::max(most_views, row.num_views);
   std::string set_aside;
   for (const CandidateRow& row : object.candidates) {
     if (row.chosen || row.score <= winner.score) continue;
-    set_aside += fmt::format("{}{} ({}, {:.3f})",
-                             set_aside.empty() ? "" : ", ",
+    set_aside += fmt::format("{}{} ({}, {:.3f}): {}",
+                             set_aside.empty() ? "" : "; ",
                              row.model,
                              row.source,
-                             row.score);
+                             row.score,
+                             WhyPassedOver(row, most_views));
   }
-  if (set_aside.empty()) return {};
-  return " Set aside in spite of a higher score: " + set_aside +
-         ". What was made of the measurement agrees with it by nature, but lacks the sides nobody "
-         "saw; it wins only where no complete shape agrees.";
+  return set_aside.empty() ? "" : " Set aside in spite of a higher score: " + set_aside + ".";
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include "deepslam/artifact/objects_csv.h"
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/core/sha256.h"
-#include "deepslam/fuse/canonical_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/floor_surface.h"
@@ -19,6 +18,7 @@
 #include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/expand.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/room_beside.h"
 #include "deepslam/stages/scene_files.h"
 #include "deepslam/stages/stage_inputs.h"
 #include "deepslam/stages/verdict.h"
@@ -28,11 +28,6 @@ namespace {
 
 using pipeline::StageContext;
 using pipeline::StageSummary;
-
-constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
-constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
-// Smaller pieces of the room that hang in the air once floor and objects are gone are crumbs.
-constexpr int kMinPieceFaces = 50;
 
 // Everything the scene is made of.
 struct Content {
@@ -90,18 +85,6 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
                               config.ground_polygon.colour_step_m);
 }
 
-// The measured room without what the scene shows in its place, and without the crumbs this leaves.
-TriangleMesh RoomBeside(const Content& content, const std::optional<TriangleMesh>& ground) {
-  std::vector<TriangleMesh> objects = content.meshes;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    for (Eigen::Vector3f& p : objects[i].vertices)
-      p = (content.map.map.objects[i].world_from_object * p.cast<double>()).cast<float>();
-  }
-  TriangleMesh room = mesh::WithoutObjects(content.room, objects, kObjectRimM);
-  if (ground) room = mesh::WithoutFloor(room, *ground, kFloorBandM);
-  return fuse::CanonicalMesh(fuse::WithoutSmallComponents(room, kMinPieceFaces));
-}
-
 // The scene without its surroundings, to say how large its objects are.
 gltf::GltfScene ObjectsOnly(const gltf::GltfScene& scene) {
   gltf::GltfScene objects;
@@ -154,7 +137,7 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
   }
   scene.ground = GroundMesh(content, config);
   if (config.export_stage.room && !content.room.empty())
-    scene.room = RoomBeside(content, scene.ground);
+    scene.room = RoomBeside(content.room, content.map.map.objects, content.meshes, scene.ground);
   if (config.export_stage.trajectory) {
     for (const TrackedFrame& frame : content.map.frames) {
       scene.trajectory_world_from_camera.push_back(frame.world_from_camera);

@@ -159,7 +159,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      4,
+      5,
       {"track",
        "ground",
        "detect",

@@ -12,6 +12,7 @@
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/report/report.h"
 #include "deepslam/stages/report_pictures.h"
+#include "deepslam/stages/room_beside.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -257,6 +258,17 @@ Result<Sources> ReadSources(const StageContext& context) {
   return sources;
 }
 
+// The room for pictures that show the objects' meshes; the floor stays measured.
+TriangleMesh RoomWithout(std::span<const PicturedObject> pictured, const TriangleMesh& room) {
+  std::vector<MapObject> objects;
+  std::vector<TriangleMesh> meshes;
+  for (const PicturedObject& object : pictured) {
+    objects.push_back(*object.object);
+    meshes.push_back(object.mesh);
+  }
+  return RoomBeside(room, objects, meshes, std::nullopt);
+}
+
 // Rows of all objects; false when the user asked to stop.
 bool AddObjects(const StageContext& context,
                 const Sources& sources,
@@ -300,7 +312,8 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
       ReadPictured(context, sources->map.map, inputs.classes);
   if (!AddObjects(context, *sources, pictured, frames, shown, content)) return Interrupted();
   content.scene_pictures = ScenePictures(pictured, sources->map);
-  content.photographs = Photographs(pictured, sources->room, sources->map, frames, shown);
+  content.photographs =
+      Photographs(pictured, RoomWithout(pictured, sources->room), sources->map, frames, shown);
   content.frame_pictures =
       FramePictures(sources->segments, sources->association.tracks, sources->map, frames, shown);
   AddManifests(context, content);
