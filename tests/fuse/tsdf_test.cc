@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "deepslam/artifact/ply.h"
 #include "deepslam/fuse/canonical_mesh.h"
 
 namespace deepslam::fuse {
@@ -143,6 +146,28 @@ TEST(TsdfFusion, StopsBeforeTheRoomOutgrowsItsBound) {
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.error().message.find("max_voxel_blocks"), std::string::npos);
   EXPECT_TRUE(fusion.ExtractMesh()->empty());
+}
+
+// The report's size of a fused cloud against one that is written: surface points at 1 cm, binary PLY with
+// colour.
+TEST(ExpectedSurfacePoints, GivesTheSizeOfAWrittenCloud) {
+  FuseOptions options = CoarseOptions();
+  options.voxel_m = 0.02;  // as the room is fused by default
+  options.truncation_m = 0.06;
+  const TriangleMesh room = Fused(options);
+  options.voxel_m = 0.01;
+  options.truncation_m = 0.03;
+  options.max_faces = 10'000'000;
+  TriangleMesh cloud = Fused(options);
+  cloud.faces.clear();
+  const Result<std::string> ply = artifact::EncodePly({std::move(cloud), {}, {}}, "cloud.ply");
+  ASSERT_TRUE(ply.ok());
+  const auto bytes = static_cast<double>(ply->size());
+  EXPECT_NEAR(15.0 * static_cast<double>(ExpectedSurfacePoints(room, 0.01)), bytes, 0.07 * bytes);
+  // Not by its scale alone: half the voxel, four times the points.
+  EXPECT_NEAR(static_cast<double>(ExpectedSurfacePoints(room, 0.005)),
+              4.0 * static_cast<double>(ExpectedSurfacePoints(room, 0.01)),
+              2.0);
 }
 
 TEST(CanonicalMesh, DoesNotDependOnTheOrderOfVerticesAndFaces) {
