@@ -99,8 +99,11 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${CMAKE_INSTALL_DA
 install(PROGRAMS scripts/sample.sh scripts/furniture.sh scripts/fetch_weights.sh
         DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
 install(FILES scripts/npm_files.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
+# dpkg-shlibdeps finds it under that name here.
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/installed/lib")
+file(CREATE_LINK "${deepslam_onnxruntime_file}" "${PROJECT_BINARY_DIR}/installed/lib/libonnxruntime.so.1" SYMBOLIC)
+
 # Links, since the scripts look for their neighbours from where they are themselves.
-file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/installed")
 foreach(pair "deepslam-demo sample.sh" "deepslam-fetch-weights fetch_weights.sh")
   separate_arguments(pair)
   list(GET pair 0 name)
