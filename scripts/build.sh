@@ -2,6 +2,7 @@
 # Configures and builds a preset of CMakePresets.json, with ccache where it is installed.
 #   scripts/build.sh [PRESET] [cmake options ...]          PRESET: release (default), dev, asan; result: build/PRESET
 set -euo pipefail
+if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then sed -n '2,3s/^# \{0,1\}//p' "$0"; exit 0; fi
 cd "$(dirname "$0")/.."
 
 preset="${1:-release}"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian packages on a bare bookworm in a folder of its own (debootstrap, chroot) and, as a plain user who
-# has neither sources nor build, runs the demo there. Takes about five minutes and 2 GB, which it gives back.
+# has neither sources nor build, runs the demo there. Takes minutes and 2 GB, which it gives back.
 #   scripts/test_package.sh [--dev] [--downloads DIR] [FOLDER]
 #     FOLDER           packages of scripts/package.sh; default: out/packages
 #     --dev            also installs deepslam-dev and builds and runs its example (1.5 GB more)

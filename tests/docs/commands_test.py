@@ -117,7 +117,7 @@ def read_page(text, name):
     while number < len(lines):
         fence = re.match(r"```(\w*)", lines[number])
         if not fence:
-            for span in re.findall(r"`([^`]+)`", lines[number].replace("\\|", "|")):
+            for span in re.findall(r"`([^`]+)`", lines[number]):
                 if re.match(r"(deepslam(-[a-z-]+)?|scripts/[\w/.]+\.(sh|py))( |$)", span):
                     found.append(Command(span, f"{name}:{number + 1}", inline=True))
             number += 1
@@ -225,7 +225,7 @@ def check_command(command, world):
             else:
                 check_options(words, world)
             return "named"
-    elif not re.match(r"deepslam", text) or re.search(r"[<>;&$]|\n", text):
+    elif not text.startswith("deepslam ") or re.search(r"[<>;&$]|\n", text):
         world.check(text)
         return "run"
     words = shlex.split(text)
