@@ -113,25 +113,45 @@ TEST_P(EstimateOdometryNoise, FollowsAnArcWithDepthNoisierThanTheModel) {
   ExpectConsistent(odometry);
 }
 
-// Errors of blocks of 4 x 4 pixels, as block matching makes them: invisible between neighbours.
-TEST(EstimateOdometry, FollowsAnArcWithNoiseSharedBetweenNeighbours) {
-  const std::vector<Pose3> truth = Arc(8);
-  const std::vector<Frame> exact = Render(BoxWorld::Furnished(), truth, 0.0);
-  std::vector<Frame> frames = Render(BoxWorld::Furnished(), truth, 8.0);
+// Errors of square blocks of pixels, as block matching makes them: invisible between neighbours.
+std::vector<Frame> RenderWithBlocks(const std::vector<Pose3>& poses, double noise, int block_px) {
+  const std::vector<Frame> exact = Render(BoxWorld::Furnished(), poses, 0.0);
+  std::vector<Frame> frames = Render(BoxWorld::Furnished(), poses, noise);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const DepthImage noisy = frames[k].depth_m;
     for (int v = 0; v < noisy.height(); ++v) {
       for (int u = 0; u < noisy.width(); ++u) {
-        const int block_u = u / 4 * 4, block_v = v / 4 * 4;
+        const int block_u = u / block_px * block_px, block_v = v / block_px * block_px;
         frames[k].depth_m(u, v) =
             exact[k].depth_m(u, v) + noisy(block_u, block_v) - exact[k].depth_m(block_u, block_v);
       }
     }
   }
-  const Odometry odometry = Track(std::move(frames));
+  return frames;
+}
+
+TEST(EstimateOdometry, FollowsAnArcWithNoiseSharedBetweenNeighbours) {
+  const std::vector<Pose3> truth = Arc(8);
+  const Odometry odometry = Track(RenderWithBlocks(truth, 8.0, 4));
   for (const TrackedFrame& frame : odometry.frames)
     EXPECT_EQ(frame.status, TrackingStatus::kTracked) << "frame " << frame.frame;
   ExpectTrue(odometry, truth, 0, truth.size(), 0.05, 1.5);
+}
+
+// Noise shared over more pixels than it is looked for in is underrated, and few depths agree by it.
+TEST(EstimateOdometry, ImagesThatAgreeMakeUpForUnderratedNoise) {
+  const std::vector<Pose3> truth = Arc(8);
+  std::vector<Frame> frames = RenderWithBlocks(truth, 6.0, 20);
+  const Odometry odometry = Track(frames);
+  for (const TrackedFrame& frame : odometry.frames)
+    EXPECT_EQ(frame.status, TrackingStatus::kTracked) << "frame " << frame.frame;
+  ExpectTrue(odometry, truth, 0, truth.size(), 0.06, 1.5);
+  // Without images the same depth says too little.
+  for (Frame& frame : frames) frame.colour = ColourImage();
+  const Odometry without = Track(std::move(frames));
+  EXPECT_TRUE(std::ranges::any_of(without.frames, [](const TrackedFrame& frame) {
+    return frame.status == TrackingStatus::kLost;
+  }));
 }
 
 INSTANTIATE_TEST_SUITE_P(TimesTheModel, EstimateOdometryNoise, ::testing::Values(4.0, 8.0));

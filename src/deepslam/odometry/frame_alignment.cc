@@ -41,6 +41,10 @@ constexpr double kOpenStepPx = 0.75;
 constexpr int kNumOpenSteps = 10;
 // Fewer photometric residuals say nothing about the images' agreement.
 constexpr int kMinPhotometricResiduals = 300;
+// Images that are as like as this are of the same place; then depth may be this much worse than
+// asked, since the sensor's noise is known roughly only.
+constexpr double kLikeImages = 0.9;
+constexpr double kAgreementOfLikeImages = 0.6;
 
 // Pixels of this level that share one error.
 double CorrelationFactor(const PyramidLevel& level, double length_at_640_px) {
@@ -288,7 +292,9 @@ FrameAlignment Conclude(const Descent& descent,
   result.agreement = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
   const bool has_colour = system.num_photometric >= kMinPhotometricResiduals;
   if (has_colour) result.brightness_correlation = system.brightness_correlation;
-  result.ok = result.overlap >= options.min_overlap && result.agreement >= options.min_agreement &&
+  const bool like = has_colour && result.brightness_correlation >= kLikeImages;
+  const double min_agreement = (like ? kAgreementOfLikeImages : 1) * options.min_agreement;
+  result.ok = result.overlap >= options.min_overlap && result.agreement >= min_agreement &&
               result.brightness_correlation >= options.min_brightness_correlation;
   return result;
 }

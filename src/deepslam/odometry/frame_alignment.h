@@ -24,7 +24,9 @@ struct AlignmentOptions {
   double max_distance_m = 0.30;  // association gate at the coarsest level, halved at each finer one
   double max_normal_angle_deg = 50;  // between the two normals of a correspondence
   double min_overlap = 0.20;         // of the source's points that fall on points of the target
-  double min_agreement = 0.60;       // inliers of the overlap; good ones have 0.85 and more
+  // Inliers of the overlap; good ones have 0.85 and more. Images that correlate by 0.9 make 0.6 of
+  // it enough.
+  double min_agreement = 0.60;
   // Correlation of the two intensities, judged where there is colour and structure.
   double min_brightness_correlation = 0.4;
   // Lengths over which errors are shared, in pixels of a 640 pixel wide image; see `information`.
