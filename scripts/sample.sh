@@ -30,10 +30,9 @@ done
 "$scripts/furniture.sh" "$program"
 scene="$configs/scenes/demo_room.yaml"
 capture="${folder}_capture"
-if [ ! "$capture/.sample" -nt "$scene" ]; then
-  [ ! -e "$capture/.sample" ] || rm -rf "$capture"
+if [ ! "$capture/capture.yaml" -nt "$scene" ]; then
+  [ ! -e "$capture/truth/objects.json" ] || rm -rf "$capture"  # rendered, of an older scene
   "$program" synth "$scene" -o "$capture"
-  touch "$capture/.sample"
 fi
 "$program" run "$capture" -o "$folder" --progress auto
 

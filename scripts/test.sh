@@ -6,7 +6,6 @@
 # Tests on real captures look for them in the folder that DEEPSLAM_TEST_DATA names, and report themselves skipped
 # without it.
 set -euo pipefail
-cd "$(dirname "$0")/.."
 
 preset=release
 setup=(--tests)
@@ -14,7 +13,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --preset | --downloads)
       [ $# -ge 2 ] || { echo "test: $1 needs a value" >&2; exit 2; }
-      if [ "$1" = --preset ]; then preset="$2"; else setup+=(--downloads "$2"); fi
+      if [ "$1" = --preset ]; then preset="$2"; else setup+=(--downloads "$(realpath -m "$2")"); fi
       shift 2
       ;;
     -h | --help) sed -n '2,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
@@ -22,6 +21,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 
+cd "$(dirname "$0")/.."
 scripts/setup.sh "${setup[@]}"
 if [ "$preset" = asan ]; then
   # Third-party libraries keep memory until the process ends.
