@@ -7,12 +7,16 @@ import * as THREE from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {OfflineDracoLoader, toBytes} from './offline_draco.js';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
+import {coarseGeometry} from './coarse_geometry.js';
 import {describeObject} from './panel.js';
 
 const BACKGROUND = 0xf3f4f6;
 const CLICK_TOLERANCE_PX = 6;
 const TAP_TOLERANCE_PX = 14;  // fingers are not as steady
 const SEE_THROUGH = 0.35;
+// Halls of more faces than this show objects smaller than so many pixels by coarse meshes.
+const MANY_FACES = 500000;
+const COARSE_PX = 90;
 
 // World axes of the report (z up) to those of the GLB (y up): (x, y, z) -> (y, z, x).
 const toGltf = ([x, y, z]) => new THREE.Vector3(y, z, x);
@@ -62,6 +66,7 @@ class Viewer {
     this.selected = null;
     this.addLights();
     this.adopt(gltf.scene);
+    this.prepareDetail();
     this.addMeasured();
     this.addPaths();
     this.addLabels();
@@ -111,6 +116,31 @@ class Viewer {
     });
     const box = new THREE.Box3().setFromObject(node);
     this.objects.set(object.name, {node, object, meshes, box});
+  }
+
+  // Coarse twins of the meshes, where there are more faces than a screen has use for. Shared meshes share them.
+  prepareDetail() {
+    const parts = [...this.objects.values()].flatMap((entry) => entry.meshes.map((mesh) => mesh.part));
+    const faces = parts.reduce((sum, part) => sum + (part.geometry.index ? part.geometry.index.count / 3 : 0), 0);
+    this.hasDetail = faces > MANY_FACES;
+    if (!this.hasDetail) return;
+    const coarse = new Map();
+    for (const part of parts) {
+      if (!coarse.has(part.geometry)) coarse.set(part.geometry, coarseGeometry(part.geometry));
+      part.userData.detail = {fine: part.geometry, coarse: coarse.get(part.geometry)};
+    }
+  }
+
+  chooseDetail() {
+    const pixelsPerTangent = this.canvasBox.clientHeight / 2 / Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    for (const {box, meshes} of this.objects.values()) {
+      const distance = box.distanceToPoint(this.camera.position);
+      const size = box.min.distanceTo(box.max) * pixelsPerTangent;
+      for (const {part} of meshes) {
+        const {fine, coarse} = part.userData.detail;
+        part.geometry = size > COARSE_PX * distance ? fine : coarse;
+      }
+    }
   }
 
   addMeasured() {
@@ -284,6 +314,7 @@ class Viewer {
   }
 
   draw() {
+    if (this.hasDetail) this.chooseDetail();
     this.renderer.render(this.scene, this.camera);
     this.placeLabels();
   }
@@ -355,6 +386,7 @@ async function start() {
       selected: () => viewer.selected,
       pixelOf: (name) => viewer.pixelOf(name),
       visible: (layer) => Boolean(viewer.layers[layer] && viewer.layers[layer].visible),
+      facesDrawn: () => viewer.renderer.info.render.triangles,
       cameraPosition: () => viewer.camera.position.toArray(),
     };
   } catch (error) {
