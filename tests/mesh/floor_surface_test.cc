@@ -112,11 +112,23 @@ TEST(WithoutObjects, TakesWhatLiesOnAnObjectAndLeavesItsSurroundings) {
   object.vertices = {{1.0F, 0, 0.22F}, {1.4F, 0, 0.22F}, {1.4F, 3, 0.22F}, {1.0F, 3, 0.22F}};
   object.faces = {{0, 1, 2}, {0, 2, 3}};
   const std::vector<TriangleMesh> objects = {TriangleMesh(), object};
-  const TriangleMesh rest = WithoutObjects(room, objects, 0.05);
+  const TriangleMesh rest = WithoutObjects(room, objects, 0.05, kBandM);
   EXPECT_EQ(CountFaces(rest, {7, 7, 7}), 0);
   EXPECT_EQ(room.faces.size() - rest.faces.size(),
             static_cast<std::size_t>(CountFaces(room, {7, 7, 7})));
-  EXPECT_EQ(WithoutObjects(room, objects, 0.01).faces.size(), room.faces.size());
+  EXPECT_EQ(WithoutObjects(room, objects, 0.01, kBandM).faces.size(), room.faces.size());
+}
+
+TEST(WithoutObjects, LeavesTheFloorUnderAnObject) {
+  const TriangleMesh room = Room();
+  TriangleMesh foot;  // a steep board on the red floor
+  foot.vertices = {{0.5F, 0, 0}, {0.5F, 2, 0}, {0.5F, 2, 0.5F}, {0.5F, 0, 0.5F}};
+  foot.faces = {{0, 1, 2}, {0, 2, 3}};
+  const TriangleMesh rest = WithoutObjects(room, std::vector<TriangleMesh>{foot}, 0.05, kBandM);
+  EXPECT_GT(CountFaces(rest, {200, 0, 0}), CountFaces(room, {200, 0, 0}) * 99 / 100);
+  // Where the floor is not told apart it goes.
+  EXPECT_LT(WithoutObjects(room, std::vector<TriangleMesh>{foot}, 0.05, 0).faces.size(),
+            rest.faces.size() - 500);
 }
 
 TEST(SurfaceDistance, BoundsAgreeWithTheDistanceItself) {

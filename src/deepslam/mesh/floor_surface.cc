@@ -223,7 +223,8 @@ TriangleMesh WithoutFloor(const TriangleMesh& room_world,
 
 TriangleMesh WithoutObjects(const TriangleMesh& room_world,
                             std::span<const TriangleMesh> objects_world,
-                            double distance_m) {
+                            double distance_m,
+                            double floor_band_m) {
   const auto margin = static_cast<float>(distance_m);
   std::vector<std::uint8_t> near(room_world.vertices.size(), 0);
   for (const TriangleMesh& object : objects_world) {
@@ -241,9 +242,14 @@ TriangleMesh WithoutObjects(const TriangleMesh& room_world,
     const std::vector<std::uint8_t> found = AreNear(points, object, distance_m);
     for (std::size_t n = 0; n < which.size(); ++n) near[which[n]] = found[n];
   }
+  const auto on_floor = [&](std::uint32_t v) {
+    return std::abs(room_world.vertices[v].z()) < floor_band_m;
+  };
   TriangleMesh room = room_world;
   std::erase_if(room.faces, [&](const std::array<std::uint32_t, 3>& face) {
-    return near[face[0]] != 0 && near[face[1]] != 0 && near[face[2]] != 0;
+    const bool floor =
+        std::all_of(face.begin(), face.end(), on_floor) && IsLevel(room_world, face);
+    return !floor && near[face[0]] != 0 && near[face[1]] != 0 && near[face[2]] != 0;
   });
   return room;
 }

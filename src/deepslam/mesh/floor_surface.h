@@ -31,9 +31,11 @@ namespace deepslam::mesh {
 
 // The room without its faces that lie within `distance_m` of an object's surface, each corner of some
 // object's: the rims of objects that segmentation left to the room, which would lie about the object's
-// mesh in rags. `objects_world` are meshes in the world; empty ones are passed over.
+// mesh in rags. Level faces within `floor_band_m` of z = 0 stay, objects stand on them. `objects_world` are
+// meshes in the world; empty ones are passed over.
 [[nodiscard]] TriangleMesh WithoutObjects(const TriangleMesh& room_world,
                                           std::span<const TriangleMesh> objects_world,
-                                          double distance_m);
+                                          double distance_m,
+                                          double floor_band_m);
 
 }  // namespace deepslam::mesh

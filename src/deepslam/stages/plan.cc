@@ -153,13 +153,13 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunMesh);
   add("fuse", 1, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      6,
+      7,
       {"track", "propose", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,
       RunExport);
   add("report",
-      5,
+      6,
       {"track",
        "ground",
        "detect",

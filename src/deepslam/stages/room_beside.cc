@@ -23,7 +23,7 @@ TriangleMesh RoomBeside(const TriangleMesh& room_world,
     for (Eigen::Vector3f& p : placed[i].vertices)
       p = (objects[i].world_from_object * p.cast<double>()).cast<float>();
   }
-  TriangleMesh room = mesh::WithoutObjects(room_world, placed, kObjectRimM);
+  TriangleMesh room = mesh::WithoutObjects(room_world, placed, kObjectRimM, kFloorBandM);
   if (ground) room = mesh::WithoutFloor(room, *ground, kFloorBandM);
   return fuse::CanonicalMesh(fuse::WithoutSmallComponents(room, kMinPieceFaces));
 }
