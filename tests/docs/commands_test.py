@@ -39,6 +39,7 @@ DRY = {
     r"deepslam batch .*--engine slurm": "needs a cluster; ctest runs it (slurm)",
     r"deepslam batch --keep final$": "named in a sentence; the batch test runs it",
     r"deepslam library (build --force|split)$": "reads the whole catalogue, half a minute",
+    r"python3 tests/bench/": "a measurement of minutes",
     r"(cmake|ctest|cpack|python3 -m) ": "builds; ctest itself builds and installs (installed)",
     r"(pip|apt|apt-get|dpkg) ": "changes this machine",
     r"evo_(ape|rpe) ": "another program, whose figures are in the table there",
@@ -200,6 +201,9 @@ def check_options(words, world):
     elif words[0].startswith(("scripts/", "deepslam-")):
         told = world.run(shlex.join([str(file), "--help"]))
         assert told.returncode == 0, f"{words[0]} --help ended with {told.returncode}"
+    elif words[0] == "python3" and words[1].endswith(".py"):
+        told = world.run(shlex.join([*words[:2], "--help"]))
+        assert told.returncode == 0, f"{words[1]} --help ended with {told.returncode}"
     else:
         return
     for option in options:
