@@ -29,7 +29,7 @@ def glb(document):
     return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
 
 
-EMPTY_MAP = {"format": "deepslam/map", "version": 3, "tool_version": "0", "capture_name": "", "capture_hash": "",
+EMPTY_MAP = {"format": "deepslam/map", "version": 4, "tool_version": "0", "capture_name": "", "capture_hash": "",
              "ground_outline_m": [], "class_colours": {}, "mesh_options": {}, "verdict": "bad", "reasons": [], "objects": []}
 
 
