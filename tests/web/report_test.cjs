@@ -4,7 +4,7 @@ const assert = require("assert");
 const path = require("path");
 const {chromium} = require(path.join(process.env.DEEPSLAM_NODE_MODULES, "playwright-core"));
 const [folder, ...pages] = process.argv.slice(2);
-const TIMEOUT_MS = 120000;
+const TIMEOUT_MS = 600000;  // software rendering on a machine that is busy with other tests
 
 const view = (tab, expression) => tab.evaluate(`window.deepslamViewer.${expression}`);
 const shot = (tab, name) => tab.screenshot({path: path.join(folder, name), timeout: TIMEOUT_MS});
@@ -179,6 +179,7 @@ const PHONE = {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: tr
 
 async function inTab(browser, settings, check, page) {
   const context = await browser.newContext(settings);
+  context.setDefaultTimeout(TIMEOUT_MS);
   const tab = await context.newPage();
   const errors = [];
   tab.on("console", (message) => { if (message.type() === "error") errors.push(message.text()); });
