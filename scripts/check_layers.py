@@ -38,10 +38,13 @@ ROOMS = {
     "eval": ALGORITHM,
     "report": ALGORITHM,
     "synth": VOCABULARY | {"render"},
+    "furniture": {"core", "geometry", "scene"},
+    # training views of the shape networks: drawn by the ray caster, cut out as the networks see objects
+    "priors": VOCABULARY | {"render", "furniture", "propose"},
     # control
     "pipeline": VOCABULARY | {"artifact"},
 }
-ROOMS["stages"] = set(ROOMS) - {"synth"}
+ROOMS["stages"] = set(ROOMS) - {"synth", "furniture", "priors"}
 # Many runs: lists, plans, states, processes, other schedulers. It knows nothing of what a run does.
 ROOMS["batch"] = {"core", "artifact"}
 TOOLS = set(ROOMS)

@@ -31,6 +31,7 @@ void AddEval(CLI::App& app, Command& chosen);
 void AddSynth(CLI::App& app, Command& chosen);
 void AddLibrary(CLI::App& app, Command& chosen);
 void AddForms(CLI::App& app, Command& chosen);
+void AddPriors(CLI::App& app, Command& chosen);
 void AddVersion(CLI::App& app, Command& chosen);
 
 // 0 done, 1 failed, 2 wrong usage or configuration, 3 input unusable, 130 interrupted.

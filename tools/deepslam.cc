@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
                          AddSynth,
                          AddLibrary,
                          AddForms,
+                         AddPriors,
                          AddVersion}) {
     add(app, chosen);
   }

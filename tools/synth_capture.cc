@@ -1,7 +1,6 @@
 #include "synth_capture.h"
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -22,6 +21,7 @@
 #include "deepslam/synth/scene_description.h"
 #include "deepslam/synth/truth.h"
 #include "deepslam/synth/world.h"
+#include "furniture_files.h"
 
 namespace deepslam::tools {
 namespace {
@@ -40,19 +40,6 @@ Status WriteBytes(const fs::path& file, const std::string& bytes) {
   if (!out)
     return Failed(file.string() + ": cannot be written; is the disk full or the folder read-only?");
   return Ok();
-}
-
-Result<synth::FurnitureModel> ReadModel(const library::ZipArchive& archive,
-                                        const library::CatalogueItem& item) {
-  const Result<std::string> obj = archive.Read(item.model, kMaxEntryBytes);
-  if (!obj) return obj.error();
-  const fs::path folder = fs::path(item.model).parent_path();
-  const auto beside = [&](const std::string& name) -> std::optional<std::string> {
-    Result<std::string> bytes = archive.Read((folder / name).generic_string(), kMaxEntryBytes);
-    return bytes ? std::optional<std::string>(*std::move(bytes)) : std::nullopt;
-  };
-  return synth::ParseObjModel(
-      *obj, beside, item.rotation, synth::CatalogueSize{item.width_m, item.depth_m, item.height_m});
 }
 
 // Models of the scene's objects that the catalogue `file` holds; all its ids join `known`.
@@ -76,46 +63,12 @@ Status AddModels(const fs::path& file,
     if (wanted == scene.objects.end() || models.contains(item.id)) continue;
     if (!item.fault.empty())
       return InvalidInput(file.string() + ": item '" + item.id + "': " + item.fault);
-    Result<synth::FurnitureModel> model = ReadModel(*archive, item);
+    Result<synth::FurnitureModel> model = ReadCatalogueModel(*archive, item);
     if (!model)
       return InvalidInput(file.string() + ": item '" + item.id + "': " + model.error().message);
     models.emplace(item.id, *std::move(model));
   }
   return Ok();
-}
-
-std::string Extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return extension;
-}
-
-bool IsFile(const std::string& model) {
-  const std::string extension = Extension(model);
-  return extension == ".obj" || extension == ".glb" || extension == ".gltf";
-}
-
-// A model of the user's: x left, y up, z front, metres, as glTF has it. A size that the scene asks
-// for everywhere is the model's own, so that files in any unit are divided as finely as their real
-// size needs.
-Result<synth::FurnitureModel> ReadModelFile(const fs::path& file,
-                                            const std::optional<synth::CatalogueSize>& size) {
-  const Result<std::string> bytes = dataset::ReadFileBytes(file, kMaxEntryBytes);
-  if (!bytes) return bytes.error();
-  const auto beside = [&](const std::string& name) -> std::optional<std::string> {
-    Result<std::string> found = dataset::ReadFileBytes(file.parent_path() / name, kMaxEntryBytes);
-    return found ? std::optional<std::string>(*std::move(found)) : std::nullopt;
-  };
-  const Result<TexturedMesh> mesh =
-      Extension(file) == ".obj" ? synth::ReadObj(*bytes, beside)
-                                : gltf::ReadTexturedModel(*bytes, beside, synth::kMaxModelFaces);
-  if (!mesh) return InvalidInput(file.string() + ": " + mesh.error().message);
-  Result<synth::FurnitureModel> model =
-      synth::MakeFurnitureModel(*mesh, Eigen::Matrix3d::Identity(), size);
-  if (!model) return InvalidInput(file.string() + ": " + model.error().message);
-  return model;
 }
 
 // What the scene asks for of a model wherever it stands; nothing where it stands in its own size.
@@ -140,7 +93,7 @@ std::vector<std::string> FurnitureFiles(const std::vector<fs::path>& folders) {
         folder, fs::directory_options::skip_permission_denied, code);
     for (; !code && entry != fs::recursive_directory_iterator(); entry.increment(code)) {
       if (files.size() >= kMaxListed) return files;
-      if (IsFile(entry->path().string()))
+      if (IsFurnitureFile(entry->path().string()))
         files.push_back(entry->path().lexically_relative(folder).generic_string());
     }
   }
@@ -165,7 +118,7 @@ Status AddModelFiles(const SynthRequest& request,
   folders.insert(folders.end(), request.furniture.begin(), request.furniture.end());
   folders.push_back(request.catalogues);
   for (const synth::SceneObject& object : scene.objects) {
-    if (!IsFile(object.model) || models.contains(object.model)) continue;
+    if (!IsFurnitureFile(object.model) || models.contains(object.model)) continue;
     const auto folder = std::find_if(folders.begin(), folders.end(), [&](const fs::path& f) {
       std::error_code code;
       return fs::is_regular_file(f / object.model, code);
@@ -177,7 +130,7 @@ Status AddModelFiles(const SynthRequest& request,
                           DidYouMean(object.model, FurnitureFiles(request.furniture)));
     }
     Result<synth::FurnitureModel> model =
-        ReadModelFile(*folder / object.model, AskedSize(scene, object.model));
+        ReadFurnitureFile(*folder / object.model, AskedSize(scene, object.model));
     if (!model) return model.error();
     models.emplace(object.model, *std::move(model));
   }

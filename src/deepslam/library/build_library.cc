@@ -113,4 +113,27 @@ Result<LibrarySummary> BuildLibrary(const BuildLibraryOptions& options, Progress
   return summary;
 }
 
+Result<std::vector<CatalogueDesign>> ReadDesigns(const std::filesystem::path& catalogues,
+                                                 const std::vector<std::string>& withheld,
+                                                 Progress& progress) {
+  Result<Products> read = ReadProducts(catalogues, withheld, progress);
+  if (!read) return read.error();
+  std::vector<Product>& products = read->products;
+  if (const Status status = CheckWithheldFound(products, withheld); !status) {
+    return status.error();
+  }
+  DropUnwanted(withheld, products);
+  std::vector<CatalogueDesign> designs;
+  for (Product& product : products) {
+    const bool hidden = IsWithheld(product, withheld);
+    if (product.class_name.empty() || (!hidden && !product.dropped.empty())) continue;
+    designs.push_back({std::move(product.model),
+                       std::move(product.item),
+                       std::move(product.catalogue),
+                       product.quarter_turns,
+                       hidden});
+  }
+  return designs;
+}
+
 }  // namespace deepslam::library

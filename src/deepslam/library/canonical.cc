@@ -80,9 +80,10 @@ Result<CanonicalModel> MakeCanonical(const TriangleMesh& mesh_file,
   }
   Result<VoxelGrid> shape = shape::Voxelize(mesh_object);
   if (!shape) return shape.error();
-  CanonicalModel model = {std::move(*shape), {item.depth_m, item.width_m, item.height_m}};
+  CanonicalModel model = {std::move(*shape), {item.depth_m, item.width_m, item.height_m}, 0};
   const bool has_back = class_name == "chair" || class_name == "sofa" || class_name == "bed";
   const int turns = has_back ? shape::QuarterTurnsToFront(model.shape) : 0;
+  model.quarter_turns = turns;
   model.shape = shape::TurnGrid(model.shape, turns);
   if (turns % 2 != 0) std::swap(model.size_m.x(), model.size_m.y());
   return model;

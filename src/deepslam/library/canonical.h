@@ -16,6 +16,7 @@ namespace deepslam::library {
 struct CanonicalModel {
   VoxelGrid shape;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // along object x (front), y (left), z (up)
+  int quarter_turns = 0;  // counter-clockwise about z, that brought the front there (TurnGrid)
 };
 
 // Faces of an OBJ file, in its own coordinates. Materials are not looked at; faces that

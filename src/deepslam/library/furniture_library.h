@@ -14,6 +14,7 @@
 
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/library/catalogue.h"
 #include "deepslam/scene/model_library.h"
 
 namespace deepslam::library {
@@ -64,6 +65,23 @@ struct WithheldProduct {
 // under `withheld`).
 [[nodiscard]] Result<std::vector<std::string>> ReadWithheldModels(
     const std::filesystem::path& file);
+
+// A catalogue's product with what is needed to render it.
+struct CatalogueDesign {
+  LibraryModel model;     // without checksum
+  CatalogueItem item;     // mesh, rotation and size
+  std::string catalogue;  // file name
+  int quarter_turns = 0;  // counter-clockwise about z: of the mesh as the catalogue has it, so that
+                          // its front is +x
+  bool withheld = false;  // neither library nor training may hold it
+};
+
+// The products that BuildLibrary would take, and the withheld ones, marked; by catalogue's file
+// name, then number in the catalogue. Errors as BuildLibrary.
+[[nodiscard]] Result<std::vector<CatalogueDesign>> ReadDesigns(
+    const std::filesystem::path& catalogues,
+    const std::vector<std::string>& withheld,
+    Progress& progress);
 
 // Whether two canonical models show the same product (Alike, alike.h).
 [[nodiscard]] bool ShapesAlike(const VoxelGrid& a, const VoxelGrid& b);

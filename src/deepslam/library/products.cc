@@ -88,6 +88,7 @@ void FillModel(const Result<std::string>& bytes, Product& product) {
   }
   product.model.shape = canonical->shape;
   product.model.size_m = canonical->size_m;
+  product.quarter_turns = canonical->quarter_turns;
 }
 
 // Archives are read by one thread; meshes are big, so only a few are held at once.
@@ -116,7 +117,7 @@ std::vector<Product> ProductsOf(const Catalogue& catalogue,
     const std::optional<std::string> class_name = ClassOfItem(item);
     const bool is_wanted = std::find(wanted.begin(), wanted.end(), item.id) != wanted.end();
     if (!class_name && !is_wanted) continue;
-    Product product = {item, file, class_name.value_or(""), {}, item.fault};
+    Product product = {item, file, class_name.value_or(""), {}, 0, item.fault};
     product.model.id = LibraryId(item.id);
     product.model.name = item.name;
     product.model.class_name = product.class_name;

@@ -19,6 +19,7 @@ struct Product {
   std::string catalogue;  // file name, "Scopia.sh3f"
   std::string class_name;
   LibraryModel model;
+  int quarter_turns = 0;  // CanonicalModel
   std::string dropped;  // why it cannot be used; empty = it can
 };
 

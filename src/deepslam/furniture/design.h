@@ -1,0 +1,76 @@
+// Furniture made up by rules: every seed another design, in the sizes real furniture has.
+//
+// Shape networks learn from these beside the catalogues' models, which are too few. A design is a
+// union of closed solids (solids.h) at real size: metres, z up, x front (the side one sits on or
+// opens), y left, origin at the middle of its box.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/random.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::furniture {
+
+enum class Kind {
+  kChair,
+  kStool,
+  kOfficeChair,
+  kArmchair,
+  kTable,
+  kRoundTable,
+  kDesk,
+  kSofa,
+  kBed,
+  kCabinet,
+  kShelf,
+};
+
+inline constexpr std::array kKinds = {Kind::kChair,
+                                      Kind::kStool,
+                                      Kind::kOfficeChair,
+                                      Kind::kArmchair,
+                                      Kind::kTable,
+                                      Kind::kRoundTable,
+                                      Kind::kDesk,
+                                      Kind::kSofa,
+                                      Kind::kBed,
+                                      Kind::kCabinet,
+                                      Kind::kShelf};
+
+[[nodiscard]] std::string_view KindName(Kind kind);  // "office_chair"
+// The class of the map that it belongs to: stools, office chairs and armchairs are chairs, round
+// tables and desks are tables.
+[[nodiscard]] std::string_view ClassName(Kind kind);
+// Kinds of a class with the share that each has of its designs; empty for a class without any.
+struct KindShare {
+  Kind kind;
+  double share;
+};
+[[nodiscard]] std::span<const KindShare> KindsOfClass(std::string_view class_name);
+
+// Bounds of real extents, metres; every design keeps to them.
+struct SizeRange {
+  Eigen::Vector3d min_m;  // along x (front), y, z
+  Eigen::Vector3d max_m;
+};
+[[nodiscard]] SizeRange SizeRangeOf(Kind kind);
+
+struct Design {
+  Kind kind = Kind::kChair;
+  TriangleMesh mesh;
+  std::vector<std::uint8_t> material_of_face;  // solids.h: Material
+  std::vector<std::uint32_t> first_faces;      // of each closed solid, ascending
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+};
+
+// A function of kind and random numbers alone.
+[[nodiscard]] Design MakeDesign(Kind kind, Random random);
+
+}  // namespace deepslam::furniture

@@ -1,0 +1,243 @@
+#include "deepslam/priors/training_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "deepslam/priors/raster.h"
+#include "deepslam/priors/segment_faults.h"
+#include "deepslam/priors/surface_look.h"
+#include "deepslam/render/ray_scene.h"
+#include "deepslam/render/shaded_view.h"
+
+namespace deepslam::priors {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kFocal_px = 525;       // of a 640 x 480 camera
+constexpr double kMostPixels = 150;     // along the longer side: more detail than the crop keeps
+constexpr double kLeastVisible = 0.25;  // of the object, or another view is drawn
+constexpr int kMostTries = 12;
+
+struct Sight {
+  Pose3 object_from_camera;
+  double azimuth_rad = 0;
+  double elevation_rad = 0;
+  double distance_m = 0;
+};
+
+// A person or a robot with a camera: distance by the object's size, lens between knee and raised
+// arm.
+Sight DrawSight(Random& random, const Eigen::Vector3d& size_m, bool faults) {
+  const double longest_m = size_m.maxCoeff();
+  Sight sight;
+  sight.azimuth_rad = random.Uniform(-kPi, kPi);
+  sight.distance_m = random.Uniform(0.7 + 0.6 * longest_m, 2.4 + 0.8 * longest_m);
+  const double lens_m = random.Uniform(0.5, 1.9);
+  const double rise = std::clamp((lens_m - 0.5 * size_m.z()) / sight.distance_m, -0.35, 0.8);
+  sight.elevation_rad = std::asin(rise);
+  const double level = std::cos(sight.elevation_rad);
+  const Eigen::Vector3d position =
+      sight.distance_m * Eigen::Vector3d(level * std::cos(sight.azimuth_rad),
+                                         level * std::sin(sight.azimuth_rad),
+                                         std::sin(sight.elevation_rad));
+  const auto aside = [&] { return 0.2 * random.Uniform(-1, 1); };
+  const Eigen::Vector3d target = Eigen::Vector3d(aside(), aside(), aside()).cwiseProduct(size_m);
+  sight.object_from_camera = render::LookAt(position, target);
+  const double roll_rad = faults ? 5.0 * kPi / 180.0 * std::clamp(random.Normal(), -2.5, 2.5) : 0.0;
+  sight.object_from_camera.rotation =
+      sight.object_from_camera.rotation *
+      Eigen::Quaterniond(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()));
+  return sight;
+}
+
+// The camera cut to the object's box on the image, and made coarser where that holds more pixels
+// than are of use.
+PinholeCamera FrameObject(const std::vector<Eigen::Vector3f>& outline,
+                          const Pose3& camera_from_object) {
+  Eigen::Vector2d low(1e9, 1e9);
+  Eigen::Vector2d high(-1e9, -1e9);
+  for (const Eigen::Vector3f& vertex : outline) {
+    const Eigen::Vector3d p = camera_from_object * vertex.cast<double>();
+    const Eigen::Vector2d at = p.head<2>() / std::max(0.1, p.z());
+    low = low.cwiseMin(at);
+    high = high.cwiseMax(at);
+  }
+  const double focal_px = std::min(kFocal_px, kMostPixels / (high - low).maxCoeff());
+  constexpr double kRim_px = 4;
+  const Eigen::Vector2d size = (focal_px * (high - low)).array().ceil() + 2 * kRim_px;
+  PinholeCamera camera;
+  camera.width = static_cast<int>(size.x());
+  camera.height = static_cast<int>(size.y());
+  camera.fx = camera.fy = focal_px;
+  camera.cx = kRim_px - focal_px * low.x();
+  camera.cy = kRim_px - focal_px * low.y();
+  return camera;
+}
+
+void CastRays(const render::RayScene& scene, Raster& raster) {
+  const Eigen::Vector3f origin = raster.object_from_camera.translation_m.cast<float>();
+  const Eigen::Matrix3f turn = raster.object_from_camera.rotation.toRotationMatrix().cast<float>();
+  std::vector<Eigen::Vector3f> directions(static_cast<std::size_t>(raster.width()));
+  for (int v = 0; v < raster.height(); ++v) {
+    for (int u = 0; u < raster.width(); ++u) {
+      directions[static_cast<std::size_t>(u)] =
+          (turn * raster.camera.Ray(u, v).cast<float>()).normalized();
+    }
+    scene.CastFan(origin, directions, {raster.hits.row(v), directions.size()});
+    for (int u = 0; u < raster.width(); ++u) {
+      const render::RayHit& hit = raster.hits(u, v);
+      if (hit.instance < 0) continue;
+      raster.true_depth_m(u, v) =
+          static_cast<float>(hit.distance_m / raster.camera.Ray(u, v).norm());
+    }
+  }
+}
+
+Raster MakeRaster(const render::RayScene& scene,
+                  const std::vector<Eigen::Vector3f>& outline,
+                  const Sight& sight,
+                  double bottom_m) {
+  Raster raster;
+  raster.object_from_camera = sight.object_from_camera;
+  const Pose3 camera_from_object = sight.object_from_camera.Inverse();
+  raster.camera = FrameObject(outline, camera_from_object);
+  raster.ground_camera = Transformed(camera_from_object, {Eigen::Vector3d::UnitZ(), -bottom_m});
+  const int w = raster.camera.width;
+  const int h = raster.camera.height;
+  raster.hits = Image<render::RayHit>(w, h);
+  raster.true_depth_m = DepthImage(w, h);
+  raster.colour = Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Ones());
+  CastRays(scene, raster);
+  return raster;
+}
+
+ObjectView ToObjectView(const Raster& raster) {
+  ObjectView view;
+  view.colour_crop = ColourImage(raster.width(), raster.height());
+  for (std::size_t n = 0; n < view.colour_crop.size(); ++n) {
+    const Eigen::Vector3f shade = 255.0F * raster.colour.data()[n];
+    view.colour_crop.data()[n] = {static_cast<std::uint8_t>(std::lround(shade.x())),
+                                  static_cast<std::uint8_t>(std::lround(shade.y())),
+                                  static_cast<std::uint8_t>(std::lround(shade.z()))};
+  }
+  view.depth_crop_m = raster.depth_m;
+  view.mask_crop = raster.mask;
+  view.camera = raster.camera;
+  view.ground_camera = raster.ground_camera;
+  return view;
+}
+
+std::uint8_t NormalByte(float n) {
+  return static_cast<std::uint8_t>(std::lround(128.0F + 127.0F * n));
+}
+
+Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
+  Sketch sketch{Image<std::uint8_t>(kSketchSide, kSketchSide),
+                ColourImage(kSketchSide, kSketchSide, {128, 128, 128}),
+                Image<std::uint8_t>(kSketchSide, kSketchSide)};
+  const double step = crop.side_px / kSketchSide;
+  const Eigen::Matrix3f camera_from_object =
+      raster.object_from_camera.rotation.toRotationMatrix().transpose().cast<float>();
+  for (int y = 0; y < kSketchSide; ++y) {
+    const int v = static_cast<int>(std::floor(crop.v0 + (y + 0.5) * step));
+    for (int x = 0; x < kSketchSide; ++x) {
+      const int u = static_cast<int>(std::floor(crop.u0 + (x + 0.5) * step));
+      if (!raster.hits.Contains(u, v) || raster.hits(u, v).instance < 0) continue;
+      const Eigen::Vector3f n = camera_from_object * raster.hits(u, v).normal_world;
+      sketch.normal(x, y) = {NormalByte(n.x()), NormalByte(n.y()), NormalByte(n.z())};
+      sketch.silhouette(x, y) = 255;
+      if (crop.side_m <= 0) continue;
+      const double relative = (raster.true_depth_m(u, v) - crop.reference_m) / crop.side_m;
+      sketch.depth(x, y) =
+          static_cast<std::uint8_t>(std::clamp(std::lround(128 + 127 * relative), 1L, 255L));
+    }
+  }
+  return sketch;
+}
+
+double VisibleShare(const Raster& raster) {
+  std::size_t kept = 0;
+  std::size_t all = 0;
+  for (std::size_t n = 0; n < raster.mask.size(); ++n) {
+    if (raster.true_depth_m.data()[n] <= 0) continue;
+    ++all;
+    kept += raster.mask.data()[n] != 0 ? 1 : 0;
+  }
+  return all == 0 ? 0.0 : static_cast<double>(kept) / static_cast<double>(all);
+}
+
+}  // namespace
+
+struct ViewRenderer::Impl {
+  FurnitureMesh furniture;
+  render::RayScene scene;
+  std::vector<Eigen::Vector3f> outline;  // enough vertices to bound it on images
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  double bottom_m = 0;
+};
+
+ViewRenderer::ViewRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ViewRenderer::~ViewRenderer() = default;
+ViewRenderer::ViewRenderer(ViewRenderer&&) noexcept = default;
+ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;
+
+Result<ViewRenderer> ViewRenderer::Make(FurnitureMesh furniture) {
+  auto impl = std::make_unique<Impl>();
+  const TriangleMesh& mesh = furniture.mesh;
+  if (!furniture.material_of_face.empty() &&
+      furniture.material_of_face.size() != mesh.faces.size()) {
+    return InvalidInput("a material for each face, or none");
+  }
+  if (!mesh.colours.empty() && mesh.colours.size() != mesh.vertices.size())
+    return InvalidInput("a colour for each vertex, or none");
+  const Result<int> added = impl->scene.AddMesh(mesh, Pose3());
+  if (!added) return added.error();
+  impl->scene.Commit();
+  Eigen::Vector3f low = mesh.vertices[mesh.faces[0][0]];
+  Eigen::Vector3f high = low;
+  for (const auto& face : mesh.faces) {
+    for (const std::uint32_t corner : face) {
+      low = low.cwiseMin(mesh.vertices[corner]);
+      high = high.cwiseMax(mesh.vertices[corner]);
+    }
+  }
+  impl->size_m = (high - low).cast<double>();
+  impl->bottom_m = low.z();
+  constexpr std::size_t kMostOutline = 4000;
+  const std::size_t step = mesh.vertices.size() / kMostOutline + 1;
+  for (std::size_t n = 0; n < mesh.vertices.size(); n += step)
+    impl->outline.push_back(mesh.vertices[n].cwiseMax(low).cwiseMin(high));
+  impl->furniture = std::move(furniture);
+  return ViewRenderer(std::move(impl));
+}
+
+TrainingView ViewRenderer::Render(Random random, const ViewOptions& options) const {
+  TrainingView view;
+  for (int attempt = 0;; ++attempt) {
+    // The last attempt always shows something.
+    const bool faults = options.faults && attempt + 1 < kMostTries;
+    const Sight sight = DrawSight(random, impl_->size_m, options.faults);
+    Raster raster = MakeRaster(impl_->scene, impl_->outline, sight, impl_->bottom_m);
+    PaintSurfaces(impl_->furniture, impl_->scene, random, raster);
+    faults ? SpoilView(random, raster) : KeepView(raster);
+    const double visible = VisibleShare(raster);
+    Result<propose::NetworkCrop> crop = propose::MakeNetworkCrop(ToObjectView(raster), true);
+    if ((visible < kLeastVisible || !crop || crop->side_m <= 0) && attempt + 1 < kMostTries)
+      continue;
+    DEEPSLAM_CHECK(crop.ok(), "a whole object cannot be cut out");
+    view.sketch = MakeSketch(raster, *crop);
+    view.crop = std::move(*crop);
+    view.azimuth_rad = sight.azimuth_rad;
+    view.elevation_rad = sight.elevation_rad;
+    view.distance_m = sight.distance_m;
+    view.longest_side_m = impl_->size_m.maxCoeff();
+    view.visible = visible;
+    return view;
+  }
+}
+
+}  // namespace deepslam::priors

@@ -1,0 +1,181 @@
+#include "deepslam/propose/network_crop.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace deepslam::propose {
+namespace {
+
+constexpr double kMargin = 1.1;
+constexpr int kFewestPixels = 40;
+constexpr double kLowestHeight_m = -0.1;
+constexpr double kHeightStep_m = 0.01;
+
+struct MaskBox {
+  int min_u = 0;
+  int min_v = 0;
+  int max_u = -1;
+  int max_v = -1;
+  int count = 0;
+};
+
+MaskBox BoxOf(const Mask& mask) {
+  MaskBox box = {mask.width(), mask.height(), -1, -1, 0};
+  for (int v = 0; v < mask.height(); ++v) {
+    const std::uint8_t* const row = mask.row(v);
+    for (int u = 0; u < mask.width(); ++u) {
+      if (row[u] == 0) continue;
+      ++box.count;
+      box.min_u = std::min(box.min_u, u);
+      box.max_u = std::max(box.max_u, u);
+      box.min_v = std::min(box.min_v, v);
+      box.max_v = v;
+    }
+  }
+  return box;
+}
+
+double MedianDepth(const ObjectView& view) {
+  std::vector<float> depths;
+  const auto* mask = view.mask_crop.data();
+  const float* depth_m = view.depth_crop_m.data();
+  for (std::size_t n = 0; n < view.depth_crop_m.size(); ++n) {
+    if (mask[n] != 0 && depth_m[n] > 0) depths.push_back(depth_m[n]);
+  }
+  if (depths.empty()) return 0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+// Colour on white and silhouette between pixels.
+struct Mixed {
+  std::array<float, 3> colour = {0, 0, 0};  // of the silhouette's share
+  float share = 0;
+};
+
+void AddPixel(const ObjectView& view, int u, int v, float weight, Mixed& mixed) {
+  if (!view.mask_crop.Contains(u, v) || view.mask_crop(u, v) == 0) return;
+  const Rgb8& colour = view.colour_crop(u, v);
+  mixed.colour[0] += weight * static_cast<float>(colour.r);
+  mixed.colour[1] += weight * static_cast<float>(colour.g);
+  mixed.colour[2] += weight * static_cast<float>(colour.b);
+  mixed.share += weight;
+}
+
+void AddBetween(const ObjectView& view, double u, double v, float weight, Mixed& mixed) {
+  const double fu = std::floor(u);
+  const double fv = std::floor(v);
+  const auto a = static_cast<float>(u - fu);
+  const auto b = static_cast<float>(v - fv);
+  const int iu = static_cast<int>(fu);
+  const int iv = static_cast<int>(fv);
+  AddPixel(view, iu, iv, weight * (1 - a) * (1 - b), mixed);
+  AddPixel(view, iu + 1, iv, weight * a * (1 - b), mixed);
+  AddPixel(view, iu, iv + 1, weight * (1 - a) * b, mixed);
+  AddPixel(view, iu + 1, iv + 1, weight * a * b, mixed);
+}
+
+std::uint8_t OnWhite(float colour, float share) {
+  return static_cast<std::uint8_t>(std::lround(std::min(255.0F, colour + (1 - share) * 255.0F)));
+}
+
+void FillColour(const ObjectView& view, NetworkCrop& crop) {
+  const double step = crop.side_px / kCropSide;
+  constexpr int kMostSamples = 4;
+  const int samples = std::clamp(static_cast<int>(std::ceil(step)), 1, kMostSamples);
+  const float weight = 1.0F / static_cast<float>(samples * samples);
+  for (int y = 0; y < kCropSide; ++y) {
+    for (int x = 0; x < kCropSide; ++x) {
+      Mixed mixed;
+      for (int b = 0; b < samples; ++b) {
+        for (int a = 0; a < samples; ++a) {
+          AddBetween(view,
+                     crop.u0 + (x + (a + 0.5) / samples) * step - 0.5,
+                     crop.v0 + (y + (b + 0.5) / samples) * step - 0.5,
+                     weight,
+                     mixed);
+        }
+      }
+      crop.colour(x, y) = {OnWhite(mixed.colour[0], mixed.share),
+                           OnWhite(mixed.colour[1], mixed.share),
+                           OnWhite(mixed.colour[2], mixed.share)};
+      crop.silhouette(x, y) =
+          static_cast<std::uint8_t>(std::lround(255.0F * std::min(1.0F, mixed.share)));
+    }
+  }
+}
+
+void FillDepth(const ObjectView& view, NetworkCrop& crop) {
+  const double step = crop.side_px / kCropSide;
+  for (int y = 0; y < kCropSide; ++y) {
+    const int v = static_cast<int>(std::floor(crop.v0 + (y + 0.5) * step));
+    for (int x = 0; x < kCropSide; ++x) {
+      const int u = static_cast<int>(std::floor(crop.u0 + (x + 0.5) * step));
+      if (!view.mask_crop.Contains(u, v) || view.mask_crop(u, v) == 0) continue;
+      const double z = view.depth_crop_m(u, v);
+      if (!(z > 0)) continue;
+      const double relative = (z - crop.reference_m) / crop.side_m;
+      crop.depth(x, y) =
+          static_cast<std::uint8_t>(std::clamp(std::lround(128 + 127 * relative), 1L, 255L));
+      if (!view.ground_camera) continue;
+      const double height_m = view.ground_camera->SignedDistance(view.camera.Unproject(u, v, z));
+      crop.height(x, y) = static_cast<std::uint8_t>(
+          std::clamp(std::lround((height_m - kLowestHeight_m) / kHeightStep_m), 0L, 255L));
+    }
+  }
+}
+
+}  // namespace
+
+Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
+  const Mask& mask = view.mask_crop;
+  if (view.colour_crop.width() != mask.width() || view.colour_crop.height() != mask.height() ||
+      view.depth_crop_m.width() != mask.width() || view.depth_crop_m.height() != mask.height()) {
+    return InvalidInput("colour, depth and silhouette of the view differ in size");
+  }
+  const MaskBox box = BoxOf(mask);
+  if (box.count < kFewestPixels) {
+    return InvalidInput("the silhouette has " + std::to_string(box.count) +
+                        " pixels; a network needs " + std::to_string(kFewestPixels));
+  }
+  NetworkCrop crop;
+  crop.colour = ColourImage(kCropSide, kCropSide, {255, 255, 255});
+  crop.silhouette = Image<std::uint8_t>(kCropSide, kCropSide);
+  crop.depth = crop.silhouette;
+  crop.height = crop.silhouette;
+  crop.side_px = kMargin * std::max(box.max_u - box.min_u + 1, box.max_v - box.min_v + 1);
+  crop.u0 = 0.5 * (box.min_u + box.max_u + 1) - 0.5 * crop.side_px;
+  crop.v0 = 0.5 * (box.min_v + box.max_v + 1) - 0.5 * crop.side_px;
+  FillColour(view, crop);
+  if (!use_depth) return crop;
+  crop.reference_m = MedianDepth(view);
+  const double focal_px = 0.5 * (view.camera.fx + view.camera.fy);
+  if (!(crop.reference_m > 0) || !(focal_px > 0)) return crop;
+  crop.side_m = crop.side_px * crop.reference_m / focal_px;
+  FillDepth(view, crop);
+  return crop;
+}
+
+void FillPlanes(const NetworkCrop& crop, std::span<float> values) {
+  DEEPSLAM_CHECK(values.size() == kCropValues, "a crop has kCropValues values");
+  constexpr std::size_t kPixels = static_cast<std::size_t>(kCropSide) * kCropSide;
+  for (std::size_t n = 0; n < kPixels; ++n) {
+    const Rgb8& colour = crop.colour.data()[n];
+    values[n] = static_cast<float>(colour.r) / 255.0F;
+    values[kPixels + n] = static_cast<float>(colour.g) / 255.0F;
+    values[2 * kPixels + n] = static_cast<float>(colour.b) / 255.0F;
+    values[3 * kPixels + n] = static_cast<float>(crop.silhouette.data()[n]) / 255.0F;
+    const std::uint8_t depth = crop.depth.data()[n];
+    const bool known = depth != 0;
+    values[4 * kPixels + n] = known ? (static_cast<float>(depth) - 128.0F) / 127.0F : 0.0F;
+    values[5 * kPixels + n] =
+        known ? static_cast<float>(crop.height.data()[n]) * 0.01F - 0.1F : 0.0F;
+    values[6 * kPixels + n] = known ? 1.0F : 0.0F;
+  }
+}
+
+}  // namespace deepslam::propose

@@ -1,0 +1,357 @@
+#include "training_models.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/random.h"
+#include "deepslam/core/sha256.h"
+#include "deepslam/eval/symmetry.h"
+#include "deepslam/furniture/design.h"
+#include "deepslam/library/furniture_library.h"
+#include "deepslam/library/zip_archive.h"
+#include "deepslam/shape/front.h"
+#include "deepslam/shape/stretch.h"
+#include "deepslam/shape/voxelize.h"
+#include "furniture_files.h"
+
+namespace deepslam::tools {
+
+namespace fs = std::filesystem;
+
+struct TrainingModelSource {
+  std::string id;
+  std::string class_name;
+  std::string source;
+  std::string split;
+  std::string credit;
+  int variant = 0;
+  // generated
+  furniture::Kind kind = furniture::Kind::kChair;
+  int design = 0;
+  // catalogue
+  std::shared_ptr<const library::ZipArchive> archive;
+  std::shared_ptr<std::mutex> archive_mutex;
+  library::CatalogueItem item;
+  // folder
+  fs::path file;
+  int quarter_turns = 0;
+  double scale = 1;
+};
+
+namespace {
+
+// One in `kValidateEvery` designs checks the training instead of taking part.
+constexpr unsigned kValidateEvery = 12;
+
+std::string SplitOf(const std::string& id) {
+  const std::string hash = Sha256Hex(id);
+  const unsigned number = static_cast<unsigned>(std::stoul(hash.substr(0, 7), nullptr, 16));
+  return number % kValidateEvery == 0 ? "validate" : "train";
+}
+
+bool Wanted(const TrainingModelRequest& request, const std::string& class_name) {
+  return std::find(request.classes.begin(), request.classes.end(), class_name) !=
+         request.classes.end();
+}
+
+// Counter-clockwise about z by quarters; box back to the origin.
+void Turn(int quarters, TriangleMesh& mesh) {
+  for (Eigen::Vector3f& p : mesh.vertices) {
+    for (int n = 0; n < quarters; ++n) p = Eigen::Vector3f(-p.y(), p.x(), p.z());
+  }
+}
+
+Eigen::Vector3d Centre(TriangleMesh& mesh) {
+  Eigen::Vector3f low = mesh.vertices[mesh.faces[0][0]];
+  Eigen::Vector3f high = low;
+  for (const auto& face : mesh.faces) {
+    for (const std::uint32_t corner : face) {
+      low = low.cwiseMin(mesh.vertices[corner]);
+      high = high.cwiseMax(mesh.vertices[corner]);
+    }
+  }
+  for (Eigen::Vector3f& p : mesh.vertices) p -= 0.5F * (low + high);
+  return (high - low).cast<double>();
+}
+
+// Designs that are alike are one for the split: whichever comes first decides.
+class ShapeGroups {
+ public:
+  std::string SplitFor(const std::string& id, const VoxelGrid& shape) {
+    for (const auto& [split, other] : seen_) {
+      if (library::ShapesAlike(other, shape)) return split;
+    }
+    const std::string split = SplitOf(id);
+    seen_.emplace_back(split, shape);
+    return split;
+  }
+
+ private:
+  std::vector<std::pair<std::string, VoxelGrid>> seen_;
+};
+
+void AddGenerated(const TrainingModelRequest& request, std::vector<TrainingModelSource>& sources) {
+  for (const std::string& class_name : request.classes) {
+    const auto kinds = furniture::KindsOfClass(class_name);
+    if (kinds.empty()) continue;
+    for (int n = request.first_design; n < request.first_design + request.num_designs; ++n) {
+      TrainingModelSource source;
+      source.id = fmt::format("generated/{}/{:06d}", class_name, n);
+      source.class_name = class_name;
+      source.source = "generated";
+      source.split = SplitOf(source.id);
+      source.design = n;
+      source.credit = "made up by rules";
+      double at = Random(request.seed, source.id, 0).Uniform();
+      source.kind = kinds.back().kind;
+      for (const furniture::KindShare& share : kinds) {
+        at -= share.share;
+        if (at >= 0) continue;
+        source.kind = share.kind;
+        break;
+      }
+      sources.push_back(std::move(source));
+    }
+  }
+}
+
+void AddVariants(const TrainingModelRequest& request,
+                 const TrainingModelSource& source,
+                 std::vector<TrainingModelSource>& sources) {
+  sources.push_back(source);
+  if (request.withheld) return;
+  for (int variant = 1; variant <= request.num_variants; ++variant) {
+    sources.push_back(source);
+    sources.back().variant = variant;
+    sources.back().id += fmt::format("~{}", variant);
+  }
+}
+
+Status AddCatalogue(const TrainingModelRequest& request,
+                    const std::vector<library::CatalogueDesign>& designs,
+                    ShapeGroups& groups,
+                    std::vector<TrainingModelSource>& sources) {
+  std::map<std::string,
+           std::pair<std::shared_ptr<library::ZipArchive>, std::shared_ptr<std::mutex>>>
+      archives;
+  for (const library::CatalogueDesign& design : designs) {
+    if (!Wanted(request, design.model.class_name) || design.withheld != request.withheld) continue;
+    auto& [archive, mutex] = archives[design.catalogue];
+    if (!archive) {
+      Result<library::ZipArchive> opened =
+          library::ZipArchive::Open(request.catalogues / design.catalogue);
+      if (!opened) return opened.error();
+      archive = std::make_shared<library::ZipArchive>(std::move(*opened));
+      mutex = std::make_shared<std::mutex>();
+    }
+    TrainingModelSource source;
+    source.id = design.model.id;
+    source.class_name = design.model.class_name;
+    source.source = "catalogue";
+    source.split =
+        design.withheld ? "withheld" : groups.SplitFor(design.model.id, design.model.shape);
+    source.credit =
+        fmt::format("{} by {}, {}", design.model.name, design.model.creator, design.model.licence);
+    source.archive = archive;
+    source.archive_mutex = mutex;
+    source.item = design.item;
+    source.quarter_turns = design.quarter_turns;
+    AddVariants(request, source, sources);
+  }
+  return Ok();
+}
+
+std::optional<std::string> ClassOfFolder(const std::string& folder) {
+  for (const furniture::Kind kind : furniture::kKinds) {
+    if (folder == furniture::KindName(kind) || folder == furniture::ClassName(kind))
+      return std::string(furniture::ClassName(kind));
+  }
+  return std::nullopt;
+}
+
+Result<std::vector<fs::path>> MeshFiles(const fs::path& folder) {
+  std::error_code code;
+  std::vector<fs::path> files;
+  fs::recursive_directory_iterator entry(folder, code);
+  for (; !code && entry != fs::recursive_directory_iterator(); entry.increment(code)) {
+    if (IsFurnitureFile(entry->path().string())) files.push_back(entry->path());
+  }
+  if (code || files.empty()) {
+    return InvalidInput(folder.string() +
+                        ": holds no furniture; expected CLASS/NAME.obj (or .glb, .gltf) in it");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Real size of what comes in any unit: as it is where that is a size such furniture has, else the
+// middle of what it has.
+double ScaleToReal(const Eigen::Vector3d& size, const std::string& class_name) {
+  const furniture::SizeRange range =
+      furniture::SizeRangeOf(furniture::KindsOfClass(class_name).front().kind);
+  const double low = range.min_m.maxCoeff();
+  const double high = range.max_m.maxCoeff();
+  const double longest = size.maxCoeff();
+  return longest >= 0.9 * low && longest <= 1.1 * high ? 1.0 : 0.5 * (low + high) / longest;
+}
+
+Status AddFolder(const TrainingModelRequest& request,
+                 const fs::path& folder,
+                 const std::vector<const VoxelGrid*>& withheld,
+                 ShapeGroups& groups,
+                 std::vector<TrainingModelSource>& sources,
+                 std::vector<std::string>& dropped) {
+  const Result<std::vector<fs::path>> files = MeshFiles(folder);
+  if (!files) return files.error();
+  for (const fs::path& file : *files) {
+    const std::optional<std::string> class_name =
+        ClassOfFolder(file.parent_path().filename().string());
+    if (!class_name || !Wanted(request, *class_name)) continue;
+    const std::string id =
+        "meshes/" + file.lexically_relative(folder).replace_extension().generic_string();
+    const Result<synth::FurnitureModel> model = ReadFurnitureFile(file, std::nullopt);
+    const Result<VoxelGrid> shape = model ? shape::Voxelize(model->mesh) : model.error();
+    if (!shape) {
+      dropped.push_back(id + ": " + shape.error().message);
+      continue;
+    }
+    const auto like = std::find_if(withheld.begin(), withheld.end(), [&](const VoxelGrid* grid) {
+      return library::ShapesAlike(*grid, *shape);
+    });
+    if (like != withheld.end()) {
+      dropped.push_back(id + ": shape like a withheld product");
+      continue;
+    }
+    TrainingModelSource source;
+    source.id = id;
+    source.class_name = *class_name;
+    source.source = "folder";
+    source.split = groups.SplitFor(id, *shape);
+    source.credit = file.lexically_relative(folder).generic_string();
+    source.file = file;
+    const bool has_back = *class_name == "chair" || *class_name == "sofa" || *class_name == "bed";
+    source.quarter_turns = has_back ? shape::QuarterTurnsToFront(*shape) : 0;
+    source.scale = ScaleToReal(model->size_m, *class_name);
+    AddVariants(request, source, sources);
+  }
+  return Ok();
+}
+
+Result<synth::FurnitureModel> ReadMesh(const TrainingModelSource& source) {
+  if (!source.archive) return ReadFurnitureFile(source.file, std::nullopt);
+  const std::lock_guard lock(*source.archive_mutex);
+  return ReadCatalogueModel(*source.archive, source.item);
+}
+
+Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint64_t seed) {
+  Result<synth::FurnitureModel> read = ReadMesh(source);
+  if (!read) return read.error();
+  TrainingModel model;
+  model.kind = source.class_name;
+  model.furniture.mesh = std::move(read->mesh);
+  TriangleMesh& mesh = model.furniture.mesh;
+  Turn(source.quarter_turns, mesh);
+  Eigen::Vector3f factor = Eigen::Vector3f::Constant(static_cast<float>(source.scale));
+  if (source.variant > 0) {
+    Random random(seed, source.id, static_cast<std::uint64_t>(source.variant));
+    for (int axis = 0; axis < 3; ++axis)
+      factor[axis] *= static_cast<float>(random.Uniform(0.87, 1.15));
+  }
+  for (Eigen::Vector3f& p : mesh.vertices) p = p.cwiseProduct(factor);
+  return model;
+}
+
+}  // namespace
+
+TrainingModels::TrainingModels() = default;
+TrainingModels::~TrainingModels() = default;
+TrainingModels::TrainingModels(TrainingModels&&) noexcept = default;
+TrainingModels& TrainingModels::operator=(TrainingModels&&) noexcept = default;
+
+Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
+                                            Progress& progress) {
+  TrainingModels models;
+  models.request_ = request;
+  if (!request.withheld) AddGenerated(request, models.sources_);
+  // Without the withheld products nothing tells whether a folder's mesh is one of them.
+  const bool need_catalogue =
+      request.withheld || request.catalogue || !request.mesh_folders.empty();
+  if (!need_catalogue) return models;
+  const Result<std::vector<std::string>> withheld =
+      library::ReadWithheldModels(request.withheld_list);
+  if (!withheld) return withheld.error();
+  const Result<std::vector<library::CatalogueDesign>> designs =
+      library::ReadDesigns(request.catalogues, *withheld, progress);
+  if (!designs) return designs.error();
+  ShapeGroups groups;
+  if (request.withheld || request.catalogue) {
+    if (const Status status = AddCatalogue(request, *designs, groups, models.sources_); !status)
+      return status.error();
+  }
+  if (request.withheld) return models;
+  std::vector<const VoxelGrid*> hidden;
+  for (const library::CatalogueDesign& design : *designs) {
+    if (design.withheld) hidden.push_back(&design.model.shape);
+  }
+  for (const fs::path& folder : request.mesh_folders) {
+    if (const Status status =
+            AddFolder(request, folder, hidden, groups, models.sources_, models.dropped_);
+        !status)
+      return status.error();
+  }
+  return models;
+}
+
+std::size_t TrainingModels::size() const { return sources_.size(); }
+const std::vector<std::string>& TrainingModels::dropped() const { return dropped_; }
+bool TrainingModels::IsProduct(std::size_t n) const { return sources_[n].source != "generated"; }
+
+Result<TrainingModel> TrainingModels::Make(std::size_t n) const {
+  const TrainingModelSource& source = sources_[n];
+  TrainingModel model;
+  if (source.source == "generated") {
+    furniture::Design design =
+        furniture::MakeDesign(source.kind, Random(request_.seed, source.id, 1));
+    model.kind = std::string(furniture::KindName(source.kind));
+    model.furniture = {std::move(design.mesh), std::move(design.material_of_face)};
+  } else {
+    Result<TrainingModel> made = MakeFromMesh(source, request_.seed);
+    if (!made) return InvalidInput(source.id + ": " + made.error().message);
+    model = std::move(*made);
+  }
+  model.id = source.id;
+  model.class_name = source.class_name;
+  model.source = source.source;
+  model.split = source.split;
+  model.credit = source.credit;
+  model.size_m = Centre(model.furniture.mesh);
+  Result<VoxelGrid> shape = shape::Voxelize(model.furniture.mesh);
+  if (!shape) return InvalidInput(source.id + ": " + shape.error().message);
+  model.shape = std::move(*shape);
+  switch (eval::SymmetryOf(model.shape)) {
+    case eval::Symmetry::kNone:
+      model.symmetry = 1;
+      break;
+    case eval::Symmetry::kHalf:
+      model.symmetry = 2;
+      break;
+    case eval::Symmetry::kQuarter:
+      model.symmetry = 4;
+      break;
+    case eval::Symmetry::kAny:
+      model.symmetry = 0;
+      break;
+  }
+  return model;
+}
+
+}  // namespace deepslam::tools

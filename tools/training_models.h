@@ -1,0 +1,71 @@
+// The furniture that shape networks learn from and are tested on: designs made up by rules, the
+// catalogues' products, and folders of meshes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/priors/training_view.h"
+#include "deepslam/scene/voxel_grid.h"
+
+namespace deepslam::tools {
+
+struct TrainingModel {
+  std::string id;          // "generated/chair/000012", "scopia/chair", "meshes/a/chair/b", with
+                           // "~2" for the second stretched variant
+  std::string class_name;  // of the map
+  std::string kind;        // generated: "office_chair"; else the class
+  std::string source;      // "generated", "catalogue" or "folder"
+  std::string split;       // "train", "validate", or "withheld"; alike designs share one
+  std::string credit;
+  priors::FurnitureMesh furniture;
+  VoxelGrid shape;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  int symmetry = 1;  // turns about z that leave it as it is: 1, 2, 4; 0 = any
+};
+
+struct TrainingModelRequest {
+  std::vector<std::string> classes;
+  std::uint64_t seed = 1;
+  int first_design = 0;
+  int num_designs = 0;    // generated, of each class
+  bool catalogue = true;  // with its products
+  bool withheld = false;  // the withheld products instead of those for training, and nothing else
+  int num_variants = 0;   // of each product and mesh, stretched by up to 15 % along each axis
+  std::filesystem::path catalogues;
+  std::filesystem::path withheld_list;
+  std::vector<std::filesystem::path> mesh_folders;  // with .../CLASS/name.obj (or .glb, .gltf)
+};
+
+// A model that is yet to be read or made.
+struct TrainingModelSource;
+
+// Lists the models, then makes them one by one: meshes are large, so only some are held at once.
+class TrainingModels {
+ public:
+  [[nodiscard]] static Result<TrainingModels> List(const TrainingModelRequest& request,
+                                                   Progress& progress);
+  ~TrainingModels();
+  TrainingModels(TrainingModels&&) noexcept;
+  TrainingModels& operator=(TrainingModels&&) noexcept;
+
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] const std::vector<std::string>& dropped() const;  // "id: reason"
+  // A product or mesh, not a design made up by rules.
+  [[nodiscard]] bool IsProduct(std::size_t n) const;
+  // Thread-safe.
+  [[nodiscard]] Result<TrainingModel> Make(std::size_t n) const;
+
+ private:
+  TrainingModels();
+  std::vector<TrainingModelSource> sources_;
+  std::vector<std::string> dropped_;
+  TrainingModelRequest request_;
+};
+
+}  // namespace deepslam::tools
