@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "deepslam/core/sha256.h"
 #include "deepslam/eval/symmetry.h"
 #include "deepslam/furniture/design.h"
+#include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/zip_archive.h"
 #include "deepslam/shape/front.h"
@@ -83,20 +85,35 @@ Eigen::Vector3d Centre(TriangleMesh& mesh) {
   return (high - low).cast<double>();
 }
 
+// A shape that others are compared with.
+struct KnownShape {
+  explicit KnownShape(VoxelGrid shape) : grid(std::move(shape)), comparable(grid) {}
+  VoxelGrid grid;
+  library::ComparableShape comparable;  // refers to `grid`
+  std::string split;
+};
+using KnownShapes = std::vector<std::unique_ptr<KnownShape>>;
+
+const KnownShape* FindAlike(const KnownShapes& shapes, const KnownShape& shape) {
+  const auto found = std::find_if(shapes.begin(), shapes.end(), [&](const auto& other) {
+    return Alike(other->comparable, shape.comparable);
+  });
+  return found == shapes.end() ? nullptr : found->get();
+}
+
 // Designs that are alike are one for the split: whichever comes first decides.
 class ShapeGroups {
  public:
-  std::string SplitFor(const std::string& id, const VoxelGrid& shape) {
-    for (const auto& [split, other] : seen_) {
-      if (library::ShapesAlike(other, shape)) return split;
-    }
-    const std::string split = SplitOf(id);
-    seen_.emplace_back(split, shape);
-    return split;
+  std::string SplitFor(const std::string& id, std::unique_ptr<KnownShape> shape) {
+    if (const KnownShape* const like = FindAlike(seen_, *shape); like != nullptr)
+      return like->split;
+    shape->split = SplitOf(id);
+    seen_.push_back(std::move(shape));
+    return seen_.back()->split;
   }
 
  private:
-  std::vector<std::pair<std::string, VoxelGrid>> seen_;
+  KnownShapes seen_;
 };
 
 void AddGenerated(const TrainingModelRequest& request, std::vector<TrainingModelSource>& sources) {
@@ -158,7 +175,9 @@ Status AddCatalogue(const TrainingModelRequest& request,
     source.class_name = design.model.class_name;
     source.source = "catalogue";
     source.split =
-        design.withheld ? "withheld" : groups.SplitFor(design.model.id, design.model.shape);
+        design.withheld
+            ? "withheld"
+            : groups.SplitFor(design.model.id, std::make_unique<KnownShape>(design.model.shape));
     source.credit =
         fmt::format("{} by {}, {}", design.model.name, design.model.creator, design.model.licence);
     source.archive = archive;
@@ -206,7 +225,7 @@ double ScaleToReal(const Eigen::Vector3d& size, const std::string& class_name) {
 
 Status AddFolder(const TrainingModelRequest& request,
                  const fs::path& folder,
-                 const std::vector<const VoxelGrid*>& withheld,
+                 const KnownShapes& withheld,
                  ShapeGroups& groups,
                  std::vector<TrainingModelSource>& sources,
                  std::vector<std::string>& dropped) {
@@ -224,10 +243,10 @@ Status AddFolder(const TrainingModelRequest& request,
       dropped.push_back(id + ": " + shape.error().message);
       continue;
     }
-    const auto like = std::find_if(withheld.begin(), withheld.end(), [&](const VoxelGrid* grid) {
-      return library::ShapesAlike(*grid, *shape);
-    });
-    if (like != withheld.end()) {
+    const bool has_back = *class_name == "chair" || *class_name == "sofa" || *class_name == "bed";
+    const int quarter_turns = has_back ? shape::QuarterTurnsToFront(*shape) : 0;
+    auto known = std::make_unique<KnownShape>(*shape);
+    if (FindAlike(withheld, *known) != nullptr) {
       dropped.push_back(id + ": shape like a withheld product");
       continue;
     }
@@ -235,11 +254,10 @@ Status AddFolder(const TrainingModelRequest& request,
     source.id = id;
     source.class_name = *class_name;
     source.source = "folder";
-    source.split = groups.SplitFor(id, *shape);
+    source.split = groups.SplitFor(id, std::move(known));
     source.credit = file.lexically_relative(folder).generic_string();
     source.file = file;
-    const bool has_back = *class_name == "chair" || *class_name == "sofa" || *class_name == "bed";
-    source.quarter_turns = has_back ? shape::QuarterTurnsToFront(*shape) : 0;
+    source.quarter_turns = quarter_turns;
     source.scale = ScaleToReal(model->size_m, *class_name);
     AddVariants(request, source, sources);
   }
@@ -290,7 +308,7 @@ Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
       library::ReadWithheldModels(request.withheld_list);
   if (!withheld) return withheld.error();
   const Result<std::vector<library::CatalogueDesign>> designs =
-      library::ReadDesigns(request.catalogues, *withheld, progress);
+      library::ReadDesigns(request.catalogues, *withheld, request.classes, progress);
   if (!designs) return designs.error();
   ShapeGroups groups;
   if (request.withheld || request.catalogue) {
@@ -298,9 +316,9 @@ Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
       return status.error();
   }
   if (request.withheld) return models;
-  std::vector<const VoxelGrid*> hidden;
+  KnownShapes hidden;
   for (const library::CatalogueDesign& design : *designs) {
-    if (design.withheld) hidden.push_back(&design.model.shape);
+    if (design.withheld) hidden.push_back(std::make_unique<KnownShape>(design.model.shape));
   }
   for (const fs::path& folder : request.mesh_folders) {
     if (const Status status =

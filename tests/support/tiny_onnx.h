@@ -11,13 +11,19 @@
 
 namespace deepslam::testing_support {
 
-// A network that looks at nothing: one float input, and outputs whose values are fixed.
+// A network that looks at nothing: float inputs, and outputs whose values are fixed.
 struct TinyNetwork {
   struct Tensor {
     std::vector<std::int64_t> shape;
     std::vector<float> values;
+    std::string name = {};  // empty: output0, output1 ...
   };
-  std::vector<std::int64_t> input_shape = {1, 3, 64, 64};
+  struct Input {
+    std::string name;
+    std::vector<std::int64_t> shape;
+  };
+  std::vector<std::int64_t> input_shape = {1, 3, 64, 64};  // of the input `images` ...
+  std::vector<Input> inputs = {};                          // ... unless there are others here
   std::vector<Tensor> outputs;
   std::map<std::string, std::string> metadata;
 };
@@ -68,7 +74,7 @@ inline std::string WriteOnnx(const TinyNetwork& network) {
   std::string outputs;
   for (std::size_t i = 0; i < network.outputs.size(); ++i) {
     const TinyNetwork::Tensor& tensor = network.outputs[i];
-    const std::string name = "output" + std::to_string(i);
+    const std::string name = tensor.name.empty() ? "output" + std::to_string(i) : tensor.name;
     const std::string constant = "constant" + std::to_string(i);
     std::string node = Bytes(1, constant);
     node += Bytes(2, name);
@@ -86,7 +92,9 @@ inline std::string WriteOnnx(const TinyNetwork& network) {
   }
   graph += Bytes(2, "tiny");
   graph += initializers;
-  graph += Bytes(11, tiny_onnx::Value("images", network.input_shape));
+  if (network.inputs.empty()) graph += Bytes(11, tiny_onnx::Value("images", network.input_shape));
+  for (const TinyNetwork::Input& input : network.inputs)
+    graph += Bytes(11, tiny_onnx::Value(input.name, input.shape));
   graph += outputs;
   std::string model = Number(1, 8);
   model += Bytes(7, graph);

@@ -115,8 +115,9 @@ Result<LibrarySummary> BuildLibrary(const BuildLibraryOptions& options, Progress
 
 Result<std::vector<CatalogueDesign>> ReadDesigns(const std::filesystem::path& catalogues,
                                                  const std::vector<std::string>& withheld,
+                                                 const std::vector<std::string>& classes,
                                                  Progress& progress) {
-  Result<Products> read = ReadProducts(catalogues, withheld, progress);
+  Result<Products> read = ReadProducts(catalogues, withheld, progress, classes);
   if (!read) return read.error();
   std::vector<Product>& products = read->products;
   if (const Status status = CheckWithheldFound(products, withheld); !status) {

@@ -76,11 +76,12 @@ struct CatalogueDesign {
   bool withheld = false;  // neither library nor training may hold it
 };
 
-// The products that BuildLibrary would take, and the withheld ones, marked; by catalogue's file
-// name, then number in the catalogue. Errors as BuildLibrary.
+// The products of `classes` that BuildLibrary would take, and the withheld ones of every class,
+// marked; by catalogue's file name, then number in the catalogue. Errors as BuildLibrary.
 [[nodiscard]] Result<std::vector<CatalogueDesign>> ReadDesigns(
     const std::filesystem::path& catalogues,
     const std::vector<std::string>& withheld,
+    const std::vector<std::string>& classes,
     Progress& progress);
 
 // Whether two canonical models show the same product (Alike, alike.h).

@@ -111,12 +111,16 @@ Status FillModels(const ZipArchive& archive, std::vector<Product>& products, Pro
 
 std::vector<Product> ProductsOf(const Catalogue& catalogue,
                                 const std::string& file,
-                                const std::vector<std::string>& wanted) {
+                                const std::vector<std::string>& wanted,
+                                const std::vector<std::string>& classes) {
   std::vector<Product> products;
   for (const CatalogueItem& item : catalogue.items) {
     const std::optional<std::string> class_name = ClassOfItem(item);
+    const bool other_class =
+        !classes.empty() && class_name &&
+        std::find(classes.begin(), classes.end(), *class_name) == classes.end();
     const bool is_wanted = std::find(wanted.begin(), wanted.end(), item.id) != wanted.end();
-    if (!class_name && !is_wanted) continue;
+    if ((!class_name || other_class) && !is_wanted) continue;
     Product product = {item, file, class_name.value_or(""), {}, 0, item.fault};
     product.model.id = LibraryId(item.id);
     product.model.name = item.name;
@@ -132,7 +136,8 @@ std::vector<Product> ProductsOf(const Catalogue& catalogue,
 
 Result<Products> ReadProducts(const fs::path& catalogues,
                               const std::vector<std::string>& wanted,
-                              Progress& progress) {
+                              Progress& progress,
+                              const std::vector<std::string>& classes) {
   const Result<std::vector<fs::path>> files = CatalogueFiles(catalogues);
   if (!files) return files.error();
   Products all;
@@ -143,7 +148,7 @@ Result<Products> ReadProducts(const fs::path& catalogues,
     if (!open) return open.error();
     all.num_catalogue_items += static_cast<int>(open->catalogue.items.size());
     std::vector<Product> found =
-        ProductsOf(open->catalogue, (*files)[n].filename().string(), wanted);
+        ProductsOf(open->catalogue, (*files)[n].filename().string(), wanted, classes);
     if (const Status status = FillModels(open->archive, found, progress); !status) {
       return status.error();
     }

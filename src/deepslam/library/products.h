@@ -20,7 +20,7 @@ struct Product {
   std::string class_name;
   LibraryModel model;
   int quarter_turns = 0;  // CanonicalModel
-  std::string dropped;  // why it cannot be used; empty = it can
+  std::string dropped;    // why it cannot be used; empty = it can
 };
 
 struct Products {
@@ -29,10 +29,12 @@ struct Products {
   std::map<std::string, std::string> licences;  // texts by catalogue name
 };
 
-// All products of mapped classes, and those of `wanted` ids whatever their class (without a mapped
-// one: an empty class name). Errors name the folder or the catalogue that cannot be read.
+// All products of mapped classes, or of those in `classes` alone where it names some, and those of
+// `wanted` ids whatever their class (without a mapped one: an empty class name). Errors name the
+// folder or the catalogue that cannot be read.
 [[nodiscard]] Result<Products> ReadProducts(const std::filesystem::path& catalogues,
                                             const std::vector<std::string>& wanted,
-                                            Progress& progress);
+                                            Progress& progress,
+                                            const std::vector<std::string>& classes = {});
 
 }  // namespace deepslam::library

@@ -1,11 +1,12 @@
 // The seam between sources of whole shapes and everything behind them.
 //
 // A source looks at all views of one object and offers candidates; register and select judge them
-// without knowing where they came from. Sources: CAD retrieval and the object's own fused
-// measurement here; class-specific networks (one candidate per view, latents filled, and one at the
-// mean latent) plug in by the same interface.
+// without knowing where they came from. Sources: CAD retrieval, the object's own fused measurement,
+// and class-specific networks (one candidate per view, latents filled, and one at the mean latent).
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,6 +20,8 @@
 #include "deepslam/scene/shape_candidate.h"
 
 namespace deepslam::propose {
+
+class ShapePrior;  // shape_prior.h
 
 // Everything known of one object: its views in ascending frames, with tracked poses.
 struct ObjectObservations {
@@ -73,5 +76,21 @@ void Describe(OptionsVisitor& visitor, FusedOptions& options);
 
 [[nodiscard]] std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes,
                                                           const FusedOptions& options);
+
+struct NetworkOptions {
+  int max_views = 8;         // views that propose, best supported and spread first
+  bool mean_latent = true;   // and the mean of their latents
+  double size_margin = 0.3;  // candidates' size range: measured size +- this share
+};
+void Describe(OptionsVisitor& visitor, NetworkOptions& options);
+
+// By class of the map. An object of a class without a prior gets no candidate, and a note.
+using ShapePriors = std::map<std::string, std::shared_ptr<const ShapePrior>, std::less<>>;
+
+// By colour alone the depth planes of the crops stay empty, and sizes are the class's.
+[[nodiscard]] std::unique_ptr<Proposer> MakeNetworkProposer(ShapePriors priors,
+                                                            const ClassTable& classes,
+                                                            const NetworkOptions& options,
+                                                            Sight sight = Sight::kColourAndDepth);
 
 }  // namespace deepslam::propose

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "deepslam/geometry/box.h"
@@ -77,15 +78,19 @@ void MarkTriangle(const Triangle& triangle, Cells& cells) {
 constexpr std::array<std::array<int, 3>, 6> kFaces = {
     {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
-// Voxels with any shell in them.
+// Voxels with any shell in them. Cells are free or shell yet: a row of them is looked at as one
+// number.
 VoxelGrid ShellVoxels(const Cells& cells) {
+  static_assert(kFine == sizeof(std::uint32_t));
   VoxelGrid shell;
   for (int i = 0; i < kFineSize; ++i) {
     for (int j = 0; j < kFineSize; ++j) {
-      const std::uint8_t* const line = cells.data() + FineIndex(i, j, 0);
-      for (int k = 0; k < kFineSize; ++k) {
-        if (line[k] == kShell)
-          shell.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] = 1;
+      const std::uint8_t* line = cells.data() + FineIndex(i, j, 0);
+      std::uint8_t* out = shell.occupied.data() + VoxelGrid::Index(i / kFine, j / kFine, 0);
+      for (int k = 0; k < kGridSize; ++k, line += kFine, ++out) {
+        std::uint32_t row = 0;
+        std::memcpy(&row, line, sizeof(row));
+        if (row != 0) *out = 1;
       }
     }
   }
@@ -126,18 +131,22 @@ void FloodShellVoxels(const VoxelGrid& shell, const VoxelGrid& outside, Cells& c
   const auto is_outside = [&](int i, int j, int k) {
     return outside.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] != 0;
   };
-  for (int i = 1; i + 1 < kFineSize; ++i) {
-    for (int j = 1; j + 1 < kFineSize; ++j) {
-      for (int k = 1; k + 1 < kFineSize; ++k) {
-        if (shell.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] == 0) {
-          k += kFine - 1 - k % kFine;
-          continue;
-        }
-        const bool seed =
-            std::any_of(kFaces.begin(), kFaces.end(), [&](const std::array<int, 3>& face) {
-              return is_outside(i + face[0], j + face[1], k + face[2]);
-            });
-        if (seed) enter(i, j, k);
+  const auto enter_from_outside = [&](int i, int j, int k) {
+    const bool seed =
+        std::any_of(kFaces.begin(), kFaces.end(), [&](const std::array<int, 3>& face) {
+          return is_outside(i + face[0], j + face[1], k + face[2]);
+        });
+    if (seed) enter(i, j, k);
+  };
+  // The rim of the cube holds no shell, so neighbours are within it.
+  for (int n = 0; n < kGridSize * kGridSize * kGridSize; ++n) {
+    if (shell.occupied[static_cast<std::size_t>(n)] == 0) continue;
+    const int i = n / (kGridSize * kGridSize) * kFine;
+    const int j = n / kGridSize % kGridSize * kFine;
+    const int k = n % kGridSize * kFine;
+    for (int a = 0; a < kFine; ++a) {
+      for (int b = 0; b < kFine; ++b) {
+        for (int c = 0; c < kFine; ++c) enter_from_outside(i + a, j + b, k + c);
       }
     }
   }

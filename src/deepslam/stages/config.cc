@@ -11,7 +11,7 @@ constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
 constexpr std::array<std::string_view, 2> kAppearances = {"measured", "class"};
 const std::set<std::string>& PathOptions() {
   static const std::set<std::string> names = {
-      "classes.file", "detect.weights", "detect.file", "propose.library"};
+      "classes.file", "detect.weights", "detect.file", "propose.library", "propose.priors"};
   return names;
 }
 
@@ -35,6 +35,10 @@ void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
                 "sources may look at depth; if not, at colour and silhouettes alone");
   visitor.Field("retrieval", options.retrieval, "offer CAD models of the furniture library");
   visitor.Field("fused", options.fused, "offer the object's own fused measurement");
+  visitor.Field("network", options.network, "offer what the shape networks of a class propose");
+  visitor.Field("priors",
+                options.priors,
+                "folder with the shape networks, CLASS/*.onnx; empty: `priors` in the data folder");
   visitor.Field("library",
                 options.library,
                 "folder of the furniture library; empty: the one in the data folder");
@@ -98,6 +102,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("propose", "Whole shapes for objects", c.propose_stage),
       Section("propose.retrieval", "CAD models of the library", c.retrieval),
       Section("propose.measured", "The object's own fused measurement", c.fused),
+      Section("propose.networks", "Shape networks", c.shape_network),
       Section("register", "Where a shape stands", c.registration),
       Section("select", "Which shape it is", c.select),
       Section("loops", "Constellations of objects seen again", c.loops),

@@ -45,6 +45,8 @@ struct ProposeStageOptions {
   bool use_depth = true;
   bool retrieval = true;
   bool fused = true;
+  bool network = false;
+  std::string priors;   // folder with CLASS/*.onnx; empty: `priors` in the data folder
   std::string library;  // folder; empty: `library` in the data folder
 };
 
@@ -77,6 +79,7 @@ struct Config {
   ProposeStageOptions propose_stage;
   propose::RetrievalOptions retrieval;
   propose::FusedOptions fused;
+  propose::NetworkOptions shape_network;
   registration::RegisterOptions registration;
   select::SelectOptions select;
   loop::LoopOptions loops;

@@ -59,4 +59,14 @@ Result<fs::path> FindLibrary(const fs::path& data_folder, const std::string& lib
                   folder.string()));
 }
 
+Result<fs::path> FindPriors(const fs::path& data_folder, const std::string& priors) {
+  const fs::path folder = priors.empty() ? data_folder / "priors" : fs::path(priors);
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return folder;
+  return InvalidInput(
+      fmt::format("propose.priors: no folder {}; make the networks by scripts/train/train.sh CLASS, or use "
+                  "--set propose.network=false",
+                  folder.string()));
+}
+
 }  // namespace deepslam::stages

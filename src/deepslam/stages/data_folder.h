@@ -25,4 +25,9 @@ namespace deepslam::stages {
 [[nodiscard]] Result<std::filesystem::path> FindLibrary(const std::filesystem::path& data_folder,
                                                         const std::string& library);
 
+// `priors` if not empty, else DATA/priors: a folder with a folder for each class. kInvalidInput with
+// what to do when it is missing.
+[[nodiscard]] Result<std::filesystem::path> FindPriors(const std::filesystem::path& data_folder,
+                                                       const std::string& priors);
+
 }  // namespace deepslam::stages

@@ -185,7 +185,7 @@ Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
       entry.shape.library_checksum = checksum->second.substr(0, artifact::kMapChecksumDigits);
     entry.shape.voxels_checksum =
         content.voxels_checksums.at(object.model).substr(0, artifact::kMapChecksumDigits);
-  } else if (entry.shape.latents.empty() && !mesh.empty()) {
+  } else if (!mesh.empty()) {  // a network's too: the map is then whole without its decoder
     const Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
     if (!grid.ok()) return grid.error();
     entry.shape.voxel_code = shape::EncodeVoxels(*grid);

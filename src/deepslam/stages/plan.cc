@@ -57,6 +57,18 @@ Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
   return Ok();
 }
 
+Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
+  if (!inputs.config.propose_stage.network) return Ok();
+  const Result<std::filesystem::path> folder =
+      FindPriors(inputs.data_folder, inputs.config.propose_stage.priors);
+  if (!folder.ok()) return folder.error();
+  const Result<std::string> hash =
+      inputs.models ? inputs.models->Hash(*folder) : artifact::HashFolder(*folder);
+  if (!hash.ok()) return hash.error();
+  hashes.emplace("priors", *hash);
+  return Ok();
+}
+
 Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
   StringMap hashes;
   if ((what & kFrames) != 0 && inputs.capture)
@@ -68,6 +80,7 @@ Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
   }
   if ((what & kLibrary) != 0) {
     if (Status status = AddLibrary(inputs, hashes); !status.ok()) return status.error();
+    if (Status status = AddPriors(inputs, hashes); !status.ok()) return status.error();
   }
   // What is not overridden leaves no trace: an empty file is as good as none.
   const auto add = [&](unsigned part, const char* name, const std::string& text) {
@@ -123,7 +136,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   add("propose",
       2,
       {"track", "ground", "segment", "associate"},
-      {"views", "propose", "propose.retrieval", "propose.measured"},
+      {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
       kFrames | kClasses | kLibrary,
       RunPropose);
   add("register",

@@ -1,14 +1,17 @@
 // propose: whole shapes for every object, from every source that is switched on.
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/proposals_json.h"
+#include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/propose/proposer.h"
+#include "deepslam/propose/shape_prior.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
@@ -33,6 +36,34 @@ Result<std::shared_ptr<const ModelLibrary>> LoadLibraryFolder(const std::filesys
   return std::make_shared<const ModelLibrary>(std::move(library).value());
 }
 
+// The networks of every class of the table that has a folder with them.
+Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
+                                        const ClassTable& classes) {
+  propose::ShapePriors priors;
+  for (const ObjectClass& object_class : classes.classes) {
+    const std::filesystem::path of_class = folder / object_class.name;
+    std::error_code code;
+    if (!std::filesystem::is_directory(of_class, code)) continue;
+    std::array<std::string, 3> networks;
+    constexpr std::array kFiles = {"sketch.onnx", "encoder.onnx", "decoder.onnx"};
+    for (std::size_t n = 0; n < kFiles.size(); ++n) {
+      Result<std::string> bytes = artifact::ReadFile(of_class / kFiles.at(n));
+      if (!bytes.ok()) return bytes.error();
+      networks.at(n) = std::move(bytes).value();
+    }
+    Result<std::unique_ptr<propose::ShapePrior>> prior =
+        propose::ShapePrior::Load(object_class.name, networks[0], networks[1], networks[2]);
+    if (!prior.ok())
+      return Error{prior.error().code, of_class.string() + "/" + prior.error().message};
+    priors.emplace(object_class.name, std::move(prior).value());
+  }
+  if (priors.empty())
+    return InvalidInput(folder.string() +
+                        ": holds no networks of any class; expected CLASS/sketch.onnx, encoder.onnx, "
+                        "decoder.onnx, as scripts/train/train.sh makes them");
+  return priors;
+}
+
 Result<Sources> MakeSources(const RunInputs& inputs) {
   const Config& config = inputs.config;
   const bool use_depth = config.propose_stage.use_depth;
@@ -53,6 +84,18 @@ Result<Sources> MakeSources(const RunInputs& inputs) {
   }
   if (config.propose_stage.fused && use_depth) {
     sources.proposers.push_back(propose::MakeFusedProposer(inputs.classes, config.fused));
+  }
+  if (config.propose_stage.network) {
+    const Result<std::filesystem::path> folder =
+        FindPriors(inputs.data_folder, config.propose_stage.priors);
+    if (!folder.ok()) return folder.error();
+    Result<propose::ShapePriors> priors = LoadPriors(*folder, inputs.classes);
+    if (!priors.ok()) return priors.error();
+    sources.proposers.push_back(propose::MakeNetworkProposer(
+        std::move(priors).value(),
+        inputs.classes,
+        config.shape_network,
+        use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour));
   }
   return sources;
 }

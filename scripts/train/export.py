@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""Weights become what the program runs: sketch.onnx, encoder.onnx, decoder.onnx and MODEL_CARD.md.
+
+    export.py --config CLASS.yaml --weights WEIGHTS.pt --scores SCORES.json --curve CURVE.json --data VIEWS --out FOLDER
+
+Weights are stored as 16-bit floats and computed with as 32-bit ones. ONNX Runtime must give the numbers that PyTorch
+gives with the same rounded weights, or nothing is written.
+"""
+import argparse
+import collections
+import json
+import pathlib
+import platform
+
+import numpy as np
+import onnx
+import onnxruntime
+import torch
+import yaml
+from onnx import TensorProto, helper, numpy_helper
+
+import nets
+
+TOLERANCE = 2e-3
+
+
+def halve_weights(model):
+    """Initializers of any size worth it become 16-bit, each with a cast that ONNX Runtime folds when it loads."""
+    casts, kept = [], []
+    for tensor in model.graph.initializer:
+        values = numpy_helper.to_array(tensor)
+        if values.dtype != np.float32 or values.size < 64:
+            kept.append(tensor)
+            continue
+        kept.append(numpy_helper.from_array(values.astype(np.float16), tensor.name + "_half"))
+        casts.append(helper.make_node("Cast", [tensor.name + "_half"], [tensor.name], to=TensorProto.FLOAT))
+    nodes = list(model.graph.node)
+    del model.graph.initializer[:]
+    del model.graph.node[:]
+    model.graph.initializer.extend(kept)
+    model.graph.node.extend(casts + nodes)
+    return model
+
+
+def round_weights(module):
+    with torch.no_grad():
+        for value in list(module.parameters()) + list(module.buffers()):
+            if value.dtype == torch.float32 and value.numel() >= 64:
+                value.copy_(value.half().float())
+
+
+def export(module, inputs, names_in, names_out, file, metadata):
+    batch = {name: {0: "batch"} for name in names_in + names_out}
+    torch.onnx.export(module, inputs, str(file), input_names=names_in, output_names=names_out, dynamic_axes=batch,
+                      opset_version=17, dynamo=False)
+    model = halve_weights(onnx.load(str(file)))
+    for key, value in metadata.items():
+        entry = model.metadata_props.add()
+        entry.key, entry.value = key, str(value)
+    onnx.checker.check_model(model)
+    onnx.save(model, str(file))
+    session = onnxruntime.InferenceSession(str(file), providers=["CPUExecutionProvider"])
+    theirs = session.run(names_out, {name: value.numpy() for name, value in zip(names_in, inputs)})
+    ours = module(*inputs)
+    ours = ours if isinstance(ours, tuple) else (ours,)
+    worst = max(float(np.abs(a.detach().numpy() - b).max() / max(1.0, float(np.abs(b).max()))) for a, b in zip(ours, theirs))
+    if not worst < TOLERANCE:
+        raise SystemExit(f"{file}: ONNX Runtime differs from PyTorch by {worst:.2g}")
+    return worst
+
+
+def card(config, scores, curve, heads, worst, weights):
+    names = collections.OrderedDict([("colour_and_depth", "colour and depth crop"), ("colour", "colour crop alone")])
+    models = [m for head in heads for m in head["models"]]
+    source = collections.Counter((m["source"], m["split"]) for m in models)
+    credits = sorted({m["credit"] for m in models if m["source"] != "generated"})
+    lines = [f"# Shape prior: {config['class']}", "",
+             "Three networks: `sketch.onnx` (crop to depth, normals, silhouette), `encoder.onnx` (crop and sketch to 100 "
+             "latents and viewpoint), `decoder.onnx` (latents to 64^3). Made by `scripts/train/train.sh "
+             f"{config['class']}`. Weights: BSD 3-Clause like the code; the data are credited below.", "",
+             f"Weights: {weights}. ONNX Runtime agrees with PyTorch to {worst:.1e}.", "", "## Scores", "",
+             f"{scores['test_views']} views with faults of {scores['test_models']} catalogue products that no training "
+             "touched (configs/withheld_models.yaml); protocols in scripts/train/scores.py.", "",
+             "| | IoU 64 | IoU 32 | Chamfer | mean latent of 10 | best of 10 | spread over views |",
+             "|---|---|---|---|---|---|---|"]
+    for key, name in names.items():
+        s = scores[key]
+        lines.append(f"| {name} | {s['iou64']:.3f} | {s['iou32']:.3f} | {s['chamfer']:.3f} | {s['mean_latent_of_10']:.3f} | "
+                     f"{s['best_of_10']:.3f} | {s['spread_over_views']:.3f} |")
+    both = scores["colour_and_depth"]
+    lines += [f"| mean training shape | {scores['mean_shape']['iou64']:.3f} | {scores['mean_shape']['iou32']:.3f} | | | | |",
+              f"| retrieval by latent | {both['retrieval_by_latent']['iou64']:.3f} | "
+              f"{both['retrieval_by_latent']['iou32']:.3f} | | | | |",
+              f"| nearest training shape (oracle) | {scores['oracle']['iou64']:.3f} | | | | | |", ""]
+    for key, name in names.items():
+        a = scores[key]["azimuth"]
+        if a:
+            lines.append(f"- Azimuth, {name}: median {a['median_deg']:.1f} deg, within 22.5 deg {a['within_22_5']:.2f}, "
+                         f"within 30 deg {a['within_30']:.2f}, flipped {a['flipped']:.3f}.")
+    last = curve["curve"][-1]["step"] if curve["curve"] else curve["step"]
+    lines += ["", "## Training", "",
+              f"{last} steps of {config['batch']} views in {curve['seconds'] / 3600:.1f} h on {platform.machine()}, "
+              f"PyTorch {torch.__version__}; seed {config['seed']}.",
+              "Models: " + ", ".join(f"{n} {s} ({p})" for (s, p), n in sorted(source.items())) + ".", "",
+              "## Limits", "",
+              "Rendered furniture only; thin parts are often lost; a cut crop does not show what was cut; sizes come from "
+              "depth, not from the network.", "", "## Credits of the data", ""]
+    lines += [f"- {line}" for line in credits]
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("config", "weights", "scores", "curve", "out"):
+        parser.add_argument(f"--{name}", required=True)
+    parser.add_argument("--data", action="append", required=True)
+    arguments = parser.parse_args()
+    config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
+    scores = json.loads(pathlib.Path(arguments.scores).read_text(encoding="utf-8"))
+    curve = json.loads(pathlib.Path(arguments.curve).read_text(encoding="utf-8"))
+    heads = [json.loads((pathlib.Path(folder) / "training_views.json").read_text(encoding="utf-8"))
+             for folder in arguments.data]
+    model = nets.Prior()
+    model.load_state_dict(torch.load(arguments.weights, map_location="cpu", weights_only=True))
+    model.eval()
+    round_weights(model)
+    torch.manual_seed(1)
+    crop, sketch, latents = torch.rand(2, 7, 128, 128), torch.rand(2, 5, 64, 64), torch.randn(2, nets.LATENTS)
+    out = pathlib.Path(arguments.out)
+    out.mkdir(parents=True, exist_ok=True)
+    common = {"format": "deepslam/prior", "version": 1, "class": config["class"]}
+    thresholds = {"threshold": scores["colour_and_depth"]["threshold"], "threshold_colour": scores["colour"]["threshold"]}
+    worst = max(
+        export(model.sketch, (crop,), ["crop"], ["sketch"], out / "sketch.onnx", dict(common, role="sketch")),
+        export(model.encoder, (crop, sketch), ["crop", "sketch"], ["latents", "azimuth", "elevation"],
+               out / "encoder.onnx", dict(common, role="encoder")),
+        export(model.decoder, (latents,), ["latents"], ["logits"], out / "decoder.onnx",
+               dict(common, role="decoder", **thresholds)))
+    weights = ", ".join(f"{name} {sum(p.numel() for p in getattr(model, name).parameters()) / 1e6:.2f} M"
+                        for name in ("sketch", "encoder", "decoder"))
+    (out / "MODEL_CARD.md").write_text(card(config, scores, curve, heads, worst, weights), encoding="utf-8")
+    print(f"{out}: {sum(f.stat().st_size for f in out.glob('*.onnx')) / 1e6:.1f} MB, largest difference {worst:.1e}")
+
+
+if __name__ == "__main__":
+    main()

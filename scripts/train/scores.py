@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+"""How good a prior is on models that no training touched, beside three baselines.
+
+    scores.py --weights WEIGHTS.pt --train VIEWS --test VIEWS --out FOLDER
+
+IoU at 64^3 at one threshold, calibrated on the training's validation designs (also at 0.4); IoU at 32^3 by Pix3D's
+protocol (box of values >= 0.1, cube, trilinear to 32^3, best mean over thresholds 0.01 ... 0.49); Chamfer distance
+between 1,024 points each of the surface voxels, box centred, longest side 1, one way plus the other (Pix3D takes them
+from marching cubes). Baselines: mean training shape; the training model of the view nearest by latents; for every test
+model the nearest of all training shapes (oracle).
+"""
+import argparse
+import json
+import pathlib
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+import data
+import nets
+import plots
+
+
+def iou(ours, truth):
+    both = (ours & truth).reshape(len(ours), -1).sum(1)
+    either = (ours | truth).reshape(len(ours), -1).sum(1)
+    return (both.float() / either.clamp(min=1)).numpy()
+
+
+def at_32(volume):
+    """One volume [64, 64, 64] of values in [0, 1] by Pix3D's protocol."""
+    inside = torch.nonzero(volume >= 0.1)
+    if len(inside) == 0:
+        return torch.zeros(32, 32, 32)
+    low, high = inside.min(0).values, inside.max(0).values + 1
+    box = volume[low[0]:high[0], low[1]:high[1], low[2]:high[2]]
+    side = int(max(box.shape))
+    cube = torch.zeros(side, side, side)
+    corner = [(side - s) // 2 for s in box.shape]
+    cube[corner[0]:corner[0] + box.shape[0], corner[1]:corner[1] + box.shape[1],
+         corner[2]:corner[2] + box.shape[2]] = box
+    return F.interpolate(cube[None, None], size=(32, 32, 32), mode="trilinear", align_corners=True)[0, 0]
+
+
+def set_iou_32(ours, truth):
+    """Best mean over thresholds, and the IoU of each pair there. The truth is cut at the same threshold."""
+    small_ours = torch.stack([at_32(v) for v in ours])
+    small_truth = torch.stack([at_32(v) for v in truth])
+    best = (-1.0, None, None)
+    for level in np.arange(0.01, 0.495, 0.01):
+        each = iou(small_ours >= level, small_truth >= level)
+        if each.mean() > best[0]:
+            best = (float(each.mean()), float(level), each)
+    return best
+
+
+def surface_points(solid, random, count=1024):
+    solid = solid.bool()
+    inner = solid.clone()
+    for axis in range(3):
+        for shift in (1, -1):
+            inner &= torch.roll(solid, shift, axis)
+    points = torch.nonzero(solid & ~inner).numpy().astype(np.float32)
+    if len(points) == 0:
+        return None
+    points = points[random.choice(len(points), count, replace=len(points) < count)]
+    low, high = points.min(0), points.max(0)
+    return (points - (low + high) / 2) / max(1e-6, float((high - low).max()))
+
+
+def chamfer(a, b, random):
+    p, q = surface_points(a, random), surface_points(b, random)
+    if p is None or q is None:
+        return float("nan")
+    apart = torch.cdist(torch.from_numpy(p), torch.from_numpy(q))
+    return float(apart.min(1).values.mean() + apart.min(0).values.mean())
+
+
+@torch.no_grad()
+def run(model, views, use_depth, numbers=None, decode=True):
+    shares, latents, azimuths = [], [], []
+    numbers = np.arange(len(views)) if numbers is None else numbers
+    for start in range(0, len(numbers), 64):
+        crops = views.crops(numbers[start:start + 64])
+        if not use_depth:
+            crops = data.drop_depth(crops, slice(None))
+        z, azimuth, _ = model.encoder(crops, model.sketch(crops))
+        latents.append(z)
+        azimuths.append(nets.azimuth_of(azimuth))
+        if decode:
+            shares.append(torch.sigmoid(model.decoder(z)).half())
+    return (torch.cat(shares).float() if decode else None), torch.cat(latents), torch.cat(azimuths)
+
+
+def mean_shape(views):
+    total = torch.zeros(64, 64, 64)
+    for m in range(len(views.models)):
+        total += views.voxels([m])[0]
+    return total / len(views.models)
+
+
+def best_threshold(shares, truth):
+    levels = [n / 40 for n in range(2, 32)]
+    scores = [iou(shares > level, truth).mean() for level in levels]
+    return levels[int(np.argmax(scores))]
+
+
+def nearest_shapes(train, truth):
+    """For each test model the IoU of the nearest training shape."""
+    best = np.zeros(len(truth))
+    flat = truth.reshape(len(truth), -1).float()
+    size = flat.sum(1)
+    for start in range(0, len(train.models), 32):
+        some = train.voxels(np.arange(start, min(start + 32, len(train.models)))).reshape(-1, 64 ** 3).float()
+        both = flat @ some.t()
+        best = np.maximum(best, (both / (size[:, None] + some.sum(1)[None] - both)).max(1).values.numpy())
+    return best
+
+
+def azimuth_figures(azimuth, views):
+    camera, symmetry = views.camera(np.arange(len(views)))[:, 0], views.symmetry(np.arange(len(views)))
+    told = symmetry == 1
+    if not bool(told.any()):
+        return {}, {}
+    apart = azimuth - camera
+    apart = torch.atan2(apart.sin(), apart.cos())
+    errors = np.degrees(apart.abs()[told].numpy())
+    # A model whose views agree on another azimuth than the data's is turned in the data.
+    residual = {}
+    for m, model in enumerate(views.models):
+        rows = torch.from_numpy(views.owner == m)
+        if model["symmetry"] == 1 and bool(rows.any()):
+            residual[model["id"]] = float(np.degrees(torch.atan2(apart[rows].sin().mean(), apart[rows].cos().mean())))
+    return {"median_deg": float(np.median(errors)), "within_22_5": float(np.mean(errors < 22.5)),
+            "within_30": float(np.mean(errors < 30)), "flipped": float(np.mean(errors > 135))}, residual
+
+
+def score_input(model, train, check, test, use_depth, latent_bank, random):
+    check_shares, _, _ = run(model, check, use_depth, np.linspace(0, len(check) - 1, min(len(check), 512)).astype(int))
+    check_numbers = np.linspace(0, len(check) - 1, min(len(check), 512)).astype(int)
+    threshold = best_threshold(check_shares, check.voxels(check.owner[check_numbers]).bool())
+    shares, latents, azimuth = run(model, test, use_depth)
+    truth = test.voxels(test.owner).bool()
+    each = iou(shares > threshold, truth)
+    mean_32, level_32, each_32 = set_iou_32(shares, truth.float())
+    result = {"threshold": threshold, "iou64": float(each.mean()), "iou64_at_0.4": float(iou(shares > 0.4, truth).mean()),
+              "iou32": mean_32, "threshold32": level_32,
+              "chamfer": float(np.nanmean([chamfer(s > threshold, t, random) for s, t in zip(shares, truth)]))}
+    result["azimuth"], result["azimuth_residual_deg"] = azimuth_figures(azimuth, test)
+    per_model, ten, best_ten, spread = {}, [], [], []
+    for m, entry in enumerate(test.models):
+        rows = np.flatnonzero(test.owner == m)
+        solid = truth[rows[0]][None]
+        mean = torch.sigmoid(model.decoder(latents[rows[:10]].mean(0, keepdim=True))).detach() > threshold
+        ten.append(float(iou(mean, solid)[0]))
+        best_ten.append(float(each[rows[:10]].max()))
+        spread.append(float(each[rows].std()))
+        per_model[entry["id"]] = {"iou64": float(each[rows].mean()), "least": float(each[rows].min()),
+                                  "most": float(each[rows].max()), "mean_latent_of_10": ten[-1]}
+    result.update(mean_latent_of_10=float(np.mean(ten)), best_of_10=float(np.mean(best_ten)),
+                  spread_over_views=float(np.mean(spread)), models=per_model)
+    bank, owner = latent_bank[use_depth]
+    nearest = owner[torch.cdist(latents, bank).argmin(1).numpy()]
+    found = torch.cat([torch.from_numpy(iou(train.voxels([n]).bool(), truth[v][None]))
+                       for v, n in enumerate(nearest)]).numpy()
+    result["retrieval_by_latent"] = {"iou64": float(found.mean()),
+                                     "iou32": set_iou_32(train.voxels(nearest).float(), truth.float())[0]}
+    return result, each, found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--weights", required=True)
+    parser.add_argument("--train", action="append", required=True)
+    parser.add_argument("--test", action="append", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--threads", type=int, default=1)
+    arguments = parser.parse_args()
+    torch.set_num_threads(arguments.threads)
+    random = np.random.default_rng(1)
+    model = nets.Prior()
+    model.load_state_dict(torch.load(arguments.weights, map_location="cpu", weights_only=True))
+    model.eval()
+    train, check = data.Views(arguments.train, "train"), data.Views(arguments.train, "validate")
+    test = data.Views(arguments.test)
+    if {m["id"] for m in test.models} & {m["id"] for m in train.models + check.models}:
+        raise SystemExit("a test model is among those of training")
+    truth = test.voxels(np.arange(len(test.models))).bool()
+    mean = mean_shape(train)
+    check_truth = check.voxels(np.arange(len(check.models))).bool()
+    level = best_threshold(mean[None].expand(len(check_truth), -1, -1, -1), check_truth)
+    scores = {"test_models": len(test.models), "test_views": len(test), "train_models": len(train.models),
+              "mean_shape": {"iou64": float(iou((mean > level)[None].expand_as(truth), truth).mean()),
+                             "iou32": set_iou_32(mean[None].expand(len(truth), -1, -1, -1), truth.float())[0],
+                             "threshold": level},
+              "oracle": {"iou64": float(nearest_shapes(train, truth).mean())}}
+    numbers = np.sort(random.choice(len(train), min(len(train), 6000), replace=False))
+    bank = {depth: (run(model, train, depth, numbers, decode=False)[1], train.owner[numbers]) for depth in (True, False)}
+    rows = {}
+    for depth, name in ((True, "colour_and_depth"), (False, "colour")):
+        scores[name], each, found = score_input(model, train, check, test, depth, bank, random)
+        rows[name.replace("_", " ")] = each
+        if depth:
+            rows["retrieval by latent"] = found
+    out = pathlib.Path(arguments.out)
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "scores.json").write_text(json.dumps(scores, indent=1), encoding="utf-8")
+    plots.draw_histogram(rows, out / "scores.png")
+    short = {k: ({a: b for a, b in v.items() if a not in ("models", "azimuth_residual_deg")} if isinstance(v, dict) else v)
+             for k, v in scores.items()}
+    print(json.dumps(short, indent=1))
+
+
+if __name__ == "__main__":
+    main()

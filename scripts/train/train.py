@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""Trains the networks of one class. Stops and resumes at will: same data, options and device give the same course.
+
+    train.py CLASS.yaml --data VIEWS [--data MORE] --out FOLDER [--minutes M] [--steps N] [--device cpu|cuda]
+"""
+import argparse
+import json
+import math
+import pathlib
+import time
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+import yaml
+
+import data
+import nets
+import plots
+
+
+def azimuth_loss(logits, azimuth, symmetry):
+    """Cross entropy with the bins near the truth; turns that leave the shape as it is count as the truth."""
+    middle = torch.arange(nets.BINS, device=logits.device) * (2 * math.pi / nets.BINS)
+    share = torch.zeros_like(logits)
+    for turn in range(4):
+        quarter = turn * math.pi / 2
+        counts = (symmetry == 4) | (turn == 0) | ((symmetry == 2) & (turn == 2))
+        apart = middle - azimuth[:, None] - quarter
+        apart = torch.atan2(apart.sin(), apart.cos())
+        share = share + counts[:, None] * torch.exp(-0.5 * (apart / math.radians(10)) ** 2)
+    share = share / share.sum(1, keepdim=True)
+    each = -(share * F.log_softmax(logits, 1)).sum(1)
+    told = (symmetry != 0).float()  # round shapes have no azimuth
+    return (each * told).sum() / told.sum().clamp(min=1)
+
+
+def losses(output, item, weights):
+    logits, _, azimuth, elevation, sketch = output
+    target = item["voxels"]
+    share = torch.sigmoid(logits)
+    sides = (1, 2, 3)
+    dice = 1 - (2 * (share * target).sum(sides) + 1) / (share.sum(sides) + target.sum(sides) + 1)
+    known, inside = item["known"].float(), item["sketch"][:, 4:5]
+    parts = {
+        "bce": F.binary_cross_entropy_with_logits(logits, target) * 10,
+        "dice": dice.mean(),
+        "azimuth": azimuth_loss(azimuth, item["azimuth"], item["symmetry"]),
+        "elevation": F.l1_loss(elevation[:, 0], item["elevation"]),
+        "depth": ((sketch[:, :1] - item["sketch"][:, :1]).abs() * known).sum() / known.sum().clamp(min=1),
+        "normal": ((sketch[:, 1:4] - item["sketch"][:, 1:4]).abs() * inside).sum() / (3 * inside.sum()).clamp(min=1),
+        "silhouette": F.binary_cross_entropy_with_logits(sketch[:, 4:], inside),
+    }
+    return sum(weights.get(name, 1.0) * value for name, value in parts.items()), parts
+
+
+def draw_numbers(views, random, size, share_of_products):
+    made, products = views.groups()
+    if len(made) == 0 or len(products) == 0:
+        return random.choice(np.concatenate([made, products]), size)
+    count = int(round(size * share_of_products))
+    return np.concatenate([random.choice(made, size - count), random.choice(products, count)])
+
+
+@torch.no_grad()
+def validate(model, views, device, count=256):
+    """Loss-free figures on designs that do not take part: IoU at the best threshold, azimuth within 30 degrees."""
+    model.eval()
+    numbers = np.linspace(0, len(views) - 1, min(count, len(views))).astype(int)
+    levels, ious, errors = torch.arange(0.1, 0.75, 0.05), [], []
+    for start in range(0, len(numbers), 32):
+        some = numbers[start:start + 32]
+        logits, _, azimuth, _, _ = model(views.crops(some).to(device))
+        share, truth = torch.sigmoid(logits).cpu(), views.voxels(views.owner[some]).bool()
+        for level in levels:
+            ours = share > level
+            both, either = (ours & truth).sum((1, 2, 3)), (ours | truth).sum((1, 2, 3))
+            ious.append((float(level), (both / either.clamp(min=1)).numpy()))
+        apart = nets.azimuth_of(azimuth).cpu() - views.camera(some)[:, 0]
+        told = views.symmetry(some) == 1
+        errors.append(torch.atan2(apart.sin(), apart.cos()).abs()[told].numpy())
+    best = max((float(np.mean(np.concatenate([i for l, i in ious if l == level]))), level)
+               for level in sorted({l for l, _ in ious}))
+    errors = np.degrees(np.concatenate(errors)) if errors else np.zeros(0)
+    model.train()
+    return {"iou64": best[0], "threshold": best[1], "azimuth_30": float(np.mean(errors < 30)) if len(errors) else None}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("config")
+    parser.add_argument("--data", action="append", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time; run again to go on")
+    parser.add_argument("--steps", type=int, help="stop after this many steps in all (default: the configuration's)")
+    parser.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--start-from", help="weights.pt of another training to begin with")
+    arguments = parser.parse_args()
+    config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
+    torch.set_num_threads(arguments.threads)
+    torch.manual_seed(config["seed"])
+    out = pathlib.Path(arguments.out)
+    out.mkdir(parents=True, exist_ok=True)
+    device = torch.device(arguments.device)
+
+    train_views, check_views = data.Views(arguments.data, "train"), data.Views(arguments.data, "validate")
+    model = nets.Prior().to(device)
+    optimizer = torch.optim.AdamW(model.parameters(), lr=config["rate"], weight_decay=config["weight_decay"])
+    state = {"step": 0, "seconds": 0.0, "curve": []}
+    checkpoint = out / "checkpoint.pt"
+    if checkpoint.exists():
+        saved = torch.load(checkpoint, map_location=device, weights_only=False)
+        model.load_state_dict(saved["model"])
+        optimizer.load_state_dict(saved["optimizer"])
+        state = saved["state"]
+    elif arguments.start_from:
+        model.load_state_dict(torch.load(arguments.start_from, map_location=device, weights_only=True))
+    print(f"{len(train_views)} views of {len(train_views.models)} models, validated on {len(check_views)} of "
+          f"{len(check_views.models)}; step {state['step']}, {sum(p.numel() for p in model.parameters())} weights, "
+          f"{device}", flush=True)
+
+    last_step, warm = arguments.steps or config["steps"], config["warm_steps"]
+    start, sums, half = time.monotonic(), {}, device.type == "cuda" or config.get("bfloat16", False)
+
+    def save():
+        state["seconds"] += time.monotonic() - save.since
+        save.since = time.monotonic()
+        aside = out / "checkpoint.pt.partial"
+        torch.save({"model": model.state_dict(), "optimizer": optimizer.state_dict(), "state": state}, aside)
+        aside.replace(checkpoint)
+        torch.save(model.state_dict(), out / "weights.pt")
+        (out / "curve.json").write_text(json.dumps(state, indent=1), encoding="utf-8")
+        plots.draw_curves(state["curve"], out / "curves.png")
+    save.since = time.monotonic()
+
+    while state["step"] < last_step and time.monotonic() - start < 60 * arguments.minutes:
+        step = state["step"]
+        random = np.random.default_rng([config["seed"], step])
+        numbers = draw_numbers(train_views, random, config["batch"], config["product_share"])
+        item = {name: value.to(device) for name, value in
+                data.batch(train_views, numbers, random, config["depth_dropped"]).items()}
+        progress = min(1.0, step / config["steps"])
+        rate = config["rate"] * min(1.0, (step + 1) / warm) * (0.05 + 0.475 * (1 + math.cos(math.pi * progress)))
+        for group in optimizer.param_groups:
+            group["lr"] = rate
+        with torch.autocast(device.type, dtype=torch.bfloat16, enabled=half):
+            output = model(item["crop"])
+        loss, parts = losses([value.float() for value in output], item, config.get("weights", {}))
+        optimizer.zero_grad(set_to_none=True)
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(model.parameters(), 5.0)
+        optimizer.step()
+        for name, value in parts.items():
+            sums[name] = sums.get(name, 0.0) + float(value.detach())
+        state["step"] = step + 1
+        if state["step"] % config["check_every"] == 0 or state["step"] == last_step:
+            means = {name: value / config["check_every"] for name, value in sums.items()}
+            sums = {}
+            entry = dict(means, step=state["step"], **validate(model, check_views, device))
+            state["curve"].append(entry)
+            save()
+            print(json.dumps({k: round(v, 4) if isinstance(v, float) else v for k, v in entry.items()}), flush=True)
+    save()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "deepslam/propose/candidate_size.h"
+#include "deepslam/propose/level_cloud.h"
+#include "deepslam/propose/network_crop.h"
+#include "deepslam/propose/proposer.h"
+#include "deepslam/propose/shape_prior.h"
+
+namespace deepslam::propose {
+namespace {
+
+class NetworkProposer final : public Proposer {
+ public:
+  NetworkProposer(ShapePriors priors,
+                  ClassTable classes,
+                  const NetworkOptions& options,
+                  Sight sight)
+      : priors_(std::move(priors)),
+        classes_(std::move(classes)),
+        options_(options),
+        sight_(sight) {}
+
+  [[nodiscard]] std::string name() const override { return "network"; }
+  [[nodiscard]] Result<Proposals> Propose(const ObjectObservations& object) const override;
+
+ private:
+  void Add(const ObjectObservations& object,
+           const ShapePrior& prior,
+           const PriorEncoding& encoding,
+           const ObjectView* view,
+           double size_m,
+           Proposals& proposals) const;
+
+  ShapePriors priors_;
+  ClassTable classes_;
+  NetworkOptions options_;
+  Sight sight_;
+};
+
+// Longest side of what was measured, and its middle in the world; size 0: nothing was.
+struct Extent {
+  double size_m = 0;
+  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();
+};
+
+Extent MeasureExtent(const ObjectObservations& object, bool by_depth) {
+  Extent extent;
+  if (!by_depth) return extent;
+  const LevelCloud cloud = AccumulateLevel(object.views);
+  if (cloud.points.empty()) return extent;
+  const LevelBox box = MeasureBox(cloud.points);
+  extent.size_m = box.size_m.maxCoeff();
+  extent.center_world = cloud.level_from_world.Inverse() *
+                        Eigen::Vector3d(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
+  return extent;
+}
+
+std::string NoteStart(const ObjectObservations& object) {
+  return "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
+}
+
+void NetworkProposer::Add(const ObjectObservations& object,
+                          const ShapePrior& prior,
+                          const PriorEncoding& encoding,
+                          const ObjectView* view,
+                          double size_m,
+                          Proposals& proposals) const {
+  const bool by_depth = sight_ == Sight::kColourAndDepth;
+  Result<VoxelGrid> shape = prior.Decode(encoding.latents, by_depth);
+  if (!shape.ok()) {
+    proposals.notes.push_back(NoteStart(object) + shape.error().message);
+    return;
+  }
+  std::array<char, 48> key{};
+  if (view != nullptr) {
+    std::snprintf(key.data(), key.size(), "net_%03d_%06d", object.id.value, view->detection.value);
+  } else {
+    std::snprintf(key.data(), key.size(), "net_%03d_mean", object.id.value);
+  }
+  ShapeCandidate candidate;
+  candidate.object = object.id;
+  candidate.source = view != nullptr ? CandidateSource::kNetwork : CandidateSource::kMeanLatent;
+  if (view != nullptr) candidate.view = view->detection;
+  candidate.model = key.data();
+  candidate.proposal_score = std::clamp(encoding.confidence, 0.0, 1.0);
+  candidate.latents.assign(encoding.latents.begin(), encoding.latents.end());
+  const ObjectClass* const object_class = classes_.Find(object.class_name);
+  if (size_m > 0) {
+    SetSize(size_m, options_.size_margin, object_class, candidate);
+  } else if (object_class != nullptr) {
+    candidate.min_size_m = object_class->min_size_m;
+    candidate.max_size_m = object_class->max_size_m;
+  }
+  proposals.models.emplace(candidate.model, std::move(*shape));
+  proposals.candidates.push_back(std::move(candidate));
+}
+
+Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) const {
+  Proposals proposals;
+  const auto found = priors_.find(object.class_name);
+  if (found == priors_.end()) {
+    proposals.notes.push_back(NoteStart(object) + "its class has no prior");
+    return proposals;
+  }
+  const ShapePrior& prior = *found->second;
+  const bool by_depth = sight_ == Sight::kColourAndDepth;
+  const Extent extent = MeasureExtent(object, by_depth);
+  PriorEncoding mean;
+  int count = 0;
+  for (const std::size_t n : ChooseViews(object.views, extent.center_world, options_.max_views)) {
+    const ObjectView& view = object.views[n];
+    const Result<NetworkCrop> crop = MakeNetworkCrop(view, by_depth);
+    if (!crop.ok()) {
+      proposals.notes.push_back(NoteStart(object) + "frame " + std::to_string(view.frame.value) +
+                                ": " + crop.error().message);
+      continue;
+    }
+    const Result<PriorEncoding> encoding = prior.Encode(*crop);
+    if (!encoding.ok()) return encoding.error();
+    for (std::size_t k = 0; k < kNumLatents; ++k) mean.latents[k] += encoding->latents[k];
+    mean.confidence += encoding->confidence;
+    ++count;
+    Add(object, prior, *encoding, &view, extent.size_m, proposals);
+  }
+  if (options_.mean_latent && count > 1) {
+    for (float& latent : mean.latents) latent /= static_cast<float>(count);
+    mean.confidence /= count;
+    Add(object, prior, mean, nullptr, extent.size_m, proposals);
+  }
+  if (proposals.candidates.empty() && proposals.notes.empty())
+    proposals.notes.push_back(NoteStart(object) + "none of its views shows a silhouette");
+  std::stable_sort(proposals.candidates.begin(),
+                   proposals.candidates.end(),
+                   [](const ShapeCandidate& a, const ShapeCandidate& b) {
+                     return a.proposal_score > b.proposal_score;
+                   });
+  return proposals;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, NetworkOptions& options) {
+  visitor.Field("max_views",
+                options.max_views,
+                {1, 1000},
+                "1",
+                "views of an object that propose a shape each");
+  visitor.Field(
+      "mean_latent", options.mean_latent, "also offer the shape of the mean of the views' latents");
+  visitor.Field("size_margin",
+                options.size_margin,
+                {0.01, 0.9},
+                "1",
+                "share by which the candidate's real size may differ from the measured one");
+}
+
+std::unique_ptr<Proposer> MakeNetworkProposer(ShapePriors priors,
+                                              const ClassTable& classes,
+                                              const NetworkOptions& options,
+                                              Sight sight) {
+  return std::make_unique<NetworkProposer>(std::move(priors), classes, options, sight);
+}
+
+}  // namespace deepslam::propose

@@ -1,0 +1,323 @@
+#include "deepslam/propose/shape_prior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <onnxruntime_cxx_api.h>
+
+#include "deepslam/shape/stretch.h"
+
+namespace deepslam::propose {
+namespace {
+
+constexpr std::int64_t kSketchPlanes = 5;
+constexpr std::int64_t kSketchPixels = 64;
+constexpr std::int64_t kBins = 24;  // of azimuth; bin n has its middle at n * 360 / 24 degrees
+constexpr int kVersion = 1;
+constexpr std::ptrdiff_t kFewestVoxels = 50;
+
+using Shape = std::vector<std::int64_t>;  // without the batch
+
+struct Port {
+  const char* name;
+  Shape shape;
+};
+
+std::string Text(const Shape& shape) {
+  std::string text = "Nx";
+  for (const std::int64_t side : shape) text += std::to_string(side) + "x";
+  text.pop_back();
+  return text;
+}
+
+std::string Metadata(const Ort::Session& session, const char* key) {
+  Ort::AllocatorWithDefaultOptions allocator;
+  const Ort::ModelMetadata metadata = session.GetModelMetadata();
+  const Ort::AllocatedStringPtr text = metadata.LookupCustomMetadataMapAllocated(key, allocator);
+  return text ? std::string(text.get()) : std::string();
+}
+
+// One of the three, with the ports it must have.
+class Network {
+ public:
+  Network(const char* role,
+          Ort::Session session,
+          std::vector<Port> inputs,
+          std::vector<Port> outputs)
+      : role_(role),
+        session_(std::move(session)),
+        inputs_(std::move(inputs)),
+        outputs_(std::move(outputs)) {}
+
+  [[nodiscard]] Status Check(std::string_view class_name) const;
+  [[nodiscard]] std::string MetadataOf(const char* key) const { return Metadata(session_, key); }
+  // Inputs in the order of the ports, one item each. Errors: what is not finite.
+  [[nodiscard]] Result<std::vector<std::vector<float>>> Run(
+      std::span<std::vector<float>> inputs) const;
+
+ private:
+  [[nodiscard]] Status CheckPorts(bool inputs) const;
+  [[nodiscard]] Error Wrong(const std::string& what) const {
+    return InvalidInput(std::string(role_) + ".onnx: " + what +
+                        "; make the networks by scripts/train/train.sh");
+  }
+
+  const char* role_;
+  mutable Ort::Session session_;  // Run() is thread-safe but not const
+  std::vector<Port> inputs_;
+  std::vector<Port> outputs_;
+};
+
+Status Network::CheckPorts(bool inputs) const {
+  const std::vector<Port>& ports = inputs ? inputs_ : outputs_;
+  const std::size_t count = inputs ? session_.GetInputCount() : session_.GetOutputCount();
+  Ort::AllocatorWithDefaultOptions allocator;
+  for (const Port& port : ports) {
+    bool found = false;
+    for (std::size_t n = 0; n < count && !found; ++n) {
+      const std::string name = inputs ? session_.GetInputNameAllocated(n, allocator).get()
+                                      : session_.GetOutputNameAllocated(n, allocator).get();
+      if (name != port.name) continue;
+      found = true;
+      const Ort::TypeInfo type =
+          inputs ? session_.GetInputTypeInfo(n) : session_.GetOutputTypeInfo(n);
+      if (type.GetONNXType() != ONNX_TYPE_TENSOR ||
+          type.GetTensorTypeAndShapeInfo().GetElementType() != ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT)
+        return Wrong("`" + name + "` is no tensor of 32-bit floats");
+      const Shape shape = type.GetTensorTypeAndShapeInfo().GetShape();
+      bool fits = shape.size() == port.shape.size() + 1 && shape[0] <= 1;
+      for (std::size_t s = 0; fits && s < port.shape.size(); ++s)
+        fits = shape[s + 1] <= 0 || shape[s + 1] == port.shape[s];
+      if (!fits) return Wrong("`" + name + "` has another shape than " + Text(port.shape));
+    }
+    if (!found)
+      return Wrong(std::string(inputs ? "no input" : "no output") + " called `" + port.name + "`");
+  }
+  if (inputs && count != ports.size())
+    return Wrong("it has " + std::to_string(count) + " inputs, expected " +
+                 std::to_string(ports.size()));
+  return Ok();
+}
+
+Status Network::Check(std::string_view class_name) const {
+  if (MetadataOf("format") != "deepslam/prior" || MetadataOf("role") != role_)
+    return Wrong("its metadata do not say that it is the " + std::string(role_) +
+                 " of a shape prior");
+  const int version = std::atoi(MetadataOf("version").c_str());  // NOLINT(cert-err34-c): 0 is none
+  if (version < 1 || version > kVersion)
+    return Wrong("it is of version '" + MetadataOf("version") + "', this program knows up to " +
+                 std::to_string(kVersion));
+  if (MetadataOf("class") != class_name)
+    return Wrong("it is of class '" + MetadataOf("class") + "', not '" + std::string(class_name) +
+                 "'");
+  if (Status status = CheckPorts(true); !status.ok()) return status;
+  return CheckPorts(false);
+}
+
+Result<std::vector<std::vector<float>>> Network::Run(std::span<std::vector<float>> inputs) const {
+  const Ort::MemoryInfo memory = Ort::MemoryInfo::CreateCpu(OrtArenaAllocator, OrtMemTypeDefault);
+  std::vector<Ort::Value> tensors;
+  std::vector<const char*> input_names;
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    Shape shape = inputs_[n].shape;
+    shape.insert(shape.begin(), 1);
+    tensors.push_back(Ort::Value::CreateTensor<float>(
+        memory, inputs[n].data(), inputs[n].size(), shape.data(), shape.size()));
+    input_names.push_back(inputs_[n].name);
+  }
+  std::vector<const char*> output_names;
+  for (const Port& port : outputs_) output_names.push_back(port.name);
+  const std::vector<Ort::Value> results = session_.Run(Ort::RunOptions{nullptr},
+                                                       input_names.data(),
+                                                       tensors.data(),
+                                                       tensors.size(),
+                                                       output_names.data(),
+                                                       output_names.size());
+  std::vector<std::vector<float>> values;
+  for (std::size_t n = 0; n < results.size(); ++n) {
+    std::size_t expected = 1;
+    for (const std::int64_t side : outputs_[n].shape) expected *= static_cast<std::size_t>(side);
+    if (results[n].GetTensorTypeAndShapeInfo().GetElementCount() != expected)
+      return Wrong(std::string("`") + outputs_[n].name + "` came in another shape than " +
+                   Text(outputs_[n].shape));
+    const float* const data = results[n].GetTensorData<float>();
+    values.emplace_back(data, data + expected);
+    if (!std::all_of(
+            values.back().begin(), values.back().end(), [](float v) { return std::isfinite(v); }))
+      return Wrong(std::string("`") + outputs_[n].name + "` holds values that are not finite");
+  }
+  return values;
+}
+
+double Threshold(const Network& decoder, const char* key) {
+  const double value = std::strtod(decoder.MetadataOf(key).c_str(), nullptr);
+  return value > 0 && value < 1 ? value : 0;
+}
+
+void ReadViewpoint(const std::vector<float>& azimuth, PriorEncoding& encoding) {
+  const auto best = std::max_element(azimuth.begin(), azimuth.end()) - azimuth.begin();
+  double sum = 0;
+  for (const float logit : azimuth)
+    sum += std::exp(static_cast<double>(logit - azimuth[static_cast<std::size_t>(best)]));
+  double c = 0;
+  double s = 0;
+  for (std::ptrdiff_t step = -1; step <= 1; ++step) {
+    const auto bin = static_cast<std::size_t>((best + step + kBins) % kBins);
+    const double share =
+        std::exp(static_cast<double>(azimuth[bin] - azimuth[static_cast<std::size_t>(best)])) / sum;
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(bin) / kBins;
+    c += share * std::cos(angle);
+    s += share * std::sin(angle);
+    encoding.confidence += share;
+  }
+  encoding.azimuth_rad = std::atan2(s, c);
+}
+
+}  // namespace
+
+struct ShapePrior::Impl {
+  Ort::Env env;
+  Network sketch;
+  Network encoder;
+  Network decoder;
+  double threshold_depth = 0;
+  double threshold_colour = 0;
+};
+
+ShapePrior::ShapePrior(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ShapePrior::~ShapePrior() = default;
+
+Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name,
+                                                     std::string_view sketch_onnx,
+                                                     std::string_view encoder_onnx,
+                                                     std::string_view decoder_onnx) {
+  const char* reading = "sketch";
+  try {
+    Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "deepslam");
+    Ort::SessionOptions options;
+    options.SetIntraOpNumThreads(1);
+    options.SetInterOpNumThreads(1);
+    const auto open = [&](const char* role, std::string_view bytes) {
+      reading = role;
+      return Ort::Session(env, bytes.data(), bytes.size(), options);
+    };
+    const Port crop = {"crop", {kCropPlanes, kCropSide, kCropSide}};
+    const Port sketch = {"sketch", {kSketchPlanes, kSketchPixels, kSketchPixels}};
+    const Port latents = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
+    Network sketch_network("sketch", open("sketch", sketch_onnx), {crop}, {sketch});
+    Network encoder("encoder",
+                    open("encoder", encoder_onnx),
+                    {crop, sketch},
+                    {latents, {"azimuth", {kBins}}, {"elevation", {1}}});
+    Network decoder("decoder",
+                    open("decoder", decoder_onnx),
+                    {latents},
+                    {{"logits", {kGridSize, kGridSize, kGridSize}}});
+    for (const Network* network : {&sketch_network, &encoder, &decoder}) {
+      if (Status status = network->Check(class_name); !status.ok()) return status.error();
+    }
+    const double by_depth = Threshold(decoder, "threshold");
+    const double by_colour = Threshold(decoder, "threshold_colour");
+    if (by_depth == 0 || by_colour == 0) {
+      return InvalidInput(
+          "decoder.onnx: its metadata hold no `threshold` and `threshold_colour` in (0, 1); make "
+          "the "
+          "networks by scripts/train/train.sh");
+    }
+    auto impl = std::unique_ptr<Impl>(new Impl{std::move(env),
+                                               std::move(sketch_network),
+                                               std::move(encoder),
+                                               std::move(decoder),
+                                               by_depth,
+                                               by_colour});
+    return std::unique_ptr<ShapePrior>(new ShapePrior(std::move(impl)));
+  } catch (const std::exception& failure) {
+    return InvalidInput(std::string(reading) +
+                        ".onnx: not a network that can be run: " + failure.what());
+  }
+}
+
+Result<PriorEncoding> ShapePrior::Encode(const NetworkCrop& crop) const try {
+  std::vector<std::vector<float>> inputs(1, std::vector<float>(kCropValues));
+  FillPlanes(crop, inputs[0]);
+  Result<std::vector<std::vector<float>>> sketch = impl_->sketch.Run(inputs);
+  if (!sketch.ok()) return sketch.error();
+  inputs.push_back(std::move((*sketch)[0]));
+  const Result<std::vector<std::vector<float>>> outputs = impl_->encoder.Run(inputs);
+  if (!outputs.ok()) return outputs.error();
+  PriorEncoding encoding;
+  std::copy((*outputs)[0].begin(), (*outputs)[0].end(), encoding.latents.begin());
+  ReadViewpoint((*outputs)[1], encoding);
+  encoding.elevation_rad = (*outputs)[2][0];
+  return encoding;
+} catch (const std::exception& failure) {
+  return Failed(std::string("the shape network failed: ") + failure.what());
+}
+
+Result<VoxelGrid> ShapePrior::Decode(std::span<const float> latents, bool by_depth) const try {
+  if (latents.size() != kNumLatents ||
+      !std::all_of(latents.begin(), latents.end(), [](float v) { return std::isfinite(v); }))
+    return InvalidInput("latents must be " + std::to_string(kNumLatents) + " finite numbers");
+  std::vector<std::vector<float>> inputs(1, {latents.begin(), latents.end()});
+  Result<std::vector<std::vector<float>>> outputs = impl_->decoder.Run(inputs);
+  if (!outputs.ok()) return outputs.error();
+  std::vector<float>& shares = (*outputs)[0];
+  for (float& value : shares) value = 1.0F / (1.0F + std::exp(-value));
+  VoxelGrid grid =
+      SolidFromNetwork(shares, by_depth ? impl_->threshold_depth : impl_->threshold_colour);
+  if (std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1}) < kFewestVoxels)
+    return InvalidInput("the latents decode to no solid");
+  return grid;
+} catch (const std::exception& failure) {
+  return Failed(std::string("the shape decoder failed: ") + failure.what());
+}
+
+VoxelGrid SolidFromNetwork(std::span<const float> shares, double threshold) {
+  VoxelGrid solid;
+  DEEPSLAM_CHECK(shares.size() == solid.occupied.size(), "a share for each voxel");
+  for (std::size_t n = 0; n < shares.size(); ++n)
+    solid.occupied[n] = static_cast<double>(shares[n]) > threshold ? 1 : 0;
+  // Parts by voxels at most two steps apart along each axis.
+  constexpr int kReach = 2;
+  std::vector<std::int32_t> part(solid.occupied.size(), -1);
+  std::vector<std::size_t> sizes;
+  std::vector<std::size_t> stack;
+  for (std::size_t first = 0; first < part.size(); ++first) {
+    if (solid.occupied[first] == 0 || part[first] >= 0) continue;
+    const auto number = static_cast<std::int32_t>(sizes.size());
+    sizes.push_back(0);
+    part[first] = number;
+    stack.push_back(first);
+    while (!stack.empty()) {
+      const int at = static_cast<int>(stack.back());
+      stack.pop_back();
+      ++sizes.back();
+      const int i = at / (kGridSize * kGridSize);
+      const int j = at / kGridSize % kGridSize;
+      const int k = at % kGridSize;
+      for (int a = std::max(0, i - kReach); a <= std::min(kGridSize - 1, i + kReach); ++a) {
+        for (int b = std::max(0, j - kReach); b <= std::min(kGridSize - 1, j + kReach); ++b) {
+          for (int c = std::max(0, k - kReach); c <= std::min(kGridSize - 1, k + kReach); ++c) {
+            const std::size_t next = VoxelGrid::Index(a, b, c);
+            if (solid.occupied[next] == 0 || part[next] >= 0) continue;
+            part[next] = number;
+            stack.push_back(next);
+          }
+        }
+      }
+    }
+  }
+  if (sizes.empty()) return solid;
+  const auto main =
+      static_cast<std::int32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+  for (std::size_t n = 0; n < part.size(); ++n) solid.occupied[n] = part[n] == main ? 1 : 0;
+  return shape::StretchGrid(solid, Eigen::Vector3d::Ones());
+}
+
+}  // namespace deepslam::propose

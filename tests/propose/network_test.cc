@@ -1,0 +1,310 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "deepslam/propose/network_crop.h"
+#include "deepslam/propose/proposer.h"
+#include "deepslam/propose/shape_prior.h"
+#include "deepslam/shape/stretch.h"
+#include "deepslam/shape/voxelize.h"
+#include "staged_views.h"
+#include "support/box_meshes.h"
+#include "support/tiny_onnx.h"
+
+namespace deepslam::propose {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::ChairMesh;
+using testing_support::StagedViews;
+using testing_support::TinyNetwork;
+using testing_support::WriteOnnx;
+
+VoxelGrid Chair() { return *shape::Voxelize(ChairMesh(0.42F, 0.45F, 0.45F, 0.9F, 0.04F)); }
+
+struct TinyPrior {
+  TinyNetwork sketch;
+  TinyNetwork encoder;
+  TinyNetwork decoder;
+
+  [[nodiscard]] Result<std::unique_ptr<ShapePrior>> Load(const std::string& name = "chair") const {
+    return ShapePrior::Load(name, WriteOnnx(sketch), WriteOnnx(encoder), WriteOnnx(decoder));
+  }
+};
+
+// Networks that answer every view with this shape, seen from azimuth bin `bin`.
+TinyPrior PriorOf(const VoxelGrid& shape, int bin = 6) {
+  TinyPrior prior;
+  const TinyNetwork::Input crop = {"crop", {1, kCropPlanes, kCropSide, kCropSide}};
+  const TinyNetwork::Input sketch = {"sketch", {1, 5, 64, 64}};
+  const auto metadata = [](const char* role) {
+    return std::map<std::string, std::string>{
+        {"format", "deepslam/prior"}, {"version", "1"}, {"class", "chair"}, {"role", role}};
+  };
+  prior.sketch.inputs = {crop};
+  prior.sketch.outputs = {{{1, 5, 64, 64}, std::vector<float>(5 * 64 * 64, 0.1F), "sketch"}};
+  prior.sketch.metadata = metadata("sketch");
+  std::vector<float> latents(kNumLatents);
+  for (std::size_t n = 0; n < latents.size(); ++n) latents[n] = 0.01F * static_cast<float>(n);
+  std::vector<float> azimuth(24, 0.0F);
+  azimuth[static_cast<std::size_t>(bin)] = 9.0F;
+  prior.encoder.inputs = {crop, sketch};
+  prior.encoder.outputs = {
+      {{1, 100}, latents, "latents"}, {{1, 24}, azimuth, "azimuth"}, {{1, 1}, {0.3F}, "elevation"}};
+  prior.encoder.metadata = metadata("encoder");
+  std::vector<float> logits;
+  for (const std::uint8_t voxel : shape.occupied) logits.push_back(voxel != 0 ? 4.0F : -4.0F);
+  prior.decoder.inputs = {{"latents", {1, 100}}};
+  prior.decoder.outputs = {{{1, 64, 64, 64}, logits, "logits"}};
+  prior.decoder.metadata = metadata("decoder");
+  prior.decoder.metadata["threshold"] = "0.4";
+  prior.decoder.metadata["threshold_colour"] = "0.3";
+  return prior;
+}
+
+ClassTable Classes() {
+  ClassTable table;
+  ObjectClass chair;
+  chair.name = "chair";
+  chair.min_size_m = 0.45;
+  chair.max_size_m = 1.5;
+  table.classes = {chair};
+  return table;
+}
+
+TEST(NetworkProposerTest, EveryViewProposesAndSoDoesTheirMean) {
+  const VoxelGrid chair = Chair();
+  Result<std::unique_ptr<ShapePrior>> prior = PriorOf(chair).Load();
+  ASSERT_TRUE(prior) << prior.error().message;
+  ShapePriors priors;
+  priors.emplace("chair", std::move(*prior));
+  const auto proposer = MakeNetworkProposer(std::move(priors), Classes(), {});
+  const std::vector<ObjectView> views = StagedViews(chair, {});
+  const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, "chair", views});
+  ASSERT_TRUE(proposals) << proposals.error().message;
+  ASSERT_EQ(proposals->candidates.size(), views.size() + 1);
+  std::size_t means = 0;
+  for (const ShapeCandidate& candidate : proposals->candidates) {
+    EXPECT_EQ(candidate.object, ObjectId{3});
+    ASSERT_EQ(candidate.latents.size(), kNumLatents);
+    EXPECT_NEAR(candidate.latents[50], 0.5F, 1e-5F);
+    means += candidate.source == CandidateSource::kMeanLatent ? 1 : 0;
+    ASSERT_TRUE(proposals->models.contains(candidate.model));
+    EXPECT_GT(shape::GridIntersectionOverUnion(proposals->models.at(candidate.model), chair), 0.9);
+    EXPECT_GT(candidate.size_m, 0.7) << "by the depth, of a chair of 1 m";
+    EXPECT_LE(candidate.max_size_m, 1.5);
+    EXPECT_GT(candidate.proposal_score, 0.9);
+  }
+  EXPECT_EQ(means, 1U);
+
+  const Result<Proposals> other = proposer->Propose({ObjectId{4}, "lamp", views});
+  ASSERT_TRUE(other);
+  EXPECT_TRUE(other->candidates.empty());
+  ASSERT_EQ(other->notes.size(), 1U);
+  EXPECT_THAT(other->notes[0], HasSubstr("no prior"));
+}
+
+TEST(NetworkProposerTest, ViewsWithoutASilhouetteGiveAReason) {
+  const VoxelGrid chair = Chair();
+  ShapePriors priors;
+  priors.emplace("chair", std::move(*PriorOf(chair).Load()));
+  const auto proposer = MakeNetworkProposer(std::move(priors), Classes(), {}, Sight::kColour);
+  std::vector<ObjectView> views = StagedViews(chair, {});
+  for (ObjectView& view : views) std::fill(view.mask_crop.begin(), view.mask_crop.end(), 0);
+  const Result<Proposals> proposals = proposer->Propose({ObjectId{1}, "chair", views});
+  ASSERT_TRUE(proposals);
+  EXPECT_TRUE(proposals->candidates.empty());
+  ASSERT_FALSE(proposals->notes.empty());
+  EXPECT_THAT(proposals->notes[0], HasSubstr("silhouette"));
+}
+
+TEST(ShapePriorTest, SaysWhereTheCameraStands) {
+  const Result<std::unique_ptr<ShapePrior>> prior = PriorOf(Chair(), 6).Load();
+  ASSERT_TRUE(prior);
+  const Result<NetworkCrop> crop = MakeNetworkCrop(StagedViews(Chair(), {})[0], true);
+  ASSERT_TRUE(crop);
+  const Result<PriorEncoding> encoding = (*prior)->Encode(*crop);
+  ASSERT_TRUE(encoding);
+  EXPECT_NEAR(encoding->azimuth_rad, 1.5708, 1e-3);
+  EXPECT_NEAR(encoding->elevation_rad, 0.3, 1e-6);
+  EXPECT_GT(encoding->confidence, 0.9);
+}
+
+TEST(ShapePriorTest, RefusesWhatIsNoPrior) {
+  const VoxelGrid chair = Chair();
+  struct Case {
+    const char* what;
+    void (*spoil)(TinyPrior&);
+    const char* message;
+  };
+  const std::vector<Case> cases = {
+      {"no metadata", [](TinyPrior& p) { p.decoder.metadata.clear(); }, "metadata"},
+      {"roles changed", [](TinyPrior& p) { std::swap(p.encoder, p.sketch); }, "metadata"},
+      {"newer", [](TinyPrior& p) { p.sketch.metadata["version"] = "2"; }, "version '2'"},
+      {"another class", [](TinyPrior& p) { p.encoder.metadata["class"] = "sofa"; }, "sofa"},
+      {"no threshold", [](TinyPrior& p) { p.decoder.metadata.erase("threshold"); }, "threshold"},
+      {"threshold beyond",
+       [](TinyPrior& p) { p.decoder.metadata["threshold_colour"] = "7"; },
+       "threshold"},
+      {"smaller crop", [](TinyPrior& p) { p.sketch.inputs[0].shape[2] = 64; }, "`crop`"},
+      {"fewer latents",
+       [](TinyPrior& p) {
+         p.encoder.outputs[0] = {{1, 5}, std::vector<float>(5), "latents"};
+       },
+       "`latents`"},
+      {"output missing", [](TinyPrior& p) { p.encoder.outputs.pop_back(); }, "`elevation`"},
+      {"one input too many",
+       [](TinyPrior& p) {
+         p.decoder.inputs.push_back({"more", {1}});
+       },
+       "2 inputs"},
+  };
+  for (const Case& c : cases) {
+    TinyPrior prior = PriorOf(chair);
+    c.spoil(prior);
+    const Result<std::unique_ptr<ShapePrior>> loaded = prior.Load();
+    ASSERT_FALSE(loaded) << c.what;
+    EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidInput) << c.what;
+    EXPECT_THAT(loaded.error().message, HasSubstr(c.message)) << c.what;
+  }
+  for (const std::string& bytes :
+       {std::string(), std::string("no network"), std::string(1000, '\x7f')}) {
+    const auto loaded = ShapePrior::Load("chair", bytes, bytes, bytes);
+    ASSERT_FALSE(loaded);
+    EXPECT_THAT(loaded.error().message, HasSubstr("sketch.onnx"));
+  }
+  EXPECT_FALSE(PriorOf(chair).Load("sofa"));
+}
+
+TEST(ShapePriorTest, NothingThatIsNotFiniteBecomesVoxels) {
+  const Result<NetworkCrop> crop = MakeNetworkCrop(StagedViews(Chair(), {})[0], true);
+  ASSERT_TRUE(crop);
+  TinyPrior prior = PriorOf(Chair());
+  prior.decoder.outputs[0].values[1234] = std::numeric_limits<float>::quiet_NaN();
+  prior.encoder.outputs[0].values[7] = std::numeric_limits<float>::infinity();
+  const Result<std::unique_ptr<ShapePrior>> loaded = prior.Load();
+  ASSERT_TRUE(loaded);
+  EXPECT_FALSE((*loaded)->Encode(*crop));
+  std::vector<float> latents(kNumLatents, 0.0F);
+  EXPECT_FALSE((*loaded)->Decode(latents, true));
+  const Result<std::unique_ptr<ShapePrior>> sound = PriorOf(Chair()).Load();
+  ASSERT_TRUE(sound);
+  EXPECT_TRUE((*sound)->Decode(latents, true));
+  latents[3] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE((*sound)->Decode(latents, true));
+  EXPECT_FALSE((*sound)->Decode(std::vector<float>(5), true));
+  const Result<std::unique_ptr<ShapePrior>> empty = PriorOf(VoxelGrid()).Load();
+  ASSERT_TRUE(empty);
+  const Result<VoxelGrid> nothing = (*empty)->Decode(std::vector<float>(kNumLatents), true);
+  ASSERT_FALSE(nothing);
+  EXPECT_THAT(nothing.error().message, HasSubstr("no solid"));
+}
+
+TEST(SolidFromNetworkTest, KeepsThinGapsAndDropsCrumbs) {
+  std::vector<float> shares(VoxelGrid().occupied.size(), 0.0F);
+  const auto fill = [&](int k0, int k1, int size) {
+    for (int i = 20; i < 20 + size; ++i) {
+      for (int j = 20; j < 20 + size; ++j) {
+        for (int k = k0; k < k1; ++k) shares[VoxelGrid::Index(i, j, k)] = 0.9F;
+      }
+    }
+  };
+  fill(5, 20, 10);
+  fill(21, 30, 10);  // beyond a gap of one voxel
+  fill(50, 53, 3);   // a crumb
+  const VoxelGrid solid = SolidFromNetwork(shares, 0.5);
+  int low = kGridSize;
+  int high = 0;
+  for (int k = 0; k < kGridSize; ++k) {
+    for (int i = 0; i < kGridSize; ++i) {
+      for (int j = 0; j < kGridSize; ++j) {
+        if (!solid.At(i, j, k)) continue;
+        low = std::min(low, k);
+        high = std::max(high, k);
+      }
+    }
+  }
+  EXPECT_EQ(high - low + 1, 62) << "both parts, no crumb, and the longest side canonical";
+  EXPECT_EQ(SolidFromNetwork(std::vector<float>(shares.size(), 0.1F), 0.5), VoxelGrid());
+}
+
+class CropTest : public testing::Test {
+ protected:
+  static ObjectView View(int width, int height) {
+    ObjectView view;
+    view.colour_crop = ColourImage(width, height, {10, 200, 30});
+    view.depth_crop_m = DepthImage(width, height, 2.0F);
+    view.mask_crop = Mask(width, height, 1);
+    view.camera = {width, height, 500, 500, 0.5 * (width - 1), 0.5 * (height - 1)};
+    view.ground_camera = Plane{{0, -1, 0}, 1.2};  // level camera at 1.2 m
+    return view;
+  }
+};
+
+TEST_F(CropTest, WhiteOutsideAndSquare) {
+  ObjectView view = View(60, 100);
+  for (int v = 0; v < 100; ++v) {
+    for (int u = 0; u < 60; ++u)
+      view.mask_crop(u, v) = u >= 20 && u < 40 && v >= 10 && v < 90 ? 1 : 0;
+  }
+  const Result<NetworkCrop> crop = MakeNetworkCrop(view, true);
+  ASSERT_TRUE(crop);
+  EXPECT_DOUBLE_EQ(crop->side_px, 88);
+  EXPECT_EQ(crop->colour(0, 0), (Rgb8{255, 255, 255}));
+  EXPECT_EQ(crop->colour(64, 64), (Rgb8{10, 200, 30}));
+  EXPECT_EQ(crop->silhouette(64, 64), 255);
+  EXPECT_EQ(crop->depth(64, 64), 128) << "all of one depth: at the reference";
+  EXPECT_EQ(crop->depth(0, 0), 0);
+  EXPECT_NEAR(crop->side_m, 88 * 2.0 / 500, 1e-6);
+  EXPECT_NEAR(crop->height(64, 64), 130, 3) << "1.2 m above the ground, in cm from -10";
+  EXPECT_GT(crop->height(64, 20), crop->height(64, 110)) << "higher above";
+  std::vector<float> planes(kCropValues);
+  FillPlanes(*crop, planes);
+  const std::size_t at = 64 * kCropSide + 64;
+  constexpr std::size_t kPixels = static_cast<std::size_t>(kCropSide) * kCropSide;
+  EXPECT_NEAR(planes[kPixels + at], 200.0F / 255, 1e-6F);
+  EXPECT_NEAR(planes[4 * kPixels + at], 0, 1e-6F);
+  EXPECT_NEAR(planes[5 * kPixels + at], 1.2F, 0.03F);
+  EXPECT_EQ(planes[6 * kPixels + at], 1.0F);
+}
+
+TEST_F(CropTest, ByColourAloneTheDepthPlanesAreEmpty) {
+  const Result<NetworkCrop> crop = MakeNetworkCrop(View(80, 80), false);
+  ASSERT_TRUE(crop);
+  EXPECT_EQ(crop->depth, Image<std::uint8_t>(kCropSide, kCropSide));
+  EXPECT_EQ(crop->height, Image<std::uint8_t>(kCropSide, kCropSide));
+  EXPECT_EQ(crop->side_m, 0);
+}
+
+TEST_F(CropTest, OddInputs) {
+  ObjectView empty = View(50, 50);
+  std::fill(empty.mask_crop.begin(), empty.mask_crop.end(), 0);
+  EXPECT_FALSE(MakeNetworkCrop(empty, true));
+  EXPECT_FALSE(MakeNetworkCrop(View(1, 1), true)) << "one pixel shows no shape";
+  EXPECT_FALSE(MakeNetworkCrop(ObjectView(), true));
+  ObjectView uneven = View(50, 50);
+  uneven.depth_crop_m = DepthImage(20, 50, 1.0F);
+  EXPECT_FALSE(MakeNetworkCrop(uneven, true));
+  EXPECT_TRUE(MakeNetworkCrop(View(3000, 2000), true)) << "huge";
+  ObjectView white = View(50, 50);
+  std::fill(white.colour_crop.begin(), white.colour_crop.end(), Rgb8{255, 255, 255});
+  EXPECT_TRUE(MakeNetworkCrop(white, true)) << "a white object is told by its silhouette";
+  ObjectView blind = View(50, 50);
+  std::fill(blind.depth_crop_m.begin(), blind.depth_crop_m.end(), 0.0F);
+  const Result<NetworkCrop> crop = MakeNetworkCrop(blind, true);
+  ASSERT_TRUE(crop) << "no depth at all is a view by colour";
+  EXPECT_EQ(crop->reference_m, 0);
+  std::vector<float> planes(kCropValues);
+  FillPlanes(*crop, planes);
+  EXPECT_TRUE(std::all_of(planes.begin(), planes.end(), [](float v) { return std::isfinite(v); }));
+}
+
+}  // namespace
+}  // namespace deepslam::propose
