@@ -86,7 +86,8 @@ std::uint8_t OnWhite(float colour, float share) {
 void FillColour(const ObjectView& view, NetworkCrop& crop) {
   const double step = crop.side_px / kCropSide;
   constexpr int kMostSamples = 4;
-  const int samples = std::clamp(static_cast<int>(std::ceil(step)), 1, kMostSamples);
+  // Values between pixels need no second sample before a step leaves pixels out.
+  const int samples = std::clamp(static_cast<int>(std::lround(step)), 1, kMostSamples);
   const float weight = 1.0F / static_cast<float>(samples * samples);
   for (int y = 0; y < kCropSide; ++y) {
     for (int x = 0; x < kCropSide; ++x) {
