@@ -79,7 +79,7 @@ def card(config, scores, curve, heads, worst, weights):
              "latents and viewpoint), `decoder.onnx` (latents to 64^3). Made by `scripts/train/train.sh "
              f"{config['class']}`. Weights: BSD 3-Clause like the code; the data are credited below.", "",
              f"Weights: {weights}. ONNX Runtime agrees with PyTorch to {worst:.1e}.", "", "## Scores", "",
-             f"{scores['test_views']} views with faults of {scores['test_models']} catalogue products that no training "
+             f"{scores['test_views']} views with faults of {scores['test_models']} products that no training "
              "touched (configs/withheld_models.yaml); protocols in scripts/train/scores.py.", "",
              "| | IoU 64 | IoU 32 | Chamfer | mean latent of 10 | best of 10 | spread over views |",
              "|---|---|---|---|---|---|---|"]
