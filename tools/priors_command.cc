@@ -204,7 +204,10 @@ void AddPriors(CLI::App& app, Command& chosen) {
   render->add_option("--variants", models.num_variants, "Stretched variants of products and meshes")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  render->add_flag("!--no-catalogue", models.catalogue, "Leave the catalogues' products out");
+  render->add_flag_callback(
+      "--no-catalogue",
+      [arguments] { arguments->models.catalogue = false; },
+      "Leave the catalogues' products out");
   render->add_option("--catalogues", models.catalogues, "Folder with *.sh3f furniture catalogues")
       ->capture_default_str();
   render
