@@ -79,7 +79,7 @@ TEST(Keys, EveryOptionBelongsToAStage) {
     for (const auto& [name, value] : stage.options) in_keys.insert(name);
   }
   const std::set<std::string> paths = {
-      "classes.file", "detect.weights", "detect.file", "propose.library"};
+      "classes.file", "detect.weights", "detect.file", "propose.library", "propose.priors"};
   Config config;
   for (const pipeline::OptionEntry& entry : pipeline::ListOptions(Sections(config))) {
     EXPECT_NE(in_keys.contains(entry.name), paths.contains(entry.name)) << entry.name;
