@@ -20,6 +20,7 @@
 #include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/zip_archive.h"
+#include "deepslam/scene/mesh_box.h"
 #include "deepslam/shape/front.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
@@ -73,16 +74,9 @@ void Turn(int quarters, TriangleMesh& mesh) {
 }
 
 Eigen::Vector3d Centre(TriangleMesh& mesh) {
-  Eigen::Vector3f low = mesh.vertices[mesh.faces[0][0]];
-  Eigen::Vector3f high = low;
-  for (const auto& face : mesh.faces) {
-    for (const std::uint32_t corner : face) {
-      low = low.cwiseMin(mesh.vertices[corner]);
-      high = high.cwiseMax(mesh.vertices[corner]);
-    }
-  }
-  for (Eigen::Vector3f& p : mesh.vertices) p -= 0.5F * (low + high);
-  return (high - low).cast<double>();
+  const Eigen::AlignedBox3f box = BoxOfFaces(mesh);
+  for (Eigen::Vector3f& p : mesh.vertices) p -= box.center();
+  return box.sizes().cast<double>();
 }
 
 // A shape that others are compared with.

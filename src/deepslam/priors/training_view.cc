@@ -12,6 +12,7 @@
 #include "deepslam/priors/surface_look.h"
 #include "deepslam/render/ray_scene.h"
 #include "deepslam/render/shaded_view.h"
+#include "deepslam/scene/mesh_box.h"
 
 namespace deepslam::priors {
 namespace {
@@ -197,20 +198,13 @@ Result<ViewRenderer> ViewRenderer::Make(FurnitureMesh furniture) {
   const Result<int> added = impl->scene.AddMesh(mesh, Pose3());
   if (!added) return added.error();
   impl->scene.Commit();
-  Eigen::Vector3f low = mesh.vertices[mesh.faces[0][0]];
-  Eigen::Vector3f high = low;
-  for (const auto& face : mesh.faces) {
-    for (const std::uint32_t corner : face) {
-      low = low.cwiseMin(mesh.vertices[corner]);
-      high = high.cwiseMax(mesh.vertices[corner]);
-    }
-  }
-  impl->size_m = (high - low).cast<double>();
-  impl->bottom_m = low.z();
+  const Eigen::AlignedBox3f box = BoxOfFaces(mesh);
+  impl->size_m = box.sizes().cast<double>();
+  impl->bottom_m = box.min().z();
   constexpr std::size_t kMostOutline = 4000;
   const std::size_t step = mesh.vertices.size() / kMostOutline + 1;
   for (std::size_t n = 0; n < mesh.vertices.size(); n += step)
-    impl->outline.push_back(mesh.vertices[n].cwiseMax(low).cwiseMin(high));
+    impl->outline.push_back(mesh.vertices[n].cwiseMax(box.min()).cwiseMin(box.max()));
   impl->furniture = std::move(furniture);
   return ViewRenderer(std::move(impl));
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "deepslam/propose/best_first.h"
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/network_crop.h"
@@ -135,11 +136,7 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
   }
   if (proposals.candidates.empty() && proposals.notes.empty())
     proposals.notes.push_back(NoteStart(object) + "none of its views shows a silhouette");
-  std::stable_sort(proposals.candidates.begin(),
-                   proposals.candidates.end(),
-                   [](const ShapeCandidate& a, const ShapeCandidate& b) {
-                     return a.proposal_score > b.proposal_score;
-                   });
+  BestFirst(proposals.candidates);
   return proposals;
 }
 

@@ -11,6 +11,7 @@
 
 #include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/propose/best_first.h"
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/coarse_shape.h"
 #include "deepslam/propose/depth_evidence.h"
@@ -324,13 +325,8 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
     AddCandidate(object, matches[n], proposals);
     if (n < kAlsoUnstretched) AddCandidate(object, Unstretched(matches[n], measured), proposals);
   }
-  if (proposals.candidates.empty())
-    proposals.notes.push_back(subject + "no library model fits it");
-  std::stable_sort(proposals.candidates.begin(),
-                   proposals.candidates.end(),
-                   [](const ShapeCandidate& a, const ShapeCandidate& b) {
-                     return a.proposal_score > b.proposal_score;
-                   });
+  if (proposals.candidates.empty()) proposals.notes.push_back(subject + "no library model fits it");
+  BestFirst(proposals.candidates);
   return proposals;
 }
 

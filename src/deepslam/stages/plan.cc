@@ -1,5 +1,6 @@
 #include "deepslam/stages/plan.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "deepslam/artifact/class_table_yaml.h"
@@ -29,44 +30,46 @@ enum External : unsigned {
   kChoices = 64,
 };
 
+using ContentHash = Result<std::string> (*)(const std::filesystem::path&);
+
+// What lies at a place enters a key by its content.
+Status AddContent(const RunInputs& inputs,
+                  const std::string& key,
+                  const Result<std::filesystem::path>& place,
+                  ContentHash hash_of,
+                  StringMap& hashes) {
+  if (!place.ok()) return place.error();
+  const Result<std::string> hash = inputs.models ? inputs.models->Hash(*place) : hash_of(*place);
+  if (!hash.ok()) return hash.error();
+  hashes.emplace(key, *hash);
+  return Ok();
+}
+
 Status AddDetector(const RunInputs& inputs, StringMap& hashes) {
   const DetectStageOptions& options = inputs.config.detect_stage;
-  Result<std::filesystem::path> file = std::filesystem::path(options.file);
   if (options.source == "none") return Ok();
-  if (options.source == "network") file = FindWeights(inputs.data_folder, options.weights);
-  if (options.source == "file" && options.file.empty()) {
-    return InvalidConfig("detect.source is file, but detect.file names none");
+  if (options.source == "network") {
+    const Result<std::filesystem::path> file = FindWeights(inputs.data_folder, options.weights);
+    return AddContent(inputs, "weights", file, artifact::HashFile, hashes);
   }
-  if (!file.ok()) return file.error();
-  const Result<std::string> hash =
-      inputs.models ? inputs.models->Hash(*file) : artifact::HashFile(*file);
-  if (!hash.ok()) return hash.error();
-  hashes.emplace(options.source == "network" ? "weights" : "coco_file", *hash);
-  return Ok();
+  if (options.file.empty())
+    return InvalidConfig("detect.source is file, but detect.file names none");
+  return AddContent(
+      inputs, "coco_file", std::filesystem::path(options.file), artifact::HashFile, hashes);
 }
 
 Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
-  if (!inputs.config.propose_stage.retrieval) return Ok();
-  const Result<std::filesystem::path> folder =
-      FindLibrary(inputs.data_folder, inputs.config.propose_stage.library);
-  if (!folder.ok()) return folder.error();
-  const Result<std::string> hash =
-      inputs.models ? inputs.models->Hash(*folder) : artifact::HashFolder(*folder);
-  if (!hash.ok()) return hash.error();
-  hashes.emplace("library", *hash);
-  return Ok();
+  const ProposeStageOptions& options = inputs.config.propose_stage;
+  if (!options.retrieval) return Ok();
+  const Result<std::filesystem::path> folder = FindLibrary(inputs.data_folder, options.library);
+  return AddContent(inputs, "library", folder, artifact::HashFolder, hashes);
 }
 
 Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
-  if (!inputs.config.propose_stage.network) return Ok();
-  const Result<std::filesystem::path> folder =
-      FindPriors(inputs.data_folder, inputs.config.propose_stage.priors);
-  if (!folder.ok()) return folder.error();
-  const Result<std::string> hash =
-      inputs.models ? inputs.models->Hash(*folder) : artifact::HashFolder(*folder);
-  if (!hash.ok()) return hash.error();
-  hashes.emplace("priors", *hash);
-  return Ok();
+  const ProposeStageOptions& options = inputs.config.propose_stage;
+  if (!options.network) return Ok();
+  const Result<std::filesystem::path> folder = FindPriors(inputs.data_folder, options.priors);
+  return AddContent(inputs, "priors", folder, artifact::HashFolder, hashes);
 }
 
 Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
