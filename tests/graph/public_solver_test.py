@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+"""The graph's solver beside GTSAM on SE(3) graphs in g2o form: the same energy to 1e-4.
+
+    public_solver_test.py SOLVE_G2O [--size N]
+
+Graphs are made here: a sphere and a torus of poses, as the usual ones are, and a grid, each with noise on its edges and
+started from the chain of its odometry. Both solvers minimise sum r^T I r with r = t2v(z^-1 x_i^-1 x_j), translation and
+rotation vector; GTSAM is given this residual, with its derivatives, as a factor of its own, since its own BetweenFactor
+takes the logarithm of SE(3). Skipped (77) without the Python package `gtsam` (pip install gtsam).
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+try:
+    import gtsam
+    import numpy as np
+except ImportError:
+    print("gtsam is not installed (pip install gtsam): skipped", file=sys.stderr)
+    sys.exit(77)
+
+SOLVE = sys.argv[1]
+SIZE = int(sys.argv[sys.argv.index("--size") + 1]) if "--size" in sys.argv else 1
+TRANSLATION_M, ROTATION_RAD = 0.05, 0.02
+
+
+def hat(v):
+    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+
+def exp(v):
+    return gtsam.Rot3.Expmap(v).matrix()
+
+
+def pose(rotation, translation):
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = rotation, translation
+    return matrix
+
+
+def looking_at(point, centre):
+    forward = (centre - point) / np.linalg.norm(centre - point)
+    right = np.cross(forward, [0.1, 0.2, 1.0])
+    right /= np.linalg.norm(right)
+    return pose(np.stack([right, np.cross(forward, right), forward], axis=1), point)
+
+
+def sphere(rings, per_ring):
+    truth = []
+    for k in range(rings * per_ring):
+        up = np.pi * (k / (rings * per_ring) - 0.5)
+        round_ = 2 * np.pi * k / per_ring
+        point = 10 * np.array([np.cos(up) * np.cos(round_), np.cos(up) * np.sin(round_), np.sin(up)])
+        truth.append(looking_at(point, np.zeros(3)))
+    return truth, [(k, k + per_ring) for k in range(len(truth) - per_ring)]
+
+
+def torus(rings, per_ring):
+    truth = []
+    for k in range(rings * per_ring):
+        big, small = 2 * np.pi * k / (rings * per_ring), 2 * np.pi * k / per_ring
+        middle = 8 * np.array([np.cos(big), np.sin(big), 0])
+        point = middle + 3 * (np.cos(small) * middle / 8 + np.sin(small) * np.array([0, 0, 1.0]))
+        truth.append(looking_at(point, middle))
+    count = len(truth)
+    return truth, [(k, (k + per_ring) % count) for k in range(count)]
+
+
+def grid(side, _):
+    random = np.random.default_rng(5)
+    truth, at = [], {}
+    for row in range(side):
+        for step in range(side):
+            column = step if row % 2 == 0 else side - 1 - step
+            at[row, column] = len(truth)
+            truth.append(pose(exp(random.normal(0, 1, 3)), np.array([column, row, 0.3 * np.sin(row + column)])))
+    return truth, [(at[r, c], at[r + 1, c]) for r in range(side - 1) for c in range(side) if at[r + 1, c] != at[r, c] + 1]
+
+
+def information(random):
+    root = random.normal(0, 0.2, (6, 6)) + np.eye(6)
+    scale = np.diag([1 / TRANSLATION_M] * 3 + [1 / ROTATION_RAD] * 3)
+    return scale @ root @ root.T @ scale
+
+
+def measured(truth, loops, seed):
+    """Edges (i, j, i_from_j, information) and the chain of the odometry."""
+    random = np.random.default_rng(seed)
+    edges = []
+    for i, j in [(k, k + 1) for k in range(len(truth) - 1)] + loops:
+        error = pose(exp(random.normal(0, ROTATION_RAD, 3)), random.normal(0, TRANSLATION_M, 3))
+        edges.append((i, j, np.linalg.inv(truth[i]) @ truth[j] @ error, information(random)))
+    chain = [truth[0]]
+    for _, _, relative, _ in edges[:len(truth) - 1]:
+        chain.append(chain[-1] @ relative)
+    return edges, chain
+
+
+def quaternion(rotation):
+    q = gtsam.Rot3(rotation).toQuaternion()
+    return [q.x(), q.y(), q.z(), q.w()]
+
+
+def write_g2o(path, edges, chain):
+    """g2o counts half the rotation vector: its information is D I D with D = (1, 1, 1, 2, 2, 2)."""
+    d = np.diag([1, 1, 1, 2, 2, 2.0])
+
+    def numbers(values):
+        return " ".join(repr(float(v)) for v in values)
+
+    with open(path, "w", encoding="ascii") as file:
+        for k, matrix in enumerate(chain):
+            file.write(f"VERTEX_SE3:QUAT {k} {numbers([*matrix[:3, 3], *quaternion(matrix[:3, :3])])}\n")
+        for i, j, relative, weight in edges:
+            upper = (d @ weight @ d)[np.triu_indices(6)]
+            file.write(f"EDGE_SE3:QUAT {i} {j} {numbers([*relative[:3, 3], *quaternion(relative[:3, :3]), *upper])}\n")
+
+
+def read_vertices(path):
+    poses = {}
+    for line in pathlib.Path(path).read_text(encoding="ascii").splitlines():
+        words = line.split()
+        if words and words[0] == "VERTEX_SE3:QUAT":
+            x, y, z, qx, qy, qz, qw = map(float, words[2:])
+            poses[int(words[1])] = pose(gtsam.Rot3.Quaternion(qw, qx, qy, qz).matrix(), [x, y, z])
+    return [poses[k] for k in sorted(poses)]
+
+
+def residual(z_inverse, a, b):
+    off = z_inverse @ np.linalg.inv(a) @ b
+    return np.concatenate([off[:3, 3], gtsam.Rot3.Logmap(gtsam.Rot3(off[:3, :3]))]), off
+
+
+def energy(edges, poses):
+    total = 0.0
+    for i, j, relative, weight in edges:
+        r, _ = residual(np.linalg.inv(relative), poses[i], poses[j])
+        total += r @ weight @ r
+    return total
+
+
+def inverse_right_jacobian(v):
+    angle = np.linalg.norm(v)
+    if angle < 1e-6:
+        return np.eye(3) + 0.5 * hat(v)
+    unit = hat(v) / angle
+    return np.eye(3) + 0.5 * hat(v) + (1 - 0.5 * angle / np.tan(0.5 * angle)) * unit @ unit
+
+
+def factor(i, j, relative, weight):
+    z_inverse = np.linalg.inv(relative)
+
+    def error(this, values, jacobians):
+        a, b = (values.atPose3(key).matrix() for key in this.keys())
+        r, off = residual(z_inverse, a, b)
+        if jacobians is not None:
+            # GTSAM disturbs poses on the right, rotation first.
+            jr = inverse_right_jacobian(r[3:])
+            a_from_b = np.linalg.inv(a) @ b
+            by_a, by_b = np.zeros((6, 6)), np.zeros((6, 6))
+            by_b[:3, 3:] = off[:3, :3]
+            by_b[3:, :3] = jr
+            by_a[:3, :3] = z_inverse[:3, :3] @ hat(a_from_b[:3, 3])
+            by_a[:3, 3:] = -z_inverse[:3, :3]
+            by_a[3:, :3] = -jr @ a_from_b[:3, :3].T
+            jacobians[0], jacobians[1] = by_a, by_b
+        return r
+
+    return gtsam.CustomFactor(gtsam.noiseModel.Gaussian.Information(weight), [i, j], error)
+
+
+def solve_by_gtsam(edges, chain):
+    graph = gtsam.NonlinearFactorGraph()
+    graph.add(gtsam.NonlinearEqualityPose3(0, gtsam.Pose3(chain[0])))
+    for edge in edges:
+        graph.add(factor(*edge))
+    start = gtsam.Values()
+    for k, matrix in enumerate(chain):
+        start.insert(k, gtsam.Pose3(matrix))
+    parameters = gtsam.LevenbergMarquardtParams()
+    parameters.setMaxIterations(200)
+    parameters.setRelativeErrorTol(1e-10)
+    result = gtsam.LevenbergMarquardtOptimizer(graph, start, parameters).optimize()
+    return [result.atPose3(k).matrix() for k in range(len(chain))]
+
+
+class PublicSolver(unittest.TestCase):
+    def compare(self, name, made, seed):
+        edges, chain = measured(*made, seed)
+        with tempfile.TemporaryDirectory() as folder:
+            graph, solved = pathlib.Path(folder, "in.g2o"), pathlib.Path(folder, "out.g2o")
+            write_g2o(graph, edges, chain)
+            started = time.monotonic()
+            said = subprocess.run([SOLVE, graph, solved], check=True, capture_output=True, text=True).stdout.split()
+            ours_s = time.monotonic() - started
+            ours = energy(edges, read_vertices(solved))
+        theirs = energy(edges, solve_by_gtsam(edges, chain))
+        print(f"{name}: {len(chain)} poses, {len(edges)} edges; energy at the start {energy(edges, chain):.6g}, "
+              f"ours {ours:.9g} ({ours_s:.2f} s), GTSAM {theirs:.9g}, relative difference {ours / theirs - 1:.1e}")
+        self.assertEqual(said[1], "1", "converged")
+        self.assertAlmostEqual(float(said[0]) / ours, 1, delta=1e-9, msg="the energy that the solver reports")
+        self.assertAlmostEqual(ours / theirs, 1, delta=1e-4)
+        # An optimum explains the edges by their noise: about 6 for each edge beyond the tree's.
+        self.assertLess(ours, 4 * 6 * (len(edges) - len(chain) + 1))
+
+    def test_sphere(self):
+        self.compare("sphere", sphere(8 * SIZE, 25), 1)
+
+    def test_torus(self):
+        self.compare("torus", torus(10 * SIZE, 20), 2)
+
+    def test_grid(self):
+        self.compare("grid", grid(13 * SIZE, 0), 3)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
