@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -24,13 +25,16 @@ constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the c
 // Keeps directions that nothing constrains where the start put them.
 constexpr double kPriorTranslationM = 0.2;
 constexpr double kPriorRotationRad = 0.2;
-// Convergence: smaller steps are below the systematic error of an alignment by two orders of
-// magnitude.
-constexpr double kConvergedM = 1e-4;
-constexpr double kConvergedRad = 5e-5;
-// Starts closer together than this converge to the same place.
-constexpr double kSameStartM = 0.005;
-constexpr double kSameStartRad = 0.005;
+// Convergence: steps that move points at this distance by less than this share of a pixel of the
+// level.
+constexpr double kConvergedPx = 0.015;
+constexpr double kConvergedDistanceM = 2.0;
+// Descents closer together than this converge to the same place.
+constexpr double kSamePlaceM = 0.005;
+constexpr double kSamePlaceRad = 0.005;
+// Depth errors are shared between neighbouring texels (see `correlation_length_px`): the descent at
+// the finest level loses little by leaving out every second row and column.
+constexpr int kFinestStride = 2;
 // Scale at which competing starts are compared.
 constexpr float kJudgeScale = 3.0F;
 // Share of the strongest direction's information below which depth leaves a direction open: along a
@@ -46,9 +50,9 @@ constexpr int kMinPhotometricResiduals = 300;
 constexpr double kLikeImages = 0.9;
 constexpr double kAgreementOfLikeImages = 0.6;
 
-// Pixels of this level that share one error.
-double CorrelationFactor(const PyramidLevel& level, double length_at_640_px) {
-  const double length_px = length_at_640_px * level.camera.width / 640.0;
+// Pixels of this level, of every stride-th row and column, that share one error.
+double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int stride = 1) {
+  const double length_px = length_at_640_px * level.camera.width / (640.0 * stride);
   return std::max(1.0, length_px * length_px);
 }
 
@@ -111,19 +115,36 @@ Vector6d Step(const Descent& descent, double correlation_factor) {
   return step.allFinite() ? step : Vector6d::Zero();
 }
 
-void Descend(const PyramidLevel& i,
+bool SamePlace(const Pose3& a, const Pose3& b) {
+  const Pose3 difference = a.Inverse() * b;
+  return difference.translation_m.norm() < kSamePlaceM &&
+         RotationAngle(difference.rotation) < kSamePlaceRad;
+}
+
+bool AmongThem(std::span<const Pose3> places, const Pose3& place) {
+  return std::ranges::any_of(places, [&](const Pose3& one) { return SamePlace(one, place); });
+}
+
+// False when the way leads to one of the places `known` and was left there.
+bool Descend(const PyramidLevel& i,
              const PyramidLevel& j,
              const AlignmentOptions& options,
-             Descent& descent) {
-  const double correlation = CorrelationFactor(j, options.correlation_length_px);
+             Descent& descent,
+             std::span<const Pose3> known = {}) {
+  const double converged_rad = kConvergedPx / j.camera.fx;
+  const double converged_m = kConvergedDistanceM * converged_rad;
+  const double correlation =
+      CorrelationFactor(j, options.correlation_length_px, descent.gates.stride);
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
     TakeScales(descent.system, descent.gates);
     const Vector6d step = Step(descent, correlation);
     descent.i_from_j = V2t(step) * descent.i_from_j;
-    if (step.head<3>().norm() < kConvergedM && step.tail<3>().norm() < kConvergedRad) break;
+    if (AmongThem(known, descent.i_from_j)) return false;
+    if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
   }
+  return true;
 }
 
 AlignmentGates LevelGates(const AlignmentOptions& options,
@@ -146,18 +167,13 @@ double Support(const PyramidLevel& i,
                const AlignmentOptions& options) {
   AlignmentGates gates = LevelGates(options, 0);
   gates.geometric_scale = kJudgeScale;
+  gates.judge_only = true;
   const AlignmentSystem system =
       BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
   if (system.num_overlap == 0) return 0;
   const double images = system.num_photometric * std::max(0.0, system.brightness_correlation);
   const double likeness = (system.support + images) / system.num_overlap;
   return likeness * std::sqrt(static_cast<double>(system.num_overlap) / system.num_source);
-}
-
-bool SameStart(const Pose3& a, const Pose3& b) {
-  const Pose3 difference = a.Inverse() * b;
-  return difference.translation_m.norm() < kSameStartM &&
-         RotationAngle(difference.rotation) < kSameStartRad;
 }
 
 // Directions that depth leaves open at `i_from_j`, weakest first: unit vectors of a left
@@ -212,14 +228,14 @@ Descent BestCoarseDescent(const PyramidLevel& i,
                           const AlignmentOptions& options) {
   std::optional<Descent> best;
   double best_support = 0;
+  std::vector<Pose3> ends;
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    const auto is_same = [&](const Pose3& earlier) { return SameStart(earlier, starts[k]); };
-    if (std::any_of(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(k), is_same))
-      continue;
+    if (AmongThem(starts.first(k), starts[k])) continue;
     Descent descent{starts[k], starts[k], LevelGates(options, 0), {}};
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
-    Descend(i, j, options, descent);
+    if (!Descend(i, j, options, descent, ends)) continue;
+    ends.push_back(descent.i_from_j);
     const double support = Support(i, j, descent, options);
     if (!best || support > best_support) {
       best = descent;
@@ -325,10 +341,12 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     gates.photometric_scale = 2 * descent.gates.photometric_scale;
     gates.gain = descent.gates.gain;
     gates.bias = descent.gates.bias;
+    if (level == 0) gates.stride = kFinestStride;
     descent.gates = gates;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
   descent.gates.cross_normals = true;
+  descent.gates.stride = 1;
   descent.system = BuildAlignmentSystem(
       i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
   FrameAlignment result = Conclude(descent, j.levels.front(), options);

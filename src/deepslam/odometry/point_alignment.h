@@ -20,7 +20,8 @@ struct AlignmentGates {
   // it for structure. For judging a solution; may be slightly indefinite. The gradient is void
   // then.
   bool cross_normals = false;
-  int stride = 1;  // every stride-th row and column of j
+  bool judge_only = false;  // no Hessian and no gradient
+  int stride = 1;           // every stride-th row and column of j
 };
 
 struct AlignmentSystem {

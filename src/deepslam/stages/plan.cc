@@ -121,7 +121,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return function(context, *inputs); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 5, {}, {"track"}, kFrames, RunTrack);
+  add("track", 6, {}, {"track"}, kFrames, RunTrack);
   add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       2,
