@@ -50,6 +50,14 @@ function(deepslam_room room)
   deepslam_install_room(${room} DEPS ${ROOM_DEPS} FENCED ${ROOM_FENCED})
 endfunction()
 
+# deepslam_timeout(<seconds> <test>...): ends what hangs; sanitized builds have five times as long.
+function(deepslam_timeout seconds)
+  if(DEEPSLAM_ASAN)
+    math(EXPR seconds "5 * ${seconds}")
+  endif()
+  set_tests_properties(${ARGN} PROPERTIES TIMEOUT ${seconds})
+endfunction()
+
 # deepslam_test(<room> SOURCES a_test.cc ... DEPS rooms... FENCED libs... [LABEL unit|real|kill|web] [TIMEOUT s])
 # One test executable per room; tests are named as GoogleTest names them.
 include(GoogleTest)

@@ -24,8 +24,7 @@ done
 cd "$(dirname "$0")/.."
 scripts/setup.sh "${setup[@]}"
 if [ "$preset" = asan ]; then
-  # Third-party libraries keep memory until the process ends.
-  export ASAN_OPTIONS="detect_leaks=0:${ASAN_OPTIONS:-}"
+  export LSAN_OPTIONS="suppressions=$PWD/tests/leaks.txt:print_suppressions=0:${LSAN_OPTIONS:-}"
 fi
 scripts/build.sh "$preset" -DDEEPSLAM_TESTS=ON
 scripts/furniture.sh "build/$preset/tools/deepslam"
