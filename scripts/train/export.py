@@ -120,9 +120,7 @@ def main():
     curve = json.loads(pathlib.Path(arguments.curve).read_text(encoding="utf-8"))
     heads = [json.loads((pathlib.Path(folder) / "training_views.json").read_text(encoding="utf-8"))
              for folder in arguments.data]
-    model = nets.Prior()
-    model.load_state_dict(torch.load(arguments.weights, map_location="cpu", weights_only=True))
-    model.eval()
+    model = nets.load(arguments.weights, config["width"])
     round_weights(model)
     torch.manual_seed(1)
     crop, sketch, latents = torch.rand(2, 7, 128, 128), torch.rand(2, 5, 64, 64), torch.randn(2, nets.LATENTS)

@@ -15,6 +15,10 @@ from torch import nn
 CROP, SKETCH, GRID, LATENTS, BINS = 128, 64, 64, 100, 24
 
 
+def scaled(channels, width):
+    return max(8, int(round(channels * width / 8)) * 8)
+
+
 def down(channels_in, channels_out):
     return nn.Sequential(
         nn.Conv2d(channels_in, channels_out, 4, 2, 1, bias=False), nn.BatchNorm2d(channels_out), nn.ReLU(True))
@@ -26,12 +30,13 @@ def up(channels_in, channels_out):
 
 
 class Sketch(nn.Module):
-    def __init__(self, planes=7):
+    def __init__(self, width, planes=7):
         super().__init__()
-        self.e1, self.e2 = down(planes, 24), down(24, 48)
-        self.e3, self.e4 = down(48, 96), down(96, 128)
-        self.d4, self.d3, self.d2 = up(128, 96), up(192, 48), up(96, 32)
-        self.out = nn.Conv2d(56, 5, 3, 1, 1)
+        a, b, c, d = (scaled(n, width) for n in (24, 48, 96, 128))
+        self.e1, self.e2 = down(planes, a), down(a, b)
+        self.e3, self.e4 = down(b, c), down(c, d)
+        self.d4, self.d3, self.d2 = up(d, c), up(2 * c, b), up(2 * b, scaled(32, width))
+        self.out = nn.Conv2d(scaled(32, width) + a, 5, 3, 1, 1)
 
     def forward(self, crop):
         a = self.e1(crop)
@@ -44,14 +49,15 @@ class Sketch(nn.Module):
 
 
 class Encoder(nn.Module):
-    def __init__(self, planes=7):
+    def __init__(self, width, planes=7):
         super().__init__()
+        a, b, c, d, features = (scaled(n, width) for n in (64, 128, 192, 256, 144))
         self.body = nn.Sequential(
-            down(5 + 4 * planes, 64), down(64, 128), down(128, 192), down(192, 256), nn.Flatten(),
-            nn.Linear(256 * 16, 144), nn.ReLU(True))
-        self.latents = nn.Linear(144, LATENTS)
-        self.azimuth = nn.Linear(144, BINS)
-        self.elevation = nn.Linear(144, 1)
+            down(5 + 4 * planes, a), down(a, b), down(b, c), down(c, d), nn.Flatten(),
+            nn.Linear(d * 16, features), nn.ReLU(True))
+        self.latents = nn.Linear(features, LATENTS)
+        self.azimuth = nn.Linear(features, BINS)
+        self.elevation = nn.Linear(features, 1)
 
     def forward(self, crop, sketch):
         features = self.body(torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1))
@@ -59,25 +65,34 @@ class Encoder(nn.Module):
 
 
 class Decoder(nn.Module):
-    def __init__(self):
+    def __init__(self, width):
         super().__init__()
-        self.first = nn.Sequential(nn.Linear(LATENTS, 256 * 16), nn.ReLU(True))
-        self.body = nn.Sequential(
-            up(256, 192), up(192, 128), up(128, 128), nn.ConvTranspose2d(128, GRID, 4, 2, 1))
+        self.deep, b, c, d = (scaled(n, width) for n in (256, 192, 128, 96))
+        self.first = nn.Sequential(nn.Linear(LATENTS, self.deep * 16), nn.ReLU(True))
+        self.body = nn.Sequential(up(self.deep, b), up(b, c), up(c, d), nn.ConvTranspose2d(d, GRID, 4, 2, 1))
 
     def forward(self, latents):
-        return self.body(self.first(latents).view(-1, 256, 4, 4))
+        return self.body(self.first(latents).view(-1, self.deep, 4, 4))
 
 
 class Prior(nn.Module):
-    def __init__(self):
+    """width: share of the channels that every layer has; 1 for chairs and tables, less for classes of simpler shapes."""
+
+    def __init__(self, width=1.0):
         super().__init__()
-        self.sketch, self.encoder, self.decoder = Sketch(), Encoder(), Decoder()
+        self.sketch, self.encoder, self.decoder = Sketch(width), Encoder(width), Decoder(width)
 
     def forward(self, crop):
         sketch = self.sketch(crop)
         latents, azimuth, elevation = self.encoder(crop, sketch)
         return self.decoder(latents), latents, azimuth, elevation, sketch
+
+
+def load(weights, width):
+    """The networks of a file of weights, as they are used: not learning."""
+    model = Prior(width)
+    model.load_state_dict(torch.load(weights, map_location="cpu", weights_only=True))
+    return model.eval()
 
 
 def azimuth_of(logits):

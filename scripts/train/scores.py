@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How good a prior is on models that no training touched, beside three baselines.
 
-    scores.py --weights WEIGHTS.pt --train VIEWS --test VIEWS --out FOLDER
+    scores.py --config CLASS.yaml --weights WEIGHTS.pt --train VIEWS --test VIEWS --out FOLDER
 
 IoU at 64^3 at one threshold, calibrated on the training's validation designs (also at 0.4); IoU at 32^3 by Pix3D's
 protocol (box of values >= 0.1, cube, trilinear to 32^3, best mean over thresholds 0.01 ... 0.49); Chamfer distance
@@ -16,6 +16,7 @@ import pathlib
 import numpy as np
 import torch
 import torch.nn.functional as F
+import yaml
 
 import data
 import nets
@@ -171,6 +172,7 @@ def score_input(model, train, check, test, use_depth, latent_bank, random):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", required=True)
     parser.add_argument("--weights", required=True)
     parser.add_argument("--train", action="append", required=True)
     parser.add_argument("--test", action="append", required=True)
@@ -179,9 +181,8 @@ def main():
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)
     random = np.random.default_rng(1)
-    model = nets.Prior()
-    model.load_state_dict(torch.load(arguments.weights, map_location="cpu", weights_only=True))
-    model.eval()
+    config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
+    model = nets.load(arguments.weights, config["width"])
     train, check = data.Views(arguments.train, "train"), data.Views(arguments.train, "validate")
     test = data.Views(arguments.test)
     if {m["id"] for m in test.models} & {m["id"] for m in train.models + check.models}:

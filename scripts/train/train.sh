@@ -40,6 +40,6 @@ mkdir -p "$work"
 [ -d "$work/test" ] || "$program" priors render --class "$class" --withheld --product-views "$(field test_views)" \
   --seed "$(field seed)" -o "$work/test"
 "$python" "$here/train.py" "$config" --data "$work/views" --out "$work/run" "${training[@]}"
-"$python" "$here/scores.py" --weights "$work/run/weights.pt" --train "$work/views" --test "$work/test" --out "$work/run"
+"$python" "$here/scores.py" --config "$config" --weights "$work/run/weights.pt" --train "$work/views" --test "$work/test" --out "$work/run"
 "$python" "$here/export.py" --config "$config" --weights "$work/run/weights.pt" --scores "$work/run/scores.json" \
   --curve "$work/run/curve.json" --data "$work/views" --out "$root/configs/priors/$class"
