@@ -19,6 +19,11 @@ function(deepslam_compile_options target)
       target_compile_options(${target} PRIVATE -fsanitize=undefined -fno-sanitize-recover=undefined)
     endif()
   endif()
+  if(DEEPSLAM_FUZZ)
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
+                           -fno-omit-frame-pointer)
+  endif()
 endfunction()
 
 function(deepslam_room room)

@@ -1,6 +1,7 @@
 #include "deepslam/artifact/class_table_yaml.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
 
@@ -13,6 +14,11 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr double kMaxSizeM = 20;
+// Aliases can make a small file huge.
+constexpr std::size_t kMaxBytes = 1U << 20;
+constexpr std::size_t kMaxClasses = 1000;
+constexpr std::size_t kMaxLabels = 10'000;
+constexpr int kMaxFaults = 50;
 constexpr std::string_view kHeader =
     "# Classes of objects the map may hold. `labels` are what detectors call them, `library` the "
     "classes of CAD models\n"
@@ -24,6 +30,33 @@ bool IsClassName(const std::string& name) {
   return !name.empty() && name.size() <= 40 && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   });
+}
+
+// A scalar of a YAML list that reads back as the same text.
+std::string Quoted(const std::string& text) {
+  const bool plain = !text.empty() && text.back() != ' ' && text != "null" && text != "Null" &&
+                     text != "NULL" &&
+                     std::isalpha(static_cast<unsigned char>(text.front())) != 0 &&
+                     std::all_of(text.begin(), text.end(), [](unsigned char c) {
+                       return std::isalnum(c) != 0 || c == '_' || c == ' ' || c == '-';
+                     });
+  if (plain) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      quoted += fmt::format("\\x{:02x}", c);
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+std::string Quoted(const std::vector<std::string>& texts) {
+  std::vector<std::string> quoted;
+  for (const std::string& text : texts) quoted.push_back(Quoted(text));
+  return fmt::format("{}", fmt::join(quoted, ", "));
 }
 
 class TableReader {
@@ -43,6 +76,8 @@ class TableReader {
     if (!version || version.as<int>(-1) != kVersion) {
       Fault(version ? version : root, fmt::format("version must be {}", kVersion));
     }
+    if (root["classes"].size() > kMaxClasses)
+      return Fault(root["classes"], fmt::format("more than {} classes", kMaxClasses));
     for (const YAML::Node& node : root["classes"]) ReadClass(node);
     if (table.classes.empty()) Fault(root, "holds no class");
   }
@@ -92,6 +127,11 @@ class TableReader {
       Fault(node, "must be a list");
       return strings;
     }
+    num_labels_ += node.size();
+    if (num_labels_ > kMaxLabels) {
+      Fault(node, fmt::format("more than {} labels", kMaxLabels));
+      return strings;
+    }
     for (const YAML::Node& item : node) strings.push_back(item.as<std::string>(""));
     return strings;
   }
@@ -118,11 +158,14 @@ class TableReader {
   }
 
   void Fault(const YAML::Node& node, std::string_view what) {
+    if (++num_faults_ > kMaxFaults) return;
     faults +=
         fmt::format("{}{}:{}: {}", faults.empty() ? "" : "\n", name_, node.Mark().line + 1, what);
   }
 
   std::string name_;
+  std::size_t num_labels_ = 0;
+  int num_faults_ = 0;
   std::set<std::string> names_;
   std::set<std::string> labels_;
 };
@@ -159,8 +202,8 @@ std::string EncodeClassTable(const ClassTable& table) {
   for (const ObjectClass& c : table.classes) {
     text += fmt::format("  - name: {}\n    labels: [{}]\n    library: [{}]\n",
                         c.name,
-                        fmt::join(c.detector_labels, ", "),
-                        fmt::join(c.library_classes, ", "));
+                        Quoted(c.detector_labels),
+                        Quoted(c.library_classes));
     text += fmt::format("    size_m: [{}, {}]\n    height_m: [{}, {}]\n    colour: [{}]\n",
                         c.min_size_m,
                         c.max_size_m,
@@ -172,6 +215,12 @@ std::string EncodeClassTable(const ClassTable& table) {
 }
 
 Result<ClassTable> DecodeClassTable(std::string_view text, std::string_view name) {
+  if (text.size() > kMaxBytes) {
+    return InvalidConfig(fmt::format("{}: {} bytes are too many for a table of classes; at most {}",
+                                     name,
+                                     text.size(),
+                                     kMaxBytes));
+  }
   try {
     TableReader reader(name);
     reader.Read(YAML::Load(std::string(text)));

@@ -15,6 +15,10 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr double kMaxHeightM = 10;
+// Aliases can make a small file huge: nobody corrects as much by hand.
+constexpr std::size_t kMaxBytes = 1U << 20;
+constexpr int kMaxItems = 100'000;
+constexpr int kMaxFaults = 50;
 constexpr std::string_view kAppliedFormat = "deepslam/overrides";
 constexpr int kAppliedVersion = 1;
 
@@ -62,7 +66,15 @@ class OverridesReader {
   void ForItems(const YAML::Node& node, Visit visit) {
     if (node.IsNull()) return;
     if (!node.IsSequence()) return Fault(node, "must be a list");
-    for (const YAML::Node& item : node) visit(item);
+    for (const YAML::Node& item : node) {
+      if (TooMany(node)) return;
+      visit(item);
+    }
+  }
+
+  bool TooMany(const YAML::Node& node) {
+    if (++num_items_ == kMaxItems + 1) Fault(node, fmt::format("more than {} entries", kMaxItems));
+    return num_items_ > kMaxItems;
   }
 
   // 4, or chair_04.
@@ -98,7 +110,7 @@ class OverridesReader {
     }
     MergeOverride merge{ReadObject(node[0]), {}, Line(node)};
     Once(merged_, merge.kept, node, "merge");
-    for (std::size_t n = 1; n < node.size(); ++n) {
+    for (std::size_t n = 1; n < node.size() && !TooMany(node); ++n) {
       merge.merged.push_back(ReadObject(node[n]));
       Once(merged_, merge.merged.back(), node, "merge");
     }
@@ -170,10 +182,13 @@ class OverridesReader {
   }
 
   void Fault(const YAML::Node& node, std::string_view what) {
+    if (++num_faults_ > kMaxFaults) return;
     faults +=
         fmt::format("{}{}:{}: {}", faults.empty() ? "" : "\n", overrides.file, Line(node), what);
   }
 
+  int num_items_ = 0;
+  int num_faults_ = 0;
   std::set<int> dropped_;
   std::set<int> merged_;
   std::set<int> split_;
@@ -190,6 +205,10 @@ std::string TextsText(std::string_view what, std::vector<TextOverride> texts) {
 }  // namespace
 
 Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name) {
+  if (text.size() > kMaxBytes) {
+    return InvalidConfig(fmt::format(
+        "{}: {} bytes are too many for overrides; at most {}", name, text.size(), kMaxBytes));
+  }
   try {
     OverridesReader reader(name);
     reader.Read(YAML::Load(std::string(text)));

@@ -30,6 +30,9 @@ std::string NearestWord(std::string_view word, std::span<const std::string> know
   std::string nearest;
   std::size_t best = std::max<std::size_t>(3, word.size() / 3) + 1;
   for (const std::string& candidate : known) {
+    // At least the difference in length: long garbage costs nothing.
+    const std::size_t longer = std::max(word.size(), candidate.size());
+    if (longer - std::min(word.size(), candidate.size()) >= best) continue;
     const std::size_t distance = EditDistance(word, candidate);
     if (distance < best) {
       best = distance;

@@ -42,7 +42,7 @@ std::optional<ImageStructure> PngStructure(std::string_view bytes) {
     const std::size_t length = BigEndian(bytes, at, 4);
     const std::string_view type = bytes.substr(at + 4, 4);
     if (bytes.size() - at - 12 < length) break;
-    if (type == "IHDR" && length >= 8) {
+    if (type == "IHDR" && length >= 8 && structure.width == 0) {  // decoders take the first
       structure.width = static_cast<int>(BigEndian(bytes, at + 8, 4) & 0x7FFFFFFF);
       structure.height = static_cast<int>(BigEndian(bytes, at + 12, 4) & 0x7FFFFFFF);
     }
@@ -93,7 +93,9 @@ Status CheckStructure(const std::filesystem::path& file,
                       int height) {
   std::optional<ImageStructure> structure = PngStructure(bytes);
   if (!structure) structure = JpegStructure(bytes);
-  if (!structure) return Ok();
+  // Other decoders believe a header's size before the pixels are there.
+  if (!structure)
+    return FileError(file, "not a readable image (neither PNG nor JPEG): convert it to PNG");
   if (structure->width > 0 && (structure->width != width || structure->height != height)) {
     return FileError(file,
                      fmt::format("is {} x {} px, the camera {} x {}",
@@ -102,7 +104,7 @@ Status CheckStructure(const std::filesystem::path& file,
                                  width,
                                  height));
   }
-  if (!structure->complete)
+  if (!structure->complete || structure->width < 1)
     return FileError(file, "image file ends too early (truncated or damaged)");
   if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) >
       kMaxPixelsPerByte * bytes.size()) {

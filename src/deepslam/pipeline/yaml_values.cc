@@ -19,12 +19,13 @@ class Flattener {
       : name_(name), faults_(faults) {}
 
   void Flatten(const YAML::Node& node, const std::string& prefix, int depth) {
-    if (values.size() > kMaxValues || depth > kMaxDepth) {
-      if (!overflow_) Fault(node, "holds more or deeper entries than any configuration");
-      overflow_ = true;
-      return;
-    }
     for (const auto& item : node) {
+      // Whatever an entry is: aliases repeat faulty ones as well.
+      if (++num_entries_ > kMaxValues || depth > kMaxDepth) {
+        if (!overflow_) Fault(node, "holds more or deeper entries than any configuration");
+        overflow_ = true;
+      }
+      if (overflow_) return;
       if (!item.first.IsScalar()) {
         Fault(item.first, "a key must be a word");
         continue;
@@ -56,6 +57,7 @@ class Flattener {
 
   std::string name_;
   std::vector<std::string>& faults_;
+  std::size_t num_entries_ = 0;
   bool overflow_ = false;
 };
 
@@ -93,7 +95,12 @@ std::string YamlString(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
+    // Raw line breaks would be read back as blanks.
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      quoted += fmt::format("\\x{:02x}", c);
+    } else {
+      quoted += c;
+    }
   }
   return quoted + '"';
 }

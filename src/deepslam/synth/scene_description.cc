@@ -19,6 +19,7 @@ namespace {
 constexpr int kMaxFrames = 100'000;
 constexpr int kMaxSidePx = 4096;
 constexpr std::size_t kMaxPoints = 1000;
+constexpr int kMaxRungDepth = 8;
 
 std::string DidYouMean(const std::string& word, const std::vector<std::string>& known) {
   const std::string nearest = NearestWord(word, known);
@@ -387,13 +388,16 @@ SceneDescription ReadScene(Table root) {
 }
 
 // Fields of `over` replace those of `base`, tables field by field. In place, since copies of nodes
-// forget their lines.
-void Overlay(YAML::Node base, const YAML::Node& over) {
+// forget their lines. Anchors can make tables that hold themselves: no scene is as deep as those.
+void Overlay(YAML::Node base, const YAML::Node& over, int depth) {
+  if (base.is(over)) return;
+  if (depth > kMaxRungDepth)
+    throw YAML::RepresentationException(over.Mark(), "a rung's tables are nested too deeply");
   for (const auto& entry : over) {
     const std::string name = entry.first.Scalar();
     const YAML::Node old = std::as_const(base)[name];
     if (old.IsDefined() && old.IsMap() && entry.second.IsMap()) {
-      Overlay(old, entry.second);
+      Overlay(old, entry.second, depth + 1);
     } else {
       base[name] = entry.second;
     }
@@ -406,7 +410,7 @@ Status ChooseRung(YAML::Node root, const std::filesystem::path& file, const std:
   const bool has_rungs = rungs.IsDefined() && rungs.IsMap();
   if (has_rungs) {
     const YAML::Node over = rungs[rung];
-    if (over.IsDefined() && over.IsMap()) Overlay(root, over);
+    if (over.IsDefined() && over.IsMap()) Overlay(root, over, 0);
     if (over.IsDefined() && (over.IsMap() || over.IsNull())) return Ok();
   }
   std::vector<std::string> known;
