@@ -14,6 +14,7 @@
 #include "deepslam/furniture/design.h"
 #include "deepslam/priors/contact_sheet.h"
 #include "deepslam/priors/training_view.h"
+#include "priors_look.h"
 #include "synth_capture.h"
 #include "training_models.h"
 #include "training_shards.h"
@@ -169,9 +170,11 @@ int Render(const RenderArguments& arguments) {
 }  // namespace
 
 void AddPriors(CLI::App& app, Command& chosen) {
-  CLI::App* priors =
-      app.add_subcommand("priors", "Training data of the shape networks (scripts/train)");
+  CLI::App* priors = app.add_subcommand(
+      "priors",
+      "Training data of the shape networks (scripts/train), and a look at what they propose");
   priors->require_subcommand(1);
+  AddPriorsLook(*priors, chosen);
   auto arguments = std::make_shared<RenderArguments>();
   TrainingModelRequest& models = arguments->models;
   models.classes = {"chair"};

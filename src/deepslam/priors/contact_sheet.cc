@@ -1,34 +1,13 @@
 #include "deepslam/priors/contact_sheet.h"
 
 #include <algorithm>
-#include <cmath>
-#include <type_traits>
+
+#include "deepslam/priors/sheet_tiles.h"
 
 namespace deepslam::priors {
 namespace {
 
-constexpr int kTile = propose::kCropSide;
 constexpr int kPlaces = 7;  // tiles of a row beside the crops
-
-Rgb8 Grey(int value) {
-  const auto g = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
-  return {g, g, g};
-}
-
-template <typename Pixel>
-void Put(int column, int row, const Image<Pixel>& tile, ColourImage& sheet) {
-  const int factor = kTile / tile.width();
-  for (int v = 0; v < kTile; ++v) {
-    for (int u = 0; u < kTile; ++u) {
-      const Pixel& pixel = tile(u / factor, v / factor);
-      if constexpr (std::is_same_v<Pixel, Rgb8>) {
-        sheet(column * kTile + u, row * kTile + v) = pixel;
-      } else {
-        sheet(column * kTile + u, row * kTile + v) = Grey(pixel);
-      }
-    }
-  }
-}
 
 Image<std::uint8_t> Shadow(const VoxelGrid& shape, bool from_front) {
   Image<std::uint8_t> image(kGridSize, kGridSize, 255);
@@ -54,21 +33,21 @@ ColourImage DrawContactSheet(std::span<const SheetRow> rows) {
   for (const SheetRow& row : rows) most_views = std::max(most_views, row.views.size());
   const int views = static_cast<int>(most_views);
   ColourImage sheet(
-      (views + kPlaces) * kTile, static_cast<int>(rows.size()) * kTile, {255, 255, 255});
+      (views + kPlaces) * kTileSide, static_cast<int>(rows.size()) * kTileSide, {255, 255, 255});
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = static_cast<int>(n);
     for (std::size_t k = 0; k < rows[n].views.size(); ++k)
-      Put(static_cast<int>(k), row, rows[n].views[k].crop.colour, sheet);
+      PutTile(static_cast<int>(k), row, rows[n].views[k].crop.colour, sheet);
     if (!rows[n].views.empty()) {
       const TrainingView& view = rows[n].views.front();
-      Put(views, row, view.crop.depth, sheet);
-      Put(views + 1, row, view.crop.height, sheet);
-      Put(views + 2, row, view.sketch.depth, sheet);
-      Put(views + 3, row, view.sketch.normal, sheet);
-      Put(views + 4, row, view.sketch.silhouette, sheet);
+      PutTile(views, row, view.crop.depth, sheet);
+      PutTile(views + 1, row, view.crop.height, sheet);
+      PutTile(views + 2, row, view.sketch.depth, sheet);
+      PutTile(views + 3, row, view.sketch.normal, sheet);
+      PutTile(views + 4, row, view.sketch.silhouette, sheet);
     }
-    Put(views + 5, row, Shadow(rows[n].shape, true), sheet);
-    Put(views + 6, row, Shadow(rows[n].shape, false), sheet);
+    PutTile(views + 5, row, Shadow(rows[n].shape, true), sheet);
+    PutTile(views + 6, row, Shadow(rows[n].shape, false), sheet);
   }
   return sheet;
 }

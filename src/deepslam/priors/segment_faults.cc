@@ -107,6 +107,29 @@ void Occlude(Random& random, const PixelBox& box, bool taken_for_object, Raster&
   }
 }
 
+// A table, a counter or the image's border leaves only a part of it: mostly what is above a line,
+// the backs of chairs that are pushed in.
+void HideMost(Random& random, const PixelBox& box, Raster& raster) {
+  const double down = 0.5 * std::numbers::pi;
+  const float angle = Chance(random, 0.7) ? Draw(random, down - 0.35, down + 0.35)
+                                          : Draw(random, 0, 2 * std::numbers::pi);
+  const float nu = std::cos(angle);
+  const float nv = std::sin(angle);
+  const float w = static_cast<float>(box.max_u - box.min_u + 1);
+  const float h = static_cast<float>(box.max_v - box.min_v + 1);
+  const float middle_u = 0.5F * static_cast<float>(box.min_u + box.max_u);
+  const float middle_v = 0.5F * static_cast<float>(box.min_v + box.max_v);
+  const float reach = 0.5F * (std::abs(nu) * w + std::abs(nv) * h);
+  const float beyond = reach * Draw(random, -0.75, 0.2);
+  for (int v = 0; v < raster.height(); ++v) {
+    for (int u = 0; u < raster.width(); ++u) {
+      const float du = static_cast<float>(u) - middle_u;
+      const float dv = static_cast<float>(v) - middle_v;
+      if (nu * du + nv * dv > beyond) raster.mask(u, v) = 0;
+    }
+  }
+}
+
 // What lies near the ground is taken for ground, with the limit that segmentation has
 // (segment/segment_objects.h); now and then legs are lost to greater height.
 void CutNearGround(Random& random, Raster& raster) {
@@ -289,6 +312,7 @@ void SpoilView(Random& random, Raster& raster) {
   if (Chance(random, 0.3)) Truncate(random, box, raster);
   if (Chance(random, 0.35)) Occlude(random, box, Chance(random, 0.3), raster);
   if (Chance(random, 0.12)) Occlude(random, box, false, raster);
+  if (Chance(random, 0.15)) HideMost(random, box, raster);
   if (Chance(random, 0.85)) CutNearGround(random, raster);
   if (Chance(random, 0.7)) LoseDepth(random, raster);
   if (Chance(random, 0.6)) ShadowBesideEdges(random, raster);

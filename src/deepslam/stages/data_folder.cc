@@ -42,11 +42,11 @@ Result<fs::path> FindWeights(const fs::path& data_folder, const std::string& wei
   const fs::path file = is_path ? fs::path(weights) : data_folder / "weights" / (weights + ".onnx");
   std::error_code error;
   if (fs::is_regular_file(file, error)) return file;
-  return InvalidInput(
-      fmt::format("detect.weights: no file {}; run scripts/setup.sh, or deepslam-fetch-weights of an installed "
-                  "package, to fetch the weights (`deepslam doctor` shows what is there), "
-                  "or use --set detect.source=none",
-                  file.string()));
+  return InvalidInput(fmt::format(
+      "detect.weights: no file {}; run scripts/setup.sh, or deepslam-fetch-weights of an installed "
+      "package, to fetch the weights (`deepslam doctor` shows what is there), "
+      "or use --set detect.source=none",
+      file.string()));
 }
 
 Result<fs::path> FindLibrary(const fs::path& data_folder, const std::string& library) {
@@ -55,18 +55,21 @@ Result<fs::path> FindLibrary(const fs::path& data_folder, const std::string& lib
   if (fs::is_regular_file(folder / "library.json", error)) return folder;
   return InvalidInput(
       fmt::format("propose.library: no furniture library in {}; make it by "
-                  "`deepslam library build` (`deepslam doctor` shows what is there), or use --set propose.retrieval=false",
+                  "`deepslam library build` (`deepslam doctor` shows what is there), or use --set "
+                  "propose.retrieval=false",
                   folder.string()));
 }
 
 Result<fs::path> FindPriors(const fs::path& data_folder, const std::string& priors) {
-  const fs::path folder = priors.empty() ? data_folder / "priors" : fs::path(priors);
   std::error_code error;
+  const fs::path folder = priors.empty() ? data_folder / "priors" : fs::path(priors);
   if (fs::is_directory(folder, error)) return folder;
-  return InvalidInput(
-      fmt::format("propose.priors: no folder {}; make the networks by scripts/train/train.sh CLASS, or use "
-                  "--set propose.network=false",
-                  folder.string()));
+  const fs::path ours = InstalledFolder() / "configs" / "priors";
+  if (priors.empty() && fs::is_directory(ours, error)) return ours;
+  return InvalidInput(fmt::format(
+      "propose.priors: no folder {}; make the networks by scripts/train/train.sh CLASS, or use "
+      "--set propose.network=false",
+      folder.string()));
 }
 
 }  // namespace deepslam::stages

@@ -25,8 +25,8 @@ namespace deepslam::stages {
 [[nodiscard]] Result<std::filesystem::path> FindLibrary(const std::filesystem::path& data_folder,
                                                         const std::string& library);
 
-// `priors` if not empty, else DATA/priors: a folder with a folder for each class. kInvalidInput with
-// what to do when it is missing.
+// `priors` if not empty, else DATA/priors, else those that came with the program: a folder with a
+// folder for each class. kInvalidInput with what to do when it is missing.
 [[nodiscard]] Result<std::filesystem::path> FindPriors(const std::filesystem::path& data_folder,
                                                        const std::string& priors);
 

@@ -1,0 +1,41 @@
+#include "deepslam/stages/load_priors.h"
+
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "deepslam/artifact/store.h"
+#include "deepslam/propose/shape_prior.h"
+
+namespace deepslam::stages {
+
+Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
+                                        const ClassTable& classes) {
+  propose::ShapePriors priors;
+  for (const ObjectClass& object_class : classes.classes) {
+    const std::filesystem::path of_class = folder / object_class.name;
+    std::error_code code;
+    if (!std::filesystem::is_directory(of_class, code)) continue;
+    std::array<std::string, 3> networks;
+    constexpr std::array kFiles = {"sketch.onnx", "encoder.onnx", "decoder.onnx"};
+    for (std::size_t n = 0; n < kFiles.size(); ++n) {
+      Result<std::string> bytes = artifact::ReadFile(of_class / kFiles.at(n));
+      if (!bytes.ok()) return bytes.error();
+      networks.at(n) = std::move(bytes).value();
+    }
+    Result<std::unique_ptr<propose::ShapePrior>> prior =
+        propose::ShapePrior::Load(object_class.name, networks[0], networks[1], networks[2]);
+    if (!prior.ok())
+      return Error{prior.error().code, of_class.string() + "/" + prior.error().message};
+    priors.emplace(object_class.name, std::move(prior).value());
+  }
+  if (priors.empty())
+    return InvalidInput(
+        folder.string() +
+        ": holds no networks of any class; expected CLASS/sketch.onnx, encoder.onnx, "
+        "decoder.onnx, as scripts/train/train.sh makes them");
+  return priors;
+}
+
+}  // namespace deepslam::stages
