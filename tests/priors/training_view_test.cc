@@ -135,7 +135,7 @@ TEST(TrainingViewTest, FaultsHideAndEnoughStays) {
   int spoilt = 0;
   for (std::uint64_t n = 0; n < 30; ++n) {
     const TrainingView view = renderer->Render(Random(6, "faults", n), {});
-    EXPECT_GE(view.visible, 0.25);
+    EXPECT_GE(view.visible, 0.12);
     spoilt += view.visible < 0.95 ? 1 : 0;
     for (std::size_t p = 0; p < view.crop.colour.size(); ++p) {
       if (view.crop.silhouette.data()[p] == 0) {

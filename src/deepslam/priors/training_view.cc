@@ -20,7 +20,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kFocal_px = 525;       // of a 640 x 480 camera
 constexpr double kMostPixels = 150;     // along the longer side: more detail than the crop keeps
-constexpr double kLeastVisible = 0.25;  // of the object, or another view is drawn
+constexpr double kLeastVisible = 0.12;  // of the object, or another view is drawn
 constexpr int kMostTries = 12;
 
 struct Sight {

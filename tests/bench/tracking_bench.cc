@@ -1,0 +1,75 @@
+// Tracking of a capture beside decoding its frames alone: the second is what no tracker can do
+// without. The capture is the folder that DEEPSLAM_BENCH_CAPTURE names. Real time; as many threads
+// as the argument says.
+//   DEEPSLAM_BENCH_CAPTURE=... deepslam_tracking_bench --benchmark_repetitions=5
+#include <atomic>
+#include <cstdlib>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/progress.h"
+#include "deepslam/dataset/capture.h"
+#include "deepslam/odometry/odometry.h"
+
+namespace deepslam {
+namespace {
+
+Result<dataset::Capture> Open() {
+  const char* const folder =
+      std::getenv("DEEPSLAM_BENCH_CAPTURE");  // NOLINT(concurrency-mt-unsafe)
+  if (folder == nullptr)
+    return InvalidConfig("DEEPSLAM_BENCH_CAPTURE: not set; name the folder of a capture");
+  return dataset::OpenCapture(folder);
+}
+
+void Report(benchmark::State& state, int num_frames) {
+  state.counters["ms_per_frame"] = benchmark::Counter(
+      1e-3 * num_frames,
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void DecodeFrames(benchmark::State& state) {
+  const Result<dataset::Capture> capture = Open();
+  if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  const FrameSource& frames = *capture->frames;
+  for (auto _ : state) {
+    std::atomic<std::size_t> num_read = 0;
+    ParallelFor(static_cast<std::size_t>(frames.num_frames()), [&](std::size_t n) {
+      if (frames.Read(FrameIdx{static_cast<std::int32_t>(n)}).ok()) ++num_read;
+    });
+    benchmark::DoNotOptimize(num_read.load());
+  }
+  Report(state, frames.num_frames());
+}
+
+void TrackFrames(benchmark::State& state) {
+  const Result<dataset::Capture> capture = Open();
+  if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  SilentProgress progress;
+  for (auto _ : state) {
+    const Result<Odometry> odometry = odometry::EstimateOdometry(*capture->frames, {}, progress);
+    if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
+    benchmark::DoNotOptimize(odometry->frames.size());
+  }
+  Report(state, capture->frames->num_frames());
+}
+
+BENCHMARK(DecodeFrames)
+    ->Arg(1)
+    ->Arg(2)
+    ->ArgName("threads")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(TrackFrames)
+    ->Arg(1)
+    ->Arg(2)
+    ->ArgName("threads")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace deepslam
