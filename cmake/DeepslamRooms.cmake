@@ -19,6 +19,12 @@ function(deepslam_compile_options target)
       target_compile_options(${target} PRIVATE -fsanitize=undefined -fno-sanitize-recover=undefined)
     endif()
   endif()
+  if(DEEPSLAM_TSAN)
+    target_compile_options(${target} PUBLIC -fsanitize=thread -fno-omit-frame-pointer)
+    # Fences, which the headers of oneTBB have and ThreadSanitizer does not know.
+    target_compile_options(${target} PRIVATE -Wno-tsan -Wno-error=maybe-uninitialized)
+    target_link_options(${target} PUBLIC -fsanitize=thread)
+  endif()
   if(DEEPSLAM_FUZZ)
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
@@ -57,7 +63,7 @@ endfunction()
 
 # deepslam_timeout(<seconds> <test>...): ends what hangs; sanitized builds have five times as long.
 function(deepslam_timeout seconds)
-  if(DEEPSLAM_ASAN)
+  if(DEEPSLAM_ASAN OR DEEPSLAM_TSAN)
     math(EXPR seconds "5 * ${seconds}")
   endif()
   set_tests_properties(${ARGN} PROPERTIES TIMEOUT ${seconds})

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Configures and builds a preset of CMakePresets.json, with ccache where it is installed.
-#   scripts/build.sh [PRESET] [cmake options ...]          PRESET: release (default), dev, asan; result: build/PRESET
+#   scripts/build.sh [PRESET] [cmake options ...]          PRESET: release (default), dev, asan, tsan; result: build/PRESET
 set -euo pipefail
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then sed -n '2,3s/^# \{0,1\}//p' "$0"; exit 0; fi
 cd "$(dirname "$0")/.."
@@ -13,7 +13,7 @@ fi
 
 # The largest files take 2 GB each to compile, 4 GB with sanitizers: more jobs than memory would not be faster.
 gib_per_job=2
-[ "$preset" != asan ] || gib_per_job=4
+case "$preset" in asan | tsan) gib_per_job=4 ;; esac
 jobs="$(nproc)"
 gib="$(awk '/^MemAvailable:/ {print int($2 / 1048576)}' /proc/meminfo)"
 [ "$((gib / gib_per_job))" -ge "$jobs" ] || jobs=$((gib / gib_per_job > 1 ? gib / gib_per_job : 1))

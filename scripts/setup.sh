@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what deepslam needs on Debian bookworm (x86-64). Asks nothing; quick when nothing is missing.
-#   scripts/setup.sh [--tests] [--downloads DIR] [--fetch]
+#   scripts/setup.sh [--tests] [--fuzz] [--downloads DIR] [--fetch]
 #     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm)
+#     --fuzz           also what only scripts/fuzz.sh needs (clang 14 with its sanitizers and libFuzzer)
 #     --downloads DIR  folder of what is fetched: npm archives are used when they lie there and put there when not.
 #                      Where DIR/debian holds packages (--fetch), Debian's packages come from there alone.
 #                      Default: ${XDG_CACHE_HOME:-~/.cache}/deepslam/downloads
@@ -14,6 +15,7 @@ set -euo pipefail
 data="${XDG_DATA_HOME:-$HOME/.local/share}/deepslam"
 downloads="${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/downloads"
 with_tests=no
+with_fuzz=no
 fetch_only=no
 
 fail() { echo "setup: $*" >&2; exit 1; }
@@ -22,14 +24,15 @@ say() { echo "setup: $*" >&2; }
 while [ $# -gt 0 ]; do
   case "$1" in
     --tests) with_tests=yes ;;
+    --fuzz) with_fuzz=yes ;;
     --fetch) fetch_only=yes ;;
     --downloads)
       [ $# -ge 2 ] || { echo "setup: --downloads needs a folder" >&2; exit 2; }
       downloads="$2"
       shift
       ;;
-    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) echo "setup: unknown option '$1'; known: --tests, --downloads DIR, --fetch" >&2; exit 2 ;;
+    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "setup: unknown option '$1'; known: --tests, --fuzz, --downloads DIR, --fetch" >&2; exit 2 ;;
   esac
   shift
 done
@@ -47,6 +50,7 @@ packages=(
   sweethome3d-furniture
 )
 [ "$with_tests" = no ] || packages+=(chromium python3-numpy slurm-wlm munge man-db debootstrap)
+[ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev)
 
 # 1. Debian's packages.
 as_root() {

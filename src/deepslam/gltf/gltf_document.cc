@@ -217,7 +217,7 @@ class DocumentReader {
     accessor.count = Whole(object, "count", place, 0);
     accessor.component_type = static_cast<int>(
         std::min<std::uint64_t>(Whole(object, "componentType", place, 0), 1U << 16));
-    accessor.component_bytes = ComponentBytes(accessor.component_type);
+    accessor.component_bytes = ComponentBytes(static_cast<std::uint64_t>(accessor.component_type));
     accessor.num_components = NumComponents(Text(object, "type"));
     if (accessor.component_bytes == 0) findings_.Error(place + ".componentType", "unknown");
     if (accessor.num_components == 0) findings_.Error(place + ".type", "unknown");

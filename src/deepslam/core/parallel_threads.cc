@@ -1,0 +1,78 @@
+// Takes parallel.cc's place in builds with ThreadSanitizer, which knows nothing of what the packaged
+// oneTBB does between threads: plain threads, and nothing that orders one body after another, so
+// that every two bodies that touch the same memory are seen.
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "deepslam/core/parallel.h"
+
+namespace deepslam {
+namespace {
+
+// Even where there are fewer cores.
+constexpr std::size_t kFewestThreads = 2;
+constexpr std::size_t kMostThreads = 4;
+
+thread_local bool alone = false;
+
+std::size_t NumThreads() {
+  const std::size_t bound =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  if (alone) return 1;
+  return std::clamp(bound, kFewestThreads, kMostThreads);
+}
+
+}  // namespace
+
+struct ThreadLimit::Impl {
+  std::unique_ptr<tbb::global_control> control;
+};
+
+ThreadLimit::ThreadLimit(int num_threads) : impl_(new Impl) {
+  if (num_threads > 0) {
+    impl_->control = std::make_unique<tbb::global_control>(
+        tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(num_threads));
+  }
+}
+
+ThreadLimit::~ThreadLimit() { delete impl_; }
+
+void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body) {
+  std::atomic<std::size_t> next = 0;
+  // A loop inside a body stays on its thread.
+  const auto work = [&] {
+    const bool was_alone = std::exchange(alone, true);
+    for (std::size_t i = next.fetch_add(1, std::memory_order_relaxed); i < count;
+         i = next.fetch_add(1, std::memory_order_relaxed)) {
+      body(i);
+    }
+    alone = was_alone;
+  };
+  std::vector<std::thread> others;
+  for (std::size_t n = 1; n < std::min(NumThreads(), count); ++n) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+}
+
+void ParallelForChunks(std::size_t count,
+                       std::size_t chunk,
+                       const std::function<void(std::size_t, std::size_t)>& body) {
+  const std::size_t num_chunks = (count + chunk - 1) / chunk;
+  ParallelFor(num_chunks,
+              [&](std::size_t c) { body(c * chunk, std::min(count, (c + 1) * chunk)); });
+}
+
+void OnOneThread(const std::function<void()>& body) {
+  const bool was_alone = std::exchange(alone, true);
+  tbb::task_arena(1).execute([&] { body(); });
+  alone = was_alone;
+}
+
+}  // namespace deepslam
