@@ -13,14 +13,20 @@ constexpr auto kVoxel = static_cast<float>(kVoxelSize);
 bool Occluded(const VoxelGrid& grid,
               const Eigen::Vector3f& start,
               const Eigen::Vector3f& direction) {
-  constexpr float kBlind = 1.2F * kVoxel;  // the stairs of a slanted face do not hide one another
-  constexpr float kStep = 0.5F * kVoxel;
-  for (float t = kBlind;; t += kStep) {
-    const Eigen::Array3i voxel =
-        ((start + t * direction).array() / kVoxel + 0.5F * kGridSize).floor().cast<int>();
-    if (!VoxelGrid::Contains(voxel.x(), voxel.y(), voxel.z())) return false;
-    if (grid.At(voxel.x(), voxel.y(), voxel.z())) return true;
+  constexpr float kBlind = 1.2F;  // voxels: the stairs of a slanted face do not hide one another
+  constexpr float kStep = 0.5F;   // voxels
+  constexpr float kGrid = kGridSize;
+  const Eigen::Vector3f step = kStep * direction;
+  // Voxel units, the grid's corner being 0.
+  Eigen::Vector3f at =
+      start / kVoxel + Eigen::Vector3f::Constant(0.5F * kGrid) + kBlind * direction;
+  while (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < kGrid && at.y() < kGrid &&
+         at.z() < kGrid) {
+    if (grid.At(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())))
+      return true;
+    at += step;
   }
+  return false;
 }
 
 // Whether the camera sees one of the free faces of the surface point's voxel. The voxel's own faces
