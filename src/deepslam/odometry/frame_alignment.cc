@@ -32,9 +32,12 @@ constexpr double kConvergedDistanceM = 2.0;
 // Descents closer together than this converge to the same place.
 constexpr double kSamePlaceM = 0.005;
 constexpr double kSamePlaceRad = 0.005;
-// Depth errors are shared between neighbouring texels (see `correlation_length_px`): the descent at
-// the finest level loses little by leaving out every second row and column.
-constexpr int kFinestStride = 2;
+// Depth errors are shared between neighbouring texels (see `correlation_length_px`): at levels of
+// this width little is lost by leaving out every second row and column.
+constexpr int kWideLevel = 240;
+constexpr int kWideStride = 2;
+// Places along open directions are compared on every second row and column of the coarsest level.
+constexpr int kSearchStride = 2;
 // Scale at which competing starts are compared.
 constexpr float kJudgeScale = 3.0F;
 // Share of the strongest direction's information below which depth leaves a direction open: along a
@@ -44,7 +47,7 @@ constexpr double kOpenRatio = 0.02;
 constexpr double kOpenStepPx = 0.75;
 constexpr int kNumOpenSteps = 10;
 // Fewer photometric residuals say nothing about the images' agreement.
-constexpr int kMinPhotometricResiduals = 300;
+constexpr int kMinPhotometricResiduals = 75;
 // Images that are as like as this are of the same place; then depth may be this much worse than
 // asked, since the sensor's noise is known roughly only.
 constexpr double kLikeImages = 0.9;
@@ -55,6 +58,8 @@ double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int
   const double length_px = length_at_640_px * level.camera.width / (640.0 * stride);
   return std::max(1.0, length_px * length_px);
 }
+
+int Stride(const PyramidLevel& level) { return level.camera.width >= kWideLevel ? kWideStride : 1; }
 
 std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
   std::size_t count = 1;
@@ -164,8 +169,10 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
 double Support(const PyramidLevel& i,
                const PyramidLevel& j,
                const Descent& descent,
-               const AlignmentOptions& options) {
+               const AlignmentOptions& options,
+               int stride = 1) {
   AlignmentGates gates = LevelGates(options, 0);
+  gates.stride = stride;
   gates.geometric_scale = kJudgeScale;
   gates.judge_only = true;
   const AlignmentSystem system =
@@ -202,16 +209,17 @@ Descent SearchOpenDirections(const PyramidLevel& i,
     const double step_m = kOpenStepPx * MeanDepthM(j) / j.camera.fx;
     const Descent centre = best;
     Descent tried = centre;
-    double tried_support = best_support;
+    double tried_support = Support(i, j, centre, options, kSearchStride);
     for (int n = -kNumOpenSteps; n <= kNumOpenSteps; ++n) {
       Descent moved = centre;
       moved.i_from_j = V2t(n * step_m * direction) * centre.i_from_j;
-      const double support = Support(i, j, moved, options);
-      if (n == 0 || support <= tried_support) continue;
+      if (n == 0) continue;
+      const double support = Support(i, j, moved, options, kSearchStride);
+      if (support <= tried_support) continue;
       tried = moved;
       tried_support = support;
     }
-    if (tried_support <= best_support) continue;
+    if (SamePlace(tried.i_from_j, centre.i_from_j)) continue;
     tried.start_i_from_j = tried.i_from_j;
     Descend(i, j, options, tried);
     tried_support = Support(i, j, tried, options);
@@ -257,9 +265,11 @@ JudgedHessian Judge(const AlignmentSystem& system,
                     const PyramidLevel& finest,
                     const AlignmentOptions& options) {
   const Matrix6d& photometric = system.photometric_hessian;
+  const int stride = Stride(finest);
   const Matrix6d raw =
-      (system.hessian - photometric) / CorrelationFactor(finest, options.correlation_length_px) +
-      photometric / CorrelationFactor(finest, options.photometric_correlation_length_px);
+      (system.hessian - photometric) /
+          CorrelationFactor(finest, options.correlation_length_px, stride) +
+      photometric / CorrelationFactor(finest, options.photometric_correlation_length_px, stride);
   const std::optional<Vector6d> scale = ArcScale(raw);
   if (!scale) return {};
   const Matrix6d scaled =
@@ -341,12 +351,11 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     gates.photometric_scale = 2 * descent.gates.photometric_scale;
     gates.gain = descent.gates.gain;
     gates.bias = descent.gates.bias;
-    if (level == 0) gates.stride = kFinestStride;
+    gates.stride = Stride(j.levels[level]);
     descent.gates = gates;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
   descent.gates.cross_normals = true;
-  descent.gates.stride = 1;
   descent.system = BuildAlignmentSystem(
       i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
   FrameAlignment result = Conclude(descent, j.levels.front(), options);

@@ -199,45 +199,70 @@ std::vector<float> SmoothDepth(const std::vector<float>& depth,
   return result;
 }
 
-// True where three texels in a row or column lie on one surface: a slope is fine, a step or crease
-// is not.
-bool Smooth(float before, float centre, float after, float tolerance) {
-  return before > 0 && after > 0 && std::abs(before + after - 2 * centre) <= tolerance;
-}
+// One row of normals, one array per quantity so that the loop is vectorised.
+struct SurfaceRow {
+  explicit SurfaceRow(int width)
+      : nx(static_cast<std::size_t>(width)), ny(nx.size()), nz(nx.size()), offset_m(nx.size()) {}
+  std::vector<float> nx, ny, nz, offset_m;
+};
 
-SurfaceTexel SurfaceAt(const PyramidLevel& level, int u, int v, const DepthNoise& noise) {
+// A texel has a normal where the three texels in its row and in its column lie on one surface, a
+// slope being fine, a step or crease not, and that surface is not too oblique.
+void ComputeRow(const PyramidLevel& level, int v, const DepthNoise& noise, SurfaceRow& row) {
   const PinholeCamera& camera = level.camera;
-  const float* depth = level.depth_m.data() + Offset(camera, u, v);
-  const float z = *depth;
-  if (z <= 0) return {};
-  const float tolerance = 2 * kSameSurfaceSigmas * noise.SigmaM(z) * 0.5F + 0.005F * z;
-  const float left = depth[-1], right = depth[1], up = depth[-camera.width],
-              down = depth[camera.width];
-  if (!Smooth(left, z, right, tolerance) || !Smooth(up, z, down, tolerance)) return {};
+  const float* const depth = level.depth_m.data() + Offset(camera, 0, v);
+  const float* const above = depth - camera.width;
+  const float* const below = depth + camera.width;
   const float inverse_fx = static_cast<float>(1.0 / camera.fx);
   const float inverse_fy = static_cast<float>(1.0 / camera.fy);
-  const float x = (static_cast<float>(u) - static_cast<float>(camera.cx)) * inverse_fx;
+  const float cx = static_cast<float>(camera.cx);
   const float y = (static_cast<float>(v) - static_cast<float>(camera.cy)) * inverse_fy;
-  // Differences of the neighbours' points.
-  const Eigen::Vector3f along_u(
-      (x + inverse_fx) * right - (x - inverse_fx) * left, y * (right - left), right - left);
-  const Eigen::Vector3f along_v(
-      x * (down - up), (y + inverse_fy) * down - (y - inverse_fy) * up, down - up);
-  // v x u points towards the camera, as y is down and z forward.
-  const Eigen::Vector3f cross = along_v.cross(along_u);
-  const float norm = cross.norm();
-  const Eigen::Vector3f ray(x, y, 1);
-  const float towards = -cross.dot(ray);
-  if (!(norm > 0) || towards < kMinCosine * norm * ray.norm()) return {};
-  const Eigen::Vector3f normal = cross / norm;
-  return {normal.x(), normal.y(), normal.z(), z * normal.dot(ray)};
+  const float base = kSameSurfaceSigmas * static_cast<float>(noise.base_m);
+  const float growth = kSameSurfaceSigmas * static_cast<float>(noise.growth_per_m);
+  float* const nx = row.nx.data();
+  float* const ny = row.ny.data();
+  float* const nz = row.nz.data();
+  float* const offset_m = row.offset_m.data();
+  const int last = camera.width - 1;
+#pragma GCC ivdep
+  for (int u = 1; u < last; ++u) {
+    const float z = depth[u];
+    const float left = depth[u - 1], right = depth[u + 1], up = above[u], down = below[u];
+    const float tolerance = base + growth * (z - 0.4F) * (z - 0.4F) + 0.005F * z;
+    const float x = (static_cast<float>(u) - cx) * inverse_fx;
+    // Differences of the neighbours' points; v x u points towards the camera, as y is down and z
+    // forward.
+    const float ux = (x + inverse_fx) * right - (x - inverse_fx) * left;
+    const float uy = y * (right - left), uz = right - left;
+    const float vx = x * (down - up), vz = down - up;
+    const float vy = (y + inverse_fy) * down - (y - inverse_fy) * up;
+    const float cross_x = vy * uz - vz * uy;
+    const float cross_y = vz * ux - vx * uz;
+    const float cross_z = vx * uy - vy * ux;
+    const float norm = std::sqrt(cross_x * cross_x + cross_y * cross_y + cross_z * cross_z);
+    const float along = cross_x * x + cross_y * y + cross_z;
+    const float ray = std::sqrt(x * x + y * y + 1.0F);
+    const bool has_normal = (z > 0) & (left > 0) & (right > 0) & (up > 0) & (down > 0) &
+                            (norm > 0) & (std::abs(left + right - 2 * z) <= tolerance) &
+                            (std::abs(up + down - 2 * z) <= tolerance) &
+                            (-along >= kMinCosine * norm * ray);
+    const float inverse_norm = has_normal ? 1.0F / norm : 0.0F;
+    nx[u] = cross_x * inverse_norm;
+    ny[u] = cross_y * inverse_norm;
+    nz[u] = cross_z * inverse_norm;
+    offset_m[u] = z * along * inverse_norm;
+  }
 }
 
 void ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
   level.surface.assign(NumTexels(level.camera), {});
+  SurfaceRow row(level.camera.width);
   for (int v = 1; v + 1 < level.camera.height; ++v) {
+    ComputeRow(level, v, noise, row);
+    SurfaceTexel* const texel = level.surface.data() + Offset(level.camera, 0, v);
     for (int u = 1; u + 1 < level.camera.width; ++u) {
-      level.surface[Offset(level.camera, u, v)] = SurfaceAt(level, u, v, noise);
+      const std::size_t k = static_cast<std::size_t>(u);
+      texel[u] = {row.nx[k], row.ny[k], row.nz[k], row.offset_m[k]};
     }
   }
 }

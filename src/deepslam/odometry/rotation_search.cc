@@ -1,8 +1,10 @@
 #include "deepslam/odometry/rotation_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -20,42 +22,108 @@ struct Shift {
   double correlation = -1;
 };
 
-// Normalised cross-correlation of I_j(u, v) with I_i(u + shift).
-double Correlation(const PyramidLevel& i, const PyramidLevel& j, int shift_u, int shift_v) {
-  const int width = i.camera.width, height = i.camera.height;
-  float n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  for (int v = std::max(0, -shift_v); v < std::min(height, height - shift_v); ++v) {
-    const IntensityTexel* source = j.intensity.data() + static_cast<std::ptrdiff_t>(v) * width;
-    const IntensityTexel* target =
-        i.intensity.data() + static_cast<std::ptrdiff_t>(v + shift_v) * width + shift_u;
-    for (int u = std::max(0, -shift_u); u < std::min(width, width - shift_u); ++u) {
-      // Centred on mid-grey, so that single precision does for the sums.
-      const float x = source[u].value - 128.0F, y = target[u].value - 128.0F;
-      n += 1, a += x, b += y, aa += x * x, bb += y * y, ab += x * y;
+// Intensities centred on mid-grey, so that single precision does for the sums, and the sums over
+// every upper left rectangle of them and of their squares.
+class CentredImage {
+ public:
+  explicit CentredImage(const PyramidLevel& level)
+      : width_(level.camera.width),
+        height_(level.camera.height),
+        values_(level.intensity.size()),
+        sums_(static_cast<std::size_t>(width_ + 1) * static_cast<std::size_t>(height_ + 1)),
+        squares_(sums_.size()) {
+    for (int v = 0; v < height_; ++v) {
+      double sum = 0, square = 0;
+      for (int u = 0; u < width_; ++u) {
+        const std::size_t at = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
+                               static_cast<std::size_t>(u);
+        values_[at] = level.intensity[at].value - 128.0F;
+        const double value = static_cast<double>(values_[at]);
+        sum += value;
+        square += value * value;
+        sums_[Corner(u + 1, v + 1)] = sums_[Corner(u + 1, v)] + sum;
+        squares_[Corner(u + 1, v + 1)] = squares_[Corner(u + 1, v)] + square;
+      }
     }
   }
-  if (n < 1) return -1;
-  const double count = static_cast<double>(n);
-  const double var_a =
-      static_cast<double>(aa) / count - std::pow(static_cast<double>(a) / count, 2);
-  const double var_b =
-      static_cast<double>(bb) / count - std::pow(static_cast<double>(b) / count, 2);
-  const double covariance = static_cast<double>(ab) / count -
-                            static_cast<double>(a) / count * (static_cast<double>(b) / count);
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] const float* row(int v) const {
+    return values_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+  }
+  // Over columns [u0, u0 + width) and rows [v0, v0 + height).
+  [[nodiscard]] double Sum(int u0, int v0, int width, int height) const {
+    return Over(sums_, u0, v0, width, height);
+  }
+  [[nodiscard]] double SumOfSquares(int u0, int v0, int width, int height) const {
+    return Over(squares_, u0, v0, width, height);
+  }
+
+ private:
+  [[nodiscard]] std::size_t Corner(int u, int v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_ + 1) +
+           static_cast<std::size_t>(u);
+  }
+  [[nodiscard]] double Over(
+      const std::vector<double>& sums, int u0, int v0, int width, int height) const {
+    return sums[Corner(u0 + width, v0 + height)] - sums[Corner(u0, v0 + height)] -
+           sums[Corner(u0 + width, v0)] + sums[Corner(u0, v0)];
+  }
+
+  int width_;
+  int height_;
+  std::vector<float> values_;
+  std::vector<double> sums_;
+  std::vector<double> squares_;
+};
+
+// In eight partial sums: one order whatever the vector width.
+float Dot(const float* a, const float* b, int size) {
+  constexpr int kLanes = 8;
+  std::array<float, kLanes> lanes{};
+  int k = 0;
+  for (; k + kLanes <= size; k += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane)
+      lanes[static_cast<std::size_t>(lane)] += a[k + lane] * b[k + lane];
+  }
+  float sum = 0;
+  for (; k < size; ++k) sum += a[k] * b[k];
+  for (const float lane : lanes) sum += lane;
+  return sum;
+}
+
+// Normalised cross-correlation of I_j(u, v) with I_i(u + shift).
+double Correlation(const CentredImage& i, const CentredImage& j, int shift_u, int shift_v) {
+  const int u0 = std::max(0, -shift_u), v0 = std::max(0, -shift_v);
+  const int width = i.width() - std::abs(shift_u), height = i.height() - std::abs(shift_v);
+  if (width < 1 || height < 1) return -1;
+  double product = 0;
+  for (int v = v0; v < v0 + height; ++v) {
+    product += static_cast<double>(Dot(j.row(v) + u0, i.row(v + shift_v) + u0 + shift_u, width));
+  }
+  const double count = static_cast<double>(width) * height;
+  const double mean_j = j.Sum(u0, v0, width, height) / count;
+  const double mean_i = i.Sum(u0 + shift_u, v0 + shift_v, width, height) / count;
+  const double var_j = j.SumOfSquares(u0, v0, width, height) / count - mean_j * mean_j;
+  const double var_i =
+      i.SumOfSquares(u0 + shift_u, v0 + shift_v, width, height) / count - mean_i * mean_i;
   // Below one grey level of spread there is nothing to correlate.
-  return var_a > 1 && var_b > 1 ? covariance / std::sqrt(var_a * var_b) : -1;
+  if (!(var_i > 1 && var_j > 1)) return -1;
+  return (product / count - mean_i * mean_j) / std::sqrt(var_i * var_j);
 }
 
 Shift BestShift(const PyramidLevel& i, const PyramidLevel& j) {
   const int max_u = static_cast<int>(kMaxShiftShare * i.camera.width);
   const int max_v = static_cast<int>(kMaxShiftShare * i.camera.height);
+  const CentredImage centred_i(i), centred_j(j);
   Shift best;
   for (int v = -max_v; v <= max_v; ++v) {
     for (int u = -max_u; u <= max_u; ++u) {
       // Small overlaps correlate by chance: shrink them.
       const double overlap = (1 - std::abs(u) / static_cast<double>(i.camera.width)) *
                              (1 - std::abs(v) / static_cast<double>(i.camera.height));
-      const double correlation = Correlation(i, j, u, v) * std::sqrt(overlap);
+      const double correlation = Correlation(centred_i, centred_j, u, v) * std::sqrt(overlap);
       if (correlation > best.correlation) best = {u, v, correlation};
     }
   }
