@@ -21,6 +21,43 @@ void AppendNumber(std::int64_t value, std::string& text) {
   }
 }
 
+// The runs, which fill the mask exactly; nothing as large as the mask is needed to know that.
+Result<std::vector<std::int64_t>> DecodeRuns(std::string_view counts, int width, int height) {
+  const std::int64_t total = static_cast<std::int64_t>(width) * height;
+  std::vector<std::int64_t> runs;
+  std::int64_t filled = 0;
+  std::size_t at = 0;
+  while (at < counts.size()) {
+    std::int64_t value = 0;
+    int shift = 0;
+    bool more = true;
+    while (more) {
+      if (at >= counts.size() || shift > 35)
+        return InvalidInput("mask's run lengths are cut off or too long");
+      const int bits = counts[at++] - 48;
+      if (bits < 0 || bits > 63)
+        return InvalidInput("mask's run lengths hold a character outside the COCO code");
+      value |= static_cast<std::int64_t>(bits & 0x1f) << shift;
+      shift += 5;
+      more = (bits & 0x20) != 0;
+      if (!more && (bits & 0x10) != 0) value |= -(std::int64_t{1} << shift);
+    }
+    const std::size_t index = runs.size();
+    if (index > 2) value += runs[index - 2];
+    if (value < 0 || value > total - filled) {
+      return InvalidInput(fmt::format(
+          "mask's run {} of {} pixels does not fit {} x {}", index, value, width, height));
+    }
+    filled += value;
+    runs.push_back(value);
+  }
+  if (filled != total) {
+    return InvalidInput(
+        fmt::format("mask's runs cover {} pixels of {} x {}", filled, width, height));
+  }
+  return runs;
+}
+
 }  // namespace
 
 std::string EncodeRle(const Mask& mask) {
@@ -50,43 +87,17 @@ Result<Mask> DecodeRle(std::string_view counts, int width, int height) {
   if (width <= 0 || height <= 0 || width > kMaxMaskPixels / height) {
     return InvalidInput(fmt::format("mask size {} x {} is out of range", width, height));
   }
+  const Result<std::vector<std::int64_t>> runs = DecodeRuns(counts, width, height);
+  if (!runs.ok()) return runs.error();
   Mask mask(width, height);
-  const std::int64_t total = static_cast<std::int64_t>(width) * height;
   std::int64_t filled = 0;
-  std::int64_t previous[2] = {0, 0};  // the runs two and one before
-  std::size_t at = 0;
-  for (std::size_t index = 0; at < counts.size(); ++index) {
-    std::int64_t value = 0;
-    int shift = 0;
-    bool more = true;
-    while (more) {
-      if (at >= counts.size() || shift > 35)
-        return InvalidInput("mask's run lengths are cut off or too long");
-      const int bits = counts[at++] - 48;
-      if (bits < 0 || bits > 63)
-        return InvalidInput("mask's run lengths hold a character outside the COCO code");
-      value |= static_cast<std::int64_t>(bits & 0x1f) << shift;
-      shift += 5;
-      more = (bits & 0x20) != 0;
-      if (!more && (bits & 0x10) != 0) value |= -(std::int64_t{1} << shift);
-    }
-    if (index > 2) value += previous[0];
-    if (value < 0 || value > total - filled) {
-      return InvalidInput(fmt::format(
-          "mask's run {} of {} pixels does not fit {} x {}", index, value, width, height));
-    }
+  for (std::size_t index = 0; index < runs->size(); ++index) {
+    const std::int64_t end = filled + (*runs)[index];
     if (index % 2 == 1) {
-      for (std::int64_t p = filled; p < filled + value; ++p) {
+      for (std::int64_t p = filled; p < end; ++p)
         mask(static_cast<int>(p / height), static_cast<int>(p % height)) = 1;
-      }
     }
-    filled += value;
-    previous[0] = previous[1];
-    previous[1] = value;
-  }
-  if (filled != total) {
-    return InvalidInput(
-        fmt::format("mask's runs cover {} pixels of {} x {}", filled, width, height));
+    filled = end;
   }
   return mask;
 }

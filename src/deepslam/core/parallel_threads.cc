@@ -2,7 +2,6 @@
 // oneTBB does between threads: plain threads, and nothing that orders one body after another, so
 // that every two bodies that touch the same memory are seen.
 #include <algorithm>
-#include <atomic>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -45,19 +44,17 @@ ThreadLimit::ThreadLimit(int num_threads) : impl_(new Impl) {
 ThreadLimit::~ThreadLimit() { delete impl_; }
 
 void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body) {
-  std::atomic<std::size_t> next = 0;
-  // A loop inside a body stays on its thread.
-  const auto work = [&] {
+  const std::size_t num_threads = std::min(NumThreads(), count);
+  // Dealt out beforehand: every thread has bodies, however soon the first one is done. A loop inside
+  // a body stays on its thread.
+  const auto work = [&](std::size_t thread) {
     const bool was_alone = std::exchange(alone, true);
-    for (std::size_t i = next.fetch_add(1, std::memory_order_relaxed); i < count;
-         i = next.fetch_add(1, std::memory_order_relaxed)) {
-      body(i);
-    }
+    for (std::size_t i = thread; i < count; i += num_threads) body(i);
     alone = was_alone;
   };
   std::vector<std::thread> others;
-  for (std::size_t n = 1; n < std::min(NumThreads(), count); ++n) others.emplace_back(work);
-  work();
+  for (std::size_t n = 1; n < num_threads; ++n) others.emplace_back(work, n);
+  if (count > 0) work(0);
   for (std::thread& other : others) other.join();
 }
 
