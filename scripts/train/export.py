@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Weights become what the program runs: sketch.onnx, encoder.onnx, decoder.onnx and MODEL_CARD.md.
 
-    export.py --config CLASS.yaml --weights WEIGHTS.pt --scores SCORES.json --curve CURVE.json --data VIEWS --out FOLDER
+    export.py --config CLASS.yaml --weights WEIGHTS.pt --scores SCORES.json --curve CURVE.json --data VIEWS [--credit TEXT] --out FOLDER
 
 Weights are stored as 16-bit floats and computed with as 32-bit ones. ONNX Runtime must give the numbers that PyTorch
 gives with the same rounded weights, or nothing is written.
@@ -69,11 +69,11 @@ def export(module, inputs, names_in, names_out, file, metadata):
     return worst
 
 
-def card(config, scores, curve, heads, worst, weights):
+def card(config, scores, curve, heads, given, worst, weights):
     names = collections.OrderedDict([("colour_and_depth", "colour and depth crop"), ("colour", "colour crop alone")])
     models = [m for head in heads for m in head["models"]]
     source = collections.Counter((m["source"], m["split"]) for m in models)
-    credits = sorted({m["credit"] for m in models if m["source"] != "generated"})
+    credits = sorted(set(given) | {m["credit"] for m in models if m["source"] == "catalogue"})
     lines = [f"# Shape prior: {config['class']}", "",
              "Three networks: `sketch.onnx` (crop to depth, normals, silhouette), `encoder.onnx` (crop and sketch to 100 "
              "latents and viewpoint), `decoder.onnx` (latents to 64^3). Made by `scripts/train/train.sh "
@@ -114,12 +114,15 @@ def main():
     for name in ("config", "weights", "scores", "curve", "out"):
         parser.add_argument(f"--{name}", required=True)
     parser.add_argument("--data", action="append", required=True)
+    parser.add_argument("--credit", action="append", default=[], help="of meshes of yours: makers and licence, for the card")
     arguments = parser.parse_args()
     config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
     scores = json.loads(pathlib.Path(arguments.scores).read_text(encoding="utf-8"))
     curve = json.loads(pathlib.Path(arguments.curve).read_text(encoding="utf-8"))
     heads = [json.loads((pathlib.Path(folder) / "training_views.json").read_text(encoding="utf-8"))
              for folder in arguments.data]
+    if not arguments.credit and any(m["source"] == "folder" for head in heads for m in head["models"]):
+        raise SystemExit("--credit: meshes of a folder took part; say who made them and under which licence")
     model = nets.load(arguments.weights, config["width"])
     round_weights(model)
     torch.manual_seed(1)
@@ -136,7 +139,7 @@ def main():
                dict(common, role="decoder", **thresholds)))
     weights = ", ".join(f"{name} {sum(p.numel() for p in getattr(model, name).parameters()) / 1e6:.2f} M"
                         for name in ("sketch", "encoder", "decoder"))
-    (out / "MODEL_CARD.md").write_text(card(config, scores, curve, heads, worst, weights), encoding="utf-8")
+    (out / "MODEL_CARD.md").write_text(card(config, scores, curve, heads, arguments.credit, worst, weights), encoding="utf-8")
     print(f"{out}: {sum(f.stat().st_size for f in out.glob('*.onnx')) / 1e6:.1f} MB, largest difference {worst:.1e}")
 
 

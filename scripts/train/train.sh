@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # From nothing to the networks of one class: data, training, scores, ONNX files and model card. Run again after a stop: what
 # is there is kept, training goes on where it was.
-#   scripts/train/train.sh CLASS [--minutes M] [--steps N] [--device cpu|cuda] [--threads N] [--meshes FOLDER] [--start-from weights.pt]
+#   scripts/train/train.sh CLASS [--minutes M] [--steps N] [--device cpu|cuda] [--threads N] [--meshes FOLDER --credit TEXT] [--start-from weights.pt]
 # Environment: DEEPSLAM_PROGRAM (the built program), DEEPSLAM_TRAIN (folder of data and checkpoints), PYTHON.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -17,9 +17,11 @@ program="${DEEPSLAM_PROGRAM:-$root/build/release/tools/deepslam}"
 work="${DEEPSLAM_TRAIN:-$root/out/train}/$class"
 python="${PYTHON:-}"
 meshes=()
+credits=()
 training=()
 while [ $# -gt 0 ]; do
   case "$1" in
+    --credit) credits+=(--credit "$2"); shift 2 ;;
     --meshes) meshes+=(--meshes "$2"); shift 2 ;;
     --minutes|--device|--threads|--steps|--start-from) training+=("$1" "$2"); shift 2 ;;
     *) echo "unknown option $1" >&2; exit 2 ;;
@@ -42,4 +44,4 @@ mkdir -p "$work"
 "$python" "$here/train.py" "$config" --data "$work/views" --out "$work/run" "${training[@]}"
 "$python" "$here/scores.py" --config "$config" --weights "$work/run/weights.pt" --train "$work/views" --test "$work/test" --out "$work/run"
 "$python" "$here/export.py" --config "$config" --weights "$work/run/weights.pt" --scores "$work/run/scores.json" \
-  --curve "$work/run/curve.json" --data "$work/views" --out "$root/configs/priors/$class"
+  --curve "$work/run/curve.json" --data "$work/views" "${credits[@]}" --out "$root/configs/priors/$class"
