@@ -8,7 +8,7 @@ find_package(OpenSSL REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio)
+find_package(OpenCV REQUIRED COMPONENTS core features2d imgproc imgcodecs videoio)
 find_package(ZLIB REQUIRED)
 find_package(Ceres REQUIRED)
 # CGAL brings a FindOpenMesh of its own that fails here: look for the package's own configuration, first.

@@ -220,7 +220,8 @@ inline Loops SampleLoops() {
             true,
             "agrees"}},
           {{ObjectId{1}, ObjectId{5}}},
-          {{FrameIdx{0}, FrameIdx{4}, SamplePose(random), SampleInformation(random), true}}};
+          {{FrameIdx{0}, FrameIdx{4}, SamplePose(random), SampleInformation(random), true}},
+          {{FrameIdx{1}, FrameIdx{9}, SamplePose(random), 41, 3, 0.9, true, "agrees"}}};
 }
 
 inline artifact::OptimizationRecord SampleOptimization() {

@@ -146,6 +146,49 @@ TEST(OptimizeGraph, ObjectsStandOnTheGround) {
   EXPECT_NE(hanging.map.objects[2].note.find("does not stand"), std::string::npos);
 }
 
+// A leaning camera walks 100 m and sees the floor all the way: tracking alone climbs by metres.
+TEST(OptimizeGraph, TheGroundKeepsAHundredMetresLevel) {
+  Random random(21);
+  World world;
+  const Eigen::Quaterniond roll(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
+  Pose3 tracked;
+  for (int k = 0; k <= 200; ++k) {
+    Pose3 truth = testing_support::LookAlong({0.5 * k, 0, 1.4}, 0.2 * std::sin(0.1 * k), 0.5);
+    truth.rotation = (truth.rotation * roll).normalized();
+    if (k > 0) {
+      const Pose3 measured = world.world_from_camera.back().Inverse() * truth *
+                             testing_support::Disturbance(random, 0.001, 0.005);
+      tracked = tracked * measured;
+      world.odometry.edges.push_back({FrameIdx{k - 1},
+                                      FrameIdx{k},
+                                      measured,
+                                      testing_support::Information(0.001, 0.005),
+                                      false});
+    }
+    world.world_from_camera.push_back(truth);
+    world.odometry.keyframes.push_back(FrameIdx{k});
+    world.odometry.frames.push_back(
+        {FrameIdx{k}, 0.1 * k, tracked, TrackingStatus::kTracked, FrameIdx{k}, 0.002, 0.9});
+    const Eigen::Vector3d deviation(0.002, 0.002, 0.005);
+    world.ground.observations.push_back({FrameIdx{k},
+                                         Transformed(truth.Inverse(), Plane{}),
+                                         deviation.cwiseAbs2().cwiseInverse().asDiagonal(),
+                                         10000});
+  }
+  world.ground.plane_world = world.ground.observations.front().plane_camera;
+  const Plane floor = *world.ground.plane_world;
+  EXPECT_GT(std::abs(floor.SignedDistance(tracked.translation_m) - 1.4), 0.5);
+  const OptimizedMap map = Optimize(world);
+  for (std::size_t k = 0; k < map.frames.size(); ++k) {
+    const Pose3& camera = map.frames[k].world_from_camera;
+    EXPECT_NEAR(camera.translation_m.z(), 1.4, 0.02) << k;
+    const Eigen::Vector3d up_camera = camera.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d true_up =
+        world.world_from_camera[k].rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    EXPECT_LT((up_camera - true_up).norm(), 0.01) << k;
+  }
+}
+
 TEST(OptimizeGraph, AFreeYawDoesNotDisturb) {
   World world = MakeWorld(60, 5, 2, {0.002, 0.002, 0.01, 0.01});
   Random random(5);

@@ -8,12 +8,18 @@ started from the chain of its odometry. Both solvers minimise sum r^T I r with r
 rotation vector; GTSAM is given this residual, with its derivatives, as a factor of its own, since its own BetweenFactor
 takes the logarithm of SE(3). Skipped (77) without the Python package `gtsam` (pip install gtsam).
 """
+import argparse
 import pathlib
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("solve", metavar="SOLVE_G2O", help="the program deepslam_solve_g2o")
+parser.add_argument("--size", type=int, default=1, help="factor on the graphs' sizes (default: 1)")
+ARGUMENTS = parser.parse_args()
 
 try:
     import gtsam
@@ -22,8 +28,7 @@ except ImportError:
     print("gtsam is not installed (pip install gtsam): skipped", file=sys.stderr)
     sys.exit(77)
 
-SOLVE = sys.argv[1]
-SIZE = int(sys.argv[sys.argv.index("--size") + 1]) if "--size" in sys.argv else 1
+SOLVE, SIZE = ARGUMENTS.solve, ARGUMENTS.size
 TRANSLATION_M, ROTATION_RAD = 0.05, 0.02
 
 

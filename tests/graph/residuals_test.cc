@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
+#include "deepslam/geometry/plane.h"
 #include "deepslam/graph/information.h"
 #include "deepslam/scene/ground.h"
 
@@ -78,6 +79,65 @@ TEST(Residuals, JacobiansAgreeWithNumericOnes) {
     EXPECT_LT((JacobianError<GroundResidual, 3, 7, 4>(ground, BlockOf(a), BlockOf(plane))), 1e-6);
     EXPECT_LT((JacobianError<UprightResidual, 3, 7, 4>({}, BlockOf(a), BlockOf(plane))), 1e-6);
     EXPECT_LT((JacobianError<StandResidual, 1, 7, 4>({-0.4}, BlockOf(a), BlockOf(plane))), 1e-6);
+  }
+}
+
+// A frame 100 m away under a camera that leans: derivatives by the rotation grow with the distance,
+// so that the difference is judged by their size.
+TEST(Residuals, JacobiansAgreeWithNumericOnesFarFromTheOrigin) {
+  Random random(17);
+  for (int n = 0; n < 20; ++n) {
+    Pose3 a = RandomPose(random, 5, 1.5);
+    Pose3 b = RandomPose(random, 5, 1.5);
+    a.translation_m += Eigen::Vector3d(80, -60, 0);
+    b.translation_m += Eigen::Vector3d(80, -60, 0);
+    const Plane plane{Eigen::Vector3d(0.1, 0.05, 1).normalized(), -4.0};
+    const Plane seen = Transformed(a.Inverse(), plane);
+    constexpr double kRelative = 1e-6;
+    constexpr double kArm_m = 100;
+    EXPECT_LT(
+        (JacobianError<PoseResidual, 6, 7, 7>(
+            {(a.Inverse() * b).Inverse() * RandomPose(random, 0.1, 0.1), Matrix6d::Identity()},
+            BlockOf(a),
+            BlockOf(b))),
+        kRelative * kArm_m);
+    EXPECT_LT((JacobianError<GroundResidual, 3, 7, 4>(
+                  {GroundTangentBasis(seen.normal), seen.d_m + 0.1, Eigen::Matrix3d::Identity()},
+                  BlockOf(a),
+                  BlockOf(plane))),
+              kRelative * kArm_m);
+    EXPECT_LT((JacobianError<UprightResidual, 3, 7, 4>({}, BlockOf(a), BlockOf(plane))), kRelative);
+    EXPECT_LT((JacobianError<StandResidual, 1, 7, 4>({-0.4}, BlockOf(a), BlockOf(plane))),
+              kRelative * kArm_m);
+  }
+}
+
+TEST(Residuals, AllAreZeroAtTheTruth) {
+  Random random(18);
+  const Plane plane{Eigen::Vector3d(0.1, 0.05, 1).normalized(), 0.7};
+  for (int n = 0; n < 20; ++n) {
+    Pose3 a = RandomPose(random, 100, 1.5);
+    const Pose3 b = RandomPose(random, 100, 1.5);
+    Vector6d pose;
+    PoseResidual{(a.Inverse() * b).Inverse(), Matrix6d::Identity()}(
+        BlockOf(a).data(), BlockOf(b).data(), pose.data());
+    EXPECT_LT(pose.norm(), 1e-12);
+    const Plane seen = Transformed(a.Inverse(), plane);
+    Eigen::Vector3d ground;
+    GroundResidual{GroundTangentBasis(seen.normal), seen.d_m, Eigen::Matrix3d::Identity()}(
+        BlockOf(a).data(), BlockOf(plane).data(), ground.data());
+    EXPECT_LT(ground.norm(), 1e-12);
+    // An object upright on the plane, at any yaw.
+    const Pose3 standing{
+        ShortestRotation(Eigen::Vector3d::UnitZ(), plane.normal) *
+            Eigen::AngleAxisd(random.Uniform(-3, 3), Eigen::Vector3d::UnitZ()),
+        a.translation_m - (plane.SignedDistance(a.translation_m) - 0.4) * plane.normal};
+    Eigen::Vector3d upright;
+    UprightResidual()(BlockOf(standing).data(), BlockOf(plane).data(), upright.data());
+    EXPECT_LT(upright.norm(), 1e-12);
+    double stand = 1;
+    StandResidual{-0.4}(BlockOf(standing).data(), BlockOf(plane).data(), &stand);
+    EXPECT_LT(std::abs(stand), 1e-12);
   }
 }
 

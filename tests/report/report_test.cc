@@ -4,9 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/core/base64.h"
 #include "deepslam/report/draw.h"
 #include "deepslam/report/explain.h"
-#include "deepslam/core/base64.h"
 #include "deepslam/report/html.h"
 #include "deepslam/report/plots.h"
 #include "deepslam/report/viewer_section.h"
@@ -43,6 +43,36 @@ TEST(RenderReport, SaysTheVerdictAndEveryObject) {
   EXPECT_THAT(page, HasSubstr("2 of 3 frames were lost"));
   EXPECT_THAT(page, HasSubstr("chair_01"));
   EXPECT_THAT(page, HasSubstr("<b>1</b> tracked, 0 with a weak direction, 2 lost"));
+}
+
+TEST(RenderReport, LoopsAreToldOfByTheirKind) {
+  ReportContent content = SmallContent();
+  EXPECT_THAT(RenderReport(content), HasSubstr("Places seen again</h2><p>None"));
+  Constellation two{{{ObjectId{1}, ObjectId{5}}, {ObjectId{2}, ObjectId{6}}}};
+  two.accepted = true;
+  two.reason = "objects <agree>";
+  Constellation one{{{ObjectId{3}, ObjectId{7}}}};
+  one.reason = "models overlap by 2 %";
+  content.loops.constellations = {one, two};
+  for (int k = 0; k < 4; ++k) {
+    content.loops.appearance.push_back({FrameIdx{10 + k},
+                                        FrameIdx{400 + k},
+                                        Pose3(),
+                                        40,
+                                        3,
+                                        0.9,
+                                        k > 0,
+                                        k > 0 ? "agree" : "alone"});
+  }
+  const std::string page = RenderReport(content);
+  EXPECT_THAT(page,
+              HasSubstr("<td>constellation<td>objects 05 is 01, 06 is 02<td>accepted<td>objects "
+                        "&lt;agree&gt;"));
+  EXPECT_THAT(page, HasSubstr("<td>duplicate<td>object 07 is 03<td>refused<td>models overlap"));
+  EXPECT_THAT(page,
+              HasSubstr("<td>appearance<td>frames 11 to 13 and frames 401 to 403, 3 pairs"
+                        "<td>accepted<td>agree"));
+  EXPECT_THAT(page, HasSubstr("<td>appearance<td>frame 10 and frame 400, 1 pair<td>refused"));
 }
 
 TEST(RenderReport, NamesFromOutsideStayText) {

@@ -89,7 +89,11 @@ TEST(Keys, EveryOptionBelongsToAStage) {
 TEST(Keys, AnOptionChangesItsOwnStagesOnly) {
   Config changed;
   changed.optimize.lambda_ground *= 2;
-  EXPECT_EQ(StagesThatDiffer({}, changed), std::set<std::string>{"optimize"});
+  // Loops by appearance are put through the graph as well.
+  EXPECT_EQ(StagesThatDiffer({}, changed), (std::set<std::string>{"loops", "optimize"}));
+  changed = {};
+  changed.appearance.min_inliers += 1;
+  EXPECT_EQ(StagesThatDiffer({}, changed), std::set<std::string>{"loops"});
   changed = {};
   changed.views.max_views += 1;
   EXPECT_EQ(StagesThatDiffer({}, changed),

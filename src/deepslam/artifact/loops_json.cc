@@ -6,7 +6,8 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/loops";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
+constexpr int kMostCorners = 1000000;
 
 JsonValue MergesToJson(const std::vector<ObjectMerge>& merges) {
   JsonArray rows;
@@ -37,6 +38,32 @@ JsonValue ConstellationToJson(const Constellation& constellation) {
   return JsonValue(std::move(row));
 }
 
+JsonValue AppearanceToJson(const AppearanceLoop& loop) {
+  JsonObject row;
+  row.emplace("old_keyframe", ToJson(loop.old_keyframe));
+  row.emplace("new_keyframe", ToJson(loop.new_keyframe));
+  row.emplace("old_from_new", ToJson(loop.old_from_new));
+  row.emplace("num_inliers", loop.num_inliers);
+  row.emplace("num_support", loop.num_support);
+  row.emplace("agreement", loop.agreement);
+  row.emplace("accepted", loop.accepted);
+  row.emplace("reason", loop.reason);
+  return JsonValue(std::move(row));
+}
+
+AppearanceLoop ReadAppearance(const JsonNode& row) {
+  AppearanceLoop loop;
+  loop.old_keyframe = ReadId<FrameIdx>(row["old_keyframe"]);
+  loop.new_keyframe = ReadId<FrameIdx>(row["new_keyframe"]);
+  loop.old_from_new = ReadPose(row["old_from_new"]);
+  loop.num_inliers = row["num_inliers"].Int(0, kMostCorners);
+  loop.num_support = row["num_support"].Int(0, kMostCorners);
+  loop.agreement = row["agreement"].Number();
+  loop.accepted = row["accepted"].Bool();
+  loop.reason = row["reason"].String();
+  return loop;
+}
+
 JsonValue EdgeToJson(const RelativePose& edge) {
   JsonObject row;
   row.emplace("i", ToJson(edge.i));
@@ -60,6 +87,9 @@ Result<std::string> EncodeLoops(const Loops& loops, std::string_view name) {
   document.emplace("constellations", std::move(constellations));
   document.emplace("merges", MergesToJson(loops.merges));
   document.emplace("edges", std::move(edges));
+  JsonArray appearance;
+  for (const AppearanceLoop& loop : loops.appearance) appearance.push_back(AppearanceToJson(loop));
+  document.emplace("appearance", std::move(appearance));
   return DumpJson(std::move(document), name);
 }
 
@@ -86,6 +116,8 @@ Result<Loops> DecodeLoops(std::string_view text, std::string_view name) {
     edge.composed = row["composed"].Bool();
     loops.edges.push_back(edge);
   }
+  for (const JsonNode& row : root["appearance"].Items())
+    loops.appearance.push_back(ReadAppearance(row));
   return reader.Finish(std::move(loops));
 }
 

@@ -1,4 +1,5 @@
-// loops.json: constellations seen again, the objects they merge, the edges they add to the graph.
+// loops.json: constellations and keyframes seen again, the objects they merge, the edges they add
+// to the graph.
 #pragma once
 
 #include <string>

@@ -48,9 +48,10 @@
 namespace deepslam::loop {
 
 struct LoopOptions {
-  bool enabled = true;
-  int min_pairs = 2;        // of a constellation; the paper's two
-  int min_gap_frames = 30;  // between the old objects' last sight and the new ones' first
+  bool enabled = true;         // loops of any kind, duplicates among them
+  bool constellations = true;  // of at least min_pairs objects
+  int min_pairs = 2;           // of a constellation; the paper's two
+  int min_gap_frames = 30;     // between the old objects' last sight and the new ones' first
   double position_tolerance_m = 0.15;  // registered centres of two visits differ by 5-10 cm each
   double local_drift = 0.02;           // tracking drift within one visit, m per m
   double yaw_tolerance_deg = 30;

@@ -43,8 +43,10 @@ class ConstellationFinder {
   }
 
   std::vector<Constellation> Find() {
-    FindPairs();
-    FindSets();
+    if (options_.constellations) {
+      FindPairs();
+      FindSets();
+    }
     std::vector<Constellation> found;
     for (const PairList& pairs : MaximalSets()) found.push_back(ToConstellation(pairs));
     if (options_.merge_overlapping) AddOverlaps(found);
@@ -284,7 +286,9 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options) {
   constexpr Range kShare{0, 1};
   constexpr Range kDistance_m{0, 1000};
   constexpr Range kAngle_deg{0, 180};
-  visitor.Field("enabled", options.enabled, "look for loops by constellations of objects");
+  visitor.Field("enabled", options.enabled, "look for loops of any kind");
+  visitor.Field(
+      "constellations", options.constellations, "look for loops by constellations of objects");
   visitor.Field("min_pairs", options.min_pairs, {2, 100}, "1", "objects of a constellation");
   visitor.Field("min_gap_frames",
                 options.min_gap_frames,

@@ -7,6 +7,7 @@
 
 #include "deepslam/report/explain.h"
 #include "deepslam/report/html.h"
+#include "deepslam/report/loop_section.h"
 #include "deepslam/report/object_section.h"
 #include "deepslam/report/plots.h"
 #include "deepslam/report/viewer_section.h"
@@ -273,6 +274,7 @@ std::string RenderReport(const ReportContent& content) {
         "colour is one object of the map, grey belongs to none.</p>";
   }
   html += Gallery(content.frame_pictures, "frames");
+  html += LoopSection(content.loops);
   html += GraphSection(content.map.summary);
   html += RunSection(content);
   html += "<p class=quiet>3D view: three.js (MIT), Draco (Apache-2.0).</p>";

@@ -23,10 +23,23 @@ struct Constellation {
   std::string reason;  // the geometric verification's verdict
 };
 
+// Two keyframes that show one place, found by what they look like.
+struct AppearanceLoop {
+  FrameIdx old_keyframe;
+  FrameIdx new_keyframe;
+  Pose3 old_from_new;    // camera to camera
+  int num_inliers = 0;   // corners that agree with it
+  int num_support = 0;   // other keyframes that say the same
+  double agreement = 0;  // share of the common depth; 0 where none was compared
+  bool accepted = false;
+  std::string reason;  // the verdict
+};
+
 struct Loops {
   std::vector<Constellation> constellations;  // accepted and rejected ones
   std::vector<ObjectMerge> merges;            // accepted, each object merged at most once
-  std::vector<RelativePose> edges;            // keyframe to keyframe, verified
+  std::vector<RelativePose> edges;            // keyframe to keyframe, verified, of both kinds
+  std::vector<AppearanceLoop> appearance;     // accepted and rejected ones
 };
 
 }  // namespace deepslam

@@ -14,6 +14,7 @@
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/graph/object_graph.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/loop/appearance.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/mesh/colour_mesh.h"
 #include "deepslam/mesh/extract_surface.h"
@@ -83,6 +84,7 @@ struct Config {
   registration::RegisterOptions registration;
   select::SelectOptions select;
   loop::LoopOptions loops;
+  loop::AppearanceOptions appearance;
   graph::GraphOptions optimize;
   mesh::SurfaceOptions surface;
   mesh::RefineOptions refine;

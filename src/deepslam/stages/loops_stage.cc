@@ -1,4 +1,5 @@
-// loops: constellations seen again; the objects they join compete for their shape anew.
+// loops: places seen again, by their appearance and by constellations of objects; the objects that
+// loops join compete for their shape anew.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/shape/view_points.h"
+#include "deepslam/stages/appearance_stage.h"
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -25,15 +27,32 @@ constexpr int kEvidencePointsPerView = 300;
 constexpr int kSurroundingsStridePx = 8;  // enough for a share; a view gives a few hundred points
 constexpr float kMaxSurroundingsDepthM = 5.0F;
 
-// Everything the stage reads.
+// Everything the stage reads. Where loops were closed by appearance, cameras, ground and objects
+// stand where these put them.
 struct LoopInputs {
+  Odometry tracked;
   Odometry odometry;
   Ground ground;
+  loop::AcceptedAppearance appearance;
   Association association;
   Proposals proposals;
   ObjectMap map;
   ObjectViews views;
 };
+
+// How the loops by appearance move what the object's best view saw; an object without views stays.
+Pose3 ClosedFromTracked(const Odometry& tracked, const Odometry& closed, const MapObject& object) {
+  const ViewRegistration* best = nullptr;
+  for (const ViewRegistration& view : object.views) {
+    if (!view.frame.valid() || view.frame.value >= static_cast<int>(tracked.frames.size()))
+      continue;
+    if (best == nullptr || view.inlier_share > best->inlier_share) best = &view;
+  }
+  if (best == nullptr) return {};
+  const Pose3& before = tracked.at(best->frame).world_from_camera;
+  const Pose3& after = closed.at(best->frame).world_from_camera;
+  return before == after ? Pose3{} : after * before.Inverse();
+}
 
 Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& inputs) {
   Result<Odometry> odometry = ReadOdometry(context);
@@ -46,10 +65,19 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
   if (!proposals.ok()) return proposals.error();
   Result<ObjectMap> map = ReadObjects(context, "select");
   if (!map.ok()) return map.error();
-  Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
+  Result<ClosedTrajectory> closed = CloseByAppearance(context, inputs, *odometry, *ground);
+  if (!closed.ok()) return closed.error();
+  for (MapObject& object : map->objects) {
+    object.world_from_object =
+        ClosedFromTracked(*odometry, closed->odometry, object) * object.world_from_object;
+  }
+  Result<ObjectViews> views =
+      CollectViews(context, inputs, closed->odometry, closed->ground, *association);
   if (!views.ok()) return views.error();
   return LoopInputs{std::move(*odometry),
-                    std::move(*ground),
+                    std::move(closed->odometry),
+                    std::move(closed->ground),
+                    std::move(closed->appearance),
                     std::move(*association),
                     std::move(*proposals),
                     std::move(*map),
@@ -222,6 +250,11 @@ Result<ObjectMap> Reselect(const StageContext& context,
   return map;
 }
 
+void AddAppearance(const loop::AcceptedAppearance& appearance, Loops& loops) {
+  loops.appearance = appearance.loops;
+  loops.edges.insert(loops.edges.end(), appearance.edges.begin(), appearance.edges.end());
+}
+
 }  // namespace
 
 Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
@@ -229,10 +262,15 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   if (!in.ok()) return in.error();
   const Result<loop::LoopEvidence> evidence = CollectEvidence(context, *in);
   if (!evidence.ok()) return evidence.error();
-  const Loops loops = DetectLoops(*in, *evidence, inputs.config.loops);
+  Loops loops = DetectLoops(*in, *evidence, inputs.config.loops);
+  AddAppearance(in->appearance, loops);
   if (context.progress().StopRequested()) return Interrupted();
-  const Result<ObjectMap> map = Reselect(context, inputs, loops, *in);
+  Result<ObjectMap> map = Reselect(context, inputs, loops, *in);
   if (!map.ok()) return map.error();
+  for (MapObject& object : map->objects) {
+    object.world_from_object =
+        ClosedFromTracked(in->tracked, in->odometry, object).Inverse() * object.world_from_object;
+  }
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
       {"objects.json", artifact::EncodeObjectMap(*map, "objects.json")},
@@ -246,14 +284,22 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
       std::count_if(loops.constellations.begin(),
                     loops.constellations.end(),
                     [](const Constellation& constellation) { return constellation.accepted; });
+  const auto seen_again = std::count_if(
+      loops.appearance.begin(), loops.appearance.end(), [](const AppearanceLoop& appearance) {
+        return appearance.accepted;
+      });
   return StageSummary{
-      fmt::format("{} of {} constellations accepted, {} objects merged, {} edges; {} objects",
+      fmt::format("{} of {} constellations and {} of {} loops by appearance accepted, {} objects "
+                  "merged, {} edges; {} objects",
                   accepted,
                   loops.constellations.size(),
+                  seen_again,
+                  loops.appearance.size(),
                   loops.merges.size(),
                   loops.edges.size(),
                   map->objects.size()),
       {{"num_accepted", static_cast<double>(accepted)},
+       {"num_appearance", static_cast<double>(seen_again)},
        {"num_merges", static_cast<double>(loops.merges.size())},
        {"num_edges", static_cast<double>(loops.edges.size())},
        {"num_objects", static_cast<double>(map->objects.size())}}};

@@ -155,9 +155,9 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices,
       RunSelect);
   add("loops",
-      3,
+      4,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
-      {"views", "register", "select", "loops"},
+      {"track", "views", "register", "select", "loops", "loops.appearance", "optimize"},
       kFrames | kChoices,
       RunLoops);
   add("optimize", 1, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
@@ -175,7 +175,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      6,
+      7,
       {"track",
        "ground",
        "detect",

@@ -219,6 +219,7 @@ void AddThumbnails(const StageContext& context,
 struct Sources {
   Odometry odometry;
   Ground ground;
+  Loops loops;
   artifact::DetectionTable detections;
   std::vector<Segment> segments;
   Association association;
@@ -246,6 +247,7 @@ Result<Sources> ReadSources(const StageContext& context) {
   if (status.ok()) status = Take(ReadProposals(context), sources.proposals);
   if (status.ok()) status = Take(ReadOdometry(context), sources.odometry);
   if (status.ok()) status = Take(ReadGround(context, "ground"), sources.ground);
+  if (status.ok()) status = Take(ReadLoops(context), sources.loops);
   if (status.ok()) status = Take(ReadDetections(context), sources.detections);
   if (status.ok()) status = Take(Corrections(context), sources.corrections);
   if (status.ok()) status = Take(context.Read("export", "scene.glb"), sources.scene_glb);
@@ -304,6 +306,7 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   content.warnings = Warnings(inputs, sources->association, sources->proposals, sources->map);
   content.corrections = sources->corrections;
   content.map = sources->map;
+  content.loops = sources->loops;
   content.scene_glb = sources->scene_glb;
   AddPaths(sources->odometry, sources->ground, content);
   const std::set<FrameIdx> shown = ShownFrames(sources->detections, content);

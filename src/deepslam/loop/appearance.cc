@@ -1,0 +1,367 @@
+#include "deepslam/loop/appearance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <Eigen/LU>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/loop/feature_pose.h"
+#include "deepslam/loop/keyframe_path.h"
+#include "deepslam/loop/similar_keyframes.h"
+
+namespace deepslam::loop {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr int kNeighbours = 15;  // keyframes about a keyframe whose loops are compared
+// What two right poses of neighbours differ by, beside drift.
+constexpr double kSame_m = 0.10;
+constexpr double kSame_deg = 4;
+constexpr double kFloors = 3;  // edge_floor that a solution may be off an edge
+
+// A loop and where it stands on the path.
+struct Placed {
+  int i = 0;
+  int j = 0;
+  Pose3 i_from_j;
+};
+
+class Consistency {
+ public:
+  Consistency(const Odometry& odometry, const AppearanceOptions& options)
+      : path_(odometry, options.drift_share), options_(options) {}
+
+  [[nodiscard]] Placed Place(const AppearanceLoop& loop) const {
+    return {path_.IndexOf(loop.old_keyframe), path_.IndexOf(loop.new_keyframe), loop.old_from_new};
+  }
+
+  [[nodiscard]] bool WithinDrift(const Placed& loop) const {
+    if (path_.Broken(loop.i, loop.j)) return true;
+    const Pose3 off =
+        (path_.world_from_camera(loop.i).Inverse() * path_.world_from_camera(loop.j)).Inverse() *
+        loop.i_from_j;
+    return off.translation_m.norm() <= options_.drift_base_m + path_.Drift_m(loop.i, loop.j) &&
+           RotationAngle(off.rotation) <=
+               kRadPerDeg * (options_.drift_base_deg +
+                             options_.drift_deg_per_m * path_.Length_m(loop.i, loop.j));
+  }
+
+  // Both tell the same correction, as far as drift between their keyframes allows to say.
+  [[nodiscard]] bool Same(const Placed& a, const Placed& b) const {
+    if (path_.Broken(a.i, b.i) || path_.Broken(a.j, b.j)) return true;
+    const Pose3 expected = (path_.world_from_camera(b.i).Inverse() * path_.world_from_camera(a.i)) *
+                           a.i_from_j *
+                           (path_.world_from_camera(a.j).Inverse() * path_.world_from_camera(b.j));
+    const Pose3 off = b.i_from_j.Inverse() * expected;
+    const double length_m = path_.Length_m(a.i, b.i) + path_.Length_m(a.j, b.j);
+    return off.translation_m.norm() <=
+               kSame_m + path_.Drift_m(a.i, b.i) + path_.Drift_m(a.j, b.j) &&
+           RotationAngle(off.rotation) <=
+               kRadPerDeg * (kSame_deg + options_.drift_deg_per_m * length_m);
+  }
+
+  [[nodiscard]] static bool Near(int a, int b) { return std::abs(a - b) <= kNeighbours; }
+
+ private:
+  KeyframePath path_;
+  const AppearanceOptions& options_;
+};
+
+// Indices of the loops whose new keyframe is near that of `k`; `placed` ascends in j.
+template <typename Visit>
+void ForNeighbours(const std::vector<Placed>& placed, std::size_t k, const Visit& visit) {
+  for (std::size_t n = k; n-- > 0 && Consistency::Near(placed[n].j, placed[k].j);) visit(n);
+  for (std::size_t n = k + 1; n < placed.size() && Consistency::Near(placed[n].j, placed[k].j);
+       ++n) {
+    visit(n);
+  }
+}
+
+// Other new keyframes that say the same of the same old place.
+int Support(const Consistency& consistency,
+            const std::vector<Placed>& placed,
+            const std::vector<bool>& counts,
+            std::size_t k) {
+  std::set<int> supporters;
+  ForNeighbours(placed, k, [&](std::size_t n) {
+    if (counts[n] && placed[n].j != placed[k].j && Consistency::Near(placed[n].i, placed[k].i) &&
+        consistency.Same(placed[k], placed[n])) {
+      supporters.insert(placed[n].j);
+    }
+  });
+  return static_cast<int>(supporters.size());
+}
+
+std::vector<Placed> PlaceAll(const Consistency& consistency,
+                             std::span<const AppearanceLoop> loops) {
+  std::vector<Placed> placed;
+  for (const AppearanceLoop& loop : loops) placed.push_back(consistency.Place(loop));
+  return placed;
+}
+
+bool BearsOut(const FeaturePose& pose, const AppearanceOptions& options) {
+  return pose.num_rivals <= options.ambiguity_ratio * pose.num_inliers &&
+         pose.spread_rad >= kRadPerDeg * options.min_spread_deg;
+}
+
+// Of each new keyframe the proposals with most corners.
+std::vector<AppearanceLoop> Strongest(std::vector<AppearanceLoop> loops, int most) {
+  std::stable_sort(
+      loops.begin(), loops.end(), [](const AppearanceLoop& a, const AppearanceLoop& b) {
+        if (a.new_keyframe != b.new_keyframe) return a.new_keyframe < b.new_keyframe;
+        return a.num_inliers > b.num_inliers;
+      });
+  std::vector<AppearanceLoop> kept;
+  int count = 0;
+  for (const AppearanceLoop& loop : loops) {
+    count = !kept.empty() && kept.back().new_keyframe == loop.new_keyframe ? count + 1 : 1;
+    if (count <= most) kept.push_back(loop);
+  }
+  return kept;
+}
+
+std::string Verdict(const AppearanceLoop& loop,
+                    const KeyframeRegistration& registration,
+                    const AppearanceOptions& options) {
+  if (!registration.ok) return "depth does not agree";
+  if (registration.agreement < options.min_agreement) return "too little of the depth agrees";
+  if (registration.brightness_correlation < options.min_correlation)
+    return "the images do not agree";
+  const Pose3 moved = loop.old_from_new.Inverse() * registration.old_from_new;
+  if (moved.translation_m.norm() > options.max_move_m ||
+      RotationAngle(moved.rotation) > kRadPerDeg * options.max_turn_deg) {
+    return "depth and corners disagree";
+  }
+  return {};
+}
+
+Matrix6d EdgeInformation(const Matrix6d& information, const AppearanceOptions& options) {
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(options.edge_floor_m),
+      Eigen::Vector3d::Constant(kRadPerDeg * options.edge_floor_deg);
+  Matrix6d covariance = options.variance_scale * information.inverse();
+  covariance.diagonal() += floor.cwiseAbs2();
+  const Matrix6d result = covariance.inverse();
+  return 0.5 * (result + result.transpose());
+}
+
+// Judges the registered loops among themselves: support, then contradictions.
+void SettleContradictions(const Odometry& odometry,
+                          const AppearanceOptions& options,
+                          std::vector<AppearanceLoop>& loops) {
+  const Consistency consistency(odometry, options);
+  const std::vector<Placed> placed = PlaceAll(consistency, loops);
+  std::vector<bool> good(loops.size());
+  for (std::size_t k = 0; k < loops.size(); ++k) good[k] = loops[k].accepted;
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    loops[k].num_support = Support(consistency, placed, good, k);
+  }
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    if (!good[k]) continue;
+    if (loops[k].num_support < options.min_support) {
+      loops[k].accepted = false;
+      loops[k].reason = "too few neighbours say the same";
+      continue;
+    }
+    int against = 0;
+    ForNeighbours(placed, k, [&](std::size_t n) {
+      if (good[n] && !consistency.Same(placed[k], placed[n]))
+        against = std::max(against, loops[n].num_support);
+    });
+    if (against > options.ambiguity_ratio * loops[k].num_support) {
+      loops[k].accepted = false;
+      loops[k].reason = "ambiguous: neighbours say otherwise";
+    }
+  }
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, AppearanceOptions& options) {
+  constexpr Range kShare{0, 1};
+  constexpr Range kDistance_m{0, 1000};
+  constexpr Range kAngle_deg{0, 180};
+  visitor.Field("enabled", options.enabled, "look for loops by the appearance of keyframes");
+  visitor.Field("max_features", options.max_features, {10, 10000}, "1", "corners of a keyframe");
+  visitor.Field("min_gap_keyframes",
+                options.min_gap_keyframes,
+                {1, 1e6},
+                "1",
+                "keyframes between the two of a loop");
+  visitor.Field(
+      "max_candidates", options.max_candidates, {1, 100}, "1", "earlier keyframes tried for each");
+  visitor.Field("min_similarity",
+                options.min_similarity,
+                kShare,
+                "1",
+                "of a candidate, over that of the keyframe and the one before it");
+  visitor.Field(
+      "min_inliers", options.min_inliers, {4, 10000}, "1", "corners that agree with one pose");
+  visitor.Field("min_spread_deg",
+                options.min_spread_deg,
+                kAngle_deg,
+                "deg",
+                "deviation of their directions, across the narrower side");
+  visitor.Field("ambiguity_ratio",
+                options.ambiguity_ratio,
+                kShare,
+                "1",
+                "most that another pose, or contradicting neighbours, may have of the support");
+  visitor.Field("min_support",
+                options.min_support,
+                {0, 100},
+                "1",
+                "other keyframes near that must say the same");
+  visitor.Field("drift_base_m",
+                options.drift_base_m,
+                kDistance_m,
+                "m",
+                "largest correction without any path");
+  visitor.Field("drift_share",
+                options.drift_share,
+                kShare,
+                "m/m",
+                "largest correction per path between the visits");
+  visitor.Field("drift_base_deg",
+                options.drift_base_deg,
+                kAngle_deg,
+                "deg",
+                "largest turn of the correction without any path");
+  visitor.Field("drift_deg_per_m",
+                options.drift_deg_per_m,
+                kAngle_deg,
+                "deg/m",
+                "largest turn of the correction per path");
+  visitor.Field("max_registrations",
+                options.max_registrations,
+                {1, 100},
+                "1",
+                "proposals of a keyframe that are registered by dense depth");
+  visitor.Field("min_agreement",
+                options.min_agreement,
+                kShare,
+                "1",
+                "share of the common depth that must agree");
+  visitor.Field("min_correlation",
+                options.min_correlation,
+                kShare,
+                "1",
+                "of the two images over the common points");
+  visitor.Field("max_move_m",
+                options.max_move_m,
+                kDistance_m,
+                "m",
+                "of the registered pose from that of the corners");
+  visitor.Field("max_turn_deg",
+                options.max_turn_deg,
+                kAngle_deg,
+                "deg",
+                "of the registered pose from that of the corners");
+  visitor.Field("variance_scale",
+                options.variance_scale,
+                {1e-3, 1e6},
+                "1",
+                "factor on the covariance of an edge, for correlated pixels");
+  visitor.Field(
+      "edge_floor_m", options.edge_floor_m, {1e-6, 10}, "m", "least deviation of an edge");
+  visitor.Field(
+      "edge_floor_deg", options.edge_floor_deg, {1e-4, 90}, "deg", "least deviation of an edge");
+}
+
+std::vector<AppearanceLoop> ProposeAppearanceLoops(std::span<const KeyframeFeatures> features,
+                                                   const Odometry& odometry,
+                                                   const AppearanceOptions& options) {
+  if (!options.enabled) return {};
+  const Consistency consistency(odometry, options);
+  const SimilarityOptions similarity{
+      options.min_gap_keyframes, options.max_candidates, options.min_similarity};
+  const auto similar = FindSimilarKeyframes(features, similarity);
+  std::vector<std::vector<AppearanceLoop>> by_keyframe(features.size());
+  ParallelFor(features.size(), [&](std::size_t j) {
+    for (const SimilarKeyframe& candidate : similar[j]) {
+      const KeyframeFeatures& older = features[candidate.index];
+      const auto pose = PoseFromFeatures(older, features[j], options.min_inliers);
+      if (!pose || !BearsOut(*pose, options)) continue;
+      AppearanceLoop loop{older.keyframe,
+                          features[j].keyframe,
+                          pose->old_from_new,
+                          pose->num_inliers,
+                          0,
+                          0,
+                          false,
+                          "not registered"};
+      const Placed placed = consistency.Place(loop);
+      if (placed.i < 0 || placed.j < 0 || !consistency.WithinDrift(placed)) continue;
+      by_keyframe[j].push_back(std::move(loop));
+    }
+  });
+  std::vector<AppearanceLoop> proposed;
+  for (const auto& loops : by_keyframe) proposed.insert(proposed.end(), loops.begin(), loops.end());
+
+  const std::vector<Placed> placed = PlaceAll(consistency, proposed);
+  const std::vector<bool> all(proposed.size(), true);
+  std::vector<AppearanceLoop> supported;
+  for (std::size_t k = 0; k < proposed.size(); ++k) {
+    proposed[k].num_support = Support(consistency, placed, all, k);
+    if (proposed[k].num_support >= options.min_support) supported.push_back(proposed[k]);
+  }
+  return Strongest(std::move(supported), options.max_registrations);
+}
+
+AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> proposed,
+                                         std::span<const KeyframeRegistration> registrations,
+                                         const Odometry& odometry,
+                                         const AppearanceOptions& options) {
+  AcceptedAppearance result;
+  result.loops.assign(proposed.begin(), proposed.end());
+  for (std::size_t k = 0; k < result.loops.size(); ++k) {
+    AppearanceLoop& loop = result.loops[k];
+    const KeyframeRegistration& registration = registrations[k];
+    loop.agreement = registration.agreement;
+    loop.reason = Verdict(loop, registration, options);
+    loop.accepted = loop.reason.empty();
+    if (loop.accepted) {
+      loop.reason = "corners and depth agree";
+      loop.old_from_new = registration.old_from_new;
+    }
+  }
+  SettleContradictions(odometry, options, result.loops);
+  for (std::size_t k = 0; k < result.loops.size(); ++k) {
+    const AppearanceLoop& loop = result.loops[k];
+    if (!loop.accepted) continue;
+    result.edges.push_back({loop.old_keyframe,
+                            loop.new_keyframe,
+                            loop.old_from_new,
+                            EdgeInformation(registrations[k].information, options),
+                            false});
+  }
+  return result;
+}
+
+bool RefuseContradicted(const Odometry& solved,
+                        const AppearanceOptions& options,
+                        AcceptedAppearance& accepted) {
+  const double most_m = kFloors * options.edge_floor_m + options.drift_share;
+  const double most_rad = kRadPerDeg * (kFloors * options.edge_floor_deg + options.drift_deg_per_m);
+  const auto contradicted = [&](FrameIdx i, FrameIdx j, const Pose3& i_from_j) {
+    const Pose3 off = i_from_j.Inverse() *
+                      (solved.at(i).world_from_camera.Inverse() * solved.at(j).world_from_camera);
+    return !(off.translation_m.norm() <= most_m) || !(RotationAngle(off.rotation) <= most_rad);
+  };
+  const std::size_t before = accepted.edges.size();
+  std::erase_if(accepted.edges, [&](const RelativePose& edge) {
+    return contradicted(edge.i, edge.j, edge.i_from_j);
+  });
+  for (AppearanceLoop& loop : accepted.loops) {
+    if (!loop.accepted || !contradicted(loop.old_keyframe, loop.new_keyframe, loop.old_from_new))
+      continue;
+    loop.accepted = false;
+    loop.reason = "the other measurements contradict it";
+  }
+  return accepted.edges.size() != before;
+}
+
+}  // namespace deepslam::loop

@@ -1,0 +1,222 @@
+#include "deepslam/loop/feature_pose.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+
+#include "deepslam/core/random.h"
+
+namespace deepslam::loop {
+namespace {
+
+constexpr float kRatio = 0.85F;  // nearest over second nearest
+constexpr float kMaxBits = 70;   // unequal ones
+constexpr float kAngle_rad = 0.01F;
+constexpr float kDepthBase_m = 0.03F;
+constexpr float kDepthGrowth = 0.015F;  // 1 / m
+constexpr int kMaxTrials = 500;
+constexpr double kSureOfPose = 0.999;  // that the best sample was drawn
+constexpr int kRefinements = 4;
+constexpr float kMinSide_m = 0.15F;  // of a sample's triangle
+// A rival pose that is nearly the same is no rival.
+constexpr double kSame_m = 0.15;
+constexpr double kSame_rad = 0.1;
+
+struct Match {
+  Eigen::Vector3f old_m;
+  Eigen::Vector3f new_m;
+};
+using Matches = std::vector<Match>;
+
+cv::Mat Rows(const KeyframeFeatures& features) {
+  // OpenCV does not write to it.
+  return {static_cast<int>(features.descriptors.size()),
+          static_cast<int>(sizeof(BinaryDescriptor)),
+          CV_8U,
+          const_cast<BinaryDescriptor*>(features.descriptors.data())};  // NOLINT(*-const-cast)
+}
+
+// Per query its match's row, -1 where the second nearest is as good.
+std::vector<int> Nearest(const cv::Mat& query, const cv::Mat& train) {
+  std::vector<std::vector<cv::DMatch>> found;
+  cv::BFMatcher(cv::NORM_HAMMING).knnMatch(query, train, found, 2);
+  std::vector<int> nearest(static_cast<std::size_t>(query.rows), -1);
+  for (const std::vector<cv::DMatch>& two : found) {
+    if (two.size() < 2 || two[0].distance > kMaxBits ||
+        two[0].distance > kRatio * two[1].distance) {
+      continue;
+    }
+    nearest[static_cast<std::size_t>(two[0].queryIdx)] = two[0].trainIdx;
+  }
+  return nearest;
+}
+
+Matches MutualMatches(const KeyframeFeatures& old_features, const KeyframeFeatures& new_features) {
+  if (old_features.descriptors.size() < 2 || new_features.descriptors.size() < 2) return {};
+  const std::vector<int> forth = Nearest(Rows(new_features), Rows(old_features));
+  const std::vector<int> back = Nearest(Rows(old_features), Rows(new_features));
+  Matches matches;
+  for (std::size_t k = 0; k < forth.size(); ++k) {
+    if (forth[k] < 0) continue;
+    const auto other = static_cast<std::size_t>(forth[k]);
+    if (back[other] != static_cast<int>(k)) continue;
+    matches.push_back({old_features.points_camera[other], new_features.points_camera[k]});
+  }
+  return matches;
+}
+
+float DepthTolerance(float depth_m) { return kDepthBase_m + kDepthGrowth * depth_m * depth_m; }
+
+bool Agrees(const Eigen::Isometry3f& old_from_new, const Match& match) {
+  const Eigen::Vector3f moved = old_from_new * match.new_m;
+  if (moved.z() <= 0.05F) return false;
+  if (std::abs(moved.z() - match.old_m.z()) > DepthTolerance(match.old_m.z())) return false;
+  const Eigen::Vector2f difference =
+      moved.head<2>() / moved.z() - match.old_m.head<2>() / match.old_m.z();
+  return difference.squaredNorm() < kAngle_rad * kAngle_rad;
+}
+
+std::vector<std::size_t> Inliers(const Eigen::Isometry3f& old_from_new, const Matches& matches) {
+  std::vector<std::size_t> inliers;
+  for (std::size_t k = 0; k < matches.size(); ++k) {
+    if (Agrees(old_from_new, matches[k])) inliers.push_back(k);
+  }
+  return inliers;
+}
+
+std::optional<Eigen::Isometry3f> Fit(const Matches& matches, std::span<const std::size_t> members) {
+  const auto count = static_cast<Eigen::Index>(members.size());
+  Eigen::Matrix3Xd from(3, count);
+  Eigen::Matrix3Xd to(3, count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    from.col(k) = matches[members[static_cast<std::size_t>(k)]].new_m.cast<double>();
+    to.col(k) = matches[members[static_cast<std::size_t>(k)]].old_m.cast<double>();
+  }
+  const Eigen::Matrix4d fitted = Eigen::umeyama(from, to, false);
+  if (!fitted.allFinite()) return std::nullopt;
+  return Eigen::Isometry3f(fitted.cast<float>());
+}
+
+// Whether the triangle has the same sides in both frames and is not too small.
+bool Rigid(const Matches& matches, const std::array<std::size_t, 3>& sample) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Match& a = matches[sample[k]];
+    const Match& b = matches[sample[(k + 1) % 3]];
+    const float old_side_m = (a.old_m - b.old_m).norm();
+    const float new_side_m = (a.new_m - b.new_m).norm();
+    const float tolerance_m = DepthTolerance(std::max(a.old_m.z(), b.old_m.z()));
+    if (old_side_m < kMinSide_m || std::abs(old_side_m - new_side_m) > 2 * tolerance_m)
+      return false;
+  }
+  return true;
+}
+
+struct Consensus {
+  Eigen::Isometry3f old_from_new = Eigen::Isometry3f::Identity();
+  std::vector<std::size_t> inliers;
+};
+
+int TrialsFor(std::size_t num_inliers, std::size_t num_matches) {
+  const double share = static_cast<double>(num_inliers) / static_cast<double>(num_matches);
+  const double miss = 1.0 - share * share * share;
+  if (miss <= 1e-9) return 1;
+  const double trials = std::log(1.0 - kSureOfPose) / std::log(miss);
+  return static_cast<int>(std::min<double>(kMaxTrials, std::ceil(trials)));
+}
+
+Consensus Ransac(const Matches& matches, Random& random) {
+  Consensus best;
+  int trials = matches.size() < 3 ? 0 : kMaxTrials;
+  for (int trial = 0; trial < trials; ++trial) {
+    const std::array<std::size_t, 3> sample = {
+        random.Index(matches.size()), random.Index(matches.size()), random.Index(matches.size())};
+    if (!Rigid(matches, sample)) continue;
+    const std::optional<Eigen::Isometry3f> fitted = Fit(matches, sample);
+    if (!fitted) continue;
+    std::vector<std::size_t> inliers = Inliers(*fitted, matches);
+    if (inliers.size() <= best.inliers.size()) continue;
+    best = {*fitted, std::move(inliers)};
+    trials = std::min(trials, trial + 1 + TrialsFor(best.inliers.size(), matches.size()));
+  }
+  for (int k = 0; k < kRefinements && best.inliers.size() >= 3; ++k) {
+    const std::optional<Eigen::Isometry3f> fitted = Fit(matches, best.inliers);
+    if (!fitted) break;
+    std::vector<std::size_t> inliers = Inliers(*fitted, matches);
+    if (inliers.size() < best.inliers.size()) break;
+    best = {*fitted, std::move(inliers)};
+  }
+  return best;
+}
+
+Pose3 ToPose(const Eigen::Isometry3f& b_from_a) {
+  return {Eigen::Quaterniond(b_from_a.rotation().cast<double>()).normalized(),
+          b_from_a.translation().cast<double>()};
+}
+
+double Spread(const Matches& matches,
+              const std::vector<std::size_t>& members,
+              Eigen::Vector3f Match::*point) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (const std::size_t k : members) {
+    const Eigen::Vector3d p = (matches[k].*point).cast<double>();
+    const Eigen::Vector2d direction = p.head<2>() / p.z();
+    mean += direction;
+    squares += direction * direction.transpose();
+  }
+  const auto count = static_cast<double>(members.size());
+  mean /= count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(squares / count -
+                                                              mean * mean.transpose());
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[0]));
+}
+
+// The matches that agree with one another pose.
+int Rivals(const Matches& matches, const Consensus& winner, const Pose3& pose, Random& random) {
+  Matches others;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < matches.size(); ++k) {
+    if (next < winner.inliers.size() && winner.inliers[next] == k) {
+      ++next;
+    } else {
+      others.push_back(matches[k]);
+    }
+  }
+  const Consensus rival = Ransac(others, random);
+  if (rival.inliers.empty()) return 0;
+  const Pose3 between = pose.Inverse() * ToPose(rival.old_from_new);
+  const bool same =
+      between.translation_m.norm() < kSame_m && RotationAngle(between.rotation) < kSame_rad;
+  return same ? 0 : static_cast<int>(rival.inliers.size());
+}
+
+}  // namespace
+
+std::optional<FeaturePose> PoseFromFeatures(const KeyframeFeatures& old_features,
+                                            const KeyframeFeatures& new_features,
+                                            int min_inliers) {
+  const auto least = static_cast<std::size_t>(std::max(4, min_inliers));
+  const Matches matches = MutualMatches(old_features, new_features);
+  if (matches.size() < least) return std::nullopt;
+  Random random(static_cast<std::uint64_t>(old_features.keyframe.value),
+                "feature pose",
+                static_cast<std::uint64_t>(new_features.keyframe.value));
+  const Consensus consensus = Ransac(matches, random);
+  if (consensus.inliers.size() < least) return std::nullopt;
+  FeaturePose pose;
+  pose.old_from_new = ToPose(consensus.old_from_new);
+  pose.num_inliers = static_cast<int>(consensus.inliers.size());
+  pose.num_rivals = Rivals(matches, consensus, pose.old_from_new, random);
+  pose.spread_rad = std::min(Spread(matches, consensus.inliers, &Match::old_m),
+                             Spread(matches, consensus.inliers, &Match::new_m));
+  return pose;
+}
+
+}  // namespace deepslam::loop

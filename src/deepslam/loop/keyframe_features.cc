@@ -1,0 +1,141 @@
+#include "deepslam/loop/keyframe_features.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace deepslam::loop {
+namespace {
+
+constexpr int kWorkWidth_px = 640;  // wider images are reduced by a whole factor
+constexpr int kCellsAcross = 8;
+constexpr int kCellsDown = 6;
+constexpr int kCellShare = 4;       // a cell may hold this many times its even share
+constexpr int kFastThreshold = 10;  // grey levels; rooms have little contrast
+constexpr int kEdge_px = 19;
+constexpr float kMaxDepth_m = 8.0F;
+// Depth within the 3 x 3 pixels about a corner: farther apart, it lies on an edge of something.
+constexpr float kMaxStep = 0.04F;  // of the depth
+constexpr std::size_t kMinDepths = 5;
+
+cv::Mat Grey(const ColourImage& colour, int factor) {
+  // OpenCV does not write to it.
+  const cv::Mat rgb(colour.height(),
+                    colour.width(),
+                    CV_8UC3,
+                    const_cast<Rgb8*>(colour.data()));  // NOLINT(*-const-cast)
+  cv::Mat grey;
+  cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
+  if (factor == 1) return grey;
+  cv::Mat reduced;
+  cv::resize(grey, reduced, cv::Size(grey.cols / factor, grey.rows / factor), 0, 0, cv::INTER_AREA);
+  return reduced;
+}
+
+// Median depth about a pixel; nothing at holes and steps.
+std::optional<float> DepthAt(const DepthImage& depth_m, int u, int v) {
+  std::array<float, 9> near{};
+  std::size_t count = 0;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      if (!depth_m.Contains(u + du, v + dv)) continue;
+      const float z = depth_m(u + du, v + dv);
+      if (z > 0 && z < kMaxDepth_m) near[count++] = z;
+    }
+  }
+  if (count < kMinDepths) return std::nullopt;
+  std::sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count));
+  const float median = near[count / 2];
+  if (near[count - 1] - near[0] > kMaxStep * median) return std::nullopt;
+  return median;
+}
+
+// Corners with depth, strongest first, no cell of the image with more than its share.
+struct Corners {
+  std::vector<cv::KeyPoint> keypoints;
+  std::vector<Eigen::Vector3f> points_camera;
+};
+
+Corners Choose(std::vector<cv::KeyPoint> found,
+               const cv::Size& size,
+               const Frame& frame,
+               const PinholeCamera& camera,
+               int factor,
+               int max_features) {
+  std::stable_sort(found.begin(), found.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+    if (a.response != b.response) return a.response > b.response;
+    return std::pair(a.pt.y, a.pt.x) < std::pair(b.pt.y, b.pt.x);
+  });
+  const int most = std::max(1, kCellShare * max_features / (kCellsAcross * kCellsDown));
+  std::array<int, kCellsAcross * kCellsDown> in_cell{};
+  Corners chosen;
+  for (const cv::KeyPoint& keypoint : found) {
+    if (static_cast<int>(chosen.keypoints.size()) >= max_features) break;
+    const int column = std::clamp(
+        static_cast<int>(keypoint.pt.x) * kCellsAcross / size.width, 0, kCellsAcross - 1);
+    const int row =
+        std::clamp(static_cast<int>(keypoint.pt.y) * kCellsDown / size.height, 0, kCellsDown - 1);
+    int& count = in_cell[static_cast<std::size_t>(row * kCellsAcross + column)];
+    if (count >= most) continue;
+    // A reduced pixel's centre lies in the middle of its block.
+    const float middle = 0.5F * static_cast<float>(factor - 1);
+    const float u = static_cast<float>(factor) * keypoint.pt.x + middle;
+    const float v = static_cast<float>(factor) * keypoint.pt.y + middle;
+    const std::optional<float> depth_m =
+        DepthAt(frame.depth_m, static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)));
+    if (!depth_m) continue;
+    ++count;
+    chosen.keypoints.push_back(keypoint);
+    chosen.points_camera.push_back(
+        camera.Unproject(static_cast<double>(u), static_cast<double>(v), *depth_m).cast<float>());
+  }
+  return chosen;
+}
+
+}  // namespace
+
+KeyframeFeatures ExtractFeatures(const Frame& frame,
+                                 const PinholeCamera& camera,
+                                 int max_features) {
+  KeyframeFeatures features;
+  features.keyframe = frame.idx;
+  const bool sizes_agree = frame.colour.width() == frame.depth_m.width() &&
+                           frame.colour.height() == frame.depth_m.height();
+  if (frame.colour.empty() || !sizes_agree || max_features < 1) return features;
+  const int factor = std::max(1, (frame.colour.width() + kWorkWidth_px - 1) / kWorkWidth_px);
+  const cv::Mat grey = Grey(frame.colour, factor);
+  if (std::min(grey.cols, grey.rows) <= 2 * kEdge_px) return features;
+  // Twice as many, since some have no depth.
+  const cv::Ptr<cv::ORB> orb = cv::ORB::create(
+      2 * max_features, 1.2F, 8, kEdge_px, 0, 2, cv::ORB::HARRIS_SCORE, 31, kFastThreshold);
+  std::vector<cv::KeyPoint> found;
+  orb->detect(grey, found);
+  // compute() may leave corners out: their number in the list is kept with them.
+  Corners corners = Choose(std::move(found), grey.size(), frame, camera, factor, max_features);
+  for (std::size_t k = 0; k < corners.keypoints.size(); ++k)
+    corners.keypoints[k].class_id = static_cast<int>(k);
+  cv::Mat descriptors;
+  if (!corners.keypoints.empty()) orb->compute(grey, corners.keypoints, descriptors);
+  for (std::size_t k = 0; k < corners.keypoints.size(); ++k) {
+    BinaryDescriptor descriptor{};
+    std::memcpy(descriptor.data(), descriptors.ptr(static_cast<int>(k)), sizeof(descriptor));
+    features.descriptors.push_back(descriptor);
+    features.points_camera.push_back(
+        corners.points_camera[static_cast<std::size_t>(corners.keypoints[k].class_id)]);
+  }
+  return features;
+}
+
+int Distance(const BinaryDescriptor& a, const BinaryDescriptor& b) {
+  int unequal = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) unequal += std::popcount(a[k] ^ b[k]);
+  return unequal;
+}
+
+}  // namespace deepslam::loop

@@ -1,0 +1,36 @@
+// What a keyframe is recognised by: corners that have depth, with binary descriptors (ORB, Rublee
+// et al. 2011, as OpenCV computes it).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/geometry/camera.h"
+#include "deepslam/scene/frame.h"
+
+namespace deepslam::loop {
+
+using BinaryDescriptor = std::array<std::uint64_t, 4>;  // compared by the number of unequal bits
+
+struct KeyframeFeatures {
+  FrameIdx keyframe;
+  // One entry per corner, strongest first.
+  std::vector<BinaryDescriptor> descriptors;
+  std::vector<Eigen::Vector3f> points_camera;  // m
+};
+
+// At most `max_features`, spread over the image. Corners without depth, and those at steps of
+// depth, are left out. None for a frame without colour, without depth or with images of different
+// sizes. Deterministic.
+[[nodiscard]] KeyframeFeatures ExtractFeatures(const Frame& frame,
+                                               const PinholeCamera& camera,
+                                               int max_features);
+
+// Unequal bits, 0 to 256.
+[[nodiscard]] int Distance(const BinaryDescriptor& a, const BinaryDescriptor& b);
+
+}  // namespace deepslam::loop

@@ -1,0 +1,128 @@
+#include "deepslam/stages/appearance_stage.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/graph/object_graph.h"
+#include "deepslam/odometry/frame_alignment.h"
+#include "deepslam/stages/stage_inputs.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+
+constexpr std::size_t kBatch = 32;  // frames in work at a time
+
+Result<std::vector<loop::KeyframeFeatures>> ExtractAll(const StageContext& context,
+                                                       const RunInputs& inputs,
+                                                       const Odometry& odometry) {
+  const FrameSource& frames = *inputs.capture->frames;
+  const std::vector<FrameIdx>& keyframes = odometry.keyframes;
+  std::vector<loop::KeyframeFeatures> features(keyframes.size());
+  std::vector<std::string> faults(keyframes.size());
+  for (std::size_t begin = 0; begin < keyframes.size(); begin += kBatch) {
+    if (context.progress().StopRequested()) return Interrupted();
+    const std::size_t count = std::min(kBatch, keyframes.size() - begin);
+    ParallelFor(count, [&](std::size_t n) {
+      const std::size_t k = begin + n;
+      features[k].keyframe = keyframes[k];
+      const Result<Frame> frame = frames.Read(keyframes[k]);
+      if (frame.ok()) {
+        features[k] =
+            loop::ExtractFeatures(*frame, frames.camera(), inputs.config.appearance.max_features);
+      } else {
+        faults[k] = frame.error().message;
+      }
+    });
+    context.progress().Report(begin + count, keyframes.size());
+  }
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    if (faults[k].empty()) continue;
+    context.progress().Warn(
+        fmt::format("frame {} is not looked at for loops: {}", keyframes[k].value, faults[k]));
+  }
+  return features;
+}
+
+loop::KeyframeRegistration Register(const RunInputs& inputs, const AppearanceLoop& loop) {
+  const FrameSource& frames = *inputs.capture->frames;
+  const Result<Frame> older = frames.Read(loop.old_keyframe);
+  const Result<Frame> newer = frames.Read(loop.new_keyframe);
+  if (!older.ok() || !newer.ok()) return {};
+  const odometry::FrameAlignment found = odometry::AlignFrames(
+      *older, *newer, frames.camera(), loop.old_from_new, inputs.config.track.alignment);
+  return {
+      found.ok, found.i_from_j, found.information, found.agreement, found.brightness_correlation};
+}
+
+Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
+    const StageContext& context,
+    const RunInputs& inputs,
+    const std::vector<AppearanceLoop>& proposed) {
+  std::vector<loop::KeyframeRegistration> registrations(proposed.size());
+  for (std::size_t begin = 0; begin < proposed.size(); begin += kBatch) {
+    if (context.progress().StopRequested()) return Interrupted();
+    ParallelFor(std::min(kBatch, proposed.size() - begin), [&](std::size_t n) {
+      registrations[begin + n] = Register(inputs, proposed[begin + n]);
+    });
+  }
+  return registrations;
+}
+
+// The graph of cameras and ground alone, back in the tracking world.
+Status Solve(const RunInputs& inputs,
+             const Odometry& odometry,
+             const Ground& ground,
+             const std::vector<RelativePose>& edges,
+             ClosedTrajectory& closed) {
+  Loops loops;
+  loops.edges = edges;
+  const Result<OptimizedMap> solved =
+      graph::OptimizeGraph(odometry, ground, ObjectMap{}, loops, inputs.config.optimize);
+  if (!solved.ok()) return solved.error();
+  const auto first = static_cast<std::size_t>(odometry.keyframes.front().value);
+  const Pose3 tracking_from_level =
+      odometry.frames[first].world_from_camera * solved->frames[first].world_from_camera.Inverse();
+  for (std::size_t k = 0; k < closed.odometry.frames.size(); ++k) {
+    closed.odometry.frames[k].world_from_camera =
+        tracking_from_level * solved->frames[k].world_from_camera;
+  }
+  if (solved->has_ground)
+    closed.ground.plane_world = Transformed(tracking_from_level, solved->ground_world);
+  return Ok();
+}
+
+}  // namespace
+
+Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
+                                           const RunInputs& inputs,
+                                           const Odometry& odometry,
+                                           const Ground& ground) {
+  ClosedTrajectory closed{odometry, ground, {}};
+  const loop::AppearanceOptions& options = inputs.config.appearance;
+  if (!inputs.config.loops.enabled || !options.enabled) return closed;
+  const Result<std::vector<loop::KeyframeFeatures>> features =
+      ExtractAll(context, inputs, odometry);
+  if (!features.ok()) return features.error();
+  const std::vector<AppearanceLoop> proposed =
+      loop::ProposeAppearanceLoops(*features, odometry, options);
+  const Result<std::vector<loop::KeyframeRegistration>> registrations =
+      RegisterLoops(context, inputs, proposed);
+  if (!registrations.ok()) return registrations.error();
+  closed.appearance = loop::AcceptAppearanceLoops(proposed, *registrations, odometry, options);
+  while (!closed.appearance.edges.empty()) {
+    const Status solved = Solve(inputs, odometry, ground, closed.appearance.edges, closed);
+    if (!solved.ok()) return solved.error();
+    if (!loop::RefuseContradicted(closed.odometry, options, closed.appearance)) return closed;
+  }
+  closed.odometry = odometry;
+  closed.ground = ground;
+  return closed;
+}
+
+}  // namespace deepslam::stages

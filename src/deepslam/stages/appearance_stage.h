@@ -1,0 +1,29 @@
+// The part of stage `loops` that looks at keyframes: loops by appearance, and the trajectory that
+// they make.
+#pragma once
+
+#include "deepslam/core/result.h"
+#include "deepslam/loop/appearance.h"
+#include "deepslam/pipeline/stage.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/loop.h"
+#include "deepslam/scene/trajectory.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::stages {
+
+// Cameras and ground as tracked, or as the graph has them with the loops' edges; in the tracking
+// world either way (the first keyframe stays).
+struct ClosedTrajectory {
+  Odometry odometry;
+  Ground ground;
+  loop::AcceptedAppearance appearance;
+};
+
+// Keyframes that cannot be read take no part, with a warning.
+[[nodiscard]] Result<ClosedTrajectory> CloseByAppearance(const pipeline::StageContext& context,
+                                                         const RunInputs& inputs,
+                                                         const Odometry& odometry,
+                                                         const Ground& ground);
+
+}  // namespace deepslam::stages

@@ -1,0 +1,58 @@
+// The graph's cost by its size: keyframes with odometry and skip edges and a view of the ground
+// each, and a tenth as many objects, each seen in ten or more views; robust losses in rounds, as by
+// default. One thread does the work, whatever the machine has.
+#include <benchmark/benchmark.h>
+
+#include "graph/synthetic_graph.h"
+
+namespace deepslam::graph {
+namespace {
+
+using testing_support::Disturbance;
+using testing_support::Information;
+using testing_support::MakeWorld;
+using testing_support::Noise;
+using testing_support::World;
+
+constexpr Noise kNoise{0.004, 0.002, 0.02, 0.02};
+
+World WorldOf(int num_keyframes, int num_objects) {
+  // Each object in four keyframes of each lap.
+  const double laps = num_keyframes / (4.0 * num_objects);
+  World world = MakeWorld(num_keyframes, num_objects, laps, kNoise);
+  Random random(2);
+  for (int k = 2; k < num_keyframes; ++k) {
+    const auto b = static_cast<std::size_t>(k);
+    world.odometry.edges.push_back(
+        {FrameIdx{k - 2},
+         FrameIdx{k},
+         world.world_from_camera[b - 2].Inverse() * world.world_from_camera[b] *
+             Disturbance(random, kNoise.translation_m, kNoise.rotation_rad),
+         Information(kNoise.translation_m, kNoise.rotation_rad),
+         false});
+  }
+  return world;
+}
+
+void Optimise(benchmark::State& state) {
+  const int num_keyframes = static_cast<int>(state.range(0));
+  const World world = WorldOf(num_keyframes, num_keyframes / 10);
+  for (auto _ : state) {
+    const Result<OptimizedMap> map = OptimizeGraph(
+        world.odometry, world.ground, world.map, world.loops, GraphOptions(), world.bottom_m);
+    if (!map.ok() || !map->summary.converged) state.SkipWithError("not converged");
+    state.counters["iterations"] = map->summary.num_iterations;
+    state.counters["error_m"] = testing_support::TrajectoryError(map->frames, world);
+  }
+}
+BENCHMARK(Optimise)
+    ->Arg(100)
+    ->Arg(300)
+    ->Arg(1000)
+    ->Arg(3000)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace deepslam::graph
