@@ -48,10 +48,12 @@ TEST(RenderReport, SaysTheVerdictAndEveryObject) {
 TEST(RenderReport, LoopsAreToldOfByTheirKind) {
   ReportContent content = SmallContent();
   EXPECT_THAT(RenderReport(content), HasSubstr("Places seen again</h2><p>None"));
-  Constellation two{{{ObjectId{1}, ObjectId{5}}, {ObjectId{2}, ObjectId{6}}}};
+  Constellation two;
+  two.pairs = {{ObjectId{1}, ObjectId{5}}, {ObjectId{2}, ObjectId{6}}};
   two.accepted = true;
   two.reason = "objects <agree>";
-  Constellation one{{{ObjectId{3}, ObjectId{7}}}};
+  Constellation one;
+  one.pairs = {{ObjectId{3}, ObjectId{7}}};
   one.reason = "models overlap by 2 %";
   content.loops.constellations = {one, two};
   for (int k = 0; k < 4; ++k) {
