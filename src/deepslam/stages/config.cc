@@ -38,7 +38,8 @@ void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
   visitor.Field("network", options.network, "offer what the shape networks of a class propose");
   visitor.Field("priors",
                 options.priors,
-                "folder with the shape networks, CLASS/*.onnx; empty: `priors` in the data folder");
+                "folder with the shape networks, CLASS/*.onnx; empty: `priors` in the data folder, "
+                "else those that came with the program");
   visitor.Field("library",
                 options.library,
                 "folder of the furniture library; empty: the one in the data folder");

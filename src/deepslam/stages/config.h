@@ -47,7 +47,8 @@ struct ProposeStageOptions {
   bool retrieval = true;
   bool fused = true;
   bool network = false;
-  std::string priors;   // folder with CLASS/*.onnx; empty: `priors` in the data folder
+  std::string priors;   // folder with CLASS/*.onnx; empty: `priors` in the data folder, else the
+                        // program's own
   std::string library;  // folder; empty: `library` in the data folder
 };
 

@@ -60,16 +60,21 @@ Result<fs::path> FindLibrary(const fs::path& data_folder, const std::string& lib
                   folder.string()));
 }
 
-Result<fs::path> FindPriors(const fs::path& data_folder, const std::string& priors) {
+Result<std::optional<fs::path>> FindPriors(const fs::path& data_folder, const std::string& priors) {
   std::error_code error;
-  const fs::path folder = priors.empty() ? data_folder / "priors" : fs::path(priors);
-  if (fs::is_directory(folder, error)) return folder;
-  const fs::path ours = InstalledFolder() / "configs" / "priors";
-  if (priors.empty() && fs::is_directory(ours, error)) return ours;
-  return InvalidInput(fmt::format(
-      "propose.priors: no folder {}; make the networks by scripts/train/train.sh CLASS, or use "
-      "--set propose.network=false",
-      folder.string()));
+  if (!priors.empty()) {
+    if (fs::is_directory(priors, error)) return std::optional<fs::path>(priors);
+    return InvalidInput(fmt::format(
+        "propose.priors: no folder {}; make networks by scripts/train/train.sh CLASS, leave the "
+        "option "
+        "empty for those that came with the program, or use --set propose.network=false",
+        priors));
+  }
+  for (const fs::path& folder :
+       {data_folder / "priors", InstalledFolder() / "configs" / "priors"}) {
+    if (fs::is_directory(folder, error)) return std::optional<fs::path>(folder);
+  }
+  return std::optional<fs::path>();
 }
 
 }  // namespace deepslam::stages

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "deepslam/core/result.h"
@@ -26,8 +27,9 @@ namespace deepslam::stages {
                                                         const std::string& library);
 
 // `priors` if not empty, else DATA/priors, else those that came with the program: a folder with a
-// folder for each class. kInvalidInput with what to do when it is missing.
-[[nodiscard]] Result<std::filesystem::path> FindPriors(const std::filesystem::path& data_folder,
-                                                       const std::string& priors);
+// folder for each class. Nothing when none is named and none is there; kInvalidInput with what to
+// do when the one named is missing.
+[[nodiscard]] Result<std::optional<std::filesystem::path>> FindPriors(
+    const std::filesystem::path& data_folder, const std::string& priors);
 
 }  // namespace deepslam::stages

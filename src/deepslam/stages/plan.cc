@@ -68,8 +68,10 @@ Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
 Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
   const ProposeStageOptions& options = inputs.config.propose_stage;
   if (!options.network) return Ok();
-  const Result<std::filesystem::path> folder = FindPriors(inputs.data_folder, options.priors);
-  return AddContent(inputs, "priors", folder, artifact::HashFolder, hashes);
+  const auto folder = FindPriors(inputs.data_folder, options.priors);
+  if (!folder.ok()) return folder.error();
+  if (!*folder) return Ok();
+  return AddContent(inputs, "priors", **folder, artifact::HashFolder, hashes);
 }
 
 Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {

@@ -83,10 +83,10 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
                                                   Progress& progress) {
   const StageContext context(
       workspace, {}, {"track", "ground", "segment", "associate", "propose"}, progress);
-  const Result<std::filesystem::path> folder =
-      FindPriors(inputs.data_folder, inputs.config.propose_stage.priors);
+  const auto folder = FindPriors(inputs.data_folder, inputs.config.propose_stage.priors);
   if (!folder.ok()) return folder.error();
-  const Result<propose::ShapePriors> priors = LoadPriors(*folder, inputs.classes);
+  if (!*folder) return InvalidInput("no shape networks are there; name a folder by propose.priors");
+  const Result<propose::ShapePriors> priors = LoadPriors(**folder, inputs.classes);
   if (!priors.ok()) return priors.error();
   const Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();

@@ -36,7 +36,7 @@ Result<std::shared_ptr<const ModelLibrary>> LoadLibraryFolder(const std::filesys
   return std::make_shared<const ModelLibrary>(std::move(library).value());
 }
 
-Result<Sources> MakeSources(const RunInputs& inputs) {
+Result<Sources> MakeSources(const RunInputs& inputs, Progress& progress) {
   const Config& config = inputs.config;
   const bool use_depth = config.propose_stage.use_depth;
   Sources sources;
@@ -58,10 +58,15 @@ Result<Sources> MakeSources(const RunInputs& inputs) {
     sources.proposers.push_back(propose::MakeFusedProposer(inputs.classes, config.fused));
   }
   if (config.propose_stage.network) {
-    const Result<std::filesystem::path> folder =
-        FindPriors(inputs.data_folder, config.propose_stage.priors);
+    const auto folder = FindPriors(inputs.data_folder, config.propose_stage.priors);
     if (!folder.ok()) return folder.error();
-    Result<propose::ShapePriors> priors = LoadPriors(*folder, inputs.classes);
+    if (!*folder) {
+      progress.Warn(
+          "no shape networks are there; shapes come from the other sources alone "
+          "(propose.priors names a folder with networks)");
+      return sources;
+    }
+    Result<propose::ShapePriors> priors = LoadPriors(**folder, inputs.classes);
     if (!priors.ok()) return priors.error();
     sources.proposers.push_back(propose::MakeNetworkProposer(
         std::move(priors).value(),
@@ -141,7 +146,7 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  const Result<Sources> sources = MakeSources(inputs);
+  const Result<Sources> sources = MakeSources(inputs, context.progress());
   if (!sources.ok()) return sources.error();
   const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
   if (!views.ok()) return views.error();
