@@ -77,7 +77,11 @@ class RootLock {
                                 "another one",
                                 folder.root.string()));
     }
-    return RootLock(fd);
+    RootLock lock(fd);
+    for (const fs::path& written : {folder.root, folder.internals()}) {
+      if (Status status = artifact::RemoveAsideFiles(written); !status.ok()) return status.error();
+    }
+    return lock;
   }
   ~RootLock() {
     if (fd_ >= 0) ::close(fd_);

@@ -7,6 +7,8 @@
 // as the same. A breach is a DEEPSLAM_CHECK, so it ends the fuzzer as a bad access does.
 #pragma once
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -33,6 +35,13 @@ inline bool Refused(const Error& error, std::string_view file = kFile) {
                  "a refusal names the file: " + error.message);
   DEEPSLAM_CHECK(error.message.size() < kMaxMessageBytes, "a refusal can be read");
   return false;
+}
+
+// Whether a path that an input names is one below the input's folder.
+inline bool StaysBelow(std::string_view name) {
+  const std::filesystem::path path(name);
+  return path.is_relative() && !name.empty() &&
+         std::none_of(path.begin(), path.end(), [](const auto& part) { return part == ".."; });
 }
 
 // Decode, Encode: of one value, as the rooms have them, with the name for messages. Writing and

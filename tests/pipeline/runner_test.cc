@@ -266,15 +266,21 @@ TEST(Runner, KilledRunGoesOnWithEqualBytes) {
   RunRequest until;
   until.until = "b";
   RunChain({}, dir.path(), until);
-  // What a killed process leaves: a half-written stage, and one that was moved aside while being
+  // What a killed process (4194305 is beyond all numbers) leaves: a half-written stage, and one that was moved aside while being
   // replaced.
   WriteText(dir.path() / "c.partial-99999" / "c.txt", "ha");
-  WriteText(dir.path() / "workspace.json.tmp-99999", "{");
+  WriteText(dir.path() / "workspace.json.tmp-4194305", "{");
+  WriteText(dir.path() / "timing.html.tmp-4194305", "<");
+  WriteText(dir.path() / "a" / "dropped.json.tmp-4194305", "{");
+  WriteText(dir.path() / "notes.txt.tmp-1", "the user's own");
   fs::rename(dir.path() / "b", dir.path() / "b.old-99999");
   WriteText(dir.path() / "mine.partial-1" / "notes.txt", "the user's own");
   EXPECT_THAT(RunChain({}, dir.path()).ran, ElementsAre("b", "c", "d"));
   EXPECT_FALSE(fs::exists(dir.path() / "c.partial-99999"));
-  EXPECT_FALSE(fs::exists(dir.path() / "workspace.json.tmp-99999"));
+  EXPECT_FALSE(fs::exists(dir.path() / "workspace.json.tmp-4194305"));
+  EXPECT_FALSE(fs::exists(dir.path() / "timing.html.tmp-4194305"));
+  EXPECT_FALSE(fs::exists(dir.path() / "a" / "dropped.json.tmp-4194305"));
+  EXPECT_TRUE(fs::remove(dir.path() / "notes.txt.tmp-1"));
   EXPECT_FALSE(fs::exists(dir.path() / "b.old-99999"));
   EXPECT_TRUE(fs::exists(dir.path() / "mine.partial-1"));
   fs::remove_all(dir.path() / "mine.partial-1");

@@ -1,12 +1,14 @@
 #include "deepslam/artifact/store.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <vector>
 
@@ -75,6 +77,20 @@ Status WriteAll(const fs::path& file, std::string_view bytes) {
   return Ok();
 }
 
+// NAME.json.tmp-<pid> or NAME.html.tmp-<pid>, of a process that is no more.
+bool IsLeftAside(const std::string& name) {
+  constexpr std::string_view kAside = ".tmp-";
+  const std::size_t at = name.rfind(kAside);
+  if (at == std::string::npos) return false;
+  const std::string_view stem = std::string_view(name).substr(0, at);
+  if (!stem.ends_with(".json") && !stem.ends_with(".html")) return false;
+  pid_t pid = 0;
+  const char* const end = name.data() + name.size();
+  const auto [digits_end, code] = std::from_chars(name.data() + at + kAside.size(), end, pid);
+  if (code != std::errc() || digits_end != end || pid <= 0) return false;
+  return ::kill(pid, 0) != 0 && errno == ESRCH;
+}
+
 }  // namespace
 
 Result<std::string> ReadFile(const fs::path& file) {
@@ -129,6 +145,20 @@ Status SyncFolder(const fs::path& folder) {
   // Some network file systems cannot sync folders; the rename is then as durable as they make it.
   if (::fsync(fd.get()) != 0 && errno != EINVAL && errno != ENOTSUP)
     return WriteError(folder, "sync folder", errno);
+  return Ok();
+}
+
+Status RemoveAsideFiles(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (IsLeftAside(it->path().filename().string()) && it->is_regular_file(ignored))
+      left.push_back(it->path());
+  }
+  for (const fs::path& file : left) {
+    if (!fs::remove(file, error) && error) return WriteError(file, "remove", error.value());
+  }
   return Ok();
 }
 

@@ -19,12 +19,17 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 
 // Writes to FILE.tmp-<pid>, syncs, renames, syncs the folder. kFailed on any error; the old file
 // then still stands.
+// A process that is killed in between leaves FILE.tmp-<pid> (RemoveAsideFiles).
 [[nodiscard]] Status WriteFileAtomically(const std::filesystem::path& file, std::string_view bytes);
 
 // Writes and syncs in place: for files of a folder that is itself renamed as a whole.
 [[nodiscard]] Status WriteFileSynced(const std::filesystem::path& file, std::string_view bytes);
 
 [[nodiscard]] Status SyncFolder(const std::filesystem::path& folder);
+// Takes away what killed processes left of WriteFileAtomically in a folder (not in folders in it):
+// NAME.json.tmp-<pid>, NAME.html.tmp-<pid>, where no such process runs on this machine; so the
+// folder's writers must all be on it. A folder that does not exist holds none.
+[[nodiscard]] Status RemoveAsideFiles(const std::filesystem::path& folder);
 [[nodiscard]] Status MakeFolders(const std::filesystem::path& folder);
 
 // sha256 of a file's bytes, read piecewise.

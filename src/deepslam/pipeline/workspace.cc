@@ -25,7 +25,6 @@ constexpr std::string_view kWorkspaceFile = "workspace.json";
 constexpr std::string_view kLockFile = ".lock";
 
 bool IsLeftover(const std::string& name, std::span<const std::string> stage_names) {
-  if (name.starts_with(std::string(kWorkspaceFile) + ".tmp-")) return true;
   return std::any_of(stage_names.begin(), stage_names.end(), [&](const std::string& stage) {
     return name.starts_with(stage + ".partial-") || name.starts_with(stage + ".old-");
   });
@@ -42,7 +41,10 @@ Status RemoveLeftovers(const fs::path& folder, std::span<const std::string> stag
     if (error)
       return Failed(fmt::format("{}: cannot remove: {}", leftover.string(), error.message()));
   }
-  return Ok();
+  for (const std::string& stage : stage_names) {
+    if (Status status = artifact::RemoveAsideFiles(folder / stage); !status.ok()) return status;
+  }
+  return artifact::RemoveAsideFiles(folder);
 }
 
 Status WriteWorkspaceFile(const fs::path& folder) {

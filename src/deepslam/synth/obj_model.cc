@@ -23,13 +23,17 @@ std::string Slashed(std::string name) {
 // name.
 std::optional<std::string> Find(const FileLookup& beside, const std::string& named) {
   const std::string name = Slashed(named);
+  if (name.find('\0') != std::string::npos) return std::nullopt;
   const bool leads_away = name.starts_with('/') || name.find("..") != std::string::npos ||
                           name.find(':') != std::string::npos;
   if (!leads_away) {
     if (std::optional<std::string> bytes = beside(name)) return bytes;
   }
   const std::size_t slash = name.find_last_of('/');
-  return slash == std::string::npos ? std::nullopt : beside(name.substr(slash + 1));
+  if (slash == std::string::npos) return std::nullopt;
+  const std::string bare = name.substr(slash + 1);
+  if (bare.empty() || bare == "." || bare == "..") return std::nullopt;
+  return beside(bare);
 }
 
 std::string MaterialLibraries(const std::string& obj, const FileLookup& beside) {

@@ -7,8 +7,7 @@
 DEEPSLAM_FUZZ(obj) {
   const std::string text(bytes);
   const auto beside = [&](const std::string& name) -> std::optional<std::string> {
-    DEEPSLAM_CHECK(!name.starts_with('/') && name.find("..") == std::string::npos,
-                   "what a model names lies beside it");
+    DEEPSLAM_CHECK(StaysBelow(name), "what a model names lies beside it");
     return text;
   };
   const auto model = synth::ParseObjModel(text, beside, Eigen::Matrix3d::Identity(), std::nullopt);
