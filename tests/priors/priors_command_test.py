@@ -72,6 +72,10 @@ def main():
                 (("-o", folder / "x", "--withheld-list", folder / "none.yaml", "--meshes", folder), 3, "none.yaml")):
             outcome = render(*arguments)
             assert outcome.returncode == code and part in outcome.stderr, (arguments, outcome)
+
+        look = subprocess.run([PROGRAM, "priors", "look", folder / "none", folder / "one", "--sheet", folder / "look.png"],
+                              capture_output=True, text=True, check=False)
+        assert look.returncode == 3 and "one" in look.stderr and not (folder / "look.png").exists(), look
     print("priors command: fine")
 
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/dataset/capture.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/shape_prior.h"
 #include "deepslam/stages/data_folder.h"
@@ -62,6 +63,25 @@ Eigen::Vector3d CenterWorld(std::span<const ObjectView> views) {
          Eigen::Vector3d(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
 }
 
+Status CheckFits(const Odometry& odometry,
+                 const std::vector<Segment>& segments,
+                 const FrameSource& frames) {
+  const PinholeCamera& camera = frames.camera();
+  bool fits = static_cast<int>(odometry.frames.size()) == frames.num_frames();
+  for (const Segment& segment : segments) {
+    if (segment.usable)
+      fits = fits && segment.mask.width() == camera.width && segment.mask.height() == camera.height;
+  }
+  if (fits) return Ok();
+  return InvalidInput(
+      fmt::format("the workspace was made of another capture: {} frames there, {} of {} x {} px "
+                  "here; name the capture it was made of",
+                  odometry.frames.size(),
+                  frames.num_frames(),
+                  camera.width,
+                  camera.height));
+}
+
 ProposalLook Look(const std::string& object,
                   const propose::ShapePrior& prior,
                   const ObjectView& view) {
@@ -90,6 +110,10 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
   if (!priors.ok()) return priors.error();
   const Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  if (const Status status = CheckFits(*odometry, *segments, *inputs.capture->frames); !status.ok())
+    return status.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
