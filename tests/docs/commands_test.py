@@ -37,6 +37,7 @@ DRY = {
     r"deepslam-demo\b": "renders and reconstructs 120 frames; scripts/test_package.sh runs it",
     r"scripts/experiments/(run|loops)\.py\b": "takes hours",
     r"scripts/train/train\.sh\b": "trains for hours",
+    r"deepslam priors look ": "needs an object of a class with networks; the world has tables",
     r"scripts/measure_noise\.py\b": "takes minutes; ctest runs it (noise_statistics)",
     r"deepslam synth configs/scenes/\S+ -o \S+$": "renders 120 frames; the world's capture is of the same kind",
     r"deepslam batch .*--engine slurm": "needs a cluster; ctest runs it (slurm)",
