@@ -9,6 +9,8 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include "deepslam/core/yaml_quotes.h"
+
 namespace deepslam::artifact {
 namespace {
 
@@ -41,16 +43,7 @@ std::string Quoted(const std::string& text) {
                        return std::isalnum(c) != 0 || c == '_' || c == ' ' || c == '-';
                      });
   if (plain) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      quoted += fmt::format("\\x{:02x}", c);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
+  return DoubleQuotedYaml(text);
 }
 
 std::string Quoted(const std::vector<std::string>& texts) {

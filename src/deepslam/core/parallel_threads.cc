@@ -1,8 +1,7 @@
-// Takes parallel.cc's place in builds with ThreadSanitizer, which knows nothing of what the packaged
-// oneTBB does between threads: plain threads, and nothing that orders one body after another, so
-// that every two bodies that touch the same memory are seen.
+// Takes parallel.cc's place in builds with ThreadSanitizer, which knows nothing of what the
+// packaged oneTBB does between threads: plain threads, and nothing that orders one body after
+// another, so that every two bodies that touch the same memory are seen.
 #include <algorithm>
-#include <memory>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -30,23 +29,10 @@ std::size_t NumThreads() {
 
 }  // namespace
 
-struct ThreadLimit::Impl {
-  std::unique_ptr<tbb::global_control> control;
-};
-
-ThreadLimit::ThreadLimit(int num_threads) : impl_(new Impl) {
-  if (num_threads > 0) {
-    impl_->control = std::make_unique<tbb::global_control>(
-        tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(num_threads));
-  }
-}
-
-ThreadLimit::~ThreadLimit() { delete impl_; }
-
 void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body) {
   const std::size_t num_threads = std::min(NumThreads(), count);
-  // Dealt out beforehand: every thread has bodies, however soon the first one is done. A loop inside
-  // a body stays on its thread.
+  // Dealt out beforehand: every thread has bodies, however soon the first one is done. A loop
+  // inside a body stays on its thread.
   const auto work = [&](std::size_t thread) {
     const bool was_alone = std::exchange(alone, true);
     for (std::size_t i = thread; i < count; i += num_threads) body(i);
@@ -56,14 +42,6 @@ void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body
   for (std::size_t n = 1; n < num_threads; ++n) others.emplace_back(work, n);
   if (count > 0) work(0);
   for (std::thread& other : others) other.join();
-}
-
-void ParallelForChunks(std::size_t count,
-                       std::size_t chunk,
-                       const std::function<void(std::size_t, std::size_t)>& body) {
-  const std::size_t num_chunks = (count + chunk - 1) / chunk;
-  ParallelFor(num_chunks,
-              [&](std::size_t c) { body(c * chunk, std::min(count, (c + 1) * chunk)); });
 }
 
 void OnOneThread(const std::function<void()>& body) {

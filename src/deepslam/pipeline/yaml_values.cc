@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "deepslam/core/yaml_quotes.h"
+
 namespace deepslam::pipeline {
 namespace {
 
@@ -92,17 +94,7 @@ std::string YamlString(const std::string& text) {
            c == '-' || c == '/' || c == '.';
   });
   if (plain && text.front() != '-' && text.front() != '.') return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    // Raw line breaks would be read back as blanks.
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      quoted += fmt::format("\\x{:02x}", c);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + '"';
+  return DoubleQuotedYaml(text);
 }
 
 }  // namespace deepslam::pipeline

@@ -63,25 +63,6 @@ Eigen::Vector3d CenterWorld(std::span<const ObjectView> views) {
          Eigen::Vector3d(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
 }
 
-Status CheckFits(const Odometry& odometry,
-                 const std::vector<Segment>& segments,
-                 const FrameSource& frames) {
-  const PinholeCamera& camera = frames.camera();
-  bool fits = static_cast<int>(odometry.frames.size()) == frames.num_frames();
-  for (const Segment& segment : segments) {
-    if (segment.usable)
-      fits = fits && segment.mask.width() == camera.width && segment.mask.height() == camera.height;
-  }
-  if (fits) return Ok();
-  return InvalidInput(
-      fmt::format("the workspace was made of another capture: {} frames there, {} of {} x {} px "
-                  "here; name the capture it was made of",
-                  odometry.frames.size(),
-                  frames.num_frames(),
-                  camera.width,
-                  camera.height));
-}
-
 ProposalLook Look(const std::string& object,
                   const propose::ShapePrior& prior,
                   const ObjectView& view) {
@@ -112,7 +93,9 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
   if (!odometry.ok()) return odometry.error();
   const Result<std::vector<Segment>> segments = ReadSegments(context);
   if (!segments.ok()) return segments.error();
-  if (const Status status = CheckFits(*odometry, *segments, *inputs.capture->frames); !status.ok())
+  if (const Status status =
+          CheckOfThisCapture(odometry->frames.size(), *segments, *inputs.capture->frames);
+      !status.ok())
     return status.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();

@@ -65,27 +65,6 @@ std::map<FrameIdx, std::vector<View>> ViewsByFrame(const ObjectMap& map,
   return views;
 }
 
-Status CheckFits(const OptimizedMap& map,
-                 const std::map<FrameIdx, std::vector<View>>& views,
-                 const FrameSource& frames) {
-  const PinholeCamera& camera = frames.camera();
-  bool fits = static_cast<int>(map.frames.size()) == frames.num_frames();
-  for (const auto& [frame, of_frame] : views) {
-    for (const View& view : of_frame) {
-      fits = fits && view.segment->mask.width() == camera.width &&
-             view.segment->mask.height() == camera.height;
-    }
-  }
-  if (fits) return Ok();
-  return InvalidInput(
-      fmt::format("the workspace was made of another capture: {} frames there, {} of {} x {} px "
-                  "here; name the capture it was made of",
-                  map.frames.size(),
-                  frames.num_frames(),
-                  camera.width,
-                  camera.height));
-}
-
 void Summarise(SilhouetteReport& report) {
   std::vector<double> all;
   std::vector<double> all_px;
@@ -119,7 +98,8 @@ Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& worksp
   const Result<std::vector<TriangleMesh>> meshes = ReadMeshes(context, map->map);
   if (!meshes.ok()) return meshes.error();
   const auto views = ViewsByFrame(map->map, *association, *segments);
-  if (Status status = CheckFits(*map, views, frames); !status.ok()) return status.error();
+  if (Status status = CheckOfThisCapture(map->frames.size(), *segments, frames); !status.ok())
+    return status.error();
 
   SilhouetteReport report;
   for (const MapObject& object : map->map.objects) {

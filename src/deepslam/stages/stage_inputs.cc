@@ -170,6 +170,24 @@ Result<ObjectViews> CollectViews(const StageContext& context,
                                      context.progress());
 }
 
+Status CheckOfThisCapture(std::size_t num_frames,
+                          std::span<const Segment> segments,
+                          const FrameSource& frames) {
+  const PinholeCamera& camera = frames.camera();
+  const bool same_images = std::ranges::all_of(segments, [&](const Segment& segment) {
+    return !segment.usable ||
+           (segment.mask.width() == camera.width && segment.mask.height() == camera.height);
+  });
+  if (same_images && static_cast<int>(num_frames) == frames.num_frames()) return Ok();
+  return InvalidInput(
+      fmt::format("the workspace was made of another capture: {} frames there, {} of {} x {} px "
+                  "here; name the capture it was made of",
+                  num_frames,
+                  frames.num_frames(),
+                  camera.width,
+                  camera.height));
+}
+
 Status ForFrames(const StageContext& context,
                  const FrameSource& frames,
                  std::span<const FrameIdx> wanted,

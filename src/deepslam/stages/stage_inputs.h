@@ -82,6 +82,12 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
                                                const Ground& ground,
                                                const Association& association);
 
+// That a workspace of so many frames and with these segments was made of this capture; InvalidInput
+// otherwise.
+[[nodiscard]] Status CheckOfThisCapture(std::size_t num_frames,
+                                        std::span<const Segment> segments,
+                                        const FrameSource& frames);
+
 // Reads frames in parallel, a few at a time, and hands each to `use` in the order given. A frame
 // that cannot be read is warned about and skipped. Stops at the first error of `use` and when the
 // user asks to.
