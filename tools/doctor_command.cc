@@ -15,6 +15,7 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/plan.h"
 
 namespace deepslam::tools {
@@ -64,6 +65,22 @@ Finding CheckLibrary(const fs::path& data_folder, const stages::Config& config) 
   return {"furniture library",
           true,
           fmt::format("{} models in {}", library->models.size(), folder->string())};
+}
+
+Finding CheckNetworks(const fs::path& data_folder,
+                      const stages::Config& config,
+                      const ClassTable& classes) {
+  const std::string what = "shape networks";
+  if (!config.propose_stage.network) return {what, true, "not needed: propose.network is false"};
+  const auto folder = stages::FindPriors(data_folder, config.propose_stage.priors);
+  if (!folder.ok()) return {what, false, folder.error().message};
+  if (!folder->has_value())
+    return {what, false, "none came with the program; make them by scripts/train/train.sh CLASS"};
+  const Result<propose::ShapePriors> priors = stages::LoadPriors(**folder, classes);
+  if (!priors.ok()) return {what, false, priors.error().message};
+  std::string names;
+  for (const auto& [class_name, prior] : *priors) names += " " + class_name;
+  return {what, true, fmt::format("of{} in {}", names, (*folder)->string())};
 }
 
 std::string CpuFeatures() {
@@ -147,6 +164,7 @@ int Doctor(const std::string& capture, const std::string& data, const ConfigSour
   findings.push_back(
       classes.ok() ? Finding{"classes", true, fmt::format("{} classes", classes->classes.size())}
                    : Finding{"classes", false, classes.error().message});
+  if (classes.ok()) findings.push_back(CheckNetworks(data_folder, *config, *classes));
   if (!capture.empty()) findings.push_back(CheckCapture(capture));
 
   JsonArray rows;

@@ -124,6 +124,7 @@ def main():
     if not arguments.credit and any(m["source"] == "folder" for head in heads for m in head["models"]):
         raise SystemExit("--credit: meshes of a folder took part; say who made them and under which licence")
     model = nets.load(arguments.weights, config["width"])
+    nets.calibrate(model, **scores["calibration"])
     round_weights(model)
     torch.manual_seed(1)
     crop, sketch, latents = torch.rand(2, 7, 128, 128), torch.rand(2, 5, 64, 64), torch.randn(2, nets.LATENTS)

@@ -95,6 +95,15 @@ def load(weights, width):
     return model.eval()
 
 
+@torch.no_grad()
+def calibrate(model, scale, offset):
+    """The decoder's logits times `scale` plus `offset`, within its last layer."""
+    last = model.decoder.body[-1]
+    last.weight.mul_(scale)
+    last.bias.mul_(scale).add_(offset)
+    return model
+
+
 def azimuth_of(logits):
     """Angle (rad) of the bins' strongest neighbourhood; bin k has its middle at k * 360 / 24 degrees."""
     share = torch.softmax(logits, 1)

@@ -2,6 +2,7 @@
 """Trains the networks of one class. Stops and resumes at will: same data, options and device give the same course.
 
     train.py CLASS.yaml --data VIEWS [--data MORE] --out FOLDER [--minutes M] [--steps N] [--device cpu|cuda]
+             [--start-from configs/priors/CLASS]
 """
 import argparse
 import copy
@@ -18,6 +19,7 @@ import yaml
 import data
 import nets
 import plots
+import restart
 
 
 def azimuth_loss(logits, azimuth, symmetry):
@@ -152,10 +154,10 @@ def main():
     parser.add_argument("--data", action="append", required=True)
     parser.add_argument("--out", required=True)
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after this time; run again to go on")
-    parser.add_argument("--steps", type=int, help="stop after this many steps in all (default: the configuration's)")
+    parser.add_argument("--steps", type=int, help="steps in all, over which the rate falls (default: the configuration's)")
     parser.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--start-from", help="weights.pt of another training to begin with")
+    parser.add_argument("--start-from", help="weights to begin with: weights.pt of another training, or exported networks")
     arguments = parser.parse_args()
     config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
     torch.set_num_threads(arguments.threads)
@@ -177,7 +179,8 @@ def main():
         optimizer.load_state_dict(saved["optimizer"])
         state = saved["state"]
     elif arguments.start_from:
-        model.load_state_dict(torch.load(arguments.start_from, map_location=device, weights_only=True))
+        some = np.linspace(0, len(train_views) - 1, min(256, len(train_views))).astype(int)
+        restart.begin(model.cpu(), arguments.start_from, train_views.crops(some)).to(device)
         mean.load_state_dict(model.state_dict())
     print(f"{len(train_views)} views of {len(train_views.models)} models, validated on {len(check_views)} of "
           f"{len(check_views.models)}; step {state['step']}, {sum(p.numel() for p in model.parameters())} weights, "
@@ -203,7 +206,7 @@ def main():
         numbers = draw_numbers(train_views, random, config["batch"], config["product_share"])
         item = {name: value.to(device) for name, value in
                 data.batch(train_views, numbers, random, config["depth_dropped"]).items()}
-        progress = min(1.0, step / config["steps"])
+        progress = min(1.0, step / last_step)
         rate = config["rate"] * min(1.0, (step + 1) / warm) * (0.05 + 0.475 * (1 + math.cos(math.pi * progress)))
         for group in optimizer.param_groups:
             group["lr"] = rate

@@ -266,6 +266,38 @@ TEST_F(Library, WithheldProductsStayOutById_AndByShapeInAnySize) {
   EXPECT_FALSE(Build().ok());
 }
 
+// What training renders: the withheld products marked, and what is of their shape on neither side.
+TEST_F(Library, DesignsForTrainingMarkWhatIsWithheldAndLeaveOutWhatIsLikeIt) {
+  SilentProgress progress;
+  const auto designs = ReadDesigns(options_.catalogues, {"Test#chair"}, {"chair"}, progress);
+  ASSERT_TRUE(designs.ok()) << designs.error().message;
+  std::map<std::string, bool> withheld;
+  for (const CatalogueDesign& design : *designs) {
+    withheld[design.item.id] = design.withheld;
+    EXPECT_EQ(design.catalogue, "Test.sh3f");
+  }
+  EXPECT_THAT(
+      withheld,
+      testing::ElementsAre(testing::Pair("Test#chair", true), testing::Pair("Test#stool", false)))
+      << "the larger chair is of the withheld one's shape; tables were not asked for";
+  EXPECT_FALSE(ReadDesigns(options_.catalogues, {"Test#unknown"}, {"chair"}, progress).ok());
+  EXPECT_FALSE(ReadDesigns(options_.catalogues, {"Test#gone"}, {"chair"}, progress).ok());
+  EXPECT_FALSE(ReadDesigns(dir_.path() / "nowhere", {}, {"chair"}, progress).ok());
+}
+
+TEST_F(Library, DesignsForTrainingAreTurnedToTheirFronts) {
+  SilentProgress progress;
+  const auto designs = ReadDesigns(options_.catalogues, {}, {"chair"}, progress);
+  ASSERT_TRUE(designs.ok()) << designs.error().message;
+  const VoxelGrid chair = *shape::Voxelize(ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.05F));
+  for (const CatalogueDesign& design : *designs) {
+    if (design.item.id != "Test#chair") continue;
+    EXPECT_GT(shape::GridIntersectionOverUnion(design.model.shape, chair), 0.9);
+    return;
+  }
+  FAIL() << "Test#chair is missing";
+}
+
 TEST_F(Library, RefusesFoldersThatAreNotItsOwn) {
   options_.out = dir_.path() / "home";
   WriteText(options_.out / "thesis.txt", "years of work");
@@ -332,9 +364,9 @@ TEST_F(Library, SplitKeepsShapesTogetherAndTakesItsShareOfEveryClass) {
   const std::set<std::string> two_thirds = ids_at(0.67);
   EXPECT_EQ(two_thirds.contains("Test#chair"), two_thirds.contains("Test#larger"));
   EXPECT_EQ(two_thirds.size(), 1U) << "of two like tables only both could be withheld";
-  EXPECT_THAT(ids_at(1.0),
-              testing::ElementsAre(
-                  "Test#chair", "Test#larger", "Test#stool", "Test#table", "Test#twin"));
+  EXPECT_THAT(
+      ids_at(1.0),
+      testing::ElementsAre("Test#chair", "Test#larger", "Test#stool", "Test#table", "Test#twin"));
 }
 
 TEST_F(Library, SplitIsReadAsAListAndLeavesNothingAlikeInTheLibrary) {

@@ -90,6 +90,19 @@ class CommandLine(unittest.TestCase):
         self.assertFalse(findings["detector weights"])
         self.assertTrue(findings["classes"])
 
+    def test_doctor_tells_which_shape_networks_there_are(self):
+        def networks(*options):
+            result = run("doctor", *options, data=self.dir)
+            return {row["what"]: row for row in json.loads(result.stdout)["findings"]}["shape networks"]
+
+        self.assertIn("propose.network", networks("--set", "propose.network=false")["detail"])
+        there = networks("--set", "propose.network=true")
+        self.assertTrue(there["ok"])
+        self.assertRegex(there["detail"], "chair.* in .*priors")
+        missing = networks("--set", "propose.network=true", "--set", f"propose.priors={self.dir / 'none'}")
+        self.assertFalse(missing["ok"])
+        self.assertIn("train.sh", missing["detail"])
+
     def test_status_of_no_workspace_is_3(self):
         self.check(run("status", self.dir / "none"), 3)
         (self.dir / "photos").mkdir()

@@ -98,19 +98,21 @@ std::optional<std::size_t> Stand(const VoxelGrid& grid,
   return best;
 }
 
-// Share of each target cell that the source interval [0, kGridSize) * factor + shift covers,
-// weighted by values.
+// Where a line of voxels comes to lie.
 struct AxisMap {
   double factor = 1;  // target voxels per source voxel
   double shift = 0;   // target coordinate of source coordinate 0, voxels
 };
 
-std::vector<float> ResampleAxis(const std::vector<float>& source,
-                                std::size_t stride,
-                                std::size_t stride_a,
-                                std::size_t stride_b,
-                                const AxisMap& map) {
-  std::vector<float> target(source.size(), 0.0F);
+// The share of target voxel `to` that source voxel `from` covers.
+struct Cover {
+  std::size_t from = 0;
+  std::size_t to = 0;
+  float weight = 0;
+};
+
+std::vector<Cover> Covers(const AxisMap& map) {
+  std::vector<Cover> covers;
   for (int from = 0; from < kGridSize; ++from) {
     const double begin = map.shift + map.factor * from;
     const double end = begin + map.factor;
@@ -118,14 +120,25 @@ std::vector<float> ResampleAxis(const std::vector<float>& source,
     const int last = std::clamp(static_cast<int>(std::ceil(end)), 0, kGridSize);
     for (int to = first; to < last; ++to) {
       const auto weight = static_cast<float>(std::min(end, to + 1.0) - std::max<double>(begin, to));
-      if (weight <= 0) continue;
-      for (std::size_t a = 0; a < kGridSize; ++a) {
-        for (std::size_t b = 0; b < kGridSize; ++b) {
-          const std::size_t line = a * stride_a + b * stride_b;
-          target[line + static_cast<std::size_t>(to) * stride] +=
-              weight * source[line + static_cast<std::size_t>(from) * stride];
-        }
-      }
+      if (weight > 0)
+        covers.push_back({static_cast<std::size_t>(from), static_cast<std::size_t>(to), weight});
+    }
+  }
+  return covers;
+}
+
+// Along the axis whose neighbours lie `stride` apart; rows of `stride` values are taken as one.
+std::vector<float> ResampleAxis(const std::vector<float>& source,
+                                std::size_t stride,
+                                const AxisMap& map) {
+  const std::vector<Cover> covers = Covers(map);
+  std::vector<float> target(source.size(), 0.0F);
+  const std::size_t slab = stride * kGridSize;
+  for (std::size_t first = 0; first < source.size(); first += slab) {
+    for (const Cover& cover : covers) {
+      const float* const from = source.data() + first + cover.from * stride;
+      float* const to = target.data() + first + cover.to * stride;
+      for (std::size_t n = 0; n < stride; ++n) to[n] += cover.weight * from[n];
     }
   }
   return target;
@@ -190,8 +203,7 @@ VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
     const bool keeps = std::abs(scale[n] - 1.0) < 1e-9 && std::abs(ideal - low[n]) <= 0.5;
     const double low_target = keeps ? low[n] : std::round(ideal);
     const AxisMap map = {scale[n], low_target - scale[n] * low[n]};
-    shares =
-        ResampleAxis(shares, kStride[axis], kStride[(axis + 1) % 3], kStride[(axis + 2) % 3], map);
+    shares = ResampleAxis(shares, kStride[axis], map);
   }
   return SolidFromShares(shares);
 }

@@ -49,9 +49,8 @@ void MarkPoint(const Eigen::Vector3d& p_fine, Cells& cells) {
   // The box's own faces lie on the rim of the outermost voxels: the last one is theirs.
   constexpr int kLow = kFine;
   constexpr int kHigh = kFineSize - kFine - 1;
-  const auto cell = [&](double x) {
-    return std::clamp(static_cast<int>(std::floor(x)), kLow, kHigh);
-  };
+  // What is below zero is below kLow either way, so that cutting off does what floor would.
+  const auto cell = [&](double x) { return std::clamp(static_cast<int>(x), kLow, kHigh); };
   cells[FineIndex(cell(p_fine.x()), cell(p_fine.y()), cell(p_fine.z()))] = kShell;
 }
 
@@ -69,9 +68,8 @@ void MarkTriangle(const Triangle& triangle, Cells& cells) {
     const Eigen::Vector3d begin = triangle[0] + t * ab;
     const Eigen::Vector3d along = t * (ac - ab);
     const int row = std::max(1, static_cast<int>(std::ceil(along.norm() / kSpacing)));
-    for (int b = 0; b <= row; ++b) {
-      MarkPoint(begin + (static_cast<double>(b) / row) * along, cells);
-    }
+    const Eigen::Vector3d step = along / row;
+    for (int b = 0; b <= row; ++b) MarkPoint(begin + static_cast<double>(b) * step, cells);
   }
 }
 

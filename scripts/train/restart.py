@@ -1,0 +1,73 @@
+"""Weights to begin a training with: those of an earlier one (.pt), or a folder of exported networks (configs/priors/chair).
+
+The export folds normalisation into the convolutions before it. What was folded is set up anew such that the networks
+compute what they computed, and that every unit's spread over real crops is the normalisation's again, as training needs it.
+"""
+import pathlib
+
+import numpy as np
+import onnx
+import torch
+from onnx import numpy_helper
+from torch import nn
+
+
+def parameters_of(model):
+    halves = {cast.output[0]: cast.input[0] for cast in model.graph.node if cast.op_type == "Cast"}
+    stored = {tensor.name: numpy_helper.to_array(tensor).astype(np.float32) for tensor in model.graph.initializer}
+    return dict(stored, **{name: stored[half] for name, half in halves.items() if half in stored})
+
+
+def unfold(network, model):
+    """Fills `network`; returns the normalisations that are ones by now."""
+    values, state, ones = parameters_of(model), network.state_dict(), []
+    for name in state:
+        if name in values:
+            state[name] = torch.from_numpy(values[name].copy())
+    for node in model.graph.node:
+        if node.op_type != "Conv" or len(node.input) < 3 or not node.input[1].startswith("onnx::"):
+            continue
+        place = node.output[0].split("/")[-2]  # ".../e1.0/Conv_output_0"
+        block, number = place.rsplit(".", 1)
+        after = f"{block}.{int(number) + 1}"
+        norm = network.get_submodule(after)
+        state[f"{place}.weight"] = torch.from_numpy(values[node.input[1]].copy())
+        state[f"{after}.weight"] = torch.ones(norm.num_features)
+        state[f"{after}.bias"] = torch.from_numpy(values[node.input[2]].copy())
+        state[f"{after}.running_mean"] = torch.zeros(norm.num_features)
+        state[f"{after}.running_var"] = torch.full((norm.num_features,), 1 - norm.eps)
+        ones.append(norm)
+    network.load_state_dict(state)
+    return ones
+
+
+@torch.no_grad()
+def respread(norm, values):
+    """The same function, with the mean and variance of `values` as what it takes off and divides by."""
+    mean, spread = values.mean((0, 2, 3)), values.var((0, 2, 3), unbiased=False)
+    norm.bias.add_(mean)
+    norm.weight.copy_((spread + norm.eps).sqrt())
+    norm.running_mean.copy_(mean)
+    norm.running_var.copy_(spread)
+
+
+def begin(model, source, crops):
+    """`model` (nets.Prior) with the weights of `source`; `crops` are some hundred of the training's."""
+    source = pathlib.Path(source)
+    if source.is_file():
+        model.load_state_dict(torch.load(source, map_location="cpu", weights_only=True))
+        return model
+    learning = model.training
+    model.eval()
+    norms = []
+    for name in ("sketch", "encoder", "decoder"):
+        norms += unfold(getattr(model, name), onnx.load(str(source / f"{name}.onnx")))
+    seen = {}
+    hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
+    with torch.no_grad():
+        model(crops)
+    for hook in hooks:
+        hook.remove()
+    for norm in norms:
+        respread(norm, seen[norm])
+    return model.train(learning)
