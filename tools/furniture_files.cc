@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "deepslam/dataset/image_files.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "deepslam/gltf/textured_model.h"
 #include "deepslam/synth/obj_model.h"
 

@@ -12,6 +12,7 @@
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/image_files.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "deepslam/dataset/tum_writer.h"
 #include "deepslam/gltf/textured_model.h"
 #include "deepslam/library/catalogue.h"

@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "deepslam/core/random.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "support/temp_dir.h"
 
 namespace deepslam::dataset {

@@ -2,8 +2,9 @@
  *   DEEPSLAM_FAULT_BELOW   folder whose files are meant
  *   DEEPSLAM_FAULT_AT      number of the call that fails, from 1; 0: none
  *   DEEPSLAM_FAULT_ERROR   ENOSPC: that call and all later ones that need space; EIO: that call alone
+ *   DEEPSLAM_FAULT_CALLS   write (default) or read: which calls are counted and fail
  *   DEEPSLAM_FAULT_COUNT   file that gets the number of calls and the kind of the failed one at the end
- * Counted are calls that write: open for writing, mkdir, write, writev, pwrite, fsync, rename. */
+ * Calls that write: open for writing, mkdir, write, writev, pwrite, fsync, rename. Calls that read: read, readv, pread. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -23,10 +24,14 @@ static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static char below[PATH_MAX];
 static long fail_at = 0;
 static int fail_error = EIO;
+static int of_reads = 0;
 static long num_calls = 0;
 static const char* failed_call = "none";
 static char count_file[PATH_MAX];
 
+static ssize_t (*next_read)(int, void*, size_t);
+static ssize_t (*next_readv)(int, const struct iovec*, int);
+static ssize_t (*next_pread)(int, void*, size_t, off_t);
 static ssize_t (*next_write)(int, const void*, size_t);
 static ssize_t (*next_writev)(int, const struct iovec*, int);
 static ssize_t (*next_pwrite)(int, const void*, size_t, off_t);
@@ -43,6 +48,9 @@ static void copy_setting(const char* name, char* to, size_t size) {
 }
 
 __attribute__((constructor)) static void begin(void) {
+  next_read = dlsym(RTLD_NEXT, "read");
+  next_readv = dlsym(RTLD_NEXT, "readv");
+  next_pread = dlsym(RTLD_NEXT, "pread");
   next_write = dlsym(RTLD_NEXT, "write");
   next_writev = dlsym(RTLD_NEXT, "writev");
   next_pwrite = dlsym(RTLD_NEXT, "pwrite");
@@ -58,6 +66,8 @@ __attribute__((constructor)) static void begin(void) {
   if (at != NULL) fail_at = atol(at);
   const char* error = getenv("DEEPSLAM_FAULT_ERROR");
   if (error != NULL && strcmp(error, "ENOSPC") == 0) fail_error = ENOSPC;
+  const char* calls = getenv("DEEPSLAM_FAULT_CALLS");
+  of_reads = calls != NULL && strcmp(calls, "read") == 0;
 }
 
 __attribute__((destructor)) static void end(void) {
@@ -86,8 +96,8 @@ static int is_file_below(int file) {
   return is_below(path);
 }
 
-/* Whether this call fails. A full disk refuses what comes after as well, but for renames. */
-static int fails(const char* call, int needs_space) {
+/* Whether this call fails. */
+static int fails_of_kind(const char* call, int needs_space) {
   pthread_mutex_lock(&mutex);
   ++num_calls;
   int failing = 0;
@@ -99,6 +109,28 @@ static int fails(const char* call, int needs_space) {
   if (failing) errno = fail_error;
   return failing;
 }
+
+/* Of a call that writes. A full disk refuses what comes after as well, but for renames. */
+static int fails(const char* call, int needs_space) { return !of_reads && fails_of_kind(call, needs_space); }
+
+static int read_fails(int file, const char* call) { return of_reads && is_file_below(file) && fails_of_kind(call, 0); }
+
+ssize_t read(int file, void* bytes, size_t size) {
+  if (read_fails(file, "read")) return -1;
+  return next_read(file, bytes, size);
+}
+
+ssize_t readv(int file, const struct iovec* parts, int count) {
+  if (read_fails(file, "readv")) return -1;
+  return next_readv(file, parts, count);
+}
+
+ssize_t pread(int file, void* bytes, size_t size, off_t at) {
+  if (read_fails(file, "pread")) return -1;
+  return next_pread(file, bytes, size, at);
+}
+
+ssize_t pread64(int file, void* bytes, size_t size, off_t at) { return pread(file, bytes, size, at); }
 
 ssize_t write(int file, const void* bytes, size_t size) {
   if (is_file_below(file) && fails("write", 1)) return -1;

@@ -2,7 +2,7 @@
 """Kills, interrupts and lets disks fail under `deepslam run`, and checks that the run after it ends in the bytes of an
 undisturbed one.
 
-    fault_test.py DEEPSLAM [--capture DIR] [--kills N] [--faults N] [--signals N] [--seed S] [--shim LIBRARY] [--log FILE]
+    fault_test.py DEEPSLAM [--capture DIR] [--kills N] [--faults N] [--read-faults N] [--signals N] [--seed S] [--shim LIBRARY] [--log FILE]
                   [-- more arguments of `deepslam run`]
 
 Each trial begins with a whole workspace that lacks one stage and all after it (the stages take turns), and starts the
@@ -12,6 +12,8 @@ run of that stage.
 - signals: SIGINT or SIGTERM inside the stage: exit code 130, a message, nothing half done left.
 - faults: with --shim (tests/tools/fault_shim.c) a random writing call fails with ENOSPC, and all after it, or with EIO;
   exit code 1 and a message that names a file, nothing half done left.
+- read faults: with --shim a random call that reads below the capture fails with EIO: exit code 1 and a message that names
+  the file, nothing half done left, and no result made without that frame.
 --log gets one line per trial: what, stage, bytes written so far. Without --capture a room of ten frames is rendered.
 Exit 77: nothing to test with.
 """
@@ -106,6 +108,9 @@ class Trials:
         if left := self.leftovers():
             self.fail(f"{what}: left over: {', '.join(left)}")
 
+    def place_of(self, kind):
+        return self.capture.resolve() if kind == "read" else self.workspace
+
     def duration_s(self, stage):
         """Of the stage in the undisturbed run."""
         return json.loads((self.whole / stage / "timing.json").read_text())["wall_s"]
@@ -169,19 +174,19 @@ def interrupt(trials, stage, number, chance):
     return code == 130
 
 
-def count_calls(trials, stage, shim):
+def count_calls(trials, stage, shim, kind="write"):
     counted = trials.folder / "calls"
     trials.prepare(stage)
-    process = trials.start(stage, env=fault_environment(shim, trials.workspace, 0, "EIO", counted))
+    process = trials.start(stage, env=fault_environment(shim, trials.place_of(kind), 0, "EIO", counted, kind))
     _, message = process.communicate()
     if process.returncode:
         sys.exit(f"the run with {shim} ended with {process.returncode}: {message}")
     return int(counted.read_text().split()[0])
 
 
-def fault_environment(shim, folder, at, error, counted):
+def fault_environment(shim, folder, at, error, counted, kind="write"):
     return dict(os.environ, LD_PRELOAD=str(shim), DEEPSLAM_FAULT_BELOW=str(folder), DEEPSLAM_FAULT_AT=str(at),
-                DEEPSLAM_FAULT_ERROR=error, DEEPSLAM_FAULT_COUNT=str(counted))
+                DEEPSLAM_FAULT_ERROR=error, DEEPSLAM_FAULT_CALLS=kind, DEEPSLAM_FAULT_COUNT=str(counted))
 
 
 def disk_fault(trials, stage, number, chance, shim, calls):
@@ -209,6 +214,27 @@ def disk_fault(trials, stage, number, chance, shim, calls):
     return call
 
 
+def read_fault(trials, stage, chance, shim, calls):
+    trials.prepare(stage)
+    at = chance.randint(1, calls)
+    counted = trials.folder / "calls"
+    capture = trials.place_of("read")
+    process = trials.start(stage, env=fault_environment(shim, capture, at, "EIO", counted, "read"))
+    _, message = process.communicate()
+    code = process.returncode
+    call = counted.read_text().split()[1] if counted.exists() else "unknown"
+    what = f"EIO at reading call {at} of {calls} ({call}) before or in {stage}: exit {code}"
+    trials.note(what)
+    if call != "none" and code != 1:
+        trials.fail(f"{what}: {message.strip()[-300:]}")
+    elif call != "none" and (str(capture) not in message or "Input/output error" not in message):
+        trials.fail(f"{what}: does not name file and reason: {message.strip()[-300:]}")
+    if left := trials.leftovers():
+        trials.fail(f"{what}: left over: {', '.join(left)}")
+    trials.check_rerun(stage, what)
+    return call
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
@@ -216,6 +242,7 @@ def main():
     parser.add_argument("--kills", type=int, default=len(STAGES))
     parser.add_argument("--signals", type=int, default=6)
     parser.add_argument("--faults", type=int, default=6)
+    parser.add_argument("--read-faults", type=int, default=4)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--shim", type=pathlib.Path)
     parser.add_argument("--log", type=pathlib.Path)
@@ -258,6 +285,15 @@ def main():
                 met[disk_fault(trials, stage, number, chance, options.shim.resolve(), calls[stage])] += 1
             print(f"faults    {options.faults} (ENOSPC and EIO): {', '.join(f'{call} {met[call]}' for call in sorted(met))}",
                   flush=True)
+        if options.shim and options.read_faults:
+            met, calls = collections.Counter(), {}
+            # Stages that look at frames; the first calls of every run are those that open and hash the capture.
+            readers = ["track", "detect", "propose", "fuse"]
+            for number in range(options.read_faults):
+                stage = readers[number % len(readers)]
+                calls.setdefault(stage, count_calls(trials, stage, options.shim.resolve(), "read"))
+                met[read_fault(trials, stage, chance, options.shim.resolve(), calls[stage])] += 1
+            print(f"read EIO  {options.read_faults}: {', '.join(f'{call} {met[call]}' for call in sorted(met))}", flush=True)
         print(f"failures  {len(trials.failures)}; bytes lost {trials.bytes_lost}")
         return 1 if trials.failures else 0
 

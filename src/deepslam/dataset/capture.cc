@@ -93,7 +93,9 @@ Result<Capture> OpenCapture(const fs::path& path) {
 
   Capture capture;
   capture.stored = opened->frames;
-  capture.frames = MakeCaptureFrameSource(opened->frames);
+  const auto faults = std::make_shared<ReadFaults>();
+  capture.frames = MakeCaptureFrameSource(opened->frames, faults);
+  capture.faults = faults;
   capture.path = path;
   capture.name = NameOf(path);
   capture.format = (*layout)->name;
@@ -107,6 +109,7 @@ Result<Capture> OpenCapture(const fs::path& path) {
     capture.has_poses = capture.has_poses || frame.world_from_colour.has_value();
   }
   const Status usable = Probe(*capture.frames, path);
+  if (const std::optional<Error> fault = faults->first()) return *fault;
   if (!usable) return usable.error();
   return capture;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "deepslam/core/result.h"
+#include "deepslam/dataset/read_faults.h"
 #include "deepslam/dataset/stored_frames.h"
 #include "deepslam/scene/frame_source.h"
 
@@ -16,6 +17,7 @@ namespace deepslam::dataset {
 struct Capture {
   std::unique_ptr<FrameSource> frames;
   std::shared_ptr<const StoredFrames> stored;  // what the frames are made from
+  std::shared_ptr<const ReadFaults> faults;    // of the machine, met while frames were read
   std::filesystem::path path;                  // as the user named it
   std::string name;                            // the folder's or file's own name, without its path
   std::string format;                          // the layout's name

@@ -27,8 +27,9 @@ DepthImage ByTable(const RawDepthImage& raw, const std::vector<float>& metres) {
 
 class CaptureFrameSource final : public FrameSource {
  public:
-  explicit CaptureFrameSource(std::shared_ptr<const StoredFrames> stored)
+  CaptureFrameSource(std::shared_ptr<const StoredFrames> stored, std::shared_ptr<ReadFaults> faults)
       : stored_(std::move(stored)),
+        faults_(std::move(faults)),
         camera_(FrameCamera(stored_->cameras())),
         reduction_(ColourReduction(stored_->cameras())),
         metres_(MetresTable(stored_->cameras().depth_units_per_m)) {}
@@ -51,7 +52,7 @@ class CaptureFrameSource final : public FrameSource {
   [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
     const double time_s = At(frame).depth_time_s;
     const Result<RawDepthImage> raw = stored_->ReadDepth(Index(frame));
-    if (!raw) return raw.error();
+    if (!raw) return Noted(raw.error());
     const CaptureCameras& cameras = stored_->cameras();
     DepthImage depth_m = ByTable(*raw, metres_);
     if (!cameras.registered() || reduction_ > 1)
@@ -62,7 +63,7 @@ class CaptureFrameSource final : public FrameSource {
   [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
     const double time_s = At(frame).depth_time_s;
     Result<StoredColour> stored = stored_->ReadColour(Index(frame));
-    if (!stored) return stored.error();
+    if (!stored) return Noted(stored.error());
     Result<ColourImage> colour = DecodeStored(*std::move(stored), stored_->cameras().colour);
     if (!colour) return colour.error();
     if (reduction_ > 1) *colour = ReduceColour(*colour, reduction_);
@@ -82,7 +83,13 @@ class CaptureFrameSource final : public FrameSource {
     return stored_->frames()[Index(frame)];
   }
 
+  [[nodiscard]] const Error& Noted(const Error& error) const {
+    if (faults_) faults_->Note(error);
+    return error;
+  }
+
   std::shared_ptr<const StoredFrames> stored_;
+  std::shared_ptr<ReadFaults> faults_;
   PinholeCamera camera_;
   int reduction_;
   std::vector<float> metres_;
@@ -90,8 +97,9 @@ class CaptureFrameSource final : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> MakeCaptureFrameSource(std::shared_ptr<const StoredFrames> stored) {
-  return std::make_unique<CaptureFrameSource>(std::move(stored));
+std::unique_ptr<FrameSource> MakeCaptureFrameSource(std::shared_ptr<const StoredFrames> stored,
+                                                    std::shared_ptr<ReadFaults> faults) {
+  return std::make_unique<CaptureFrameSource>(std::move(stored), std::move(faults));
 }
 
 DepthImage ToMetres(const RawDepthImage& raw, double depth_units_per_m) {

@@ -1,12 +1,14 @@
 #include "deepslam/dataset/file_frames.h"
 
 #include <algorithm>
-#include <fstream>
+#include <cstdint>
 
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
+#include "deepslam/dataset/read_bytes.h"
+#include "deepslam/dataset/read_faults.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -101,17 +103,20 @@ Status CheckFilesExist(const fs::path& folder,
   return Ok();
 }
 
-std::string HashFiles(std::string_view tag,
-                      std::span<const NamedText> texts,
-                      const fs::path& folder,
-                      const std::vector<ImagePair>& pairs) {
+Result<std::string> HashFiles(std::string_view tag,
+                              std::span<const NamedText> texts,
+                              const fs::path& folder,
+                              const std::vector<ImagePair>& pairs) {
   std::vector<std::string> digests(2 * pairs.size());
+  ReadFaults faults;
   ParallelFor(digests.size(), [&](std::size_t i) {
     const ImagePair& pair = pairs[i / 2];
     const Result<std::string> bytes =
         ReadFileBytes(folder / (i % 2 == 0 ? pair.colour : pair.depth).file);
+    if (!bytes) faults.Note(bytes.error());
     digests[i] = bytes ? Sha256Hex(*bytes) : "unreadable";
   });
+  if (std::optional<Error> fault = faults.first()) return *std::move(fault);
   Sha256 hash;
   hash.Update(fmt::format("{} 1\n", tag));
   for (const NamedText& text : texts) {
@@ -132,16 +137,17 @@ std::string HashFiles(std::string_view tag,
 }
 
 Result<std::string> HashLargeFile(const fs::path& file) {
-  constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
-  std::ifstream in(file, std::ios::binary);
-  std::string piece(kPieceBytes, '\0');
+  constexpr std::uintmax_t kPieceBytes = std::uintmax_t{1} << 22;
+  std::error_code code;
+  const std::uintmax_t size = fs::file_size(file, code);
+  if (code)
+    return InvalidInput(fmt::format("{}: cannot be read ({})", file.string(), code.message()));
   Sha256 hash;
-  while (in) {
-    in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    hash.Update(std::string_view(piece).substr(0, static_cast<std::size_t>(in.gcount())));
+  for (std::uintmax_t at = 0; at < size; at += kPieceBytes) {
+    const Result<std::string> piece = ReadFilePiece(file, at, std::min(kPieceBytes, size - at));
+    if (!piece) return piece.error();
+    hash.Update(*piece);
   }
-  if (!in.eof())
-    return InvalidInput(fmt::format("{}: cannot be read; check its permissions", file.string()));
   return hash.HexDigest();
 }
 

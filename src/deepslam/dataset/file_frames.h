@@ -33,11 +33,13 @@ struct NamedText {
 };
 
 // SHA-256 over the texts and over times, names and contents of all images, in order. `tag` tells
-// layouts apart. Contents enter by their own digests, so that files can be hashed in parallel.
-std::string HashFiles(std::string_view tag,
-                      std::span<const NamedText> texts,
-                      const std::filesystem::path& folder,
-                      const std::vector<ImagePair>& pairs);
+// layouts apart. Contents enter by their own digests, so that files can be hashed in parallel; a
+// file that cannot be read enters as such. kFailed when the machine does not give one
+// (read_bytes.h).
+Result<std::string> HashFiles(std::string_view tag,
+                              std::span<const NamedText> texts,
+                              const std::filesystem::path& folder,
+                              const std::vector<ImagePair>& pairs);
 
 // SHA-256 of a file of any size, read piecewise.
 Result<std::string> HashLargeFile(const std::filesystem::path& file);

@@ -12,6 +12,7 @@
 
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "deepslam/dataset/text_lines.h"
 #include "deepslam/dataset/tum_layout.h"
 
@@ -143,11 +144,13 @@ Result<OpenedLayout> OpenIclNuim(const LayoutSource& source) {
   }
   const CaptureCameras cameras =
       WithStated(source.settings, {kCamera, kCamera, Pose3(), kUnitsPerM});
-  opened.content_hash = HashFiles(
+  Result<std::string> hash = HashFiles(
       "icl-nuim",
       std::vector<NamedText>{{kSettingsName, source.settings_text}, {"poses", poses_text}},
       folder,
       *pairs);
+  if (!hash) return hash.error();
+  opened.content_hash = *std::move(hash);
   opened.frames = MakeFileFrames(folder, cameras, *std::move(pairs), world_from_colour);
   opened.has_times = false;
   return opened;

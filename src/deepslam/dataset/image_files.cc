@@ -10,6 +10,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "deepslam/dataset/read_bytes.h"
+
 namespace deepslam::dataset {
 namespace {
 
@@ -196,25 +198,6 @@ Status Write(const std::filesystem::path& file,
 }
 
 }  // namespace
-
-Result<std::string> ReadFileBytes(const std::filesystem::path& file, std::uintmax_t max_bytes) {
-  std::error_code code;
-  const std::filesystem::file_status status = std::filesystem::status(file, code);
-  if (!std::filesystem::exists(status)) return FileError(file, "file is missing");
-  if (!std::filesystem::is_regular_file(status)) return FileError(file, "not a file");
-  const std::uintmax_t size = std::filesystem::file_size(file, code);
-  if (code) return FileError(file, fmt::format("cannot be read ({})", code.message()));
-  if (size > max_bytes)
-    return FileError(
-        file, fmt::format("has {} bytes, more than the {} expected at most", size, max_bytes));
-  std::ifstream in(file, std::ios::binary);
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!in || in.gcount() != static_cast<std::streamsize>(bytes.size())) {
-    return FileError(file, "cannot be read; check its permissions");
-  }
-  return bytes;
-}
 
 ImageCodec CodecOf(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) return ImageCodec::kPng;

@@ -16,10 +16,6 @@ namespace deepslam::dataset {
 // Raw values of a depth image file: 16 bit, one channel.
 using RawDepthImage = Image<std::uint16_t>;
 
-// All bytes of a file of at most `max_bytes`.
-Result<std::string> ReadFileBytes(const std::filesystem::path& file,
-                                  std::uintmax_t max_bytes = 256u << 20);
-
 enum class ImageCodec { kPng, kJpeg, kOther };
 
 // By the first bytes, whatever the name says.

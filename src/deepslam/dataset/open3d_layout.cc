@@ -14,6 +14,7 @@
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
 #include "deepslam/dataset/pose_matrix.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "deepslam/dataset/text_lines.h"
 
 namespace deepslam::dataset {
@@ -416,13 +417,15 @@ Result<OpenedLayout> OpenOpen3d(const LayoutSource& source) {
       poses[i] = (*parsed)[read->position.at(read->pairs[i].colour.file)];
     log_text = *std::move(text);
   }
-  opened.content_hash = HashFiles("open3d",
-                                  std::vector<NamedText>{{kSettingsName, source.settings_text},
-                                                         {"intrinsics", intrinsics_text},
-                                                         {kConfigName, *config_text},
-                                                         {"trajectory", log_text}},
-                                  folder,
-                                  read->pairs);
+  Result<std::string> hash = HashFiles("open3d",
+                                       std::vector<NamedText>{{kSettingsName, source.settings_text},
+                                                              {"intrinsics", intrinsics_text},
+                                                              {kConfigName, *config_text},
+                                                              {"trajectory", log_text}},
+                                       folder,
+                                       read->pairs);
+  if (!hash) return hash.error();
+  opened.content_hash = *std::move(hash);
   opened.has_times = read->has_times;
   if (!opened.has_times) opened.warnings.push_back(NoTimesWarning(folder));
   opened.frames = MakeFileFrames(folder, cameras, std::move(read->pairs), poses);

@@ -201,11 +201,13 @@ Result<OpenedLayout> OpenScanNet(const LayoutSource& source) {
   if (const Status plausible = CheckCameras(cameras, file); !plausible) return plausible.error();
   const Result<std::string> digest = HashLargeFile(file);
   if (!digest) return digest.error();
-  opened.content_hash =
+  Result<std::string> hash =
       HashFiles("scannet",
                 std::vector<NamedText>{{kSettingsName, source.settings_text}, {"sens", *digest}},
                 {},
                 {});
+  if (!hash) return hash.error();
+  opened.content_hash = *std::move(hash);
   std::vector<StoredFrame> frames = FramesOf(*index, cameras);
   opened.has_times = HasTimes(index->frames);
   if (!opened.has_times) {

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/dataset/read_bytes.h"
+
 namespace deepslam::dataset {
 namespace {
 
@@ -171,12 +173,7 @@ Result<SensIndex> ReadSensIndex(const fs::path& file) {
 Result<std::string> ReadRange(const fs::path& file, std::uint64_t offset, std::uint64_t num_bytes) {
   if (num_bytes > kMaxImageBytes)
     return FileError(file, fmt::format("an image of {} bytes is too large", num_bytes));
-  std::ifstream in(file, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(offset));
-  std::string bytes(num_bytes, '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(num_bytes));
-  if (!in) return FileError(file, "cannot be read; was it changed?");
-  return bytes;
+  return ReadFilePiece(file, offset, num_bytes);
 }
 
 std::string EncodeSensHeader(const SensHeader& header) {

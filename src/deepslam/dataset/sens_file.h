@@ -60,7 +60,8 @@ struct SensIndex {
 // none of them is an error.
 Result<SensIndex> ReadSensIndex(const std::filesystem::path& file);
 
-// Bytes of a file; kInvalidInput when they are not there.
+// Bytes of a file; kInvalidInput when they are not there, kFailed when the machine does not give
+// them.
 Result<std::string> ReadRange(const std::filesystem::path& file,
                               std::uint64_t offset,
                               std::uint64_t num_bytes);

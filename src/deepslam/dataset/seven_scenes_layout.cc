@@ -172,11 +172,13 @@ Result<OpenedLayout> OpenSevenScenes(const LayoutSource& source) {
       if (pose) pose = *pose * depth_from_colour;
     }
   }
-  opened.content_hash = HashFiles(
+  Result<std::string> hash = HashFiles(
       "7-scenes",
       std::vector<NamedText>{{kSettingsName, source.settings_text}, {"poses", poses->text}},
       folder,
       pairs);
+  if (!hash) return hash.error();
+  opened.content_hash = *std::move(hash);
   opened.frames = MakeFileFrames(folder, cameras, std::move(pairs), world_from_colour);
   opened.warnings.push_back(NoTimesWarning(folder));
   opened.has_times = false;

@@ -12,6 +12,7 @@
 
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "deepslam/dataset/text_lines.h"
 #include "deepslam/dataset/tum_layout.h"
 #include "deepslam/dataset/video_file.h"
@@ -329,9 +330,9 @@ PinholeCamera Resized(const PinholeCamera& camera, const ImageSize& size) {
           (camera.cy + 0.5) * sy - 0.5};
 }
 
-std::string HashOf(const LayoutSource& source,
-                   const std::vector<NamedText>& texts,
-                   const Listed& listed) {
+Result<std::string> HashOf(const LayoutSource& source,
+                           const std::vector<NamedText>& texts,
+                           const Listed& listed) {
   std::vector<ImagePair> pairs;
   for (std::size_t i = 0; i < listed.files.size(); ++i) {
     const StrayFrames::Files& files = listed.files[i];
@@ -416,12 +417,14 @@ Result<OpenedLayout> OpenStray(const LayoutSource& source) {
   if (source.settings.depth_units_per_m > 0)
     cameras.depth_units_per_m = source.settings.depth_units_per_m;
 
-  opened.content_hash = HashOf(source,
-                               {{kSettingsName, source.settings_text},
-                                {kOdometryName, *odometry_text},
-                                {kMatrixName, matrix_text},
-                                {kVideoName, video_digest}},
-                               *listed);
+  Result<std::string> hash = HashOf(source,
+                                    {{kSettingsName, source.settings_text},
+                                     {kOdometryName, *odometry_text},
+                                     {kMatrixName, matrix_text},
+                                     {kVideoName, video_digest}},
+                                    *listed);
+  if (!hash) return hash.error();
+  opened.content_hash = *std::move(hash);
   opened.frames =
       std::make_shared<StrayFrames>(folder,
                                     cameras,

@@ -8,6 +8,7 @@
 
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
+#include "deepslam/dataset/read_bytes.h"
 #include "deepslam/dataset/text_lines.h"
 
 namespace deepslam::dataset {
@@ -108,9 +109,10 @@ Result<OpenedLayout> OpenLists(const LayoutSource& source,
     world_from_colour = PosesAt(*poses, pairs);
   }
   texts.push_back({kPosesName, *poses_text});
-  std::string hash = HashFiles(tag, texts, folder, pairs);
+  Result<std::string> hash = HashFiles(tag, texts, folder, pairs);
+  if (!hash) return hash.error();
   return OpenedLayout{MakeFileFrames(folder, cameras, std::move(pairs), world_from_colour),
-                      std::move(hash),
+                      *std::move(hash),
                       std::move(warnings)};
 }
 

@@ -1,6 +1,7 @@
 #include "deepslam/stages/plan.h"
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "deepslam/artifact/class_table_yaml.h"
@@ -97,6 +98,16 @@ Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
   return hashes;
 }
 
+// What a stage made while the machine did not give it all frames is nobody's result: it would pass
+// for the capture's in every later run.
+Result<StageSummary> RunOn(StageContext& context, const RunInputs& inputs, StageFunction function) {
+  Result<StageSummary> summary = function(context, inputs);
+  const bool stopped = !summary.ok() && summary.error().code == ErrorCode::kInterrupted;
+  if (stopped || !inputs.capture || !inputs.capture->faults) return summary;
+  if (const std::optional<Error> fault = inputs.capture->faults->first()) return *fault;
+  return summary;
+}
+
 }  // namespace
 
 Result<ClassTable> LoadClasses(const Config& config) {
@@ -120,7 +131,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          std::move(stage_inputs),
          KeyOptions(inputs->config, sections),
          [inputs, externals] { return Externals(*inputs, externals); },
-         [inputs, function](StageContext& context) { return function(context, *inputs); }});
+         [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
   add("track", 6, {}, {"track"}, kFrames, RunTrack);
