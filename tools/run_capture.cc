@@ -10,6 +10,7 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/store.h"
+#include "deepslam/dataset/kept_frames.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
 
@@ -23,9 +24,11 @@ using artifact::JsonObject;
 constexpr std::string_view kTimingPage = "timing.html";
 constexpr std::string_view kRunFormat = "deepslam/run";
 constexpr int kRunVersion = 1;
+// Decoded frames that stay in memory: 60 of 640 x 480 px.
+constexpr std::size_t kKeptFrameBytes = std::size_t{128} << 20;
 
-// timing.html beside the report, which opens it in a hidden frame and is told the times: they are no
-// part of any artifact, and a page that was copied away goes without them.
+// timing.html beside the report, which opens it in a hidden frame and is told the times: they are
+// no part of any artifact, and a page that was copied away goes without them.
 Status WriteTimingPage(std::span<const pipeline::StageTiming> timings,
                        const pipeline::RunReport& report,
                        const fs::path& workspace) {
@@ -105,6 +108,7 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   Result<dataset::Capture> opened = dataset::OpenCapture(run.capture);
   if (!opened.ok()) return opened.error();
   for (const std::string& warning : opened->warnings) LogWarning(warning);
+  opened->frames = dataset::KeepFrames(std::move(opened->frames), kKeptFrameBytes);
   const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
   const auto inputs = std::make_shared<const stages::RunInputs>(
       stages::RunInputs{config, *classes, capture, run.data_folder, *overrides, run.models});

@@ -1,0 +1,140 @@
+#include "deepslam/dataset/kept_frames.h"
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/dataset/memory_frame_source.h"
+
+namespace deepslam::dataset {
+namespace {
+
+constexpr int kWidth = 8;
+constexpr int kHeight = 6;
+constexpr std::size_t kFrameBytes = kWidth * kHeight * (sizeof(float) + sizeof(Rgb8));
+
+std::vector<Frame> SomeFrames(int count) {
+  std::vector<Frame> frames;
+  for (int n = 0; n < count; ++n) {
+    Frame frame;
+    frame.time_s = 0.1 * n;
+    frame.depth_m = DepthImage(kWidth, kHeight, 1.0F + static_cast<float>(n));
+    frame.colour = ColourImage(kWidth, kHeight, {static_cast<std::uint8_t>(n), 2, 3});
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+// Counts how often images are really read.
+class CountedFrames final : public FrameSource {
+ public:
+  CountedFrames(int count, std::vector<int>& reads)
+      : frames_(PinholeCamera{kWidth, kHeight, 5, 5, 3.5, 2.5}, SomeFrames(count)), reads_(reads) {
+    reads_.assign(static_cast<std::size_t>(count), 0);
+  }
+  [[nodiscard]] int num_frames() const override { return frames_.num_frames(); }
+  [[nodiscard]] const PinholeCamera& camera() const override { return frames_.camera(); }
+  [[nodiscard]] double time_s(FrameIdx frame) const override { return frames_.time_s(frame); }
+  [[nodiscard]] Result<Frame> Read(FrameIdx frame) const override {
+    Count(frame);
+    return frames_.Read(frame);
+  }
+  [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
+    Count(frame);
+    if (frame == broken) return InvalidInput("broken");
+    return frames_.ReadDepth(frame);
+  }
+  [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
+    Count(frame);
+    return frames_.ReadColour(frame);
+  }
+  [[nodiscard]] std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const override {
+    return frames_.capture_world_from_camera(frame);
+  }
+
+  FrameIdx broken;
+
+ private:
+  void Count(FrameIdx frame) const { ++reads_[static_cast<std::size_t>(frame.value)]; }
+
+  MemoryFrameSource frames_;
+  std::vector<int>& reads_;
+};
+
+void ExpectFrame(const Result<Frame>& frame, int n) {
+  ASSERT_TRUE(frame.ok());
+  const Frame expected = SomeFrames(n + 1).back();
+  EXPECT_EQ(frame->idx, FrameIdx{n});
+  EXPECT_DOUBLE_EQ(frame->time_s, expected.time_s);
+  EXPECT_EQ(frame->depth_m, expected.depth_m);
+  EXPECT_EQ(frame->colour, expected.colour);
+}
+
+TEST(KeepFrames, GivesEqualFramesAndReadsThemTwiceAtMost) {
+  std::vector<int> reads;
+  const auto kept = KeepFrames(std::make_unique<CountedFrames>(3, reads), 100 * kFrameBytes);
+  for (int turn = 0; turn < 5; ++turn) {
+    for (int n = 0; n < 3; ++n) ExpectFrame(kept->Read({n}), n);
+  }
+  EXPECT_EQ(reads, (std::vector<int>{4, 4, 4})) << "depth and colour, twice each";
+}
+
+TEST(KeepFrames, KeepsDepthAndColourForThemselves) {
+  std::vector<int> reads;
+  const auto kept = KeepFrames(std::make_unique<CountedFrames>(1, reads), 100 * kFrameBytes);
+  for (int turn = 0; turn < 4; ++turn) {
+    const Result<Frame> depth = kept->ReadDepth({0});
+    ASSERT_TRUE(depth.ok());
+    EXPECT_TRUE(depth->colour.empty());
+  }
+  EXPECT_EQ(reads[0], 2);
+  ExpectFrame(kept->Read({0}), 0);
+  EXPECT_EQ(reads[0], 3) << "colour alone was missing";
+}
+
+TEST(KeepFrames, KeepsNoMoreThanTheMemoryGiven) {
+  std::vector<int> reads;
+  const auto kept = KeepFrames(std::make_unique<CountedFrames>(10, reads), 3 * kFrameBytes);
+  for (int turn = 0; turn < 4; ++turn) {
+    for (int n = 0; n < 10; ++n) ExpectFrame(kept->Read({n}), n);
+  }
+  int num_kept = 0;
+  for (const int count : reads) num_kept += count == 4 ? 1 : 0;
+  EXPECT_EQ(num_kept, 3);
+  const auto none = KeepFrames(std::make_unique<CountedFrames>(1, reads), 0);
+  for (int turn = 0; turn < 4; ++turn) ExpectFrame(none->Read({0}), 0);
+  EXPECT_EQ(reads[0], 8);
+}
+
+TEST(KeepFrames, AnErrorIsNotKept) {
+  std::vector<int> reads;
+  auto source = std::make_unique<CountedFrames>(2, reads);
+  CountedFrames* const inner = source.get();
+  const auto kept = KeepFrames(std::move(source), 100 * kFrameBytes);
+  inner->broken = {1};
+  EXPECT_FALSE(kept->Read({1}).ok());
+  EXPECT_FALSE(kept->Read({1}).ok());
+  inner->broken = FrameIdx();
+  for (int turn = 0; turn < 3; ++turn) ExpectFrame(kept->Read({1}), 1);
+}
+
+TEST(KeepFrames, ManyThreadsGetTheSameFrames) {
+  std::vector<int> reads;
+  const auto kept = KeepFrames(std::make_unique<MemoryFrameSource>(
+                                   PinholeCamera{kWidth, kHeight, 5, 5, 3.5, 2.5}, SomeFrames(7)),
+                               4 * kFrameBytes);
+  std::vector<int> wrong(200, 0);
+  ParallelFor(wrong.size(), [&](std::size_t i) {
+    const int n = static_cast<int>(i) % 7;
+    const Result<Frame> frame = kept->Read({n});
+    wrong[i] = frame.ok() && frame->depth_m(0, 0) == 1.0F + static_cast<float>(n) ? 0 : 1;
+  });
+  EXPECT_EQ(wrong, std::vector<int>(200, 0));
+}
+
+}  // namespace
+}  // namespace deepslam::dataset
