@@ -80,7 +80,7 @@ TEST(CocoFile, ReadsDatasetsWithTheirOwnIdsAndMasks) {
   ASSERT_EQ(read->detections.size(), 1U);
   EXPECT_EQ(read->detections[0].frame, FrameIdx{1});
   EXPECT_EQ(read->detections[0].class_name, "table");
-  EXPECT_EQ(read->detections[0].mask, mask);
+  EXPECT_EQ(read->detections[0].mask.Unpacked(), mask);
 }
 
 TEST(CocoFile, LeavesBadEntriesOutAndCountsThem) {

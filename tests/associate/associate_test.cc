@@ -31,12 +31,13 @@ std::vector<Segment> TrueSegments(const BoxWorldSource& source, int num_objects)
       segment.class_name = "chair";
       segment.score = 0.8;
       segment.box_px = detection->box_px;
-      segment.mask = Mask(320, 240);
-      for (std::size_t p = 0; p < segment.mask.size(); ++p) {
+      Mask mask(320, 240);
+      for (std::size_t p = 0; p < mask.size(); ++p) {
         if (view.object.data()[p] != object) continue;
-        segment.mask.data()[p] = 1;
+        mask.data()[p] = 1;
         ++segment.num_points;
       }
+      segment.mask = mask;
       const Box2& box = segment.box_px;
       segment.touches_border = box.u_min < kMargin_px || box.v_min < kMargin_px ||
                                box.u_max > 319 - kMargin_px || box.v_max > 239 - kMargin_px;

@@ -33,15 +33,16 @@ World Make(int count, double step_deg) {
     segment.frame = {f};
     segment.score = 0.8;
     segment.box_px = detection->box_px;
-    segment.mask = Mask(320, 240);
+    Mask mask(320, 240);
     for (int v = 0; v < 240; ++v) {
       for (int u = 0; u < 320; ++u) {
         if (view.object(u, v) != 0) continue;
-        segment.mask(u, v) = 1;
+        mask(u, v) = 1;
         ++segment.num_points;
         segment.extent_camera.Extend(SmallCamera().Unproject(u, v, view.frame.depth_m(u, v)));
       }
     }
+    segment.mask = mask;
     segment.usable = true;
     world.segments.push_back(std::move(segment));
     world.track.members.push_back({{100 + f}, {f}, 1, 0.0, "vote"});
@@ -83,6 +84,31 @@ TEST(CollectObjectViews, CropsShowTheSamePointsAsTheWholeImage) {
     EXPECT_GT(view.camera.width, segment.box_px.width_px() + 4) << "and space around it";
     EXPECT_EQ(view.detection, segment.detection);
   }
+}
+
+TEST(CutObjectViews, WithoutColourGivesTheSameDepthAndObject) {
+  const World world = Make(5, 30);
+  const std::vector<ObjectTrack> tracks = {world.track};
+  const Odometry odometry = world.source.TrueOdometry();
+  const ViewPlan plan = PlanObjectViews(odometry, world.segments, tracks, {});
+  SilentProgress progress;
+  const auto cut = [&](ViewContent content) {
+    return *CutObjectViews(world.source, odometry, Ground(), plan, {}, content, progress);
+  };
+  const std::vector<ObjectView> whole = cut(ViewContent::kColourAndDepth).at({4});
+  const std::vector<ObjectView> depth = cut(ViewContent::kDepth).at({4});
+  ASSERT_EQ(whole.size(), 5U);
+  ASSERT_EQ(depth.size(), whole.size());
+  std::size_t num_bytes = 0;
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    EXPECT_EQ(depth[n].frame, whole[n].frame);
+    EXPECT_EQ(depth[n].depth_crop_m, whole[n].depth_crop_m);
+    EXPECT_EQ(depth[n].mask_crop, whole[n].mask_crop);
+    EXPECT_TRUE(depth[n].colour_crop.empty());
+    EXPECT_FALSE(whole[n].colour_crop.empty());
+    num_bytes += whole[n].colour_crop.size() * (sizeof(Rgb8) + sizeof(float) + 1);
+  }
+  EXPECT_EQ(NumBytes(plan.at({4}), SmallCamera(), {}), num_bytes);
 }
 
 TEST(CollectObjectViews, SpreadsTheViewsItChooses) {

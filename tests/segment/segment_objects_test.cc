@@ -84,10 +84,12 @@ TEST(SegmentFrame, PartsTableAndChairsWhoseBoxesOverlap) {
     EXPECT_TRUE(segment.usable) << i << ": " << segment.reason;
     EXPECT_THAT(MaskIoU(segment.mask, scene.view, i), Ge(0.8)) << segment.class_name << " " << i;
   }
-  for (std::size_t p = 0; p < segments[0].mask.size(); ++p) {
-    int owners = 0;
-    for (const Segment& segment : segments) owners += segment.mask.data()[p];
-    ASSERT_LE(owners, 1) << "pixel " << p << " belongs to two segments";
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      int owners = 0;
+      for (const Segment& segment : segments) owners += segment.mask(u, v);
+      ASSERT_LE(owners, 1) << "pixel " << u << ", " << v << " belongs to two segments";
+    }
   }
 }
 
@@ -102,10 +104,12 @@ TEST(SegmentFrame, KeepsWhatStandsOnATableOutOfTheTable) {
                                      ForSmallImages());
   int inside = 0;
   int total = 0;
-  for (std::size_t p = 0; p < segments[0].mask.size(); ++p) {
-    if (scene.view.object.data()[p] != 1) continue;
-    ++total;
-    inside += segments[0].mask.data()[p];
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      if (scene.view.object(u, v) != 1) continue;
+      ++total;
+      inside += segments[0].mask(u, v);
+    }
   }
   ASSERT_GT(total, 100);
   EXPECT_THAT(static_cast<double>(inside) / total, Le(0.1));
@@ -189,11 +193,12 @@ TEST(SegmentFrame, KeepsThinLegs) {
 TEST(SegmentFrame, CutsByAnInstanceMask) {
   const Scene scene = Make({{0, {-0.4, -0.3, 0}, {0.4, 0.3, 0.6}}}, {0.8, -2.2, 1.4}, {0, 0, 0.3});
   auto detections = Truth(scene.view, {"cabinet"});
-  detections[0].mask = Mask(320, 240);
+  Mask left(320, 240);
   const Box2 box = detections[0].box_px;
   for (int v = 0; v < 240; ++v) {
-    for (int u = 0; u < 0.5 * (box.u_min + box.u_max); ++u) detections[0].mask(u, v) = 1;
+    for (int u = 0; u < 0.5 * (box.u_min + box.u_max); ++u) left(u, v) = 1;
   }
+  detections[0].mask = left;
   SegmentOptions options = ForSmallImages();
   options.min_piece_share = 0.3;  // the mask cuts surfaces in half
   const auto segments =

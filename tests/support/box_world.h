@@ -120,7 +120,8 @@ inline std::optional<Detection> DetectTruth(const BoxView& view,
   return detection;
 }
 
-inline double MaskIoU(const Mask& mask, const BoxView& view, int object) {
+template <typename AnyMask>
+double MaskIoU(const AnyMask& mask, const BoxView& view, int object) {
   double both = 0;
   double either = 0;
   for (int v = 0; v < mask.height(); ++v) {

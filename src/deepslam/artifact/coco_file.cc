@@ -171,7 +171,7 @@ class CocoReader {
     }
     Result<Mask> mask = DecodeRle(counts.String(), image.width, image.height);
     if (!mask.ok()) return Warn(node, mask.error().message, found_.num_unusable);
-    detection.mask = std::move(mask).value();
+    detection.mask = *mask;
   }
 
   void Warn(const JsonNode& node, std::string_view what, int& counter) {

@@ -30,7 +30,7 @@ JsonValue AnnotationToJson(const Detection& detection, int category_id) {
   row.emplace("iscrowd", 0);
   row.emplace("score", detection.score);
   row.emplace("source", NameOf(detection.source));
-  if (!detection.mask.empty()) row.emplace("segmentation", ToJson(detection.mask));
+  if (!detection.mask.empty()) row.emplace("segmentation", ToJson(detection.mask.Unpacked()));
   return JsonValue(std::move(row));
 }
 

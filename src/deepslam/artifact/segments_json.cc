@@ -20,7 +20,7 @@ Result<std::string> EncodeSegments(std::span<const Segment> segments, std::strin
     row.emplace("class", segment.class_name);
     row.emplace("score", segment.score);
     row.emplace("bbox", ToCocoBox(segment.box_px));
-    row.emplace("segmentation", ToJson(segment.mask));
+    row.emplace("segmentation", ToJson(segment.mask.Unpacked()));
     row.emplace("num_points", segment.num_points);
     row.emplace("extent_camera_m", ToJson(segment.extent_camera));
     row.emplace("depth_support", segment.depth_support);

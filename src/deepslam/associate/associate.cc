@@ -86,8 +86,11 @@ std::vector<int> Matcher::MakeObservations(FrameIdx frame,
     }
     Observation observation;
     observation.segment = segment;
-    observation.cloud_world = PointCloud(MaskPoints(
-        segment->mask, depth_m, frames_.camera(), world_from_camera, options_.max_points));
+    observation.cloud_world = PointCloud(MaskPoints(segment->mask.Unpacked(),
+                                                    depth_m,
+                                                    frames_.camera(),
+                                                    world_from_camera,
+                                                    options_.max_points));
     if (observation.cloud_world.points().empty()) {
       Reject(*segment, "no depth in the mask");
       continue;

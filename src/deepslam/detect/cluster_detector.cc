@@ -429,8 +429,9 @@ std::vector<Detection> DetectClusters(const Frame& frame,
     detection.score = 0.3 + 0.4 * free_share;  // never above a good detection of a network
     detection.box_px = cluster.box_px;
     detection.source = DetectionSource::kCluster;
-    detection.mask = Mask(frame.depth_m.width(), frame.depth_m.height());
-    for (const GridPoint& p : cluster.points) detection.mask(p.u, p.v) = 1;
+    Mask mask(frame.depth_m.width(), frame.depth_m.height());
+    for (const GridPoint& p : cluster.points) mask(p.u, p.v) = 1;
+    detection.mask = mask;
     detections.push_back(std::move(detection));
   }
   return detections;

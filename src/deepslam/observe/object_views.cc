@@ -4,7 +4,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
+
+#include "deepslam/core/parallel.h"
 
 namespace deepslam::observe {
 namespace {
@@ -12,6 +15,7 @@ namespace {
 // What a view that repeats the direction of a chosen one is still worth: more measurement, no new
 // side.
 constexpr double kRepeatWorth = 0.2;
+constexpr std::size_t kBatchFrames = 8;  // frames held at once
 
 struct Candidate {
   const Segment* segment = nullptr;
@@ -89,9 +93,8 @@ void ChooseViews(std::vector<Candidate>& candidates, const ViewOptions& options)
 template <typename T>
 Image<T> Crop(const Image<T>& image, int u0, int v0, int width, int height) {
   Image<T> crop(width, height);
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) crop(u, v) = image(u0 + u, v0 + v);
-  }
+  for (int v = 0; v < height; ++v)
+    std::copy_n(image.row(v0 + v) + u0, static_cast<std::size_t>(width), crop.row(v));
   return crop;
 }
 
@@ -108,57 +111,84 @@ std::optional<Plane> GroundAt(const Ground& ground,
   return Transformed(world_from_camera.Inverse(), *ground.plane_world);
 }
 
-// The pixels of the mask that have depth.
-Mask Measured(Mask mask, const DepthImage& depth_m) {
-  for (int v = 0; v < mask.height(); ++v) {
-    for (int u = 0; u < mask.width(); ++u) {
-      if (!(depth_m(u, v) > 0)) mask(u, v) = 0;
-    }
+// The pixels of the mask that have depth, in the window of the depth crop.
+Mask Measured(const PixelMask& mask, int u0, int v0, const DepthImage& depth_crop_m) {
+  Mask measured(depth_crop_m.width(), depth_crop_m.height());
+  for (int v = 0; v < measured.height(); ++v) {
+    for (int u = 0; u < measured.width(); ++u)
+      measured(u, v) = depth_crop_m(u, v) > 0 ? mask(u0 + u, v0 + v) : std::uint8_t{0};
   }
-  return mask;
+  return measured;
 }
 
-// Nothing when the images do not fit each other or the box lies outside.
-std::optional<ObjectView> CutView(const Frame& frame,
-                                  const PinholeCamera& camera,
-                                  const Segment& segment,
-                                  const ViewOptions& options) {
-  const int width = frame.depth_m.width();
-  const int height = frame.depth_m.height();
-  if (frame.colour.width() != width || frame.colour.height() != height ||
-      segment.mask.width() != width || segment.mask.height() != height) {
-    return std::nullopt;
-  }
+// A window of the image's pixels; no size when the segment's box lies outside.
+struct Window {
+  int u0 = 0;
+  int v0 = 0;
+  int width = 0;
+  int height = 0;
+};
+
+Window WindowOf(const Segment& segment, int width, int height, const ViewOptions& options) {
   const Box2& box = segment.box_px;
   const double margin = options.crop_margin * std::max(box.width_px(), box.height_px());
   const Box2 wide =
       Intersection({box.u_min - margin, box.v_min - margin, box.u_max + margin, box.v_max + margin},
                    {0, 0, width - 1.0, height - 1.0});
-  if (box.empty() || wide.empty()) return std::nullopt;
+  if (box.empty() || wide.empty()) return {};
+  Window window;
+  window.u0 = static_cast<int>(std::floor(wide.u_min));
+  window.v0 = static_cast<int>(std::floor(wide.v_min));
+  window.width = static_cast<int>(std::ceil(wide.u_max)) - window.u0 + 1;
+  window.height = static_cast<int>(std::ceil(wide.v_max)) - window.v0 + 1;
+  return window;
+}
+
+// Nothing when the images do not fit each other or the box lies outside. Colour is cut where the
+// frame has it.
+std::optional<ObjectView> CutView(const Frame& frame,
+                                  const PinholeCamera& camera,
+                                  const Segment& segment,
+                                  const ViewOptions& options,
+                                  ViewContent content) {
+  const int width = frame.depth_m.width();
+  const int height = frame.depth_m.height();
+  const bool with_colour = content == ViewContent::kColourAndDepth;
+  if ((with_colour && (frame.colour.width() != width || frame.colour.height() != height)) ||
+      segment.mask.width() != width || segment.mask.height() != height) {
+    return std::nullopt;
+  }
+  const Window window = WindowOf(segment, width, height, options);
+  if (window.width <= 0 || window.height <= 0) return std::nullopt;
   ObjectView view;
   view.detection = segment.detection;
   view.frame = segment.frame;
   view.detection_score = segment.score;
   view.touches_border = segment.touches_border;
-  view.u0 = static_cast<int>(std::floor(wide.u_min));
-  view.v0 = static_cast<int>(std::floor(wide.v_min));
-  const int crop_width = static_cast<int>(std::ceil(wide.u_max)) - view.u0 + 1;
-  const int crop_height = static_cast<int>(std::ceil(wide.v_max)) - view.v0 + 1;
-  view.colour_crop = Crop(frame.colour, view.u0, view.v0, crop_width, crop_height);
-  view.depth_crop_m = Crop(frame.depth_m, view.u0, view.v0, crop_width, crop_height);
-  view.mask_crop =
-      Measured(Crop(segment.mask, view.u0, view.v0, crop_width, crop_height), view.depth_crop_m);
+  view.u0 = window.u0;
+  view.v0 = window.v0;
+  if (with_colour) {
+    view.colour_crop = Crop(frame.colour, window.u0, window.v0, window.width, window.height);
+  }
+  view.depth_crop_m = Crop(frame.depth_m, window.u0, window.v0, window.width, window.height);
+  view.mask_crop = Measured(segment.mask, window.u0, window.v0, view.depth_crop_m);
   view.camera = camera;
-  view.camera.width = crop_width;
-  view.camera.height = crop_height;
-  view.camera.cx -= view.u0;
-  view.camera.cy -= view.v0;
+  view.camera.width = window.width;
+  view.camera.height = window.height;
+  view.camera.cx -= window.u0;
+  view.camera.cy -= window.v0;
   return view;
 }
 
 struct Job {
   ObjectId object;
   const Segment* segment = nullptr;
+};
+
+// The views of one frame, in the order of its jobs.
+struct FrameViews {
+  std::vector<std::optional<ObjectView>> views;
+  std::string fault;
 };
 
 }  // namespace
@@ -182,6 +212,89 @@ void Describe(OptionsVisitor& visitor, ViewOptions& options) {
                 "factor on the rank of views that touch the image border");
 }
 
+ViewPlan PlanObjectViews(const Odometry& odometry,
+                         std::span<const Segment> segments,
+                         std::span<const ObjectTrack> tracks,
+                         const ViewOptions& options) {
+  std::map<DetectionId, const Segment*> by_detection;
+  for (const Segment& segment : segments) by_detection.emplace(segment.detection, &segment);
+  ViewPlan plan;
+  for (const ObjectTrack& track : tracks) {
+    std::vector<const Segment*>& chosen = plan[track.id];
+    std::vector<Candidate> candidates = CandidatesOf(track, by_detection, odometry, options);
+    ChooseViews(candidates, options);
+    for (const Candidate& candidate : candidates) {
+      if (candidate.chosen) chosen.push_back(candidate.segment);
+    }
+    std::stable_sort(chosen.begin(), chosen.end(), [](const Segment* a, const Segment* b) {
+      return a->frame < b->frame;
+    });
+  }
+  return plan;
+}
+
+std::size_t NumBytes(std::span<const Segment* const> planned,
+                     const PinholeCamera& camera,
+                     const ViewOptions& options) {
+  constexpr std::size_t kPixelBytes = sizeof(Rgb8) + sizeof(float) + sizeof(std::uint8_t);
+  std::size_t num_bytes = 0;
+  for (const Segment* segment : planned) {
+    const Window window = WindowOf(*segment, camera.width, camera.height, options);
+    num_bytes += kPixelBytes * static_cast<std::size_t>(window.width) *
+                 static_cast<std::size_t>(window.height);
+  }
+  return num_bytes;
+}
+
+Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSource& frames,
+                                                                   const Odometry& odometry,
+                                                                   const Ground& ground,
+                                                                   const ViewPlan& plan,
+                                                                   const ViewOptions& options,
+                                                                   ViewContent content,
+                                                                   Progress& progress) {
+  std::map<ObjectId, std::vector<ObjectView>> views;
+  std::map<FrameIdx, std::vector<Job>> jobs;  // so that every frame is read once
+  for (const auto& [object, planned] : plan) {
+    views[object];
+    for (const Segment* segment : planned) jobs[segment->frame].push_back({object, segment});
+  }
+  const std::vector<std::pair<FrameIdx, std::vector<Job>>> by_frame(jobs.begin(), jobs.end());
+  for (std::size_t begin = 0; begin < by_frame.size(); begin += kBatchFrames) {
+    if (progress.StopRequested()) return Interrupted();
+    std::vector<FrameViews> cut(std::min(kBatchFrames, by_frame.size() - begin));
+    ParallelFor(cut.size(), [&](std::size_t n) {
+      const auto& [frame_idx, of_frame] = by_frame[begin + n];
+      const Result<Frame> frame = content == ViewContent::kColourAndDepth
+                                      ? frames.Read(frame_idx)
+                                      : frames.ReadDepth(frame_idx);
+      if (!frame.ok()) {
+        cut[n].fault = frame.error().message;
+        return;
+      }
+      for (const Job& job : of_frame)
+        cut[n].views.push_back(CutView(*frame, frames.camera(), *job.segment, options, content));
+    });
+    for (std::size_t n = 0; n < cut.size(); ++n) {
+      const auto& [frame_idx, of_frame] = by_frame[begin + n];
+      if (cut[n].views.empty()) {
+        progress.Warn("views of frame " + std::to_string(frame_idx.value) +
+                      " left out: " + cut[n].fault);
+        continue;
+      }
+      const Pose3& world_from_camera = odometry.at(frame_idx).world_from_camera;
+      for (std::size_t k = 0; k < of_frame.size(); ++k) {
+        std::optional<ObjectView>& view = cut[n].views[k];
+        if (!view) continue;
+        view->world_from_camera = world_from_camera;
+        view->ground_camera = GroundAt(ground, frame_idx, world_from_camera);
+        views[of_frame[k].object].push_back(*std::move(view));
+      }
+    }
+  }
+  return views;
+}
+
 Result<std::map<ObjectId, std::vector<ObjectView>>> CollectObjectViews(
     const FrameSource& frames,
     const Odometry& odometry,
@@ -190,38 +303,13 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CollectObjectViews(
     std::span<const ObjectTrack> tracks,
     const ViewOptions& options,
     Progress& progress) {
-  std::map<DetectionId, const Segment*> by_detection;
-  for (const Segment& segment : segments) by_detection.emplace(segment.detection, &segment);
-  std::map<ObjectId, std::vector<ObjectView>> views;
-  std::map<FrameIdx, std::vector<Job>> jobs;  // so that every frame is read once
-  for (const ObjectTrack& track : tracks) {
-    views[track.id];
-    std::vector<Candidate> candidates = CandidatesOf(track, by_detection, odometry, options);
-    ChooseViews(candidates, options);
-    for (const Candidate& candidate : candidates) {
-      if (candidate.chosen) jobs[candidate.segment->frame].push_back({track.id, candidate.segment});
-    }
-  }
-  std::size_t done = 0;
-  for (const auto& [frame_idx, of_frame] : jobs) {
-    if (progress.StopRequested()) return Interrupted();
-    const Result<Frame> frame = frames.Read(frame_idx);
-    progress.Report(++done, jobs.size());
-    if (!frame.ok()) {
-      progress.Warn("views of frame " + std::to_string(frame_idx.value) +
-                    " left out: " + frame.error().message);
-      continue;
-    }
-    const Pose3& world_from_camera = odometry.at(frame_idx).world_from_camera;
-    for (const Job& job : of_frame) {
-      std::optional<ObjectView> view = CutView(*frame, frames.camera(), *job.segment, options);
-      if (!view) continue;
-      view->world_from_camera = world_from_camera;
-      view->ground_camera = GroundAt(ground, frame_idx, world_from_camera);
-      views[job.object].push_back(std::move(*view));
-    }
-  }
-  return views;
+  return CutObjectViews(frames,
+                        odometry,
+                        ground,
+                        PlanObjectViews(odometry, segments, tracks, options),
+                        options,
+                        ViewContent::kColourAndDepth,
+                        progress);
 }
 
 }  // namespace deepslam::observe

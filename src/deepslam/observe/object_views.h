@@ -2,6 +2,7 @@
 // camera and ground.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <span>
 #include <vector>
@@ -28,9 +29,38 @@ struct ViewOptions {
 };
 void Describe(OptionsVisitor& visitor, ViewOptions& options);
 
-// Views of every track, ascending id then frame; at most max_views per object, chosen by score,
-// visible size and spread of viewpoints. A track none of whose frames can be read has an empty
-// list. Errors: Interrupted only.
+// Which segments of every track become its views: at most max_views, chosen by score, visible size
+// and spread of viewpoints; ascending frames. A track without usable segments has none. Points into
+// `segments`.
+using ViewPlan = std::map<ObjectId, std::vector<const Segment*>>;
+[[nodiscard]] ViewPlan PlanObjectViews(const Odometry& odometry,
+                                       std::span<const Segment> segments,
+                                       std::span<const ObjectTrack> tracks,
+                                       const ViewOptions& options);
+
+// Memory that the views of these segments take, at most.
+[[nodiscard]] std::size_t NumBytes(std::span<const Segment* const> planned,
+                                   const PinholeCamera& camera,
+                                   const ViewOptions& options);
+
+enum class ViewContent {
+  kDepth,  // colour_crop stays empty: decoding colour is half of a frame's time
+  kColourAndDepth,
+};
+
+// The views of a plan, ascending id then frame; frames are read in parallel, each once. Those that
+// cannot be read, or do not fit their segments, are left out with a warning; an object none of
+// whose frames can be read has an empty list. Errors: Interrupted only.
+[[nodiscard]] Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(
+    const FrameSource& frames,
+    const Odometry& odometry,
+    const Ground& ground,
+    const ViewPlan& plan,
+    const ViewOptions& options,
+    ViewContent content,
+    Progress& progress);
+
+// Both at once, for few objects: all views are held together.
 [[nodiscard]] Result<std::map<ObjectId, std::vector<ObjectView>>> CollectObjectViews(
     const FrameSource& frames,
     const Odometry& odometry,

@@ -150,7 +150,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   Proposals proposals;
   const std::string subject =
       "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
-  const LevelCloud cloud = AccumulateLevel(object.views);
+  const LevelCloud cloud = CloudOf(object);
   if (cloud.points.empty()) {
     proposals.notes.push_back(subject + "too few depth points to fuse");
     return proposals;

@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <map>
 #include <numbers>
+#include <vector>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/shape/view_points.h"
 
 namespace deepslam::propose {
@@ -69,8 +71,12 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
   double distance_sum_m = 0;
   double num_points = 0;
   std::size_t num_views = 0;
+  std::vector<shape::ViewPoints> of_views(views.size());
+  ParallelFor(views.size(), [&](std::size_t v) {
+    of_views[v] = shape::ExtractViewPoints(views[v], kPointsPerView);
+  });
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const shape::ViewPoints points = shape::ExtractViewPoints(views[v], kPointsPerView);
+    const shape::ViewPoints& points = of_views[v];
     if (points.points_camera.empty()) continue;
     ++num_views;
     const Pose3 level_from_camera = level.level_from_world * views[v].world_from_camera;
@@ -102,6 +108,10 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
     for (Eigen::Vector3f& p : cloud.points) p.z() -= static_cast<float>(bottom_m);
   }
   return cloud;
+}
+
+LevelCloud CloudOf(const ObjectObservations& object) {
+  return object.cloud != nullptr ? *object.cloud : AccumulateLevel(object.views);
 }
 
 LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad) {

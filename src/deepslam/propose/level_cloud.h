@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "deepslam/geometry/pose.h"
+#include "deepslam/propose/proposer.h"
 #include "deepslam/scene/object_view.h"
 
 namespace deepslam::propose {
@@ -35,6 +36,9 @@ struct LevelCloud {
 
 // Empty `points` when the views hold too few.
 [[nodiscard]] LevelCloud AccumulateLevel(std::span<const ObjectView> views);
+
+// The cloud that came with the object, else made now.
+[[nodiscard]] LevelCloud CloudOf(const ObjectObservations& object);
 
 // Upright box round the points, outliers left out: yaw by the smallest footprint.
 struct LevelBox {

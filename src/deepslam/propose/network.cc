@@ -53,7 +53,7 @@ struct Extent {
 Extent MeasureExtent(const ObjectObservations& object, bool by_depth) {
   Extent extent;
   if (!by_depth) return extent;
-  const LevelCloud cloud = AccumulateLevel(object.views);
+  const LevelCloud cloud = CloudOf(object);
   if (cloud.points.empty()) return extent;
   const LevelBox box = MeasureBox(cloud.points);
   extent.size_m = box.size_m.maxCoeff();

@@ -21,13 +21,16 @@
 
 namespace deepslam::propose {
 
-class ShapePrior;  // shape_prior.h
+class ShapePrior;   // shape_prior.h
+struct LevelCloud;  // level_cloud.h
 
 // Everything known of one object: its views in ascending frames, with tracked poses.
 struct ObjectObservations {
   ObjectId id;
   std::string class_name;
   std::span<const ObjectView> views;
+  // AccumulateLevel of the views, where it was made already: sources that look at depth share it.
+  const LevelCloud* cloud = nullptr;
 };
 
 class Proposer {

@@ -51,9 +51,10 @@ std::vector<Eigen::Vector3f> EveryNth(const std::vector<Eigen::Vector3f>& points
   return some;
 }
 
-Measured Measure(std::span<const ObjectView> views, int max_views) {
+Measured Measure(const ObjectObservations& object, int max_views) {
+  const std::span<const ObjectView> views = object.views;
   Measured measured;
-  measured.cloud = AccumulateLevel(views);
+  measured.cloud = CloudOf(object);
   measured.has_ground = measured.cloud.has_ground;
   if (measured.cloud.points.empty()) return measured;
   measured.fit_points = EveryNth(measured.cloud.points, kFitPoints);
@@ -299,7 +300,7 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
   const std::string subject =
       "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
   const bool by_depth = sight_ == Sight::kColourAndDepth;
-  const Measured measured = by_depth ? Measure(object.views, options_.max_views)
+  const Measured measured = by_depth ? Measure(object, options_.max_views)
                                      : MeasureSilhouettes(object.views, options_.max_views);
   if (measured.empty()) {
     proposals.notes.push_back(subject + (by_depth ? "too few depth points for retrieval"

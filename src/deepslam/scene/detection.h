@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 
 #include "deepslam/core/ids.h"
-#include "deepslam/core/image.h"
 #include "deepslam/geometry/box.h"
+#include "deepslam/scene/pixel_mask.h"
 
 namespace deepslam {
 
@@ -26,7 +26,7 @@ struct Detection {
   Box2 box_px;             // clipped to the image
   DetectionSource source = DetectionSource::kNetwork;
   // Instance mask of the whole image where the source gave one; empty otherwise.
-  Mask mask;
+  PixelMask mask;
 };
 
 // The pixels of one detection that are the object: near enough, off the ground, connected; where
@@ -37,7 +37,7 @@ struct Segment {
   std::string class_name;
   double score = 0;             // the detection's
   Box2 box_px;                  // the detection's box
-  Mask mask;                    // size of the image; 1 = object, with or without depth
+  PixelMask mask;               // size of the image; 1 = object, with or without depth
   int num_points = 0;           // pixels of the mask with depth
   Box3 extent_camera;           // of the segment's points, metres
   double depth_support = 0;     // num_points / box pixels

@@ -42,7 +42,8 @@ std::vector<Region> MakeRegions(std::span<const Detection> detections,
       region.u_max = static_cast<int>(std::floor(box.u_max));
       region.v_max = static_cast<int>(std::floor(box.v_max));
       if (detection.mask.width() == width && detection.mask.height() == height) {
-        region.mask = Widened(detection.mask, static_cast<int>(options.mask_dilation_px));
+        region.mask =
+            Widened(detection.mask.Unpacked(), static_cast<int>(options.mask_dilation_px));
       }
     }
     regions.push_back(std::move(region));

@@ -81,16 +81,17 @@ Segment Describe(const Detection& detection,
                  const std::vector<PixelPoint>& points,
                  int width,
                  int height,
-                 const SegmentOptions& options) {
+                 const SegmentOptions& options,
+                 Mask& mask) {
   Segment segment;
   segment.detection = detection.id;
   segment.frame = detection.frame;
   segment.class_name = detection.class_name;
   segment.score = detection.score;
   segment.box_px = detection.box_px;
-  segment.mask = Mask(width, height);
+  mask = Mask(width, height);
   for (const PixelPoint& p : points) {
-    segment.mask(p.u, p.v) = 1;
+    mask(p.u, p.v) = 1;
     segment.extent_camera.Extend(p.p_camera.cast<double>());
   }
   segment.num_points = static_cast<int>(points.size());
@@ -191,9 +192,8 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
     std::vector<bool> takes_pieces(detections.size(), true);
     for (std::size_t d = 0; d < detections.size(); ++d) {
       if (!ground_camera || !HasLevelTop(detections[d].class_name, options)) continue;
-      std::optional<LevelTop> top =
-          ClaimLevelTop(
-              pieces, camera, *ground_camera, regions[d], static_cast<int>(d), options, owners);
+      std::optional<LevelTop> top = ClaimLevelTop(
+          pieces, camera, *ground_camera, regions[d], static_cast<int>(d), options, owners);
       if (!top) continue;
       takes_pieces[d] = false;
       tops.emplace_back(d, std::move(*top));
@@ -218,9 +218,10 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
         std::any_of(tops.begin(), tops.end(), [d](const auto& entry) { return entry.first == d; });
     const std::vector<PixelPoint> kept =
         top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
-    segments.push_back(Describe(detections[d], regions[d], kept, width, height, options));
-    FillUnmeasured(
-        frame.depth_m, camera, regions[d], options.fill_gap_m, filled, segments.back().mask);
+    Mask mask;
+    segments.push_back(Describe(detections[d], regions[d], kept, width, height, options, mask));
+    FillUnmeasured(frame.depth_m, camera, regions[d], options.fill_gap_m, filled, mask);
+    segments.back().mask = mask;
   }
   return segments;
 }

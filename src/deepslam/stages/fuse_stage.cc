@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -43,7 +44,7 @@ Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& m
   ObjectMasks masks;
   for (const Segment& segment : *segments) {
     Mask& mask = masks[segment.frame];
-    if (members.contains(segment.detection)) Cover(segment.mask, mask);
+    if (members.contains(segment.detection)) Cover(segment.mask.Unpacked(), mask);
   }
   return masks;
 }

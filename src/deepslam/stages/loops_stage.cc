@@ -2,7 +2,10 @@
 // loops join compete for their shape anew.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,7 +40,6 @@ struct LoopInputs {
   Association association;
   Proposals proposals;
   ObjectMap map;
-  ObjectViews views;
 };
 
 // How the loops by appearance move what the object's best view saw; an object without views stays.
@@ -71,17 +73,13 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
     object.world_from_object =
         ClosedFromTracked(*odometry, closed->odometry, object) * object.world_from_object;
   }
-  Result<ObjectViews> views =
-      CollectViews(context, inputs, closed->odometry, closed->ground, *association);
-  if (!views.ok()) return views.error();
   return LoopInputs{std::move(*odometry),
                     std::move(closed->odometry),
                     std::move(closed->ground),
                     std::move(closed->appearance),
                     std::move(*association),
                     std::move(*proposals),
-                    std::move(*map),
-                    std::move(*views)};
+                    std::move(*map)};
 }
 
 void AppendWorld(const Pose3& world_from_camera,
@@ -104,17 +102,50 @@ std::vector<Eigen::Vector3f> Surroundings(const ObjectView& view) {
   return points;
 }
 
-Result<loop::LoopEvidence> CollectEvidence(const StageContext& context, const LoopInputs& in) {
+// The tracks of these objects, in their order.
+template <typename Wanted>
+std::vector<ObjectTrack> TracksOf(const Association& association, const Wanted& wanted) {
+  std::vector<ObjectTrack> tracks;
+  std::copy_if(association.tracks.begin(),
+               association.tracks.end(),
+               std::back_inserter(tracks),
+               [&](const ObjectTrack& track) { return wanted(track.id); });
+  return tracks;
+}
+
+// What the views of the batch's objects measured.
+void AddMeasured(std::span<TrackViews> batch, loop::LoopEvidence& evidence) {
+  std::vector<loop::ObjectEvidence*> own;
+  for (const TrackViews& of_track : batch) own.push_back(&evidence[of_track.track->id]);
+  ParallelFor(batch.size(), [&](std::size_t n) {
+    for (const ObjectView& view : batch[n].views) {
+      const shape::ViewPoints points = shape::ExtractViewPoints(view, kEvidencePointsPerView);
+      AppendWorld(view.world_from_camera, points.points_camera, own[n]->depth_points_world);
+      AppendWorld(view.world_from_camera, Surroundings(view), own[n]->surroundings_world);
+    }
+  });
+}
+
+Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
+                                           const RunInputs& inputs,
+                                           const LoopInputs& in) {
   loop::LoopEvidence evidence;
+  for (const MapObject& object : in.map.objects) evidence[object.id];
+  const std::vector<ObjectTrack> tracks =
+      TracksOf(in.association, [&](ObjectId id) { return evidence.contains(id); });
+  const Status measured = ForTrackViews(context,
+                                        inputs,
+                                        in.odometry,
+                                        in.ground,
+                                        tracks,
+                                        observe::ViewContent::kDepth,
+                                        [&](std::span<TrackViews> batch) {
+                                          AddMeasured(batch, evidence);
+                                          return Ok();
+                                        });
+  if (!measured.ok()) return measured.error();
   for (const MapObject& object : in.map.objects) {
     loop::ObjectEvidence& own = evidence[object.id];
-    if (const auto views = in.views.find(object.id); views != in.views.end()) {
-      for (const ObjectView& view : views->second) {
-        const shape::ViewPoints points = shape::ExtractViewPoints(view, kEvidencePointsPerView);
-        AppendWorld(view.world_from_camera, points.points_camera, own.depth_points_world);
-        AppendWorld(view.world_from_camera, Surroundings(view), own.surroundings_world);
-      }
-    }
     const Result<VoxelGrid> grid = ReadModel(context, "propose", object.model);
     if (!grid.ok()) return grid.error();
     const Similarity3 world_from_model =
@@ -127,16 +158,21 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context, const Lo
   return evidence;
 }
 
-Loops DetectLoops(const LoopInputs& in,
-                  const loop::LoopEvidence& evidence,
-                  const loop::LoopOptions& options) {
-  if (!options.enabled) return {};
+Result<Loops> DetectLoops(const StageContext& context,
+                          const RunInputs& inputs,
+                          const LoopInputs& in) {
+  const loop::LoopOptions& options = inputs.config.loops;
+  if (!options.enabled) return Loops();
   const std::vector<Constellation> proposed =
       loop::FindConstellations(in.map, in.association, options, in.odometry);
   std::vector<Constellation> verified(proposed.size());
-  ParallelFor(proposed.size(), [&](std::size_t i) {
-    verified[i] = loop::VerifyConstellation(proposed[i], in.map, evidence, options);
-  });
+  if (!proposed.empty()) {  // most captures propose nothing, and evidence takes all views
+    const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, in);
+    if (!evidence.ok()) return evidence.error();
+    ParallelFor(proposed.size(), [&](std::size_t i) {
+      verified[i] = loop::VerifyConstellation(proposed[i], in.map, *evidence, options);
+    });
+  }
   return loop::AcceptLoops(verified, in.map, in.association, options, in.odometry);
 }
 
@@ -179,9 +215,26 @@ ObjectTrack* FindTrack(Association& association, ObjectId id) {
   return it == association.tracks.end() ? nullptr : &*it;
 }
 
+// Whose views an object has after merging: those of its own track, then of each that was merged
+// into it, with the corrections that move them, the first one first.
+struct ViewOrigin {
+  ObjectId track;
+  std::vector<Pose3> corrections;
+};
+using ViewOrigins = std::map<ObjectId, std::vector<ViewOrigin>>;
+
+std::vector<ViewOrigin>& OriginsOf(ObjectId id, ViewOrigins& origins) {
+  std::vector<ViewOrigin>& own = origins[id];
+  if (own.empty()) own.push_back({id, {}});
+  return own;
+}
+
 // The merged object's members, views and candidates become the kept one's; its views move by the
 // loop's correction.
-void Merge(const ObjectMerge& merge, const Pose3& correction, LoopInputs& in) {
+void Merge(const ObjectMerge& merge,
+           const Pose3& correction,
+           LoopInputs& in,
+           ViewOrigins& origins) {
   ObjectTrack* kept = FindTrack(in.association, merge.kept);
   const ObjectTrack* merged = FindTrack(in.association, merge.merged);
   if (kept == nullptr || merged == nullptr) return;
@@ -194,18 +247,53 @@ void Merge(const ObjectMerge& merge, const Pose3& correction, LoopInputs& in) {
                    [](const TrackMember& a, const TrackMember& b) { return a.frame < b.frame; });
   std::erase_if(in.association.tracks,
                 [&](const ObjectTrack& track) { return track.id == merge.merged; });
-  std::vector<ObjectView>& kept_views = in.views[merge.kept];
-  for (ObjectView& view : in.views[merge.merged]) {
-    view.world_from_camera = correction * view.world_from_camera;
-    kept_views.push_back(std::move(view));
+  std::vector<ViewOrigin> moved = OriginsOf(merge.merged, origins);
+  std::vector<ViewOrigin>& kept_origins = OriginsOf(merge.kept, origins);
+  for (ViewOrigin& origin : moved) {
+    origin.corrections.push_back(correction);
+    kept_origins.push_back(std::move(origin));
   }
-  in.views.erase(merge.merged);
-  std::stable_sort(kept_views.begin(),
-                   kept_views.end(),
-                   [](const ObjectView& a, const ObjectView& b) { return a.frame < b.frame; });
   for (ShapeCandidate& candidate : in.proposals.candidates) {
     if (candidate.object == merge.merged) candidate.object = merge.kept;
   }
+}
+
+// The views of an object after merging, ascending frames. `tracks` are those before merging.
+Result<std::vector<ObjectView>> MergedViews(const StageContext& context,
+                                            const RunInputs& inputs,
+                                            const LoopInputs& in,
+                                            const Association& before,
+                                            std::span<const ViewOrigin> origins) {
+  ObjectViews of_tracks;
+  const std::vector<ObjectTrack> tracks = TracksOf(before, [&](ObjectId id) {
+    return std::any_of(origins.begin(), origins.end(), [&](const ViewOrigin& origin) {
+      return origin.track == id;
+    });
+  });
+  const Status status = ForTrackViews(context,
+                                      inputs,
+                                      in.odometry,
+                                      in.ground,
+                                      tracks,
+                                      observe::ViewContent::kDepth,
+                                      [&](std::span<TrackViews> batch) {
+                                        for (TrackViews& of_track : batch)
+                                          of_tracks[of_track.track->id] = std::move(of_track.views);
+                                        return Ok();
+                                      });
+  if (!status.ok()) return status.error();
+  std::vector<ObjectView> views;
+  for (const ViewOrigin& origin : origins) {
+    for (ObjectView& view : of_tracks[origin.track]) {
+      for (const Pose3& correction : origin.corrections)
+        view.world_from_camera = correction * view.world_from_camera;
+      views.push_back(std::move(view));
+    }
+  }
+  std::stable_sort(views.begin(), views.end(), [](const ObjectView& a, const ObjectView& b) {
+    return a.frame < b.frame;
+  });
+  return views;
 }
 
 // Registers and selects the kept objects with everything both brought; the others stay as they are.
@@ -214,8 +302,10 @@ Result<ObjectMap> Reselect(const StageContext& context,
                            const Loops& loops,
                            LoopInputs& in) {
   std::map<ObjectId, std::vector<ObjectId>> groups;
+  const Association before = in.association;
+  ViewOrigins origins;
   for (const ObjectMerge& merge : loops.merges) {
-    Merge(merge, CorrectionOf(loops, merge), in);
+    Merge(merge, CorrectionOf(loops, merge), in, origins);
     groups[merge.kept].push_back(merge.merged);
   }
   ObjectMap map;
@@ -234,12 +324,14 @@ Result<ObjectMap> Reselect(const StageContext& context,
     const std::vector<ShapeCandidate> candidates = CandidatesOf(in.proposals, object.id);
     const Result<ModelMap> models = LoadModels(context, candidates);
     if (!models.ok()) return models.error();
-    const std::vector<ObjectView>& views = in.views[object.id];
+    const Result<std::vector<ObjectView>> views =
+        MergedViews(context, inputs, in, before, OriginsOf(object.id, origins));
+    if (!views.ok()) return views.error();
     const std::vector<CandidateRegistration> registrations =
-        RegisterAll(candidates, *models, views, inputs.config.registration);
+        RegisterAll(candidates, *models, *views, inputs.config.registration);
     std::vector<std::string> applied;  // told by stage select already
     Result<MapObject> selected = SelectOrChoose(
-        object.id, object.class_name, candidates, registrations, *models, views, inputs, applied);
+        object.id, object.class_name, candidates, registrations, *models, *views, inputs, applied);
     if (!selected.ok()) return selected.error();
     MapObject chosen = std::move(selected).value();
     // Nothing fits all views: what fitted the old ones stays.
@@ -260,9 +352,9 @@ void AddAppearance(const loop::AcceptedAppearance& appearance, Loops& loops) {
 Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   Result<LoopInputs> in = ReadLoopInputs(context, inputs);
   if (!in.ok()) return in.error();
-  const Result<loop::LoopEvidence> evidence = CollectEvidence(context, *in);
-  if (!evidence.ok()) return evidence.error();
-  Loops loops = DetectLoops(*in, *evidence, inputs.config.loops);
+  Result<Loops> detected = DetectLoops(context, inputs, *in);
+  if (!detected.ok()) return detected.error();
+  Loops loops = std::move(detected).value();
   AddAppearance(in->appearance, loops);
   if (context.progress().StopRequested()) return Interrupted();
   Result<ObjectMap> map = Reselect(context, inputs, loops, *in);

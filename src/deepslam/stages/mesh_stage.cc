@@ -1,5 +1,8 @@
 // mesh: the chosen shapes as closed, metric, coloured triangle meshes.
 #include <algorithm>
+#include <iterator>
+#include <map>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -41,13 +44,48 @@ Result<TriangleMesh> MakeMesh(const MapObject& object,
 }
 
 // Views with the optimized cameras in place of the tracked ones.
-void UseOptimizedPoses(const OptimizedMap& map, ObjectViews& views) {
-  for (auto& [id, object_views] : views) {
-    for (ObjectView& view : object_views) {
-      view.world_from_camera =
-          map.frames[static_cast<std::size_t>(view.frame.value)].world_from_camera;
-    }
+void UseOptimizedPoses(const OptimizedMap& map, std::span<ObjectView> views) {
+  for (ObjectView& view : views) {
+    view.world_from_camera =
+        map.frames[static_cast<std::size_t>(view.frame.value)].world_from_camera;
   }
+}
+
+using Meshes = std::map<ObjectId, Result<TriangleMesh>>;
+
+// Of the objects of these tracks; those of objects without a track are not there.
+Result<Meshes> MakeMeshes(const StageContext& context,
+                          const RunInputs& inputs,
+                          const Odometry& odometry,
+                          const Ground& ground,
+                          const Association& association,
+                          const OptimizedMap& map,
+                          const std::map<ObjectId, VoxelGrid>& grids) {
+  std::map<ObjectId, const MapObject*> objects;
+  for (const MapObject& object : map.map.objects) objects.emplace(object.id, &object);
+  std::vector<ObjectTrack> tracks;
+  std::copy_if(association.tracks.begin(),
+               association.tracks.end(),
+               std::back_inserter(tracks),
+               [&](const ObjectTrack& track) { return objects.contains(track.id); });
+  Meshes meshes;
+  std::size_t done = 0;
+  const auto make_batch = [&](std::span<TrackViews> batch) {
+    std::vector<std::optional<Result<TriangleMesh>>> made(batch.size());
+    ParallelFor(batch.size(), [&](std::size_t n) {
+      const ObjectId id = batch[n].track->id;
+      UseOptimizedPoses(map, batch[n].views);
+      made[n] = MakeMesh(*objects.at(id), grids.at(id), batch[n].views, inputs);
+    });
+    for (std::size_t n = 0; n < batch.size(); ++n)
+      meshes.emplace(batch[n].track->id, *std::move(made[n]));
+    context.progress().Report(done += batch.size(), tracks.size());
+    return Ok();
+  };
+  const Status status = ForTrackViews(
+      context, inputs, odometry, ground, tracks, observe::ViewContent::kColourAndDepth, make_batch);
+  if (!status.ok()) return status.error();
+  return meshes;
 }
 
 }  // namespace
@@ -61,37 +99,31 @@ Result<StageSummary> RunMesh(StageContext& context, const RunInputs& inputs) {
   if (!association.ok()) return association.error();
   const Result<OptimizedMap> map = ReadOptimized(context);
   if (!map.ok()) return map.error();
-  Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
-  if (!views.ok()) return views.error();
-  UseOptimizedPoses(*map, *views);
 
   const std::vector<MapObject>& objects = map->map.objects;
-  std::vector<VoxelGrid> grids;
+  std::map<ObjectId, VoxelGrid> grids;
   for (const MapObject& object : objects) {
     Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
     if (!grid.ok()) return grid.error();
-    grids.push_back(std::move(grid).value());
+    grids.emplace(object.id, std::move(grid).value());
   }
-  std::vector<std::optional<Result<TriangleMesh>>> meshes(objects.size());
-  ParallelFor(objects.size(), [&](std::size_t i) {
-    const auto own = views->find(objects[i].id);
-    meshes[i] =
-        MakeMesh(objects[i],
-                 grids[i],
-                 own == views->end() ? std::span<const ObjectView>() : std::span(own->second),
-                 inputs);
-  });
+  Result<Meshes> meshes =
+      MakeMeshes(context, inputs, *odometry, *ground, *association, *map, grids);
+  if (!meshes.ok()) return meshes.error();
   if (context.progress().StopRequested()) return Interrupted();
   std::size_t num_faces = 0;
   std::size_t num_faulty = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::string file = fmt::format("objects/{}.ply", ObjectName(objects[i]));
-    // One object without a surface keeps its place and labels; the others are none the worse for it.
-    if (!meshes[i]->ok()) {
-      context.progress().Warn(fmt::format("{}: {}", file, meshes[i]->error().message));
-      meshes[i] = TriangleMesh();
-    }
-    const TriangleMesh& triangles = meshes[i]->value();
+    // One object without a surface keeps its place and labels; the others are none the worse for
+    // it.
+    const auto made = meshes->find(objects[i].id);
+    const Result<TriangleMesh> made_now =
+        made == meshes->end() ? MakeMesh(objects[i], grids.at(objects[i].id), {}, inputs)
+                              : std::move(made->second);
+    if (!made_now.ok())
+      context.progress().Warn(fmt::format("{}: {}", file, made_now.error().message));
+    const TriangleMesh triangles = made_now.ok() ? *made_now : TriangleMesh();
     if (const mesh::MeshCheck check = mesh::CheckMesh(triangles); !check.ok()) {
       context.progress().Warn(fmt::format("{} is not closed: {}", file, check.fault));
       ++num_faulty;

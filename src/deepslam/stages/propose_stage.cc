@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/library/furniture_library.h"
+#include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/stages/data_folder.h"
@@ -28,6 +30,7 @@ struct Sources {
   // Shared by the retrieval source and by this stage, which notes the checksums of the models
   // offered.
   std::shared_ptr<const ModelLibrary> library;
+  bool use_depth = true;
 };
 
 Result<std::shared_ptr<const ModelLibrary>> LoadLibraryFolder(const std::filesystem::path& folder) {
@@ -40,6 +43,7 @@ Result<Sources> MakeSources(const RunInputs& inputs, Progress& progress) {
   const Config& config = inputs.config;
   const bool use_depth = config.propose_stage.use_depth;
   Sources sources;
+  sources.use_depth = use_depth;
   if (config.propose_stage.retrieval) {
     const Result<std::filesystem::path> folder =
         FindLibrary(inputs.data_folder, config.propose_stage.library);
@@ -88,36 +92,58 @@ void Append(Proposals answer, const std::string& object_name, Proposals& all) {
     all.notes.push_back(fmt::format("{}: {}", object_name, note));
 }
 
-Result<Proposals> ProposeAll(const StageContext& context,
-                             const Sources& sources,
-                             const Association& association,
-                             const ObjectViews& views) {
-  Proposals all;
-  const std::size_t num_sources = sources.proposers.size();
-  for (std::size_t t = 0; t < association.tracks.size(); ++t) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const ObjectTrack& track = association.tracks[t];
-    const std::string name = fmt::format("{}_{:02d}", track.class_name, track.id.value);
-    const auto found = views.find(track.id);
-    if (found == views.end() || found->second.empty()) {
-      all.notes.push_back(name + ": no view could be read");
-      continue;
-    }
-    const propose::ObjectObservations object{track.id, track.class_name, found->second};
-    std::vector<std::optional<Result<Proposals>>> answers(num_sources);
-    ParallelFor(num_sources,
-                [&](std::size_t s) { answers[s] = sources.proposers[s]->Propose(object); });
-    for (std::size_t s = 0; s < num_sources; ++s) {
-      if (!answers[s]->ok()) {
-        return Error{
-            answers[s]->error().code,
-            fmt::format(
-                "source {}: {}", sources.proposers[s]->name(), answers[s]->error().message)};
-      }
-      Append(std::move(*answers[s]).value(), name, all);
-    }
-    context.progress().Report(t + 1, association.tracks.size());
+Status ProposeOne(const Sources& sources, const TrackViews& of_track, Proposals& all) {
+  const ObjectTrack& track = *of_track.track;
+  const std::string name = fmt::format("{}_{:02d}", track.class_name, track.id.value);
+  if (of_track.views.empty()) {
+    all.notes.push_back(name + ": no view could be read");
+    return Ok();
   }
+  propose::ObjectObservations object{track.id, track.class_name, of_track.views};
+  std::optional<propose::LevelCloud> cloud;
+  if (sources.use_depth) {
+    cloud = propose::AccumulateLevel(object.views);
+    object.cloud = &*cloud;
+  }
+  const std::size_t num_sources = sources.proposers.size();
+  std::vector<std::optional<Result<Proposals>>> answers(num_sources);
+  ParallelFor(num_sources,
+              [&](std::size_t s) { answers[s] = sources.proposers[s]->Propose(object); });
+  for (std::size_t s = 0; s < num_sources; ++s) {
+    if (!answers[s]->ok()) {
+      return Error{
+          answers[s]->error().code,
+          fmt::format("source {}: {}", sources.proposers[s]->name(), answers[s]->error().message)};
+    }
+    Append(std::move(*answers[s]).value(), name, all);
+  }
+  return Ok();
+}
+
+Result<Proposals> ProposeAll(const StageContext& context,
+                             const RunInputs& inputs,
+                             const Sources& sources,
+                             const Odometry& odometry,
+                             const Ground& ground,
+                             const Association& association) {
+  Proposals all;
+  std::size_t done = 0;
+  const auto propose_batch = [&](std::span<TrackViews> batch) -> Status {
+    for (const TrackViews& of_track : batch) {
+      if (context.progress().StopRequested()) return Interrupted();
+      if (Status status = ProposeOne(sources, of_track, all); !status.ok()) return status;
+      context.progress().Report(++done, association.tracks.size());
+    }
+    return Ok();
+  };
+  const Status status = ForTrackViews(context,
+                                      inputs,
+                                      odometry,
+                                      ground,
+                                      association.tracks,
+                                      observe::ViewContent::kColourAndDepth,
+                                      propose_batch);
+  if (!status.ok()) return status.error();
   return all;
 }
 
@@ -148,9 +174,8 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   if (!association.ok()) return association.error();
   const Result<Sources> sources = MakeSources(inputs, context.progress());
   if (!sources.ok()) return sources.error();
-  const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
-  if (!views.ok()) return views.error();
-  const Result<Proposals> proposals = ProposeAll(context, *sources, *association, *views);
+  const Result<Proposals> proposals =
+      ProposeAll(context, inputs, *sources, *odometry, *ground, *association);
   if (!proposals.ok()) return proposals.error();
 
   if (Status status = WriteEncoded(

@@ -22,21 +22,30 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   if (!association.ok()) return association.error();
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
-  const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
-  if (!views.ok()) return views.error();
 
   std::vector<CandidateRegistration> registrations;
   std::size_t done = 0;
-  for (const auto& [id, object_views] : *views) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, id);
-    const Result<ModelMap> models = LoadModels(context, candidates);
-    if (!models.ok()) return models.error();
-    std::vector<CandidateRegistration> found =
-        RegisterAll(candidates, *models, object_views, inputs.config.registration);
-    std::move(found.begin(), found.end(), std::back_inserter(registrations));
-    context.progress().Report(++done, views->size());
-  }
+  const auto register_batch = [&](std::span<TrackViews> batch) -> Status {
+    for (const TrackViews& of_track : batch) {
+      if (context.progress().StopRequested()) return Interrupted();
+      const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, of_track.track->id);
+      const Result<ModelMap> models = LoadModels(context, candidates);
+      if (!models.ok()) return models.error();
+      std::vector<CandidateRegistration> found =
+          RegisterAll(candidates, *models, of_track.views, inputs.config.registration);
+      std::move(found.begin(), found.end(), std::back_inserter(registrations));
+      context.progress().Report(++done, association->tracks.size());
+    }
+    return Ok();
+  };
+  const Status registered = ForTrackViews(context,
+                                          inputs,
+                                          *odometry,
+                                          *ground,
+                                          association->tracks,
+                                          observe::ViewContent::kDepth,
+                                          register_batch);
+  if (!registered.ok()) return registered.error();
   std::stable_sort(registrations.begin(),
                    registrations.end(),
                    [](const CandidateRegistration& a, const CandidateRegistration& b) {

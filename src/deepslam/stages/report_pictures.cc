@@ -373,20 +373,23 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
   for (const ObjectTrack& track : tracks) {
     for (const TrackMember& member : track.members) object_of[member.detection] = track.id;
   }
-  std::map<FrameIdx, std::vector<report::Overlay>> overlays;
-  for (const Segment& s : segments) {
+  std::map<FrameIdx, std::vector<const Segment*>> in_frame;
+  for (const Segment& segment : segments) in_frame[segment.frame].push_back(&segment);
+  const auto overlay_of = [&](const Segment& s) {
     const auto object = object_of.find(s.detection);
-    report::Overlay overlay{
-        s.box_px, s.mask, fmt::format("{} {:.2f}", s.class_name, s.score), Rgb8{150, 150, 150}};
+    report::Overlay overlay{s.box_px,
+                            s.mask.Unpacked(),
+                            fmt::format("{} {:.2f}", s.class_name, s.score),
+                            Rgb8{150, 150, 150}};
     if (object != object_of.end()) {
       overlay.colour = InstanceColour(object->second.value);
       overlay.label = fmt::format("{}_{:02d} {:.2f}", s.class_name, object->second.value, s.score);
     }
-    overlays[s.frame].push_back(std::move(overlay));
-  }
+    return overlay;
+  };
   std::vector<FrameIdx> with_detections;
   for (const FrameIdx keyframe : map.keyframes) {
-    if (overlays.contains(keyframe) && shown.contains(keyframe))
+    if (in_frame.contains(keyframe) && shown.contains(keyframe))
       with_detections.push_back(keyframe);
   }
   std::vector<report::Picture> pictures;
@@ -395,8 +398,10 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
     const FrameIdx keyframe = with_detections[(2 * n + 1) * with_detections.size() / (2 * count)];
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
+    std::vector<report::Overlay> overlays;
+    for (const Segment* segment : in_frame[keyframe]) overlays.push_back(overlay_of(*segment));
     AddPicture(pictures,
-               report::DrawOverlays(frame->colour, overlays[keyframe], 520),
+               report::DrawOverlays(frame->colour, overlays, 520),
                fmt::format("frame {}", keyframe.value));
   }
   return pictures;

@@ -43,32 +43,42 @@ void Place(MapObject object, ObjectMap& map) {
 
 Result<ObjectMap> SelectAll(const StageContext& context,
                             const RunInputs& inputs,
+                            const Odometry& odometry,
+                            const Ground& ground,
                             const Association& association,
-                            const ObjectViews& views,
                             std::vector<std::string>& applied) {
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
   const Result<std::vector<CandidateRegistration>> registrations = ReadRegistrations(context);
   if (!registrations.ok()) return registrations.error();
   ObjectMap map;
-  for (std::size_t t = 0; t < association.tracks.size(); ++t) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const ObjectTrack& track = association.tracks[t];
-    const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, track.id);
-    const Result<std::vector<CandidateRegistration>> own =
-        RegistrationsOf(candidates, *registrations);
-    if (!own.ok()) return own.error();
-    const Result<ModelMap> models = LoadModels(context, candidates);
-    if (!models.ok()) return models.error();
-    const auto found = views.find(track.id);
-    const std::span<const ObjectView> own_views =
-        found == views.end() ? std::span<const ObjectView>() : std::span(found->second);
-    Result<MapObject> object = SelectOrChoose(
-        track.id, track.class_name, candidates, *own, *models, own_views, inputs, applied);
-    if (!object.ok()) return object.error();
-    Place(std::move(object).value(), map);
-    context.progress().Report(t + 1, association.tracks.size());
-  }
+  std::size_t done = 0;
+  const auto select_batch = [&](std::span<TrackViews> batch) -> Status {
+    for (const TrackViews& of_track : batch) {
+      if (context.progress().StopRequested()) return Interrupted();
+      const ObjectTrack& track = *of_track.track;
+      const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, track.id);
+      const Result<std::vector<CandidateRegistration>> own =
+          RegistrationsOf(candidates, *registrations);
+      if (!own.ok()) return own.error();
+      const Result<ModelMap> models = LoadModels(context, candidates);
+      if (!models.ok()) return models.error();
+      Result<MapObject> object = SelectOrChoose(
+          track.id, track.class_name, candidates, *own, *models, of_track.views, inputs, applied);
+      if (!object.ok()) return object.error();
+      Place(std::move(object).value(), map);
+      context.progress().Report(++done, association.tracks.size());
+    }
+    return Ok();
+  };
+  const Status status = ForTrackViews(context,
+                                      inputs,
+                                      odometry,
+                                      ground,
+                                      association.tracks,
+                                      observe::ViewContent::kDepth,
+                                      select_batch);
+  if (!status.ok()) return status.error();
   return map;
 }
 
@@ -81,13 +91,12 @@ Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
-  if (!views.ok()) return views.error();
   std::vector<ObjectId> ids;
   for (const ObjectTrack& track : association->tracks) ids.push_back(track.id);
   if (Status status = CheckChoices(inputs.overrides, ids); !status.ok()) return status.error();
   std::vector<std::string> applied;
-  const Result<ObjectMap> map = SelectAll(context, inputs, *association, *views, applied);
+  const Result<ObjectMap> map =
+      SelectAll(context, inputs, *odometry, *ground, *association, applied);
   if (!map.ok()) return map.error();
   if (Status status = WriteApplied(context, applied); !status.ok()) return status.error();
   if (Status status =

@@ -114,12 +114,13 @@ Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& worksp
     std::vector<std::array<eval::SilhouetteOverlap, 2>> overlaps(of_frame.size());
     ParallelFor(of_frame.size(), [&](std::size_t i) {
       const MapObject& object = map->map.objects[of_frame[i].object];
+      const Mask mask = of_frame[i].segment->mask.Unpacked();
       for (const bool measured_only : {false, true}) {
         overlaps[i][measured_only ? 1 : 0] =
             eval::CompareSilhouette((*meshes)[of_frame[i].object],
                                     camera_from_world * object.world_from_object,
                                     frames.camera(),
-                                    of_frame[i].segment->mask,
+                                    mask,
                                     frame.depth_m,
                                     {.leave_out_unmeasured = measured_only});
       }

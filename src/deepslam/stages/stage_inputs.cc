@@ -23,7 +23,8 @@ namespace {
 
 using pipeline::StageContext;
 
-constexpr std::size_t kBatch = 8;  // frames held at once: 5 MB each
+constexpr std::size_t kBatch = 8;                           // frames held at once, twice: 2 MB each
+constexpr std::size_t kBatchBytes = std::size_t{96} << 20;  // of views, until a batch has enough
 
 template <typename T>
 Result<T> Decode(const StageContext& context,
@@ -170,6 +171,41 @@ Result<ObjectViews> CollectViews(const StageContext& context,
                                      context.progress());
 }
 
+Status ForTrackViews(const StageContext& context,
+                     const RunInputs& inputs,
+                     const Odometry& odometry,
+                     const Ground& ground,
+                     std::span<const ObjectTrack> tracks,
+                     observe::ViewContent content,
+                     const std::function<Status(std::span<TrackViews>)>& use) {
+  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  if (!segments.ok()) return segments.error();
+  const FrameSource& frames = *inputs.capture->frames;
+  const observe::ViewOptions& options = inputs.config.views;
+  observe::ViewPlan plan = observe::PlanObjectViews(odometry, *segments, tracks, options);
+  for (std::size_t begin = 0; begin < tracks.size();) {
+    observe::ViewPlan of_batch;
+    std::size_t num_bytes = 0;
+    std::size_t end = begin;
+    for (; end < tracks.size() && num_bytes < kBatchBytes; ++end) {
+      const auto planned = plan.find(tracks[end].id);
+      if (planned == plan.end()) continue;
+      num_bytes += observe::NumBytes(planned->second, frames.camera(), options);
+      of_batch.insert(plan.extract(planned));
+    }
+    Result<ObjectViews> views = observe::CutObjectViews(
+        frames, odometry, ground, of_batch, options, content, context.progress());
+    if (!views.ok()) return views.error();
+    std::vector<TrackViews> batch;
+    for (std::size_t t = begin; t < end; ++t)
+      batch.push_back({&tracks[t], std::move((*views)[tracks[t].id])});
+    views->clear();
+    if (Status status = use(batch); !status.ok()) return status;
+    begin = end;
+  }
+  return Ok();
+}
+
 Status CheckOfThisCapture(std::size_t num_frames,
                           std::span<const Segment> segments,
                           const FrameSource& frames) {
@@ -192,22 +228,37 @@ Status ForFrames(const StageContext& context,
                  const FrameSource& frames,
                  std::span<const FrameIdx> wanted,
                  const std::function<Status(const Frame&)>& use) {
-  for (std::size_t begin = 0; begin < wanted.size(); begin += kBatch) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const std::span<const FrameIdx> batch =
-        wanted.subspan(begin, std::min(kBatch, wanted.size() - begin));
-    std::vector<std::optional<Result<Frame>>> read(batch.size());
-    ParallelFor(batch.size(), [&](std::size_t i) { read[i] = frames.Read(batch[i]); });
-    for (std::size_t i = 0; i < batch.size(); ++i) {
+  using Frames = std::vector<std::optional<Result<Frame>>>;
+  const auto use_all = [&](std::size_t begin, const Frames& read) -> Status {
+    for (std::size_t i = 0; i < read.size(); ++i) {
       const Result<Frame>& frame = *read[i];
       if (!frame.ok()) {
         context.progress().Warn(
-            fmt::format("frame {} skipped: {}", batch[i].value, frame.error().message));
+            fmt::format("frame {} skipped: {}", wanted[begin + i].value, frame.error().message));
       } else if (Status status = use(*frame); !status.ok()) {
         return status;
       }
     }
-    context.progress().Report(begin + batch.size(), wanted.size());
+    return Ok();
+  };
+  // Task 0 of the loop uses one batch while the others read the next.
+  Frames ready;
+  std::size_t ready_begin = 0;
+  for (std::size_t begin = 0; begin < wanted.size() + kBatch; begin += kBatch) {
+    if (context.progress().StopRequested()) return Interrupted();
+    Frames next(begin < wanted.size() ? std::min(kBatch, wanted.size() - begin) : 0);
+    Status used;
+    ParallelFor(next.size() + 1, [&](std::size_t task) {
+      if (task == 0) {
+        used = use_all(ready_begin, ready);
+      } else {
+        next[task - 1] = frames.Read(wanted[begin + task - 1]);
+      }
+    });
+    if (!used.ok()) return used;
+    ready = std::move(next);
+    ready_begin = begin;
+    context.progress().Report(std::min(begin, wanted.size()), wanted.size());
   }
   return Ok();
 }

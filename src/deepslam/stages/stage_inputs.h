@@ -13,6 +13,7 @@
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/artifact/summary_json.h"
 #include "deepslam/core/result.h"
+#include "deepslam/observe/object_views.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/ground.h"
@@ -75,12 +76,27 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 // The ground in a frame's camera: seen in this very frame, else the world's.
 [[nodiscard]] std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame);
 
-// Views of the tracks, with the frames' tracked poses.
+// Views of all tracks at once, with the frames' tracked poses: for captures known to be small.
 [[nodiscard]] Result<ObjectViews> CollectViews(const pipeline::StageContext& context,
                                                const RunInputs& inputs,
                                                const Odometry& odometry,
                                                const Ground& ground,
                                                const Association& association);
+
+struct TrackViews {
+  const ObjectTrack* track = nullptr;
+  std::vector<ObjectView> views;  // ascending frames; empty when none could be read
+};
+
+// The same for a few tracks at a time, in their order, so that memory does not grow with the number
+// of objects; every track comes once. Stops at the first error of `use` and when the user asks to.
+[[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
+                                   const RunInputs& inputs,
+                                   const Odometry& odometry,
+                                   const Ground& ground,
+                                   std::span<const ObjectTrack> tracks,
+                                   observe::ViewContent content,
+                                   const std::function<Status(std::span<TrackViews>)>& use);
 
 // That a workspace of so many frames and with these segments was made of this capture; InvalidInput
 // otherwise.
@@ -88,7 +104,8 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
                                         std::span<const Segment> segments,
                                         const FrameSource& frames);
 
-// Reads frames in parallel, a few at a time, and hands each to `use` in the order given. A frame
+// Reads frames in parallel, a few at a time and ahead of need, and hands each to `use` in the order
+// given. A frame
 // that cannot be read is warned about and skipped. Stops at the first error of `use` and when the
 // user asks to.
 [[nodiscard]] Status ForFrames(const pipeline::StageContext& context,
