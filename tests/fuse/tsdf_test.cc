@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
+#include <open3d/geometry/RGBDImage.h>
+#include <open3d/geometry/TriangleMesh.h>
+#include <open3d/pipelines/integration/ScalableTSDFVolume.h>
 
 #include "deepslam/artifact/ply.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/fuse/canonical_mesh.h"
 
 namespace deepslam::fuse {
@@ -91,6 +96,87 @@ TEST(TsdfFusion, GivesEqualMeshesEveryTime) {
   EXPECT_EQ(a.colours, b.colours);
 }
 
+TEST(TsdfFusion, DoesNotDependOnTheNumberOfThreads) {
+  const auto with_threads = [](int num_threads) {
+    const ThreadLimit limit(num_threads);
+    return Fused(CoarseOptions());
+  };
+  const TriangleMesh one = with_threads(1);
+  const TriangleMesh four = with_threads(4);
+  EXPECT_EQ(one.vertices, four.vertices);
+  EXPECT_EQ(one.faces, four.faces);
+  EXPECT_EQ(one.colours, four.colours);
+}
+
+// The same frames by the library whose arithmetic is ours.
+TEST(TsdfFusion, HasTheSurfaceOfOpen3d) {
+  const FuseOptions options = CoarseOptions();
+  open3d::pipelines::integration::ScalableTSDFVolume volume(
+      options.voxel_m,
+      options.truncation_m,
+      open3d::pipelines::integration::TSDFVolumeColorType::RGB8);
+  for (const Pose3& pose : Cameras()) {
+    const Frame frame = SphereAndWall(pose);
+    open3d::geometry::RGBDImage image;
+    image.depth_.Prepare(kCamera.width, kCamera.height, 1, 4);
+    image.color_.Prepare(kCamera.width, kCamera.height, 3, 1);
+    std::memcpy(image.depth_.data_.data(), frame.depth_m.data(), 4 * frame.depth_m.size());
+    std::memcpy(image.color_.data_.data(), frame.colour.data(), 3 * frame.colour.size());
+    volume.Integrate(
+        image,
+        {kCamera.width, kCamera.height, kCamera.fx, kCamera.fy, kCamera.cx, kCamera.cy},
+        pose.Inverse().Matrix());
+  }
+  const auto theirs = volume.ExtractTriangleMesh();
+  const TriangleMesh ours = Fused(options);
+  EXPECT_NEAR(static_cast<double>(ours.vertices.size()),
+              static_cast<double>(theirs->vertices_.size()),
+              0.002 * static_cast<double>(theirs->vertices_.size()));
+  EXPECT_NEAR(static_cast<double>(ours.faces.size()),
+              static_cast<double>(theirs->triangles_.size()),
+              0.002 * static_cast<double>(theirs->triangles_.size()));
+  constexpr double kSame_m = 1e-5;
+  std::vector<Eigen::Vector3d> sorted = theirs->vertices_;
+  const auto by_x = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return a.x() < b.x();
+  };
+  std::sort(sorted.begin(), sorted.end(), by_x);
+  std::size_t num_other = 0;
+  for (const Eigen::Vector3f& p : ours.vertices) {
+    const Eigen::Vector3d q = p.cast<double>();
+    const Eigen::Vector3d slack(kSame_m, 0, 0);
+    const auto begin = std::lower_bound(sorted.begin(), sorted.end(), q - slack, by_x);
+    const auto end = std::upper_bound(sorted.begin(), sorted.end(), q + slack, by_x);
+    const bool there = std::any_of(begin, end, [&](const Eigen::Vector3d& other) {
+      return (other - q).cwiseAbs().maxCoeff() < kSame_m;
+    });
+    num_other += there ? 0U : 1U;
+  }
+  // Where a voxel falls on the border of two pixels, rounding decides which it takes.
+  EXPECT_LE(num_other, ours.vertices.size() / 100);
+}
+
+TEST(TsdfFusion, ColoursAreTheMeanOfWhatWasSeen) {
+  TsdfFusion fusion(CoarseOptions());
+  Frame frame = SphereAndWall({});
+  for (const std::uint8_t grey : {std::uint8_t{100}, std::uint8_t{101}, std::uint8_t{105}}) {
+    frame.colour = ColourImage(kCamera.width, kCamera.height, {grey, 0, 255});
+    ASSERT_TRUE(fusion.Integrate(frame, kCamera, {}, nullptr).ok());
+  }
+  const TriangleMesh mesh = *std::move(fusion).TakeMesh();
+  ASSERT_FALSE(mesh.colours.empty());
+  for (const Rgb8& colour : mesh.colours) ASSERT_EQ(colour, (Rgb8{102, 0, 255}));
+}
+
+TEST(TsdfFusion, TakenMeshIsTheExtractedOne) {
+  TsdfFusion fusion(CoarseOptions());
+  ASSERT_TRUE(fusion.Integrate(SphereAndWall({}), kCamera, {}, nullptr).ok());
+  const TriangleMesh extracted = *fusion.ExtractMesh();
+  const TriangleMesh taken = *std::move(fusion).TakeMesh();
+  EXPECT_EQ(extracted.vertices, taken.vertices);
+  EXPECT_EQ(extracted.faces, taken.faces);
+}
+
 TEST(TsdfFusion, LeavesOutWhatTheMaskCovers) {
   TsdfFusion fusion(CoarseOptions());
   const Pose3 pose;
@@ -148,8 +234,8 @@ TEST(TsdfFusion, StopsBeforeTheRoomOutgrowsItsBound) {
   EXPECT_TRUE(fusion.ExtractMesh()->empty());
 }
 
-// The report's size of a fused cloud against one that is written: surface points at 1 cm, binary PLY with
-// colour.
+// The report's size of a fused cloud against one that is written: surface points at 1 cm, binary
+// PLY with colour.
 TEST(ExpectedSurfacePoints, GivesTheSizeOfAWrittenCloud) {
   FuseOptions options = CoarseOptions();
   options.voxel_m = 0.02;  // as the room is fused by default

@@ -1,32 +1,26 @@
 #include "deepslam/fuse/tsdf.h"
 
-#include <open3d/camera/PinholeCameraIntrinsic.h>
-#include <open3d/geometry/Image.h>
-#include <open3d/geometry/RGBDImage.h>
 #include <open3d/geometry/TriangleMesh.h>
-#include <open3d/pipelines/integration/ScalableTSDFVolume.h>
 
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <exception>
-#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <omp.h>
+#include <Eigen/Geometry>
 
+#include "deepslam/fuse/block_surface.h"
 #include "deepslam/fuse/canonical_mesh.h"
+#include "deepslam/fuse/voxel_blocks.h"
 
 namespace deepslam::fuse {
 namespace {
 
-constexpr int kBlockSide = 16;   // voxels
-constexpr int kDepthStride = 4;  // px between the pixels that open blocks; Open3D's own default
-
 // Open3D's inner OpenMP loops are short, and their threads spin for each other on a busy machine (5
-// ms a frame become 800). They ask for a number of threads of their own, so only forbidding
+// ms become 800). They ask for a number of threads of their own, so only forbidding
 // parallel regions altogether keeps them to one.
 class SingleThread {
  public:
@@ -61,7 +55,7 @@ Status CheckInputs(const Frame& frame,
       !std::isfinite(camera.cx) || !std::isfinite(camera.cy)) {
     return InvalidInput(name + ": focal length or principal point is not usable");
   }
-  // Open3D counts blocks in 32-bit integers: a pose far off would overflow them.
+  // Blocks are counted in 32-bit integers: a pose far off would overflow them.
   constexpr double kMaxPlace = 1e5;
   if (!pose.Matrix().allFinite() || pose.translation_m.cwiseAbs().maxCoeff() > kMaxPlace) {
     return InvalidInput(name + ": pose is not finite or absurdly far");
@@ -69,26 +63,18 @@ Status CheckInputs(const Frame& frame,
   return Ok();
 }
 
-// Images as Open3D wants them: depth as float metres, colour as bytes.
-open3d::geometry::RGBDImage MakeImage(const Frame& frame,
-                                      const Mask* leave_out,
-                                      double max_depth_m) {
-  open3d::geometry::RGBDImage image;
-  const int width = frame.depth_m.width();
-  const int height = frame.depth_m.height();
-  image.depth_.Prepare(width, height, 1, 4);
-  image.color_.Prepare(width, height, 3, 1);
-  static_assert(sizeof(Rgb8) == 3);
-  std::memcpy(image.color_.data_.data(), frame.colour.data(), 3 * frame.colour.size());
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      float depth = frame.depth_m(u, v);
-      const bool usable = depth > 0 && static_cast<double>(depth) <= max_depth_m &&
-                          (leave_out == nullptr || (*leave_out)(u, v) == 0);
-      *image.depth_.PointerAt<float>(u, v) = usable ? depth : 0.0F;
+// Depth that is to be fused.
+DepthImage UsableDepth(const Frame& frame, const Mask* leave_out, double max_depth_m) {
+  DepthImage usable = frame.depth_m;
+  for (int v = 0; v < usable.height(); ++v) {
+    for (int u = 0; u < usable.width(); ++u) {
+      float& depth = usable(u, v);
+      const bool kept = depth > 0 && static_cast<double>(depth) <= max_depth_m &&
+                        (leave_out == nullptr || (*leave_out)(u, v) == 0);
+      if (!kept) depth = 0;
     }
   }
-  return image;
+  return usable;
 }
 
 TriangleMesh FromOpen3d(const open3d::geometry::TriangleMesh& mesh) {
@@ -122,59 +108,29 @@ open3d::geometry::TriangleMesh ToOpen3d(const TriangleMesh& mesh) {
   return result;
 }
 
+// Without noise, no larger than wanted, in an order of its own.
+Result<TriangleMesh> Finished(TriangleMesh surface, const FuseOptions& options) {
+  TriangleMesh mesh =
+      CanonicalMesh(WithoutSmallComponents(std::move(surface), options.min_component_faces));
+  if (mesh.faces.size() <= static_cast<std::size_t>(options.max_faces)) return mesh;
+  const SingleThread single_thread;
+  try {
+    const auto simplified =
+        ToOpen3d(std::exchange(mesh, {})).SimplifyQuadricDecimation(options.max_faces, 1e300, 1.0);
+    return CanonicalMesh(FromOpen3d(*simplified));
+  } catch (const std::exception& e) {
+    return Failed(std::string("extracting the fused surface: ") + e.what());
+  }
+}
+
 }  // namespace
 
 struct TsdfFusion::Impl {
-  explicit Impl(const FuseOptions& o)
-      : options(o),
-        volume(o.voxel_m,
-               o.truncation_m,
-               open3d::pipelines::integration::TSDFVolumeColorType::RGB8,
-               kBlockSide,
-               kDepthStride) {}
-
-  // Blocks that a frame's truncation band can open beyond those that are there; stops counting at
-  // the bound.
-  [[nodiscard]] bool Outgrown(const open3d::geometry::Image& depth,
-                              const PinholeCamera& camera,
-                              const Pose3& world_from_camera) const;
+  explicit Impl(const FuseOptions& o) : options(o), blocks(o.voxel_m, o.truncation_m) {}
 
   FuseOptions options;
-  open3d::pipelines::integration::ScalableTSDFVolume volume;
+  VoxelBlocks blocks;
 };
-
-bool TsdfFusion::Impl::Outgrown(const open3d::geometry::Image& depth,
-                                const PinholeCamera& camera,
-                                const Pose3& world_from_camera) const {
-  const double side_m = options.voxel_m * kBlockSide;
-  const auto block = [&](const Eigen::Vector3d& p) {
-    return Eigen::Vector3i((p / side_m).array().floor().cast<int>());
-  };
-  const auto less = [](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
-    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-  };
-  std::set<Eigen::Vector3i, decltype(less)> fresh(less);
-  for (int v = 0; v < camera.height; v += kDepthStride) {
-    for (int u = 0; u < camera.width; u += kDepthStride) {
-      const float depth_m = *depth.PointerAt<float>(u, v);
-      if (depth_m <= 0) continue;
-      const Eigen::Vector3d p =
-          world_from_camera * camera.Unproject(u, v, static_cast<double>(depth_m));
-      const Eigen::Vector3i low = block(p.array() - options.truncation_m);
-      const Eigen::Vector3i high = block(p.array() + options.truncation_m);
-      for (int x = low.x(); x <= high.x(); ++x) {
-        for (int y = low.y(); y <= high.y(); ++y) {
-          for (int z = low.z(); z <= high.z(); ++z) {
-            const Eigen::Vector3i index(x, y, z);
-            if (volume.volume_units_.count(index) == 0) fresh.insert(index);
-          }
-        }
-      }
-    }
-  }
-  return volume.volume_units_.size() + fresh.size() >
-         static_cast<std::size_t>(options.max_voxel_blocks);
-}
 
 TsdfFusion::TsdfFusion(const FuseOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 TsdfFusion::~TsdfFusion() = default;
@@ -187,46 +143,34 @@ Status TsdfFusion::Integrate(const Frame& frame,
                              const Mask* leave_out) {
   const Status usable = CheckInputs(frame, camera, world_from_camera, leave_out);
   if (!usable) return usable;
-  const SingleThread single_thread;
-  try {
-    const open3d::geometry::RGBDImage image =
-        MakeImage(frame, leave_out, impl_->options.max_depth_m);
-    if (impl_->Outgrown(image.depth_, camera, world_from_camera)) {
-      return InvalidInput("frame " + std::to_string(frame.idx.value) +
-                          ": the room outgrows fuse.max_voxel_blocks = " +
-                          std::to_string(impl_->options.max_voxel_blocks) +
-                          "; raise it, or fuse.voxel_m");
-    }
-    const open3d::camera::PinholeCameraIntrinsic intrinsic(
-        camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy);
-    impl_->volume.Integrate(image, intrinsic, world_from_camera.Inverse().Matrix());
-  } catch (const std::exception& e) {
-    return Failed("frame " + std::to_string(frame.idx.value) + ": fusion: " + e.what());
+  const bool added =
+      impl_->blocks.Integrate(UsableDepth(frame, leave_out, impl_->options.max_depth_m),
+                              frame.colour,
+                              camera,
+                              world_from_camera,
+                              static_cast<std::size_t>(impl_->options.max_voxel_blocks));
+  if (!added) {
+    return InvalidInput("frame " + std::to_string(frame.idx.value) +
+                        ": the room outgrows fuse.max_voxel_blocks = " +
+                        std::to_string(impl_->options.max_voxel_blocks) +
+                        "; raise it, or fuse.voxel_m");
   }
   return Ok();
 }
 
 Result<TriangleMesh> TsdfFusion::ExtractMesh() const {
-  const SingleThread single_thread;
-  try {
-    const auto extracted = impl_->volume.ExtractTriangleMesh();
-    // Open3D walks its blocks in the order of a hash table.
-    TriangleMesh mesh = CanonicalMesh(
-        WithoutSmallComponents(FromOpen3d(*extracted), impl_->options.min_component_faces));
-    if (mesh.faces.size() > static_cast<std::size_t>(impl_->options.max_faces)) {
-      const auto simplified =
-          ToOpen3d(mesh).SimplifyQuadricDecimation(impl_->options.max_faces, 1e300, 1.0);
-      mesh = CanonicalMesh(FromOpen3d(*simplified));
-    }
-    return mesh;
-  } catch (const std::exception& e) {
-    return Failed(std::string("extracting the fused surface: ") + e.what());
-  }
+  return Finished(SurfaceOf(impl_->blocks), impl_->options);
+}
+
+Result<TriangleMesh> TsdfFusion::TakeMesh() && {
+  TriangleMesh surface = SurfaceOf(impl_->blocks);
+  const FuseOptions options = impl_->options;
+  impl_.reset();
+  return Finished(std::move(surface), options);
 }
 
 std::int64_t TsdfFusion::CountSurfacePoints() const {
-  const SingleThread single_thread;
-  return static_cast<std::int64_t>(impl_->volume.ExtractTriangleMesh()->vertices_.size());
+  return static_cast<std::int64_t>(SurfaceOf(impl_->blocks).vertices.size());
 }
 
 std::int64_t ExpectedSurfacePoints(const TriangleMesh& surface, double voxel_m) {
@@ -262,7 +206,7 @@ void Describe(OptionsVisitor& visitor, FuseOptions& options) {
                 options.max_voxel_blocks,
                 {1, 10'000'000},
                 "1",
-                "most blocks of 16^3 voxels (about 130 KB each) before fusion stops");
+                "most blocks of 16^3 voxels (48 KB each) before fusion stops");
 }
 
 }  // namespace deepslam::fuse

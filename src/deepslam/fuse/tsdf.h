@@ -47,6 +47,9 @@ class TsdfFusion {
   // order. Empty when nothing was fused. Open at the borders of what was seen.
   [[nodiscard]] Result<TriangleMesh> ExtractMesh() const;
 
+  // The same as the last call: the field makes room for what finishing a large mesh takes.
+  [[nodiscard]] Result<TriangleMesh> TakeMesh() &&;
+
   // Points on the surface, one per crossing of a voxel edge: the size of a fused cloud of this
   // voxel size (15 bytes each as binary PLY with colour). Fuse at 1 cm for the baseline of the
   // map's size.

@@ -87,7 +87,7 @@ Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
   };
   if (Status status = ForFrames(context, frames, wanted, integrate); !status.ok())
     return status.error();
-  Result<TriangleMesh> room = fusion.ExtractMesh();
+  Result<TriangleMesh> room = std::move(fusion).TakeMesh();
   if (!room.ok()) return room.error();
   const StageSummary summary{fmt::format("{} frames, {} vertices, {} faces",
                                          wanted.size(),
