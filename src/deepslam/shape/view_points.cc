@@ -1,6 +1,7 @@
 #include "deepslam/shape/view_points.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -32,13 +33,13 @@ bool IsCoherent(const ObjectView& view, int u, int v) {
   const DepthImage& depth_m = view.depth_crop_m;
   constexpr int kMinAgreeing = 6;
   const float center = depth_m(u, v);
+  const float limit = JumpLimit(view.camera, center, 1);
   int agreeing = 0;
   for (int dv = -1; dv <= 1; ++dv) {
     for (int du = -1; du <= 1; ++du) {
       if ((du == 0 && dv == 0) || !depth_m.Contains(u + du, v + dv)) continue;
       const float other = depth_m(u + du, v + dv);
-      if (IsUsable(other) && std::abs(other - center) <= JumpLimit(view.camera, center, 1))
-        ++agreeing;
+      if (IsUsable(other) && std::abs(other - center) <= limit) ++agreeing;
     }
   }
   return agreeing >= kMinAgreeing;
@@ -99,26 +100,51 @@ std::vector<Pixel> CoherentPixels(const ObjectView& view) {
   return pixels;
 }
 
+// Cells of a cubic raster, numbered in the order in which they are met.
+class CellNumbers {
+ public:
+  explicit CellNumbers(std::size_t max_cells)
+      : slots_(std::bit_ceil(2 * max_cells + 1), kFree), keys_(slots_.size()) {}
+
+  std::uint32_t NumberOf(std::uint64_t key) {
+    const std::size_t last = slots_.size() - 1;
+    std::size_t at = (key * 0x9E3779B97F4A7C15ULL >> 32U) & last;
+    while (slots_[at] != kFree && keys_[at] != key) at = (at + 1) & last;
+    if (slots_[at] == kFree) {
+      slots_[at] = count_++;
+      keys_[at] = key;
+    }
+    return slots_[at];
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint64_t> keys_;
+  std::uint32_t count_ = 0;
+};
+
 // One pixel per cell of a cubic raster, the middle one in scan order.
 std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels, float cell_m) {
-  std::vector<std::pair<std::uint64_t, std::size_t>> keyed(pixels.size());
+  CellNumbers numbers(pixels.size());
+  std::vector<std::uint32_t> cell_of(pixels.size());
   for (std::size_t n = 0; n < pixels.size(); ++n) {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const auto cell = static_cast<std::int64_t>(std::floor(pixels[n].point[axis] / cell_m));
       key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
     }
-    keyed[n] = {key, n};
+    cell_of[n] = numbers.NumberOf(key);
   }
-  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::uint32_t> until_middle(numbers.count(), 0);
+  for (const std::uint32_t cell : cell_of) ++until_middle[cell];
+  for (std::uint32_t& count : until_middle) count = count / 2 + 1;
   std::vector<std::size_t> chosen;
-  for (std::size_t begin = 0; begin < keyed.size();) {
-    std::size_t end = begin + 1;
-    while (end < keyed.size() && keyed[end].first == keyed[begin].first) ++end;
-    chosen.push_back(keyed[begin + (end - begin) / 2].second);
-    begin = end;
+  chosen.reserve(numbers.count());
+  for (std::size_t n = 0; n < pixels.size(); ++n) {
+    if (--until_middle[cell_of[n]] == 0) chosen.push_back(n);
   }
-  std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
 
