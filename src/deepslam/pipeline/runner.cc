@@ -1,6 +1,7 @@
 #include "deepslam/pipeline/runner.h"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -152,10 +153,8 @@ class Run {
     }
     for (auto stage = wanted.rbegin(); stage != wanted.rend(); ++stage) {
       if (hashes.contains(stage->name) && !needed.contains(stage->name)) continue;
-      std::copy_if(stage->inputs.begin(),
-                   stage->inputs.end(),
-                   std::inserter(needed, needed.end()),
-                   dropped);
+      std::copy_if(
+          stage->inputs.begin(), stage->inputs.end(), std::inserter(needed, needed.end()), dropped);
     }
     return needed;
   }
@@ -219,6 +218,8 @@ class Run {
     ResetPeakMemory();
     StageContext context(request_.workspace, partial, stage.inputs, listener_);
     Result<StageSummary> summary = stage.run(context);
+    // What the stage let go goes back to the system: the next one's peak is its own then.
+    ::malloc_trim(0);
     if (!summary.ok()) return summary.error();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     const Timing timing{wall.count(), CpuSeconds() - start_cpu_s, PeakMemoryMib()};
@@ -268,7 +269,8 @@ Result<RunReport> RunStages(std::span<const Stage> stages,
   Run run(stages, request, listener);
   if (Status status = run.CheckRequest(); !status.ok()) return status.error();
   const std::vector<std::string> names = Names(stages);
-  const Result<Workspace> workspace = Workspace::Open(request.workspace, names, request.lock_patience_s);
+  const Result<Workspace> workspace =
+      Workspace::Open(request.workspace, names, request.lock_patience_s);
   if (!workspace.ok()) return workspace.error();
   for (const auto& [file, bytes] : request.notes) {
     if (Status status = artifact::WriteFileAtomically(request.workspace / file, bytes);

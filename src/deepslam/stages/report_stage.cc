@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -279,17 +282,23 @@ bool AddObjects(const StageContext& context,
                 const std::set<FrameIdx>& shown,
                 report::ReportContent& content) {
   const PictureLimits limits = LimitsFor(pictured.size());
-  for (const PicturedObject& object : pictured) {
-    if (context.progress().StopRequested()) return false;
-    report::ObjectRow row = MakeRow(object, sources.proposals);
+  content.objects.resize(pictured.size());
+  std::atomic<bool> stopped = false;
+  ParallelFor(pictured.size(), [&](std::size_t n) {
+    if (stopped || context.progress().StopRequested()) {
+      stopped = true;
+      return;
+    }
+    const PicturedObject& object = pictured[n];
+    report::ObjectRow& row = content.objects[n];
+    row = MakeRow(object, sources.proposals);
     row.pictures =
         ObjectPictures(object, sources.segments, sources.map, frames, shown, limits.crops);
     row.measured_world = MeasuredPoints(
         *object.object, sources.segments, sources.map, frames, limits.points_per_view);
     AddThumbnails(context, object.colour, limits.thumbnails, row.candidates);
-    content.objects.push_back(std::move(row));
-  }
-  return true;
+  });
+  return !stopped;
 }
 
 }  // namespace
@@ -311,20 +320,27 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   AddPaths(sources->odometry, sources->ground, content);
   const std::set<FrameIdx> shown = ShownFrames(sources->detections, content);
   const FrameSource& frames = *inputs.capture->frames;
+  report::Picture thumbnail;
   const std::vector<PicturedObject> pictured =
       ReadPictured(context, sources->map.map, inputs.classes);
   if (!AddObjects(context, *sources, pictured, frames, shown, content)) return Interrupted();
-  content.scene_pictures = ScenePictures(pictured, sources->map);
-  content.photographs =
-      Photographs(pictured, RoomWithout(pictured, sources->room), sources->map, frames, shown);
-  content.frame_pictures =
-      FramePictures(sources->segments, sources->association.tracks, sources->map, frames, shown);
+  const std::array<std::function<void()>, 4> pictures = {
+      [&] {
+        content.photographs = Photographs(
+            pictured, RoomWithout(pictured, sources->room), sources->map, frames, shown);
+      },
+      [&] {
+        content.frame_pictures = FramePictures(
+            sources->segments, sources->association.tracks, sources->map, frames, shown);
+      },
+      [&] { content.scene_pictures = ScenePictures(pictured, sources->map); },
+      [&] { thumbnail = SceneThumbnail(pictured, sources->room, sources->map); }};
+  ParallelFor(pictures.size(), [&](std::size_t n) { pictures[n](); });
   AddManifests(context, content);
   content.sizes.fused_cloud = static_cast<std::size_t>(
       kCloudPointBytes * fuse::ExpectedSurfacePoints(sources->room, kCloudVoxelM));
   if (Status status = context.Write("index.html", report::RenderReport(content)); !status.ok())
     return status.error();
-  const report::Picture thumbnail = SceneThumbnail(pictured, sources->room, sources->map);
   if (!thumbnail.bytes.empty()) {
     if (Status status = context.Write("thumbnail.jpg", thumbnail.bytes); !status.ok())
       return status.error();
