@@ -3,26 +3,17 @@
 // as the argument says.
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_tracking_bench --benchmark_repetitions=5
 #include <atomic>
-#include <cstdlib>
 #include <string>
 
 #include <benchmark/benchmark.h>
 
+#include "bench_capture.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/odometry/odometry.h"
 
 namespace deepslam {
 namespace {
-
-Result<dataset::Capture> Open() {
-  const char* const folder =
-      std::getenv("DEEPSLAM_BENCH_CAPTURE");  // NOLINT(concurrency-mt-unsafe)
-  if (folder == nullptr)
-    return InvalidConfig("DEEPSLAM_BENCH_CAPTURE: not set; name the folder of a capture");
-  return dataset::OpenCapture(folder);
-}
 
 // items_per_second: frames.
 void Report(benchmark::State& state, int num_frames) {
@@ -30,7 +21,7 @@ void Report(benchmark::State& state, int num_frames) {
 }
 
 void DecodeFrames(benchmark::State& state) {
-  const Result<dataset::Capture> capture = Open();
+  const Result<dataset::Capture> capture = bench::OpenNamedCapture();
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   const FrameSource& frames = *capture->frames;
@@ -45,7 +36,7 @@ void DecodeFrames(benchmark::State& state) {
 }
 
 void TrackFrames(benchmark::State& state) {
-  const Result<dataset::Capture> capture = Open();
+  const Result<dataset::Capture> capture = bench::OpenNamedCapture();
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   SilentProgress progress;
