@@ -7,12 +7,14 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <nanoflann.hpp>
 
 namespace deepslam::associate {
 namespace {
 
 constexpr std::size_t kLeafSize = 12;
+constexpr float kLargest = std::numeric_limits<float>::max();
 
 struct PointList {
   std::vector<Eigen::Vector3f> points;
@@ -36,9 +38,11 @@ struct PointCloud::Impl {
   explicit Impl(std::vector<Eigen::Vector3f> from)
       : list{std::move(from)}, tree(3, list, kLeafSize) {
     if (!list.points.empty()) tree.buildIndex();
+    for (const Eigen::Vector3f& p : list.points) box.extend(p);
   }
   PointList list;
   Tree tree;
+  Eigen::AlignedBox3f box;
 };
 
 PointCloud::PointCloud(std::vector<Eigen::Vector3f> points)
@@ -49,13 +53,20 @@ PointCloud& PointCloud::operator=(PointCloud&&) noexcept = default;
 
 const std::vector<Eigen::Vector3f>& PointCloud::points() const { return impl_->list.points; }
 
-double PointCloud::Distance(const Eigen::Vector3f& p) const {
-  if (impl_->list.points.empty()) return std::numeric_limits<double>::infinity();
+double PointCloud::Distance(const Eigen::Vector3f& p, double max_m) const {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  if (impl_->list.points.empty()) return kInfinite;
+  // A little more than asked for, so that rounding leaves out nothing within.
+  const auto max_squared =
+      static_cast<float>(std::min(1.001 * max_m * max_m, static_cast<double>(kLargest)));
+  if (impl_->box.squaredExteriorDistance(p) > max_squared) return kInfinite;
   std::size_t index = 0;
   float squared = 0;
   nanoflann::KNNResultSet<float> nearest(1);
   nearest.init(&index, &squared);
+  squared = max_squared;  // nearer ones alone are looked for
   impl_->tree.findNeighbors(nearest, p.data(), nanoflann::SearchParams());
+  if (nearest.size() == 0) return kInfinite;
   return std::sqrt(static_cast<double>(squared));
 }
 
@@ -67,7 +78,7 @@ double MeanDistance(const PointCloud& from,
   std::size_t count = 0;
   for (std::size_t i = 0; i < from.points().size(); ++i) {
     if (!counted.empty() && !counted[i]) continue;
-    sum += std::min(truncation_m, to.Distance(from.points()[i]));
+    sum += std::min(truncation_m, to.Distance(from.points()[i], truncation_m));
     ++count;
   }
   return count > 0 ? sum / static_cast<double>(count) : truncation_m;
@@ -77,7 +88,7 @@ double ShareNear(const PointCloud& from, const PointCloud& to, double reach_m) {
   if (from.points().empty()) return 0.0;
   const auto near =
       std::count_if(from.points().begin(), from.points().end(), [&](const Eigen::Vector3f& p) {
-        return to.Distance(p) <= reach_m;
+        return to.Distance(p, reach_m) <= reach_m;
       });
   return static_cast<double>(near) / static_cast<double>(from.points().size());
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -21,8 +22,11 @@ class PointCloud {
   PointCloud& operator=(PointCloud&&) noexcept;
 
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const;
-  // Distance to the nearest point; infinite in an empty cloud.
-  [[nodiscard]] double Distance(const Eigen::Vector3f& p) const;
+  // Distance to the nearest point; infinite in an empty cloud. Beyond `max_m` it may be infinite as
+  // well: most questions are about things that are far apart, and those are answered by the cloud's
+  // box.
+  [[nodiscard]] double Distance(const Eigen::Vector3f& p,
+                                double max_m = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Impl;
