@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -35,6 +36,7 @@ struct ShapeFigures {
 struct ScoredCandidate {
   CandidateId id;
   CandidateSource source = CandidateSource::kRetrieval;
+  DetectionId view;  // that proposed it, as ShapeCandidate::view
   ShapeFigures figures;
 };
 
@@ -126,8 +128,10 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
     if (!grid.ok()) return grid.error();
     Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
     if (!figures.ok()) return figures.error();
-    object.candidates.push_back(
-        {score.candidate, candidate->second.source, std::move(figures).value()});
+    object.candidates.push_back({score.candidate,
+                                 candidate->second.source,
+                                 candidate->second.view,
+                                 std::move(figures).value()});
   }
   return object;
 }
@@ -164,10 +168,16 @@ const ShapeFigures* Find(const ObjectCandidates& object, CandidateId id) {
   return nullptr;
 }
 
+// The paper starts with what its network makes of the object's first view; without a network, with
+// the first candidate there is.
 const ShapeFigures* Initial(const ObjectCandidates& object) {
+  const auto key = [](const ScoredCandidate& candidate) {
+    const bool is_network = candidate.source == CandidateSource::kNetwork;
+    return std::tuple(!is_network, is_network ? candidate.view : DetectionId(), candidate.id);
+  };
   const auto first = std::min_element(object.candidates.begin(),
                                       object.candidates.end(),
-                                      [](auto& a, auto& b) { return a.id < b.id; });
+                                      [&](auto& a, auto& b) { return key(a) < key(b); });
   return &first->figures;
 }
 
@@ -332,7 +342,10 @@ int EvalSelection(const std::vector<std::string>& paths,
   protocols.emplace("chamfer", eval::kPix3dChamfer);
   protocols.emplace("pose", "models turned by quarters as they are placed");
   protocols.emplace("interval", "paired percentile bootstrap over objects, 95 %, 10,000 resamples");
-  protocols.emplace("initial", "the object's first candidate");
+  protocols.emplace(
+      "initial",
+      "the network's candidate of the earliest view that proposed; without networks, the "
+      "first candidate");
   document.emplace("protocols", std::move(protocols));
   document.emplace("rows", std::move(row_json));
   document.emplace("objects", ObjectRows(objects));

@@ -168,12 +168,16 @@ void AddBackward(VisibleSurface& visible,
                  const MeasuredView& view,
                  const PlacedView& placed,
                  double radius_m,
+                 int point_stride,
                  Equations& equations) {
   const double scale_m = placed.camera_from_object.scale;
   const double cell_m = VisibleSurface::kCellVoxels * kVoxelSize * scale_m;
-  const double share = std::min(1.0, std::pow(cell_m / view.patch_m, 2));
+  // Each point speaks for those that are left out.
+  const double share = point_stride * std::min(1.0, std::pow(cell_m / view.patch_m, 2));
   const Eigen::Matrix3d object_from_camera = placed.object_from_camera.rotation.toRotationMatrix();
-  for (const SurfacePoint& surface : visible.From(placed.camera_object)) {
+  const std::vector<SurfacePoint>& seen = visible.From(placed.camera_object);
+  for (std::size_t i = 0; i < seen.size(); i += static_cast<std::size_t>(point_stride)) {
+    const SurfacePoint& surface = seen[i];
     const Eigen::Vector3d q_camera = placed.camera_from_object * surface.point;
     const Eigen::Vector3d q_m = scale_m * surface.point;
     const BackMatch match = MatchBack(view, q_camera, radius_m);
@@ -336,7 +340,7 @@ Similarity3 AlignShape(const shape::ShapeModel& model,
       const PlacedView placed = Place(*view, current);
       AddForward(model, *view, placed, radius_m, options, equations);
       if (options.both_directions) {
-        AddBackward(visible, *view, placed, radius_m, equations);
+        AddBackward(visible, *view, placed, radius_m, options.point_stride, equations);
       }
     }
     if (equations.num_residuals == 0) break;
@@ -374,8 +378,9 @@ double Disagreement(const shape::ShapeModel& model,
       forward += match.facing < 0 ? 1.0 : Truncated(match.distance_m, radius_m);
       ++num_forward;
     }
-    for (const SurfacePoint& surface : visible.From(placed.camera_object)) {
-      const BackMatch match = MatchBack(*view, placed.camera_from_object * surface.point, radius_m);
+    const std::vector<SurfacePoint>& seen = visible.From(placed.camera_object);
+    for (std::size_t i = 0; i < seen.size(); i += stride) {
+      const BackMatch match = MatchBack(*view, placed.camera_from_object * seen[i].point, radius_m);
       if (match.kind == BackMatch::kUnknown) continue;
       const bool conflict = match.kind == BackMatch::kConflict;
       backward += conflict ? 1.0 : Truncated(match.residual_m, radius_m);

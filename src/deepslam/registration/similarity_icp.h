@@ -35,7 +35,7 @@ struct SimilarityIcpOptions {
   double end_radius_m = 0.05;
   // Least radius for measured points beside an edge of the model, which nothing nearer can claim.
   double edge_radius_m = 0;
-  int point_stride = 1;       // every n-th measured point
+  int point_stride = 1;       // every n-th measured point, and every n-th of the model's surface
   double min_scale_m = 1e-3;  // metres per object unit
   double max_scale_m = 1e3;
   // Priors as standard deviations; 0 = none.

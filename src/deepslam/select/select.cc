@@ -24,6 +24,9 @@ constexpr double kWellSeenShare = 0.3;
 constexpr double kHardlySeenShare = 0.12;
 // Directions of view within this angle are one side of an object.
 constexpr double kOneSideRad = 90 * kDegree;
+// Depth of a surface seen at a steeper angle than this is poor (Nguyen et al. 2012): the noise of a
+// Kinect is level up to 60 degrees and grows without bound beyond.
+constexpr double kWellSeenRad = 60 * kDegree;
 
 void AppendNote(std::string& note, const std::string& text) {
   if (!note.empty()) note += "; ";
@@ -61,23 +64,54 @@ Pose3 CameraFromObject(const CandidateRegistration& registration,
   return view.world_from_camera.Inverse() * registration.world_from_object;
 }
 
+// Angles about a placed object's vertical between neighbouring cameras, all round; their sum is 2
+// pi. Empty without cameras.
+std::vector<double> GapsBetweenCameras(const Pose3& world_from_object,
+                                       std::span<const Eigen::Vector3d> cameras_world) {
+  std::vector<double> azimuths;
+  for (const Eigen::Vector3d& camera_world : cameras_world) {
+    const Eigen::Vector3d camera = world_from_object.Inverse() * camera_world;
+    if (camera.allFinite()) azimuths.push_back(std::atan2(camera.y(), camera.x()));
+  }
+  if (azimuths.empty()) return {};
+  std::sort(azimuths.begin(), azimuths.end());
+  std::vector<double> gaps = {azimuths.front() + 2 * std::numbers::pi - azimuths.back()};
+  for (std::size_t i = 1; i < azimuths.size(); ++i) gaps.push_back(azimuths[i] - azimuths[i - 1]);
+  return gaps;
+}
+
+// Of the directions that upright surfaces face, the share that no camera saw well, relative to that
+// of a single view; in [0, 1].
+double UnseenShare(std::span<const double> gaps) {
+  if (gaps.empty()) return 1;
+  double unseen_rad = 0;
+  for (const double gap : gaps) unseen_rad += std::max(0.0, gap - 2 * kWellSeenRad);
+  return std::min(1.0, unseen_rad / (2 * std::numbers::pi - 2 * kWellSeenRad));
+}
+
+std::vector<Eigen::Vector3d> CamerasOf(std::span<const ObjectView> views) {
+  std::vector<Eigen::Vector3d> cameras_world;
+  for (const ObjectView& view : views)
+    cameras_world.push_back(view.world_from_camera.translation_m);
+  return cameras_world;
+}
+
 // What each candidate's score is compared with less: known before any depth is looked at.
 std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
                               std::span<const CandidateRegistration> registrations,
                               std::span<const ObjectView> views,
                               const SelectOptions& options) {
-  std::vector<Eigen::Vector3d> cameras_world;
-  for (const ObjectView& view : views)
-    cameras_world.push_back(view.world_from_camera.translation_m);
+  const std::vector<Eigen::Vector3d> cameras_world = CamerasOf(views);
   std::vector<double> handicaps;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Pose3& placed = registrations[i].world_from_object;
     const bool is_fused = candidates[i].source == CandidateSource::kFused;
     // A fused shape has no front of its own.
-    handicaps.push_back(is_fused
-                            ? options.fused_handicap
-                            : options.back_handicap *
-                                  BackShown(placed.rotation, placed.translation_m, cameras_world));
+    handicaps.push_back(
+        is_fused ? options.fused_margin + options.fused_handicap *
+                                              UnseenShare(GapsBetweenCameras(placed, cameras_world))
+                 : options.back_handicap *
+                       BackShown(placed.rotation, placed.translation_m, cameras_world));
   }
   return handicaps;
 }
@@ -189,22 +223,11 @@ std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidate
   return history;
 }
 
-// Largest angle, about the object's vertical, between two cameras that saw it: 2 pi minus the
-// largest gap.
+// Largest angle, about the object's vertical, between two cameras that saw it.
 double SeenAngle(const MapObject& object, std::span<const ObjectView> views) {
-  std::vector<double> azimuths;
-  for (const ObjectView& view : views) {
-    const Eigen::Vector3d camera =
-        object.world_from_object.Inverse() * view.world_from_camera.translation_m;
-    if (camera.allFinite()) azimuths.push_back(std::atan2(camera.y(), camera.x()));
-  }
-  if (azimuths.size() < 2) return 0;
-  std::sort(azimuths.begin(), azimuths.end());
-  double largest_gap = azimuths.front() + 2 * std::numbers::pi - azimuths.back();
-  for (std::size_t i = 1; i < azimuths.size(); ++i) {
-    largest_gap = std::max(largest_gap, azimuths[i] - azimuths[i - 1]);
-  }
-  return 2 * std::numbers::pi - largest_gap;
+  const std::vector<double> gaps = GapsBetweenCameras(object.world_from_object, CamerasOf(views));
+  if (gaps.size() < 2) return 0;
+  return 2 * std::numbers::pi - *std::max_element(gaps.begin(), gaps.end());
 }
 
 // Grows with the score (one half at good_score), with the number of views, with how far round they
@@ -308,11 +331,16 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
                 {0, 10},
                 "m",
                 "gap between model and ground that is no fault");
+  visitor.Field("fused_margin",
+                options.fused_margin,
+                {0, 1},
+                "1",
+                "taken off a fused candidate's score when candidates are compared");
   visitor.Field("fused_handicap",
                 options.fused_handicap,
                 {0, 1},
                 "1",
-                "taken off a fused candidate's score when candidates are compared");
+                "and this, when it was seen from one side; less, the further round the views go");
   visitor.Field("back_handicap",
                 options.back_handicap,
                 {0, 1},

@@ -156,19 +156,19 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses | kLibrary,
       RunPropose);
   add("register",
-      2,
+      3,
       {"track", "ground", "segment", "associate", "propose"},
       {"views", "register"},
       kFrames,
       RunRegister);
   add("select",
-      3,
+      4,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "select"},
       kFrames | kChoices,
       RunSelect);
   add("loops",
-      4,
+      5,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track", "views", "register", "select", "loops", "loops.appearance", "optimize"},
       kFrames | kChoices,

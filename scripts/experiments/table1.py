@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""The paper's Table 1 over many objects: first candidate against the selected one, networks alone and all sources.
+
+    scripts/experiments/table1.py [--seeds 0-3] [--work out/table1] [--variants networks,all] [-- RUN OPTIONS]
+
+Every seed is a room of its own: twelve chairs and four tables out of the products that neither the library nor training
+may hold (configs/withheld_models.yaml), turned at random, seen on a walk round them with a Kinect-like sensor (640 x 480,
+120 frames). Each capture is reconstructed twice up to `mesh`, the front end once: `networks` has the shape networks'
+candidates alone, `all` those of the library, the networks and the own measurement. All rooms are scored as one set by
+`deepslam eval selection`; `closed` is the share of the way from the initial to the oracle that selection goes. Captures,
+workspaces and JSON lie in --work and are used again; tables go to stdout. Needs nothing beyond Python 3.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import random
+import re
+import shutil
+import subprocess
+import sys
+
+from tables import selection_table
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WITHHELD = ROOT / "configs/withheld_models.yaml"
+NUM_CHAIRS, NUM_TABLES = 12, 4
+RINGS = ((5, 0.9), (11, 2.2))  # pieces of furniture, and metres from the middle
+REACH_M = 3.7
+FRONT_END = ("track", "ground", "detect", "segment", "associate")
+VARIANTS = {"networks": ["--set", "propose.network=true", "--set", "propose.retrieval=false", "--set", "propose.fused=false"],
+            "all": ["--set", "propose.network=true"]}
+
+
+def withheld(class_name):
+    """Ids of the withheld products of a class."""
+    part = re.search(rf"^  # {class_name}\n((?:  [ -].*\n?)*?)(?=  # |\Z)", WITHHELD.read_text(), re.MULTILINE)
+    return re.findall(r'id: "([^"]+)"', part.group(1))
+
+
+def scene(seed):
+    """The room's YAML: furniture in two rings, the camera on a circle round them."""
+    draw = random.Random(seed)
+    models = [("chair", m) for m in draw.sample(withheld("chair"), NUM_CHAIRS)]
+    models += [("table", m) for m in draw.sample(withheld("table"), NUM_TABLES)]
+    draw.shuffle(models)
+    objects = []
+    for count, radius in RINGS:
+        turn = draw.uniform(0, 2 * math.pi)
+        for k in range(count):
+            class_name, model = models[len(objects)]
+            angle, at = turn + 2 * math.pi * k / count, radius + draw.uniform(-0.08, 0.08)
+            objects.append(f'  - {{class: {class_name}, model: "{model}", position_m: '
+                           f'[{at * math.cos(angle):.3f}, {at * math.sin(angle):.3f}], yaw_deg: {draw.uniform(-180, 180):.1f}}}')
+    start = draw.uniform(0, 2 * math.pi)
+    around = [start + 2 * math.pi * k / 8 for k in range(8)]
+    points = ", ".join(f"[{REACH_M * math.cos(a):.3f}, {REACH_M * math.sin(a):.3f}, {draw.uniform(1.45, 1.65):.3f}]" for a in around)
+    looks = ", ".join(f"[{0.9 * math.cos(a):.3f}, {0.9 * math.sin(a):.3f}, 0.5]" for a in around)
+    return f"""seed: {2000 + seed}
+frames: 120
+frames_per_s: 6
+camera: {{preset: kinect_v1}}
+room:
+  size_m: [{2 * REACH_M + 1.6:.2f}, {2 * REACH_M + 1.2:.2f}, 2.7]
+  floor: {draw.choice(["wood", "tiles", "carpet"])}
+  posters: 9
+  ambient: 0.42
+lights:
+  - {{position_m: [1.8, 1.5, 2.65], side_m: 1.0, power: 2.6}}
+  - {{position_m: [-1.8, -1.5, 2.65], side_m: 1.0, power: 2.6}}
+objects:
+{chr(10).join(objects)}
+walk:
+  closed: true
+  laps: 1.05
+  points_m: [{points}]
+  look_at_m: [{looks}]
+  shake_m: 0.012
+  shake_deg: 0.7
+"""
+
+
+class Driver:
+    def __init__(self, args):
+        self.args = args
+
+    def call(self, name, *command):
+        log = self.args.work / "logs" / f"{name}.log"
+        with open(log, "ab") as out:
+            code = subprocess.run([str(self.args.deepslam), *map(str, command)], stdout=out, stderr=out, check=False).returncode
+        if code != 0:
+            print(f"{name}: {command[0]} failed with exit {code}; see {log}", file=sys.stderr)
+        return code == 0
+
+    def capture(self, seed):
+        return self.args.work / "captures" / f"{seed:03d}"
+
+    def workspace(self, seed, variant):
+        return self.args.work / "workspaces" / f"{seed:03d}.{variant}"
+
+    def render(self, seed):
+        file = self.args.work / "scenes" / f"{seed:03d}.yaml"
+        made = (self.capture(seed) / "groundtruth.txt").exists()
+        if made and file.exists() and file.read_text() == scene(seed):
+            return True
+        shutil.rmtree(self.capture(seed), ignore_errors=True)
+        file.write_text(scene(seed))
+        return self.call(f"{seed:03d}", "synth", file, "-o", self.capture(seed))
+
+    def reconstruct(self, seed, variant, origin):
+        """Up to `mesh`. The front end is taken over from `origin`; the program checks by content what of it holds."""
+        workspace = self.workspace(seed, variant)
+        if origin and origin != variant and not workspace.exists():
+            source = self.workspace(seed, origin)
+            workspace.mkdir()
+            for stage in FRONT_END:
+                shutil.copytree(source / stage, workspace / stage)
+            shutil.copy(source / "workspace.json", workspace)
+        return self.call(f"{seed:03d}.{variant}", "run", self.capture(seed), "-o", workspace, "--progress", "none",
+                         "--threads", self.args.threads, *VARIANTS[variant], *self.args.run_options, "--until", "mesh")
+
+    def score(self, variant, seeds):
+        result = self.args.work / "results" / f"{variant}.json"
+        pairs = [path for seed in seeds for path in (self.workspace(seed, variant), self.capture(seed))]
+        if not pairs or not self.call(variant, "eval", "selection", *pairs, "--json", result):
+            return None
+        return json.loads(result.read_text())
+
+
+def way_closed(selection, row_name):
+    """Share of the way from the initial candidate to the oracle, in IoU."""
+    iou = {row["row"]: row["iou"] for row in selection["rows"]}
+    way = iou["oracle"] - iou["initial"]
+    return (iou[row_name] - iou["initial"]) / way if way > 0 else float("nan")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
+    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/table1")
+    parser.add_argument("--seeds", default="0-3", help="FIRST-LAST (default: 0-3)")
+    parser.add_argument("--variants", default=",".join(VARIANTS))
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
+    args = parser.parse_args()
+    args.deepslam, args.work = args.deepslam.absolute(), args.work.absolute()
+    if not os.access(args.deepslam, os.X_OK):
+        sys.exit(f"{args.deepslam}: no such program; build it (scripts/build.sh) or name it with --deepslam")
+    variants = args.variants.split(",")
+    if unknown := set(variants) - set(VARIANTS):
+        sys.exit(f"--variants: {', '.join(sorted(unknown))} unknown; known are {', '.join(VARIANTS)}")
+    for folder in ("captures", "workspaces", "results", "logs", "scenes"):
+        (args.work / folder).mkdir(parents=True, exist_ok=True)
+    first, _, last = args.seeds.partition("-")
+    seeds = range(int(first), int(last or first) + 1)
+    driver = Driver(args)
+    rendered = [seed for seed in seeds if driver.render(seed)]
+    complete = len(rendered) == len(seeds)
+    for variant in variants:
+        done = [seed for seed in rendered if driver.reconstruct(seed, variant, variants[0])]
+        selection = driver.score(variant, done)
+        complete = complete and len(done) == len(rendered) and selection is not None
+        if selection is None:
+            continue
+        print(f"{variant}: seeds {', '.join(map(str, done))}; closed {100 * way_closed(selection, 'selected'):.0f} %\n")
+        print(selection_table(selection) + "\n", flush=True)
+    return 0 if complete else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
