@@ -1,10 +1,12 @@
 #include "deepslam/odometry/frame_alignment.h"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "odometry/box_world.h"
 #include "support/pose_matchers.h"
@@ -129,6 +131,24 @@ TEST(AlignFrames, FindsThePlaceAlongATiledWall) {
     EXPECT_TRUE(alignment.ok) << off_m;
     EXPECT_THAT(alignment.i_from_j, PoseNear(i_from_j, 0.01, 0.3)) << off_m;
   }
+}
+
+// Where the images' texture does not lie on itself, it says nothing about the place.
+TEST(AlignFrames, TextureBesideItselfGivesNoInformation) {
+  BoxWorld hall;
+  hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
+  hall.floor_darker = 70;
+  BoxWorld repainted = hall;
+  repainted.texture_phase = 2;
+  const Pose3 world_from_i = LookAt({0, 0, 1.5}, {0, 1.8, 0.5});
+  const auto along_m = [&](const BoxWorld& before, const BoxWorld& after) {
+    const Frame i = RenderFrame(before, world_from_i, 1, 1);
+    const Frame j = RenderFrame(after, world_from_i, 1, 2);
+    const FrameAlignment alignment = AlignFrames(i, j, kSmallCamera, Pose3{}, {});
+    return std::sqrt(alignment.information.inverse()(0, 0));  // x of the camera is along the wall
+  };
+  EXPECT_LT(along_m(hall, hall), 0.01);
+  EXPECT_GT(along_m(hall, repainted), 3 * along_m(hall, hall));
 }
 
 TEST(AlignFrames, ChangedExposureDoesNotMatter) {
