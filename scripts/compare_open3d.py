@@ -126,19 +126,20 @@ def first_frames(folder, count, scratch):
 
 
 def compare(args, folder, scratch):
+    name = folder.name
     if args.frames:
         folder = first_frames(folder, args.frames, scratch)
     theirs, ours = [], []
     for n in range(args.repeat):
         theirs.append(run_open3d(args, folder, scratch / "open3d.tum"))
         ours.append(run_deepslam(args, folder, scratch / f"workspace{n}"))
-    row = {"capture": folder.name, "frames": len(read_capture(folder)[1]), "open3d": theirs[0]["version"],
+    row = {"capture": name, "frames": len(read_capture(folder)[1]), "open3d": theirs[0]["version"],
            "open3d_failed": theirs[0]["failed"],
            "open3d_ate_cm": ate_cm(args, scratch / "open3d.tum", folder, scratch),
            "ate_cm": ate_cm(args, scratch / "workspace0/track/trajectory.tum", folder, scratch)}
-    for name, runs in (("open3d_", theirs), ("", ours)):
+    for prefix, runs in (("open3d_", theirs), ("", ours)):
         for key in ("wall_s", "cpu_s"):
-            row[name + key] = statistics.median(run[key] for run in runs)
+            row[prefix + key] = statistics.median(run[key] for run in runs)
     row["times_faster"] = row["open3d_wall_s"] / row["wall_s"]
     return row
 
