@@ -39,7 +39,9 @@ struct BoxWorld {
   Box3 room{{-2, -2, 0}, {2, 2, 2.5}};  // seen from inside
   std::vector<Box3> boxes;              // seen from outside
   double texture = 1;                   // contrast, 0 to 1
+  double texture_fineness = 1;          // how many times smaller than in other worlds
   double texture_phase = 0;             // another world's texture
+  double floor_darker = 0;              // grey levels, of the floor against everything else
   double tile_m =
       0;  // above 0: everything is tiled, tiles a little lighter or darker than each other
 
@@ -70,10 +72,12 @@ struct BoxWorld {
 
   [[nodiscard]] double Brightness(const Eigen::Vector3d& p) const {
     if (tile_m > 0) return TileBrightness(p / tile_m);
-    const double a = std::sin(9.1 * p.x() + 3.7 * p.y() + 1.3 * p.z() + texture_phase) *
-                     std::sin(2.3 * p.x() - 7.9 * p.y() + 5.1 * p.z() + 2 * texture_phase);
-    const double b = std::sin(3.1 * p.x() + 4.3 * p.y() - 8.7 * p.z() + 0.5);
-    return std::clamp(128 + texture * (60 * a + 40 * b), 0.0, 255.0);
+    const Eigen::Vector3d q = texture_fineness * p;
+    const double a = std::sin(9.1 * q.x() + 3.7 * q.y() + 1.3 * q.z() + texture_phase) *
+                     std::sin(2.3 * q.x() - 7.9 * q.y() + 5.1 * q.z() + 2 * texture_phase);
+    const double b = std::sin(3.1 * q.x() + 4.3 * q.y() - 8.7 * q.z() + 0.5);
+    const double shade = p.z() < room.min.z() + 1e-6 ? floor_darker : 0;
+    return std::clamp(128 - shade + texture * (60 * a + 40 * b), 0.0, 255.0);
   }
 
  private:

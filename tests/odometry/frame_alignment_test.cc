@@ -1,10 +1,12 @@
 #include "deepslam/odometry/frame_alignment.h"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "odometry/box_world.h"
 #include "support/pose_matchers.h"
@@ -129,6 +131,44 @@ TEST(AlignFrames, FindsThePlaceAlongATiledWall) {
     EXPECT_TRUE(alignment.ok) << off_m;
     EXPECT_THAT(alignment.i_from_j, PoseNear(i_from_j, 0.01, 0.3)) << off_m;
   }
+}
+
+// A light wall over a dark floor correlates nearly as well anywhere along the wall, and the two
+// frames have most in common where the camera did not move at all.
+TEST(AlignFrames, StaysAtThePlaceAlongALightWallOverADarkFloor) {
+  BoxWorld hall;
+  hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
+  hall.floor_darker = 70;
+  hall.texture = 0.12;
+  hall.texture_fineness = 3;
+  const Pose3 world_from_i = LookAt({0, 0, 1.5}, {0, 1.8, 0.5});
+  const Frame i = RenderFrame(hall, world_from_i, 1, 1);
+  for (const double aside_m : {-0.12, 0.06, 0.12}) {
+    const Pose3 world_from_j = LookAt({aside_m, 0, 1.5}, {3 * aside_m, 1.8, 0.5});
+    const Frame j = RenderFrame(hall, world_from_j, 1, 2);
+    const Pose3 i_from_j = world_from_i.Inverse() * world_from_j;
+    const FrameAlignment alignment = AlignFrames(i, j, kSmallCamera, i_from_j, {});
+    EXPECT_TRUE(alignment.ok) << aside_m;
+    EXPECT_THAT(alignment.i_from_j, PoseNear(i_from_j, 0.01, 0.3)) << aside_m;
+  }
+}
+
+// Where the images' texture does not lie on itself, it says nothing about the place.
+TEST(AlignFrames, TextureBesideItselfGivesNoInformation) {
+  BoxWorld hall;
+  hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
+  hall.floor_darker = 70;
+  BoxWorld repainted = hall;
+  repainted.texture_phase = 2;
+  const Pose3 world_from_i = LookAt({0, 0, 1.5}, {0, 1.8, 0.5});
+  const auto along_m = [&](const BoxWorld& before, const BoxWorld& after) {
+    const Frame i = RenderFrame(before, world_from_i, 1, 1);
+    const Frame j = RenderFrame(after, world_from_i, 1, 2);
+    const FrameAlignment alignment = AlignFrames(i, j, kSmallCamera, Pose3{}, {});
+    return std::sqrt(alignment.information.inverse()(0, 0));  // x of the camera is along the wall
+  };
+  EXPECT_LT(along_m(hall, hall), 0.01);
+  EXPECT_GT(along_m(hall, repainted), 3 * along_m(hall, hall));
 }
 
 TEST(AlignFrames, ChangedExposureDoesNotMatter) {

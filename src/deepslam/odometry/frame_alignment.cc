@@ -46,6 +46,10 @@ constexpr double kOpenRatio = 0.02;
 // Steps along an open direction, pixels of the coarsest level, to each side.
 constexpr double kOpenStepPx = 0.75;
 constexpr int kNumOpenSteps = 10;
+// Images share no more than this of their variance, the camera's noise being what it is.
+constexpr double kFullCorrelation = 0.999;
+// A likelihood ratio of exp(6), 400 : 1, among some twenty places.
+constexpr double kSureNats = 6;
 // Fewer photometric residuals say nothing about the images' agreement.
 constexpr int kMinPhotometricResiduals = 75;
 // Images that are as like as this are of the same place; then depth may be this much worse than
@@ -162,6 +166,28 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
   return gates;
 }
 
+// Information per texel that the two images share, nats: that of jointly normal variables. Where
+// one contrast outweighs all (a light wall over a dark floor), the correlation itself is near 1
+// wherever the frames lie along it.
+double SharedInformation(const AlignmentSystem& system) {
+  if (system.num_photometric < kMinPhotometricResiduals) return 0;
+  const double correlation = std::clamp(system.brightness_correlation, 0.0, kFullCorrelation);
+  return -0.5 * std::log(1 - correlation * correlation);
+}
+
+// The system at a place that is judged by common scales, without its normal equations.
+AlignmentSystem JudgePlace(const PyramidLevel& i,
+                           const PyramidLevel& j,
+                           const Pose3& i_from_j,
+                           const AlignmentOptions& options,
+                           int stride) {
+  AlignmentGates gates = LevelGates(options, 0);
+  gates.stride = stride;
+  gates.geometric_scale = kJudgeScale;
+  gates.judge_only = true;
+  return BuildAlignmentSystem(i, j, i_from_j, gates, options.pyramid.noise);
+}
+
 // What competing starts are judged by: over the common points, geometric agreement at a common
 // scale and correlation of the images. Of a pattern's pixels most fit anywhere to within a robust
 // scale; the correlation lives by the few strong ones. Larger overlap counts for more, but less
@@ -169,14 +195,8 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
 double Support(const PyramidLevel& i,
                const PyramidLevel& j,
                const Descent& descent,
-               const AlignmentOptions& options,
-               int stride = 1) {
-  AlignmentGates gates = LevelGates(options, 0);
-  gates.stride = stride;
-  gates.geometric_scale = kJudgeScale;
-  gates.judge_only = true;
-  const AlignmentSystem system =
-      BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
+               const AlignmentOptions& options) {
+  const AlignmentSystem system = JudgePlace(i, j, descent.i_from_j, options, 1);
   if (system.num_overlap == 0) return 0;
   const double images = system.num_photometric * std::max(0.0, system.brightness_correlation);
   const double likeness = (system.support + images) / system.num_overlap;
@@ -197,6 +217,27 @@ std::vector<Vector6d> OpenDirections(const AlignmentSystem& system) {
   return open;
 }
 
+// What places along a direction that depth leaves open are judged by: the common points alone,
+// since how many there are is least where the camera moved most.
+struct Likeness {
+  double value = 0;       // of geometry and images, per point
+  double resolution = 0;  // differences below this are chance
+};
+
+Likeness JudgeLikeness(const PyramidLevel& i,
+                       const PyramidLevel& j,
+                       const Pose3& i_from_j,
+                       const AlignmentOptions& options,
+                       int stride) {
+  const AlignmentSystem system = JudgePlace(i, j, i_from_j, options, stride);
+  if (system.num_overlap == 0) return {};
+  const double independent =
+      system.num_photometric /
+      CorrelationFactor(j, options.photometric_correlation_length_px, stride);
+  return {system.support / system.num_overlap + SharedInformation(system),
+          kSureNats / std::max(1.0, independent)};
+}
+
 // Where depth leaves a direction open, only the images tell the place along it, and their descent
 // ends at the nearest stripe, tile or board that looks alike. So places on both sides are tried.
 Descent SearchOpenDirections(const PyramidLevel& i,
@@ -204,28 +245,26 @@ Descent SearchOpenDirections(const PyramidLevel& i,
                              const AlignmentOptions& options,
                              const Descent& descent) {
   Descent best = descent;
-  double best_support = Support(i, j, best, options);
   for (const Vector6d& direction : OpenDirections(descent.system)) {
     const double step_m = kOpenStepPx * MeanDepthM(j) / j.camera.fx;
     const Descent centre = best;
     Descent tried = centre;
-    double tried_support = Support(i, j, centre, options, kSearchStride);
+    const Likeness here = JudgeLikeness(i, j, centre.i_from_j, options, kSearchStride);
+    double best_value = here.value + here.resolution;
     for (int n = -kNumOpenSteps; n <= kNumOpenSteps; ++n) {
-      Descent moved = centre;
-      moved.i_from_j = V2t(n * step_m * direction) * centre.i_from_j;
       if (n == 0) continue;
-      const double support = Support(i, j, moved, options, kSearchStride);
-      if (support <= tried_support) continue;
-      tried = moved;
-      tried_support = support;
+      const Pose3 moved = V2t(n * step_m * direction) * centre.i_from_j;
+      const Likeness there = JudgeLikeness(i, j, moved, options, kSearchStride);
+      if (there.value <= best_value) continue;
+      tried.i_from_j = moved;
+      best_value = there.value;
     }
     if (SamePlace(tried.i_from_j, centre.i_from_j)) continue;
     tried.start_i_from_j = tried.i_from_j;
     Descend(i, j, options, tried);
-    tried_support = Support(i, j, tried, options);
-    if (tried_support <= best_support) continue;
-    best = tried;
-    best_support = tried_support;
+    const Likeness before = JudgeLikeness(i, j, centre.i_from_j, options, 1);
+    const Likeness after = JudgeLikeness(i, j, tried.i_from_j, options, 1);
+    if (after.value > before.value + before.resolution) best = tried;
   }
   return best;
 }
@@ -355,7 +394,7 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     descent.gates = gates;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
-  descent.gates.cross_normals = true;
+  descent.gates.cross_frames = true;
   descent.system = BuildAlignmentSystem(
       i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
   FrameAlignment result = Conclude(descent, j.levels.front(), options);

@@ -48,7 +48,7 @@ struct FrameAlignment {
   Pose3 i_from_j;
   // Information of t2v(measured^-1 * true), order (translation m; rotation rad), positive definite:
   // ((sum over both terms of J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed
-  // (of the products of both frames' normals: see AlignmentGates::cross_normals).
+  // (of the products of both frames' normals and gradients: see AlignmentGates::cross_frames).
   // Residuals of neighbouring pixels share their error (a structured-light sensor matches blocks of
   // about 9 x 9 pixels; highlights and shading are wider still), so J^T W J of all pixels counts
   // each measurement k = (correlation length in pixels of the working level)^2 times; F is the

@@ -211,23 +211,32 @@ struct GeometricPairs {
 struct PhotometricPairs {
   std::size_t size = 0;
   Column x, y, z;
-  Column source, value, du, dv;
+  Column source, source_du, source_dv, value, du, dv;
   Column counts;
 
-  void Add(const MovedRow& row, std::size_t u, float source_value, const IntensityTexel& target) {
-    Set(row.x[u], row.y[u], row.z[u], source_value, target, 1.0F);
+  void Add(const MovedRow& row,
+           std::size_t u,
+           const IntensityTexel& source_texel,
+           const IntensityTexel& target) {
+    Set(row.x[u], row.y[u], row.z[u], source_texel, target, 1.0F);
   }
   void Fill() {
-    while (size % kLanes != 0) Set(0, 0, 1, 0, {}, 0);
+    while (size % kLanes != 0) Set(0, 0, 1, {}, {}, 0);
   }
 
  private:
-  void Set(
-      float px, float py, float pz, float source_value, const IntensityTexel& target, float count) {
+  void Set(float px,
+           float py,
+           float pz,
+           const IntensityTexel& source_texel,
+           const IntensityTexel& target,
+           float count) {
     x[size] = px;
     y[size] = py;
     z[size] = pz;
-    source[size] = source_value;
+    source[size] = source_texel.value;
+    source_du[size] = source_texel.du;
+    source_dv[size] = source_texel.dv;
     value[size] = target.value;
     du[size] = target.du;
     dv[size] = target.dv;
@@ -360,7 +369,7 @@ class SystemBuilder {
 
   void AddPhotometric(const MovedRow& row, std::size_t u, const IntensityTexel& source) {
     if (std::abs(source.du) + std::abs(source.dv) < kMinGradient) return;
-    photometric_pairs_.Add(row, u, source.value, Interpolate(i_, row.u[u], row.v[u]));
+    photometric_pairs_.Add(row, u, source, Interpolate(i_, row.u[u], row.v[u]));
     if (photometric_pairs_.size == kBatch) FlushPhotometric();
   }
 
@@ -407,7 +416,7 @@ class SystemBuilder {
       geometric_.size = 0;
       return;
     }
-    if (gates_.cross_normals) {
+    if (gates_.cross_frames) {
       AddCrossNormals(informations);
     } else {
       geometric_sums_.Add(rows_, informations, size);
@@ -465,8 +474,47 @@ class SystemBuilder {
     system_.num_photometric += static_cast<int>(Sum(pairs.counts, size));
     brightness_.Add(pairs.source, pairs.value, weights, size);
     all_brightness_.Add(pairs.source, pairs.value, pairs.counts, size);
-    if (!gates_.judge_only) photometric_sums_.Add(rows_, informations, size);
+    if (gates_.judge_only) {
+      pairs.size = 0;
+      return;
+    }
+    if (gates_.cross_frames) {
+      AddCrossGradients(informations);
+    } else {
+      photometric_sums_.Add(rows_, informations, size);
+    }
     pairs.size = 0;
+  }
+
+  // Derivative of the brightness by the point, in the axes of the camera that sees it at `p`.
+  static Eigen::Vector3f BrightnessGradient(const PinholeCamera& camera,
+                                            const Eigen::Vector3f& p,
+                                            float du,
+                                            float dv) {
+    const float dx = du * static_cast<float>(camera.fx) / p.z();
+    const float dy = dv * static_cast<float>(camera.fy) / p.z();
+    return {dx, dy, -(dx * p.x() + dy * p.y()) / p.z()};
+  }
+
+  // As AddCrossNormals.
+  void AddCrossGradients(const Column& informations) {
+    const PhotometricPairs& pairs = photometric_pairs_;
+    for (const float sign : {1.0F, -1.0F}) {
+      Column quarter;
+      for (std::size_t k = 0; k < pairs.size; ++k) {
+        const Eigen::Vector3f p_i(pairs.x[k], pairs.y[k], pairs.z[k]);
+        const Eigen::Vector3f p_j = rotation_.transpose() * (p_i - translation_);
+        const bool counts = pairs.counts[k] > 0;
+        const Eigen::Vector3f target = BrightnessGradient(i_.camera, p_i, pairs.du[k], pairs.dv[k]);
+        const Eigen::Vector3f source =
+            counts ? BrightnessGradient(j_.camera, p_j, pairs.source_du[k], pairs.source_dv[k])
+                   : Eigen::Vector3f(Eigen::Vector3f::Zero());
+        const Eigen::Vector3f sum = target + sign * gates_.gain * (rotation_ * source);
+        quarter[k] = sign * 0.25F * informations[k];
+        rows_.Set(k, sum.x(), sum.y(), sum.z(), p_i.x(), p_i.y(), p_i.z(), 0);
+      }
+      photometric_sums_.Add(rows_, quarter, pairs.size);
+    }
   }
 
   AlignmentSystem Conclude() {

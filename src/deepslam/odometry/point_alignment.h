@@ -15,11 +15,11 @@ struct AlignmentGates {
   float gain = 1.0F;                // I_i = gain * I_j + bias
   float bias = 0.0F;                // grey levels
   bool photometric = true;
-  // The geometric Hessian from the products of the two frames' normals in place of the squares of
-  // one: noise of the normals is independent between frames and averages away, where squares take
-  // it for structure. For judging a solution; may be slightly indefinite. The gradient is void
-  // then.
-  bool cross_normals = false;
+  // Hessians from the products of the two frames' normals and brightness gradients in place of the
+  // squares of one: noise is independent between frames and averages away, where squares take it
+  // for structure; and texture that lies beside its like, as at a wrong place, counts for nothing.
+  // For judging a solution; may be slightly indefinite. The gradient is void then.
+  bool cross_frames = false;
   bool judge_only = false;  // no Hessian and no gradient
   int stride = 1;           // every stride-th row and column of j
 };
