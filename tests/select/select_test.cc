@@ -215,6 +215,8 @@ TEST_F(SelectAChair, AFusedShapeMustBeClearlyBetter) {
 // What nobody saw is missing from a fused shape: seen all round it needs a small lead, from one
 // side a large one.
 TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
+  options_.fused_margin = 0.05;
+  options_.fused_handicap = 0.2;
   const auto fused_wins = [&](const std::vector<double>& azimuths_rad, double lead) {
     views_ = world_.Views(azimuths_rad);
     candidates_.clear();

@@ -17,13 +17,12 @@ struct SelectOptions {
   double ground_tolerance_m =
       0.05;  // gap between the model's bottom and the ground that is no fault
   // Subtracted from the score of a fused candidate when candidates are compared: it is made of the
-  // depth it is judged by, noise included. Noise, voxels and placement leave the true model itself
-  // this much below 1, so that a smaller lead of a fused shape says nothing.
-  double fused_margin = 0.05;
-  // ... and this, when it was seen from one side: it holds nothing of the sides nobody saw, so a
-  // whole model that agrees nearly as well is worth more. In proportion to the directions nobody
-  // saw well: nothing is left of it where the cameras went all round.
-  double fused_handicap = 0.2;
+  // depth it is judged by, noise included, and of whatever else was cut out with the object.
+  double fused_margin = 0.25;
+  // ... and this, when it was seen from one side: it holds nothing of the sides nobody saw. In
+  // proportion to the directions nobody saw well: nothing is left of it where the cameras went all
+  // round.
+  double fused_handicap = 0;
   // ... and this, off one that turns its back to all cameras: where depth cannot tell front from
   // back, furniture faces where people go.
   double back_handicap = 0.03;
