@@ -10,16 +10,14 @@ loop of either kind, or at least two objects known again), wrong loops (a keyfra
 merge of different objects), duplicates left (two objects of the map that are one), and ATE before and after. Results
 lie in --work as one JSON per seed and mode and are used again; the table goes to stdout. Needs nothing beyond Python 3.
 """
-import argparse
 import json
 import math
-import os
-import pathlib
 import random
-import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+import seeded
+from seeded import ROOT
+
 CHAIRS = ["Blend Swap CC-0#chair2", "Blend Swap CC-0#chairWithCushion", "Scopia#chair", "Scopia#kids_desk_chair",
           "Blend Swap CC-0#oakChair", "Scopia#armchair2", "Scopia#tubular_chair", "Blend Swap CC-BY#chair4"]
 TABLES = ["Scopia#table-with-leaning-feet", "Kator Legaz#folding-table", "Scopia#kids_wooden_desk"]
@@ -188,10 +186,7 @@ class Driver:
         self.args = args
 
     def call(self, name, *command):
-        log = self.args.work / "logs" / f"{name}.log"
-        with open(log, "ab") as out:
-            return subprocess.run([str(self.args.deepslam), *map(str, command)], stdout=out, stderr=out,
-                                  check=False).returncode == 0
+        return seeded.call(self.args, name, *command)
 
     def ate(self, name, estimate, capture):
         file = self.args.work / "results" / "ate.json"
@@ -250,27 +245,11 @@ def table(rows, modes):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
-    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/loops")
-    parser.add_argument("--seeds", default="0-49", help="FIRST-LAST (default: 0-49)")
-    parser.add_argument("--modes", default="default,paper")
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
-    args = parser.parse_args()
-    args.deepslam, args.work = args.deepslam.absolute(), args.work.absolute()
-    if not os.access(args.deepslam, os.X_OK):
-        sys.exit(f"{args.deepslam}: no such program; build it (scripts/build.sh) or name it with --deepslam")
-    modes = args.modes.split(",")
-    if unknown := set(modes) - set(MODES):
-        sys.exit(f"--modes: {', '.join(sorted(unknown))} unknown; known are {', '.join(MODES)}")
-    for folder in ("captures", "workspaces", "results", "logs", "scenes"):
-        (args.work / folder).mkdir(parents=True, exist_ok=True)
-    first, _, last = args.seeds.partition("-")
+    args = seeded.arguments(__doc__, "out/loops", "0-49", "modes", MODES)
     driver = Driver(args)
     rows, failed = [], 0
-    for seed in range(int(first), int(last or first) + 1):
-        for mode in modes:
+    for seed in args.seeds:
+        for mode in args.modes:
             figures = driver.seed(seed, mode)
             if figures is None:
                 failed += 1
@@ -278,7 +257,7 @@ def main():
                 continue
             rows.append(figures)
             print(json.dumps(figures), file=sys.stderr, flush=True)
-    print(table(rows, modes))
+    print(table(rows, args.modes))
     return 1 if failed else 0
 
 

@@ -10,20 +10,17 @@ candidates alone, `all` those of the library, the networks and the own measureme
 `deepslam eval selection`; `closed` is the share of the way from the initial to the oracle that selection goes. Captures,
 workspaces and JSON lie in --work and are used again; tables go to stdout. Needs nothing beyond Python 3.
 """
-import argparse
 import json
 import math
-import os
-import pathlib
 import random
 import re
 import shutil
-import subprocess
 import sys
 
+import seeded
+from seeded import ROOT
 from tables import selection_table
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 WITHHELD = ROOT / "configs/withheld_models.yaml"
 NUM_CHAIRS, NUM_TABLES = 12, 4
 RINGS = ((5, 0.9), (11, 2.2))  # pieces of furniture, and metres from the middle
@@ -86,12 +83,7 @@ class Driver:
         self.args = args
 
     def call(self, name, *command):
-        log = self.args.work / "logs" / f"{name}.log"
-        with open(log, "ab") as out:
-            code = subprocess.run([str(self.args.deepslam), *map(str, command)], stdout=out, stderr=out, check=False).returncode
-        if code != 0:
-            print(f"{name}: {command[0]} failed with exit {code}; see {log}", file=sys.stderr)
-        return code == 0
+        return seeded.call(self.args, name, *command)
 
     def capture(self, seed):
         return self.args.work / "captures" / f"{seed:03d}"
@@ -136,29 +128,12 @@ def way_closed(selection, row_name):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
-    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/table1")
-    parser.add_argument("--seeds", default="0-3", help="FIRST-LAST (default: 0-3)")
-    parser.add_argument("--variants", default=",".join(VARIANTS))
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
-    args = parser.parse_args()
-    args.deepslam, args.work = args.deepslam.absolute(), args.work.absolute()
-    if not os.access(args.deepslam, os.X_OK):
-        sys.exit(f"{args.deepslam}: no such program; build it (scripts/build.sh) or name it with --deepslam")
-    variants = args.variants.split(",")
-    if unknown := set(variants) - set(VARIANTS):
-        sys.exit(f"--variants: {', '.join(sorted(unknown))} unknown; known are {', '.join(VARIANTS)}")
-    for folder in ("captures", "workspaces", "results", "logs", "scenes"):
-        (args.work / folder).mkdir(parents=True, exist_ok=True)
-    first, _, last = args.seeds.partition("-")
-    seeds = range(int(first), int(last or first) + 1)
+    args = seeded.arguments(__doc__, "out/table1", "0-3", "variants", VARIANTS)
     driver = Driver(args)
-    rendered = [seed for seed in seeds if driver.render(seed)]
-    complete = len(rendered) == len(seeds)
-    for variant in variants:
-        done = [seed for seed in rendered if driver.reconstruct(seed, variant, variants[0])]
+    rendered = [seed for seed in args.seeds if driver.render(seed)]
+    complete = len(rendered) == len(args.seeds)
+    for variant in args.variants:
+        done = [seed for seed in rendered if driver.reconstruct(seed, variant, args.variants[0])]
         selection = driver.score(variant, done)
         complete = complete and len(done) == len(rendered) and selection is not None
         if selection is None:

@@ -3,7 +3,6 @@
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_floor_bench --benchmark_repetitions=5
 // Real time; as many threads as the argument says; items_per_second is frames per second.
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -21,21 +20,6 @@ namespace deepslam {
 namespace {
 
 constexpr int kDetectorImages = 24;
-
-void DecodeFrames(benchmark::State& state) {
-  const Result<dataset::Capture> capture = bench::OpenNamedCapture();
-  if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
-  const ThreadLimit limit(static_cast<int>(state.range(0)));
-  const FrameSource& frames = *capture->frames;
-  for (auto _ : state) {
-    std::atomic<std::size_t> num_read = 0;
-    ParallelFor(static_cast<std::size_t>(frames.num_frames()), [&](std::size_t n) {
-      if (frames.Read(FrameIdx{static_cast<std::int32_t>(n)}).ok()) ++num_read;
-    });
-    benchmark::DoNotOptimize(num_read.load());
-  }
-  state.SetItemsProcessed(state.iterations() * frames.num_frames());
-}
 
 // The default detector on frames spread over the capture, as stage `detect` calls it: images side
 // by side, one thread in each forward pass.
@@ -84,7 +68,12 @@ void CopyFrames(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kFrames));
 }
 
-BENCHMARK(DecodeFrames)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(bench::DecodeFrames)
+    ->Name("DecodeFrames")
+    ->Arg(2)
+    ->ArgName("threads")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(DetectorPasses)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(CopyFrames)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 

@@ -38,7 +38,8 @@ VoxelGrid Chair(double v) {
 // A cabinet or sofa as a fusion of noisy depth has it: full, with bumps.
 VoxelGrid Bumpy(double v) {
   return FillGrid([=](double x, double y, double z) {
-    const double bump = 1.5 * std::sin(0.45 * x + 9 * v) * std::cos(0.5 * y) * std::sin(0.4 * z + v);
+    const double bump =
+        1.5 * std::sin(0.45 * x + 9 * v) * std::cos(0.5 * y) * std::sin(0.4 * z + v);
     return std::abs(x) < 14 + 6 * v + bump && std::abs(y) < 30 + bump && std::abs(z) < 18 + bump &&
            !(x > 0 && z > 2 && std::abs(y) < 24);
   });

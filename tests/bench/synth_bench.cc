@@ -138,8 +138,7 @@ void ColourFaults(benchmark::State& state) {
   const PinholeCamera camera = DemoRoom().camera;
   const Image<Eigen::Vector3f> radiance(
       camera.width, camera.height, Eigen::Vector3f::Constant(0.3f));
-  for (auto _ : state)
-    benchmark::DoNotOptimize(DevelopColour(radiance, SensorFaults(), 1, {1, 1}));
+  for (auto _ : state) benchmark::DoNotOptimize(DevelopColour(radiance, SensorFaults(), 1, {1, 1}));
 }
 BENCHMARK(ColourFaults)->Unit(benchmark::kMillisecond)->UseRealTime();
 

@@ -2,7 +2,6 @@
 // without. The capture is the folder that DEEPSLAM_BENCH_CAPTURE names. Real time; as many threads
 // as the argument says.
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_tracking_bench --benchmark_repetitions=5
-#include <atomic>
 #include <string>
 
 #include <benchmark/benchmark.h>
@@ -20,21 +19,6 @@ void Report(benchmark::State& state, int num_frames) {
   state.SetItemsProcessed(state.iterations() * num_frames);
 }
 
-void DecodeFrames(benchmark::State& state) {
-  const Result<dataset::Capture> capture = bench::OpenNamedCapture();
-  if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
-  const ThreadLimit limit(static_cast<int>(state.range(0)));
-  const FrameSource& frames = *capture->frames;
-  for (auto _ : state) {
-    std::atomic<std::size_t> num_read = 0;
-    ParallelFor(static_cast<std::size_t>(frames.num_frames()), [&](std::size_t n) {
-      if (frames.Read(FrameIdx{static_cast<std::int32_t>(n)}).ok()) ++num_read;
-    });
-    benchmark::DoNotOptimize(num_read.load());
-  }
-  Report(state, frames.num_frames());
-}
-
 void TrackFrames(benchmark::State& state) {
   const Result<dataset::Capture> capture = bench::OpenNamedCapture();
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
@@ -48,7 +32,8 @@ void TrackFrames(benchmark::State& state) {
   Report(state, capture->frames->num_frames());
 }
 
-BENCHMARK(DecodeFrames)
+BENCHMARK(bench::DecodeFrames)
+    ->Name("DecodeFrames")
     ->Arg(1)
     ->Arg(2)
     ->ArgName("threads")

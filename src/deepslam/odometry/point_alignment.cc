@@ -244,6 +244,13 @@ struct PhotometricPairs {
   }
 };
 
+// What the two frames see at a point p_i, in the axes of frame i: normals or brightness gradients.
+struct CrossPair {
+  Eigen::Vector3f point;
+  Eigen::Vector3f target;
+  Eigen::Vector3f source;
+};
+
 // Bilinear, between texel (u, v) rounded down and its neighbours.
 IntensityTexel Interpolate(const PyramidLevel& level, float u, float v) {
   const std::size_t u0 = static_cast<std::size_t>(static_cast<int>(u));
@@ -417,34 +424,47 @@ class SystemBuilder {
       return;
     }
     if (gates_.cross_frames) {
-      AddCrossNormals(informations);
+      AddCross(
+          informations, size, [&](std::size_t k) { return NormalsAt(k); }, geometric_sums_);
     } else {
       geometric_sums_.Add(rows_, informations, size);
     }
     geometric_.size = 0;
   }
 
-  // a b^T + b a^T = ((a + b)(a + b)^T - (a - b)(a - b)^T) / 2.
-  void AddCrossNormals(const Column& informations) {
+  // Sums of a b^T + b a^T = ((a + b)(a + b)^T - (a - b)(a - b)^T) / 2, halved. `pair_at` gives the
+  // point of a match with the directions a and b that the two frames see there.
+  template <typename PairAt, typename Sums>
+  void AddCross(const Column& informations, std::size_t size, const PairAt& pair_at, Sums& sums) {
     for (const float sign : {1.0F, -1.0F}) {
       Column quarter;
-      for (std::size_t k = 0; k < geometric_.size; ++k) {
-        const Eigen::Vector3f source =
-            sign * (rotation_ * Eigen::Vector3f(geometric_.source_nx[k],
-                                                geometric_.source_ny[k],
-                                                geometric_.source_nz[k]));
+      for (std::size_t k = 0; k < size; ++k) {
+        const CrossPair pair = pair_at(k);
+        const Eigen::Vector3f sum = pair.target + sign * pair.source;
         quarter[k] = sign * 0.25F * informations[k];
-        rows_.Set(k,
-                  geometric_.nx[k] + source.x(),
-                  geometric_.ny[k] + source.y(),
-                  geometric_.nz[k] + source.z(),
-                  geometric_.x[k],
-                  geometric_.y[k],
-                  geometric_.z[k],
-                  0);
+        rows_.Set(k, sum.x(), sum.y(), sum.z(), pair.point.x(), pair.point.y(), pair.point.z(), 0);
       }
-      geometric_sums_.Add(rows_, quarter, geometric_.size);
+      sums.Add(rows_, quarter, size);
     }
+  }
+
+  [[nodiscard]] CrossPair NormalsAt(std::size_t k) const {
+    const GeometricPairs& pairs = geometric_;
+    const Eigen::Vector3f source(pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]);
+    return {{pairs.x[k], pairs.y[k], pairs.z[k]},
+            {pairs.nx[k], pairs.ny[k], pairs.nz[k]},
+            rotation_ * source};
+  }
+
+  [[nodiscard]] CrossPair GradientsAt(std::size_t k) const {
+    const PhotometricPairs& pairs = photometric_pairs_;
+    const Eigen::Vector3f p_i(pairs.x[k], pairs.y[k], pairs.z[k]);
+    const Eigen::Vector3f p_j = rotation_.transpose() * (p_i - translation_);
+    const Eigen::Vector3f target = BrightnessGradient(i_.camera, p_i, pairs.du[k], pairs.dv[k]);
+    if (!(pairs.counts[k] > 0)) return {p_i, target, Eigen::Vector3f::Zero()};
+    const Eigen::Vector3f source =
+        BrightnessGradient(j_.camera, p_j, pairs.source_du[k], pairs.source_dv[k]);
+    return {p_i, target, gates_.gain * (rotation_ * source)};
   }
 
   void FlushPhotometric() {
@@ -479,7 +499,8 @@ class SystemBuilder {
       return;
     }
     if (gates_.cross_frames) {
-      AddCrossGradients(informations);
+      AddCross(
+          informations, size, [&](std::size_t k) { return GradientsAt(k); }, photometric_sums_);
     } else {
       photometric_sums_.Add(rows_, informations, size);
     }
@@ -494,27 +515,6 @@ class SystemBuilder {
     const float dx = du * static_cast<float>(camera.fx) / p.z();
     const float dy = dv * static_cast<float>(camera.fy) / p.z();
     return {dx, dy, -(dx * p.x() + dy * p.y()) / p.z()};
-  }
-
-  // As AddCrossNormals.
-  void AddCrossGradients(const Column& informations) {
-    const PhotometricPairs& pairs = photometric_pairs_;
-    for (const float sign : {1.0F, -1.0F}) {
-      Column quarter;
-      for (std::size_t k = 0; k < pairs.size; ++k) {
-        const Eigen::Vector3f p_i(pairs.x[k], pairs.y[k], pairs.z[k]);
-        const Eigen::Vector3f p_j = rotation_.transpose() * (p_i - translation_);
-        const bool counts = pairs.counts[k] > 0;
-        const Eigen::Vector3f target = BrightnessGradient(i_.camera, p_i, pairs.du[k], pairs.dv[k]);
-        const Eigen::Vector3f source =
-            counts ? BrightnessGradient(j_.camera, p_j, pairs.source_du[k], pairs.source_dv[k])
-                   : Eigen::Vector3f(Eigen::Vector3f::Zero());
-        const Eigen::Vector3f sum = target + sign * gates_.gain * (rotation_ * source);
-        quarter[k] = sign * 0.25F * informations[k];
-        rows_.Set(k, sum.x(), sum.y(), sum.z(), p_i.x(), p_i.y(), p_i.z(), 0);
-      }
-      photometric_sums_.Add(rows_, quarter, pairs.size);
-    }
   }
 
   AlignmentSystem Conclude() {

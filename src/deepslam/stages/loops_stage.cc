@@ -2,6 +2,7 @@
 // loops join compete for their shape anew.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -126,6 +127,15 @@ void AddMeasured(std::span<TrackViews> batch, loop::LoopEvidence& evidence) {
   });
 }
 
+Status ForDepthViews(const StageContext& context,
+                     const RunInputs& inputs,
+                     const LoopInputs& in,
+                     const std::vector<ObjectTrack>& tracks,
+                     const std::function<Status(std::span<TrackViews>)>& use) {
+  return ForTrackViews(
+      context, inputs, in.odometry, in.ground, tracks, observe::ViewContent::kDepth, use);
+}
+
 Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
                                            const RunInputs& inputs,
                                            const LoopInputs& in) {
@@ -133,16 +143,11 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   for (const MapObject& object : in.map.objects) evidence[object.id];
   const std::vector<ObjectTrack> tracks =
       TracksOf(in.association, [&](ObjectId id) { return evidence.contains(id); });
-  const Status measured = ForTrackViews(context,
-                                        inputs,
-                                        in.odometry,
-                                        in.ground,
-                                        tracks,
-                                        observe::ViewContent::kDepth,
-                                        [&](std::span<TrackViews> batch) {
-                                          AddMeasured(batch, evidence);
-                                          return Ok();
-                                        });
+  const auto add = [&](std::span<TrackViews> batch) {
+    AddMeasured(batch, evidence);
+    return Ok();
+  };
+  const Status measured = ForDepthViews(context, inputs, in, tracks, add);
   if (!measured.ok()) return measured.error();
   for (const MapObject& object : in.map.objects) {
     loop::ObjectEvidence& own = evidence[object.id];
@@ -270,17 +275,11 @@ Result<std::vector<ObjectView>> MergedViews(const StageContext& context,
       return origin.track == id;
     });
   });
-  const Status status = ForTrackViews(context,
-                                      inputs,
-                                      in.odometry,
-                                      in.ground,
-                                      tracks,
-                                      observe::ViewContent::kDepth,
-                                      [&](std::span<TrackViews> batch) {
-                                        for (TrackViews& of_track : batch)
-                                          of_tracks[of_track.track->id] = std::move(of_track.views);
-                                        return Ok();
-                                      });
+  const auto keep = [&](std::span<TrackViews> batch) {
+    for (TrackViews& of_track : batch) of_tracks[of_track.track->id] = std::move(of_track.views);
+    return Ok();
+  };
+  const Status status = ForDepthViews(context, inputs, in, tracks, keep);
   if (!status.ok()) return status.error();
   std::vector<ObjectView> views;
   for (const ViewOrigin& origin : origins) {

@@ -127,22 +127,14 @@ Result<Proposals> ProposeAll(const StageContext& context,
                              const Ground& ground,
                              const Association& association) {
   Proposals all;
-  std::size_t done = 0;
-  const auto propose_batch = [&](std::span<TrackViews> batch) -> Status {
-    for (const TrackViews& of_track : batch) {
-      if (context.progress().StopRequested()) return Interrupted();
-      if (Status status = ProposeOne(sources, of_track, all); !status.ok()) return status;
-      context.progress().Report(++done, association.tracks.size());
-    }
-    return Ok();
-  };
-  const Status status = ForTrackViews(context,
-                                      inputs,
-                                      odometry,
-                                      ground,
-                                      association.tracks,
-                                      observe::ViewContent::kColourAndDepth,
-                                      propose_batch);
+  const Status status = ForEachTrackViews(
+      context,
+      inputs,
+      odometry,
+      ground,
+      association.tracks,
+      observe::ViewContent::kColourAndDepth,
+      [&](const TrackViews& of_track) { return ProposeOne(sources, of_track, all); });
   if (!status.ok()) return status.error();
   return all;
 }

@@ -24,27 +24,22 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   if (!proposals.ok()) return proposals.error();
 
   std::vector<CandidateRegistration> registrations;
-  std::size_t done = 0;
-  const auto register_batch = [&](std::span<TrackViews> batch) -> Status {
-    for (const TrackViews& of_track : batch) {
-      if (context.progress().StopRequested()) return Interrupted();
-      const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, of_track.track->id);
-      const Result<ModelMap> models = LoadModels(context, candidates);
-      if (!models.ok()) return models.error();
-      std::vector<CandidateRegistration> found =
-          RegisterAll(candidates, *models, of_track.views, inputs.config.registration);
-      std::move(found.begin(), found.end(), std::back_inserter(registrations));
-      context.progress().Report(++done, association->tracks.size());
-    }
+  const auto register_all = [&](const TrackViews& of_track) -> Status {
+    const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, of_track.track->id);
+    const Result<ModelMap> models = LoadModels(context, candidates);
+    if (!models.ok()) return models.error();
+    std::vector<CandidateRegistration> found =
+        RegisterAll(candidates, *models, of_track.views, inputs.config.registration);
+    std::move(found.begin(), found.end(), std::back_inserter(registrations));
     return Ok();
   };
-  const Status registered = ForTrackViews(context,
-                                          inputs,
-                                          *odometry,
-                                          *ground,
-                                          association->tracks,
-                                          observe::ViewContent::kDepth,
-                                          register_batch);
+  const Status registered = ForEachTrackViews(context,
+                                              inputs,
+                                              *odometry,
+                                              *ground,
+                                              association->tracks,
+                                              observe::ViewContent::kDepth,
+                                              register_all);
   if (!registered.ok()) return registered.error();
   std::stable_sort(registrations.begin(),
                    registrations.end(),

@@ -52,32 +52,22 @@ Result<ObjectMap> SelectAll(const StageContext& context,
   const Result<std::vector<CandidateRegistration>> registrations = ReadRegistrations(context);
   if (!registrations.ok()) return registrations.error();
   ObjectMap map;
-  std::size_t done = 0;
-  const auto select_batch = [&](std::span<TrackViews> batch) -> Status {
-    for (const TrackViews& of_track : batch) {
-      if (context.progress().StopRequested()) return Interrupted();
-      const ObjectTrack& track = *of_track.track;
-      const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, track.id);
-      const Result<std::vector<CandidateRegistration>> own =
-          RegistrationsOf(candidates, *registrations);
-      if (!own.ok()) return own.error();
-      const Result<ModelMap> models = LoadModels(context, candidates);
-      if (!models.ok()) return models.error();
-      Result<MapObject> object = SelectOrChoose(
-          track.id, track.class_name, candidates, *own, *models, of_track.views, inputs, applied);
-      if (!object.ok()) return object.error();
-      Place(std::move(object).value(), map);
-      context.progress().Report(++done, association.tracks.size());
-    }
+  const auto select = [&](const TrackViews& of_track) -> Status {
+    const ObjectTrack& track = *of_track.track;
+    const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, track.id);
+    const Result<std::vector<CandidateRegistration>> own =
+        RegistrationsOf(candidates, *registrations);
+    if (!own.ok()) return own.error();
+    const Result<ModelMap> models = LoadModels(context, candidates);
+    if (!models.ok()) return models.error();
+    Result<MapObject> object = SelectOrChoose(
+        track.id, track.class_name, candidates, *own, *models, of_track.views, inputs, applied);
+    if (!object.ok()) return object.error();
+    Place(std::move(object).value(), map);
     return Ok();
   };
-  const Status status = ForTrackViews(context,
-                                      inputs,
-                                      odometry,
-                                      ground,
-                                      association.tracks,
-                                      observe::ViewContent::kDepth,
-                                      select_batch);
+  const Status status = ForEachTrackViews(
+      context, inputs, odometry, ground, association.tracks, observe::ViewContent::kDepth, select);
   if (!status.ok()) return status.error();
   return map;
 }

@@ -98,6 +98,15 @@ struct TrackViews {
                                    observe::ViewContent content,
                                    const std::function<Status(std::span<TrackViews>)>& use);
 
+// The same, one track after another, with progress; stops when the user asks to.
+[[nodiscard]] Status ForEachTrackViews(const pipeline::StageContext& context,
+                                       const RunInputs& inputs,
+                                       const Odometry& odometry,
+                                       const Ground& ground,
+                                       std::span<const ObjectTrack> tracks,
+                                       observe::ViewContent content,
+                                       const std::function<Status(const TrackViews&)>& use);
+
 // That a workspace of so many frames and with these segments was made of this capture; InvalidInput
 // otherwise.
 [[nodiscard]] Status CheckOfThisCapture(std::size_t num_frames,
@@ -105,9 +114,8 @@ struct TrackViews {
                                         const FrameSource& frames);
 
 // Reads frames in parallel, a few at a time and ahead of need, and hands each to `use` in the order
-// given. A frame
-// that cannot be read is warned about and skipped. Stops at the first error of `use` and when the
-// user asks to.
+// given. A frame that cannot be read is warned about and skipped. Stops at the first error of `use`
+// and when the user asks to.
 [[nodiscard]] Status ForFrames(const pipeline::StageContext& context,
                                const FrameSource& frames,
                                std::span<const FrameIdx> wanted,
