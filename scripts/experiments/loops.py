@@ -21,6 +21,11 @@ from seeded import ROOT
 CHAIRS = ["Blend Swap CC-0#chair2", "Blend Swap CC-0#chairWithCushion", "Scopia#chair", "Scopia#kids_desk_chair",
           "Blend Swap CC-0#oakChair", "Scopia#armchair2", "Scopia#tubular_chair", "Blend Swap CC-BY#chair4"]
 TABLES = ["Scopia#table-with-leaning-feet", "Kator Legaz#folding-table", "Scopia#kids_wooden_desk"]
+# Against the walls: class, product, depth and width (m).
+STORAGE = [("cabinet", "Blend Swap CC-0#highCabinet", 0.61, 0.60), ("shelf", "Blend Swap CC-0#bookcase", 0.37, 0.92),
+           ("shelf", "Kator Legaz#full-bookcase", 0.35, 0.90), ("cabinet", "Blend Swap CC-BY#wardrobe", 0.68, 0.92),
+           ("cabinet", "Blend Swap CC-BY#dresserWithDrawers", 0.52, 1.61), ("shelf", "Scopia#kids_shelves", 0.42, 1.01),
+           ("cabinet", "Blend Swap CC-BY#kitchenLowerCabinet", 0.62, 0.98), ("shelf", "Kator Legaz#utility-shelving", 0.30, 0.60)]
 LAPS, FRAMES = 1.25, 160
 MODES = {"default": [],
          "paper": ["--config", str(ROOT / "configs/paper.yaml"), "--set", "detect.frames=keyframes"]}
@@ -53,6 +58,12 @@ def scene(seed):
     put("table", draw.choice(TABLES), places[2], 0, 0)
     put("chair", chairs[4], places[3], -0.4, turns[4])
     put("chair", chairs[5], places[3], 0.4, turns[5])
+    for wall, (kind, model, depth, width) in enumerate(draw.sample(STORAGE, 4)):
+        out, along = (x if wall % 2 == 0 else y) / 2 - depth / 2 - 0.02, draw.uniform(-0.4, 0.4)
+        sign = 1 if wall < 2 else -1
+        at = (sign * out, along) if wall % 2 == 0 else (along, sign * out)
+        objects.append(f'  - {{class: {kind}, model: "{model}", position_m: [{at[0]:.3f}, {at[1]:.3f}], '
+                       f'yaw_deg: {(180, 270, 0, 90)[wall]}}}')
     around = [2 * math.pi * k / 8 for k in range(8)]
     start = draw.uniform(0, 2 * math.pi)
     points = ", ".join(f"[{0.6 * math.cos(a + start):.3f}, {0.5 * math.sin(a + start):.3f}, "

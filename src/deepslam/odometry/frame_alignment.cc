@@ -23,8 +23,7 @@ constexpr float kFirstScale = 12.0F;
 constexpr float kFirstPhotometricScale = 25.0F;
 constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
 // Keeps directions that nothing constrains where the start put them.
-constexpr double kPriorTranslationM = 0.2;
-constexpr double kPriorRotationRad = 0.2;
+constexpr StartSigma kPrior;
 // Convergence: steps that move points at this distance by less than this share of a pixel of the
 // level.
 constexpr double kConvergedPx = 0.015;
@@ -43,6 +42,10 @@ constexpr float kJudgeScale = 3.0F;
 // Share of the strongest direction's information below which depth leaves a direction open: along a
 // wall, round the vertical on a floor.
 constexpr double kOpenRatio = 0.02;
+// ... and below which depth alone does not see it at all (rendered rooms, frame to frame: 8 cm off
+// below 0.002, 0.1 cm above 0.004). On a bare wall what looks like structure are the steps of the
+// sensor's disparity, which stay with the camera as it moves.
+constexpr double kUnseenRatio = 0.003;
 // Steps along an open direction, pixels of the coarsest level, to each side.
 constexpr double kOpenStepPx = 0.75;
 constexpr int kNumOpenSteps = 10;
@@ -83,6 +86,10 @@ std::optional<Vector6d> ArcScale(const Matrix6d& hessian) {
   return scale;
 }
 
+bool SeesImages(const AlignmentSystem& system) {
+  return system.num_photometric >= kMinPhotometricResiduals;
+}
+
 double MeanDepthM(const PyramidLevel& level) {
   double sum = 0;
   int count = 0;
@@ -94,12 +101,39 @@ double MeanDepthM(const PyramidLevel& level) {
   return count > 0 ? sum / count : 1.0;
 }
 
+// Directions of a left perturbation that a judged system does not see.
+class Unseen {
+ public:
+  Unseen() = default;
+  explicit Unseen(const Matrix6d& hessian) {
+    const std::optional<Vector6d> scale = ArcScale(hessian);
+    if (!scale) return;
+    scale_ = *scale;
+    const Eigen::DiagonalMatrix<double, 6> by_arc(scale_.cwiseInverse());
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(by_arc * hessian * by_arc);
+    while (num_ < 6 && eigen.eigenvalues()[num_] < kUnseenRatio * eigen.eigenvalues()[5]) ++num_;
+    directions_ = eigen.eigenvectors();
+  }
+  [[nodiscard]] bool empty() const { return num_ == 0; }
+  [[nodiscard]] Vector6d Part(const Vector6d& motion) const {
+    const auto basis = directions_.leftCols(num_);
+    const Vector6d arc = basis * (basis.transpose() * scale_.cwiseProduct(motion));
+    return arc.cwiseQuotient(scale_);
+  }
+
+ private:
+  Matrix6d directions_ = Matrix6d::Identity();
+  Vector6d scale_ = Vector6d::Ones();
+  int num_ = 0;
+};
+
 // The descent of one start through the levels.
 struct Descent {
   Pose3 i_from_j;
   Pose3 start_i_from_j;
   AlignmentGates gates;
   AlignmentSystem system;  // at i_from_j, of the last level visited
+  Unseen held;             // no steps along these
 };
 
 void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
@@ -113,8 +147,8 @@ void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
 
 Vector6d Step(const Descent& descent, double correlation_factor) {
   Vector6d prior;
-  prior.head<3>().setConstant(1 / (kPriorTranslationM * kPriorTranslationM));
-  prior.tail<3>().setConstant(1 / (kPriorRotationRad * kPriorRotationRad));
+  prior.head<3>().setConstant(1 / (kPrior.translation_m * kPrior.translation_m));
+  prior.tail<3>().setConstant(1 / (kPrior.rotation_rad * kPrior.rotation_rad));
   const Vector6d moved = T2v(descent.i_from_j * descent.start_i_from_j.Inverse());
   Matrix6d hessian = descent.system.hessian / correlation_factor;
   hessian.diagonal() += prior;
@@ -148,7 +182,8 @@ bool Descend(const PyramidLevel& i,
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
     TakeScales(descent.system, descent.gates);
-    const Vector6d step = Step(descent, correlation);
+    const Vector6d free = Step(descent, correlation);
+    const Vector6d step = descent.held.empty() ? free : Vector6d(free - descent.held.Part(free));
     descent.i_from_j = V2t(step) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
     if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
@@ -170,7 +205,7 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
 // one contrast outweighs all (a light wall over a dark floor), the correlation itself is near 1
 // wherever the frames lie along it.
 double SharedInformation(const AlignmentSystem& system) {
-  if (system.num_photometric < kMinPhotometricResiduals) return 0;
+  if (!SeesImages(system)) return 0;
   const double correlation = std::clamp(system.brightness_correlation, 0.0, kFullCorrelation);
   return -0.5 * std::log(1 - correlation * correlation);
 }
@@ -278,7 +313,7 @@ Descent BestCoarseDescent(const PyramidLevel& i,
   std::vector<Pose3> ends;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     if (AmongThem(starts.first(k), starts[k])) continue;
-    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}};
+    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}, {}};
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
     if (!Descend(i, j, options, descent, ends)) continue;
@@ -292,6 +327,32 @@ Descent BestCoarseDescent(const PyramidLevel& i,
   return *best;
 }
 
+// The finest level's system at the end of a descent, judged by both frames.
+void JudgeEnd(const PyramidLevel& i,
+              const PyramidLevel& j,
+              const AlignmentOptions& options,
+              Descent& descent) {
+  AlignmentGates gates = descent.gates;
+  gates.cross_frames = true;
+  descent.system = BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
+}
+
+// Along what depth alone does not see, the end is brought back to `start_i_from_j`, and the descent
+// goes on in the other directions (solution remapping: Zhang, Kaess, Singh 2016).
+void HoldUnseen(const PyramidLevel& i,
+                const PyramidLevel& j,
+                const Pose3& start_i_from_j,
+                const AlignmentOptions& options,
+                Descent& descent) {
+  if (SeesImages(descent.system)) return;
+  descent.held = Unseen(descent.system.hessian);
+  if (descent.held.empty()) return;
+  const Vector6d moved = T2v(descent.i_from_j * start_i_from_j.Inverse());
+  descent.i_from_j = V2t(moved - descent.held.Part(moved)) * start_i_from_j;
+  Descend(i, j, options, descent);
+  JudgeEnd(i, j, options, descent);
+}
+
 // The Hessian as information of independent measurements, of a left perturbation, made positive
 // semidefinite; and the share of its weakest direction, rotations measured by their arc at the mean
 // distance.
@@ -300,8 +361,19 @@ struct JudgedHessian {
   double ratio = 0;
 };
 
+// Along a direction in metres, rotations by their arc.
+double InformationOfStart(const Vector6d& direction,
+                          const Vector6d& scale,
+                          const StartSigma& sigma) {
+  Vector6d sigmas_m = scale;
+  sigmas_m.head<3>() *= sigma.translation_m;
+  sigmas_m.tail<3>() *= sigma.rotation_rad;
+  return 1 / direction.cwiseProduct(sigmas_m).squaredNorm();
+}
+
 JudgedHessian Judge(const AlignmentSystem& system,
                     const PyramidLevel& finest,
+                    const StartSigma& start_sigma,
                     const AlignmentOptions& options) {
   const Matrix6d& photometric = system.photometric_hessian;
   const int stride = Stride(finest);
@@ -314,11 +386,14 @@ JudgedHessian Judge(const AlignmentSystem& system,
   const Matrix6d scaled =
       scale->cwiseInverse().asDiagonal() * raw * scale->cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-  const Vector6d values = eigen.eigenvalues().cwiseMax(0.0);
+  Vector6d values = eigen.eigenvalues().cwiseMax(0.0);
+  const double ratio = values[5] > 0 ? values[0] / values[5] : 0;
+  const double least = SeesImages(system) ? 0 : kUnseenRatio * values[5];
+  for (int k = 0; k < 6 && values[k] < least; ++k)
+    values[k] = InformationOfStart(eigen.eigenvectors().col(k), *scale, start_sigma);
   const Matrix6d clamped =
       eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-  return {scale->asDiagonal() * clamped * scale->asDiagonal(),
-          values[5] > 0 ? values[0] / values[5] : 0};
+  return {scale->asDiagonal() * clamped * scale->asDiagonal(), ratio};
 }
 
 Matrix6d Information(const Matrix6d& left, const Pose3& i_from_j, const AlignmentOptions& options) {
@@ -326,8 +401,8 @@ Matrix6d Information(const Matrix6d& left, const Pose3& i_from_j, const Alignmen
   const Matrix6d adjoint = Adjoint(i_from_j);
   Matrix6d right = adjoint.transpose() * left * adjoint;
   // Directions that nothing constrains keep the prior that held them.
-  right.diagonal().head<3>().array() += 1 / (kPriorTranslationM * kPriorTranslationM);
-  right.diagonal().tail<3>().array() += 1 / (kPriorRotationRad * kPriorRotationRad);
+  right.diagonal().head<3>().array() += 1 / (kPrior.translation_m * kPrior.translation_m);
+  right.diagonal().tail<3>().array() += 1 / (kPrior.rotation_rad * kPrior.rotation_rad);
   Matrix6d covariance = right.ldlt().solve(Matrix6d::Identity());
   covariance.diagonal().head<3>().array() +=
       options.floor_translation_m * options.floor_translation_m;
@@ -340,11 +415,12 @@ Matrix6d Information(const Matrix6d& left, const Pose3& i_from_j, const Alignmen
 
 FrameAlignment Conclude(const Descent& descent,
                         const PyramidLevel& finest,
+                        const StartSigma& start_sigma,
                         const AlignmentOptions& options) {
   const AlignmentSystem& system = descent.system;
   FrameAlignment result;
   result.i_from_j = descent.i_from_j;
-  const JudgedHessian judged = Judge(system, finest, options);
+  const JudgedHessian judged = Judge(system, finest, start_sigma, options);
   result.information = Information(judged.left, descent.i_from_j, options);
   const double num_source = std::max(1, system.num_source);
   result.rmse_m =
@@ -355,7 +431,7 @@ FrameAlignment Conclude(const Descent& descent,
   result.constraint_ratio = judged.ratio;
   result.degenerate = judged.ratio < options.degenerate_ratio;
   result.agreement = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
-  const bool has_colour = system.num_photometric >= kMinPhotometricResiduals;
+  const bool has_colour = SeesImages(system);
   if (has_colour) result.brightness_correlation = system.brightness_correlation;
   const bool like = has_colour && result.brightness_correlation >= kLikeImages;
   const double min_agreement = (like ? kAgreementOfLikeImages : 1) * options.min_agreement;
@@ -369,7 +445,8 @@ FrameAlignment Conclude(const Descent& descent,
 FrameAlignment AlignPyramids(const FramePyramid& i,
                              const FramePyramid& j,
                              std::span<const Pose3> initial_i_from_j,
-                             const AlignmentOptions& user_options) {
+                             const AlignmentOptions& user_options,
+                             const StartSigma& start_sigma) {
   DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
   if (i.empty() || j.empty() || i.levels.size() != j.levels.size()) {
     FrameAlignment failed;
@@ -394,10 +471,9 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     descent.gates = gates;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
-  descent.gates.cross_frames = true;
-  descent.system = BuildAlignmentSystem(
-      i.levels.front(), j.levels.front(), descent.i_from_j, descent.gates, options.pyramid.noise);
-  FrameAlignment result = Conclude(descent, j.levels.front(), options);
+  JudgeEnd(i.levels.front(), j.levels.front(), options, descent);
+  HoldUnseen(i.levels.front(), j.levels.front(), initial_i_from_j.front(), options, descent);
+  FrameAlignment result = Conclude(descent, j.levels.front(), start_sigma, options);
   result.support = Support(i.levels[coarsest], j.levels[coarsest], descent, options);
   return result;
 }

@@ -65,12 +65,20 @@ struct FrameAlignment {
   double inside = 0;   // source points that fall inside the target image / valid source points
 };
 
+// How well the first start is known, one standard deviation.
+struct StartSigma {
+  double translation_m = 0.2;
+  double rotation_rad = 0.2;
+};
+
 // Aligns j to i from the best of the given starts (at least one), which are tried at the coarsest
-// level.
+// level. Directions that nothing measures (a bare wall without colour) stay as the first start has
+// them, and the information says no more of them than `start_sigma`.
 [[nodiscard]] FrameAlignment AlignPyramids(const FramePyramid& i,
                                            const FramePyramid& j,
                                            std::span<const Pose3> initial_i_from_j,
-                                           const AlignmentOptions& options);
+                                           const AlignmentOptions& options,
+                                           const StartSigma& start_sigma = {});
 
 // The same for two frames as they come from the capture, for verification by others. Not ok when
 // either has no depth.

@@ -31,6 +31,12 @@ constexpr double kSureAgreement = 0.85;
 constexpr double kSureCorrelation = 0.8;
 constexpr std::array<double, 4> kTurnsDeg = {-18, -9, 9, 18};
 
+// Of cameras in hands, one standard deviation.
+constexpr double kHandSpeed = 0.5;        // m/s
+constexpr double kHandAcceleration = 2;   // m/s^2
+constexpr double kWristSpeed = 0.7;       // rad/s
+constexpr double kWristAcceleration = 4;  // rad/s^2
+
 bool Doubtful(const FrameAlignment& alignment) {
   return !alignment.ok || alignment.agreement < kSureAgreement ||
          alignment.brightness_correlation < kSureCorrelation;
@@ -130,7 +136,25 @@ FrameAlignment Tracker::AlignTo(const Anchor& anchor,
   std::vector<Pose3> starts;
   starts.reserve(starts_world.size());
   for (const Pose3& start : starts_world) starts.push_back(anchor_from_world * start);
-  return AlignPyramids(*anchor.pyramid, *frame.pyramid, starts, options_.alignment);
+  return AlignPyramids(*anchor.pyramid,
+                       *frame.pyramid,
+                       starts,
+                       options_.alignment,
+                       SigmaOfStart(frame.time_s - anchor.time_s));
+}
+
+// The first start after `duration_s` of prediction from frame to frame, or of none.
+StartSigma Tracker::SigmaOfStart(double duration_s) const {
+  StartSigma sigma;
+  if (!(duration_s > 0) || !(last_interval_s_ > 0)) return sigma;
+  const bool predicted = options_.motion_prediction;
+  const double speed_error_m_per_s =
+      predicted ? 0.5 * kHandAcceleration * last_interval_s_ : kHandSpeed;
+  const double turn_error_per_s =
+      predicted ? 0.5 * kWristAcceleration * last_interval_s_ : kWristSpeed;
+  sigma.translation_m = std::min(sigma.translation_m, speed_error_m_per_s * duration_s);
+  sigma.rotation_rad = std::min(sigma.rotation_rad, turn_error_per_s * duration_s);
+  return sigma;
 }
 
 FrameAlignment Tracker::AlignWidely(const Anchor& anchor,

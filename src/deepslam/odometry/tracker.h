@@ -44,6 +44,7 @@ class Tracker {
   [[nodiscard]] FrameAlignment AlignTo(const Anchor& anchor,
                                        const Anchor& frame,
                                        const std::vector<Pose3>& starts_world) const;
+  [[nodiscard]] StartSigma SigmaOfStart(double duration_s) const;
   // AlignTo, and once more from turns about the scene when the outcome is doubtful.
   [[nodiscard]] FrameAlignment AlignWidely(const Anchor& anchor,
                                            const Anchor& frame,

@@ -54,8 +54,11 @@ loop::KeyframeRegistration Register(const RunInputs& inputs, const AppearanceLoo
   const Result<Frame> older = frames.Read(loop.old_keyframe);
   const Result<Frame> newer = frames.Read(loop.new_keyframe);
   if (!older.ok() || !newer.ok()) return {};
-  const odometry::FrameAlignment found = odometry::AlignFrames(
-      *older, *newer, frames.camera(), loop.old_from_new, inputs.config.track.alignment);
+  // What images proposed, images confirm, also where tracking goes by depth alone.
+  odometry::AlignmentOptions alignment = inputs.config.track.alignment;
+  alignment.photometric = true;
+  const odometry::FrameAlignment found =
+      odometry::AlignFrames(*older, *newer, frames.camera(), loop.old_from_new, alignment);
   return {
       found.ok, found.i_from_j, found.information, found.agreement, found.brightness_correlation};
 }
