@@ -13,6 +13,7 @@
 #include "deepslam/dataset/capture_settings.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/geometry/box.h"
+#include "deepslam/pipeline/consistency.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/voxelize.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -252,6 +253,7 @@ Result<Truth> ReadTruth(const fs::path& capture,
 }
 
 Result<MapResult> ReadMapResult(const fs::path& workspace, const Truth& truth) {
+  if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
   MapResult result;
   result.workspace = workspace;
   const Result<std::vector<eval::TimedPose>> poses =

@@ -15,6 +15,7 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/eval/held_out.h"
 #include "deepslam/mesh/extract_surface.h"
+#include "deepslam/pipeline/consistency.h"
 #include "deepslam/stages/stage_inputs.h"
 #include "eval_commands.h"
 #include "eval_data.h"
@@ -45,6 +46,7 @@ Result<Value> DecodeFile(const fs::path& file, Decode decode) {
 }
 
 Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_folder) {
+  if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
   Result<dataset::Capture> capture = dataset::OpenCapture(capture_folder);
   if (!capture.ok()) return capture.error();
   const Result<std::string> tum = artifact::ReadFile(workspace / "track" / "trajectory.tum");

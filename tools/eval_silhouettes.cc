@@ -11,6 +11,7 @@
 #include "deepslam/core/progress.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/eval/silhouette.h"
+#include "deepslam/pipeline/consistency.h"
 #include "deepslam/stages/silhouettes.h"
 
 namespace deepslam::tools {
@@ -18,6 +19,8 @@ namespace deepslam::tools {
 int EvalSilhouettes(const std::string& workspace,
                     const std::string& capture,
                     const std::string& json_file) {
+  if (const Status status = pipeline::CheckConsistency(workspace); !status.ok())
+    return ReportError(status.error());
   const Result<dataset::Capture> opened = dataset::OpenCapture(capture);
   if (!opened.ok()) return ReportError(opened.error());
   SilentProgress progress;

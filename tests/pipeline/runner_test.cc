@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/artifact/store.h"
+#include "deepslam/pipeline/consistency.h"
 #include "deepslam/pipeline/drop.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/pipeline/workspace.h"
@@ -107,6 +108,29 @@ TEST(Runner, RunsEverythingOnceAndNothingTwice) {
   const RecordingListener again = RunChain({}, dir.path() / "w");
   EXPECT_THAT(again.ran, IsEmpty());
   EXPECT_THAT(again.skipped, ElementsAre("a", "b", "c", "d"));
+}
+
+TEST(Runner, StagesOfTwoRunsAreToldApart) {
+  const TempDir dir;
+  RunChain({}, dir.path());
+  EXPECT_TRUE(CheckConsistency(dir.path()).ok());
+  RunRequest until_b;
+  until_b.until = "b";
+  Chain changed;
+  changed.a_option = "south";
+  RunChain(changed, dir.path(), until_b);
+  const Status mixed = CheckConsistency(dir.path());
+  ASSERT_FALSE(mixed.ok());
+  EXPECT_THAT(mixed.error().message, HasSubstr("stage c was made from another b"));
+  RunChain(changed, dir.path());
+  EXPECT_TRUE(CheckConsistency(dir.path()).ok());
+}
+
+TEST(Runner, WhereNothingLiesNothingIsMixed) {
+  const TempDir dir;
+  EXPECT_TRUE(CheckConsistency(dir.path() / "missing").ok());
+  WriteText(dir.path() / "a" / kManifestFile, "no manifest");
+  EXPECT_TRUE(CheckConsistency(dir.path()).ok());
 }
 
 TEST(Runner, DroppedFilesAreGoneAndTheStagesStillStand) {
@@ -266,8 +290,8 @@ TEST(Runner, KilledRunGoesOnWithEqualBytes) {
   RunRequest until;
   until.until = "b";
   RunChain({}, dir.path(), until);
-  // What a killed process (4194305 is beyond all numbers) leaves: a half-written stage, and one that was moved aside while being
-  // replaced.
+  // What a killed process (4194305 is beyond all numbers) leaves: a half-written stage, and one
+  // that was moved aside while being replaced.
   WriteText(dir.path() / "c.partial-99999" / "c.txt", "ha");
   WriteText(dir.path() / "workspace.json.tmp-4194305", "{");
   WriteText(dir.path() / "timing.html.tmp-4194305", "<");
