@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # From nothing to the networks of one class: data, training, scores, ONNX files and model card. Run again after a stop: what
 # is there is kept, training goes on where it was.
-#   scripts/train/train.sh CLASS [--minutes M] [--steps N] [--device cpu|cuda] [--threads N] [--meshes FOLDER --credit TEXT] [--start-from FOLDER|weights.pt]
+#   scripts/train/train.sh CLASS [--minutes M] [--steps N] [--rate R] [--device cpu|cuda] [--threads N] [--meshes FOLDER --credit TEXT] [--start-from FOLDER|weights.pt]
 # Environment: DEEPSLAM_PROGRAM (the built program), DEEPSLAM_TRAIN (folder of data and checkpoints), PYTHON.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -23,7 +23,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --credit) credits+=(--credit "$2"); shift 2 ;;
     --meshes) meshes+=(--meshes "$2"); shift 2 ;;
-    --minutes|--device|--threads|--steps|--start-from) training+=("$1" "$2"); shift 2 ;;
+    --minutes|--device|--threads|--steps|--rate|--start-from) training+=("$1" "$2"); shift 2 ;;
     *) echo "unknown option $1" >&2; exit 2 ;;
   esac
 done
