@@ -28,8 +28,8 @@ faults: {depth_noise: false, depth_holes: true, colour_noise: true}
 BARE = ("--set", "detect.source=none", "--set", "propose.retrieval=false")
 
 
-def deepslam(program, *arguments, data="/nonexistent", timeout=600, **options):
-    environment = dict(os.environ)
+def deepslam(program, *arguments, data="/nonexistent", timeout=600, variables=None, **options):
+    environment = dict(os.environ, **(variables or {}))
     if data is not None:
         environment["DEEPSLAM_DATA"] = str(data)
     return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, errors="replace",
