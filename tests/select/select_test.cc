@@ -215,8 +215,6 @@ TEST_F(SelectAChair, AFusedShapeMustBeClearlyBetter) {
 // What nobody saw is missing from a fused shape: seen all round it needs a small lead, from one
 // side a large one.
 TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
-  options_.fused_margin = 0.05;
-  options_.fused_handicap = 0.2;
   const auto fused_wins = [&](const std::vector<double>& azimuths_rad, double lead) {
     views_ = world_.Views(azimuths_rad);
     candidates_.clear();
@@ -234,6 +232,46 @@ TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
   EXPECT_FALSE(fused_wins(one_side, 0.1));
   // Within what noise and voxels take off a true model's score nothing is said.
   EXPECT_FALSE(fused_wins(all_round, 0.02));
+}
+
+// Two chairs cut out as one: the fused shape explains both, the right model of the one all that is
+// near it.
+TEST_F(SelectAChair, DepthOutOfAWholeModelsReachDoesNotSpeakForAFusedShape) {
+  Add(testing_support::ChairGrid(), -1, CandidateSource::kFused);
+  views_ = world_.Views({0.0, 1.5, 3.0, 4.5});
+  const auto fused_wins = [&](double reached, double lead) {
+    CandidateScore& whole = scores_[1];
+    whole.surface_share = 0.66;
+    whole.coverage_share = 0.98;
+    whole.reached_share = reached;
+    whole.score = ScoreOf({whole.surface_share, whole.coverage_share, 0, 4}, 0);
+    scores_[2].score = whole.score + lead;
+    scores_[0].score = 0;
+    return Select().source == CandidateSource::kFused;
+  };
+  EXPECT_TRUE(fused_wins(1.0, 0.18));    // the model is poor where it stands
+  EXPECT_FALSE(fused_wins(0.67, 0.18));  // what is missing lies elsewhere
+  EXPECT_TRUE(fused_wins(0.67, 0.26));   // so far ahead, whatever it is
+}
+
+TEST_F(ScoreOnAChair, DepthFarFromTheModelIsOutOfItsReach) {
+  const shape::ShapeModel chair{testing_support::ChairGrid()};
+  const auto judged = [&](double shift_m) {
+    Similarity3 placed = truth_;
+    placed.translation_m.x() += shift_m;
+    return ScoreCandidate(
+        CandidateFor(0.5, 1.5), chair, PlacedAt(placed, views_), views_, options_);
+  };
+  const CandidateScore there = judged(0);
+  EXPECT_GT(there.reached_share, 0.99);
+  EXPECT_NEAR(ScoreWithinReach(there), there.score, 0.01);
+  const CandidateScore beside = judged(0.4);
+  EXPECT_LT(beside.reached_share, 0.8);
+  EXPECT_GT(beside.reached_share, beside.surface_share);
+  EXPECT_GT(ScoreWithinReach(beside), beside.score);
+  EXPECT_LT(ScoreWithinReach(beside), there.score);
+  EXPECT_LT(judged(3.0).reached_share, 0.01);
+  EXPECT_EQ(ScoreWithinReach(judged(3.0)), judged(3.0).score);
 }
 
 TEST_F(SelectAChair, WhatMostViewsPullAwayLosesToWhatTheyConfirm) {

@@ -45,6 +45,7 @@ JsonValue ScoreToJson(const CandidateScore& score) {
   row.emplace("free_violation", score.free_violation);
   row.emplace("num_views", score.num_views);
   row.emplace("seen_share", score.seen_share);
+  row.emplace("reached_share", score.reached_share);
   row.emplace("note", score.note);
   JsonArray views;
   for (const ViewAgreement& view : score.views) views.push_back(AgreementToJson(view));
@@ -61,6 +62,8 @@ CandidateScore ReadScore(const JsonNode& row) {
   score.free_violation = row["free_violation"].Number();
   score.num_views = row["num_views"].Int(0, kMaxId);
   score.seen_share = row["seen_share"].Number();
+  if (const JsonNode reached = row.Maybe("reached_share"); reached.exists())
+    score.reached_share = reached.Number();
   score.note = row["note"].String();
   for (const JsonNode& view : row["views"].Items()) score.views.push_back(ReadAgreement(view));
   return score;

@@ -48,8 +48,14 @@ struct Equations {
   Vector7d gradient = Vector7d::Zero();
   int num_residuals = 0;
 
+  // Of the hessian the lower triangle, which is what Cholesky reads.
   void Add(const Vector7d& jacobian, double residual, double weight) {
-    hessian.noalias() += weight * jacobian * jacobian.transpose();
+    const Vector7d weighted = weight * jacobian;
+    for (int column = 0; column < 7; ++column) {
+      for (int row = column; row < 7; ++row) {
+        hessian(row, column) += weighted[row] * jacobian[column];
+      }
+    }
     gradient.noalias() += weight * residual * jacobian;
     ++num_residuals;
   }
@@ -304,9 +310,9 @@ PointMatch MatchPoint(const shape::ShapeModel& model,
                       const Eigen::Vector3f& point_camera,
                       const Eigen::Vector3f& normal_camera) {
   const Eigen::Vector3f x = (object_from_camera * point_camera.cast<double>()).cast<float>();
-  const Eigen::Vector3f gradient = model.Gradient(x);
+  const auto [distance, gradient] = model.At(x);
   const double length = gradient.norm();
-  const double distance_m = model.Distance(x) / object_from_camera.scale;
+  const double distance_m = distance / object_from_camera.scale;
   PointMatch match{.distance_m = std::abs(distance_m), .plane_residual_m = distance_m};
   if (length < 1e-3) return match;
   const Eigen::Vector3d normal = object_from_camera.rotation * normal_camera.cast<double>();

@@ -22,6 +22,7 @@ struct ViewAgreement {
   int num_seen = 0;      // rendered model pixels that the depth confirms or contradicts
   double coverage = 0;   // share of those confirmed
   double violation = 0;  // share of those where the ray goes on behind the model
+  double reached = 0;    // share of the object's points not far off the model; not stored
 };
 
 // Agreement of one candidate with all depth of its object.
@@ -33,6 +34,7 @@ struct CandidateScore {
   double free_violation = 0;  // rays that pass through solid model before their measured depth
   int num_views = 0;          // views registered
   double seen_share = 0;      // of the whole model's surface, what some view confirmed
+  double reached_share = 1;   // object's depth points that are not far off the model's surface
   std::string note;           // why it could not be scored, or what was unsure
   std::vector<ViewAgreement> views;  // in the order of the object's views
 };

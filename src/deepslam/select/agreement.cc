@@ -56,11 +56,17 @@ class PlacedModel {
         scale_m_(camera_from_object.scale),
         options_(options) {}
 
+  [[nodiscard]] double DistanceOf(const Eigen::Vector3d& point_camera) const {
+    return scale_m_ * std::abs(model_.Distance((object_from_camera_ * point_camera).cast<float>()));
+  }
+
   [[nodiscard]] double AgreementOf(const Eigen::Vector3d& point_camera) const {
-    const double distance_m =
-        scale_m_ * std::abs(model_.Distance((object_from_camera_ * point_camera).cast<float>()));
+    return AgreementAt(DistanceOf(point_camera), point_camera.z());
+  }
+
+  [[nodiscard]] double AgreementAt(double distance_m, double depth_m) const {
     const double tolerance_m =
-        options_.model_tolerance_m + 2 * DepthNoise(point_camera.z()) + 0.5 * kVoxelSize * scale_m_;
+        options_.model_tolerance_m + 2 * DepthNoise(depth_m) + 0.5 * kVoxelSize * scale_m_;
     return std::clamp(1.0 - (distance_m - tolerance_m) / options_.fade_m, 0.0, 1.0);
   }
 
@@ -164,10 +170,16 @@ ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
   const PlacedModel placed(model, camera_from_object, options);
   agreement.num_points = static_cast<int>(view.points_camera.size());
   double sum = 0;
+  int num_reached = 0;
   for (const Eigen::Vector3f& point : view.points_camera) {
-    sum += placed.AgreementOf(point.cast<double>());
+    const double distance_m = placed.DistanceOf(point.cast<double>());
+    sum += placed.AgreementAt(distance_m, point.z());
+    if (distance_m <= options.reach_m) ++num_reached;
   }
-  if (agreement.num_points > 0) agreement.surface = sum / agreement.num_points;
+  if (agreement.num_points > 0) {
+    agreement.surface = sum / agreement.num_points;
+    agreement.reached = static_cast<double>(num_reached) / agreement.num_points;
+  }
   AddCoverage(shape::RenderDepth(model, camera_from_object, view.camera), placed, view, agreement);
   return agreement;
 }

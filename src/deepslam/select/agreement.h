@@ -37,7 +37,8 @@ struct JudgedView {
 
 // Surface: each object point agrees fully within a tolerance of the model's surface
 // (model_tolerance + 2 sigma of the sensor at its depth + half a voxel) and fades to nothing over
-// `fade` beyond it.
+// `fade` beyond it. Reached: the points within `reach` of the surface; those further off may be of
+// something else that was cut out with the object.
 //
 // Coverage: every pixel of the rendered model is
 //   confirmed     if the point measured there, or in a neighbouring pixel, lies on the model by the

@@ -13,6 +13,7 @@ struct Evidence {
   double coverage = 0;   // C: share of the model's visible surface that the depth confirms
   double violation = 0;  // part of 1 - C: rays that pass through the model
   int num_views = 0;     // views that said anything
+  double reached = 0;    // R: share of the object's depth that is not far off the model
 };
 
 // Mean over views, each with the weight min(1, count / 100) of its points (S) or pixels (C): near
@@ -28,5 +29,9 @@ struct Evidence {
 // 2) with the excess of the gap between the model's bottom and the ground over its tolerance:
 // furniture stands. A model of which nothing can be judged (C unknown) gets half of S.
 [[nodiscard]] double ScoreOf(const Evidence& evidence, double ground_excess_m);
+
+// The score of a whole model if the object's depth out of its reach were of something else: S / R
+// in place of S.
+[[nodiscard]] double ScoreWithinReach(const CandidateScore& score);
 
 }  // namespace deepslam::select

@@ -22,6 +22,9 @@ constexpr double kScoreWidth = 0.08;
 constexpr double kWellSeenShare = 0.3;
 // Of a model seen less than this nearly all is the prior's word.
 constexpr double kHardlySeenShare = 0.12;
+// With less of an object's depth within its reach the model is one of two things cut out as one, or
+// not the thing.
+constexpr double kOwnShare = 0.75;
 // Directions of view within this angle are one side of an object.
 constexpr double kOneSideRad = 90 * kDegree;
 // Depth of a surface seen at a steeper angle than this is poor (Nguyen et al. 2012): the noise of a
@@ -96,26 +99,6 @@ std::vector<Eigen::Vector3d> CamerasOf(std::span<const ObjectView> views) {
   return cameras_world;
 }
 
-// What each candidate's score is compared with less: known before any depth is looked at.
-std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
-                              std::span<const CandidateRegistration> registrations,
-                              std::span<const ObjectView> views,
-                              const SelectOptions& options) {
-  const std::vector<Eigen::Vector3d> cameras_world = CamerasOf(views);
-  std::vector<double> handicaps;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Pose3& placed = registrations[i].world_from_object;
-    const bool is_fused = candidates[i].source == CandidateSource::kFused;
-    // A fused shape has no front of its own.
-    handicaps.push_back(
-        is_fused ? options.fused_margin + options.fused_handicap *
-                                              UnseenShare(GapsBetweenCameras(placed, cameras_world))
-                 : options.back_handicap *
-                       BackShown(placed.rotation, placed.translation_m, cameras_world));
-  }
-  return handicaps;
-}
-
 struct Ranked {
   std::size_t index = 0;
   double deciding = 0;
@@ -139,6 +122,53 @@ std::vector<bool> Placed(std::span<const CandidateRegistration> registrations) {
   for (const CandidateRegistration& registration : registrations)
     placed.push_back(registration.ok && 2 * NumRegistered(registration) >= most);
   return placed;
+}
+
+// How far the best of the whole models gets, and how far it would get if depth out of its reach
+// were of something else.
+struct WholeModels {
+  double score = 0;
+  double score_within_reach = 0;
+};
+
+WholeModels BestWhole(std::span<const ShapeCandidate> candidates,
+                      std::span<const CandidateScore> scores,
+                      std::span<const double> handicaps,
+                      const std::vector<bool>& placed) {
+  WholeModels best;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].source == CandidateSource::kFused || !placed[i]) continue;
+    best.score = std::max(best.score, scores[i].score - handicaps[i]);
+    best.score_within_reach =
+        std::max(best.score_within_reach, ScoreWithinReach(scores[i]) - handicaps[i]);
+  }
+  return best;
+}
+
+// What each candidate's score is compared with less.
+std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
+                              std::span<const CandidateRegistration> registrations,
+                              std::span<const CandidateScore> scores,
+                              std::span<const ObjectView> views,
+                              const SelectOptions& options) {
+  const std::vector<Eigen::Vector3d> cameras_world = CamerasOf(views);
+  std::vector<double> handicaps(candidates.size(), 0.0);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].source == CandidateSource::kFused) continue;  // has no front of its own
+    const Pose3& placed = registrations[i].world_from_object;
+    handicaps[i] =
+        options.back_handicap * BackShown(placed.rotation, placed.translation_m, cameras_world);
+  }
+  const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
+  const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].source != CandidateSource::kFused) continue;
+    const double unseen =
+        UnseenShare(GapsBetweenCameras(registrations[i].world_from_object, cameras_world));
+    handicaps[i] = std::min(options.fused_margin,
+                            options.fused_lead + options.fused_handicap * unseen + out_of_reach);
+  }
+  return handicaps;
 }
 
 // Placed candidates first, then by deciding score, then by id.
@@ -268,6 +298,11 @@ std::string Doubts(const MapObject& object,
   if (winner.source == CandidateSource::kFused) {
     AppendNote(note, "made of the measurement: sides nobody saw are missing");
   }
+  if (winner.source != CandidateSource::kFused && score.reached_share < kOwnShare) {
+    AppendNote(note,
+               std::to_string(std::lround(100 * (1 - score.reached_share))) +
+                   " % of what was cut out with it lies far from it: perhaps two things in one");
+  }
   if (score.score < options.good_score) AppendNote(note, "agrees poorly with the depth");
   return note;
 }
@@ -331,16 +366,26 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
                 {0, 10},
                 "m",
                 "gap between model and ground that is no fault");
-  visitor.Field("fused_margin",
-                options.fused_margin,
+  visitor.Field("reach",
+                options.reach_m,
+                {0.01, 10},
+                "m",
+                "depth further than this from a whole model may be of something else");
+  visitor.Field("fused_lead",
+                options.fused_lead,
                 {0, 1},
                 "1",
-                "taken off a fused candidate's score when candidates are compared");
+                "lead a fused candidate needs over whole models, by depth within their reach");
   visitor.Field("fused_handicap",
                 options.fused_handicap,
                 {0, 1},
                 "1",
                 "and this, when it was seen from one side; less, the further round the views go");
+  visitor.Field("fused_margin",
+                options.fused_margin,
+                {0, 1},
+                "1",
+                "lead that is enough for a fused candidate, whatever depth it comes from");
   visitor.Field("back_handicap",
                 options.back_handicap,
                 {0, 1},
@@ -387,6 +432,7 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
   const Evidence evidence = Pool(score.views);
   score.surface_share = evidence.surface;
   score.coverage_share = evidence.coverage;
+  score.reached_share = evidence.reached;
   score.free_violation = evidence.violation;
   score.num_views = NumRegistered(registration);
   double excess_m = 0;
@@ -413,7 +459,8 @@ MapObject SelectShape(ObjectId id,
   MapObject object;
   object.id = id;
   object.class_name = class_name;
-  const std::vector<double> handicaps = Handicaps(candidates, registrations, views, options);
+  const std::vector<double> handicaps =
+      Handicaps(candidates, registrations, scores, views, options);
   const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, handicaps);
   for (const Ranked& entry : ranked) object.scores.push_back(scores[entry.index]);
   object.history = GreedyHistory(candidates, registrations, scores, views, handicaps);

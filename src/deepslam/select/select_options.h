@@ -16,15 +16,19 @@ struct SelectOptions {
   double fade_m = 0.03;  // beyond the tolerance agreement fades to nothing over this length
   double ground_tolerance_m =
       0.05;  // gap between the model's bottom and the ground that is no fault
-  // Subtracted from the score of a fused candidate when candidates are compared: it is made of the
-  // depth it is judged by, noise included, and of whatever else was cut out with the object.
+  // Depth further than this from a whole model may be of something else that was cut out with it.
+  double reach_m = 0.15;
+  // By how much a fused candidate has to lead the whole models: it is made of the depth it is
+  // judged by, noise included. Depth out of a whole model's reach does not count against it here.
+  double fused_lead = 0.05;
+  // ... and by this more, when it was seen from one side: it holds nothing of the sides nobody saw.
+  // In proportion to the directions nobody saw well: nothing is left of it where the cameras went
+  // all round.
+  double fused_handicap = 0.2;
+  // A lead of this much over the whole models is enough, whatever depth it comes from.
   double fused_margin = 0.25;
-  // ... and this, when it was seen from one side: it holds nothing of the sides nobody saw. In
-  // proportion to the directions nobody saw well: nothing is left of it where the cameras went all
-  // round.
-  double fused_handicap = 0;
-  // ... and this, off one that turns its back to all cameras: where depth cannot tell front from
-  // back, furniture faces where people go.
+  // Subtracted from the score of a candidate that turns its back to all cameras: where depth cannot
+  // tell front from back, furniture faces where people go.
   double back_handicap = 0.03;
   double good_score = 0.6;           // score at which an object is as likely right as wrong
   double full_confidence_views = 4;  // views at which their number no longer limits the confidence

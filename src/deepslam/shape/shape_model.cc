@@ -112,27 +112,17 @@ ShapeModel::Sample ShapeModel::SampleInside(const Eigen::Vector3f& p_object) con
   return {sample.value, sample.gradient * static_cast<float>(kGridSize)};
 }
 
-float ShapeModel::Distance(const Eigen::Vector3f& p_object) const {
-  if (empty() || !p_object.allFinite()) return kEmptyDistance;
+ShapeModel::Sample ShapeModel::At(const Eigen::Vector3f& p_object) const {
+  if (empty() || !p_object.allFinite()) return {kEmptyDistance, Eigen::Vector3f::Zero()};
   constexpr float kLimit = 0.5F - 0.5F * kVoxel;  // centres of the outermost voxels
   const Eigen::Vector3f inside = p_object.cwiseMax(-kLimit).cwiseMin(kLimit);
   const Sample sample = SampleInside(inside);
-  if (inside == p_object) return sample.distance;
+  if (inside == p_object) return sample;
   // Beyond the cube: distance to the surface point nearest to the cube's rim.
   const float length = std::max(sample.gradient.norm(), 1e-6F);
   const Eigen::Vector3f nearest = inside - sample.distance / length * sample.gradient;
-  return (p_object - nearest).norm();
-}
-
-Eigen::Vector3f ShapeModel::Gradient(const Eigen::Vector3f& p_object) const {
-  if (empty() || !p_object.allFinite()) return Eigen::Vector3f::Zero();
-  constexpr float kLimit = 0.5F - 0.5F * kVoxel;
-  const Eigen::Vector3f inside = p_object.cwiseMax(-kLimit).cwiseMin(kLimit);
-  const Sample sample = SampleInside(inside);
-  if (inside == p_object) return sample.gradient;
-  const float length = std::max(sample.gradient.norm(), 1e-6F);
-  const Eigen::Vector3f nearest = inside - sample.distance / length * sample.gradient;
-  return (p_object - nearest).normalized();
+  const Eigen::Vector3f away = p_object - nearest;
+  return {away.norm(), away.normalized()};
 }
 
 }  // namespace deepslam::shape

@@ -28,10 +28,19 @@ class ShapeModel {
   // Unit outward normals of the surface points.
   [[nodiscard]] std::span<const Eigen::Vector3f> surface_normals() const { return normals_; }
   // Signed distance to the surface, > 0 outside, < 0 inside; trilinear between voxel centres (exact
-  // Euclidean there), also beyond the cube. A large positive constant for an empty model.
-  [[nodiscard]] float Distance(const Eigen::Vector3f& p_object) const;
-  // Derivative of Distance; about unit length near the surface, zero for an empty model.
-  [[nodiscard]] Eigen::Vector3f Gradient(const Eigen::Vector3f& p_object) const;
+  // Euclidean there), also beyond the cube. A large positive constant for an empty model. With its
+  // derivative: about unit length near the surface, zero for an empty model.
+  struct Sample {
+    float distance;
+    Eigen::Vector3f gradient;
+  };
+  [[nodiscard]] Sample At(const Eigen::Vector3f& p_object) const;
+  [[nodiscard]] float Distance(const Eigen::Vector3f& p_object) const {
+    return At(p_object).distance;
+  }
+  [[nodiscard]] Eigen::Vector3f Gradient(const Eigen::Vector3f& p_object) const {
+    return At(p_object).gradient;
+  }
   // Signed distance at the centre of a voxel, object units.
   [[nodiscard]] float DistanceAt(int i, int j, int k) const {
     return field_[VoxelGrid::Index(i, j, k)];
@@ -46,10 +55,6 @@ class ShapeModel {
   [[nodiscard]] bool empty() const { return points_.empty(); }
 
  private:
-  struct Sample {
-    float distance;
-    Eigen::Vector3f gradient;
-  };
   [[nodiscard]] Sample SampleInside(const Eigen::Vector3f& p_object) const;
 
   VoxelGrid grid_;
