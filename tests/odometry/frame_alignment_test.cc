@@ -153,6 +153,35 @@ TEST(AlignFrames, StaysAtThePlaceAlongALightWallOverADarkFloor) {
   }
 }
 
+// Depth in steps of an eighth of a pixel of disparity, as a Kinect's.
+Frame InSteps(Frame frame) {
+  constexpr float kStepsTimesM = 580 * 0.075F * 8;
+  for (float& z : frame.depth_m) {
+    if (z > 0) z = kStepsTimesM / std::round(kStepsTimesM / z);
+  }
+  return frame;
+}
+
+// The steps form ridges on a bare wall that stay with the camera when it turns. Depth alone must
+// not take them for the wall's.
+TEST(AlignFrames, DepthAloneHoldsStillAlongABareWall) {
+  BoxWorld hall;
+  hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
+  const Pose3 world_from_i = LookAt({0, 0, 1.5}, {0.3, 2.6, 0.9});
+  const Frame i = InSteps(RenderFrame(hall, world_from_i, 1, 1));
+  for (const double turn_m : {-0.13, 0.13}) {
+    const Pose3 world_from_j = LookAt({0.03, 0, 1.5}, {0.3 + turn_m, 2.6, 0.9});
+    const Frame j = InSteps(RenderFrame(hall, world_from_j, 1, 2));
+    const Pose3 i_from_j = world_from_i.Inverse() * world_from_j;
+    const FrameAlignment alignment = AlignFrames(i, j, kSmallCamera, i_from_j, GeometryOnly());
+    EXPECT_TRUE(alignment.ok) << turn_m;
+    EXPECT_TRUE(alignment.degenerate) << turn_m;
+    EXPECT_THAT(alignment.i_from_j, PoseNear(i_from_j, 0.01, 0.3)) << turn_m;
+    // x of the camera is along the wall: no surer than the start.
+    EXPECT_GT(std::sqrt(alignment.information.inverse()(0, 0)), 0.1) << turn_m;
+  }
+}
+
 // Where the images' texture does not lie on itself, it says nothing about the place.
 TEST(AlignFrames, TextureBesideItselfGivesNoInformation) {
   BoxWorld hall;
