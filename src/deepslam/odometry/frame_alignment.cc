@@ -26,14 +26,14 @@ constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the c
 constexpr StartSigma kPrior;
 // Convergence: steps that move points at this distance by less than this share of a pixel of the
 // level.
-constexpr double kConvergedPx = 0.015;
+constexpr double kConvergedPx = 0.03;
 constexpr double kConvergedDistanceM = 2.0;
 // Descents closer together than this converge to the same place.
 constexpr double kSamePlaceM = 0.005;
 constexpr double kSamePlaceRad = 0.005;
 // Depth errors are shared between neighbouring texels (see `correlation_length_px`): at levels of
 // this width little is lost by leaving out every second row and column.
-constexpr int kWideLevel = 240;
+constexpr int kWideLevel = 120;
 constexpr int kWideStride = 2;
 // Places along open directions are compared on every second row and column of the coarsest level.
 constexpr int kSearchStride = 2;
@@ -47,8 +47,8 @@ constexpr double kOpenRatio = 0.02;
 // sensor's disparity, which stay with the camera as it moves.
 constexpr double kUnseenRatio = 0.003;
 // Steps along an open direction, pixels of the coarsest level, to each side.
-constexpr double kOpenStepPx = 0.75;
-constexpr int kNumOpenSteps = 10;
+constexpr double kOpenStepPx = 1.5;
+constexpr int kNumOpenSteps = 5;
 // Images share no more than this of their variance, the camera's noise being what it is.
 constexpr double kFullCorrelation = 0.999;
 // A likelihood ratio of exp(6), 400 : 1, among some twenty places.
