@@ -26,14 +26,16 @@ constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the c
 constexpr StartSigma kPrior;
 // Convergence: steps that move points at this distance by less than this share of a pixel of the
 // level.
-constexpr double kConvergedPx = 0.03;
+constexpr double kConvergedPx = 0.015;
 constexpr double kConvergedDistanceM = 2.0;
 // Descents closer together than this converge to the same place.
 constexpr double kSamePlaceM = 0.005;
 constexpr double kSamePlaceRad = 0.005;
 // Depth errors are shared between neighbouring texels (see `correlation_length_px`): at levels of
 // this width little is lost by leaving out every second row and column.
-constexpr int kWideLevel = 120;
+constexpr int kWideLevel = 240;
+// ... and nothing at levels of this width that a finer one follows.
+constexpr int kWideMiddleLevel = 120;
 constexpr int kWideStride = 2;
 // Places along open directions are compared on every second row and column of the coarsest level.
 constexpr int kSearchStride = 2;
@@ -47,8 +49,8 @@ constexpr double kOpenRatio = 0.02;
 // sensor's disparity, which stay with the camera as it moves.
 constexpr double kUnseenRatio = 0.003;
 // Steps along an open direction, pixels of the coarsest level, to each side.
-constexpr double kOpenStepPx = 1.5;
-constexpr int kNumOpenSteps = 5;
+constexpr double kOpenStepPx = 0.75;
+constexpr int kNumOpenSteps = 10;
 // Images share no more than this of their variance, the camera's noise being what it is.
 constexpr double kFullCorrelation = 0.999;
 // A likelihood ratio of exp(6), 400 : 1, among some twenty places.
@@ -66,7 +68,9 @@ double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int
   return std::max(1.0, length_px * length_px);
 }
 
-int Stride(const PyramidLevel& level) { return level.camera.width >= kWideLevel ? kWideStride : 1; }
+int Stride(const PyramidLevel& level, int wide_px = kWideLevel) {
+  return level.camera.width >= wide_px ? kWideStride : 1;
+}
 
 std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
   std::size_t count = 1;
@@ -467,7 +471,8 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     gates.photometric_scale = 2 * descent.gates.photometric_scale;
     gates.gain = descent.gates.gain;
     gates.bias = descent.gates.bias;
-    gates.stride = Stride(j.levels[level]);
+    const bool is_last = level == 0;
+    gates.stride = Stride(j.levels[level], is_last ? kWideLevel : kWideMiddleLevel);
     descent.gates = gates;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
