@@ -38,7 +38,7 @@ SlurmdTimeout=10
 SlurmctldTimeout=60
 MessageTimeout=5
 KillWait=10
-MinJobAge=300
+MinJobAge=3600
 SchedulerParameters=sched_interval=5,batch_sched_delay=1
 {nodes}
 PartitionName=test Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
