@@ -5,9 +5,10 @@ pose graph for each.
     V/bin/python scripts/open3d_reconstruction.py CAPTURE POSES.tum     # V as for scripts/compare_open3d.py, and
                                                                         # V/bin/pip install opencv-python-headless
 Within a fragment each frame is aligned to the one before it, and every fifth to every other fifth where ORB corners find
-a start; fragments are fused (TSDF), neighbours start from odometry, others from FPFH features by RANSAC, and all are
+a start; a fragment's cloud is that of its every fifth frame, averaged in voxels of 6 mm (the examples extract it from a
+TSDF, which came out empty in Open3D 0.20.0); neighbours start from odometry, others from FPFH features by RANSAC, and all are
 refined by coloured ICP on three scales. Options are those of the examples' default configuration, but for the largest
-depth, which is deepslam's. CAPTURE as for compare_open3d.py, which calls this. Prints times and counts as JSON.
+depth, which is deepslam's. CAPTURE as for compare_open3d.py. Prints times and counts as JSON.
 """
 import argparse
 import json
@@ -22,7 +23,7 @@ import open3d as o3d
 from compare_open3d import MAX_DEPTH_M, quaternion, read_capture
 
 FRAGMENT, KEYFRAME = 100, 5
-MAX_DEPTH_DIFF_M, VOXEL_M, TSDF_VOXEL_M, TSDF_TRUNCATION_M = 0.07, 0.05, 3.0 / 512, 0.04
+MAX_DEPTH_DIFF_M, VOXEL_M = 0.07, 0.05
 REGISTRATION = o3d.pipelines.registration
 
 
@@ -115,13 +116,11 @@ def make_fragment(capture, begin, end, random):
             elif ok:
                 graph.edges.append(REGISTRATION.PoseGraphEdge(s, t, pose, information, uncertain=True))
     optimize(graph, 0.1)
-    volume = o3d.pipelines.integration.ScalableTSDFVolume(
-        voxel_length=TSDF_VOXEL_M, sdf_trunc=TSDF_TRUNCATION_M,
-        color_type=o3d.pipelines.integration.TSDFVolumeColorType.RGB8)
-    poses = [node.pose for node in graph.nodes]
-    for k, pose in enumerate(poses):
-        volume.integrate(capture.rgbd(begin + k, False), capture.camera, np.linalg.inv(pose))
-    return poses, volume.extract_point_cloud()
+    poses, cloud = [node.pose for node in graph.nodes], o3d.geometry.PointCloud()
+    for k in keys:
+        seen = o3d.geometry.PointCloud.create_from_rgbd_image(capture.rgbd(begin + k, False), capture.camera)
+        cloud += seen.transform(poses[k])
+    return poses, cloud.voxel_down_sample(VOXEL_M / 8)
 
 
 def coloured_icp(source, target, start):
