@@ -16,11 +16,16 @@ import pathlib
 import resource
 import time
 
-import cv2
-import numpy as np
-import open3d as o3d
-
 from compare_open3d import MAX_DEPTH_M, quaternion, read_capture
+
+PARSER = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+PARSER.add_argument("capture", type=pathlib.Path)
+PARSER.add_argument("poses", type=pathlib.Path)
+ARGUMENTS = PARSER.parse_args()  # before the imports, so that the help needs nothing installed
+
+import cv2  # noqa: E402
+import numpy as np  # noqa: E402
+import open3d as o3d  # noqa: E402
 
 FRAGMENT, KEYFRAME = 100, 5
 MAX_DEPTH_DIFF_M, VOXEL_M = 0.07, 0.05
@@ -181,10 +186,7 @@ def register_fragments(fragments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("capture", type=pathlib.Path)
-    parser.add_argument("poses", type=pathlib.Path)
-    args = parser.parse_args()
+    args = ARGUMENTS
     begin_wall, begin = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF)
     o3d.utility.random.seed(1)
     random, capture = np.random.default_rng(1), Capture(args.capture)
