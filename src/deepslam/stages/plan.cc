@@ -134,7 +134,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 6, {}, {"track"}, kFrames, RunTrack);
+  add("track", 7, {}, {"track"}, kFrames, RunTrack);
   add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       2,
@@ -156,19 +156,19 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses | kLibrary,
       RunPropose);
   add("register",
-      3,
+      4,
       {"track", "ground", "segment", "associate", "propose"},
       {"views", "register"},
       kFrames,
       RunRegister);
   add("select",
-      4,
+      5,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "select"},
       kFrames | kChoices,
       RunSelect);
   add("loops",
-      5,
+      6,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track", "views", "register", "select", "loops", "loops.appearance", "optimize"},
       kFrames | kChoices,
