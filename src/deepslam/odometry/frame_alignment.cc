@@ -90,6 +90,26 @@ std::optional<Vector6d> ArcScale(const Matrix6d& hessian) {
   return scale;
 }
 
+// Eigenvalues, ascending, and directions of a Hessian of a perturbation in metres.
+struct ArcSpectrum {
+  Vector6d scale;
+  Vector6d values;
+  Matrix6d directions;
+
+  // Back to a perturbation.
+  [[nodiscard]] Vector6d Perturbation(const Vector6d& motion_m) const {
+    return scale.cwiseInverse().cwiseProduct(motion_m);
+  }
+};
+
+std::optional<ArcSpectrum> SpectrumByArc(const Matrix6d& hessian) {
+  const std::optional<Vector6d> scale = ArcScale(hessian);
+  if (!scale) return std::nullopt;
+  const Eigen::DiagonalMatrix<double, 6> by_arc(scale->cwiseInverse());
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(by_arc * hessian * by_arc);
+  return ArcSpectrum{*scale, eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
 bool SeesImages(const AlignmentSystem& system) {
   return system.num_photometric >= kMinPhotometricResiduals;
 }
@@ -109,25 +129,20 @@ double MeanDepthM(const PyramidLevel& level) {
 class Unseen {
  public:
   Unseen() = default;
-  explicit Unseen(const Matrix6d& hessian) {
-    const std::optional<Vector6d> scale = ArcScale(hessian);
-    if (!scale) return;
-    scale_ = *scale;
-    const Eigen::DiagonalMatrix<double, 6> by_arc(scale_.cwiseInverse());
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(by_arc * hessian * by_arc);
-    while (num_ < 6 && eigen.eigenvalues()[num_] < kUnseenRatio * eigen.eigenvalues()[5]) ++num_;
-    directions_ = eigen.eigenvectors();
+  explicit Unseen(const Matrix6d& hessian) : spectrum_(SpectrumByArc(hessian)) {
+    if (!spectrum_) return;
+    while (num_ < 6 && spectrum_->values[num_] < kUnseenRatio * spectrum_->values[5]) ++num_;
   }
   [[nodiscard]] bool empty() const { return num_ == 0; }
   [[nodiscard]] Vector6d Part(const Vector6d& motion) const {
-    const auto basis = directions_.leftCols(num_);
-    const Vector6d arc = basis * (basis.transpose() * scale_.cwiseProduct(motion));
-    return arc.cwiseQuotient(scale_);
+    if (empty()) return Vector6d::Zero();
+    const auto basis = spectrum_->directions.leftCols(num_);
+    const Vector6d motion_m = spectrum_->scale.cwiseProduct(motion);
+    return spectrum_->Perturbation(basis * (basis.transpose() * motion_m));
   }
 
  private:
-  Matrix6d directions_ = Matrix6d::Identity();
-  Vector6d scale_ = Vector6d::Ones();
+  std::optional<ArcSpectrum> spectrum_;
   int num_ = 0;
 };
 
@@ -187,7 +202,7 @@ bool Descend(const PyramidLevel& i,
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
     TakeScales(descent.system, descent.gates);
     const Vector6d free = Step(descent, correlation);
-    const Vector6d step = descent.held.empty() ? free : Vector6d(free - descent.held.Part(free));
+    const Vector6d step = free - descent.held.Part(free);
     descent.i_from_j = V2t(step) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
     if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
@@ -246,13 +261,11 @@ double Support(const PyramidLevel& i,
 // perturbation whose rotations count by their arc at the mean distance.
 std::vector<Vector6d> OpenDirections(const AlignmentSystem& system) {
   const Matrix6d geometric = system.hessian - system.photometric_hessian;
-  const std::optional<Vector6d> scale = ArcScale(geometric);
-  if (!scale) return {};
-  const Eigen::DiagonalMatrix<double, 6> by_arc(scale->cwiseInverse());
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(by_arc * geometric * by_arc);
+  const std::optional<ArcSpectrum> spectrum = SpectrumByArc(geometric);
+  if (!spectrum) return {};
   std::vector<Vector6d> open;
-  for (int k = 0; k < 3 && eigen.eigenvalues()[k] < kOpenRatio * eigen.eigenvalues()[5]; ++k)
-    open.emplace_back(by_arc * eigen.eigenvectors().col(k));
+  for (int k = 0; k < 3 && spectrum->values[k] < kOpenRatio * spectrum->values[5]; ++k)
+    open.push_back(spectrum->Perturbation(spectrum->directions.col(k)));
   return open;
 }
 
@@ -385,19 +398,17 @@ JudgedHessian Judge(const AlignmentSystem& system,
       (system.hessian - photometric) /
           CorrelationFactor(finest, options.correlation_length_px, stride) +
       photometric / CorrelationFactor(finest, options.photometric_correlation_length_px, stride);
-  const std::optional<Vector6d> scale = ArcScale(raw);
-  if (!scale) return {};
-  const Matrix6d scaled =
-      scale->cwiseInverse().asDiagonal() * raw * scale->cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-  Vector6d values = eigen.eigenvalues().cwiseMax(0.0);
+  const std::optional<ArcSpectrum> spectrum = SpectrumByArc(raw);
+  if (!spectrum) return {};
+  const Matrix6d& directions = spectrum->directions;
+  const Vector6d& scale = spectrum->scale;
+  Vector6d values = spectrum->values.cwiseMax(0.0);
   const double ratio = values[5] > 0 ? values[0] / values[5] : 0;
   const double least = SeesImages(system) ? 0 : kUnseenRatio * values[5];
   for (int k = 0; k < 6 && values[k] < least; ++k)
-    values[k] = InformationOfStart(eigen.eigenvectors().col(k), *scale, start_sigma);
-  const Matrix6d clamped =
-      eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-  return {scale->asDiagonal() * clamped * scale->asDiagonal(), ratio};
+    values[k] = InformationOfStart(directions.col(k), scale, start_sigma);
+  const Matrix6d clamped = directions * values.asDiagonal() * directions.transpose();
+  return {scale.asDiagonal() * clamped * scale.asDiagonal(), ratio};
 }
 
 Matrix6d Information(const Matrix6d& left, const Pose3& i_from_j, const AlignmentOptions& options) {
