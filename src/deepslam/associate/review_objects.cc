@@ -12,6 +12,8 @@ namespace {
 constexpr double kPartShare = 0.7;
 // How much nearer than an object a measured surface must be to hide it.
 constexpr double kHides_m = 0.15;
+// A box of which the other covers this share lies in it.
+constexpr double kContainedShare = 0.9;
 constexpr double kSeenShare = 0.5;  // share of an object's points that must be in sight
 constexpr std::size_t kNumProbes = 100;
 
@@ -57,19 +59,40 @@ void Absorb(ObjectHypothesis& kept,
   }
 }
 
-bool AreSeenTogether(const ObjectHypothesis& a, const ObjectHypothesis& b) {
-  return std::any_of(a.members.begin(), a.members.end(), [&](const TrackMember& member) {
-    return b.IsSeenIn(member.frame);
-  });
+const Segment& SegmentOf(const ObjectHypothesis& object,
+                         std::size_t member,
+                         const std::vector<Observation>& all) {
+  return *all[static_cast<std::size_t>(object.observations[member])].segment;
+}
+
+// Two boxes of which one lies in the other may be a thing and a half of it, detected twice.
+bool StandSideBySide(const Box2& a_px, const Box2& b_px) {
+  const double smaller_px = std::min(a_px.area_px(), b_px.area_px());
+  return Intersection(a_px, b_px).area_px() < kContainedShare * smaller_px;
+}
+
+// Whether a frame shows both, side by side: then they are two.
+bool AreSeenApart(const ObjectHypothesis& a,
+                  const ObjectHypothesis& b,
+                  const std::vector<Observation>& all) {
+  for (std::size_t m = 0; m < a.members.size(); ++m) {
+    const Segment& of_a = SegmentOf(a, m, all);
+    for (std::size_t n = 0; n < b.members.size(); ++n) {
+      const Segment& of_b = SegmentOf(b, n, all);
+      if (of_a.frame == of_b.frame && StandSideBySide(of_a.box_px, of_b.box_px)) return true;
+    }
+  }
+  return false;
 }
 
 enum class Relation { kApart, kSame, kPart };
 
 Relation Compare(const ObjectHypothesis& a,
                  const ObjectHypothesis& b,
+                 const std::vector<Observation>& all,
                  const AssociateOptions& options) {
-  // Drift sets apart what was never seen in one frame.
-  const bool drift = a.class_name == b.class_name && !AreSeenTogether(a, b);
+  // Drift sets apart what was never seen side by side.
+  const bool drift = a.class_name == b.class_name && !AreSeenApart(a, b, all);
   const double reach_m = drift ? options.max_dissimilarity_m : options.voxel_m;
   const double a_in_b = ShareNear(a.cloud_world, b.cloud_world, reach_m);
   const double b_in_a = ShareNear(b.cloud_world, a.cloud_world, reach_m);
@@ -124,7 +147,7 @@ void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
     changed = false;
     for (std::size_t a = 0; a < objects.size() && !changed; ++a) {
       for (std::size_t b = a + 1; b < objects.size() && !changed; ++b) {
-        const Relation relation = Compare(objects[a], objects[b], options);
+        const Relation relation = Compare(objects[a], objects[b], all, options);
         if (relation == Relation::kApart) continue;
         std::size_t gone = b;
         if (relation == Relation::kSame) {

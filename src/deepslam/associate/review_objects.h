@@ -21,7 +21,8 @@ inline constexpr int kSightStep = 8;
 [[nodiscard]] DepthImage CoarseDepth(const DepthImage& depth_m);
 
 // Merges objects that fill the same space, into the lower id; where both were seen in a frame the
-// better detection stays. An object of another class that lies inside a larger, better seen one is
+// better detection stays. What was never seen side by side may be apart by drift; a box within the
+// other is no side. An object of another class that lies inside a larger, better seen one is
 // dissolved. Rejections are appended.
 void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
                      std::vector<Observation>& all,

@@ -444,6 +444,7 @@ FrameAlignment Conclude(const Descent& descent,
   result.overlap = system.num_overlap / num_source;
   result.inside = system.num_inside / num_source;
   result.constraint_ratio = judged.ratio;
+  result.held = !descent.held.empty();
   result.degenerate = judged.ratio < options.degenerate_ratio;
   result.agreement = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
   const bool has_colour = SeesImages(system);

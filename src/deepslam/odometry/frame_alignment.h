@@ -45,6 +45,7 @@ void Describe(OptionsVisitor& visitor, AlignmentOptions& options);
 struct FrameAlignment {
   bool ok = false;          // otherwise the rest is the best found, not to be trusted
   bool degenerate = false;  // aligned, but a direction is weakly constrained
+  bool held = false;        // a direction that nothing measures stayed as the first start has it
   Pose3 i_from_j;
   // Information of t2v(measured^-1 * true), order (translation m; rotation rad), positive definite:
   // ((sum over both terms of J^T W J / k)^-1 + F)^-1 with J at the solution, correspondences fixed

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <span>
 
 #include <Eigen/Geometry>
+
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -151,21 +154,74 @@ std::vector<float> ReduceDepth(const float* depth,
   return result;
 }
 
-// One tap of the smoothing window for a whole row; depth 0 is too far off to get weight.
-void AddTap(const float* centre,
-            const float* tap,
-            const float* inverse_tolerance_sq,
-            float weight,
-            int begin,
-            int end,
-            float* sum,
-            float* sum_weight) {
+// Sums of a row of the smoothing window over a row of texels.
+struct WindowSums {
+  explicit WindowSums(std::size_t width)
+      : inverse_tolerance_sq(width), difference(width), weight(width) {}
+  std::vector<float> inverse_tolerance_sq, difference, weight;
+};
+
+// One tap for columns begin ... end - 1; depth 0 is too far off to get weight.
+void AddTap(
+    const float* centre, const float* tap, float tap_weight, int begin, int end, WindowSums& sums) {
+  const float* const inverse_tolerance_sq = sums.inverse_tolerance_sq.data();
+  float* const sum = sums.difference.data();
+  float* const sum_weight = sums.weight.data();
+#pragma GCC ivdep
   for (int u = begin; u < end; ++u) {
     const float difference = tap[u] - centre[u];
     const float w =
-        weight * std::max(0.0F, 1.0F - difference * difference * inverse_tolerance_sq[u]);
+        tap_weight * std::max(0.0F, 1.0F - difference * difference * inverse_tolerance_sq[u]);
     sum[u] += w * difference;
     sum_weight[u] += w;
+  }
+}
+
+// All taps of a row of the usual window at once, where none falls outside: sums stay in registers.
+void AddUsualTaps(
+    const float* centre, const float* row, const float* tap_weights, int width, WindowSums& sums) {
+  const float* const inverse_tolerance_sq = sums.inverse_tolerance_sq.data();
+  float* const sum = sums.difference.data();
+  float* const sum_weight = sums.weight.data();
+  static_assert(kWindowRadius == 2);
+  const float w0 = tap_weights[0], w1 = tap_weights[1], w2 = tap_weights[2], w3 = tap_weights[3],
+              w4 = tap_weights[4];
+#pragma GCC ivdep
+  for (int u = kWindowRadius; u < width - kWindowRadius; ++u) {
+    const float middle = centre[u], inverse = inverse_tolerance_sq[u];
+    float of_row = sum[u], weight_of_row = sum_weight[u];
+    const auto add = [&](float depth, float tap_weight) {
+      const float difference = depth - middle;
+      const float w = tap_weight * std::max(0.0F, 1.0F - difference * difference * inverse);
+      of_row += w * difference;
+      weight_of_row += w;
+    };
+    add(row[u - 2], w0);
+    add(row[u - 1], w1);
+    add(row[u], w2);
+    add(row[u + 1], w3);
+    add(row[u + 2], w4);
+    sum[u] = of_row;
+    sum_weight[u] = weight_of_row;
+  }
+}
+
+// Taps `row`[u - radius] ... [u + radius] for every column u.
+void AddTaps(const float* centre,
+             const float* row,
+             const std::vector<float>& tap_weights,
+             int width,
+             WindowSums& sums) {
+  const int radius = static_cast<int>(tap_weights.size() / 2);
+  const bool usual = radius == kWindowRadius && width > 2 * radius;
+  if (usual) AddUsualTaps(centre, row, tap_weights.data(), width, sums);
+  for (int du = -radius; du <= radius; ++du) {
+    const float weight = tap_weights[static_cast<std::size_t>(du + radius)];
+    const int begin = std::min(width, std::max(0, -du));
+    const int end = std::max(begin, std::min(width, width - du));
+    const int left = usual ? radius : end, right = usual ? width - radius : end;
+    AddTap(centre, row + du, weight, begin, std::min(left, end), sums);
+    AddTap(centre, row + du, weight, std::max(begin, right), end, sums);
   }
 }
 
@@ -183,37 +239,31 @@ std::vector<float> SmoothDepth(const std::vector<float>& depth,
   const DepthNoise noise = model.Scaled(noise_scale);
   const int radius = WindowRadius(noise_scale);
   const float spread = 4.5F * static_cast<float>(noise_scale);
-  const int width = camera.width;
-  const std::size_t row_size = static_cast<std::size_t>(width);
+  const std::size_t width = static_cast<std::size_t>(camera.width);
   std::vector<float> result(depth.size());
-  std::vector<float> inverse_tolerance_sq(row_size), sum(row_size), sum_weight(row_size);
+  WindowSums sums(width);
+  std::vector<float> tap_weights(static_cast<std::size_t>(2 * radius + 1));
   for (int v = 0; v < camera.height; ++v) {
     const float* centre = depth.data() + Offset(camera, 0, v);
-    for (std::size_t u = 0; u < row_size; ++u) {
+    for (std::size_t u = 0; u < width; ++u) {
       // The tolerance stays below the depth itself, so that invalid neighbours get no weight.
       const float tolerance =
           std::min(kSameSurfaceSigmas * noise.SigmaM(centre[u]), 0.5F * centre[u] + 1e-6F);
-      inverse_tolerance_sq[u] = 1.0F / (tolerance * tolerance);
-      sum[u] = 0;
-      sum_weight[u] = 1e-6F;
+      sums.inverse_tolerance_sq[u] = 1.0F / (tolerance * tolerance);
+      sums.difference[u] = 0;
+      sums.weight[u] = 1e-6F;
     }
     for (int dv = -radius; dv <= radius; ++dv) {
       if (v + dv < 0 || v + dv >= camera.height) continue;
       for (int du = -radius; du <= radius; ++du) {
-        const float weight = std::exp(-static_cast<float>(du * du + dv * dv) / spread);
-        AddTap(centre,
-               centre + static_cast<std::ptrdiff_t>(dv) * width + du,
-               inverse_tolerance_sq.data(),
-               weight,
-               std::min(width, std::max(0, -du)),
-               std::max(0, std::min(width, width - du)),
-               sum.data(),
-               sum_weight.data());
+        tap_weights[static_cast<std::size_t>(du + radius)] =
+            std::exp(-static_cast<float>(du * du + dv * dv) / spread);
       }
+      AddTaps(centre, depth.data() + Offset(camera, 0, v + dv), tap_weights, camera.width, sums);
     }
     float* out = result.data() + Offset(camera, 0, v);
-    for (std::size_t u = 0; u < row_size; ++u) {
-      out[u] = centre[u] > 0 ? centre[u] + sum[u] / sum_weight[u] : 0.0F;
+    for (std::size_t u = 0; u < width; ++u) {
+      out[u] = centre[u] > 0 ? centre[u] + sums.difference[u] / sums.weight[u] : 0.0F;
     }
   }
   return result;
@@ -298,18 +348,23 @@ void ComputeGradients(PyramidLevel& level) {
   }
 }
 
-int Luma(const Rgb8& pixel) { return 77 * pixel.r + 150 * pixel.g + 29 * pixel.b; }
+// Adds a row's bytes to the sums of the rows before: whole vectors of them, whatever the channel.
+void AddBytes(const Rgb8* row, std::vector<std::uint16_t>& sums) {
+  static_assert(sizeof(Rgb8) == 3);
+  const std::uint8_t* const bytes = &row->r;
+  for (std::size_t n = 0; n < sums.size(); ++n)
+    sums[n] = static_cast<std::uint16_t>(sums[n] + bytes[n]);
+}
 
-// Adds `factor` pixels to each sum; 2, the factor of VGA, unrolled.
-void AddLuma(const Rgb8* pixel, int factor, std::vector<int>& sums) {
-  if (factor == 2) {
-    for (std::size_t k = 0; k < sums.size(); ++k)
-      sums[k] += Luma(pixel[2 * k]) + Luma(pixel[2 * k + 1]);
-    return;
+// Luma of `factor` pixels next to each other, in 1/256.
+int Luma(const std::uint16_t* rgb, int factor) {
+  int r = 0, g = 0, b = 0;
+  for (int du = 0; du < factor; ++du) {
+    r += rgb[3 * du];
+    g += rgb[3 * du + 1];
+    b += rgb[3 * du + 2];
   }
-  for (int& sum : sums) {
-    for (int du = 0; du < factor; ++du) sum += Luma(*pixel++);
-  }
+  return 77 * r + 150 * g + 29 * b;
 }
 
 std::vector<IntensityTexel> ReduceColour(const ColourImage& colour,
@@ -317,12 +372,18 @@ std::vector<IntensityTexel> ReduceColour(const ColourImage& colour,
                                          int factor) {
   std::vector<IntensityTexel> result(NumTexels(reduced));
   const float scale = 1.0F / (256.0F * static_cast<float>(factor * factor));
-  std::vector<int> sums(static_cast<std::size_t>(reduced.width));
+  const std::size_t row_size = 3 * static_cast<std::size_t>(reduced.width * factor);
+  std::vector<std::uint16_t> sums(row_size);  // at most kMaxReduction rows: 13 bits
   for (int v = 0; v < reduced.height; ++v) {
-    std::fill(sums.begin(), sums.end(), 0);
-    for (int dv = 0; dv < factor; ++dv) AddLuma(colour.row(v * factor + dv), factor, sums);
-    IntensityTexel* out = result.data() + Offset(reduced, 0, v);
-    for (const int sum : sums) (out++)->value = scale * static_cast<float>(sum);
+    std::fill(sums.begin(), sums.end(), std::uint16_t{0});
+    for (int dv = 0; dv < factor; ++dv) AddBytes(colour.row(v * factor + dv), sums);
+    IntensityTexel* const out = result.data() + Offset(reduced, 0, v);
+    for (int u = 0; u < reduced.width; ++u) {
+      const std::uint16_t* const block = sums.data() + static_cast<std::ptrdiff_t>(3) * u * factor;
+      // 2, the factor of VGA, unrolled.
+      const int luma = factor == 2 ? Luma(block, 2) : Luma(block, factor);
+      out[u].value = scale * static_cast<float>(luma);
+    }
   }
   return result;
 }
@@ -383,9 +444,9 @@ PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, dou
 
 }  // namespace
 
-FramePyramid BuildPyramid(const Frame& frame,
-                          const PinholeCamera& camera,
-                          const PyramidOptions& options) {
+DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const Frame& frame,
+                                                const PinholeCamera& camera,
+                                                const PyramidOptions& options) {
   if (frame.depth_m.empty() || frame.depth_m.width() != camera.width ||
       frame.depth_m.height() != camera.height) {
     return {};

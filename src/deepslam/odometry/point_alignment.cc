@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "deepslam/core/wide_vectors.h"
+
 namespace deepslam::odometry {
 namespace {
 
@@ -79,19 +81,24 @@ class MedianHistogram {
   std::array<std::uint32_t, kNumBins + 1> bins_{};
 };
 
+// Three numbers of which the compiler keeps one each in a vector's lanes.
+struct Triple {
+  float x = 0, y = 0, z = 0;
+};
+
 // Rows of the Jacobian and the residual.
 struct Rows {
   std::array<Column, 7> column;
 
-  // (dx, dy, dz) is d residual / d p_i; a left perturbation moves p_i by t + r x p_i.
-  void Set(std::size_t k, float dx, float dy, float dz, float px, float py, float pz, float r) {
-    column[0][k] = dx;
-    column[1][k] = dy;
-    column[2][k] = dz;
-    column[3][k] = py * dz - pz * dy;
-    column[4][k] = pz * dx - px * dz;
-    column[5][k] = px * dy - py * dx;
-    column[6][k] = r;
+  // d is d residual / d p; a left perturbation moves p, in frame i, by t + r x p.
+  void Set(std::size_t k, const Triple& d, const Triple& p, float residual) {
+    column[0][k] = d.x;
+    column[1][k] = d.y;
+    column[2][k] = d.z;
+    column[3][k] = p.y * d.z - p.z * d.y;
+    column[4][k] = p.z * d.x - p.x * d.z;
+    column[5][k] = p.x * d.y - p.y * d.x;
+    column[6][k] = residual;
   }
 };
 
@@ -117,6 +124,27 @@ class NormalSums {
 
  private:
   std::array<double, kNumPairs> sums_{};
+};
+
+// (A^T W B + B^T W A) / 2, of the rows' Jacobians.
+class CrossSums {
+ public:
+  void Add(const Rows& rows_a, const Rows& rows_b, const Column& weight, std::size_t size) {
+    std::size_t entry = 0;
+    Column weighted;
+    for (std::size_t a = 0; a < 6; ++a) {
+      for (std::size_t k = 0; k < size; ++k) weighted[k] = weight[k] * rows_a.column[a][k];
+      for (std::size_t b = 0; b < 6; ++b) sums_[entry++] += Dot(weighted, rows_b.column[b], size);
+    }
+  }
+
+  void Finish(Matrix6d& hessian) const {
+    const Eigen::Map<const Matrix6d> sums(sums_.data());
+    hessian = 0.5 * (sums + sums.transpose());
+  }
+
+ private:
+  std::array<double, 36> sums_{};
 };
 
 // Weighted line I_i = gain * I_j + bias.
@@ -154,17 +182,22 @@ class BrightnessFit {
   double sum_ = 0, sum_s_ = 0, sum_t_ = 0, sum_ss_ = 0, sum_st_ = 0, sum_tt_ = 0;
 };
 
-// A row of source points in frame i, and where they fall in its image: texel -1 where there is no
-// depth, and outside.
+// Every stride-th point of a source row in frame i, and where it falls in its image: texel -1 where
+// there is no depth, and outside.
 struct MovedRow {
-  explicit MovedRow(int width)
-      : x(static_cast<std::size_t>(width)),
+  MovedRow(int width, int source_stride)
+      : stride(source_stride),
+        first(source_stride / 2),
+        depth_m(static_cast<std::size_t>((width - first + stride - 1) / stride)),
+        x(depth_m.size()),
         y(x.size()),
         z(x.size()),
         u(x.size()),
         v(x.size()),
         texel(x.size()) {}
-  std::vector<float> x, y, z, u, v;
+  [[nodiscard]] int SourceColumn(int k) const { return first + k * stride; }
+  int stride, first;
+  std::vector<float> depth_m, x, y, z, u, v;
   std::vector<std::int32_t> texel;
 };
 
@@ -177,10 +210,10 @@ struct GeometricPairs {
   Column counts;  // 1; 0 in what only fills the last lanes
 
   void Add(const MovedRow& row,
-           std::size_t u,
+           std::size_t k,
            const SurfaceTexel& target,
            const SurfaceTexel& source) {
-    Set(row.x[u], row.y[u], row.z[u], target, source, 1.0F);
+    Set(row.x[k], row.y[k], row.z[k], target, source, 1.0F);
   }
   void Fill() {
     while (size % kLanes != 0) Set(0, 0, 1, {}, {}, 0);
@@ -215,10 +248,10 @@ struct PhotometricPairs {
   Column counts;
 
   void Add(const MovedRow& row,
-           std::size_t u,
+           std::size_t k,
            const IntensityTexel& source_texel,
            const IntensityTexel& target) {
-    Set(row.x[u], row.y[u], row.z[u], source_texel, target, 1.0F);
+    Set(row.x[k], row.y[k], row.z[k], source_texel, target, 1.0F);
   }
   void Fill() {
     while (size % kLanes != 0) Set(0, 0, 1, {}, {}, 0);
@@ -246,9 +279,34 @@ struct PhotometricPairs {
 
 // What the two frames see at a point p_i, in the axes of frame i: normals or brightness gradients.
 struct CrossPair {
-  Eigen::Vector3f point;
-  Eigen::Vector3f target;
-  Eigen::Vector3f source;
+  Triple point, target, source;
+};
+
+struct Rotation {
+  explicit Rotation(const Eigen::Matrix3f& m)
+      : r00(m(0, 0)),
+        r01(m(0, 1)),
+        r02(m(0, 2)),
+        r10(m(1, 0)),
+        r11(m(1, 1)),
+        r12(m(1, 2)),
+        r20(m(2, 0)),
+        r21(m(2, 1)),
+        r22(m(2, 2)) {}
+  Triple operator*(const Triple& p) const {
+    return {r00 * p.x + r01 * p.y + r02 * p.z,
+            r10 * p.x + r11 * p.y + r12 * p.z,
+            r20 * p.x + r21 * p.y + r22 * p.z};
+  }
+  float r00, r01, r02, r10, r11, r12, r20, r21, r22;
+};
+
+// A geometric pair's residual.
+struct Match {
+  float count = 0;  // 1 where the normals agree
+  float residual_m = 0;
+  float inverse_sigma = 0;
+  float normalised = 0;
 };
 
 // Bilinear, between texel (u, v) rounded down and its neighbours.
@@ -282,7 +340,7 @@ class SystemBuilder {
         photometric_(gates.photometric && !i.intensity.empty() && !j.intensity.empty()) {}
 
   AlignmentSystem Build() {
-    MovedRow row(j_.camera.width);
+    MovedRow row(j_.camera.width, gates_.stride);
     for (int v = gates_.stride / 2; v < j_.camera.height; v += gates_.stride) {
       MoveRow(v, row);
       AddRow(v, row);
@@ -298,7 +356,10 @@ class SystemBuilder {
     const PinholeCamera& camera = j_.camera;
     const Eigen::Vector3f step = rotation_.col(0) / static_cast<float>(camera.fx);
     const Eigen::Vector3f start = rotation_ * camera.Ray(0, v).cast<float>();
-    const float* depth = j_.depth_m.data() + static_cast<std::ptrdiff_t>(v) * camera.width;
+    const float* const source_m = j_.depth_m.data() + static_cast<std::ptrdiff_t>(v) * camera.width;
+    const int num_points = static_cast<int>(row.x.size());
+    for (int k = 0; k < num_points; ++k)
+      row.depth_m[static_cast<std::size_t>(k)] = source_m[row.SourceColumn(k)];
     const float fx = static_cast<float>(i_.camera.fx), fy = static_cast<float>(i_.camera.fy);
     const float cx = static_cast<float>(i_.camera.cx), cy = static_cast<float>(i_.camera.cy);
     const float x0 = start.x(), y0 = start.y(), z0 = start.z();
@@ -308,58 +369,59 @@ class SystemBuilder {
     const float last_u = static_cast<float>(i_.camera.width - 1);
     const float last_v = static_cast<float>(i_.camera.height - 1);
     const std::int32_t width = i_.camera.width;
+    const int stride = row.stride, first = row.first;
+    const float* const depth = row.depth_m.data();
     float* const x = row.x.data();
     float* const y = row.y.data();
     float* const z = row.z.data();
     float* const to_u = row.u.data();
     float* const to_v = row.v.data();
     std::int32_t* const texel = row.texel.data();
-    const int num_columns = camera.width;
 #pragma GCC ivdep
-    for (int u = 0; u < num_columns; ++u) {
-      const float column = static_cast<float>(u);
-      x[u] = depth[u] * (x0 + column * x1) + tx;
-      y[u] = depth[u] * (y0 + column * y1) + ty;
-      z[u] = depth[u] * (z0 + column * z1) + tz;
+    for (int k = 0; k < num_points; ++k) {
+      const float column = static_cast<float>(first + k * stride);
+      x[k] = depth[k] * (x0 + column * x1) + tx;
+      y[k] = depth[k] * (y0 + column * y1) + ty;
+      z[k] = depth[k] * (z0 + column * z1) + tz;
       // Points at or behind the camera fall nowhere; the bound keeps the division finite.
-      const float bounded_z = z[u] > kMinPointZM ? z[u] : kMinPointZM;
+      const float bounded_z = z[k] > kMinPointZM ? z[k] : kMinPointZM;
       const float inverse_z = 1.0F / bounded_z;
-      const float at_u = fx * x[u] * inverse_z + cx;
-      const float at_v = fy * y[u] * inverse_z + cy;
-      const bool inside = (depth[u] > 0) & (z[u] > kMinPointZM) & (at_u >= 0) & (at_v >= 0) &
+      const float at_u = fx * x[k] * inverse_z + cx;
+      const float at_v = fy * y[k] * inverse_z + cy;
+      const bool inside = (depth[k] > 0) & (z[k] > kMinPointZM) & (at_u >= 0) & (at_v >= 0) &
                           (at_u < last_u) & (at_v < last_v);
-      to_u[u] = inside ? at_u : 0.0F;
-      to_v[u] = inside ? at_v : 0.0F;
-      const std::int32_t nearest = static_cast<std::int32_t>(to_v[u] + 0.5F) * width +
-                                   static_cast<std::int32_t>(to_u[u] + 0.5F);
-      texel[u] = inside ? nearest : -1;
+      to_u[k] = inside ? at_u : 0.0F;
+      to_v[k] = inside ? at_v : 0.0F;
+      const std::int32_t nearest = static_cast<std::int32_t>(to_v[k] + 0.5F) * width +
+                                   static_cast<std::int32_t>(to_u[k] + 0.5F);
+      texel[k] = inside ? nearest : -1;
     }
   }
 
   void AddRow(int v, const MovedRow& row) {
-    const std::size_t row_start = static_cast<std::size_t>(v) * row.x.size();
+    const std::ptrdiff_t row_start = static_cast<std::ptrdiff_t>(v) * j_.camera.width;
     const SurfaceTexel* const source_surface = j_.surface.data() + row_start;
     const IntensityTexel* const source_intensity =
         photometric_ ? j_.intensity.data() + row_start : nullptr;
     const SurfaceTexel* const target_surface = i_.surface.data();
     const float* const target_depth_m = i_.depth_m.data();
     const float max_distance_m = gates_.max_distance_m;
-    const std::size_t stride = static_cast<std::size_t>(gates_.stride);
     int num_source = 0, num_inside = 0, num_overlap = 0;
-    for (std::size_t u = stride / 2; u < row.x.size(); u += stride) {
+    for (std::size_t k = 0; k < row.x.size(); ++k) {
+      const int u = row.SourceColumn(static_cast<int>(k));
       const SurfaceTexel& source = source_surface[u];
       const bool source_has_normal = source.offset_m < 0;
       num_source += source_has_normal ? 1 : 0;
-      if (row.texel[u] < 0) continue;
-      const std::size_t texel = static_cast<std::size_t>(row.texel[u]);
+      if (row.texel[k] < 0) continue;
+      const std::size_t texel = static_cast<std::size_t>(row.texel[k]);
       const SurfaceTexel& target = target_surface[texel];
       const bool both_have_normals = source_has_normal & (target.offset_m < 0);
       num_inside += source_has_normal ? 1 : 0;
       num_overlap += both_have_normals ? 1 : 0;
-      if (std::abs(row.z[u] - target_depth_m[texel]) > max_distance_m) continue;
-      if (both_have_normals) AddGeometric(row, u, target, source);
+      if (std::abs(row.z[k] - target_depth_m[texel]) > max_distance_m) continue;
+      if (both_have_normals) AddGeometric(row, k, target, source);
       // Outlines of objects have depth but no normal; their brightness still says where they are.
-      if (source_intensity != nullptr) AddPhotometric(row, u, source_intensity[u]);
+      if (source_intensity != nullptr) AddPhotometric(row, k, source_intensity[u]);
     }
     system_.num_source += num_source;
     system_.num_inside += num_inside;
@@ -367,160 +429,196 @@ class SystemBuilder {
   }
 
   void AddGeometric(const MovedRow& row,
-                    std::size_t u,
+                    std::size_t k,
                     const SurfaceTexel& target,
                     const SurfaceTexel& source) {
-    geometric_.Add(row, u, target, source);
+    geometric_.Add(row, k, target, source);
     if (geometric_.size == kBatch) FlushGeometric();
   }
 
-  void AddPhotometric(const MovedRow& row, std::size_t u, const IntensityTexel& source) {
+  void AddPhotometric(const MovedRow& row, std::size_t k, const IntensityTexel& source) {
     if (std::abs(source.du) + std::abs(source.dv) < kMinGradient) return;
-    photometric_pairs_.Add(row, u, source, Interpolate(i_, row.u[u], row.v[u]));
+    photometric_pairs_.Add(row, k, source, Interpolate(i_, row.u[k], row.v[k]));
     if (photometric_pairs_.size == kBatch) FlushPhotometric();
+  }
+
+  // Gives the match of the k-th geometric pair.
+  [[nodiscard]] auto Matching() const {
+    const Rotation rotation(rotation_);
+    const float base = 1.41421356F * static_cast<float>(noise_.base_m);  // both points are measured
+    const float growth = 1.41421356F * static_cast<float>(noise_.growth_per_m);
+    const float min_cosine = gates_.min_normal_cosine;
+    return [rotation, base, growth, min_cosine, &pairs = geometric_](std::size_t k) {
+      const float nx = pairs.nx[k], ny = pairs.ny[k], nz = pairs.nz[k], z = pairs.z[k];
+      const Triple m =
+          rotation * Triple{pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]};
+      const float cosine = m.x * nx + m.y * ny + m.z * nz;
+      Match match;
+      match.count = pairs.counts[k] * (cosine >= min_cosine ? 1.0F : 0.0F);
+      match.residual_m = nx * pairs.x[k] + ny * pairs.y[k] + nz * z - pairs.offset_m[k];
+      match.inverse_sigma = 1.0F / (base + growth * (z - 0.4F) * (z - 0.4F));
+      match.normalised = std::abs(match.residual_m) * match.inverse_sigma;
+      return match;
+    };
+  }
+
+  // Derivative of the brightness by the point, in the axes of the camera that sees it at `p`.
+  static auto BrightnessGradient(const PinholeCamera& camera) {
+    const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+    return [fx, fy](const Triple& p, float du, float dv) {
+      const float inverse_z = 1.0F / (p.z > kMinPointZM ? p.z : kMinPointZM);
+      const float dx = du * fx * inverse_z;
+      const float dy = dv * fy * inverse_z;
+      return Triple{dx, dy, -(dx * p.x + dy * p.y) * inverse_z};
+    };
+  }
+
+  [[nodiscard]] auto NormalsOf() const {
+    return [rotation = Rotation(rotation_), &pairs = geometric_](std::size_t k) {
+      const Triple source{pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]};
+      return CrossPair{{pairs.x[k], pairs.y[k], pairs.z[k]},
+                       {pairs.nx[k], pairs.ny[k], pairs.nz[k]},
+                       rotation * source};
+    };
+  }
+
+  [[nodiscard]] auto GradientsOf() const {
+    const Rotation i_from_j(rotation_), j_from_i(rotation_.transpose());
+    const Triple origin{translation_.x(), translation_.y(), translation_.z()};
+    const auto gradient_i = BrightnessGradient(i_.camera),
+               gradient_j = BrightnessGradient(j_.camera);
+    return [=, gain = gates_.gain, &pairs = photometric_pairs_](std::size_t k) {
+      const Triple p_i{pairs.x[k], pairs.y[k], pairs.z[k]};
+      const Triple p_j = j_from_i * Triple{p_i.x - origin.x, p_i.y - origin.y, p_i.z - origin.z};
+      const Triple by_j = i_from_j * gradient_j(p_j, pairs.source_du[k], pairs.source_dv[k]);
+      return CrossPair{p_i,
+                       gradient_i(p_i, pairs.du[k], pairs.dv[k]),
+                       {gain * by_j.x, gain * by_j.y, gain * by_j.z}};
+    };
   }
 
   void FlushGeometric() {
     geometric_.Fill();
+    if (gates_.judge_only) {
+      JudgeGeometric();
+    } else {
+      SumGeometric();
+    }
+    geometric_.size = 0;
+  }
+
+  void JudgeGeometric() {
+    const auto match_of = Matching();
+    const std::size_t size = geometric_.size;
+    const float inverse_scale = 1.0F / gates_.geometric_scale;
+    Column weights;
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < size; ++k) {
+      const Match match = match_of(k);
+      weights[k] = match.count * StudentWeight(match.normalised * inverse_scale);
+    }
+    system_.support += Sum(weights, size);
+  }
+
+  void SumGeometric() {
+    const auto match_of = Matching();
     const GeometricPairs& pairs = geometric_;
     const std::size_t size = pairs.size;
-    const float r00 = rotation_(0, 0), r01 = rotation_(0, 1), r02 = rotation_(0, 2);
-    const float r10 = rotation_(1, 0), r11 = rotation_(1, 1), r12 = rotation_(1, 2);
-    const float r20 = rotation_(2, 0), r21 = rotation_(2, 1), r22 = rotation_(2, 2);
-    const float base = 1.41421356F * static_cast<float>(noise_.base_m);  // both points are measured
-    const float growth = 1.41421356F * static_cast<float>(noise_.growth_per_m);
     const float inverse_scale = 1.0F / gates_.geometric_scale;
-    const float min_cosine = gates_.min_normal_cosine;
     Column matched, inliers, squares, weights, informations;
     std::array<std::int32_t, kBatch> bins;
 #pragma GCC ivdep
     for (std::size_t k = 0; k < size; ++k) {
-      const float mx = pairs.source_nx[k], my = pairs.source_ny[k], mz = pairs.source_nz[k];
-      const float nx = pairs.nx[k], ny = pairs.ny[k], nz = pairs.nz[k];
-      const float x = pairs.x[k], y = pairs.y[k], z = pairs.z[k];
-      const float cosine = (r00 * mx + r01 * my + r02 * mz) * nx +
-                           (r10 * mx + r11 * my + r12 * mz) * ny +
-                           (r20 * mx + r21 * my + r22 * mz) * nz;
-      const float count = pairs.counts[k] * (cosine >= min_cosine ? 1.0F : 0.0F);
-      const float residual = nx * x + ny * y + nz * z - pairs.offset_m[k];
-      const float inverse_sigma = 1.0F / (base + growth * (z - 0.4F) * (z - 0.4F));
-      const float normalised = std::abs(residual) * inverse_sigma;
-      matched[k] = count;
-      inliers[k] = count * (normalised <= kInlierSigmas ? 1.0F : 0.0F);
-      squares[k] = residual * residual;
-      bins[k] = Bin(normalised, kBinsPerSigma, count);
-      weights[k] = count * StudentWeight(normalised * inverse_scale);
-      informations[k] =
-          weights[k] * (inverse_sigma * inverse_scale) * (inverse_sigma * inverse_scale);
-      rows_.Set(k, nx, ny, nz, x, y, z, residual);
+      const Match match = match_of(k);
+      matched[k] = match.count;
+      inliers[k] = match.count * (match.normalised <= kInlierSigmas ? 1.0F : 0.0F);
+      squares[k] = match.residual_m * match.residual_m;
+      bins[k] = Bin(match.normalised, kBinsPerSigma, match.count);
+      weights[k] = match.count * StudentWeight(match.normalised * inverse_scale);
+      informations[k] = weights[k] * (match.inverse_sigma * inverse_scale) *
+                        (match.inverse_sigma * inverse_scale);
+      rows_.Set(k,
+                {pairs.nx[k], pairs.ny[k], pairs.nz[k]},
+                {pairs.x[k], pairs.y[k], pairs.z[k]},
+                match.residual_m);
     }
     geometric_histogram_.Add(bins, size);
     system_.num_matched += static_cast<int>(Sum(matched, size));
     system_.num_inliers += static_cast<int>(Sum(inliers, size));
     system_.sum_squared_m2 += Dot(inliers, squares, size);
     system_.support += Sum(weights, size);
-    if (gates_.judge_only) {
-      geometric_.size = 0;
-      return;
-    }
     if (gates_.cross_frames) {
-      AddCross(
-          informations, size, [&](std::size_t k) { return NormalsAt(k); }, geometric_sums_);
+      AddCross(informations, size, NormalsOf(), geometric_cross_);
     } else {
       geometric_sums_.Add(rows_, informations, size);
     }
-    geometric_.size = 0;
   }
 
-  // Sums of a b^T + b a^T = ((a + b)(a + b)^T - (a - b)(a - b)^T) / 2, halved. `pair_at` gives the
-  // point of a match with the directions a and b that the two frames see there.
-  template <typename PairAt, typename Sums>
-  void AddCross(const Column& informations, std::size_t size, const PairAt& pair_at, Sums& sums) {
-    for (const float sign : {1.0F, -1.0F}) {
-      Column quarter;
-      for (std::size_t k = 0; k < size; ++k) {
-        const CrossPair pair = pair_at(k);
-        const Eigen::Vector3f sum = pair.target + sign * pair.source;
-        quarter[k] = sign * 0.25F * informations[k];
-        rows_.Set(k, sum.x(), sum.y(), sum.z(), pair.point.x(), pair.point.y(), pair.point.z(), 0);
-      }
-      sums.Add(rows_, quarter, size);
+  // `pair_of` gives the point of a match with the directions that the two frames see there.
+  template <typename PairOf>
+  void AddCross(const Column& informations,
+                std::size_t size,
+                const PairOf& pair_of,
+                CrossSums& sums) {
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < size; ++k) {
+      const CrossPair pair = pair_of(k);
+      rows_.Set(k, pair.target, pair.point, 0);
+      source_rows_.Set(k, pair.source, pair.point, 0);
     }
-  }
-
-  [[nodiscard]] CrossPair NormalsAt(std::size_t k) const {
-    const GeometricPairs& pairs = geometric_;
-    const Eigen::Vector3f source(pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]);
-    return {{pairs.x[k], pairs.y[k], pairs.z[k]},
-            {pairs.nx[k], pairs.ny[k], pairs.nz[k]},
-            rotation_ * source};
-  }
-
-  [[nodiscard]] CrossPair GradientsAt(std::size_t k) const {
-    const PhotometricPairs& pairs = photometric_pairs_;
-    const Eigen::Vector3f p_i(pairs.x[k], pairs.y[k], pairs.z[k]);
-    const Eigen::Vector3f p_j = rotation_.transpose() * (p_i - translation_);
-    const Eigen::Vector3f target = BrightnessGradient(i_.camera, p_i, pairs.du[k], pairs.dv[k]);
-    if (!(pairs.counts[k] > 0)) return {p_i, target, Eigen::Vector3f::Zero()};
-    const Eigen::Vector3f source =
-        BrightnessGradient(j_.camera, p_j, pairs.source_du[k], pairs.source_dv[k]);
-    return {p_i, target, gates_.gain * (rotation_ * source)};
+    sums.Add(rows_, source_rows_, informations, size);
   }
 
   void FlushPhotometric() {
     photometric_pairs_.Fill();
+    if (!gates_.judge_only) SumPhotometric();
     PhotometricPairs& pairs = photometric_pairs_;
+    for (std::size_t k = 0; k < pairs.size; ++k) {
+      pairs.source[k] -= kMiddleGrey;
+      pairs.value[k] -= kMiddleGrey;
+    }
+    system_.num_photometric += static_cast<int>(Sum(pairs.counts, pairs.size));
+    if (!gates_.judge_only)
+      brightness_.Add(pairs.source, pairs.value, photometric_weights_, pairs.size);
+    all_brightness_.Add(pairs.source, pairs.value, pairs.counts, pairs.size);
+    pairs.size = 0;
+  }
+
+  void SumPhotometric() {
+    const PhotometricPairs& pairs = photometric_pairs_;
     const std::size_t size = pairs.size;
-    const float fx = static_cast<float>(i_.camera.fx), fy = static_cast<float>(i_.camera.fy);
+    const auto gradient = BrightnessGradient(i_.camera);
     const float gain = gates_.gain, bias = gates_.bias;
     const float inverse_scale = 1.0F / gates_.photometric_scale;
-    Column weights, informations;
+    Column& weights = photometric_weights_;
+    Column informations;
     std::array<std::int32_t, kBatch> bins;
 #pragma GCC ivdep
     for (std::size_t k = 0; k < size; ++k) {
-      const float x = pairs.x[k], y = pairs.y[k], z = pairs.z[k];
+      const Triple p{pairs.x[k], pairs.y[k], pairs.z[k]};
       const float residual = pairs.value[k] - (gain * pairs.source[k] + bias);
       bins[k] = Bin(std::abs(residual), kBinsPerGrey, pairs.counts[k]);
       weights[k] = pairs.counts[k] * StudentWeight(residual * inverse_scale);
       informations[k] = weights[k] * inverse_scale * inverse_scale;
-      pairs.source[k] -= kMiddleGrey;
-      pairs.value[k] -= kMiddleGrey;
-      const float inverse_z = 1.0F / z;
-      const float dx = pairs.du[k] * fx * inverse_z;
-      const float dy = pairs.dv[k] * fy * inverse_z;
-      rows_.Set(k, dx, dy, -(dx * x + dy * y) * inverse_z, x, y, z, residual);
+      rows_.Set(k, gradient(p, pairs.du[k], pairs.dv[k]), p, residual);
     }
     photometric_histogram_.Add(bins, size);
-    system_.num_photometric += static_cast<int>(Sum(pairs.counts, size));
-    brightness_.Add(pairs.source, pairs.value, weights, size);
-    all_brightness_.Add(pairs.source, pairs.value, pairs.counts, size);
-    if (gates_.judge_only) {
-      pairs.size = 0;
-      return;
-    }
     if (gates_.cross_frames) {
-      AddCross(
-          informations, size, [&](std::size_t k) { return GradientsAt(k); }, photometric_sums_);
+      AddCross(informations, size, GradientsOf(), photometric_cross_);
     } else {
       photometric_sums_.Add(rows_, informations, size);
     }
-    pairs.size = 0;
-  }
-
-  // Derivative of the brightness by the point, in the axes of the camera that sees it at `p`.
-  static Eigen::Vector3f BrightnessGradient(const PinholeCamera& camera,
-                                            const Eigen::Vector3f& p,
-                                            float du,
-                                            float dv) {
-    const float dx = du * static_cast<float>(camera.fx) / p.z();
-    const float dy = dv * static_cast<float>(camera.fy) / p.z();
-    return {dx, dy, -(dx * p.x() + dy * p.y()) / p.z()};
   }
 
   AlignmentSystem Conclude() {
-    Vector6d photometric_gradient;
-    geometric_sums_.Finish(system_.hessian, system_.gradient);
-    photometric_sums_.Finish(system_.photometric_hessian, photometric_gradient);
+    Vector6d photometric_gradient = Vector6d::Zero();
+    if (gates_.cross_frames) {
+      geometric_cross_.Finish(system_.hessian);
+      photometric_cross_.Finish(system_.photometric_hessian);
+    } else {
+      geometric_sums_.Finish(system_.hessian, system_.gradient);
+      photometric_sums_.Finish(system_.photometric_hessian, photometric_gradient);
+    }
     system_.hessian += system_.photometric_hessian;
     system_.gradient += photometric_gradient;
     system_.geometric_scale = system_.num_matched > 0
@@ -548,8 +646,12 @@ class SystemBuilder {
   GeometricPairs geometric_;
   PhotometricPairs photometric_pairs_;
   Rows rows_;
+  Rows source_rows_;  // of what frame j sees
+  Column photometric_weights_;
   NormalSums geometric_sums_;
   NormalSums photometric_sums_;
+  CrossSums geometric_cross_;
+  CrossSums photometric_cross_;
   MedianHistogram geometric_histogram_;
   MedianHistogram photometric_histogram_;
   BrightnessFit brightness_;      // weighted
@@ -558,11 +660,11 @@ class SystemBuilder {
 
 }  // namespace
 
-AlignmentSystem BuildAlignmentSystem(const PyramidLevel& i,
-                                     const PyramidLevel& j,
-                                     const Pose3& i_from_j,
-                                     const AlignmentGates& gates,
-                                     const DepthNoise& noise) {
+DEEPSLAM_WIDE_VECTORS AlignmentSystem BuildAlignmentSystem(const PyramidLevel& i,
+                                                           const PyramidLevel& j,
+                                                           const Pose3& i_from_j,
+                                                           const AlignmentGates& gates,
+                                                           const DepthNoise& noise) {
   return SystemBuilder(i, j, i_from_j, gates, noise).Build();
 }
 

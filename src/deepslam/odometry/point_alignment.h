@@ -20,7 +20,7 @@ struct AlignmentGates {
   // for structure; and texture that lies beside its like, as at a wrong place, counts for nothing.
   // For judging a solution; may be slightly indefinite. The gradient is void then.
   bool cross_frames = false;
-  bool judge_only = false;  // no Hessian and no gradient
+  bool judge_only = false;  // counts of points, support and correlation of brightness alone
   int stride = 1;           // every stride-th row and column of j
 };
 

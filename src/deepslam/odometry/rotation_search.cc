@@ -8,6 +8,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/core/wide_vectors.h"
+
 namespace deepslam::odometry {
 namespace {
 
@@ -186,7 +188,8 @@ RotationSystem BuildRotationSystem(const PyramidLevel& i,
 
 }  // namespace
 
-std::optional<Eigen::Quaterniond> SearchRotation(const FramePyramid& i, const FramePyramid& j) {
+DEEPSLAM_WIDE_VECTORS std::optional<Eigen::Quaterniond> SearchRotation(const FramePyramid& i,
+                                                                       const FramePyramid& j) {
   if (i.empty() || j.empty() || i.levels.size() != j.levels.size()) return std::nullopt;
   const PyramidLevel& coarse_i = i.levels.back();
   const PyramidLevel& coarse_j = j.levels.back();

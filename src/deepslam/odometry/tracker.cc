@@ -143,15 +143,15 @@ FrameAlignment Tracker::AlignTo(const Anchor& anchor,
                        SigmaOfStart(frame.time_s - anchor.time_s));
 }
 
-// The first start after `duration_s` of prediction from frame to frame, or of none.
+// The first start after `duration_s` of prediction from frame to frame, or of none. A motion that
+// was predicted itself, since nothing showed it, is as old as when it was last seen.
 StartSigma Tracker::SigmaOfStart(double duration_s) const {
   StartSigma sigma;
   if (!(duration_s > 0) || !(last_interval_s_ > 0)) return sigma;
   const bool predicted = options_.motion_prediction;
-  const double speed_error_m_per_s =
-      predicted ? 0.5 * kHandAcceleration * last_interval_s_ : kHandSpeed;
-  const double turn_error_per_s =
-      predicted ? 0.5 * kWristAcceleration * last_interval_s_ : kWristSpeed;
+  const double motion_age_s = 0.5 * last_interval_s_ + held_s_;
+  const double speed_error_m_per_s = predicted ? kHandAcceleration * motion_age_s : kHandSpeed;
+  const double turn_error_per_s = predicted ? kWristAcceleration * motion_age_s : kWristSpeed;
   sigma.translation_m = std::min(sigma.translation_m, speed_error_m_per_s * duration_s);
   sigma.rotation_rad = std::min(sigma.rotation_rad, turn_error_per_s * duration_s);
   return sigma;
@@ -177,6 +177,7 @@ void Tracker::Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignme
   frame.piece = aligned_to.piece;
   last_motion_ = previous_->world_from_camera.Inverse() * frame.world_from_camera;
   last_interval_s_ = frame.time_s - previous_->time_s;
+  held_s_ = alignment.held ? held_s_ + last_interval_s_ : 0;
   pending_.reset();
 }
 

@@ -73,6 +73,7 @@ class Tracker {
   std::optional<Anchor> pending_;  // a usable frame that could not be aligned
   Pose3 last_motion_;              // previous frame from the one after it
   double last_interval_s_ = 0;
+  double held_s_ = 0;  // for how long alignments kept a direction of the motion as predicted
   int piece_ = 0;
   std::vector<FrameIdx> piece_starts_{FrameIdx{0}};  // first frame of each piece
 };

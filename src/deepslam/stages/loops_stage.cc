@@ -15,6 +15,7 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/constellation.h"
+#include "deepslam/loop/intruders.h"
 #include "deepslam/shape/view_points.h"
 #include "deepslam/stages/appearance_stage.h"
 #include "deepslam/stages/judge_object.h"
@@ -341,6 +342,18 @@ Result<ObjectMap> Reselect(const StageContext& context,
   return map;
 }
 
+// Objects that stand in a surer one leave the map, and the map says so.
+void DropIntruders(const loop::LoopOptions& options, ObjectMap& map) {
+  const std::vector<loop::Intruder> intruders = loop::FindIntruders(map, options);
+  std::map<ObjectId, std::string> names;
+  for (const MapObject& object : map.objects) names[object.id] = ObjectName(object);
+  for (const loop::Intruder& intruder : intruders) {
+    map.dropped.push_back(
+        fmt::format("{}: stands in {}, which is surer", names[intruder.id], names[intruder.host]));
+    std::erase_if(map.objects, [&](const MapObject& object) { return object.id == intruder.id; });
+  }
+}
+
 void AddAppearance(const loop::AcceptedAppearance& appearance, Loops& loops) {
   loops.appearance = appearance.loops;
   loops.edges.insert(loops.edges.end(), appearance.edges.begin(), appearance.edges.end());
@@ -358,6 +371,7 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   if (context.progress().StopRequested()) return Interrupted();
   Result<ObjectMap> map = Reselect(context, inputs, loops, *in);
   if (!map.ok()) return map.error();
+  DropIntruders(inputs.config.loops, *map);
   for (MapObject& object : map->objects) {
     object.world_from_object =
         ClosedFromTracked(in->tracked, in->odometry, object).Inverse() * object.world_from_object;

@@ -134,7 +134,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 7, {}, {"track"}, kFrames, RunTrack);
+  add("track", 8, {}, {"track"}, kFrames, RunTrack);
   add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       2,
@@ -144,7 +144,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunDetect);
   add("segment", 3, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
-      2,
+      3,
       {"track", "ground", "segment"},
       {"associate"},
       kFrames | kTrackOverrides,
@@ -168,7 +168,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices,
       RunSelect);
   add("loops",
-      6,
+      7,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track", "views", "register", "select", "loops", "loops.appearance", "optimize"},
       kFrames | kChoices,
