@@ -6,6 +6,7 @@
 
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
+#include "deepslam/loop/shared_place.h"
 #include "deepslam/loop/sightings.h"
 
 namespace deepslam::loop {
@@ -249,7 +250,7 @@ class ConstellationFinder {
     }
     for (std::size_t a = 0; a < map_.objects.size(); ++a) {
       for (std::size_t b = a + 1; b < map_.objects.size(); ++b) {
-        if (map_.objects[a].class_name != map_.objects[b].class_name || !Usable(a) || !Usable(b) ||
+        if (!SharePlace(map_.objects[a], map_.objects[b], options_) || !Usable(a) || !Usable(b) ||
             sightings_.SeenTogether(a, b)) {
           continue;
         }
@@ -258,8 +259,6 @@ class ConstellationFinder {
         const MapObject& new_object = map_.objects[a_first ? b : a];
         const Eigen::Vector3d move_m =
             old_object.world_from_object.translation_m - new_object.world_from_object.translation_m;
-        const double half_size_m = 0.5 * std::min(old_object.scale_m, new_object.scale_m);
-        if (!(move_m.norm() < options_.overlap_share * half_size_m)) continue;
         if (known.contains({old_object.id, new_object.id})) continue;
         Constellation single;
         single.pairs = {{old_object.id, new_object.id}};

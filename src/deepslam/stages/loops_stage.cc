@@ -15,7 +15,7 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/constellation.h"
-#include "deepslam/loop/intruders.h"
+#include "deepslam/loop/shared_place.h"
 #include "deepslam/shape/view_points.h"
 #include "deepslam/stages/appearance_stage.h"
 #include "deepslam/stages/judge_object.h"

@@ -1,4 +1,4 @@
-#include "deepslam/loop/intruders.h"
+#include "deepslam/loop/shared_place.h"
 
 #include <algorithm>
 #include <limits>
@@ -18,7 +18,7 @@ MapObject Chair(int id, double x_m, double confidence) {
   return chair;
 }
 
-TEST(Intruders, StandInASurerOneOfTheirClass) {
+TEST(SharedPlace, IntrudersStandInASurerOneOfTheirClass) {
   const ObjectMap map{{Chair(0, 0, 0.7), Chair(1, 0.1, 0.2), Chair(2, 0.6, 0.2)}, {}};
   const std::vector<Intruder> found = FindIntruders(map, {});
   ASSERT_EQ(found.size(), 1U);  // chair 2 stands beside
@@ -26,7 +26,7 @@ TEST(Intruders, StandInASurerOneOfTheirClass) {
   EXPECT_EQ(found.front().host, ObjectId(0));
 }
 
-TEST(Intruders, TheSurestIsTheHostWhateverTheOrder) {
+TEST(SharedPlace, TheSurestIsTheHostWhateverTheOrder) {
   for (const bool reversed : {false, true}) {
     ObjectMap map{{Chair(0, 0, 0.5), Chair(1, 0.1, 0.2), Chair(2, 0.2, 0.9)}, {}};
     if (reversed) std::reverse(map.objects.begin(), map.objects.end());
@@ -37,7 +37,7 @@ TEST(Intruders, TheSurestIsTheHostWhateverTheOrder) {
   }
 }
 
-TEST(Intruders, EquallySureOnesAndOtherClassesStay) {
+TEST(SharedPlace, EquallySureOnesAndOtherClassesStay) {
   EXPECT_TRUE(FindIntruders({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.6)}, {}}, {}).empty());
   MapObject table = Chair(1, 0.1, 0.1);  // a chair pushed under it shares its place
   table.class_name = "table";
@@ -47,7 +47,7 @@ TEST(Intruders, EquallySureOnesAndOtherClassesStay) {
   EXPECT_TRUE(FindIntruders({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.2)}, {}}, off).empty());
 }
 
-TEST(Intruders, NonsenseIsNone) {
+TEST(SharedPlace, NonsenseIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(FindIntruders({}, {}).empty());
   EXPECT_TRUE(FindIntruders({{Chair(0, nan, 0.7), Chair(1, 0, 0.2)}, {}}, {}).empty());

@@ -1,4 +1,4 @@
-#include "deepslam/loop/intruders.h"
+#include "deepslam/loop/shared_place.h"
 
 #include <algorithm>
 
@@ -8,13 +8,14 @@ namespace {
 // Share of the host's confidence from which on it is open which of the two is there.
 constexpr double kAsSure = 0.5;
 
-bool SharePlace(const MapObject& a, const MapObject& b, double overlap_share) {
+}  // namespace
+
+bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& options) {
   const double apart_m =
       (a.world_from_object.translation_m - b.world_from_object.translation_m).norm();
-  return apart_m < overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
+  return a.class_name == b.class_name &&
+         apart_m < options.overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
 }
-
-}  // namespace
 
 std::vector<Intruder> FindIntruders(const ObjectMap& map, const LoopOptions& options) {
   std::vector<Intruder> intruders;
@@ -22,9 +23,8 @@ std::vector<Intruder> FindIntruders(const ObjectMap& map, const LoopOptions& opt
   for (const MapObject& object : map.objects) {
     const MapObject* host = nullptr;
     for (const MapObject& other : map.objects) {
-      if (other.id == object.id || other.class_name != object.class_name ||
-          !(object.confidence < kAsSure * other.confidence) ||
-          !SharePlace(object, other, options.overlap_share)) {
+      if (other.id == object.id || !(object.confidence < kAsSure * other.confidence) ||
+          !SharePlace(object, other, options)) {
         continue;
       }
       if (host == nullptr || other.confidence > host->confidence) host = &other;
