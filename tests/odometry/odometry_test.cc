@@ -176,12 +176,12 @@ TEST(EstimateOdometry, AMotionThatNothingShowsAges) {
   hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
   std::vector<Pose3> poses;
   for (int k = 0; k < 7; ++k)
-    poses.push_back(LookAt({0.02 * k, 0, 1.5}, {0.3 + 0.02 * k, 2.6, 0.9}));
+    poses.push_back(LookAt({0.02 * k, 0, 1.5}, {0.3 + 0.1 * k, 2.6, 0.9}));
   OdometryOptions options;
   options.reference = "previous";
   options.alignment.photometric = false;
   options.rotation_search = false;
-  options.keyframe_distance_m = 0.005;
+  options.keyframe_angle_deg = 0.5;  // every frame
   options.skip_edges = false;
   const Odometry odometry = Track(Render(hall, poses), options);
   std::vector<double> along_m;  // x of the camera is along the wall
