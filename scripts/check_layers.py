@@ -29,6 +29,7 @@ ROOMS = {
     "propose": ALGORITHM,
     "registration": ALGORITHM,
     "select": ALGORITHM,
+    "refine": ALGORITHM,
     "loop": ALGORITHM,
     "graph": ALGORITHM,
     "mesh": ALGORITHM,
@@ -55,7 +56,7 @@ FILE_ROOMS = {"dataset", "artifact", "library", "pipeline", "stages", "batch"}
 # Third-party include prefix -> rooms whose .cc files may include it. Never in a header.
 FENCES = {
     "opencv2/": {"dataset", "odometry", "detect", "segment", "propose", "loop", "report", "synth", "stages", "artifact"},
-    "ceres/": {"graph", "registration", "ground"},
+    "ceres/": {"graph", "registration", "ground", "refine"},
     "CGAL/": {"mesh"},
     "OpenMesh/": {"mesh", "gltf"},
     "draco/": {"gltf"},

@@ -6,10 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "candidate_files.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/objects_json.h"
-#include "deepslam/artifact/proposals_json.h"
-#include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture.h"
@@ -34,8 +33,7 @@ struct Inputs {
   dataset::Capture capture;
   std::vector<TrackedFrame> frames;
   ObjectMap map;
-  std::map<CandidateId, std::string> models;
-  std::map<CandidateId, CandidateRegistration> registrations;
+  CandidateFiles files;
 };
 
 template <typename Value, typename Decode>
@@ -64,18 +62,10 @@ Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_fol
   Result<ObjectMap> map =
       DecodeFile<ObjectMap>(workspace / "loops" / "objects.json", artifact::DecodeObjectMap);
   if (!map.ok()) return map.error();
-  const auto proposals =
-      DecodeFile<Proposals>(workspace / "propose" / "candidates.json", artifact::DecodeProposals);
-  if (!proposals.ok()) return proposals.error();
-  const auto registrations = DecodeFile<std::vector<CandidateRegistration>>(
-      workspace / "register" / "registrations.json", artifact::DecodeRegistrations);
-  if (!registrations.ok()) return registrations.error();
-  Inputs inputs{std::move(capture).value(), table->frames, std::move(map).value(), {}, {}};
-  for (const ShapeCandidate& candidate : proposals->candidates)
-    inputs.models.emplace(candidate.id, candidate.model);
-  for (const CandidateRegistration& registration : *registrations)
-    inputs.registrations.emplace(registration.candidate, registration);
-  return inputs;
+  Result<CandidateFiles> files = ReadCandidateFiles(workspace);
+  if (!files.ok()) return files.error();
+  return Inputs{
+      std::move(capture).value(), table->frames, std::move(map).value(), std::move(files).value()};
 }
 
 // Tracked frames that no view of the object comes from, spread over the capture.
@@ -100,26 +90,42 @@ struct Choice {
 
 std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
   CandidateId first;
+  CandidateId as_proposed;  // the best that was not refined
+  CandidateId refined;
+  CandidateId completed;
   for (const CandidateScore& score : object.scores) {
-    const auto found = inputs.registrations.find(score.candidate);
-    if (found == inputs.registrations.end() || !found->second.ok) continue;
+    const auto found = inputs.files.registrations.find(score.candidate);
+    if (found == inputs.files.registrations.end() || !found->second.ok) continue;
     if (!first.valid() || score.candidate < first) first = score.candidate;
+    const auto candidate = inputs.files.candidates.find(score.candidate);
+    if (candidate == inputs.files.candidates.end()) continue;
+    const CandidateSource source = candidate->second.source;
+    const bool is_refined = source == CandidateSource::kRefined;
+    const bool is_completed = source == CandidateSource::kCompleted;
+    if (is_refined && !refined.valid()) refined = score.candidate;
+    if (is_completed && !completed.valid()) completed = score.candidate;
+    if (!is_refined && !is_completed && !as_proposed.valid()) as_proposed = score.candidate;
   }
   const CandidateId greedy =
       object.history.empty() ? object.chosen : object.history.back().candidate;
-  return {{"initial", first}, {"greedy", greedy}, {"selected", object.chosen}};
+  return {{"initial", first},
+          {"greedy", greedy},
+          {"as proposed", as_proposed},
+          {"refined", refined},
+          {"completed", completed},
+          {"selected", object.chosen}};
 }
 
 Result<eval::HeldOutAgreement> Judge(const fs::path& workspace,
                                      const Inputs& inputs,
                                      CandidateId candidate,
                                      const std::vector<FrameIdx>& frames) {
-  const auto model = inputs.models.find(candidate);
-  const auto registration = inputs.registrations.find(candidate);
+  const auto proposed = inputs.files.candidates.find(candidate);
+  const auto registration = inputs.files.registrations.find(candidate);
   eval::HeldOutAgreement sum;
-  if (model == inputs.models.end() || registration == inputs.registrations.end()) return sum;
-  const Result<VoxelGrid> grid =
-      ReadGrid(workspace / "propose" / "models" / (model->second + ".binvox"));
+  if (proposed == inputs.files.candidates.end() || registration == inputs.files.registrations.end())
+    return sum;
+  const Result<VoxelGrid> grid = ReadCandidateModel(workspace, proposed->second);
   if (!grid.ok()) return grid.error();
   Result<TriangleMesh> mesh = mesh::ExtractSurface(*grid, mesh::SurfaceOptions());
   if (!mesh.ok()) return mesh.error();
@@ -171,7 +177,7 @@ int EvalHeldOut(const std::vector<std::string>& paths, const std::string& json_f
   for (const auto& [name, values] : shares) {
     const eval::Interval mean = eval::BootstrapMean(values, 1);
     fmt::print(stderr,
-               "{:<9} {:>3} objects, {:.4f} [{:.4f}, {:.4f}] of the judged pixels within 2 cm\n",
+               "{:<11} {:>3} objects, {:.4f} [{:.4f}, {:.4f}] of the judged pixels within 2 cm\n",
                name,
                values.size(),
                mean.mean,

@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "candidate_files.h"
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/proposals_json.h"
-#include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
@@ -40,38 +39,27 @@ struct ScoredCandidate {
   ShapeFigures figures;
 };
 
-// One object's candidates, the chain's own opinion best first.
+// One object's candidates as they were proposed, and what was refined of them; the chain's own
+// opinion best first.
 struct ObjectCandidates {
   std::string name;
   std::vector<ScoredCandidate> candidates;
+  std::vector<ScoredCandidate> refined;
   CandidateId greedy;
-  CandidateId selected;
+  CandidateId selected;  // of `candidates`
+  CandidateId final;     // of either
 };
 
-// What stages propose and register left.
+// What stages propose, register and select left.
 struct Proposed {
-  std::map<CandidateId, ShapeCandidate> candidates;
-  std::map<CandidateId, CandidateRegistration> registrations;
+  CandidateFiles files;
   Pose3 truth_from_tracking;
 };
 
 Result<Proposed> ReadProposed(const fs::path& workspace, const Truth& truth) {
-  Proposed proposed;
-  const fs::path file = workspace / "propose" / "candidates.json";
-  const Result<std::string> text = artifact::ReadFile(file);
-  if (!text.ok()) return text.error();
-  const Result<Proposals> proposals = artifact::DecodeProposals(*text, file.string());
-  if (!proposals.ok()) return proposals.error();
-  for (const ShapeCandidate& candidate : proposals->candidates)
-    proposed.candidates.emplace(candidate.id, candidate);
-  const fs::path registrations_file = workspace / "register" / "registrations.json";
-  const Result<std::string> registrations_text = artifact::ReadFile(registrations_file);
-  if (!registrations_text.ok()) return registrations_text.error();
-  const auto registrations =
-      artifact::DecodeRegistrations(*registrations_text, registrations_file.string());
-  if (!registrations.ok()) return registrations.error();
-  for (const CandidateRegistration& registration : *registrations)
-    proposed.registrations.emplace(registration.candidate, registration);
+  Result<CandidateFiles> files = ReadCandidateFiles(workspace);
+  if (!files.ok()) return files.error();
+  Proposed proposed{std::move(files).value(), {}};
   const fs::path poses_file = workspace / "track" / "trajectory.tum";
   const Result<std::string> tum = artifact::ReadFile(poses_file);
   if (!tum.ok()) return tum.error();
@@ -114,24 +102,28 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
                                          const TrueObject& truth) {
   ObjectCandidates object;
   object.name = mapped.name;
-  object.selected = mapped.object.chosen;
+  object.final = mapped.object.chosen;
   object.greedy =
-      mapped.object.history.empty() ? object.selected : mapped.object.history.back().candidate;
+      mapped.object.history.empty() ? object.final : mapped.object.history.back().candidate;
   for (const CandidateScore& score : mapped.object.scores) {
-    const auto candidate = proposed.candidates.find(score.candidate);
-    const auto registration = proposed.registrations.find(score.candidate);
-    if (candidate == proposed.candidates.end() || registration == proposed.registrations.end() ||
-        !registration->second.ok)
+    const auto candidate = proposed.files.candidates.find(score.candidate);
+    const auto registration = proposed.files.registrations.find(score.candidate);
+    if (candidate == proposed.files.candidates.end() ||
+        registration == proposed.files.registrations.end() || !registration->second.ok)
       continue;
-    const Result<VoxelGrid> grid =
-        ReadGrid(workspace / "propose" / "models" / (candidate->second.model + ".binvox"));
+    const Result<VoxelGrid> grid = ReadCandidateModel(workspace, candidate->second);
     if (!grid.ok()) return grid.error();
     Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
     if (!figures.ok()) return figures.error();
-    object.candidates.push_back({score.candidate,
-                                 candidate->second.source,
-                                 candidate->second.view,
-                                 std::move(figures).value()});
+    const bool is_refined = candidate->second.source == CandidateSource::kRefined ||
+                            candidate->second.source == CandidateSource::kCompleted;
+    auto& those = is_refined ? object.refined : object.candidates;
+    those.push_back({score.candidate,
+                     candidate->second.source,
+                     candidate->second.view,
+                     std::move(figures).value()});
+    if (!is_refined && (!object.selected.valid() || score.candidate == object.final))
+      object.selected = score.candidate;
   }
   return object;
 }
@@ -162,8 +154,10 @@ double Peak(const ShapeFigures& figures) {
 }
 
 const ShapeFigures* Find(const ObjectCandidates& object, CandidateId id) {
-  for (const ScoredCandidate& candidate : object.candidates) {
-    if (candidate.id == id) return &candidate.figures;
+  for (const auto* those : {&object.candidates, &object.refined}) {
+    for (const ScoredCandidate& candidate : *those) {
+      if (candidate.id == id) return &candidate.figures;
+    }
   }
   return nullptr;
 }
@@ -216,7 +210,10 @@ std::vector<Row> RowsOf(const std::vector<ObjectCandidates>& objects,
                            {"retrieval only", {}},
                            {"fused only", {}},
                            {"network only", {}},
-                           {"mean latent only", {}}};
+                           {"mean latent only", {}},
+                           {"refined only", {}},
+                           {"completed only", {}},
+                           {"with refinement", {}}};
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectCandidates& object = objects[i];
     rows[0].chosen.push_back(Initial(object));
@@ -234,6 +231,13 @@ std::vector<Row> RowsOf(const std::vector<ObjectCandidates>& objects,
                                      [&](const ScoredCandidate& c) { return c.source == source; });
       rows[row++].chosen.push_back(best == object.candidates.end() ? nullptr : &best->figures);
     }
+    for (const CandidateSource source : {CandidateSource::kRefined, CandidateSource::kCompleted}) {
+      const auto best = std::find_if(object.refined.begin(),
+                                     object.refined.end(),
+                                     [&](const ScoredCandidate& c) { return c.source == source; });
+      rows[row++].chosen.push_back(best == object.refined.end() ? nullptr : &best->figures);
+    }
+    rows[row].chosen.push_back(Find(object, object.final));
   }
   return rows;
 }
@@ -294,17 +298,20 @@ JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects) {
     JsonObject row;
     row.emplace("mapped", object.name);
     JsonArray candidates;
-    for (const ScoredCandidate& candidate : object.candidates) {
-      JsonObject entry;
-      entry.emplace("candidate", artifact::ToJson(candidate.id));
-      entry.emplace("source", artifact::NameOf(candidate.source));
-      entry.emplace("iou_peak", Peak(candidate.figures));
-      entry.emplace("chamfer", candidate.figures.chamfer);
-      candidates.emplace_back(std::move(entry));
+    for (const auto* those : {&object.candidates, &object.refined}) {
+      for (const ScoredCandidate& candidate : *those) {
+        JsonObject entry;
+        entry.emplace("candidate", artifact::ToJson(candidate.id));
+        entry.emplace("source", artifact::NameOf(candidate.source));
+        entry.emplace("iou_peak", Peak(candidate.figures));
+        entry.emplace("chamfer", candidate.figures.chamfer);
+        candidates.emplace_back(std::move(entry));
+      }
     }
     row.emplace("candidates", std::move(candidates));
     row.emplace("selected", artifact::ToJson(object.selected));
     row.emplace("greedy", artifact::ToJson(object.greedy));
+    row.emplace("final", artifact::ToJson(object.final));
     rows.emplace_back(std::move(row));
   }
   return rows;

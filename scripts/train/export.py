@@ -19,6 +19,7 @@ import torch
 import yaml
 from onnx import TensorProto, helper, numpy_helper
 
+import decoder_gradient
 import nets
 
 TOLERANCE = 2e-3
@@ -138,6 +139,7 @@ def main():
                out / "encoder.onnx", dict(common, role="encoder")),
         export(model.decoder, (latents,), ["latents"], ["logits"], out / "decoder.onnx",
                dict(common, role="decoder", **thresholds)))
+    decoder_gradient.add_to(out / "decoder.onnx")
     weights = ", ".join(f"{name} {sum(p.numel() for p in getattr(model, name).parameters()) / 1e6:.2f} M"
                         for name in ("sketch", "encoder", "decoder"))
     (out / "MODEL_CARD.md").write_text(card(config, scores, curve, heads, arguments.credit, worst, weights), encoding="utf-8")

@@ -131,6 +131,33 @@ class RealCapture(unittest.TestCase):
         self.assertGreaterEqual(len(run.objects("chair")), 3)
         self.assertAlmostEqual(vertical_range(tables[0])[1], TABLE_TOP_M, delta=TABLE_TOLERANCE_M)
         self.check_common(run)
+        self.check_networks()
+
+    def check_networks(self):
+        """The shape networks on top of the finished run: their candidates, refined ones, and the same by one thread."""
+        options = ("--set", "propose.network=true")
+        shutil.copytree(DIR / "redkitchen", DIR / "one")
+        run = Run("redkitchen", "redkitchen", *options, "--threads", "2")
+        self.check_common(run)
+        read = lambda name: json.loads((run.workspace / name).read_text())
+        made = read("select/candidates.json")["candidates"]
+        proposed = {c["id"] for c in read("propose/candidates.json")["candidates"]}
+        self.assertEqual({c["source"] for c in made}, {"refined", "completed"})
+        self.assertFalse(proposed & {c["id"] for c in made})
+        chairs = {o["id"]: o for o in read("select/objects.json")["objects"] if o["class"] == "chair"}
+        self.assertEqual(set(chairs) - {c["object"] for c in made}, set(), "every chair's best network shape was refined")
+        for candidate in made:
+            self.assertEqual(len(candidate["latents"]), 100 if candidate["source"] == "refined" else 0)
+            self.assertTrue((run.workspace / "select" / "models" / f"{candidate['model']}.binvox").is_file())
+        for chair in chairs.values():
+            judged = {s["candidate"] for s in chair["scores"]}
+            self.assertEqual({c["id"] for c in made if c["object"] == chair["id"]} - judged, set())
+        one = Run("redkitchen", "one", *options, "--threads", "1")
+        for stage in ("propose", "select", "loops"):
+            for file in (run.workspace / stage).rglob("*"):
+                if file.is_file() and file.name != "timing.json":
+                    with self.subTest(file=str(file.relative_to(run.workspace))):
+                        self.assertEqual(file.read_bytes(), (one.workspace / file.relative_to(run.workspace)).read_bytes())
 
     def test_fr3_cabinet(self):
         run = Run("fr3_cabinet", "fr3")

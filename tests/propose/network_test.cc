@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -147,7 +151,10 @@ TEST(ShapePriorTest, RefusesWhatIsNoPrior) {
   const std::vector<Case> cases = {
       {"no metadata", [](TinyPrior& p) { p.decoder.metadata.clear(); }, "metadata"},
       {"roles changed", [](TinyPrior& p) { std::swap(p.encoder, p.sketch); }, "metadata"},
-      {"newer", [](TinyPrior& p) { p.sketch.metadata["version"] = "2"; }, "version '2'"},
+      {"newer", [](TinyPrior& p) { p.sketch.metadata["version"] = "3"; }, "version '3'"},
+      {"derivative promised and not there",
+       [](TinyPrior& p) { p.decoder.metadata["version"] = "2"; },
+       "`cotangent`"},
       {"another class", [](TinyPrior& p) { p.encoder.metadata["class"] = "sofa"; }, "sofa"},
       {"no threshold", [](TinyPrior& p) { p.decoder.metadata.erase("threshold"); }, "threshold"},
       {"threshold beyond",
@@ -205,6 +212,109 @@ TEST(ShapePriorTest, NothingThatIsNotFiniteBecomesVoxels) {
   const Result<VoxelGrid> nothing = (*empty)->Decode(std::vector<float>(kNumLatents), true);
   ASSERT_FALSE(nothing);
   EXPECT_THAT(nothing.error().message, HasSubstr("no solid"));
+}
+
+TEST(ShapePriorTest, KnowsWhetherItsDecoderHasADerivative) {
+  TinyPrior prior = PriorOf(Chair());
+  const std::vector<float> latents(kNumLatents, 0.5F);
+  const std::vector<float> by_logits(VoxelGrid().occupied.size(), 1.0F);
+  const auto without = prior.Load();
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_FALSE((*without)->HasGradient());
+  const auto refused = (*without)->LatentGradient(latents, by_logits);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("decoder_gradient.py"));
+
+  prior.decoder.metadata["version"] = "2";
+  prior.decoder.inputs.push_back({"cotangent", {-1, -1, -1, -1}});
+  prior.decoder.outputs.push_back({{1, 100}, std::vector<float>(100, 0.25F), "latent_gradient"});
+  const auto with = prior.Load();
+  ASSERT_TRUE(with) << with.error().message;
+  EXPECT_TRUE((*with)->HasGradient());
+  const auto gradient = (*with)->LatentGradient(latents, by_logits);
+  ASSERT_TRUE(gradient) << gradient.error().message;
+  EXPECT_EQ(*gradient, std::vector<float>(kNumLatents, 0.25F));
+  EXPECT_TRUE((*with)->Decode(latents, true)) << "logits alone are asked for with one number";
+  EXPECT_FALSE((*with)->LatentGradient(latents, std::vector<float>(5)));
+  EXPECT_FALSE((*with)->LatentGradient(std::vector<float>(5), by_logits));
+  EXPECT_FALSE((*with)->Solid(std::vector<float>(5), true));
+}
+
+TEST(ShapePriorTest, SaysWhereTheDecodersGridLies) {
+  // A box of 20 x 10 x 30 voxels in a corner of the decoder's grid.
+  VoxelGrid cornered;
+  for (int i = 5; i < 25; ++i) {
+    for (int j = 40; j < 50; ++j) {
+      for (int k = 2; k < 32; ++k) cornered.occupied[VoxelGrid::Index(i, j, k)] = 1;
+    }
+  }
+  const auto prior = PriorOf(cornered).Load();
+  ASSERT_TRUE(prior);
+  const std::vector<float> latents(kNumLatents, 0.0F);
+  const Result<Similarity3> object_from_decoded = (*prior)->ObjectFromDecoded(latents, true);
+  const Result<VoxelGrid> canonical = (*prior)->Decode(latents, true);
+  ASSERT_TRUE(object_from_decoded && canonical);
+  EXPECT_NEAR(object_from_decoded->scale, 62.0 / 30, 0.04);
+  const std::optional<VoxelBox> box = OccupiedBox(*canonical);
+  ASSERT_TRUE(box);
+  const auto expect_near = [](const Eigen::Vector3d& a, const Eigen::Array3i& b) {
+    EXPECT_LT((a - VoxelGrid::Center(b.x(), b.y(), b.z())).norm(), 2.5 * kVoxelSize);
+  };
+  expect_near(*object_from_decoded * VoxelGrid::Center(5, 40, 2), box->low);
+  expect_near(*object_from_decoded * VoxelGrid::Center(24, 49, 31), box->high);
+  EXPECT_FALSE((*PriorOf(VoxelGrid()).Load())->ObjectFromDecoded(latents, true));
+}
+
+// The networks that come with the program: their derivative against differences.
+TEST(ShapePriorTest, DerivativesOfTheShippedDecodersAreThoseOfTheirLogits) {
+  const std::filesystem::path folder =
+      std::filesystem::path(DEEPSLAM_SOURCE_DIR) / "configs" / "priors";
+  int num_classes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto read = [&](const char* name) {
+      std::ifstream file(entry.path() / name, std::ios::binary);
+      return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    const auto prior = ShapePrior::Load(entry.path().filename().string(),
+                                        read("sketch.onnx"),
+                                        read("encoder.onnx"),
+                                        read("decoder.onnx"));
+    ASSERT_TRUE(prior) << prior.error().message;
+    ASSERT_TRUE((*prior)->HasGradient()) << entry.path();
+    ++num_classes;
+    std::vector<float> latents(kNumLatents);
+    std::vector<float> direction(kNumLatents);
+    for (std::size_t n = 0; n < kNumLatents; ++n) {
+      latents[n] = 2 * std::sin(static_cast<float>(n));
+      direction[n] = std::cos(2.3F * static_cast<float>(n));
+    }
+    // A smooth function of the logits: their squares, scaled.
+    const auto loss = [&](float step) {
+      std::vector<float> moved = latents;
+      for (std::size_t n = 0; n < kNumLatents; ++n) moved[n] += step * direction[n];
+      const auto logits = (*prior)->Logits(moved);
+      EXPECT_TRUE(logits);
+      double sum = 0;
+      for (const float logit : *logits) sum += 0.5 * static_cast<double>(logit) * logit;
+      return sum / static_cast<double>(logits->size());
+    };
+    std::vector<float> by_logits = *(*prior)->Logits(latents);
+    for (float& value : by_logits) value /= static_cast<float>(by_logits.size());
+    const auto gradient = (*prior)->LatentGradient(latents, by_logits);
+    ASSERT_TRUE(gradient) << gradient.error().message;
+    double expected = 0;
+    double norm = 0;
+    for (std::size_t n = 0; n < kNumLatents; ++n) {
+      expected += static_cast<double>((*gradient)[n]) * direction[n];
+      norm += static_cast<double>((*gradient)[n]) * (*gradient)[n];
+    }
+    const float step = 2e-3F;
+    const double slope = (loss(step) - loss(-step)) / (2 * static_cast<double>(step));
+    EXPECT_GT(norm, 0);
+    EXPECT_NEAR(slope, expected, 0.02 * std::sqrt(norm) * std::sqrt(kNumLatents / 2.0))
+        << entry.path();
+  }
+  EXPECT_GE(num_classes, 5);
 }
 
 TEST(SolidFromNetworkTest, KeepsThinGapsAndDropsCrumbs) {

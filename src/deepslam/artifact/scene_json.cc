@@ -15,8 +15,8 @@ constexpr int kMaxImageSide = 1 << 15;
 constexpr std::array<std::string_view, 4> kTrackingNames = {
     "tracked", "degenerate", "lost", "unreadable"};
 constexpr std::array<std::string_view, 3> kDetectionNames = {"network", "file", "cluster"};
-constexpr std::array<std::string_view, 4> kCandidateNames = {
-    "network", "mean_latent", "retrieval", "fused"};
+constexpr std::array<std::string_view, 6> kCandidateNames = {
+    "network", "mean_latent", "retrieval", "fused", "refined", "completed"};
 
 template <typename Enum, std::size_t kCount>
 Enum ReadEnum(const JsonNode& node, const std::array<std::string_view, kCount>& names) {

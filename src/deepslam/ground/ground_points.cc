@@ -6,12 +6,12 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/geometry/depth_noise.h"
+
 namespace deepslam::ground {
 namespace {
 
 constexpr int kGridWidth = 160;
-// Depth noise of structured-light cameras along the ray (Nguyen et al. 2012).
-float DepthSigmaM(float z_m) { return 0.0012F + 0.0019F * (z_m - 0.4F) * (z_m - 0.4F); }
 
 class Grid {
  public:

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <exception>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,7 +20,7 @@ namespace {
 constexpr std::int64_t kSketchPlanes = 5;
 constexpr std::int64_t kSketchPixels = 64;
 constexpr std::int64_t kBins = 24;  // of azimuth; bin n has its middle at n * 360 / 24 degrees
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;         // 1: the decoder without its derivative
 constexpr std::ptrdiff_t kFewestVoxels = 50;
 
 using Shape = std::vector<std::int64_t>;  // without the batch
@@ -57,7 +58,8 @@ class Network {
 
   [[nodiscard]] Status Check(std::string_view class_name) const;
   [[nodiscard]] std::string MetadataOf(const char* key) const { return Metadata(session_, key); }
-  // Inputs in the order of the ports, one item each. Errors: what is not finite.
+  // Inputs in the order of the ports, one item each; a single value stands for "not given". Errors:
+  // what is not finite.
   [[nodiscard]] Result<std::vector<std::vector<float>>> Run(
       std::span<std::vector<float>> inputs) const;
 
@@ -126,6 +128,7 @@ Result<std::vector<std::vector<float>>> Network::Run(std::span<std::vector<float
   std::vector<const char*> input_names;
   for (std::size_t n = 0; n < inputs.size(); ++n) {
     Shape shape = inputs_[n].shape;
+    if (inputs[n].size() == 1) std::fill(shape.begin(), shape.end(), 1);
     shape.insert(shape.begin(), 1);
     tensors.push_back(Ort::Value::CreateTensor<float>(
         memory, inputs[n].data(), inputs[n].size(), shape.data(), shape.size()));
@@ -179,106 +182,9 @@ void ReadViewpoint(const std::vector<float>& azimuth, PriorEncoding& encoding) {
   encoding.azimuth_rad = std::atan2(s, c);
 }
 
-}  // namespace
-
-struct ShapePrior::Impl {
-  Ort::Env env;
-  Network sketch;
-  Network encoder;
-  Network decoder;
-  double threshold_depth = 0;
-  double threshold_colour = 0;
-};
-
-ShapePrior::ShapePrior(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ShapePrior::~ShapePrior() = default;
-
-Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name,
-                                                     std::string_view sketch_onnx,
-                                                     std::string_view encoder_onnx,
-                                                     std::string_view decoder_onnx) {
-  const char* reading = "sketch";
-  try {
-    Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "deepslam");
-    Ort::SessionOptions options;
-    options.SetIntraOpNumThreads(1);
-    options.SetInterOpNumThreads(1);
-    const auto open = [&](const char* role, std::string_view bytes) {
-      reading = role;
-      return Ort::Session(env, bytes.data(), bytes.size(), options);
-    };
-    const Port crop = {"crop", {kCropPlanes, kCropSide, kCropSide}};
-    const Port sketch = {"sketch", {kSketchPlanes, kSketchPixels, kSketchPixels}};
-    const Port latents = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
-    Network sketch_network("sketch", open("sketch", sketch_onnx), {crop}, {sketch});
-    Network encoder("encoder",
-                    open("encoder", encoder_onnx),
-                    {crop, sketch},
-                    {latents, {"azimuth", {kBins}}, {"elevation", {1}}});
-    Network decoder("decoder",
-                    open("decoder", decoder_onnx),
-                    {latents},
-                    {{"logits", {kGridSize, kGridSize, kGridSize}}});
-    for (const Network* network : {&sketch_network, &encoder, &decoder}) {
-      if (Status status = network->Check(class_name); !status.ok()) return status.error();
-    }
-    const double by_depth = Threshold(decoder, "threshold");
-    const double by_colour = Threshold(decoder, "threshold_colour");
-    if (by_depth == 0 || by_colour == 0) {
-      return InvalidInput(
-          "decoder.onnx: its metadata hold no `threshold` and `threshold_colour` in (0, 1); make "
-          "the "
-          "networks by scripts/train/train.sh");
-    }
-    auto impl = std::unique_ptr<Impl>(new Impl{std::move(env),
-                                               std::move(sketch_network),
-                                               std::move(encoder),
-                                               std::move(decoder),
-                                               by_depth,
-                                               by_colour});
-    return std::unique_ptr<ShapePrior>(new ShapePrior(std::move(impl)));
-  } catch (const std::exception& failure) {
-    return InvalidInput(std::string(reading) +
-                        ".onnx: not a network that can be run: " + failure.what());
-  }
-}
-
-Result<PriorEncoding> ShapePrior::Encode(const NetworkCrop& crop) const try {
-  std::vector<std::vector<float>> inputs(1, std::vector<float>(kCropValues));
-  FillPlanes(crop, inputs[0]);
-  Result<std::vector<std::vector<float>>> sketch = impl_->sketch.Run(inputs);
-  if (!sketch.ok()) return sketch.error();
-  inputs.push_back(std::move((*sketch)[0]));
-  const Result<std::vector<std::vector<float>>> outputs = impl_->encoder.Run(inputs);
-  if (!outputs.ok()) return outputs.error();
-  PriorEncoding encoding;
-  std::copy((*outputs)[0].begin(), (*outputs)[0].end(), encoding.latents.begin());
-  ReadViewpoint((*outputs)[1], encoding);
-  encoding.elevation_rad = (*outputs)[2][0];
-  return encoding;
-} catch (const std::exception& failure) {
-  return Failed(std::string("the shape network failed: ") + failure.what());
-}
-
-Result<VoxelGrid> ShapePrior::Decode(std::span<const float> latents, bool by_depth) const try {
-  if (latents.size() != kNumLatents ||
-      !std::all_of(latents.begin(), latents.end(), [](float v) { return std::isfinite(v); }))
-    return InvalidInput("latents must be " + std::to_string(kNumLatents) + " finite numbers");
-  std::vector<std::vector<float>> inputs(1, {latents.begin(), latents.end()});
-  Result<std::vector<std::vector<float>>> outputs = impl_->decoder.Run(inputs);
-  if (!outputs.ok()) return outputs.error();
-  std::vector<float>& shares = (*outputs)[0];
-  for (float& value : shares) value = 1.0F / (1.0F + std::exp(-value));
-  VoxelGrid grid =
-      SolidFromNetwork(shares, by_depth ? impl_->threshold_depth : impl_->threshold_colour);
-  if (std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1}) < kFewestVoxels)
-    return InvalidInput("the latents decode to no solid");
-  return grid;
-} catch (const std::exception& failure) {
-  return Failed(std::string("the shape decoder failed: ") + failure.what());
-}
-
-VoxelGrid SolidFromNetwork(std::span<const float> shares, double threshold) {
+// What is solid by the threshold, without what hangs together with the main part not even across a
+// gap of one voxel.
+VoxelGrid MainPart(std::span<const float> shares, double threshold) {
   VoxelGrid solid;
   DEEPSLAM_CHECK(shares.size() == solid.occupied.size(), "a share for each voxel");
   for (std::size_t n = 0; n < shares.size(); ++n)
@@ -317,7 +223,194 @@ VoxelGrid SolidFromNetwork(std::span<const float> shares, double threshold) {
   const auto main =
       static_cast<std::int32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
   for (std::size_t n = 0; n < part.size(); ++n) solid.occupied[n] = part[n] == main ? 1 : 0;
+  return solid;
+}
+
+VoxelGrid Canonical(const VoxelGrid& solid) {
   return shape::StretchGrid(solid, Eigen::Vector3d::Ones());
+}
+
+Eigen::Vector3d CenterOf(const VoxelBox& box) {
+  return 0.5 * (VoxelGrid::Center(box.low.x(), box.low.y(), box.low.z()) +
+                VoxelGrid::Center(box.high.x(), box.high.y(), box.high.z()));
+}
+
+}  // namespace
+
+struct ShapePrior::Impl {
+  Ort::Env env;
+  Network sketch;
+  Network encoder;
+  Network decoder;
+  bool has_gradient = false;
+  double threshold_depth = 0;
+  double threshold_colour = 0;
+
+  // Of the decoder: logits, and the derivative by the latents where there is one.
+  [[nodiscard]] Result<std::vector<std::vector<float>>> RunDecoder(
+      std::span<const float> latents, std::span<const float> gradient_by_logits) const;
+  // The solid on the decoder's own grid.
+  [[nodiscard]] Result<VoxelGrid> MainPartOf(std::span<const float> logits, bool by_depth) const;
+};
+
+Result<std::vector<std::vector<float>>> ShapePrior::Impl::RunDecoder(
+    std::span<const float> latents, std::span<const float> gradient_by_logits) const try {
+  if (latents.size() != kNumLatents ||
+      !std::all_of(latents.begin(), latents.end(), [](float v) { return std::isfinite(v); }))
+    return InvalidInput("latents must be " + std::to_string(kNumLatents) + " finite numbers");
+  std::vector<std::vector<float>> inputs(1, {latents.begin(), latents.end()});
+  if (has_gradient && gradient_by_logits.empty()) inputs.push_back({0.0F});
+  if (has_gradient && !gradient_by_logits.empty())
+    inputs.emplace_back(gradient_by_logits.begin(), gradient_by_logits.end());
+  return decoder.Run(inputs);
+} catch (const std::exception& failure) {
+  return Failed(std::string("the shape decoder failed: ") + failure.what());
+}
+
+Result<VoxelGrid> ShapePrior::Impl::MainPartOf(std::span<const float> logits, bool by_depth) const {
+  if (logits.size() != VoxelGrid().occupied.size())
+    return InvalidInput("logits must have a number for each voxel");
+  std::vector<float> shares(logits.size());
+  std::transform(logits.begin(), logits.end(), shares.begin(), [](float logit) {
+    return 1.0F / (1.0F + std::exp(-logit));
+  });
+  VoxelGrid solid = MainPart(shares, by_depth ? threshold_depth : threshold_colour);
+  if (std::count(solid.occupied.begin(), solid.occupied.end(), std::uint8_t{1}) < kFewestVoxels)
+    return InvalidInput("the latents decode to no solid");
+  return solid;
+}
+
+ShapePrior::ShapePrior(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ShapePrior::~ShapePrior() = default;
+
+Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name,
+                                                     std::string_view sketch_onnx,
+                                                     std::string_view encoder_onnx,
+                                                     std::string_view decoder_onnx) {
+  const char* reading = "sketch";
+  try {
+    Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "deepslam");
+    Ort::SessionOptions options;
+    options.SetIntraOpNumThreads(1);
+    options.SetInterOpNumThreads(1);
+    const auto open = [&](const char* role, std::string_view bytes) {
+      reading = role;
+      return Ort::Session(env, bytes.data(), bytes.size(), options);
+    };
+    const Port crop = {"crop", {kCropPlanes, kCropSide, kCropSide}};
+    const Port sketch = {"sketch", {kSketchPlanes, kSketchPixels, kSketchPixels}};
+    const Port latents = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
+    Network sketch_network("sketch", open("sketch", sketch_onnx), {crop}, {sketch});
+    Network encoder("encoder",
+                    open("encoder", encoder_onnx),
+                    {crop, sketch},
+                    {latents, {"azimuth", {kBins}}, {"elevation", {1}}});
+    const Port cotangent = {"cotangent", {kGridSize, kGridSize, kGridSize}};
+    const Port logits = {"logits", cotangent.shape};
+    Ort::Session decoder_session = open("decoder", decoder_onnx);
+    const bool has_gradient = Metadata(decoder_session, "version") != "1";
+    std::vector<Port> decoder_inputs = {latents};
+    std::vector<Port> decoder_outputs = {logits};
+    if (has_gradient) {
+      decoder_inputs.push_back(cotangent);
+      decoder_outputs.push_back({"latent_gradient", latents.shape});
+    }
+    Network decoder("decoder",
+                    std::move(decoder_session),
+                    std::move(decoder_inputs),
+                    std::move(decoder_outputs));
+    for (const Network* network : {&sketch_network, &encoder, &decoder}) {
+      if (Status status = network->Check(class_name); !status.ok()) return status.error();
+    }
+    const double by_depth = Threshold(decoder, "threshold");
+    const double by_colour = Threshold(decoder, "threshold_colour");
+    if (by_depth == 0 || by_colour == 0) {
+      return InvalidInput(
+          "decoder.onnx: its metadata hold no `threshold` and `threshold_colour` in (0, 1); make "
+          "the "
+          "networks by scripts/train/train.sh");
+    }
+    auto impl = std::unique_ptr<Impl>(new Impl{std::move(env),
+                                               std::move(sketch_network),
+                                               std::move(encoder),
+                                               std::move(decoder),
+                                               has_gradient,
+                                               by_depth,
+                                               by_colour});
+    return std::unique_ptr<ShapePrior>(new ShapePrior(std::move(impl)));
+  } catch (const std::exception& failure) {
+    return InvalidInput(std::string(reading) +
+                        ".onnx: not a network that can be run: " + failure.what());
+  }
+}
+
+Result<PriorEncoding> ShapePrior::Encode(const NetworkCrop& crop) const try {
+  std::vector<std::vector<float>> inputs(1, std::vector<float>(kCropValues));
+  FillPlanes(crop, inputs[0]);
+  Result<std::vector<std::vector<float>>> sketch = impl_->sketch.Run(inputs);
+  if (!sketch.ok()) return sketch.error();
+  inputs.push_back(std::move((*sketch)[0]));
+  const Result<std::vector<std::vector<float>>> outputs = impl_->encoder.Run(inputs);
+  if (!outputs.ok()) return outputs.error();
+  PriorEncoding encoding;
+  std::copy((*outputs)[0].begin(), (*outputs)[0].end(), encoding.latents.begin());
+  ReadViewpoint((*outputs)[1], encoding);
+  encoding.elevation_rad = (*outputs)[2][0];
+  return encoding;
+} catch (const std::exception& failure) {
+  return Failed(std::string("the shape network failed: ") + failure.what());
+}
+
+Result<VoxelGrid> ShapePrior::Decode(std::span<const float> latents, bool by_depth) const {
+  const Result<std::vector<float>> logits = Logits(latents);
+  if (!logits.ok()) return logits.error();
+  return Solid(*logits, by_depth);
+}
+
+Result<VoxelGrid> ShapePrior::Solid(std::span<const float> logits, bool by_depth) const {
+  const Result<VoxelGrid> solid = impl_->MainPartOf(logits, by_depth);
+  if (!solid.ok()) return solid.error();
+  return Canonical(*solid);
+}
+
+Result<Similarity3> ShapePrior::ObjectFromDecoded(std::span<const float> latents,
+                                                  bool by_depth) const {
+  const Result<std::vector<float>> logits = Logits(latents);
+  if (!logits.ok()) return logits.error();
+  const Result<VoxelGrid> decoded = impl_->MainPartOf(*logits, by_depth);
+  if (!decoded.ok()) return decoded.error();
+  const std::optional<VoxelBox> from = OccupiedBox(*decoded);
+  const std::optional<VoxelBox> to = OccupiedBox(Canonical(*decoded));
+  if (!from || !to) return InvalidInput("the latents decode to no solid");
+  Similarity3 object_from_decoded;
+  object_from_decoded.scale =
+      static_cast<double>(to->sides().maxCoeff()) / from->sides().maxCoeff();
+  object_from_decoded.translation_m = CenterOf(*to) - object_from_decoded.scale * CenterOf(*from);
+  return object_from_decoded;
+}
+
+Result<std::vector<float>> ShapePrior::Logits(std::span<const float> latents) const {
+  Result<std::vector<std::vector<float>>> outputs = impl_->RunDecoder(latents, {});
+  if (!outputs.ok()) return outputs.error();
+  return std::move((*outputs)[0]);
+}
+
+bool ShapePrior::HasGradient() const { return impl_->has_gradient; }
+
+Result<std::vector<float>> ShapePrior::LatentGradient(
+    std::span<const float> latents, std::span<const float> gradient_by_logits) const {
+  if (!HasGradient())
+    return InvalidInput(
+        "decoder.onnx came without its derivative; scripts/train/decoder_gradient.py adds it");
+  if (gradient_by_logits.size() != VoxelGrid().occupied.size())
+    return InvalidInput("a derivative by the logits must have a number for each voxel");
+  Result<std::vector<std::vector<float>>> outputs = impl_->RunDecoder(latents, gradient_by_logits);
+  if (!outputs.ok()) return outputs.error();
+  return std::move((*outputs)[1]);
+}
+
+VoxelGrid SolidFromNetwork(std::span<const float> shares, double threshold) {
+  return Canonical(MainPart(shares, threshold));
 }
 
 }  // namespace deepslam::propose

@@ -8,8 +8,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "deepslam/core/result.h"
+#include "deepslam/geometry/similarity.h"
 #include "deepslam/propose/network_crop.h"
 #include "deepslam/scene/voxel_grid.h"
 
@@ -42,6 +44,21 @@ class ShapePrior {
   // Errors: values that are not finite; latents that decode to (nearly) nothing. `by_depth`:
   // whether the latents come from crops with depth, for the threshold that goes with it.
   [[nodiscard]] Result<VoxelGrid> Decode(std::span<const float> latents, bool by_depth) const;
+
+  // The same from logits on the decoder's own grid.
+  [[nodiscard]] Result<VoxelGrid> Solid(std::span<const float> logits, bool by_depth) const;
+  // Where the decoder's own grid lies in the canonical frame of Decode(): the shape is cut, centred
+  // and scaled after decoding.
+  [[nodiscard]] Result<Similarity3> ObjectFromDecoded(std::span<const float> latents,
+                                                      bool by_depth) const;
+  // 64^3 logits on the decoder's own grid, index order of VoxelGrid.
+  [[nodiscard]] Result<std::vector<float>> Logits(std::span<const float> latents) const;
+  // Whether the decoder came with its derivative (scripts/train/decoder_gradient.py).
+  [[nodiscard]] bool HasGradient() const;
+  // Derivative of a loss by the latents, given that by the logits at these latents. InvalidInput
+  // without HasGradient().
+  [[nodiscard]] Result<std::vector<float>> LatentGradient(
+      std::span<const float> latents, std::span<const float> gradient_by_logits) const;
 
  private:
   struct Impl;

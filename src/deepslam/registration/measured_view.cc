@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "deepslam/geometry/depth_noise.h"
 #include "deepslam/shape/view_points.h"
 
 namespace deepslam::registration {
@@ -41,7 +42,7 @@ void AddPoints(const ObjectView& view, int max_points, MeasuredView& out) {
       continue;
     out.points_camera.push_back(point);
     out.normals_camera.push_back(normal);
-    out.sigmas_m.push_back(static_cast<float>(DepthNoise(point.z())));
+    out.sigmas_m.push_back(static_cast<float>(DepthSigmaM(point.z())));
   }
 }
 
@@ -246,11 +247,6 @@ Eigen::Vector3d AssumedUpWorld(std::span<const MeasuredView> measured) {
 }
 
 }  // namespace
-
-double DepthNoise(double depth_m) {
-  const double beyond = depth_m - 0.4;
-  return 0.0012 + 0.0019 * beyond * beyond;
-}
 
 std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
                                        int max_points,

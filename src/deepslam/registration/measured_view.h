@@ -50,10 +50,6 @@ struct MeasuredView {
   [[nodiscard]] bool empty() const { return points_camera.empty(); }
 };
 
-// Standard deviation of a consumer depth camera's reading along its axis (Nguyen et al. 2012,
-// Kinect), metres.
-[[nodiscard]] double DepthNoise(double depth_m);
-
 // Keeps the order of `views`. Points that most of the other views seeing them count to something
 // else are left out: masks err, but rarely all at the same place. Views whose images do not fit
 // together, or whose pose or camera is not finite, come back empty. `max_points` per view; crops

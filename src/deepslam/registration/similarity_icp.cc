@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/geometry/depth_noise.h"
+
 namespace deepslam::registration {
 namespace {
 
@@ -187,7 +189,7 @@ void AddBackward(VisibleSurface& visible,
     const Eigen::Vector3d q_camera = placed.camera_from_object * surface.point;
     const Eigen::Vector3d q_m = scale_m * surface.point;
     const BackMatch match = MatchBack(view, q_camera, radius_m);
-    const double sigma = PointSigma(DepthNoise(q_camera.z()), scale_m);
+    const double sigma = PointSigma(DepthSigmaM(q_camera.z()), scale_m);
     const double weight = share * TukeyWeight(match.residual_m, radius_m) / (sigma * sigma);
     if (match.kind == BackMatch::kSurface) {
       const Eigen::Vector3d normal = object_from_camera * match.normal_camera;

@@ -18,6 +18,8 @@ enum class CandidateSource {
   kMeanLatent,  // decoder at the mean latent over an object's views
   kRetrieval,   // CAD model of the library
   kFused,       // the object's own fused measurement
+  kRefined,     // a network's shape that followed all depth of its object
+  kCompleted,   // ... and took over what was measured
 };
 
 struct ShapeCandidate {
@@ -32,10 +34,11 @@ struct ShapeCandidate {
   double size_m = 0;  // 0 = unknown
   double min_size_m = 0;
   double max_size_m = 0;
-  std::vector<float> latents;  // network sources; empty otherwise
+  std::vector<float> latents;  // network sources and what was refined of them; empty otherwise
   std::string library_id;      // retrieval: the library's id of the model
   std::string credit;          // retrieval: creator and licence, to travel into the scene
-  // Retrieval: the model is the library's, by shape::StretchGrid with these factors; ones = as it is.
+  // Retrieval: the model is the library's, by shape::StretchGrid with these factors; ones = as it
+  // is.
   Eigen::Vector3d stretch = Eigen::Vector3d::Ones();
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/geometry/depth_noise.h"
 #include "deepslam/shape/render_voxels.h"
 #include "deepslam/shape/view_points.h"
 
@@ -42,9 +43,6 @@ void AddReducedCrop(const ObjectView& view, int factor, JudgedView& out) {
   }
 }
 
-// Axial noise of consumer depth cameras (Nguyen et al. 2012).
-double DepthNoise(double depth_m) { return 0.0012 + 0.0019 * (depth_m - 0.4) * (depth_m - 0.4); }
-
 // The placed model, asked how well a measured point lies on its surface.
 class PlacedModel {
  public:
@@ -66,7 +64,7 @@ class PlacedModel {
 
   [[nodiscard]] double AgreementAt(double distance_m, double depth_m) const {
     const double tolerance_m =
-        options_.model_tolerance_m + 2 * DepthNoise(depth_m) + 0.5 * kVoxelSize * scale_m_;
+        options_.model_tolerance_m + 2 * DepthSigmaM(depth_m) + 0.5 * kVoxelSize * scale_m_;
     return std::clamp(1.0 - (distance_m - tolerance_m) / options_.fade_m, 0.0, 1.0);
   }
 
@@ -131,7 +129,7 @@ bool IsConfirmed(const shape::ShapeModel& model,
   const int v = static_cast<int>(std::lround(pixel->y()));
   if (!view.depth_m.Contains(u, v) || view.depth_m(u, v) <= 0) return false;
   return std::abs(view.depth_m(u, v) - point.z()) <
-         options.model_tolerance_m + options.fade_m + 2 * DepthNoise(point.z());
+         options.model_tolerance_m + options.fade_m + 2 * DepthSigmaM(point.z());
 }
 
 }  // namespace

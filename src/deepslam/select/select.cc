@@ -145,6 +145,10 @@ WholeModels BestWhole(std::span<const ShapeCandidate> candidates,
   return best;
 }
 
+bool HasSeenDepth(CandidateSource source) {
+  return source == CandidateSource::kRefined || source == CandidateSource::kCompleted;
+}
+
 // What each candidate's score is compared with less.
 std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
                               std::span<const CandidateRegistration> registrations,
@@ -158,6 +162,7 @@ std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
     const Pose3& placed = registrations[i].world_from_object;
     handicaps[i] =
         options.back_handicap * BackShown(placed.rotation, placed.translation_m, cameras_world);
+    if (HasSeenDepth(candidates[i].source)) handicaps[i] += options.refined_lead;
   }
   const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
@@ -386,6 +391,11 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
                 {0, 1},
                 "1",
                 "lead that is enough for a fused candidate, whatever depth it comes from");
+  visitor.Field("refined_lead",
+                options.refined_lead,
+                {0, 1},
+                "1",
+                "lead a refined or completed shape needs over those it competes with");
   visitor.Field("back_handicap",
                 options.back_handicap,
                 {0, 1},

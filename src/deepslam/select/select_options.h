@@ -27,6 +27,9 @@ struct SelectOptions {
   double fused_handicap = 0.2;
   // A lead of this much over the whole models is enough, whatever depth it comes from.
   double fused_margin = 0.25;
+  // By how much a refined or completed shape has to lead the others: it has seen the depth it is
+  // judged by.
+  double refined_lead = 0.02;
   // Subtracted from the score of a candidate that turns its back to all cameras: where depth cannot
   // tell front from back, furniture faces where people go.
   double back_handicap = 0.03;

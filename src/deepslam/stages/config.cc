@@ -106,6 +106,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("propose.networks", "Shape networks", c.shape_network),
       Section("register", "Where a shape stands", c.registration),
       Section("select", "Which shape it is", c.select),
+      Section("select.refine", "The networks' best shape follows the depth", c.shape_refinement),
       Section("loops", "Places seen again; constellations of objects", c.loops),
       Section("loops.appearance", "Places seen again by what they look like", c.appearance),
       Section("optimize", "Graph of cameras, objects and ground", c.optimize),

@@ -24,6 +24,7 @@
 #include "deepslam/odometry/odometry.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/propose/proposer.h"
+#include "deepslam/refine/refine_options.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/segment/segment_objects.h"
 #include "deepslam/select/select_options.h"
@@ -84,6 +85,7 @@ struct Config {
   propose::NetworkOptions shape_network;
   registration::RegisterOptions registration;
   select::SelectOptions select;
+  refine::RefineOptions shape_refinement;
   loop::LoopOptions loops;
   loop::AppearanceOptions appearance;
   graph::GraphOptions optimize;

@@ -16,15 +16,21 @@ namespace deepslam::stages {
 
 Result<ModelMap> LoadModels(const pipeline::StageContext& context,
                             std::span<const ShapeCandidate> candidates) {
-  std::map<std::string, std::optional<shape::ShapeModel>> wanted;
-  for (const ShapeCandidate& candidate : candidates) wanted.emplace(candidate.model, std::nullopt);
-  std::vector<std::pair<std::optional<shape::ShapeModel>*, VoxelGrid>> grids;
-  for (auto& [key, model] : wanted) {
-    Result<VoxelGrid> grid = ReadModel(context, "propose", key);
+  std::map<std::string, VoxelGrid> grids;
+  for (const ShapeCandidate& candidate : candidates) {
+    if (grids.contains(candidate.model)) continue;
+    Result<VoxelGrid> grid = ReadModel(context, StageOfModel(candidate.source), candidate.model);
     if (!grid.ok()) return grid.error();
-    grids.emplace_back(&model, std::move(grid).value());
+    grids.emplace(candidate.model, std::move(grid).value());
   }
-  ParallelFor(grids.size(), [&](std::size_t i) { grids[i].first->emplace(grids[i].second); });
+  return PrepareModels(grids);
+}
+
+ModelMap PrepareModels(const std::map<std::string, VoxelGrid>& grids) {
+  std::map<std::string, std::optional<shape::ShapeModel>> wanted;
+  std::vector<std::pair<std::optional<shape::ShapeModel>*, const VoxelGrid*>> places;
+  for (const auto& [key, grid] : grids) places.emplace_back(&wanted[key], &grid);
+  ParallelFor(places.size(), [&](std::size_t i) { places[i].first->emplace(*places[i].second); });
   ModelMap models;
   for (auto& [key, model] : wanted) models.emplace(key, *std::move(model));
   return models;
@@ -51,60 +57,57 @@ std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> c
   return registrations;
 }
 
-MapObject ScoreAndSelect(ObjectId id,
-                         const std::string& class_name,
-                         std::span<const ShapeCandidate> candidates,
-                         std::span<const CandidateRegistration> registrations,
-                         const ModelMap& models,
-                         std::span<const ObjectView> views,
-                         const select::SelectOptions& options) {
+void ScoreAll(std::span<const ObjectView> views,
+              const select::SelectOptions& options,
+              Contest& contest) {
   const auto judged = select::PrepareForScoring(views, options);
-  std::vector<CandidateScore> scores(candidates.size());
-  ParallelFor(candidates.size(), [&](std::size_t i) {
-    scores[i] = select::ScoreCandidate(candidates[i],
-                                       models.at(candidates[i].model),
-                                       registrations[i],
-                                       std::span(judged),
-                                       options);
+  const std::size_t first = contest.scores.size();
+  contest.scores.resize(contest.candidates.size());
+  ParallelFor(contest.candidates.size() - first, [&](std::size_t n) {
+    const std::size_t i = first + n;
+    contest.scores[i] = select::ScoreCandidate(contest.candidates[i],
+                                               contest.models.at(contest.candidates[i].model),
+                                               contest.registrations[i],
+                                               std::span(judged),
+                                               options);
   });
-  return select::SelectShape(id, class_name, candidates, registrations, scores, views, options);
 }
 
-Result<MapObject> SelectOrChoose(ObjectId id,
-                                 const std::string& class_name,
-                                 std::span<const ShapeCandidate> candidates,
-                                 std::span<const CandidateRegistration> registrations,
-                                 const ModelMap& models,
+Result<MapObject> SelectOrChoose(const Contest& contest,
                                  std::span<const ObjectView> views,
                                  const RunInputs& inputs,
                                  std::vector<std::string>& applied) {
-  const select::SelectOptions& options = inputs.config.select;
-  MapObject best =
-      ScoreAndSelect(id, class_name, candidates, registrations, models, views, options);
-  const Result<CandidateId> wanted = ChosenByHand(inputs.overrides, id, candidates);
+  const auto select = [&](std::size_t first, std::size_t count) {
+    return select::SelectShape(contest.object,
+                               contest.class_name,
+                               std::span(contest.candidates).subspan(first, count),
+                               std::span(contest.registrations).subspan(first, count),
+                               std::span(contest.scores).subspan(first, count),
+                               views,
+                               inputs.config.select);
+  };
+  MapObject best = select(0, contest.candidates.size());
+  const Result<CandidateId> wanted =
+      ChosenByHand(inputs.overrides, contest.object, contest.candidates);
   if (!wanted.ok()) return wanted.error();
   if (!wanted->valid() || *wanted == best.chosen) return best;
   std::size_t n = 0;
-  while (candidates[n].id != *wanted) ++n;
-  MapObject chosen = ScoreAndSelect(id,
-                                    class_name,
-                                    candidates.subspan(n, 1),
-                                    registrations.subspan(n, 1),
-                                    models,
-                                    views,
-                                    options);
+  while (contest.candidates[n].id != *wanted) ++n;
+  MapObject chosen = select(n, 1);
   if (!chosen.chosen.valid()) {
     return InvalidConfig(fmt::format("{}: candidate {} of object {} fits nowhere: {}",
                                      inputs.overrides.file,
                                      wanted->value,
-                                     id.value,
-                                     registrations[n].reason));
+                                     contest.object.value,
+                                     contest.registrations[n].reason));
   }
   chosen.note += chosen.note.empty() ? "chosen by hand" : "; chosen by hand";
   chosen.scores = std::move(best.scores);
   chosen.history = std::move(best.history);
-  applied.push_back(fmt::format(
-      "object {} is candidate {} ({}) by choice", id.value, wanted->value, chosen.model));
+  applied.push_back(fmt::format("object {} is candidate {} ({}) by choice",
+                                contest.object.value,
+                                wanted->value,
+                                chosen.model));
   return chosen;
 }
 

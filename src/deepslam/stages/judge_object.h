@@ -20,9 +20,11 @@ namespace deepslam::stages {
 
 using ModelMap = std::map<std::string, shape::ShapeModel>;
 
-// The models of the candidates, prepared, from propose/models.
+// The models of the candidates, prepared, from the stages that made them.
 [[nodiscard]] Result<ModelMap> LoadModels(const pipeline::StageContext& context,
                                           std::span<const ShapeCandidate> candidates);
+
+[[nodiscard]] ModelMap PrepareModels(const std::map<std::string, VoxelGrid>& grids);
 
 // The candidates of one object, in order of ids.
 [[nodiscard]] std::vector<ShapeCandidate> CandidatesOf(const Proposals& proposals, ObjectId object);
@@ -34,22 +36,25 @@ using ModelMap = std::map<std::string, shape::ShapeModel>;
     std::span<const ObjectView> views,
     const registration::RegisterOptions& options);
 
-// Scores every candidate in parallel and chooses.
-[[nodiscard]] MapObject ScoreAndSelect(ObjectId id,
-                                       const std::string& class_name,
-                                       std::span<const ShapeCandidate> candidates,
-                                       std::span<const CandidateRegistration> registrations,
-                                       const ModelMap& models,
-                                       std::span<const ObjectView> views,
-                                       const select::SelectOptions& options);
+// The candidates of one object, where they stand and how well they agree. The vectors run in
+// parallel; scores may be behind.
+struct Contest {
+  ObjectId object;
+  std::string class_name;
+  std::vector<ShapeCandidate> candidates;
+  std::vector<CandidateRegistration> registrations;
+  ModelMap models;
+  std::vector<CandidateScore> scores;
+};
 
-// ScoreAndSelect, but what a person chose wins; `applied` gets a sentence then. Errors: no such
-// candidate; one that could not be registered.
-[[nodiscard]] Result<MapObject> SelectOrChoose(ObjectId id,
-                                               const std::string& class_name,
-                                               std::span<const ShapeCandidate> candidates,
-                                               std::span<const CandidateRegistration> registrations,
-                                               const ModelMap& models,
+// Scores the candidates that have no score yet, in parallel.
+void ScoreAll(std::span<const ObjectView> views,
+              const select::SelectOptions& options,
+              Contest& contest);
+
+// The winner of a contest that is scored; but what a person chose wins, and `applied` gets a
+// sentence then. Errors: no such candidate; one that could not be registered.
+[[nodiscard]] Result<MapObject> SelectOrChoose(const Contest& contest,
                                                std::span<const ObjectView> views,
                                                const RunInputs& inputs,
                                                std::vector<std::string>& applied);

@@ -7,6 +7,7 @@
 
 #include "deepslam/artifact/store.h"
 #include "deepslam/propose/shape_prior.h"
+#include "deepslam/stages/data_folder.h"
 
 namespace deepslam::stages {
 
@@ -36,6 +37,16 @@ Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
         ": holds no networks of any class; expected CLASS/sketch.onnx, encoder.onnx, "
         "decoder.onnx, as scripts/train/train.sh makes them");
   return priors;
+}
+
+Result<std::shared_ptr<const propose::ShapePriors>> PriorsOf(const RunInputs& inputs) {
+  const auto folder = FindPriors(inputs.data_folder, inputs.config.propose_stage.priors);
+  if (!folder.ok()) return folder.error();
+  if (!*folder) return std::shared_ptr<const propose::ShapePriors>();
+  if (inputs.models) return inputs.models->Priors(**folder, inputs.classes);
+  Result<propose::ShapePriors> priors = LoadPriors(**folder, inputs.classes);
+  if (!priors.ok()) return priors.error();
+  return std::make_shared<const propose::ShapePriors>(std::move(priors).value());
 }
 
 }  // namespace deepslam::stages

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "deepslam/core/result.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/scene/object_class.h"
+#include "deepslam/stages/plan.h"
 
 namespace deepslam::stages {
 
@@ -14,5 +16,9 @@ namespace deepslam::stages {
 // there is none at all.
 [[nodiscard]] Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
                                                       const ClassTable& classes);
+
+// Those that the run's options name, or those that are found; shared by the stages of a run and the
+// runs of a process where inputs.models is there. Null where there are none.
+[[nodiscard]] Result<std::shared_ptr<const propose::ShapePriors>> PriorsOf(const RunInputs& inputs);
 
 }  // namespace deepslam::stages

@@ -65,7 +65,7 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
   if (!ground.ok()) return ground.error();
   Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  Result<Proposals> proposals = ReadProposals(context);
+  Result<Proposals> proposals = ReadCandidates(context);
   if (!proposals.ok()) return proposals.error();
   Result<ObjectMap> map = ReadObjects(context, "select");
   if (!map.ok()) return map.error();
@@ -321,17 +321,19 @@ Result<ObjectMap> Reselect(const StageContext& context,
       map.objects.push_back(object);
       continue;
     }
-    const std::vector<ShapeCandidate> candidates = CandidatesOf(in.proposals, object.id);
-    const Result<ModelMap> models = LoadModels(context, candidates);
+    Contest contest{
+        object.id, object.class_name, CandidatesOf(in.proposals, object.id), {}, {}, {}};
+    Result<ModelMap> models = LoadModels(context, contest.candidates);
     if (!models.ok()) return models.error();
+    contest.models = std::move(models).value();
     const Result<std::vector<ObjectView>> views =
         MergedViews(context, inputs, in, before, OriginsOf(object.id, origins));
     if (!views.ok()) return views.error();
-    const std::vector<CandidateRegistration> registrations =
-        RegisterAll(candidates, *models, *views, inputs.config.registration);
+    contest.registrations =
+        RegisterAll(contest.candidates, contest.models, *views, inputs.config.registration);
+    ScoreAll(*views, inputs.config.select, contest);
     std::vector<std::string> applied;  // told by stage select already
-    Result<MapObject> selected = SelectOrChoose(
-        object.id, object.class_name, candidates, registrations, *models, *views, inputs, applied);
+    Result<MapObject> selected = SelectOrChoose(contest, *views, inputs, applied);
     if (!selected.ok()) return selected.error();
     MapObject chosen = std::move(selected).value();
     // Nothing fits all views: what fitted the old ones stays.
@@ -383,7 +385,7 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
   }
-  if (Status status = WriteChosenModels(context, *map, "propose"); !status.ok())
+  if (Status status = WriteChosenModels(context, *map, "loops"); !status.ok())
     return status.error();
   const auto accepted =
       std::count_if(loops.constellations.begin(),

@@ -11,6 +11,7 @@
 #include "deepslam/artifact/store.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/pipeline/config.h"
+#include "deepslam/stages/load_priors.h"
 
 namespace deepslam::stages {
 namespace {
@@ -50,7 +51,8 @@ std::string OptionsText(detect::DetectorOptions options) {
   std::string text = fmt::format("{} threads", options.num_threads);
   const pipeline::OptionSection section{
       "network", "", [&](OptionsVisitor& visitor) { Describe(visitor, options); }};
-  for (const auto& [name, value] : pipeline::OptionValues(section)) text += " " + name + "=" + value;
+  for (const auto& [name, value] : pipeline::OptionValues(section))
+    text += " " + name + "=" + value;
   return text;
 }
 
@@ -98,6 +100,18 @@ Result<std::shared_ptr<const ModelLibrary>> ModelCache::Library(const fs::path& 
   if (!loaded.ok()) return loaded.error();
   library_ = {source, std::make_shared<const ModelLibrary>(std::move(loaded).value())};
   return library_.value;
+}
+
+Result<std::shared_ptr<const propose::ShapePriors>> ModelCache::Priors(const fs::path& folder,
+                                                                       const ClassTable& classes) {
+  std::string source = State(folder);
+  for (const ObjectClass& object_class : classes.classes) source += object_class.name + '\n';
+  if (priors_.value && priors_.source == source) return priors_.value;
+  priors_ = {};
+  Result<propose::ShapePriors> loaded = LoadPriors(folder, classes);
+  if (!loaded.ok()) return loaded.error();
+  priors_ = {source, std::make_shared<const propose::ShapePriors>(std::move(loaded).value())};
+  return priors_.value;
 }
 
 }  // namespace deepslam::stages

@@ -9,7 +9,9 @@
 
 #include "deepslam/core/result.h"
 #include "deepslam/detect/detector.h"
+#include "deepslam/propose/proposer.h"
 #include "deepslam/scene/model_library.h"
+#include "deepslam/scene/object_class.h"
 
 namespace deepslam::stages {
 
@@ -25,6 +27,8 @@ class ModelCache {
       const std::filesystem::path& onnx_file, const detect::DetectorOptions& options);
   [[nodiscard]] Result<std::shared_ptr<const ModelLibrary>> Library(
       const std::filesystem::path& folder);
+  [[nodiscard]] Result<std::shared_ptr<const propose::ShapePriors>> Priors(
+      const std::filesystem::path& folder, const ClassTable& classes);
 
  private:
   template <typename T>
@@ -39,6 +43,7 @@ class ModelCache {
   std::map<std::filesystem::path, HeldHash> hashes_;
   Held<detect::Detector> detector_;
   Held<ModelLibrary> library_;
+  Held<propose::ShapePriors> priors_;
 };
 
 // The detector of an ONNX file, loaded anew.

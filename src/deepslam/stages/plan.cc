@@ -29,6 +29,7 @@ enum External : unsigned {
   kGroundHint = 16,
   kTrackOverrides = 32,
   kChoices = 64,
+  kPriors = 128,
 };
 
 using ContentHash = Result<std::string> (*)(const std::filesystem::path&);
@@ -86,6 +87,8 @@ Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
   }
   if ((what & kLibrary) != 0) {
     if (Status status = AddLibrary(inputs, hashes); !status.ok()) return status.error();
+  }
+  if ((what & kPriors) != 0) {
     if (Status status = AddPriors(inputs, hashes); !status.ok()) return status.error();
   }
   // What is not overridden leaves no trace: an empty file is as good as none.
@@ -153,7 +156,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       2,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
-      kFrames | kClasses | kLibrary,
+      kFrames | kClasses | kLibrary | kPriors,
       RunPropose);
   add("register",
       4,
@@ -162,10 +165,10 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      5,
+      6,
       {"track", "ground", "segment", "associate", "propose", "register"},
-      {"views", "select"},
-      kFrames | kChoices,
+      {"views", "register", "select", "select.refine"},
+      kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
       7,
@@ -183,7 +186,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   add("fuse", 2, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
       7,
-      {"track", "propose", "loops", "optimize", "mesh", "fuse"},
+      {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,
       RunExport);

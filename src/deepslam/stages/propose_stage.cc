@@ -62,18 +62,16 @@ Result<Sources> MakeSources(const RunInputs& inputs, Progress& progress) {
     sources.proposers.push_back(propose::MakeFusedProposer(inputs.classes, config.fused));
   }
   if (config.propose_stage.network) {
-    const auto folder = FindPriors(inputs.data_folder, config.propose_stage.priors);
-    if (!folder.ok()) return folder.error();
-    if (!*folder) {
+    const auto priors = PriorsOf(inputs);
+    if (!priors.ok()) return priors.error();
+    if (!*priors) {
       progress.Warn(
           "no shape networks are there; shapes come from the other sources alone "
           "(propose.priors names a folder with networks)");
       return sources;
     }
-    Result<propose::ShapePriors> priors = LoadPriors(**folder, inputs.classes);
-    if (!priors.ok()) return priors.error();
     sources.proposers.push_back(propose::MakeNetworkProposer(
-        std::move(priors).value(),
+        **priors,
         inputs.classes,
         config.shape_network,
         use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour));

@@ -38,6 +38,10 @@ std::string SourceInWords(CandidateSource source) {
       return "CAD library";
     case CandidateSource::kFused:
       return "own measurement";
+    case CandidateSource::kRefined:
+      return "network, refined";
+    case CandidateSource::kCompleted:
+      return "network, completed by own measurement";
   }
   return "unknown";
 }
@@ -247,7 +251,7 @@ Result<Sources> ReadSources(const StageContext& context) {
   Status status = Take(ReadOptimized(context), sources.map);
   if (status.ok()) status = Take(ReadSegments(context), sources.segments);
   if (status.ok()) status = Take(ReadAssociation(context, "associate"), sources.association);
-  if (status.ok()) status = Take(ReadProposals(context), sources.proposals);
+  if (status.ok()) status = Take(ReadCandidates(context), sources.proposals);
   if (status.ok()) status = Take(ReadOdometry(context), sources.odometry);
   if (status.ok()) status = Take(ReadGround(context, "ground"), sources.ground);
   if (status.ok()) status = Take(ReadLoops(context), sources.loops);

@@ -1,12 +1,20 @@
 // select: which candidate is the object's shape.
 #include <algorithm>
+#include <iterator>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/proposals_json.h"
+#include "deepslam/artifact/registrations_json.h"
+#include "deepslam/shape/binvox.h"
 #include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/judge_object.h"
+#include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/refine_object.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -41,35 +49,121 @@ void Place(MapObject object, ObjectMap& map) {
       "{}: {}", ObjectName(object), object.note.empty() ? "no candidate" : object.note));
 }
 
-Result<ObjectMap> SelectAll(const StageContext& context,
+// What the stage makes.
+struct Selection {
+  ObjectMap map;
+  Proposals refined;  // candidates added here
+  std::vector<CandidateRegistration> refined_registrations;
+  std::vector<std::string> applied;  // of a person's choices
+};
+
+// The shape networks, where some candidate is theirs and may be refined.
+Result<std::shared_ptr<const propose::ShapePriors>> PriorsToRefine(const RunInputs& inputs,
+                                                                   const Proposals& proposals) {
+  const bool is_wanted =
+      inputs.config.shape_refinement.enabled &&
+      std::any_of(proposals.candidates.begin(),
+                  proposals.candidates.end(),
+                  [](const ShapeCandidate& candidate) { return !candidate.latents.empty(); });
+  if (!is_wanted) return std::shared_ptr<const propose::ShapePriors>();
+  return PriorsOf(inputs);
+}
+
+const propose::ShapePrior* PriorOf(const std::shared_ptr<const propose::ShapePriors>& priors,
+                                   const std::string& class_name) {
+  if (!priors) return nullptr;
+  const auto found = priors->find(class_name);
+  return found != priors->end() && found->second->HasGradient() ? found->second.get() : nullptr;
+}
+
+// Refined shapes enter the contest, with numbers from `next_id` on.
+void AddRefined(const propose::ShapePrior& prior,
+                std::span<const ObjectView> views,
+                const RunInputs& inputs,
+                int next_id,
+                Contest& contest,
+                Selection& selection) {
+  Proposals refined = RefineShapes(contest, views, prior, inputs);
+  for (ShapeCandidate& candidate : refined.candidates) candidate.id = CandidateId{next_id++};
+  contest.models.merge(PrepareModels(refined.models));
+  const std::vector<CandidateRegistration> registrations =
+      RegisterAll(refined.candidates, contest.models, views, inputs.config.registration);
+  for (std::size_t n = 0; n < refined.candidates.size(); ++n) {
+    contest.candidates.push_back(refined.candidates[n]);
+    contest.registrations.push_back(registrations[n]);
+    selection.refined.candidates.push_back(std::move(refined.candidates[n]));
+    selection.refined_registrations.push_back(registrations[n]);
+  }
+  selection.refined.models.merge(refined.models);
+  std::move(
+      refined.notes.begin(), refined.notes.end(), std::back_inserter(selection.refined.notes));
+  ScoreAll(views, inputs.config.select, contest);
+}
+
+int NextId(const Proposals& proposals) {
+  int next = 0;
+  for (const ShapeCandidate& candidate : proposals.candidates)
+    next = std::max(next, candidate.id.value + 1);
+  return next;
+}
+
+Result<Selection> SelectAll(const StageContext& context,
                             const RunInputs& inputs,
                             const Odometry& odometry,
                             const Ground& ground,
-                            const Association& association,
-                            std::vector<std::string>& applied) {
+                            const Association& association) {
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
   const Result<std::vector<CandidateRegistration>> registrations = ReadRegistrations(context);
   if (!registrations.ok()) return registrations.error();
-  ObjectMap map;
+  const auto priors = PriorsToRefine(inputs, *proposals);
+  if (!priors.ok()) return priors.error();
+  const int first_refined = NextId(*proposals);
+  Selection selection;
   const auto select = [&](const TrackViews& of_track) -> Status {
     const ObjectTrack& track = *of_track.track;
-    const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, track.id);
-    const Result<std::vector<CandidateRegistration>> own =
-        RegistrationsOf(candidates, *registrations);
+    Contest contest{track.id, track.class_name, CandidatesOf(*proposals, track.id), {}, {}, {}};
+    Result<std::vector<CandidateRegistration>> own =
+        RegistrationsOf(contest.candidates, *registrations);
     if (!own.ok()) return own.error();
-    const Result<ModelMap> models = LoadModels(context, candidates);
+    contest.registrations = std::move(own).value();
+    Result<ModelMap> models = LoadModels(context, contest.candidates);
     if (!models.ok()) return models.error();
-    Result<MapObject> object = SelectOrChoose(
-        track.id, track.class_name, candidates, *own, *models, of_track.views, inputs, applied);
+    contest.models = std::move(models).value();
+    ScoreAll(of_track.views, inputs.config.select, contest);
+    if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name)) {
+      const int next_id = first_refined + static_cast<int>(selection.refined.candidates.size());
+      AddRefined(*prior, of_track.views, inputs, next_id, contest, selection);
+    }
+    Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
     if (!object.ok()) return object.error();
-    Place(std::move(object).value(), map);
+    Place(std::move(object).value(), selection.map);
     return Ok();
   };
   const Status status = ForEachTrackViews(
       context, inputs, odometry, ground, association.tracks, observe::ViewContent::kDepth, select);
   if (!status.ok()) return status.error();
-  return map;
+  return selection;
+}
+
+// overrides.json, objects.json, candidates.json, registrations.json and models/.
+Status WriteSelection(StageContext& context, const Selection& selection) {
+  if (Status status = WriteApplied(context, selection.applied); !status.ok()) return status;
+  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
+      {"objects.json", artifact::EncodeObjectMap(selection.map, "objects.json")},
+      {"candidates.json", artifact::EncodeProposals(selection.refined, "candidates.json")},
+      {"registrations.json",
+       artifact::EncodeRegistrations(selection.refined_registrations, "registrations.json")}};
+  for (const auto& [file, text] : files) {
+    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
+  }
+  for (const auto& [key, grid] : selection.refined.models) {
+    if (Status status =
+            context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
+        !status.ok())
+      return status;
+  }
+  return WriteChosenModels(context, selection.map, "select");
 }
 
 }  // namespace
@@ -84,23 +178,18 @@ Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   std::vector<ObjectId> ids;
   for (const ObjectTrack& track : association->tracks) ids.push_back(track.id);
   if (Status status = CheckChoices(inputs.overrides, ids); !status.ok()) return status.error();
-  std::vector<std::string> applied;
-  const Result<ObjectMap> map =
-      SelectAll(context, inputs, *odometry, *ground, *association, applied);
-  if (!map.ok()) return map.error();
-  if (Status status = WriteApplied(context, applied); !status.ok()) return status.error();
-  if (Status status =
-          WriteEncoded(context, "objects.json", artifact::EncodeObjectMap(*map, "objects.json"));
-      !status.ok()) {
-    return status.error();
-  }
-  if (Status status = WriteChosenModels(context, *map, "propose"); !status.ok())
-    return status.error();
+  const Result<Selection> selection = SelectAll(context, inputs, *odometry, *ground, *association);
+  if (!selection.ok()) return selection.error();
+  if (Status status = WriteSelection(context, *selection); !status.ok()) return status.error();
+  const ObjectMap& map = selection->map;
+  const std::size_t num_refined = selection->refined.candidates.size();
   StageSummary summary{
-      fmt::format("{} objects, {} dropped", map->objects.size(), map->dropped.size()),
-      {{"num_objects", static_cast<double>(map->objects.size())},
-       {"num_dropped", static_cast<double>(map->dropped.size())}}};
-  for (const MapObject& object : map->objects) {
+      fmt::format("{} objects, {} dropped", map.objects.size(), map.dropped.size()),
+      {{"num_objects", static_cast<double>(map.objects.size())},
+       {"num_dropped", static_cast<double>(map.dropped.size())},
+       {"num_refined", static_cast<double>(num_refined)}}};
+  if (num_refined > 0) summary.line += fmt::format(", {} shapes refined", num_refined);
+  for (const MapObject& object : map.objects) {
     summary.line += fmt::format(", {} {:.2f}", ObjectName(object), object.confidence);
   }
   return summary;

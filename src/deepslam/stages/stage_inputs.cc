@@ -68,6 +68,23 @@ Result<Proposals> ReadProposals(const StageContext& context) {
   return Decode(context, "propose", "candidates.json", artifact::DecodeProposals);
 }
 
+Result<Proposals> ReadCandidates(const StageContext& context) {
+  Result<Proposals> all = ReadProposals(context);
+  if (!all.ok()) return all.error();
+  const Result<Proposals> refined =
+      Decode(context, "select", "candidates.json", artifact::DecodeProposals);
+  if (!refined.ok()) return refined.error();
+  all->candidates.insert(
+      all->candidates.end(), refined->candidates.begin(), refined->candidates.end());
+  all->notes.insert(all->notes.end(), refined->notes.begin(), refined->notes.end());
+  return all;
+}
+
+std::string_view StageOfModel(CandidateSource source) {
+  return source == CandidateSource::kRefined || source == CandidateSource::kCompleted ? "select"
+                                                                                      : "propose";
+}
+
 Result<VoxelGrid> ReadModel(const StageContext& context,
                             std::string_view stage,
                             const std::string& key) {
@@ -134,14 +151,15 @@ Result<std::vector<std::string>> ReadApplied(const StageContext& context, std::s
   return Decode(context, stage, "overrides.json", artifact::DecodeApplied);
 }
 
-Status WriteChosenModels(StageContext& context, const ObjectMap& map, std::string_view from) {
-  std::set<std::string> keys;
+Status WriteChosenModels(StageContext& context, const ObjectMap& map, std::string_view this_stage) {
+  std::map<std::string, std::string_view> stages;
   for (const MapObject& object : map.objects) {
-    if (!object.model.empty()) keys.insert(object.model);
+    if (!object.model.empty()) stages.emplace(object.model, StageOfModel(object.source));
   }
-  for (const std::string& key : keys) {
+  for (const auto& [key, stage] : stages) {
+    if (stage == this_stage) continue;
     const std::string file = fmt::format("models/{}.binvox", key);
-    if (Status status = WriteEncoded(context, file, context.Read(from, file)); !status.ok())
+    if (Status status = WriteEncoded(context, file, context.Read(stage, file)); !status.ok())
       return status;
   }
   return Ok();

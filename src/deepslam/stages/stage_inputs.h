@@ -41,8 +41,11 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 // Of stage `associate`, or of `loops` after merging.
 [[nodiscard]] Result<Association> ReadAssociation(const pipeline::StageContext& context,
                                                   std::string_view stage);
-// Without the models.
+// Without the models. Of stage `propose`; or with what stage `select` refined of them.
 [[nodiscard]] Result<Proposals> ReadProposals(const pipeline::StageContext& context);
+[[nodiscard]] Result<Proposals> ReadCandidates(const pipeline::StageContext& context);
+// The stage that made a model.
+[[nodiscard]] std::string_view StageOfModel(CandidateSource source);
 [[nodiscard]] Result<VoxelGrid> ReadModel(const pipeline::StageContext& context,
                                           std::string_view stage,
                                           const std::string& key);
@@ -68,10 +71,11 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 // What a stage (ground, associate or select) applied.
 [[nodiscard]] Result<std::vector<std::string>> ReadApplied(const pipeline::StageContext& context,
                                                            std::string_view stage);
-// The chosen models of a map as models/<key>.binvox, taken from stage `from`.
+// The chosen models of a map as models/<key>.binvox, each from the stage that made it; this stage's
+// own are there already.
 [[nodiscard]] Status WriteChosenModels(pipeline::StageContext& context,
                                        const ObjectMap& map,
-                                       std::string_view from);
+                                       std::string_view this_stage);
 
 // The ground in a frame's camera: seen in this very frame, else the world's.
 [[nodiscard]] std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame);

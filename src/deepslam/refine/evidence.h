@@ -1,0 +1,34 @@
+// What all depth of an object says about the voxels of a shape: space carving (Kutulakos and Seitz
+// 2000) on the grid of a decoder.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "deepslam/geometry/similarity.h"
+#include "deepslam/refine/refine_options.h"
+#include "deepslam/scene/object_view.h"
+
+namespace deepslam::refine {
+
+enum class Evidence : std::uint8_t {
+  kUnknown,  // nobody saw it, or it lies behind what was seen
+  kFree,     // rays went on behind it
+  kFaint,    // the object's surface was measured in it by one view of several
+  kSolid,    // ... by two at least, or by the only one
+};
+
+// A view and where the grid stands in it; the grid's axes and unit as in VoxelGrid.
+struct PlacedView {
+  const ObjectView* view = nullptr;
+  Similarity3 camera_from_grid;
+};
+
+// One entry per voxel, index order of VoxelGrid: what more views say than say the contrary, solid
+// where they are even. A measured surface is solid from half a voxel before it to surface_voxels
+// behind it. Views whose crops do not fit together, and poses that are not finite, say nothing.
+[[nodiscard]] std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
+                                                  const RefineOptions& options);
+
+}  // namespace deepslam::refine

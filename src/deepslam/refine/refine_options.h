@@ -1,0 +1,18 @@
+// Options of the refinement of latents against depth.
+#pragma once
+
+#include "deepslam/core/options.h"
+
+namespace deepslam::refine {
+
+struct RefineOptions {
+  bool enabled = true;
+  int max_views = 24;           // of an object, evenly over its frames
+  int max_evaluations = 20;     // of loss and derivative
+  double surface_voxels = 1.5;  // thickness behind a measured point of the object that is solid
+  int min_voxels = 200;         // with fewer solid ones the depth says too little
+  double prior_weight = 3;      // of the way from the start, in units of the start's size
+};
+void Describe(OptionsVisitor& visitor, RefineOptions& options);
+
+}  // namespace deepslam::refine

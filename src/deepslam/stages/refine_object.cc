@@ -1,0 +1,169 @@
+#include "deepslam/stages/refine_object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/refine/complete.h"
+#include "deepslam/refine/refine_latents.h"
+
+namespace deepslam::stages {
+namespace {
+
+// Segmentation takes this much of a thing's feet away with the ground.
+constexpr double kMaxFeetGapM = 0.1;
+
+bool IsOfNetwork(const ShapeCandidate& candidate) {
+  return candidate.source == CandidateSource::kNetwork ||
+         candidate.source == CandidateSource::kMeanLatent;
+}
+
+// Indices into the contest: the best by score, and the mean latent where it is another.
+std::vector<std::size_t> Starts(const Contest& contest) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
+    if (!IsOfNetwork(contest.candidates[i]) || !contest.registrations[i].ok) continue;
+    if (starts.empty() || contest.scores[i].score > contest.scores[starts[0]].score) starts = {i};
+  }
+  if (starts.empty()) return starts;
+  for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
+    if (contest.candidates[i].source == CandidateSource::kMeanLatent &&
+        contest.registrations[i].ok && i != starts[0])
+      starts.push_back(i);
+  }
+  return starts;
+}
+
+// At most `count` of the views, evenly.
+std::vector<refine::PlacedView> PlacedViews(const CandidateRegistration& registration,
+                                            std::span<const ObjectView> views,
+                                            const Similarity3& object_from_decoded,
+                                            std::size_t count) {
+  std::vector<refine::PlacedView> placed;
+  const std::size_t num_taken = std::min(count, views.size());
+  for (std::size_t n = 0; n < num_taken; ++n) {
+    const std::size_t i = n * views.size() / num_taken;
+    const bool is_registered = i < registration.views.size() && registration.views[i].ok &&
+                               registration.views[i].view == views[i].detection;
+    const Pose3 camera_from_object =
+        is_registered ? registration.views[i].camera_from_object
+                      : views[i].world_from_camera.Inverse() * registration.world_from_object;
+    placed.push_back(
+        {&views[i],
+         Similarity3::From(camera_from_object, registration.scale_m) * object_from_decoded});
+  }
+  return placed;
+}
+
+// The layer of the decoder's grid that the start's lowest voxels are in.
+int GroundLayer(const VoxelGrid& start, const Similarity3& object_from_decoded) {
+  const std::optional<VoxelBox> box = OccupiedBox(start);
+  if (!box) return 0;
+  const Eigen::Vector3d lowest =
+      object_from_decoded.Inverse() * VoxelGrid::Center(0, 0, box->low.z());
+  return static_cast<int>(std::lround((lowest.z() + 0.5) / kVoxelSize - 0.5));
+}
+
+struct RefinedShape {
+  std::vector<float> latents;
+  VoxelGrid refined;
+  VoxelGrid completed;
+};
+
+Result<RefinedShape> RefineShape(const ShapeCandidate& start,
+                                 const shape::ShapeModel& model,
+                                 const CandidateRegistration& registration,
+                                 std::span<const ObjectView> views,
+                                 const propose::ShapePrior& prior,
+                                 const RunInputs& inputs) {
+  const refine::RefineOptions& options = inputs.config.shape_refinement;
+  const bool by_depth = inputs.config.propose_stage.use_depth;
+  const Result<Similarity3> object_from_decoded = prior.ObjectFromDecoded(start.latents, by_depth);
+  if (!object_from_decoded.ok()) return object_from_decoded.error();
+  const auto placed = PlacedViews(
+      registration, views, *object_from_decoded, static_cast<std::size_t>(options.max_views));
+  const std::vector<refine::Evidence> evidence = refine::CarveEvidence(placed, options);
+  const refine::Decoder decoder = {
+      [&](std::span<const float> latents) { return prior.Logits(latents); },
+      [&](std::span<const float> latents, std::span<const float> by_logits) {
+        return prior.LatentGradient(latents, by_logits);
+      }};
+  Result<refine::RefinedLatents> latents =
+      refine::RefineLatents(start.latents, evidence, decoder, options);
+  if (!latents.ok()) return latents.error();
+  Result<std::vector<float>> logits = prior.Logits(latents->latents);
+  if (!logits.ok()) return logits.error();
+  Result<VoxelGrid> refined = prior.Solid(*logits, by_depth);
+  if (!refined.ok()) return refined.error();
+  const double voxel_m = registration.scale_m * object_from_decoded->scale * kVoxelSize;
+  refine::AddMeasured(evidence,
+                      GroundLayer(model.grid(), *object_from_decoded),
+                      static_cast<int>(kMaxFeetGapM / voxel_m),
+                      *logits);
+  Result<VoxelGrid> completed = prior.Solid(*logits, by_depth);
+  if (!completed.ok()) return completed.error();
+  return RefinedShape{
+      std::move(latents->latents), std::move(refined).value(), std::move(completed).value()};
+}
+
+void Add(const ShapeCandidate& start,
+         CandidateSource source,
+         std::vector<float> latents,
+         VoxelGrid grid,
+         Proposals& proposals) {
+  ShapeCandidate candidate = start;
+  candidate.id = CandidateId();
+  candidate.source = source;
+  candidate.view = DetectionId();
+  candidate.model = (source == CandidateSource::kRefined ? "refined_" : "completed_") + start.model;
+  candidate.latents = std::move(latents);
+  proposals.models.emplace(candidate.model, std::move(grid));
+  proposals.candidates.push_back(std::move(candidate));
+}
+
+}  // namespace
+
+Proposals RefineShapes(const Contest& contest,
+                       std::span<const ObjectView> views,
+                       const propose::ShapePrior& prior,
+                       const RunInputs& inputs) {
+  const std::vector<std::size_t> starts = Starts(contest);
+  std::vector<std::optional<Result<RefinedShape>>> shapes(starts.size());
+  ParallelFor(starts.size(), [&](std::size_t n) {
+    const ShapeCandidate& start = contest.candidates[starts[n]];
+    shapes[n] = RefineShape(start,
+                            contest.models.at(start.model),
+                            contest.registrations[starts[n]],
+                            views,
+                            prior,
+                            inputs);
+  });
+  Proposals refined;
+  for (std::size_t n = 0; n < starts.size(); ++n) {
+    const ShapeCandidate& start = contest.candidates[starts[n]];
+    if (!shapes[n]->ok()) {
+      refined.notes.push_back(fmt::format("{}_{:02d}: candidate {} cannot be refined: {}",
+                                          contest.class_name,
+                                          contest.object.value,
+                                          start.id.value,
+                                          shapes[n]->error().message));
+      continue;
+    }
+    RefinedShape shape = std::move(*shapes[n]).value();
+    Add(start,
+        CandidateSource::kRefined,
+        std::move(shape.latents),
+        std::move(shape.refined),
+        refined);
+    Add(start, CandidateSource::kCompleted, {}, std::move(shape.completed), refined);
+  }
+  return refined;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,23 @@
+// The networks' shapes of an object, moved until they agree with all its depth (room refine):
+// further candidates, which compete with those they came from.
+#pragma once
+
+#include <span>
+
+#include "deepslam/propose/shape_prior.h"
+#include "deepslam/scene/object_map.h"
+#include "deepslam/scene/object_view.h"
+#include "deepslam/scene/shape_candidate.h"
+#include "deepslam/stages/judge_object.h"
+
+namespace deepslam::stages {
+
+// From the network's candidate that agrees best, and from the mean latent of the views: each
+// refined, and each refined and completed by what was measured. Candidates come with invalid ids
+// and views; a start that leads nowhere gives a note. `contest` is scored.
+[[nodiscard]] Proposals RefineShapes(const Contest& contest,
+                                     std::span<const ObjectView> views,
+                                     const propose::ShapePrior& prior,
+                                     const RunInputs& inputs);
+
+}  // namespace deepslam::stages
