@@ -20,6 +20,8 @@ constexpr std::array<std::string_view, 2> kModes = {"offline", "greedy"};
 constexpr double kScoreWidth = 0.08;
 // From one corner about this much of a piece of furniture's surface is seen.
 constexpr double kWellSeenShare = 0.3;
+constexpr double kUnseenLogit = -1.5;
+constexpr double kShownLogit = 3.65;
 // Of a model seen less than this nearly all is the prior's word.
 constexpr double kHardlySeenShare = 0.12;
 // With less of an object's depth within its reach the model is one of two things cut out as one, or
@@ -265,18 +267,18 @@ double SeenAngle(const MapObject& object, std::span<const ObjectView> views) {
   return 2 * std::numbers::pi - *std::max_element(gaps.begin(), gaps.end());
 }
 
-// Grows with the score (one half at good_score), with the number of views, with how far round they
-// go, and with how much of the model they show.
-double ConfidenceOf(const CandidateScore& score,
-                    int num_views,
-                    double seen_angle_rad,
-                    const SelectOptions& options) {
+// How likely the object stands where it is said to (20 cm, 20 deg, 20 % of size): a logistic function
+// of how much of the model its views show, fitted to 181 objects of rendered rooms
+// (docs/evaluation.md, "Confidence"). There neither the score nor how far round the views go told
+// more; but below good_score, and with fewer than full_confidence_views, nothing was fitted, and
+// confidence falls.
+double ConfidenceOf(const CandidateScore& score, int num_views, const SelectOptions& options) {
   const double fit = 1.0 / (1.0 + std::exp(-(score.score - options.good_score) / kScoreWidth));
   const double views =
       0.4 + 0.6 * std::min(1.0, num_views / std::max(1.0, options.full_confidence_views));
-  const double round = 0.7 + 0.3 * std::min(1.0, seen_angle_rad / std::numbers::pi);
-  const double shown = 0.5 + 0.5 * std::min(1.0, score.seen_share / kWellSeenShare);
-  return std::clamp(fit * views * round * shown, 0.0, 1.0);
+  const double shown = std::min(1.0, score.seen_share / kWellSeenShare);
+  const double likely = 1.0 / (1.0 + std::exp(-(kUnseenLogit + kShownLogit * shown)));
+  return std::clamp(fit * views * likely, 0.0, 1.0);
 }
 
 std::string Doubts(const MapObject& object,
@@ -335,7 +337,7 @@ MapObject FillWinner(MapObject object,
   object.world_from_object = registration.world_from_object;
   object.views = registration.views;
   const double seen_angle_rad = SeenAngle(object, views);
-  object.confidence = ConfidenceOf(score, NumRegistered(registration), seen_angle_rad, options);
+  object.confidence = ConfidenceOf(score, NumRegistered(registration), options);
   object.note = Doubts(object, winner, score, registration, seen_angle_rad, options);
   const std::string size_doubt = SizeDoubt(winner, registration.scale_m);
   if (!size_doubt.empty()) AppendNote(object.note, size_doubt);

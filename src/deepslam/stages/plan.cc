@@ -165,13 +165,13 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      6,
+      7,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      7,
+      8,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track", "views", "register", "select", "loops", "loops.appearance", "optimize"},
       kFrames | kChoices,

@@ -15,7 +15,7 @@ constexpr double kBadLostShare = 0.5;
 constexpr double kDoubtfulLostShare = 0.05;
 constexpr double kDoubtfulDegenerateShare = 0.25;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
-constexpr double kLowConfidence = 0.4;    // below even odds that class, shape and place are right
+constexpr double kLowConfidence = 0.5;    // below even odds that it stands where it is said to
 // A camera in a hand or on a robot keeps its pace: a step between neighbouring frames that is
 // longer than the first and quicker than the second times the capture's median speed is a wrong
 // alignment or a cut in the capture.
