@@ -1,5 +1,7 @@
 #include "candidate_files.h"
 
+#include <system_error>
+
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/store.h"
@@ -35,15 +37,16 @@ Status AddRegistrations(const fs::path& file, CandidateFiles& files) {
 
 Result<CandidateFiles> ReadCandidateFiles(const fs::path& workspace) {
   CandidateFiles files;
-  for (const char* stage : {"propose", "select"}) {
-    if (Status status = AddCandidates(workspace / stage / "candidates.json", files); !status.ok())
-      return status.error();
-  }
-  for (const char* stage : {"register", "select"}) {
-    if (Status status = AddRegistrations(workspace / stage / "registrations.json", files);
-        !status.ok())
-      return status.error();
-  }
+  Status status = AddCandidates(workspace / "propose" / "candidates.json", files);
+  if (status.ok()) status = AddRegistrations(workspace / "register" / "registrations.json", files);
+  // Workspaces of before there was refinement have none.
+  std::error_code error;
+  const bool has_refined = fs::exists(workspace / "select" / "candidates.json", error);
+  if (status.ok() && has_refined)
+    status = AddCandidates(workspace / "select" / "candidates.json", files);
+  if (status.ok() && has_refined)
+    status = AddRegistrations(workspace / "select" / "registrations.json", files);
+  if (!status.ok()) return status.error();
   return files;
 }
 
