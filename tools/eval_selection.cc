@@ -115,8 +115,7 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
     if (!grid.ok()) return grid.error();
     Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
     if (!figures.ok()) return figures.error();
-    const bool is_refined = candidate->second.source == CandidateSource::kRefined ||
-                            candidate->second.source == CandidateSource::kCompleted;
+    const bool is_refined = IsRefined(candidate->second.source);
     auto& those = is_refined ? object.refined : object.candidates;
     those.push_back({score.candidate,
                      candidate->second.source,

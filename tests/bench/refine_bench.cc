@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <numbers>
 
 #include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
@@ -17,16 +16,7 @@ namespace {
 
 using testing_support::ChairGrid;
 using testing_support::FurnitureWorld;
-using testing_support::ViewSettings;
-
-std::vector<ObjectView> ViewsAround(const FurnitureWorld& world, int num_views) {
-  ViewSettings settings;
-  settings.side_px = 240;
-  std::vector<double> azimuths_rad;
-  for (int n = 0; n < num_views; ++n)
-    azimuths_rad.push_back(1.5 * std::numbers::pi * n / num_views);
-  return world.Views(azimuths_rad, settings);
-}
+using testing_support::ViewsAround;
 
 std::vector<refine::PlacedView> Placed(const FurnitureWorld& world,
                                        const std::vector<ObjectView>& views) {

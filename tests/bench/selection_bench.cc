@@ -2,8 +2,6 @@
 // views: chairs of other proportions than the one seen.
 #include <benchmark/benchmark.h>
 
-#include <numbers>
-
 #include "deepslam/core/parallel.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/select/select.h"
@@ -15,17 +13,7 @@ namespace {
 using testing_support::CandidateFor;
 using testing_support::ChairGrid;
 using testing_support::FurnitureWorld;
-using testing_support::ViewSettings;
-
-std::vector<ObjectView> ViewsAround(const FurnitureWorld& world, int num_views) {
-  ViewSettings settings;
-  settings.side_px = 240;  // a chair at 2 m, as Kinect-like cameras see it
-  std::vector<double> azimuths_rad;
-  for (int n = 0; n < num_views; ++n) {
-    azimuths_rad.push_back(1.5 * std::numbers::pi * n / num_views);
-  }
-  return world.Views(azimuths_rad, settings);
-}
+using testing_support::ViewsAround;
 
 void RegisterAndSelect(benchmark::State& state) {
   const int num_candidates = static_cast<int>(state.range(0));

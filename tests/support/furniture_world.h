@@ -228,6 +228,16 @@ class FurnitureWorld {
   Similarity3 world_from_object_;
 };
 
+// A chair at 2 m as Kinect-like cameras see it, from three quarters of the way round.
+inline std::vector<ObjectView> ViewsAround(const FurnitureWorld& world, int num_views) {
+  ViewSettings settings;
+  settings.side_px = 240;
+  std::vector<double> azimuths_rad;
+  for (int n = 0; n < num_views; ++n)
+    azimuths_rad.push_back(1.5 * std::numbers::pi * n / num_views);
+  return world.Views(azimuths_rad, settings);
+}
+
 inline ShapeCandidate CandidateFor(double min_size_m,
                                    double max_size_m,
                                    double size_m = 0,

@@ -2,15 +2,10 @@
 // object, or unknown.
 #pragma once
 
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include <Eigen/Core>
 
-#include "deepslam/core/image.h"
-#include "deepslam/geometry/pose.h"
 #include "deepslam/scene/object_view.h"
+#include "deepslam/shape/depth_view.h"
 
 namespace deepslam::propose {
 
@@ -27,27 +22,19 @@ enum class Evidence {
   return 0.015F + 0.003F * depth_m * depth_m;
 }
 
-class DepthView {
- public:
-  // `view` must outlive the object.
-  DepthView(const ObjectView& view, const Pose3& level_from_world);
+// The view, asked about points of the level frame.
+[[nodiscard]] shape::DepthView LevelView(const ObjectView& view, const Pose3& level_from_world);
 
-  struct Reading {
-    Evidence evidence = Evidence::kUnknown;
-    // Distance of the point behind the object's measured surface, along that surface's normal,
-    // metres; 0 when it is not behind the object.
-    float behind_m = 0;
-  };
-  // Evidence at a point of the level frame. `slack_m` widens the tolerance across the surface (size
-  // of what is asked about): along a grazing ray it grows.
-  [[nodiscard]] Reading At(const Eigen::Vector3f& p_level, float slack_m) const;
-
- private:
-  const ObjectView* view_;
-  Image<float> cosine_;       // of the angle between ray and surface normal, per pixel
-  Eigen::Matrix3f rotation_;  // camera from level
-  Eigen::Vector3f translation_;
-  float fx_, fy_, cx_, cy_;
+struct EvidenceReading {
+  Evidence evidence = Evidence::kUnknown;
+  // Distance of the point behind the object's measured surface, along that surface's normal,
+  // metres; 0 when it is not behind the object.
+  float behind_m = 0;
 };
+// `slack_m` widens the tolerance across the surface (size of what is asked about): along a grazing
+// ray it grows.
+[[nodiscard]] EvidenceReading EvidenceAt(const shape::DepthView& view,
+                                         const Eigen::Vector3f& p_level,
+                                         float slack_m);
 
 }  // namespace deepslam::propose

@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/propose/depth_evidence.h"
+
 namespace deepslam::propose {
 namespace {
 
@@ -118,7 +120,7 @@ Placement RefinePlacement(const CoarseShape& shape,
 double ScorePlacement(const CoarseShape& shape,
                       const Placement& placement,
                       std::span<const Eigen::Vector3f> points_level,
-                      std::span<const DepthView> views,
+                      std::span<const shape::DepthView> views,
                       double tolerance_m) {
   if (points_level.empty() || shape.empty()) return 0;
   const Frame frame(shape, placement);
@@ -134,8 +136,9 @@ double ScorePlacement(const CoarseShape& shape,
     const Eigen::Vector3f p_level = frame.ToLevel(p_object);
     int free = 0;
     int seen = 0;
-    for (const DepthView& view : views) {
-      const Evidence evidence = view.At(p_level, static_cast<float>(0.5 * tolerance_m)).evidence;
+    for (const shape::DepthView& view : views) {
+      const Evidence evidence =
+          EvidenceAt(view, p_level, static_cast<float>(0.5 * tolerance_m)).evidence;
       free += evidence == Evidence::kFree ? 1 : 0;
       seen += evidence == Evidence::kSurface ? 1 : 0;
     }

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "deepslam/propose/coarse_shape.h"
-#include "deepslam/propose/depth_evidence.h"
+#include "deepslam/shape/depth_view.h"
 
 namespace deepslam::propose {
 
@@ -40,7 +40,7 @@ struct FitTerms {
 [[nodiscard]] double ScorePlacement(const CoarseShape& shape,
                                     const Placement& placement,
                                     std::span<const Eigen::Vector3f> points_level,
-                                    std::span<const DepthView> views,
+                                    std::span<const shape::DepthView> views,
                                     double tolerance_m);
 
 }  // namespace deepslam::propose

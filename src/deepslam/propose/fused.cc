@@ -12,7 +12,10 @@
 #include "deepslam/propose/depth_evidence.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
+#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/depth_view.h"
 #include "deepslam/shape/front.h"
+#include "deepslam/shape/stand.h"
 #include "deepslam/shape/stretch.h"
 
 namespace deepslam::propose {
@@ -41,7 +44,7 @@ struct Raster {
 
 // Whether the views together make a place solid.
 bool IsSolid(const Eigen::Vector3f& p_level,
-             std::span<const DepthView> views,
+             std::span<const shape::DepthView> views,
              float slack_m,
              bool fill_unseen) {
   // Behind a measured surface this much is taken for solid even in open furniture: boards and legs.
@@ -50,8 +53,8 @@ bool IsSolid(const Eigen::Vector3f& p_level,
   int surface = 0;
   bool behind = false;
   bool shell = false;
-  for (const DepthView& view : views) {
-    const DepthView::Reading reading = view.At(p_level, slack_m);
+  for (const shape::DepthView& view : views) {
+    const EvidenceReading reading = EvidenceAt(view, p_level, slack_m);
     free += reading.evidence == Evidence::kFree ? 1 : 0;
     surface += reading.evidence == Evidence::kSurface ? 1 : 0;
     if (reading.evidence != Evidence::kBehind || reading.behind_m <= 0) continue;
@@ -62,7 +65,7 @@ bool IsSolid(const Eigen::Vector3f& p_level,
   return free == 0 && (shell || (behind && fill_unseen));
 }
 
-VoxelGrid Carve(const Raster& raster, std::span<const DepthView> views, bool fill_unseen) {
+VoxelGrid Carve(const Raster& raster, std::span<const shape::DepthView> views, bool fill_unseen) {
   VoxelGrid grid;
   const auto slack_m = static_cast<float>(0.5 * raster.voxel_m);
   ParallelFor(kGridSize, [&](std::size_t slice) {
@@ -76,52 +79,6 @@ VoxelGrid Carve(const Raster& raster, std::span<const DepthView> views, bool fil
     }
   });
   return grid;
-}
-
-// Drops 26-connected parts that are small against the whole: stray depth. Parts of an object may
-// well hang unconnected where thin links between them were not measured.
-VoxelGrid WithoutCrumbs(const VoxelGrid& grid) {
-  constexpr double kCrumb = 0.05;
-  VoxelGrid kept;
-  const auto total = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
-  std::vector<std::uint8_t> left = grid.occupied;
-  for (std::size_t seed = 0; seed < left.size(); ++seed) {
-    if (left[seed] == 0) continue;
-    std::vector<std::size_t> part = {seed};
-    left[seed] = 0;
-    for (std::size_t n = 0; n < part.size(); ++n) {
-      const int i = static_cast<int>(part[n] / (kGridSize * kGridSize));
-      const int j = static_cast<int>(part[n] / kGridSize % kGridSize);
-      const int k = static_cast<int>(part[n] % kGridSize);
-      for (int d = 0; d < 27; ++d) {
-        const int x = i + d / 9 - 1;
-        const int y = j + d / 3 % 3 - 1;
-        const int z = k + d % 3 - 1;
-        if (!VoxelGrid::Contains(x, y, z) || left[VoxelGrid::Index(x, y, z)] == 0) continue;
-        left[VoxelGrid::Index(x, y, z)] = 0;
-        part.push_back(VoxelGrid::Index(x, y, z));
-      }
-    }
-    if (static_cast<double>(part.size()) < kCrumb * static_cast<double>(total)) continue;
-    for (const std::size_t n : part) kept.occupied[n] = 1;
-  }
-  return kept;
-}
-
-// Segmentation takes the ground away and a few centimetres of feet with it: what hangs just above
-// the ground stands on it. `ground_k` is the lowest voxel above the ground.
-void Stand(int ground_k, int max_gap, VoxelGrid& grid) {
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = ground_k; k <= std::min(ground_k + max_gap, kGridSize - 1); ++k) {
-        if (!grid.At(i, j, k)) continue;
-        for (int below = ground_k; below < k; ++below) {
-          grid.occupied[VoxelGrid::Index(i, j, below)] = 1;
-        }
-        break;
-      }
-    }
-  }
 }
 
 bool Listed(std::string_view list, std::string_view word) {
@@ -160,19 +117,21 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   raster.voxel_m = raster.box.size_m.maxCoeff() / (kModelExtent * kGridSize);
   const Eigen::Vector3d center_level(
       raster.box.center_m.x(), raster.box.center_m.y(), 0.5 * raster.box.size_m.z());
-  std::vector<DepthView> views;
+  std::vector<shape::DepthView> views;
   for (const std::size_t n : ChooseViews(
            object.views, cloud.level_from_world.Inverse() * center_level, options_.max_views)) {
-    views.emplace_back(object.views[n], cloud.level_from_world);
+    views.push_back(LevelView(object.views[n], cloud.level_from_world));
   }
-  VoxelGrid grid =
-      WithoutCrumbs(Carve(raster, views, Listed(options_.solid_classes, object.class_name)));
+  // Stray depth. Parts of an object may well hang unconnected where thin links between them were
+  // not measured.
+  constexpr double kCrumb = 0.05;
+  VoxelGrid grid = shape::WithoutCrumbs(
+      Carve(raster, views, Listed(options_.solid_classes, object.class_name)), 1, kCrumb);
   if (cloud.has_ground) {
-    constexpr double kMaxGap_m = 0.1;
     const double ground = 0.5 * kGridSize - 0.5 * raster.box.size_m.z() / raster.voxel_m;
-    Stand(std::max(0, static_cast<int>(std::lround(ground))),
-          static_cast<int>(kMaxGap_m / raster.voxel_m),
-          grid);
+    shape::StandOnGround(static_cast<int>(std::lround(ground)),
+                         static_cast<int>(shape::kMaxFeetGapM / raster.voxel_m),
+                         grid);
   }
   const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
   constexpr int kMinVoxels = 50;

@@ -34,7 +34,7 @@ struct Measured {
   bool has_ground = false;
   LevelCloud cloud;
   std::vector<Eigen::Vector3f> fit_points;
-  std::vector<DepthView> views;
+  std::vector<shape::DepthView> views;
   std::vector<LevelBox> boxes;  // at kNumYaws yaws, the first along the smallest footprint
   std::vector<SilhouetteView> silhouettes;
 
@@ -66,7 +66,7 @@ Measured Measure(const ObjectObservations& object, int max_views) {
   const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
   const Eigen::Vector3d center_world = measured.cloud.level_from_world.Inverse() * center_level;
   for (const std::size_t n : ChooseViews(views, center_world, max_views)) {
-    measured.views.emplace_back(views[n], measured.cloud.level_from_world);
+    measured.views.push_back(LevelView(views[n], measured.cloud.level_from_world));
   }
   return measured;
 }

@@ -1,14 +1,23 @@
 #include "deepslam/refine/complete.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "deepslam/core/check.h"
 #include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/stand.h"
 
 namespace deepslam::refine {
 namespace {
 
 constexpr float kSure = 10;  // logit
+
+VoxelGrid SurelySolid(std::span<const Evidence> evidence) {
+  VoxelGrid grid;
+  for (std::size_t n = 0; n < evidence.size(); ++n)
+    grid.occupied[n] = evidence[n] == Evidence::kSolid ? 1 : 0;
+  return grid;
+}
 
 }  // namespace
 
@@ -17,23 +26,10 @@ void AddMeasured(std::span<const Evidence> evidence,
                  int max_gap,
                  std::vector<float>& logits) {
   DEEPSLAM_CHECK(evidence.size() == logits.size(), "evidence for each voxel");
-  const int bottom = std::clamp(ground_k, 0, kGridSize - 1);
-  const int highest = std::min(kGridSize - 1, bottom + max_gap);
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      int lowest = kGridSize;
-      for (int k = kGridSize - 1; k >= 0; --k) {
-        const std::size_t n = VoxelGrid::Index(i, j, k);
-        if (evidence[n] != Evidence::kSolid) continue;
-        logits[n] = std::max(logits[n], kSure);
-        lowest = k;
-      }
-      if (lowest > highest) continue;
-      for (int k = bottom; k < lowest; ++k) {
-        float& logit = logits[VoxelGrid::Index(i, j, k)];
-        logit = std::max(logit, kSure);
-      }
-    }
+  VoxelGrid measured = SurelySolid(evidence);
+  shape::StandOnGround(ground_k, max_gap, measured);
+  for (std::size_t n = 0; n < logits.size(); ++n) {
+    if (measured.occupied[n] != 0) logits[n] = std::max(logits[n], kSure);
   }
 }
 

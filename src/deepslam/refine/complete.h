@@ -9,9 +9,8 @@
 
 namespace deepslam::refine {
 
-// Makes the voxels that are surely solid so in `logits`. Segmentation takes the ground away and a
-// few centimetres of feet with it: what ends at most `max_gap` layers above layer `ground_k`
-// reaches down to it. Index order of VoxelGrid.
+// Makes the voxels that are surely solid so in `logits`, after these were brought down to the
+// ground (shape::StandOnGround). One entry per voxel each, index order of VoxelGrid.
 void AddMeasured(std::span<const Evidence> evidence,
                  int ground_k,
                  int max_gap,

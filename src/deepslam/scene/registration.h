@@ -2,6 +2,7 @@
 // candidate.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,17 @@ struct CandidateRegistration {
   Pose3 world_from_object;  // consensus of the views through the tracked cameras (tracking world)
   std::vector<ViewRegistration> views;  // ascending frames
 };
+
+// By the view's own registration where it has one, else by the joint pose. `index` of the view
+// among the object's views, whose order registration keeps.
+[[nodiscard]] inline Pose3 CameraFromObject(const CandidateRegistration& registration,
+                                            DetectionId view,
+                                            std::size_t index,
+                                            const Pose3& world_from_camera) {
+  if (index < registration.views.size() && registration.views[index].ok &&
+      registration.views[index].view == view)
+    return registration.views[index].camera_from_object;
+  return world_from_camera.Inverse() * registration.world_from_object;
+}
 
 }  // namespace deepslam

@@ -22,6 +22,11 @@ enum class CandidateSource {
   kCompleted,   // ... and took over what was measured
 };
 
+// Made in selection of what was proposed.
+[[nodiscard]] constexpr bool IsRefined(CandidateSource source) {
+  return source == CandidateSource::kRefined || source == CandidateSource::kCompleted;
+}
+
 struct ShapeCandidate {
   CandidateId id;
   ObjectId object;

@@ -58,17 +58,6 @@ std::optional<double> GroundGap(const shape::ShapeModel& model,
   return *middle;
 }
 
-// The view's own registration where it has one, else the joint pose.
-Pose3 CameraFromObject(const CandidateRegistration& registration,
-                       const JudgedView& view,
-                       std::size_t index) {
-  if (index < registration.views.size() && registration.views[index].view == view.view &&
-      registration.views[index].ok) {
-    return registration.views[index].camera_from_object;
-  }
-  return view.world_from_camera.Inverse() * registration.world_from_object;
-}
-
 // Angles about a placed object's vertical between neighbouring cameras, all round; their sum is 2
 // pi. Empty without cameras.
 std::vector<double> GapsBetweenCameras(const Pose3& world_from_object,
@@ -147,10 +136,6 @@ WholeModels BestWhole(std::span<const ShapeCandidate> candidates,
   return best;
 }
 
-bool HasSeenDepth(CandidateSource source) {
-  return source == CandidateSource::kRefined || source == CandidateSource::kCompleted;
-}
-
 // What each candidate's score is compared with less.
 std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
                               std::span<const CandidateRegistration> registrations,
@@ -164,7 +149,7 @@ std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
     const Pose3& placed = registrations[i].world_from_object;
     handicaps[i] =
         options.back_handicap * BackShown(placed.rotation, placed.translation_m, cameras_world);
-    if (HasSeenDepth(candidates[i].source)) handicaps[i] += options.refined_lead;
+    if (IsRefined(candidates[i].source)) handicaps[i] += options.refined_lead;
   }
   const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
@@ -267,8 +252,8 @@ double SeenAngle(const MapObject& object, std::span<const ObjectView> views) {
   return 2 * std::numbers::pi - *std::max_element(gaps.begin(), gaps.end());
 }
 
-// How likely the object stands where it is said to (20 cm, 20 deg, 20 % of size): a logistic function
-// of how much of the model its views show, fitted to 181 objects of rendered rooms
+// How likely the object stands where it is said to (20 cm, 20 deg, 20 % of size): a logistic
+// function of how much of the model its views show, fitted to 181 objects of rendered rooms
 // (docs/evaluation.md, "Confidence"). There neither the score nor how far round the views go told
 // more; but below good_score, and with fewer than full_confidence_views, nothing was fitted, and
 // confidence falls.
@@ -436,8 +421,9 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
   }
   std::vector<Similarity3> camera_from_object;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    camera_from_object.push_back(
-        Similarity3::From(CameraFromObject(registration, views[i], i), registration.scale_m));
+    camera_from_object.push_back(Similarity3::From(
+        CameraFromObject(registration, views[i].view, i, views[i].world_from_camera),
+        registration.scale_m));
     score.views.push_back(MeasureAgreement(model, camera_from_object[i], views[i], options));
   }
   score.seen_share = SeenShare(model, camera_from_object, views, options);

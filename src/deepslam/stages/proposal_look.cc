@@ -8,7 +8,6 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/shape_prior.h"
-#include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -84,11 +83,9 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
                                                   Progress& progress) {
   const StageContext context(
       workspace, {}, {"track", "ground", "segment", "associate", "propose"}, progress);
-  const auto folder = FindPriors(inputs.data_folder, inputs.config.propose_stage.priors);
-  if (!folder.ok()) return folder.error();
-  if (!*folder) return InvalidInput("no shape networks are there; name a folder by propose.priors");
-  const Result<propose::ShapePriors> priors = LoadPriors(**folder, inputs.classes);
+  const auto priors = PriorsOf(inputs);
   if (!priors.ok()) return priors.error();
+  if (!*priors) return InvalidInput("no shape networks are there; name a folder by propose.priors");
   const Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
   const Result<std::vector<Segment>> segments = ReadSegments(context);
@@ -108,9 +105,9 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
 
   std::vector<ProposalLook> looks;
   for (const ObjectTrack& track : association->tracks) {
-    const auto prior = priors->find(track.class_name);
+    const auto prior = (*priors)->find(track.class_name);
     const auto found = views->find(track.id);
-    if (prior == priors->end() || found == views->end() || found->second.empty()) continue;
+    if (prior == (*priors)->end() || found == views->end() || found->second.empty()) continue;
     const std::vector<ObjectView>& of_object = found->second;
     for (const std::size_t n : propose::ChooseViews(of_object, CenterWorld(of_object), max_views)) {
       looks.push_back(Look(fmt::format("{}_{:02d}", track.class_name, track.id.value),

@@ -12,12 +12,10 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/refine/complete.h"
 #include "deepslam/refine/refine_latents.h"
+#include "deepslam/shape/stand.h"
 
 namespace deepslam::stages {
 namespace {
-
-// Segmentation takes this much of a thing's feet away with the ground.
-constexpr double kMaxFeetGapM = 0.1;
 
 bool IsOfNetwork(const ShapeCandidate& candidate) {
   return candidate.source == CandidateSource::kNetwork ||
@@ -49,11 +47,8 @@ std::vector<refine::PlacedView> PlacedViews(const CandidateRegistration& registr
   const std::size_t num_taken = std::min(count, views.size());
   for (std::size_t n = 0; n < num_taken; ++n) {
     const std::size_t i = n * views.size() / num_taken;
-    const bool is_registered = i < registration.views.size() && registration.views[i].ok &&
-                               registration.views[i].view == views[i].detection;
     const Pose3 camera_from_object =
-        is_registered ? registration.views[i].camera_from_object
-                      : views[i].world_from_camera.Inverse() * registration.world_from_object;
+        CameraFromObject(registration, views[i].detection, i, views[i].world_from_camera);
     placed.push_back(
         {&views[i],
          Similarity3::From(camera_from_object, registration.scale_m) * object_from_decoded});
@@ -104,7 +99,7 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
   const double voxel_m = registration.scale_m * object_from_decoded->scale * kVoxelSize;
   refine::AddMeasured(evidence,
                       GroundLayer(model.grid(), *object_from_decoded),
-                      static_cast<int>(kMaxFeetGapM / voxel_m),
+                      static_cast<int>(shape::kMaxFeetGapM / voxel_m),
                       *logits);
   Result<VoxelGrid> completed = prior.Solid(*logits, by_depth);
   if (!completed.ok()) return completed.error();

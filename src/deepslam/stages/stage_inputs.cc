@@ -81,8 +81,7 @@ Result<Proposals> ReadCandidates(const StageContext& context) {
 }
 
 std::string_view StageOfModel(CandidateSource source) {
-  return source == CandidateSource::kRefined || source == CandidateSource::kCompleted ? "select"
-                                                                                      : "propose";
+  return IsRefined(source) ? "select" : "propose";
 }
 
 Result<VoxelGrid> ReadModel(const StageContext& context,

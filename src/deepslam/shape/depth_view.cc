@@ -1,0 +1,77 @@
+#include "deepslam/shape/depth_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deepslam::shape {
+namespace {
+
+constexpr float kNear_m = 0.1F;
+
+// Cosine of the angle under which each pixel's ray meets the surface, from depth differences over
+// about 3 cm; 1 where the neighbourhood gives no surface. Not below 0.2, where depth cameras see
+// nothing anyway.
+Image<float> IncidenceCosine(const ObjectView& view) {
+  constexpr float kMinCosine = 0.2F;
+  constexpr float kHalfWindow_m = 0.015F;
+  const DepthImage& depth_m = view.depth_crop_m;
+  Image<float> cosine(depth_m.width(), depth_m.height(), 1.0F);
+  const auto f = static_cast<float>(view.camera.fx);
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      const float z = depth_m(u, v);
+      if (!(z > kNear_m)) continue;
+      const int step = std::clamp(static_cast<int>(kHalfWindow_m * f / z + 0.5F), 1, 8);
+      if (!depth_m.Contains(u - step, v - step) || !depth_m.Contains(u + step, v + step)) continue;
+      const float left = depth_m(u - step, v);
+      const float right = depth_m(u + step, v);
+      const float above = depth_m(u, v - step);
+      const float below = depth_m(u, v + step);
+      if (!(std::min({left, right, above, below}) > 0)) continue;
+      // Steeper than a surface at the smallest cosine is a jump.
+      const float limit = 5.0F * z * static_cast<float>(2 * step) / f + 0.02F;
+      if (std::abs(right - left) > limit || std::abs(below - above) > limit) continue;
+      const auto at = [&](int column, int row, float depth) {
+        return view.camera.Unproject(column, row, static_cast<double>(depth));
+      };
+      const Eigen::Vector3d normal = (at(u + step, v, right) - at(u - step, v, left))
+                                         .cross(at(u, v + step, below) - at(u, v - step, above));
+      const Eigen::Vector3d ray = view.camera.Ray(u, v);
+      const double length = normal.norm() * ray.norm();
+      if (length > 0)
+        cosine(u, v) = std::max(kMinCosine, static_cast<float>(std::abs(normal.dot(ray)) / length));
+    }
+  }
+  return cosine;
+}
+
+}  // namespace
+
+DepthView::DepthView(const ObjectView& view, const Pose3& camera_from_frame)
+    : view_(&view), cosine_(IncidenceCosine(view)) {
+  rotation_ = camera_from_frame.rotation.toRotationMatrix().cast<float>();
+  translation_ = camera_from_frame.translation_m.cast<float>();
+  fx_ = static_cast<float>(view.camera.fx);
+  fy_ = static_cast<float>(view.camera.fy);
+  cx_ = static_cast<float>(view.camera.cx);
+  cy_ = static_cast<float>(view.camera.cy);
+}
+
+std::optional<DepthView::Reading> DepthView::At(const Eigen::Vector3f& p_frame) const {
+  const Eigen::Vector3f p = rotation_ * p_frame + translation_;
+  if (!(p.z() > kNear_m)) return std::nullopt;
+  const float u = fx_ * p.x() / p.z() + cx_;
+  const float v = fy_ * p.y() / p.z() + cy_;
+  const DepthImage& depth_m = view_->depth_crop_m;
+  if (!(u > -0.5F && v > -0.5F && u < static_cast<float>(depth_m.width()) - 0.5F &&
+        v < static_cast<float>(depth_m.height()) - 0.5F)) {
+    return std::nullopt;
+  }
+  const int column = static_cast<int>(u + 0.5F);
+  const int row = static_cast<int>(v + 0.5F);
+  const float measured_m = depth_m(column, row);
+  if (!(measured_m > 0)) return std::nullopt;
+  return Reading{p.z(), measured_m, cosine_(column, row), view_->mask_crop(column, row) != 0};
+}
+
+}  // namespace deepslam::shape
