@@ -4,9 +4,10 @@
     scores.py --config CLASS.yaml --weights WEIGHTS.pt --train VIEWS --test VIEWS --out FOLDER
 
 The decoder's values are calibrated on the validation designs first (fit_calibration), as the export does it too.
-IoU at 64^3 at one threshold, calibrated on the training's validation designs (also at 0.4); IoU at 32^3 by Pix3D's
-protocol (box of values >= 0.1, cube, trilinear to 32^3, best mean over thresholds 0.01 ... 0.49); Chamfer distance
-between 1,024 points each of the surface voxels, box centred, longest side 1, one way plus the other (Pix3D takes them
+IoU at 64^3 of the solid that the program makes of the values (cut.py), at one threshold, calibrated on the training's
+validation designs (also of the values above it alone, and made canonical as the program does it next); IoU at 32^3 by Pix3D's protocol
+(box of values >= 0.1, cube, trilinear to 32^3, best mean over thresholds 0.01 ... 0.49), of that solid and of the values; Chamfer
+distance between 1,024 points each of the surface voxels, box centred, longest side 1, one way plus the other (Pix3D takes them
 from marching cubes). Baselines: mean training shape; the training model of the view nearest by latents; for every test
 model the nearest of all training shapes (oracle).
 """
@@ -19,6 +20,7 @@ import torch
 import torch.nn.functional as F
 import yaml
 
+import cut
 import data
 import nets
 import plots
@@ -43,6 +45,22 @@ def at_32(volume):
     cube[corner[0]:corner[0] + box.shape[0], corner[1]:corner[1] + box.shape[1],
          corner[2]:corner[2] + box.shape[2]] = box
     return F.interpolate(cube[None, None], size=(32, 32, 32), mode="trilinear", align_corners=True)[0, 0]
+
+
+def canonical(solid, longest=62):
+    """Each of [N, 64, 64, 64] scaled to the longest side of all models and centred; nearest neighbour."""
+    scaled = torch.zeros_like(solid)
+    for ours, out in zip(solid, scaled):
+        inside = torch.nonzero(ours)
+        if len(inside) == 0:
+            continue
+        low, high = inside.min(0).values, inside.max(0).values + 1
+        sides = [max(1, round(int(side) * longest / int((high - low).max()))) for side in high - low]
+        box = ours[low[0]:high[0], low[1]:high[1], low[2]:high[2]].float()
+        box = F.interpolate(box[None, None], size=sides, mode="nearest")[0, 0] > 0.5
+        corner = [(64 - side) // 2 for side in sides]
+        out[corner[0]:corner[0] + sides[0], corner[1]:corner[1] + sides[1], corner[2]:corner[2] + sides[2]] = box
+    return scaled
 
 
 def set_iou_32(ours, truth):
@@ -172,17 +190,19 @@ def score_input(model, train, check, test, use_depth, latent_bank, random):
     threshold = best_threshold(check_shares, check.voxels(check.owner[check_numbers]).bool())
     shares, latents, azimuth = run(model, test, use_depth)
     truth = test.voxels(test.owner).bool()
-    each = iou(shares > threshold, truth)
-    mean_32, level_32, each_32 = set_iou_32(shares, truth.float())
-    result = {"threshold": threshold, "iou64": float(each.mean()), "iou64_at_0.4": float(iou(shares > 0.4, truth).mean()),
-              "iou32": mean_32, "threshold32": level_32,
-              "chamfer": float(np.nanmean([chamfer(s > threshold, t, random) for s, t in zip(shares, truth)]))}
+    solid = cut.cut(shares, threshold)
+    each = iou(solid, truth)
+    mean_32, level_32, _ = set_iou_32(solid.float(), truth.float())
+    result = {"threshold": threshold, "iou64": float(each.mean()), "iou64_by_threshold": float(iou(shares > threshold, truth).mean()),
+              "iou64_canonical": float(iou(canonical(solid), truth).mean()),
+              "iou32": mean_32, "threshold32": level_32, "iou32_of_values": set_iou_32(shares, truth.float())[0],
+              "chamfer": float(np.nanmean([chamfer(s, t, random) for s, t in zip(solid, truth)]))}
     result["azimuth"], result["azimuth_residual_deg"] = azimuth_figures(azimuth, test)
     per_model, ten, best_ten, spread = {}, [], [], []
     for m, entry in enumerate(test.models):
         rows = np.flatnonzero(test.owner == m)
         solid = truth[rows[0]][None]
-        mean = torch.sigmoid(model.decoder(latents[rows[:10]].mean(0, keepdim=True))).detach() > threshold
+        mean = cut.cut(torch.sigmoid(model.decoder(latents[rows[:10]].mean(0, keepdim=True))).detach(), threshold)
         ten.append(float(iou(mean, solid)[0]))
         best_ten.append(float(each[rows[:10]].max()))
         spread.append(float(each[rows].std()))
@@ -222,9 +242,11 @@ def main():
     nets.calibrate(model, scale, offset)
     # The best of its thresholds on the very test: no other baseline is favoured so.
     level = best_threshold(mean[None].expand(len(truth), -1, -1, -1), truth)
+    mean_solid = cut.cut(mean[None], level)[0]
     scores = {"calibration": {"scale": scale, "offset": offset}, "test_models": len(test.models), "test_views": len(test), "train_models": len(train.models),
-              "mean_shape": {"iou64": float(iou((mean > level)[None].expand_as(truth), truth).mean()),
-                             "iou32": set_iou_32(mean[None].expand(len(truth), -1, -1, -1), truth.float())[0],
+              "mean_shape": {"iou64": max(float(iou(shape[None].expand_as(truth), truth).mean()) for shape in (mean > level, mean_solid)),
+                             "iou32": max(set_iou_32(shape[None].expand(len(truth), -1, -1, -1), truth.float())[0]
+                                          for shape in (mean, mean_solid.float())),
                              "threshold": level},
               "oracle": {"iou64": float(nearest_shapes(train, truth).mean())}}
     numbers = np.sort(random.choice(len(train), min(len(train), 6000), replace=False))

@@ -317,34 +317,6 @@ TEST(ShapePriorTest, DerivativesOfTheShippedDecodersAreThoseOfTheirLogits) {
   EXPECT_GE(num_classes, 5);
 }
 
-TEST(SolidFromNetworkTest, KeepsThinGapsAndDropsCrumbs) {
-  std::vector<float> shares(VoxelGrid().occupied.size(), 0.0F);
-  const auto fill = [&](int k0, int k1, int size) {
-    for (int i = 20; i < 20 + size; ++i) {
-      for (int j = 20; j < 20 + size; ++j) {
-        for (int k = k0; k < k1; ++k) shares[VoxelGrid::Index(i, j, k)] = 0.9F;
-      }
-    }
-  };
-  fill(5, 20, 10);
-  fill(21, 30, 10);  // beyond a gap of one voxel
-  fill(50, 53, 3);   // a crumb
-  const VoxelGrid solid = SolidFromNetwork(shares, 0.5);
-  int low = kGridSize;
-  int high = 0;
-  for (int k = 0; k < kGridSize; ++k) {
-    for (int i = 0; i < kGridSize; ++i) {
-      for (int j = 0; j < kGridSize; ++j) {
-        if (!solid.At(i, j, k)) continue;
-        low = std::min(low, k);
-        high = std::max(high, k);
-      }
-    }
-  }
-  EXPECT_EQ(high - low + 1, 62) << "both parts, no crumb, and the longest side canonical";
-  EXPECT_EQ(SolidFromNetwork(std::vector<float>(shares.size(), 0.1F), 0.5), VoxelGrid());
-}
-
 class CropTest : public testing::Test {
  protected:
   static ObjectView View(int width, int height) {

@@ -12,6 +12,7 @@
 
 #include <onnxruntime_cxx_api.h>
 
+#include "deepslam/propose/cut_shares.h"
 #include "deepslam/shape/stretch.h"
 
 namespace deepslam::propose {
@@ -182,50 +183,6 @@ void ReadViewpoint(const std::vector<float>& azimuth, PriorEncoding& encoding) {
   encoding.azimuth_rad = std::atan2(s, c);
 }
 
-// What is solid by the threshold, without what hangs together with the main part not even across a
-// gap of one voxel.
-VoxelGrid MainPart(std::span<const float> shares, double threshold) {
-  VoxelGrid solid;
-  DEEPSLAM_CHECK(shares.size() == solid.occupied.size(), "a share for each voxel");
-  for (std::size_t n = 0; n < shares.size(); ++n)
-    solid.occupied[n] = static_cast<double>(shares[n]) > threshold ? 1 : 0;
-  // Parts by voxels at most two steps apart along each axis.
-  constexpr int kReach = 2;
-  std::vector<std::int32_t> part(solid.occupied.size(), -1);
-  std::vector<std::size_t> sizes;
-  std::vector<std::size_t> stack;
-  for (std::size_t first = 0; first < part.size(); ++first) {
-    if (solid.occupied[first] == 0 || part[first] >= 0) continue;
-    const auto number = static_cast<std::int32_t>(sizes.size());
-    sizes.push_back(0);
-    part[first] = number;
-    stack.push_back(first);
-    while (!stack.empty()) {
-      const int at = static_cast<int>(stack.back());
-      stack.pop_back();
-      ++sizes.back();
-      const int i = at / (kGridSize * kGridSize);
-      const int j = at / kGridSize % kGridSize;
-      const int k = at % kGridSize;
-      for (int a = std::max(0, i - kReach); a <= std::min(kGridSize - 1, i + kReach); ++a) {
-        for (int b = std::max(0, j - kReach); b <= std::min(kGridSize - 1, j + kReach); ++b) {
-          for (int c = std::max(0, k - kReach); c <= std::min(kGridSize - 1, k + kReach); ++c) {
-            const std::size_t next = VoxelGrid::Index(a, b, c);
-            if (solid.occupied[next] == 0 || part[next] >= 0) continue;
-            part[next] = number;
-            stack.push_back(next);
-          }
-        }
-      }
-    }
-  }
-  if (sizes.empty()) return solid;
-  const auto main =
-      static_cast<std::int32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-  for (std::size_t n = 0; n < part.size(); ++n) solid.occupied[n] = part[n] == main ? 1 : 0;
-  return solid;
-}
-
 VoxelGrid Canonical(const VoxelGrid& solid) {
   return shape::StretchGrid(solid, Eigen::Vector3d::Ones());
 }
@@ -250,7 +207,7 @@ struct ShapePrior::Impl {
   [[nodiscard]] Result<std::vector<std::vector<float>>> RunDecoder(
       std::span<const float> latents, std::span<const float> gradient_by_logits) const;
   // The solid on the decoder's own grid.
-  [[nodiscard]] Result<VoxelGrid> MainPartOf(std::span<const float> logits, bool by_depth) const;
+  [[nodiscard]] Result<VoxelGrid> SolidOf(std::span<const float> logits, bool by_depth) const;
 };
 
 Result<std::vector<std::vector<float>>> ShapePrior::Impl::RunDecoder(
@@ -267,14 +224,14 @@ Result<std::vector<std::vector<float>>> ShapePrior::Impl::RunDecoder(
   return Failed(std::string("the shape decoder failed: ") + failure.what());
 }
 
-Result<VoxelGrid> ShapePrior::Impl::MainPartOf(std::span<const float> logits, bool by_depth) const {
+Result<VoxelGrid> ShapePrior::Impl::SolidOf(std::span<const float> logits, bool by_depth) const {
   if (logits.size() != VoxelGrid().occupied.size())
     return InvalidInput("logits must have a number for each voxel");
   std::vector<float> shares(logits.size());
   std::transform(logits.begin(), logits.end(), shares.begin(), [](float logit) {
     return 1.0F / (1.0F + std::exp(-logit));
   });
-  VoxelGrid solid = MainPart(shares, by_depth ? threshold_depth : threshold_colour);
+  VoxelGrid solid = CutShares(shares, by_depth ? threshold_depth : threshold_colour);
   if (std::count(solid.occupied.begin(), solid.occupied.end(), std::uint8_t{1}) < kFewestVoxels)
     return InvalidInput("the latents decode to no solid");
   return solid;
@@ -368,7 +325,7 @@ Result<VoxelGrid> ShapePrior::Decode(std::span<const float> latents, bool by_dep
 }
 
 Result<VoxelGrid> ShapePrior::Solid(std::span<const float> logits, bool by_depth) const {
-  const Result<VoxelGrid> solid = impl_->MainPartOf(logits, by_depth);
+  const Result<VoxelGrid> solid = impl_->SolidOf(logits, by_depth);
   if (!solid.ok()) return solid.error();
   return Canonical(*solid);
 }
@@ -377,7 +334,7 @@ Result<Similarity3> ShapePrior::ObjectFromDecoded(std::span<const float> latents
                                                   bool by_depth) const {
   const Result<std::vector<float>> logits = Logits(latents);
   if (!logits.ok()) return logits.error();
-  const Result<VoxelGrid> decoded = impl_->MainPartOf(*logits, by_depth);
+  const Result<VoxelGrid> decoded = impl_->SolidOf(*logits, by_depth);
   if (!decoded.ok()) return decoded.error();
   const std::optional<VoxelBox> from = OccupiedBox(*decoded);
   const std::optional<VoxelBox> to = OccupiedBox(Canonical(*decoded));
@@ -407,10 +364,6 @@ Result<std::vector<float>> ShapePrior::LatentGradient(
   Result<std::vector<std::vector<float>>> outputs = impl_->RunDecoder(latents, gradient_by_logits);
   if (!outputs.ok()) return outputs.error();
   return std::move((*outputs)[1]);
-}
-
-VoxelGrid SolidFromNetwork(std::span<const float> shares, double threshold) {
-  return Canonical(MainPart(shares, threshold));
 }
 
 }  // namespace deepslam::propose

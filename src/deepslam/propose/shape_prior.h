@@ -66,9 +66,4 @@ class ShapePrior {
   std::unique_ptr<Impl> impl_;
 };
 
-// Solid voxels above the threshold, without what hangs together with the main part not even across
-// a gap of one voxel; made canonical (longest side kModelExtent, centred). Empty where nothing or
-// nearly nothing is left. `shares`: index order of VoxelGrid.
-[[nodiscard]] VoxelGrid SolidFromNetwork(std::span<const float> shares, double threshold);
-
 }  // namespace deepslam::propose

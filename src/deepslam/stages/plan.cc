@@ -153,7 +153,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kTrackOverrides,
       RunAssociate);
   add("propose",
-      2,
+      3,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
       kFrames | kClasses | kLibrary | kPriors,
@@ -165,7 +165,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      7,
+      8,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,

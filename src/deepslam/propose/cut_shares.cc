@@ -1,0 +1,48 @@
+#include "deepslam/propose/cut_shares.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+
+#include "deepslam/core/check.h"
+#include "deepslam/shape/crumbs.h"
+
+namespace deepslam::propose {
+namespace {
+
+constexpr double kKeptOfExpected = 0.5;
+constexpr float kLeastShare = 0.05F;
+// Parts of a leg may lie a voxel apart.
+constexpr int kReach = 2;
+constexpr double kCrumb = 0.003;
+
+// The value above which the voxels of a layer are solid.
+float LevelOfLayer(std::span<const float> shares, int k, float threshold) {
+  std::array<float, std::size_t{kGridSize} * kGridSize> layer{};
+  double expected = 0;
+  for (std::size_t n = 0; n < layer.size(); ++n) {
+    layer.at(n) = shares[n * kGridSize + static_cast<std::size_t>(k)];
+    expected += static_cast<double>(layer.at(n));
+  }
+  const auto kept =
+      std::min(layer.size() - 1, static_cast<std::size_t>(kKeptOfExpected * expected + 0.5));
+  const auto first_left_out = layer.begin() + static_cast<std::ptrdiff_t>(kept);
+  std::nth_element(layer.begin(), first_left_out, layer.end(), std::greater<>());
+  return std::min(threshold, std::max(kLeastShare, *first_left_out));
+}
+
+}  // namespace
+
+VoxelGrid CutShares(std::span<const float> shares, double threshold) {
+  VoxelGrid solid;
+  DEEPSLAM_CHECK(shares.size() == solid.occupied.size(), "a share for each voxel");
+  for (int k = 0; k < kGridSize; ++k) {
+    const float level = LevelOfLayer(shares, k, static_cast<float>(threshold));
+    for (std::size_t n = static_cast<std::size_t>(k); n < shares.size(); n += kGridSize)
+      solid.occupied[n] = shares[n] > level ? 1 : 0;
+  }
+  return shape::WithoutCrumbs(solid, kReach, kCrumb);
+}
+
+}  // namespace deepslam::propose
