@@ -57,6 +57,31 @@ TEST(DetectClusters, FindsACabinetOnAnEmptyFloor) {
   EXPECT_THAT(MaskIoU(found[0].mask, view.boxes, 0), Ge(0.9));
 }
 
+const Cuboid kWall = {-1, {-4, 0.25, 0}, {4, 0.35, 2.6}};
+const Cuboid kSideWall = {-1, {0.4, -4, 0}, {0.5, 4, 2.6}};
+
+TEST(DetectClusters, FindsWhatStandsAgainstAWallOrInACorner) {
+  const Eigen::Vector3d eye(-0.5, -2.0, 1.4);
+  const Eigen::Vector3d target(0, 0, 0.4);
+  for (const std::vector<Cuboid>& world :
+       {std::vector<Cuboid>{kCabinet, kWall}, std::vector<Cuboid>{kCabinet, kWall, kSideWall}}) {
+    const View view = Look(world, eye, target);
+    const auto found = Find(view);
+    ASSERT_THAT(found, SizeIs(1));
+    EXPECT_EQ(found[0].class_name, "cabinet");
+    // What is nearer to the wall than depth is noisy goes with the wall.
+    EXPECT_THAT(MaskIoU(found[0].mask, view.boxes, 0), Ge(0.75));
+  }
+}
+
+TEST(DetectClusters, FindsATallCabinetAgainstAWall) {
+  const View view =
+      Look({{0, {-0.3, -0.15, 0}, {0.3, 0.25, 1.7}}, kWall}, {1.3, -2.5, 1.3}, {0, 0, 0.9});
+  const auto found = Find(view);
+  ASSERT_THAT(found, SizeIs(1)) << "its front is no wall, as there is one behind";
+  EXPECT_THAT(MaskIoU(found[0].mask, view.boxes, 0), Ge(0.75));
+}
+
 TEST(DetectClusters, CallsFurnitureWhatFitsNoClass) {
   const View view = Look({{0, {-0.2, -0.2, 0}, {0.2, 0.2, 0.35}}}, {0.8, -1.6, 1.2}, {0, 0, 0.2});
   const auto found = Find(view);

@@ -10,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "deepslam/detect/find_walls.h"
 #include "deepslam/scene/ground.h"
 
 namespace deepslam::detect {
@@ -23,6 +24,8 @@ constexpr int kMinCellPoints = 3;
 constexpr double kThin_m = 0.08;     // a flat thing this thin ...
 constexpr double kThinTall_m = 1.2;  // ... and this tall is a piece of wall or a door
 constexpr int kBorder_px = 4;
+constexpr int kWallStride_px = 4;
+constexpr int kTopPart = 20;  // of the image's height; depth often begins a few rows down
 constexpr double kBorderShare =
     0.25;  // of the cluster's height in the image that may run along one border
 
@@ -37,15 +40,16 @@ struct GridPoint {
   int cell;
   float height_m;
   float x_m, y_m;  // on the ground
+  float depth_m;
 };
 
 // The ground as seen by one camera, in cells around the camera's foot.
 struct GroundGrid {
   int side = 0;  // cells
   double cell_m = 0;
-  std::vector<int> num_matter;
   std::vector<std::uint8_t> kinds;
-  std::vector<GridPoint> points;  // above the ground, in image order
+  std::vector<GridPoint> points;  // above the ground and of no wall, in image order
+  Mask wall;                      // pixels of walls
 
   [[nodiscard]] int Cell(double x_m, double y_m) const {
     const double reach_m = 0.5 * side * cell_m;
@@ -65,8 +69,8 @@ GroundGrid MakeGrid(const Frame& frame,
   grid.cell_m = options.cell_m;
   grid.side = 2 * static_cast<int>(std::ceil(1.5 * options.max_depth_m / options.cell_m)) + 3;
   const auto num_cells = static_cast<std::size_t>(grid.side) * static_cast<std::size_t>(grid.side);
-  grid.num_matter.assign(num_cells, 0);
   grid.kinds.assign(num_cells, 0);
+  grid.wall = Mask(frame.depth_m.width(), frame.depth_m.height());
   const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
   for (int v = 0; v < frame.depth_m.height(); ++v) {
     for (int u = 0; u < frame.depth_m.width(); ++u) {
@@ -82,20 +86,44 @@ GroundGrid MakeGrid(const Frame& frame,
       if (std::abs(height_m) <= noise_m) {
         grid.kinds[index] |= kFloor;
       } else if (height_m > noise_m) {
-        if (height_m >= options.min_height_m) ++grid.num_matter[index];
         grid.points.push_back({u,
                                v,
                                cell,
                                static_cast<float>(height_m),
                                static_cast<float>(on_ground_m.x()),
-                               static_cast<float>(on_ground_m.y())});
+                               static_cast<float>(on_ground_m.y()),
+                               static_cast<float>(depth_m)});
       }
     }
   }
-  for (std::size_t i = 0; i < num_cells; ++i) {
-    if (grid.num_matter[i] >= kMinCellPoints) grid.kinds[i] |= kMatter;
-  }
   return grid;
+}
+
+// Without the walls what stands against them stands for itself.
+void LeaveOutWalls(int top_rows, GroundGrid& grid) {
+  std::vector<UprightPoint> some;
+  for (const GridPoint& p : grid.points) {
+    if (p.u % kWallStride_px != 0 || p.v % kWallStride_px != 0) continue;
+    some.push_back({{p.x_m, p.y_m}, p.height_m, p.depth_m, p.v < top_rows});
+  }
+  const std::vector<Wall> walls = FindWalls(some);
+  std::erase_if(grid.points, [&](const GridPoint& p) {
+    const bool is_wall = std::any_of(walls.begin(), walls.end(), [&](const Wall& wall) {
+      return std::abs(wall.Beyond({p.x_m, p.y_m})) <= WallTolerance_m(p.depth_m);
+    });
+    if (is_wall) grid.wall(p.u, p.v) = 1;
+    return is_wall;
+  });
+}
+
+void MarkMatter(double min_height_m, GroundGrid& grid) {
+  std::vector<int> num_points(grid.kinds.size(), 0);
+  for (const GridPoint& p : grid.points) {
+    if (p.height_m >= min_height_m) ++num_points[static_cast<std::size_t>(p.cell)];
+  }
+  for (std::size_t i = 0; i < num_points.size(); ++i) {
+    if (num_points[i] >= kMinCellPoints) grid.kinds[i] |= kMatter;
+  }
 }
 
 std::array<int, 8> Neighbours(int cell, int side) {
@@ -261,11 +289,12 @@ double FreeShare(const GroundGrid& grid,
 }
 
 // Share of image rows in which the cluster's left end (`side` -1) or right end (+1) is seen to end:
-// next to it lies floor or something farther. A thing that runs on behind an occluder, out of the
-// picture or into missing depth does not.
+// next to it lies floor, a wall or something farther. A thing that runs on behind an occluder, out
+// of the picture or into missing depth does not.
 double EndShare(const Frame& frame,
                 const PinholeCamera& camera,
                 const Plane& ground_camera,
+                const Mask& wall,
                 const Cluster& cluster,
                 int side) {
   std::map<int, int> end_of_row;  // row -> outermost column
@@ -283,7 +312,8 @@ double EndShare(const Frame& frame,
       if (!(beyond_m > 0)) continue;
       const double height_m = ground_camera.SignedDistance(camera.Unproject(u, v, beyond_m));
       const bool floor = height_m < kHeightNoise_m + kHeightNoisePerM2 * beyond_m * beyond_m;
-      num_ends += floor || beyond_m > depth_m + kStepBehind_m ? 1U : 0U;
+      const bool is_end = floor || wall(u, v) != 0 || beyond_m > depth_m + kStepBehind_m;
+      num_ends += is_end ? 1U : 0U;
       break;
     }
   }
@@ -404,7 +434,9 @@ std::vector<Detection> DetectClusters(const Frame& frame,
                                       const ClassTable& classes,
                                       const ClusterOptions& options) {
   if (!options.enabled || frame.depth_m.empty() || !(camera.fx > 0) || !(camera.fy > 0)) return {};
-  const GroundGrid grid = MakeGrid(frame, camera, ground_camera, options);
+  GroundGrid grid = MakeGrid(frame, camera, ground_camera, options);
+  LeaveOutWalls(frame.depth_m.height() / kTopPart, grid);
+  MarkMatter(options.min_height_m, grid);
   const Components components = ConnectCells(grid);
   const auto min_points = static_cast<std::size_t>(
       std::max(1.0, options.min_points_share * static_cast<double>(frame.depth_m.size())));
@@ -417,8 +449,8 @@ std::vector<Detection> DetectClusters(const Frame& frame,
     if (!IsFurniture(cluster, options)) continue;
     const double free_share = FreeShare(grid, components, cluster, options);
     if (free_share < options.min_free_share) continue;
-    if (EndShare(frame, camera, ground_camera, cluster, -1) < kMinEndShare ||
-        EndShare(frame, camera, ground_camera, cluster, 1) < kMinEndShare) {
+    if (EndShare(frame, camera, ground_camera, grid.wall, cluster, -1) < kMinEndShare ||
+        EndShare(frame, camera, ground_camera, grid.wall, cluster, 1) < kMinEndShare) {
       continue;
     }
     if (CoveredShare(cluster, covered) > options.max_covered_share) continue;

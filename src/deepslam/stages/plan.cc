@@ -140,7 +140,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   add("track", 8, {}, {"track"}, kFrames, RunTrack);
   add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
-      2,
+      3,
       {"track", "ground"},
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
