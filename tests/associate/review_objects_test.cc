@@ -57,6 +57,22 @@ std::size_t NumLeft(const Box2& first_px, const Box2& second_px) {
   return objects.size();
 }
 
+TEST(MajorityClass, WhatIsRecognisedOutvotesGuessesBySize) {
+  std::vector<Segment> segments(8, Chair(0, 1, {0, 0, 10, 10}));
+  std::vector<Observation> all(segments.size());
+  ObjectHypothesis object;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    all[k].segment = &segments[k];
+    object.observations.push_back(static_cast<int>(k));
+    if (k < 2) continue;
+    segments[k].class_name = "cabinet";
+    segments[k].source = DetectionSource::kCluster;
+  }
+  EXPECT_EQ(MajorityClass(object, all), "chair") << "2 of a network against 6 by size";
+  object.observations.erase(object.observations.begin(), object.observations.begin() + 2);
+  EXPECT_EQ(MajorityClass(object, all), "cabinet");
+}
+
 TEST(ReviewObjects, AThingAndHalfOfItInOneFrameAreOneThing) {
   const Box2 whole_px{100, 20, 200, 220}, lower_half_px{101, 120, 200, 221};
   EXPECT_EQ(NumLeft(whole_px, lower_half_px), 1U);

@@ -97,6 +97,18 @@ TEST(DetectClusters, LeavesToOthersWhatTheyHaveFound) {
   EXPECT_THAT(Find(view, {*DetectTruth(view.boxes, 0, "chair")}), IsEmpty());
 }
 
+TEST(DetectClusters, FindsWhatStandsBeforeWhatOthersHaveFound) {
+  const Cuboid low = {0, {-0.5, -0.3, 0}, {0.5, 0.3, 0.45}};
+  const Cuboid sofa = {1, {-0.9, 0.6, 0}, {0.9, 1.4, 0.8}};
+  const View view = Look({low, sofa}, {0.7, -2.2, 1.6}, {0, 0.3, 0.3});
+  Detection around = *DetectTruth(view.boxes, 1, "sofa");
+  const Box2 box = DetectTruth(view.boxes, 0, "")->box_px;
+  around.box_px.v_max = box.v_min + 0.45 * box.height_px();
+  const auto found = Find(view, {around});
+  ASSERT_THAT(found, SizeIs(1)) << "the sofa's box covers half of it";
+  EXPECT_THAT(MaskIoU(found[0].mask, view.boxes, 0), Ge(0.9));
+}
+
 TEST(DetectClusters, DoesNotTakeTheRoomForFurniture) {
   const Eigen::Vector3d eye(0.3, -2.2, 1.3);
   const Eigen::Vector3d target(0, 0, 0.5);

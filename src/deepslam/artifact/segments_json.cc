@@ -19,6 +19,7 @@ Result<std::string> EncodeSegments(std::span<const Segment> segments, std::strin
     row.emplace("frame", ToJson(segment.frame));
     row.emplace("class", segment.class_name);
     row.emplace("score", segment.score);
+    row.emplace("source", NameOf(segment.source));
     row.emplace("bbox", ToCocoBox(segment.box_px));
     row.emplace("segmentation", ToJson(segment.mask.Unpacked()));
     row.emplace("num_points", segment.num_points);
@@ -42,6 +43,8 @@ Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_v
     segment.frame = ReadId<FrameIdx>(row["frame"]);
     segment.class_name = row["class"].String();
     segment.score = row["score"].Number(0, 1);
+    if (const JsonNode source = row.Maybe("source"); source.is_string())
+      segment.source = ReadDetectionSource(source);
     segment.box_px = ReadCocoBox(row["bbox"]);
     segment.mask = ReadMask(row.Maybe("segmentation"));
     segment.num_points = row["num_points"].Int(0, kMaxId);

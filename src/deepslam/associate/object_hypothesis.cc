@@ -5,6 +5,12 @@
 #include <utility>
 
 namespace deepslam::associate {
+namespace {
+
+// Of a class that is guessed by size, against one that a network or a person has recognised.
+constexpr double kTrustInSize = 0.1;
+
+}  // namespace
 
 bool ObjectHypothesis::IsSeenIn(FrameIdx frame) const {
   return std::any_of(members.begin(), members.end(), [frame](const TrackMember& member) {
@@ -48,7 +54,8 @@ std::string MajorityClass(const ObjectHypothesis& object, const std::vector<Obse
   std::map<std::string, double> weights;
   for (const int i : object.observations) {
     const Segment& segment = *all[static_cast<std::size_t>(i)].segment;
-    weights[segment.class_name] += segment.score;
+    const double trust = segment.source == DetectionSource::kCluster ? kTrustInSize : 1;
+    weights[segment.class_name] += trust * segment.score;
   }
   std::string best;
   double best_weight = -1;

@@ -40,7 +40,8 @@ void AddMember(ObjectHypothesis& object,
                TrackMember member,
                double cell_m);
 
-// Class of most members, weighted by score; of equal ones the first by name.
+// Class of most members, weighted by score; what clusters guess by size counts a tenth. Of equal
+// ones the first by name.
 [[nodiscard]] std::string MajorityClass(const ObjectHypothesis& object,
                                         const std::vector<Observation>& all);
 

@@ -32,6 +32,7 @@ constexpr double kBorderShare =
 constexpr double kShadowShare = 0.05;  // of the image width: the sensor's shadow beside a thing
 constexpr double kStepBehind_m = 0.10;
 constexpr double kMinEndShare = 0.6;
+constexpr double kWhollyCovered = 0.8;
 
 enum : std::uint8_t { kFloor = 1, kMatter = 2 };
 
@@ -337,16 +338,40 @@ bool IsFurniture(const Cluster& cluster, const ClusterOptions& options) {
          cluster.num_top <= kBorderShare * cluster.box_px.width_px() * kBorder_px;
 }
 
-double CoveredShare(const Cluster& cluster, std::span<const Detection> covered) {
-  std::size_t count = 0;
-  for (const GridPoint& p : cluster.points) {
-    count += std::any_of(covered.begin(),
-                         covered.end(),
-                         [&](const Detection& d) { return d.box_px.Contains(p.u, p.v); })
-                 ? 1U
-                 : 0U;
+double CoveredShare(const Cluster& cluster, const Detection& detection) {
+  const auto num_covered =
+      std::count_if(cluster.points.begin(), cluster.points.end(), [&](const GridPoint& p) {
+        return detection.box_px.Contains(p.u, p.v);
+      });
+  return static_cast<double>(num_covered) / static_cast<double>(cluster.points.size());
+}
+
+// For each detection the cluster whose box is most like its own: what it has found.
+std::vector<const Cluster*> FoundBy(std::span<const Detection> detections,
+                                    std::span<const Cluster> clusters) {
+  std::vector<const Cluster*> found;
+  for (const Detection& detection : detections) {
+    const auto best =
+        std::max_element(clusters.begin(), clusters.end(), [&](const Cluster& a, const Cluster& b) {
+          return IntersectionOverUnion(detection.box_px, a.box_px) <
+                 IntersectionOverUnion(detection.box_px, b.box_px);
+        });
+    found.push_back(best == clusters.end() ? nullptr : &*best);
   }
-  return static_cast<double>(count) / static_cast<double>(cluster.points.size());
+  return found;
+}
+
+// A box reaches over what stands before the thing it is of: only the cluster it has found, and what
+// lies in it nearly wholly, is its own.
+bool IsExplained(const Cluster& cluster,
+                 std::span<const Detection> detections,
+                 std::span<const Cluster* const> found,
+                 double max_covered_share) {
+  for (std::size_t n = 0; n < detections.size(); ++n) {
+    const double limit = found[n] == &cluster ? max_covered_share : kWhollyCovered;
+    if (CoveredShare(cluster, detections[n]) > limit) return true;
+  }
+  return false;
 }
 
 // The class without detector labels whose sizes hold the cluster, most central first; `furniture`
@@ -414,7 +439,7 @@ void Describe(OptionsVisitor& visitor, ClusterOptions& options) {
                 options.max_covered_share,
                 {0, 1},
                 "1",
-                "clusters covered more than this by detections are dropped");
+                "clusters covered more than this by the detection that found them are dropped");
   visitor.Field("free_margin_m",
                 options.free_margin_m,
                 {0.02, 1},
@@ -444,6 +469,7 @@ std::vector<Detection> DetectClusters(const Frame& frame,
   std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
     return a.points.size() > b.points.size();
   });
+  const std::vector<const Cluster*> found = FoundBy(covered, clusters);
   std::vector<Detection> detections;
   for (const Cluster& cluster : clusters) {
     if (!IsFurniture(cluster, options)) continue;
@@ -453,7 +479,7 @@ std::vector<Detection> DetectClusters(const Frame& frame,
         EndShare(frame, camera, ground_camera, grid.wall, cluster, 1) < kMinEndShare) {
       continue;
     }
-    if (CoveredShare(cluster, covered) > options.max_covered_share) continue;
+    if (IsExplained(cluster, covered, found, options.max_covered_share)) continue;
     Detection detection;
     detection.frame = frame.idx;
     detection.class_name = ClassOf(cluster, classes);

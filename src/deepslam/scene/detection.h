@@ -15,7 +15,8 @@ namespace deepslam {
 enum class DetectionSource {
   kNetwork,  // a detector network on the colour image
   kFile,     // a user's COCO file
-  kCluster,  // a floor-standing depth cluster that no other detection covers
+  kCluster,  // a floor-standing depth cluster that no other detection has found; its class is a
+             // guess by its size
 };
 
 struct Detection {
@@ -35,8 +36,9 @@ struct Segment {
   DetectionId detection;
   FrameIdx frame;
   std::string class_name;
-  double score = 0;             // the detection's
-  Box2 box_px;                  // the detection's box
+  double score = 0;                                    // the detection's
+  DetectionSource source = DetectionSource::kNetwork;  // the detection's
+  Box2 box_px;                                         // the detection's box
   PixelMask mask;               // size of the image; 1 = object, with or without depth
   int num_points = 0;           // pixels of the mask with depth
   Box3 extent_camera;           // of the segment's points, metres

@@ -88,6 +88,7 @@ Segment Describe(const Detection& detection,
   segment.frame = detection.frame;
   segment.class_name = detection.class_name;
   segment.score = detection.score;
+  segment.source = detection.source;
   segment.box_px = detection.box_px;
   mask = Mask(width, height);
   for (const PixelPoint& p : points) {

@@ -145,9 +145,9 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 3, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 4, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
-      3,
+      4,
       {"track", "ground", "segment"},
       {"associate"},
       kFrames | kTrackOverrides,
