@@ -97,6 +97,7 @@ inline std::vector<Segment> SampleSegments() {
                   FrameIdx{3},
                   "table",
                   0.5,
+                  DetectionSource::kCluster,
                   {0, 0, 63, 47},
                   SampleMask(64, 48),
                   99,
