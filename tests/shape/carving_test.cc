@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -96,6 +97,7 @@ TEST(DepthViewTest, TellsPointAndMeasurement) {
 TEST(DepthViewTest, SlantedSurfacesAndMissingDepth) {
   ObjectView view = Wall(1);  // turned by 45 degrees
   view.depth_crop_m(50, 50) = 0;
+  view.depth_crop_m(70, 50) = std::numeric_limits<float>::infinity();
   const DepthView depth(view, Pose3());
   const auto beside = depth.At({0.2F, 0.2F, 2});
   ASSERT_TRUE(beside);
@@ -103,6 +105,7 @@ TEST(DepthViewTest, SlantedSurfacesAndMissingDepth) {
   const Eigen::Vector3d ray = view.camera.Ray(60, 60).normalized();
   EXPECT_NEAR(beside->cosine, std::abs(normal.dot(ray)), 0.02);
   EXPECT_FALSE(depth.At({0.01F, 0.01F, 2})) << "nothing was measured there";
+  EXPECT_FALSE(depth.At({0.41F, 0.01F, 2})) << "no distance";
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "deepslam/detect/find_walls.h"
+#include "deepslam/detect/inner_range.h"
 #include "deepslam/scene/ground.h"
 
 namespace deepslam::detect {
@@ -33,6 +34,7 @@ constexpr double kShadowShare = 0.05;  // of the image width: the sensor's shado
 constexpr double kStepBehind_m = 0.10;
 constexpr double kMinEndShare = 0.6;
 constexpr double kWhollyCovered = 0.8;
+constexpr std::size_t kOutermost = 100;  // part of the points at either end that may be noise
 
 enum : std::uint8_t { kFloor = 1, kMatter = 2 };
 
@@ -185,15 +187,6 @@ struct Cluster {
   Box2 box_px;
 };
 
-// Least and greatest value, the outermost hundredth on either side left out. Not empty.
-std::pair<double, double> InnerRange(std::vector<double>& values) {
-  const auto cut = static_cast<std::ptrdiff_t>(values.size() / 100);
-  std::nth_element(values.begin(), values.begin() + cut, values.end());
-  const double low = values[static_cast<std::size_t>(cut)];
-  std::nth_element(values.begin(), values.end() - 1 - cut, values.end());
-  return {low, *(values.end() - 1 - cut)};
-}
-
 // Sides of the points' rectangle along their principal directions, outermost hundredth left out.
 void MeasureFootprint(Cluster& cluster) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -211,7 +204,7 @@ void MeasureFootprint(Cluster& cluster) {
     for (const GridPoint& p : cluster.points) {
       along.push_back(solver.eigenvectors().col(axis).dot(Eigen::Vector2d(p.x_m, p.y_m)));
     }
-    const auto [low, high] = InnerRange(along);
+    const auto [low, high] = InnerRange(along, kOutermost);
     sides[static_cast<std::size_t>(axis)] = high - low;
   }
   cluster.short_side_m = std::min(sides[0], sides[1]);
@@ -250,7 +243,7 @@ std::vector<Cluster> GatherClusters(const Frame& frame,
   for (Cluster& cluster : clusters) {
     std::vector<double> heights;
     for (const GridPoint& p : cluster.points) heights.push_back(p.height_m);
-    const auto [low, high] = InnerRange(heights);
+    const auto [low, high] = InnerRange(heights, kOutermost);
     cluster.min_height_m = low;
     cluster.max_height_m = high;
     MeasureFootprint(cluster);
@@ -338,12 +331,16 @@ bool IsFurniture(const Cluster& cluster, const ClusterOptions& options) {
          cluster.num_top <= kBorderShare * cluster.box_px.width_px() * kBorder_px;
 }
 
-double CoveredShare(const Cluster& cluster, const Detection& detection) {
-  const auto num_covered =
-      std::count_if(cluster.points.begin(), cluster.points.end(), [&](const GridPoint& p) {
-        return detection.box_px.Contains(p.u, p.v);
-      });
-  return static_cast<double>(num_covered) / static_cast<double>(cluster.points.size());
+double CoveredShare(const Cluster& cluster, std::span<const Detection> covered) {
+  std::size_t count = 0;
+  for (const GridPoint& p : cluster.points) {
+    count += std::any_of(covered.begin(),
+                         covered.end(),
+                         [&](const Detection& d) { return d.box_px.Contains(p.u, p.v); })
+                 ? 1U
+                 : 0U;
+  }
+  return static_cast<double>(count) / static_cast<double>(cluster.points.size());
 }
 
 // For each detection the cluster whose box is most like its own: what it has found.
@@ -361,15 +358,16 @@ std::vector<const Cluster*> FoundBy(std::span<const Detection> detections,
   return found;
 }
 
-// A box reaches over what stands before the thing it is of: only the cluster it has found, and what
-// lies in it nearly wholly, is its own.
+// A box reaches over what stands before the thing it is of: only the cluster it has found is its
+// own, and what lies in boxes nearly wholly.
 bool IsExplained(const Cluster& cluster,
                  std::span<const Detection> detections,
                  std::span<const Cluster* const> found,
                  double max_covered_share) {
+  if (CoveredShare(cluster, detections) > kWhollyCovered) return true;
   for (std::size_t n = 0; n < detections.size(); ++n) {
-    const double limit = found[n] == &cluster ? max_covered_share : kWhollyCovered;
-    if (CoveredShare(cluster, detections[n]) > limit) return true;
+    if (found[n] == &cluster && CoveredShare(cluster, detections.subspan(n, 1)) > max_covered_share)
+      return true;
   }
   return false;
 }

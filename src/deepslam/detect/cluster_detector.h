@@ -24,8 +24,8 @@ struct ClusterOptions {
   double min_size_m = 0.30;         // longest side of the cluster
   double max_size_m = 2.2;          // wider than this is a wall or a row of fitted furniture
   double min_points_share = 0.004;  // of the image's pixels
-  double max_covered_share = 0.35;  // a cluster whose pixels are covered more than this by the
-                                    // detection that found it is its
+  // A cluster whose pixels are covered more than this by the detection that found it is its own.
+  double max_covered_share = 0.35;
   double free_margin_m =
       0.15;  // floor must be seen around this much of the cluster's visible foot ...
   double min_free_share =

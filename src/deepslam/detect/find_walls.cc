@@ -5,9 +5,10 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 #include <Eigen/Eigenvalues>
+
+#include "deepslam/detect/inner_range.h"
 
 namespace deepslam::detect {
 namespace {
@@ -18,10 +19,10 @@ constexpr double kStep_m = 0.06;
 constexpr double kReach_m = 8;
 constexpr double kMinHeight_m = 1.5;
 constexpr double kMinLength_m = 1.0;
-constexpr double kMinShare = 0.1;    // of the area of all upright points
-constexpr double kMaxBeyond = 0.15;  // of the wall's own area
-constexpr double kTopShare = 0.02;   // of the wall's points that lie at the picture's top
-constexpr double kOutermost = 0.02;  // of height and ends
+constexpr double kMinShare = 0.1;       // of the area of all upright points
+constexpr double kMaxBeyond = 0.15;     // of the wall's own area
+constexpr double kTopShare = 0.02;      // of the wall's points that lie at the picture's top
+constexpr std::size_t kOutermost = 50;  // part of the points at either end that may be noise
 
 double AreaOf(const UprightPoint& point) { return point.depth_m * point.depth_m; }
 
@@ -76,13 +77,6 @@ std::optional<Wall> Refined(std::span<const UprightPoint> points,
   return wall;
 }
 
-// The outermost share on either side left out. Not empty.
-std::pair<double, double> InnerRange(std::vector<double>& values) {
-  std::sort(values.begin(), values.end());
-  const auto cut = static_cast<std::size_t>(kOutermost * static_cast<double>(values.size()));
-  return {values[cut], values[values.size() - 1 - cut]};
-}
-
 bool IsWall(std::span<const UprightPoint> points, const Wall& wall) {
   const Eigen::Vector2d along(-wall.normal.y(), wall.normal.x());
   std::vector<double> heights_m;
@@ -104,9 +98,9 @@ bool IsWall(std::span<const UprightPoint> points, const Wall& wall) {
   }
   if (heights_m.empty() || area < kMinShare * area_all || area_beyond > kMaxBeyond * area)
     return false;
-  const auto [first_m, last_m] = InnerRange(places_m);
+  const auto [first_m, last_m] = InnerRange(places_m, kOutermost);
   if (last_m - first_m < kMinLength_m) return false;
-  return InnerRange(heights_m).second > kMinHeight_m ||
+  return InnerRange(heights_m, kOutermost).second > kMinHeight_m ||
          static_cast<double>(num_at_top) > kTopShare * static_cast<double>(heights_m.size());
 }
 

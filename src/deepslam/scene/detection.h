@@ -36,9 +36,9 @@ struct Segment {
   DetectionId detection;
   FrameIdx frame;
   std::string class_name;
-  double score = 0;                                    // the detection's
-  DetectionSource source = DetectionSource::kNetwork;  // the detection's
-  Box2 box_px;                                         // the detection's box
+  double score = 0;  // this, source and box are the detection's
+  DetectionSource source = DetectionSource::kNetwork;
+  Box2 box_px;
   PixelMask mask;               // size of the image; 1 = object, with or without depth
   int num_points = 0;           // pixels of the mask with depth
   Box3 extent_camera;           // of the segment's points, metres

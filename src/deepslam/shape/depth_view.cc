@@ -70,7 +70,7 @@ std::optional<DepthView::Reading> DepthView::At(const Eigen::Vector3f& p_frame) 
   const int column = static_cast<int>(u + 0.5F);
   const int row = static_cast<int>(v + 0.5F);
   const float measured_m = depth_m(column, row);
-  if (!(measured_m > 0)) return std::nullopt;
+  if (!(measured_m > 0) || !std::isfinite(measured_m)) return std::nullopt;
   return Reading{p.z(), measured_m, cosine_(column, row), view_->mask_crop(column, row) != 0};
 }
 

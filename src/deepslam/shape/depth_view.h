@@ -19,7 +19,7 @@ class DepthView {
 
   struct Reading {
     float z_m = 0;      // of the point, along the camera's axis
-    float depth_m = 0;  // measured in its pixel, > 0
+    float depth_m = 0;  // measured in its pixel, finite, > 0
     // Of the angle between ray and measured surface; 1 where the neighbourhood gives no surface,
     // not below 0.2, where depth cameras see nothing anyway.
     float cosine = 1;
