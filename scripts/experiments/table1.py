@@ -27,7 +27,8 @@ RINGS = ((5, 0.9), (11, 2.2))  # pieces of furniture, and metres from the middle
 REACH_M = 3.7
 FRONT_END = ("track", "ground", "detect", "segment", "associate")
 VARIANTS = {"networks": ["--set", "propose.network=true", "--set", "propose.retrieval=false", "--set", "propose.fused=false"],
-            "all": ["--set", "propose.network=true"]}
+            "all": ["--set", "propose.network=true"],
+            "measured": ["--set", "propose.network=false"]}
 
 
 def withheld(class_name):

@@ -1,10 +1,18 @@
 #include "deepslam/refine/complete.h"
 
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/stretch.h"
+#include "support/staged_views.h"
+#include "support/voxel_shapes.h"
 
 namespace deepslam::refine {
 namespace {
@@ -45,6 +53,143 @@ TEST(AddMeasuredTest, GroundOutsideTheGridIsItsEdge) {
     AddMeasured(evidence, ground, kMaxGap, logits);
     EXPECT_GT(logits[VoxelGrid::Index(10, 20, 2)], 5);
   }
+}
+
+// Voxel coordinates count from the grid's centre, as in support/voxel_shapes.h.
+class CompleteModelTest : public testing::Test {
+ protected:
+  using Shape = std::function<bool(double, double, double)>;
+
+  static bool SeatAndBack(double x, double y, double z) {
+    const bool seat = std::abs(x) < 16 && std::abs(y) < 16 && std::abs(z) < 2;
+    return seat || (x > -16 && x < -12 && std::abs(y) < 16 && z > 0 && z < 31);
+  }
+  static bool OnLegs(double x, double y, double z) {
+    const bool leg = std::abs(std::abs(x) - 14) < 2 && std::abs(std::abs(y) - 14) < 2;
+    return SeatAndBack(x, y, z) || (leg && z < 0 && z > -31);
+  }
+  static bool OnPedestal(double x, double y, double z) {
+    return SeatAndBack(x, y, z) || (std::abs(x) < 8 && std::abs(y) < 8 && z < 0 && z > -31);
+  }
+
+  // Completes `model` by views of `thing`, from all round or the front alone.
+  std::optional<CompletedModel> Complete(const Shape& model, const Shape& thing, int num_views) {
+    const shape::ShapeModel seen(testing_support::FillGrid(thing));
+    std::vector<testing_support::Staged> staged;
+    for (int n = 0; n < num_views; ++n)
+      staged.push_back(testing_support::LookAt(seen, 2 * std::numbers::pi * n / num_views));
+    std::vector<PlacedView> placed;
+    for (const auto& view : staged) placed.push_back({&view.view, view.camera_from_grid});
+    return CompleteModel(shape::ShapeModel(testing_support::FillGrid(model)), placed, options_);
+  }
+
+  static bool At(const CompletedModel& model, int x, int y, int z) {
+    return model.grid.At(x + kGridSize / 2, y + kGridSize / 2, z + kGridSize / 2);
+  }
+  static double Likeness(const CompletedModel& model, const Shape& thing) {
+    return shape::GridIntersectionOverUnion(model.grid, testing_support::FillGrid(thing));
+  }
+
+  RefineOptions options_;
+};
+
+TEST_F(CompleteModelTest, TheThingItselfStaysAsItIs) {
+  const auto completed = Complete(OnLegs, OnLegs, 12);
+  ASSERT_TRUE(completed);
+  EXPECT_GT(Likeness(*completed, OnLegs), 0.9);
+  EXPECT_NEAR(completed->extent, kModelExtent, 1.01 * kVoxelSize);
+}
+
+TEST_F(CompleteModelTest, AnotherDesignBecomesTheThingThatWasSeen) {
+  const auto completed = Complete(OnPedestal, OnLegs, 12);
+  ASSERT_TRUE(completed);
+  EXPECT_FALSE(At(*completed, 0, 0, -20)) << "rays go through the pedestal";
+  EXPECT_TRUE(At(*completed, 14, 14, -20)) << "and end on a leg";
+  EXPECT_GT(Likeness(*completed, OnLegs), 0.85);
+}
+
+TEST_F(CompleteModelTest, SidesThatNobodySawAreTheModels) {
+  const Shape model = [](double x, double y, double z) {
+    return std::abs(x) < 10 && std::abs(y) < 10 && std::abs(z) < 31;
+  };
+  const Shape thing = [](double x, double y, double z) {
+    return x > -20 && x < 14 && std::abs(y) < 10 && std::abs(z) < 31;
+  };
+  const auto completed = Complete(model, thing, 1);
+  ASSERT_TRUE(completed);
+  EXPECT_TRUE(At(*completed, 12, 0, 0)) << "measured";
+  EXPECT_TRUE(At(*completed, -9, 0, 0)) << "the model's";
+  EXPECT_FALSE(At(*completed, -14, 0, 0)) << "neither";
+}
+
+TEST_F(CompleteModelTest, LegsTooThinToBeMeasuredAreTheModels) {
+  const Shape top = [](double x, double y, double z) {
+    return std::abs(x) < 20 && std::abs(y) < 20 && z > 25 && z < 31;
+  };
+  const Shape table = [&](double x, double y, double z) {
+    const bool leg = std::abs(std::abs(x) - 18) < 1.1 && std::abs(std::abs(y) - 18) < 1.1;
+    return top(x, y, z) || (leg && z < 26 && z > -31);
+  };
+  const auto completed = Complete(table, top, 12);
+  ASSERT_TRUE(completed);
+  EXPECT_GT(Likeness(*completed, table), 0.9);
+}
+
+TEST_F(CompleteModelTest, WhatLiesFarFromTheModelIsOfSomethingElse) {
+  const Shape model = [](double x, double y, double z) {
+    return std::abs(x) < 6 && std::abs(y) < 6 && std::abs(z) < 31;
+  };
+  const Shape with_another = [&](double x, double y, double z) {
+    return model(x, y, z) || (std::abs(x) < 6 && y > 23 && y < 29 && std::abs(z) < 31);
+  };
+  const double voxel_m = testing_support::kStagedSizeM * kVoxelSize;
+  options_.reach_m = 12 * voxel_m;  // the other begins 17 voxels off
+  const auto alone = Complete(model, with_another, 12);
+  options_.reach_m = 30 * voxel_m;
+  const auto both = Complete(model, with_another, 12);
+  ASSERT_TRUE(alone && both);
+  EXPECT_FALSE(At(*alone, 0, 26, 0));
+  EXPECT_NEAR(Likeness(*alone, model), Likeness(*Complete(model, model, 12), model), 0.02);
+  EXPECT_GT(testing_support::CountOccupied(both->grid),
+            1.3 * testing_support::CountOccupied(alone->grid));
+}
+
+TEST_F(CompleteModelTest, LargerThingsMakeLargerModels) {
+  const Shape model = [](double x, double y, double z) {
+    return std::abs(x) < 12 && std::abs(y) < 31 && std::abs(z) < 20;
+  };
+  const Shape longer = [](double x, double y, double z) {
+    return std::abs(x) < 12 && std::abs(y) < 38 && std::abs(z) < 20;
+  };
+  // Longer than a grid: the thing is staged by half its size and the model twice as near.
+  const Shape half = [&](double x, double y, double z) { return longer(2 * x, 2 * y, 2 * z); };
+  const shape::ShapeModel seen(testing_support::FillGrid(half));
+  std::vector<testing_support::Staged> staged;
+  for (int n = 0; n < 12; ++n)
+    staged.push_back(testing_support::LookAt(seen, 2 * std::numbers::pi * n / 12));
+  std::vector<PlacedView> placed;
+  for (auto& view : staged) {
+    view.camera_from_grid.scale *= 0.5;
+    placed.push_back({&view.view, view.camera_from_grid});
+  }
+  const auto completed =
+      CompleteModel(shape::ShapeModel(testing_support::FillGrid(model)), placed, options_);
+  ASSERT_TRUE(completed);
+  EXPECT_NEAR(completed->extent / kVoxelSize, 76, 4);
+}
+
+TEST_F(CompleteModelTest, NothingWithoutModelOrViews) {
+  const Shape nothing = [](double, double, double) { return false; };
+  EXPECT_FALSE(Complete(nothing, OnLegs, 4));
+  EXPECT_FALSE(Complete(OnLegs, OnLegs, 0));
+  auto staged = testing_support::LookAt(shape::ShapeModel(testing_support::FillGrid(OnLegs)), 0);
+  const shape::ShapeModel model(testing_support::FillGrid(OnLegs));
+  std::vector<PlacedView> placed = {{&staged.view, staged.camera_from_grid}};
+  placed[0].camera_from_grid.scale = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(CompleteModel(model, placed, options_));
+  placed[0].camera_from_grid = staged.camera_from_grid;
+  staged.view.mask_crop = Mask(3, 3);
+  EXPECT_FALSE(CompleteModel(model, placed, options_));
 }
 
 }  // namespace

@@ -7,43 +7,16 @@
 
 #include <gtest/gtest.h>
 
-#include "deepslam/shape/render_voxels.h"
 #include "deepslam/shape/shape_model.h"
+#include "support/staged_views.h"
 #include "support/voxel_shapes.h"
 
 namespace deepslam::refine {
 namespace {
 
 using testing_support::Box;
-
-constexpr double kSizeM = 0.8;
-constexpr float kWallM = 6;
-
-struct Staged {
-  ObjectView view;
-  Similarity3 camera_from_grid;
-};
-
-// A camera level with the model's middle, `azimuth_rad` about its vertical.
-Staged LookAt(const shape::ShapeModel& model, double azimuth_rad) {
-  Staged staged;
-  Eigen::Matrix3d rotation;  // rows: right, down, forward of the camera in the object's axes
-  const Eigen::Vector3d forward(-std::cos(azimuth_rad), -std::sin(azimuth_rad), 0);
-  rotation << forward.cross(Eigen::Vector3d::UnitZ()).transpose(), -Eigen::RowVector3d::UnitZ(),
-      forward.transpose();
-  staged.camera_from_grid = {kSizeM, Eigen::Quaterniond(rotation), {0, 0, 2}};
-  ObjectView& view = staged.view;
-  view.camera = {240, 240, 400, 400, 119.5, 119.5};
-  view.depth_crop_m = shape::RenderDepth(model, staged.camera_from_grid, view.camera);
-  view.mask_crop = Mask(240, 240);
-  for (int v = 0; v < 240; ++v) {
-    for (int u = 0; u < 240; ++u) {
-      view.mask_crop(u, v) = view.depth_crop_m(u, v) > 0 ? 1 : 0;
-      if (view.mask_crop(u, v) == 0) view.depth_crop_m(u, v) = kWallM;
-    }
-  }
-  return staged;
-}
+using testing_support::LookAt;
+using testing_support::Staged;
 
 class EvidenceTest : public testing::Test {
  protected:

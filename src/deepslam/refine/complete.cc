@@ -1,16 +1,27 @@
 #include "deepslam/refine/complete.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+
+#include <Eigen/Geometry>
 
 #include "deepslam/core/check.h"
 #include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/stand.h"
+#include "deepslam/shape/stretch.h"
 
 namespace deepslam::refine {
 namespace {
 
 constexpr float kSure = 10;  // logit
+// Of the completed model's voxels; parts may hang unconnected where thin links were not measured.
+constexpr double kCrumb = 0.02;
+constexpr int kPixelStep = 3;            // of views whose points bound the grid
+constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
+
+using Points = std::vector<Eigen::Vector3d>;
 
 VoxelGrid SurelySolid(std::span<const Evidence> evidence) {
   VoxelGrid grid;
@@ -19,7 +30,146 @@ VoxelGrid SurelySolid(std::span<const Evidence> evidence) {
   return grid;
 }
 
+// Measured points of the object within `reach` of the model, all in object units.
+Points PointsNear(const shape::ShapeModel& model, std::span<const PlacedView> views, double reach) {
+  Points near;
+  for (const PlacedView& placed : views) {
+    const ObjectView& view = *placed.view;
+    const Similarity3 object_from_camera = placed.camera_from_grid.Inverse();
+    for (int v = 0; v < view.depth_crop_m.height(); v += kPixelStep) {
+      for (int u = 0; u < view.depth_crop_m.width(); u += kPixelStep) {
+        const double depth_m = view.depth_crop_m(u, v);
+        if (view.mask_crop(u, v) == 0 || !(depth_m > 0) || !std::isfinite(depth_m)) continue;
+        const Eigen::Vector3d p = object_from_camera * (depth_m * view.camera.Ray(u, v));
+        if (model.Distance(p.cast<float>()) < reach) near.push_back(p);
+      }
+    }
+  }
+  return near;
+}
+
+// Box of the model and of the points, the outermost of these left out.
+Eigen::AlignedBox3d Around(const shape::ShapeModel& model, const Points& points) {
+  Eigen::AlignedBox3d box(model.box_min().cast<double>(), model.box_max().cast<double>());
+  if (points.empty()) return box;
+  const auto cut = static_cast<std::ptrdiff_t>(points.size() / kOutermost);
+  std::vector<double> along(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(points.begin(), points.end(), along.begin(), [&](const Eigen::Vector3d& p) {
+      return p[axis];
+    });
+    std::nth_element(along.begin(), along.begin() + cut, along.end());
+    box.min()[axis] = std::min(box.min()[axis], along[static_cast<std::size_t>(cut)]);
+    std::nth_element(along.begin(), along.end() - 1 - cut, along.end());
+    box.max()[axis] = std::max(box.max()[axis], *(along.end() - 1 - cut));
+  }
+  return box;
+}
+
+// The model's own grid where the box fits into it, so that nothing is resampled; else one that
+// holds the box, on the model's floor.
+Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
+  Similarity3 object_from_grid;
+  constexpr double kHalf = 0.5 * kModelExtent;
+  if (box.min().minCoeff() >= -kHalf && box.max().maxCoeff() <= kHalf) return object_from_grid;
+  object_from_grid.scale = std::max(1.0, box.sizes().maxCoeff() / kModelExtent);
+  object_from_grid.translation_m = box.center();
+  return object_from_grid;
+}
+
+VoxelGrid Resampled(const shape::ShapeModel& model, const Similarity3& object_from_grid) {
+  VoxelGrid grid;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
+        grid.occupied[VoxelGrid::Index(i, j, k)] = model.Distance(p.cast<float>()) < 0 ? 1 : 0;
+      }
+    }
+  }
+  return grid;
+}
+
+// Solid voxels that are further than `reach` (object units) from the model go.
+void KeepNear(const shape::ShapeModel& model,
+              const Similarity3& object_from_grid,
+              double reach,
+              VoxelGrid& measured) {
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        std::uint8_t& occupied = measured.occupied[VoxelGrid::Index(i, j, k)];
+        if (occupied == 0) continue;
+        const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
+        if (model.Distance(p.cast<float>()) > reach) occupied = 0;
+      }
+    }
+  }
+}
+
+// The model without what is free and with what was measured.
+VoxelGrid Filled(const VoxelGrid& model,
+                 std::span<const Evidence> evidence,
+                 const VoxelGrid& measured) {
+  VoxelGrid filled = measured;
+  for (std::size_t n = 0; n < evidence.size(); ++n) {
+    if (model.occupied[n] != 0 && evidence[n] != Evidence::kFree) filled.occupied[n] = 1;
+  }
+  return filled;
+}
+
+// Legs too thin to be measured are carved away where the model's stand beside them. What would hang
+// above layer `highest_foot` then keeps what the model stands on.
+VoxelGrid Standing(VoxelGrid grid, const VoxelGrid& model, int highest_foot) {
+  const std::optional<VoxelBox> box = OccupiedBox(grid);
+  if (!box || box->low.z() <= highest_foot) return grid;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < box->low.z(); ++k)
+        grid.occupied[VoxelGrid::Index(i, j, k)] = model.At(i, j, k) ? 1 : 0;
+    }
+  }
+  return grid;
+}
+
+std::vector<PlacedView> InGrid(std::span<const PlacedView> views,
+                               const Similarity3& object_from_grid) {
+  std::vector<PlacedView> placed;
+  for (const PlacedView& view : views)
+    placed.push_back({view.view, view.camera_from_grid * object_from_grid});
+  return placed;
+}
+
 }  // namespace
+
+std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
+                                            std::span<const PlacedView> all_views,
+                                            const RefineOptions& options) {
+  const std::vector<PlacedView> views = UsableViews(all_views);
+  if (model.empty() || views.empty()) return std::nullopt;
+  const double scale_m = views.front().camera_from_grid.scale;
+  const double reach = options.reach_m / scale_m;
+  const Eigen::AlignedBox3d box = Around(model, PointsNear(model, views, reach));
+  const Similarity3 object_from_grid = ObjectFromGrid(box);
+  const std::vector<Evidence> evidence = CarveEvidence(InGrid(views, object_from_grid), options);
+
+  const VoxelGrid whole = Resampled(model, object_from_grid);
+  const std::optional<VoxelBox> stands_in = OccupiedBox(whole);
+  if (!stands_in) return std::nullopt;
+  const int ground_k = stands_in->low.z();
+  const double voxel_m = scale_m * object_from_grid.scale * kVoxelSize;
+  const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / voxel_m);
+  VoxelGrid measured = SurelySolid(evidence);
+  KeepNear(model, object_from_grid, reach, measured);
+  shape::StandOnGround(ground_k, max_gap, measured);
+  const VoxelGrid filled = Filled(whole, evidence, measured);
+  const VoxelGrid grid =
+      Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
+  const std::optional<VoxelBox> after = OccupiedBox(grid);
+  if (!after) return std::nullopt;
+  const double extent = after->sides().maxCoeff() * kVoxelSize * object_from_grid.scale;
+  return CompletedModel{shape::StretchGrid(grid, Eigen::Vector3d::Ones()), extent};
+}
 
 void AddMeasured(std::span<const Evidence> evidence,
                  int ground_k,

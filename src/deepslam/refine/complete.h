@@ -1,11 +1,14 @@
-// A network's shape completed by what was measured: thin parts that no latents give, legs above
-// all.
+// A shape completed by what was measured of the object: thin parts that no latents give, and where
+// a model of another design differs.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "deepslam/refine/evidence.h"
+#include "deepslam/refine/refine_options.h"
+#include "deepslam/shape/shape_model.h"
 
 namespace deepslam::refine {
 
@@ -15,5 +18,18 @@ void AddMeasured(std::span<const Evidence> evidence,
                  int ground_k,
                  int max_gap,
                  std::vector<float>& logits);
+
+struct CompletedModel {
+  VoxelGrid grid;     // canonical: centred, longest side kModelExtent
+  double extent = 0;  // longest side, in object units of the model that was completed
+};
+
+// A whole model where the views say nothing, what they measured where they do: free voxels are
+// taken from it, surely solid ones within options.reach_m of it are added and reach down to its
+// lowest layer as shape::StandOnGround has it, small loose parts are left out. `views` say where
+// the model stands (grid = object frame). Nothing where no view is usable or nothing is left.
+[[nodiscard]] std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
+                                                          std::span<const PlacedView> views,
+                                                          const RefineOptions& options);
 
 }  // namespace deepslam::refine

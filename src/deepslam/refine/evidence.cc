@@ -1,7 +1,9 @@
 #include "deepslam/refine/evidence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 
 #include "deepslam/core/parallel.h"
@@ -64,12 +66,16 @@ Evidence Majority(std::span<const CarvingView> views, int i, int j, int k) {
 
 }  // namespace
 
+std::vector<PlacedView> UsableViews(std::span<const PlacedView> views) {
+  std::vector<PlacedView> usable;
+  std::copy_if(views.begin(), views.end(), std::back_inserter(usable), IsUsable);
+  return usable;
+}
+
 std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
                                     const RefineOptions& options) {
   std::vector<CarvingView> carving;
-  for (const PlacedView& placed : views) {
-    if (IsUsable(placed)) carving.emplace_back(placed, options);
-  }
+  for (const PlacedView& placed : UsableViews(views)) carving.emplace_back(placed, options);
   std::vector<Evidence> evidence(VoxelGrid().occupied.size(), Evidence::kUnknown);
   ParallelFor(kGridSize, [&](std::size_t slab) {
     const int i = static_cast<int>(slab);

@@ -25,9 +25,12 @@ struct PlacedView {
   Similarity3 camera_from_grid;
 };
 
+// The views whose crops fit together and whose poses are finite.
+[[nodiscard]] std::vector<PlacedView> UsableViews(std::span<const PlacedView> views);
+
 // One entry per voxel, index order of VoxelGrid: what more views say than say the contrary, solid
 // where they are even. A measured surface is solid from half a voxel before it to surface_voxels
-// behind it. Views whose crops do not fit together, and poses that are not finite, say nothing.
+// behind it. Views that are not usable say nothing.
 [[nodiscard]] std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
                                                   const RefineOptions& options);
 

@@ -205,6 +205,14 @@ void Describe(OptionsVisitor& visitor, RefineOptions& options) {
                 options.enabled,
                 "let the networks' best shape follow all depth of its object; it competes with the "
                 "others");
+  visitor.Field("complete",
+                options.complete,
+                "let measured depth complete the best whole model; it competes with the others");
+  visitor.Field("reach",
+                options.reach_m,
+                {0, 10},
+                "m",
+                "what was measured further from a model does not complete it");
   visitor.Field(
       "max_views", options.max_views, {1, 1000}, "1", "views of an object that take part");
   visitor.Field("max_evaluations",

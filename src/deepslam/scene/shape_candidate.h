@@ -19,7 +19,7 @@ enum class CandidateSource {
   kRetrieval,   // CAD model of the library
   kFused,       // the object's own fused measurement
   kRefined,     // a network's shape that followed all depth of its object
-  kCompleted,   // ... and took over what was measured
+  kCompleted,   // a whole model, or a refined shape, that took over what was measured
 };
 
 // Made in selection of what was proposed.

@@ -29,7 +29,7 @@ struct SelectOptions {
   double fused_margin = 0.25;
   // By how much a refined or completed shape has to lead the others: it has seen the depth it is
   // judged by.
-  double refined_lead = 0.02;
+  double refined_lead = 0.01;
   // Subtracted from the score of a candidate that turns its back to all cameras: where depth cannot
   // tell front from back, furniture faces where people go.
   double back_handicap = 0.03;

@@ -140,7 +140,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   add("track", 8, {}, {"track"}, kFrames, RunTrack);
   add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
-      3,
+      4,
       {"track", "ground"},
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
@@ -165,7 +165,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      8,
+      9,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,20 +39,28 @@ std::vector<std::size_t> Starts(const Contest& contest) {
   return starts;
 }
 
-// At most `count` of the views, evenly.
-std::vector<refine::PlacedView> PlacedViews(const CandidateRegistration& registration,
-                                            std::span<const ObjectView> views,
-                                            const Similarity3& object_from_decoded,
-                                            std::size_t count) {
+// Index of the whole model that agrees best.
+std::optional<std::size_t> BestWhole(const Contest& contest) {
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
+    const bool is_whole = contest.candidates[i].source != CandidateSource::kFused &&
+                          !IsRefined(contest.candidates[i].source);
+    if (!is_whole || !contest.registrations[i].ok) continue;
+    if (!best || contest.scores[i].score > contest.scores[*best].score) best = i;
+  }
+  return best;
+}
+
+// At most `count` of the views, evenly, with the grid at place(i) in view i.
+template <typename Place>
+std::vector<refine::PlacedView> PlacedViews(std::span<const ObjectView> views,
+                                            std::size_t count,
+                                            const Place& place) {
   std::vector<refine::PlacedView> placed;
   const std::size_t num_taken = std::min(count, views.size());
   for (std::size_t n = 0; n < num_taken; ++n) {
     const std::size_t i = n * views.size() / num_taken;
-    const Pose3 camera_from_object =
-        CameraFromObject(registration, views[i].detection, i, views[i].world_from_camera);
-    placed.push_back(
-        {&views[i],
-         Similarity3::From(camera_from_object, registration.scale_m) * object_from_decoded});
+    placed.push_back({&views[i], place(i)});
   }
   return placed;
 }
@@ -81,8 +90,12 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
   const bool by_depth = inputs.config.propose_stage.use_depth;
   const Result<Similarity3> object_from_decoded = prior.ObjectFromDecoded(start.latents, by_depth);
   if (!object_from_decoded.ok()) return object_from_decoded.error();
-  const auto placed = PlacedViews(
-      registration, views, *object_from_decoded, static_cast<std::size_t>(options.max_views));
+  const auto place = [&](std::size_t i) {
+    const Pose3 camera_from_object =
+        CameraFromObject(registration, views[i].detection, i, views[i].world_from_camera);
+    return Similarity3::From(camera_from_object, registration.scale_m) * *object_from_decoded;
+  };
+  const auto placed = PlacedViews(views, static_cast<std::size_t>(options.max_views), place);
   const std::vector<refine::Evidence> evidence = refine::CarveEvidence(placed, options);
   const refine::Decoder decoder = {
       [&](std::span<const float> latents) { return prior.Logits(latents); },
@@ -107,8 +120,10 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
       std::move(latents->latents), std::move(refined).value(), std::move(completed).value()};
 }
 
+// What `start` became, under a name that begins with `change`.
 void Add(const ShapeCandidate& start,
          CandidateSource source,
+         std::string_view change,
          std::vector<float> latents,
          VoxelGrid grid,
          Proposals& proposals) {
@@ -116,8 +131,10 @@ void Add(const ShapeCandidate& start,
   candidate.id = CandidateId();
   candidate.source = source;
   candidate.view = DetectionId();
-  candidate.model = (source == CandidateSource::kRefined ? "refined_" : "completed_") + start.model;
+  candidate.model = fmt::format("{}_{:03d}_{}", change, start.object.value, start.id.value);
   candidate.latents = std::move(latents);
+  candidate.library_id.clear();
+  candidate.stretch.setOnes();
   proposals.models.emplace(candidate.model, std::move(grid));
   proposals.candidates.push_back(std::move(candidate));
 }
@@ -153,12 +170,37 @@ Proposals RefineShapes(const Contest& contest,
     RefinedShape shape = std::move(*shapes[n]).value();
     Add(start,
         CandidateSource::kRefined,
+        "refined",
         std::move(shape.latents),
         std::move(shape.refined),
         refined);
-    Add(start, CandidateSource::kCompleted, {}, std::move(shape.completed), refined);
+    Add(start, CandidateSource::kCompleted, "completed", {}, std::move(shape.completed), refined);
   }
   return refined;
+}
+
+Proposals CompleteBest(const Contest& contest,
+                       std::span<const ObjectView> views,
+                       const refine::RefineOptions& options) {
+  Proposals completed;
+  const std::optional<std::size_t> best = BestWhole(contest);
+  if (!best) return completed;
+  const ShapeCandidate& start = contest.candidates[*best];
+  const CandidateRegistration& registration = contest.registrations[*best];
+  // At the joint pose: a view's own follows the model that is to be corrected.
+  const auto place = [&](std::size_t i) {
+    return Similarity3::From(views[i].world_from_camera.Inverse() * registration.world_from_object,
+                             registration.scale_m);
+  };
+  const auto placed = PlacedViews(views, static_cast<std::size_t>(options.max_views), place);
+  std::optional<refine::CompletedModel> model =
+      refine::CompleteModel(contest.models.at(start.model), placed, options);
+  if (!model) return completed;
+  Add(start, CandidateSource::kCompleted, "filled", {}, std::move(model->grid), completed);
+  ShapeCandidate& candidate = completed.candidates.back();
+  candidate.size_m = registration.scale_m * model->extent;
+  candidate.max_size_m = std::max(candidate.max_size_m, candidate.size_m);
+  return completed;
 }
 
 }  // namespace deepslam::stages

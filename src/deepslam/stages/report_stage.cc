@@ -41,7 +41,7 @@ std::string SourceInWords(CandidateSource source) {
     case CandidateSource::kRefined:
       return "network, refined";
     case CandidateSource::kCompleted:
-      return "network, completed by own measurement";
+      return "model, completed by own measurement";
   }
   return "unknown";
 }

@@ -76,14 +76,13 @@ const propose::ShapePrior* PriorOf(const std::shared_ptr<const propose::ShapePri
   return found != priors->end() && found->second->HasGradient() ? found->second.get() : nullptr;
 }
 
-// Refined shapes enter the contest, with numbers from `next_id` on.
-void AddRefined(const propose::ShapePrior& prior,
-                std::span<const ObjectView> views,
-                const RunInputs& inputs,
-                int next_id,
-                Contest& contest,
-                Selection& selection) {
-  Proposals refined = RefineShapes(contest, views, prior, inputs);
+// Shapes made here enter the contest, with numbers from `next_id` on.
+void Enter(Proposals refined,
+           std::span<const ObjectView> views,
+           const RunInputs& inputs,
+           int next_id,
+           Contest& contest,
+           Selection& selection) {
   for (ShapeCandidate& candidate : refined.candidates) candidate.id = CandidateId{next_id++};
   contest.models.merge(PrepareModels(refined.models));
   const std::vector<CandidateRegistration> registrations =
@@ -131,10 +130,14 @@ Result<Selection> SelectAll(const StageContext& context,
     if (!models.ok()) return models.error();
     contest.models = std::move(models).value();
     ScoreAll(of_track.views, inputs.config.select, contest);
-    if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name)) {
+    const auto enter = [&](Proposals refined) {
       const int next_id = first_refined + static_cast<int>(selection.refined.candidates.size());
-      AddRefined(*prior, of_track.views, inputs, next_id, contest, selection);
-    }
+      Enter(std::move(refined), of_track.views, inputs, next_id, contest, selection);
+    };
+    if (inputs.config.shape_refinement.complete)
+      enter(CompleteBest(contest, of_track.views, inputs.config.shape_refinement));
+    if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
+      enter(RefineShapes(contest, of_track.views, *prior, inputs));
     Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
     if (!object.ok()) return object.error();
     Place(std::move(object).value(), selection.map);
