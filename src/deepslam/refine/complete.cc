@@ -18,7 +18,8 @@ namespace {
 constexpr float kSure = 10;  // logit
 // Of the completed model's voxels; parts may hang unconnected where thin links were not measured.
 constexpr double kCrumb = 0.02;
-constexpr int kPixelStep = 3;            // of views whose points bound the grid
+constexpr int kMaxInside = 3;  // voxels from the side of a shell to what nobody can see in it
+constexpr int kPixelStep = 3;  // of views whose points bound the grid
 constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -118,6 +119,42 @@ VoxelGrid Filled(const VoxelGrid& model,
   return filled;
 }
 
+// Whether walking from a voxel by `step` along `axis` meets a solid one before a free one.
+bool MeetsSolid(const VoxelGrid& grid,
+                std::span<const Evidence> evidence,
+                Eigen::Array3i at,
+                int axis,
+                int step) {
+  for (int n = 0; n < kMaxInside; ++n) {
+    at[axis] += step;
+    if (!VoxelGrid::Contains(at.x(), at.y(), at.z())) return false;
+    const std::size_t index = VoxelGrid::Index(at.x(), at.y(), at.z());
+    if (grid.occupied[index] != 0) return true;
+    if (evidence[index] == Evidence::kFree) return false;
+  }
+  return false;
+}
+
+// Legs and boards were measured as shells: what nobody can see between two of their sides is
+// solid.
+VoxelGrid WithInsides(const VoxelGrid& shells, std::span<const Evidence> evidence) {
+  VoxelGrid grid = shells;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        const std::size_t n = VoxelGrid::Index(i, j, k);
+        if (shells.occupied[n] != 0 || evidence[n] == Evidence::kFree) continue;
+        for (int axis = 0; axis < 3 && grid.occupied[n] == 0; ++axis) {
+          if (MeetsSolid(shells, evidence, {i, j, k}, axis, 1) &&
+              MeetsSolid(shells, evidence, {i, j, k}, axis, -1))
+            grid.occupied[n] = 1;
+        }
+      }
+    }
+  }
+  return grid;
+}
+
 // Legs too thin to be measured are carved away where the model's stand beside them. What would hang
 // above layer `highest_foot` then keeps what the model stands on.
 VoxelGrid Standing(VoxelGrid grid, const VoxelGrid& model, int highest_foot) {
@@ -162,7 +199,7 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
   VoxelGrid measured = SurelySolid(evidence);
   KeepNear(model, object_from_grid, reach, measured);
   shape::StandOnGround(ground_k, max_gap, measured);
-  const VoxelGrid filled = Filled(whole, evidence, measured);
+  const VoxelGrid filled = WithInsides(Filled(whole, evidence, measured), evidence);
   const VoxelGrid grid =
       Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
   const std::optional<VoxelBox> after = OccupiedBox(grid);

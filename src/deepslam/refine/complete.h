@@ -26,8 +26,10 @@ struct CompletedModel {
 
 // A whole model where the views say nothing, what they measured where they do: free voxels are
 // taken from it, surely solid ones within options.reach_m of it are added and reach down to its
-// lowest layer as shape::StandOnGround has it, small loose parts are left out. `views` say where
-// the model stands (grid = object frame). Nothing where no view is usable or nothing is left.
+// lowest layer as shape::StandOnGround has it, shells are filled where nobody can see between their
+// sides, small loose parts are left out, and what would hang in the air keeps the model's legs.
+// `views` say where the model stands (grid = object frame). Nothing where no view is usable or
+// nothing is left.
 [[nodiscard]] std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                                           std::span<const PlacedView> views,
                                                           const RefineOptions& options);

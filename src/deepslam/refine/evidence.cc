@@ -14,6 +14,7 @@ namespace deepslam::refine {
 namespace {
 
 constexpr float kBeforeSurface = 0.5;  // voxels
+constexpr double kMaxShell_m = 0.025;  // boards of large things are no thicker for their voxels
 
 // A view, asked about the grid's voxels.
 class CarvingView {
@@ -23,7 +24,8 @@ class CarvingView {
                {placed.camera_from_grid.rotation, placed.camera_from_grid.translation_m}),
         scale_m_(placed.camera_from_grid.scale),
         before_m_(static_cast<float>(kBeforeSurface * kVoxelSize * scale_m_)),
-        behind_m_(static_cast<float>(options.surface_voxels * kVoxelSize * scale_m_)) {}
+        behind_m_(static_cast<float>(
+            std::min(kMaxShell_m, options.surface_voxels * kVoxelSize * scale_m_))) {}
 
   [[nodiscard]] Evidence At(int i, int j, int k) const {
     const Eigen::Vector3d center_m = scale_m_ * VoxelGrid::Center(i, j, k);

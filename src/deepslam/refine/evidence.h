@@ -30,7 +30,7 @@ struct PlacedView {
 
 // One entry per voxel, index order of VoxelGrid: what more views say than say the contrary, solid
 // where they are even. A measured surface is solid from half a voxel before it to surface_voxels
-// behind it. Views that are not usable say nothing.
+// (2.5 cm at most) behind it. Views that are not usable say nothing.
 [[nodiscard]] std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
                                                   const RefineOptions& options);
 
