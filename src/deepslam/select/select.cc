@@ -149,7 +149,8 @@ std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
     const Pose3& placed = registrations[i].world_from_object;
     handicaps[i] =
         options.back_handicap * BackShown(placed.rotation, placed.translation_m, cameras_world);
-    if (IsRefined(candidates[i].source)) handicaps[i] += options.refined_lead;
+    if (candidates[i].source == CandidateSource::kRefined) handicaps[i] += options.refined_lead;
+    if (candidates[i].source == CandidateSource::kCompleted) handicaps[i] += options.completed_lead;
   }
   const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
@@ -382,7 +383,12 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
                 options.refined_lead,
                 {0, 1},
                 "1",
-                "lead a refined or completed shape needs over those it competes with");
+                "lead a shape of refined latents needs over those it competes with");
+  visitor.Field("completed_lead",
+                options.completed_lead,
+                {-1, 1},
+                "1",
+                "lead a completed model needs; below 0, those it competes with have to lead");
   visitor.Field("back_handicap",
                 options.back_handicap,
                 {0, 1},

@@ -27,9 +27,11 @@ struct SelectOptions {
   double fused_handicap = 0.2;
   // A lead of this much over the whole models is enough, whatever depth it comes from.
   double fused_margin = 0.25;
-  // By how much a refined or completed shape has to lead the others: it has seen the depth it is
-  // judged by.
+  // By how much a refined shape has to lead the others: it has seen the depth it is judged by.
   double refined_lead = 0.01;
+  // The same of a completed model. Below zero, since near equality says that the score has reached
+  // its top, not that the details are wrong (docs/evaluation.md, "Completed models").
+  double completed_lead = -0.01;
   // Subtracted from the score of a candidate that turns its back to all cameras: where depth cannot
   // tell front from back, furniture faces where people go.
   double back_handicap = 0.03;
