@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The paper's Table 1 over many objects: first candidate against the selected one, networks alone and all sources.
 
-    scripts/experiments/table1.py [--seeds 0-3] [--work out/table1] [--variants networks,all] [-- RUN OPTIONS]
+    scripts/experiments/table1.py [--seeds 0-3] [--work out/table1] [--variants networks,all,measured] [-- RUN OPTIONS]
 
 Every seed is a room of its own: twelve chairs and four tables out of the products that neither the library nor training
 may hold (configs/withheld_models.yaml), turned at random, seen on a walk round them with a Kinect-like sensor (640 x 480,
-120 frames). Each capture is reconstructed twice up to `mesh`, the front end once: `networks` has the shape networks'
-candidates alone, `all` those of the library, the networks and the own measurement. All rooms are scored as one set by
+120 frames). Each capture is reconstructed three times up to `mesh`, the front end once: `networks` has the shape networks'
+candidates alone, `all` those of the library, the networks and the own measurement, `measured` those
+without networks, as by default. All rooms are scored as one set by
 `deepslam eval selection`; `closed` is the share of the way from the initial to the oracle that selection goes. Captures,
 workspaces and JSON lie in --work and are used again; tables go to stdout. Needs nothing beyond Python 3.
 """
