@@ -10,8 +10,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "deepslam/core/inner_range.h"
 #include "deepslam/detect/find_walls.h"
-#include "deepslam/detect/inner_range.h"
 #include "deepslam/scene/ground.h"
 
 namespace deepslam::detect {

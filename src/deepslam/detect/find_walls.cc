@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "deepslam/detect/inner_range.h"
+#include "deepslam/core/inner_range.h"
 
 namespace deepslam::detect {
 namespace {

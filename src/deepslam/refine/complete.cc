@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/core/check.h"
+#include "deepslam/core/inner_range.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/stand.h"
@@ -53,16 +54,14 @@ Points PointsNear(const shape::ShapeModel& model, std::span<const PlacedView> vi
 Eigen::AlignedBox3d Around(const shape::ShapeModel& model, const Points& points) {
   Eigen::AlignedBox3d box(model.box_min().cast<double>(), model.box_max().cast<double>());
   if (points.empty()) return box;
-  const auto cut = static_cast<std::ptrdiff_t>(points.size() / kOutermost);
   std::vector<double> along(points.size());
   for (int axis = 0; axis < 3; ++axis) {
     std::transform(points.begin(), points.end(), along.begin(), [&](const Eigen::Vector3d& p) {
       return p[axis];
     });
-    std::nth_element(along.begin(), along.begin() + cut, along.end());
-    box.min()[axis] = std::min(box.min()[axis], along[static_cast<std::size_t>(cut)]);
-    std::nth_element(along.begin(), along.end() - 1 - cut, along.end());
-    box.max()[axis] = std::max(box.max()[axis], *(along.end() - 1 - cut));
+    const auto [low, high] = InnerRange(along, kOutermost);
+    box.min()[axis] = std::min(box.min()[axis], low);
+    box.max()[axis] = std::max(box.max()[axis], high);
   }
   return box;
 }
@@ -78,33 +77,31 @@ Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   return object_from_grid;
 }
 
-VoxelGrid Resampled(const shape::ShapeModel& model, const Similarity3& object_from_grid) {
-  VoxelGrid grid;
+// Of the grid's voxels to the model's surface, object units, index order of VoxelGrid.
+std::vector<float> DistancesTo(const shape::ShapeModel& model,
+                               const Similarity3& object_from_grid) {
+  std::vector<float> distances(VoxelGrid().occupied.size());
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
         const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
-        grid.occupied[VoxelGrid::Index(i, j, k)] = model.Distance(p.cast<float>()) < 0 ? 1 : 0;
+        distances[VoxelGrid::Index(i, j, k)] = model.Distance(p.cast<float>());
       }
     }
   }
+  return distances;
+}
+
+VoxelGrid Inside(std::span<const float> distances) {
+  VoxelGrid grid;
+  for (std::size_t n = 0; n < distances.size(); ++n) grid.occupied[n] = distances[n] < 0 ? 1 : 0;
   return grid;
 }
 
 // Solid voxels that are further than `reach` (object units) from the model go.
-void KeepNear(const shape::ShapeModel& model,
-              const Similarity3& object_from_grid,
-              double reach,
-              VoxelGrid& measured) {
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        std::uint8_t& occupied = measured.occupied[VoxelGrid::Index(i, j, k)];
-        if (occupied == 0) continue;
-        const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
-        if (model.Distance(p.cast<float>()) > reach) occupied = 0;
-      }
-    }
+void KeepNear(std::span<const float> distances, double reach, VoxelGrid& measured) {
+  for (std::size_t n = 0; n < distances.size(); ++n) {
+    if (distances[n] > reach) measured.occupied[n] = 0;
   }
 }
 
@@ -190,14 +187,15 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
   const Similarity3 object_from_grid = ObjectFromGrid(box);
   const std::vector<Evidence> evidence = CarveEvidence(InGrid(views, object_from_grid), options);
 
-  const VoxelGrid whole = Resampled(model, object_from_grid);
+  const std::vector<float> distances = DistancesTo(model, object_from_grid);
+  const VoxelGrid whole = Inside(distances);
   const std::optional<VoxelBox> stands_in = OccupiedBox(whole);
   if (!stands_in) return std::nullopt;
   const int ground_k = stands_in->low.z();
   const double voxel_m = scale_m * object_from_grid.scale * kVoxelSize;
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / voxel_m);
   VoxelGrid measured = SurelySolid(evidence);
-  KeepNear(model, object_from_grid, reach, measured);
+  KeepNear(distances, reach, measured);
   shape::StandOnGround(ground_k, max_gap, measured);
   const VoxelGrid filled = WithInsides(Filled(whole, evidence, measured), evidence);
   const VoxelGrid grid =

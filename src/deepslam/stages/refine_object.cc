@@ -40,7 +40,7 @@ std::vector<std::size_t> Starts(const Contest& contest) {
 }
 
 // Index of the whole model that agrees best.
-std::optional<std::size_t> BestWhole(const Contest& contest) {
+std::optional<std::size_t> ToComplete(const Contest& contest) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
     const bool is_whole = contest.candidates[i].source != CandidateSource::kFused &&
@@ -183,7 +183,7 @@ Proposals CompleteBest(const Contest& contest,
                        std::span<const ObjectView> views,
                        const refine::RefineOptions& options) {
   Proposals completed;
-  const std::optional<std::size_t> best = BestWhole(contest);
+  const std::optional<std::size_t> best = ToComplete(contest);
   if (!best) return completed;
   const ShapeCandidate& start = contest.candidates[*best];
   const CandidateRegistration& registration = contest.registrations[*best];

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace deepslam::detect {
+namespace deepslam {
 
 // Least and greatest value, one part in `parts` (> 2) left out at either end. Reorders the values,
 // which are not empty.
@@ -19,4 +19,4 @@ namespace deepslam::detect {
   return {low, *(values.end() - 1 - cut)};
 }
 
-}  // namespace deepslam::detect
+}  // namespace deepslam
