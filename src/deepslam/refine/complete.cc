@@ -22,6 +22,9 @@ constexpr double kCrumb = 0.02;
 constexpr int kMaxInside = 3;  // voxels from the side of a shell to what nobody can see in it
 constexpr int kPixelStep = 3;  // of views whose points bound the grid
 constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
+constexpr int kMaxGrids = 3;             // tried for one whose longest side is kModelExtent
+constexpr int kModelVoxels = 62;
+static_assert(kModelVoxels * kVoxelSize == kModelExtent);
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -66,8 +69,7 @@ Eigen::AlignedBox3d Around(const shape::ShapeModel& model, const Points& points)
   return box;
 }
 
-// The model's own grid where the box fits into it, so that nothing is resampled; else one that
-// holds the box, on the model's floor.
+// The model's own grid where the box fits into it; else one that holds the box.
 Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   Similarity3 object_from_grid;
   constexpr double kHalf = 0.5 * kModelExtent;
@@ -75,6 +77,24 @@ Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   object_from_grid.scale = std::max(1.0, box.sizes().maxCoeff() / kModelExtent);
   object_from_grid.translation_m = box.center();
   return object_from_grid;
+}
+
+// A grid in which what fills `box` has its longest side of kModelExtent, and a layer of voxels
+// begins at the model's floor.
+Similarity3 ObjectFromNextGrid(const Similarity3& object_from_grid,
+                               const VoxelBox& box,
+                               double floor_z) {
+  const Eigen::Vector3d low = VoxelGrid::Center(box.low.x(), box.low.y(), box.low.z());
+  const Eigen::Vector3d high = VoxelGrid::Center(box.high.x(), box.high.y(), box.high.z());
+  // The outermost voxels are half full on average.
+  const double longest = box.sides().maxCoeff() - 0.5;
+  Similarity3 next = object_from_grid;
+  next.scale *= longest / kModelVoxels;
+  next.translation_m = object_from_grid * (0.5 * (low + high));
+  const double voxel = next.scale * kVoxelSize;
+  const double layers = (floor_z - next.translation_m.z()) / voxel;
+  next.translation_m.z() = floor_z - voxel * std::round(layers);
+  return next;
 }
 
 // Of the grid's voxels to the model's surface, object units, index order of VoxelGrid.
@@ -98,52 +118,62 @@ VoxelGrid Inside(std::span<const float> distances) {
   return grid;
 }
 
-// Solid voxels that are further than `reach` (object units) from the model go.
-void KeepNear(std::span<const float> distances, double reach, VoxelGrid& measured) {
-  for (std::size_t n = 0; n < distances.size(); ++n) {
-    if (distances[n] > reach) measured.occupied[n] = 0;
+// What the views and the model say of a grid's voxels; index order of VoxelGrid.
+struct Claims {
+  std::vector<Votes> votes;
+  std::vector<float> distances;  // to the model's surface, object units
+  double reach = 0;              // of the model, object units: what is farther is of something else
+  int fewest = 2;                // views that make a surface
+
+  [[nodiscard]] bool IsFree(std::size_t n) const {
+    return votes[n].free > votes[n].object + votes[n].other;
   }
+  [[nodiscard]] bool IsMeasured(std::size_t n) const {
+    return distances[n] <= reach && votes[n].object >= fewest && votes[n].object >= votes[n].free;
+  }
+};
+
+VoxelGrid Measured(const Claims& claims) {
+  VoxelGrid grid;
+  for (std::size_t n = 0; n < claims.votes.size(); ++n)
+    grid.occupied[n] = claims.IsMeasured(n) ? 1 : 0;
+  return grid;
 }
 
 // The model without what is free and with what was measured.
-VoxelGrid Filled(const VoxelGrid& model,
-                 std::span<const Evidence> evidence,
-                 const VoxelGrid& measured) {
+VoxelGrid Filled(const VoxelGrid& model, const Claims& claims, const VoxelGrid& measured) {
   VoxelGrid filled = measured;
-  for (std::size_t n = 0; n < evidence.size(); ++n) {
-    if (model.occupied[n] != 0 && evidence[n] != Evidence::kFree) filled.occupied[n] = 1;
+  for (std::size_t n = 0; n < claims.votes.size(); ++n) {
+    if (model.occupied[n] != 0 && !claims.IsFree(n)) filled.occupied[n] = 1;
   }
   return filled;
 }
 
 // Whether walking from a voxel by `step` along `axis` meets a solid one before a free one.
-bool MeetsSolid(const VoxelGrid& grid,
-                std::span<const Evidence> evidence,
-                Eigen::Array3i at,
-                int axis,
-                int step) {
+bool MeetsSolid(
+    const VoxelGrid& grid, const Claims& claims, Eigen::Array3i at, int axis, int step) {
   for (int n = 0; n < kMaxInside; ++n) {
     at[axis] += step;
     if (!VoxelGrid::Contains(at.x(), at.y(), at.z())) return false;
     const std::size_t index = VoxelGrid::Index(at.x(), at.y(), at.z());
     if (grid.occupied[index] != 0) return true;
-    if (evidence[index] == Evidence::kFree) return false;
+    if (claims.IsFree(index)) return false;
   }
   return false;
 }
 
 // Legs and boards were measured as shells: what nobody can see between two of their sides is
 // solid.
-VoxelGrid WithInsides(const VoxelGrid& shells, std::span<const Evidence> evidence) {
+VoxelGrid WithInsides(const VoxelGrid& shells, const Claims& claims) {
   VoxelGrid grid = shells;
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
         const std::size_t n = VoxelGrid::Index(i, j, k);
-        if (shells.occupied[n] != 0 || evidence[n] == Evidence::kFree) continue;
+        if (shells.occupied[n] != 0 || claims.IsFree(n)) continue;
         for (int axis = 0; axis < 3 && grid.occupied[n] == 0; ++axis) {
-          if (MeetsSolid(shells, evidence, {i, j, k}, axis, 1) &&
-              MeetsSolid(shells, evidence, {i, j, k}, axis, -1))
+          if (MeetsSolid(shells, claims, {i, j, k}, axis, 1) &&
+              MeetsSolid(shells, claims, {i, j, k}, axis, -1))
             grid.occupied[n] = 1;
         }
       }
@@ -174,6 +204,30 @@ std::vector<PlacedView> InGrid(std::span<const PlacedView> views,
   return placed;
 }
 
+// The completed model in a grid; empty where the model is.
+VoxelGrid CompleteIn(const Similarity3& object_from_grid,
+                     const shape::ShapeModel& model,
+                     std::span<const PlacedView> views,
+                     const RefineOptions& options) {
+  const double scale_m = views.front().camera_from_grid.scale;
+  const double voxel = object_from_grid.scale * kVoxelSize;
+  Claims claims;
+  claims.votes = CountVotes(InGrid(views, object_from_grid), options);
+  claims.distances = DistancesTo(model, object_from_grid);
+  claims.reach = options.reach_m / scale_m;
+  claims.fewest = views.size() > 1 ? 2 : 1;
+
+  const VoxelGrid whole = Inside(claims.distances);
+  const std::optional<VoxelBox> stands_in = OccupiedBox(whole);
+  if (!stands_in) return {};
+  const int ground_k = stands_in->low.z();
+  const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
+  VoxelGrid measured = Measured(claims);
+  shape::StandOnGround(ground_k, max_gap, measured);
+  const VoxelGrid filled = WithInsides(Filled(whole, claims, measured), claims);
+  return Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
+}
+
 }  // namespace
 
 std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
@@ -181,28 +235,19 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                             const RefineOptions& options) {
   const std::vector<PlacedView> views = UsableViews(all_views);
   if (model.empty() || views.empty()) return std::nullopt;
-  const double scale_m = views.front().camera_from_grid.scale;
-  const double reach = options.reach_m / scale_m;
-  const Eigen::AlignedBox3d box = Around(model, PointsNear(model, views, reach));
-  const Similarity3 object_from_grid = ObjectFromGrid(box);
-  const std::vector<Evidence> evidence = CarveEvidence(InGrid(views, object_from_grid), options);
-
-  const std::vector<float> distances = DistancesTo(model, object_from_grid);
-  const VoxelGrid whole = Inside(distances);
-  const std::optional<VoxelBox> stands_in = OccupiedBox(whole);
-  if (!stands_in) return std::nullopt;
-  const int ground_k = stands_in->low.z();
-  const double voxel_m = scale_m * object_from_grid.scale * kVoxelSize;
-  const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / voxel_m);
-  VoxelGrid measured = SurelySolid(evidence);
-  KeepNear(distances, reach, measured);
-  shape::StandOnGround(ground_k, max_gap, measured);
-  const VoxelGrid filled = WithInsides(Filled(whole, evidence, measured), evidence);
-  const VoxelGrid grid =
-      Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
-  const std::optional<VoxelBox> after = OccupiedBox(grid);
-  if (!after) return std::nullopt;
-  const double extent = after->sides().maxCoeff() * kVoxelSize * object_from_grid.scale;
+  const double reach = options.reach_m / views.front().camera_from_grid.scale;
+  Similarity3 object_from_grid = ObjectFromGrid(Around(model, PointsNear(model, views, reach)));
+  VoxelGrid grid;
+  std::optional<VoxelBox> box;
+  // A grid that fits is made by the views: resampled, one voxel in sixty would fall out of boards.
+  for (int n = 0; n < kMaxGrids; ++n) {
+    if (n > 0) object_from_grid = ObjectFromNextGrid(object_from_grid, *box, model.bottom());
+    grid = CompleteIn(object_from_grid, model, views, options);
+    box = OccupiedBox(grid);
+    if (!box) return std::nullopt;
+    if (box->sides().maxCoeff() == kModelVoxels) break;
+  }
+  const double extent = box->sides().maxCoeff() * kVoxelSize * object_from_grid.scale;
   return CompletedModel{shape::StretchGrid(grid, Eigen::Vector3d::Ones()), extent};
 }
 

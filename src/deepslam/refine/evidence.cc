@@ -27,13 +27,12 @@ class CarvingView {
         behind_m_(static_cast<float>(
             std::min(kMaxShell_m, options.surface_voxels * kVoxelSize * scale_m_))) {}
 
-  [[nodiscard]] Evidence At(int i, int j, int k) const {
+  void Vote(int i, int j, int k, Votes& votes) const {
     const Eigen::Vector3d center_m = scale_m_ * VoxelGrid::Center(i, j, k);
     const std::optional<shape::DepthView::Reading> reading = depth_.At(center_m.cast<float>());
-    if (!reading) return Evidence::kUnknown;
-    if (reading->z_m < reading->depth_m - before_m_) return Evidence::kFree;
-    const bool is_near = reading->z_m <= reading->depth_m + behind_m_;
-    return is_near && reading->is_object ? Evidence::kSolid : Evidence::kUnknown;
+    if (!reading || reading->z_m > reading->depth_m + behind_m_) return;
+    const bool is_before = reading->z_m < reading->depth_m - before_m_;
+    ++(is_before ? votes.free : reading->is_object ? votes.object : votes.other);
   }
 
  private:
@@ -53,17 +52,10 @@ bool IsUsable(const PlacedView& placed) {
          std::isfinite(view.camera.cx) && std::isfinite(view.camera.cy);
 }
 
-Evidence Majority(std::span<const CarvingView> views, int i, int j, int k) {
-  int num_free = 0;
-  int num_solid = 0;
-  for (const CarvingView& view : views) {
-    const Evidence said = view.At(i, j, k);
-    if (said == Evidence::kFree) ++num_free;
-    if (said == Evidence::kSolid) ++num_solid;
-  }
-  if (num_free + num_solid == 0) return Evidence::kUnknown;
-  if (num_free > num_solid) return Evidence::kFree;
-  return num_solid > 1 || views.size() == 1 ? Evidence::kSolid : Evidence::kFaint;
+Evidence Majority(const Votes& votes, std::size_t num_views) {
+  if (votes.free + votes.object == 0) return Evidence::kUnknown;
+  if (votes.free > votes.object) return Evidence::kFree;
+  return votes.object > 1 || num_views == 1 ? Evidence::kSolid : Evidence::kFaint;
 }
 
 }  // namespace
@@ -74,17 +66,29 @@ std::vector<PlacedView> UsableViews(std::span<const PlacedView> views) {
   return usable;
 }
 
-std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
-                                    const RefineOptions& options) {
+std::vector<Votes> CountVotes(std::span<const PlacedView> views, const RefineOptions& options) {
   std::vector<CarvingView> carving;
   for (const PlacedView& placed : UsableViews(views)) carving.emplace_back(placed, options);
-  std::vector<Evidence> evidence(VoxelGrid().occupied.size(), Evidence::kUnknown);
+  std::vector<Votes> votes(VoxelGrid().occupied.size());
   ParallelFor(kGridSize, [&](std::size_t slab) {
     const int i = static_cast<int>(slab);
     for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k)
-        evidence[VoxelGrid::Index(i, j, k)] = Majority(carving, i, j, k);
+      for (int k = 0; k < kGridSize; ++k) {
+        for (const CarvingView& view : carving)
+          view.Vote(i, j, k, votes[VoxelGrid::Index(i, j, k)]);
+      }
     }
+  });
+  return votes;
+}
+
+std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
+                                    const RefineOptions& options) {
+  const std::vector<Votes> votes = CountVotes(views, options);
+  const std::size_t num_views = UsableViews(views).size();
+  std::vector<Evidence> evidence(votes.size());
+  std::transform(votes.begin(), votes.end(), evidence.begin(), [&](const Votes& of_voxel) {
+    return Majority(of_voxel, num_views);
   });
   return evidence;
 }

@@ -28,9 +28,20 @@ struct PlacedView {
 // The views whose crops fit together and whose poses are finite.
 [[nodiscard]] std::vector<PlacedView> UsableViews(std::span<const PlacedView> views);
 
-// One entry per voxel, index order of VoxelGrid: what more views say than say the contrary, solid
-// where they are even. A measured surface is solid from half a voxel before it to surface_voxels
-// (2.5 cm at most) behind it. Views that are not usable say nothing.
+// How many views say what of a voxel. A measured surface is solid from half a voxel before it to
+// surface_voxels (2.5 cm at most) behind it.
+struct Votes {
+  int free = 0;
+  int object = 0;  // surface of the object's segment
+  int other = 0;   // surface outside it: of something else, or of what segmentation has missed
+};
+
+// One entry per voxel, index order of VoxelGrid. Views that are not usable say nothing.
+[[nodiscard]] std::vector<Votes> CountVotes(std::span<const PlacedView> views,
+                                            const RefineOptions& options);
+
+// Likewise: what more views say than say the contrary, solid where they are even. Surface of
+// something else says nothing.
 [[nodiscard]] std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
                                                   const RefineOptions& options);
 

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "deepslam/scene/ground.h"
 #include "deepslam/segment/connect.h"
 
@@ -23,6 +25,7 @@ constexpr double kEdge_m = 0.04;   // legs may stand this far out of the visible
 constexpr double kReach_m = 0.12;  // what carries a top is seen up to this close below it
 constexpr double kMostAbove = 0.05;   // share of a piece's pixels that may rise above the top
 constexpr double kLeastReach = 0.01;  // share of a piece's pixels that must come close to it
+constexpr double kLeg_m = 0.15;       // parts of legs are no wider, seen from above
 constexpr int kMinTop_px = 150;
 
 double ThicknessAt(double depth_m) { return kThickness_m + kThicknessPerM2 * depth_m * depth_m; }
@@ -93,9 +96,7 @@ class Layers {
   std::vector<PixelPoint> points_;
 };
 
-int BinOf(double height_m) {
-  return static_cast<int>(std::floor((height_m - kLowest_m) / kBin_m));
-}
+int BinOf(double height_m) { return static_cast<int>(std::floor((height_m - kLowest_m) / kBin_m)); }
 
 Layers::Layers(const ImagePieces& pieces, const Region& region, const Owners& owners)
     : pieces_(&pieces), heights_(pieces.num_pixels.size()) {
@@ -170,7 +171,8 @@ std::vector<PixelPoint> Layers::At(double height_m, const SegmentOptions& option
 }
 
 // Share of the rays through a supposed top that end on it, of those that end on it or go on below:
-// a top hides what is under it. What stands on it or before it, and rays without depth, say nothing.
+// a top hides what is under it. What stands on it or before it, and rays without depth, say
+// nothing.
 double OpaqueShare(const ImagePieces& pieces,
                    const PinholeCamera& camera,
                    const Plane& ground_camera,
@@ -246,8 +248,7 @@ std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
                                       int owner,
                                       const SegmentOptions& options,
                                       Owners& owners) {
-  std::optional<FoundTop> found =
-      FindTop(pieces, camera, ground_camera, region, owners, options);
+  std::optional<FoundTop> found = FindTop(pieces, camera, ground_camera, region, owners, options);
   if (!found) return std::nullopt;
   for (const PixelPoint& p : found->pixels) owners(p.u, p.v) = owner;
   return std::move(found->top);
@@ -263,41 +264,109 @@ bool IsUnder(const LevelTop& top, const Plane& ground_camera, const Eigen::Vecto
   return Inside(top.hull_ground_m, p, kEdge_m);
 }
 
+// A piece of the image beside a top above it.
+struct Support {
+  int all = 0, above = 0, reaching = 0, under = 0, level = 0;
+  Eigen::AlignedBox2d on_ground_m;
+
+  [[nodiscard]] bool IsUnder() const { return above <= kMostAbove * all && 2 * under > all; }
+  [[nodiscard]] bool IsCarrier() const {
+    return IsUnder() && 2 * (under - level) > all && reaching >= kLeastReach * all;
+  }
+  [[nodiscard]] bool IsLegPart() const {
+    return IsUnder() && !on_ground_m.isEmpty() && on_ground_m.diagonal().norm() <= kLeg_m;
+  }
+};
+
+std::vector<Support> SurveySupports(const ImagePieces& pieces,
+                                    const Plane& ground_camera,
+                                    const LevelTop& top,
+                                    const Owners& owners,
+                                    Mask& under) {
+  const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
+  std::vector<Support> supports(pieces.num_pixels.size());
+  for (int v = 0; v < owners.height(); ++v) {
+    for (int u = 0; u < owners.width(); ++u) {
+      const std::int32_t id = pieces.piece(u, v);
+      if (id < 0 || owners(u, v) >= 0) continue;
+      Support& support = supports[static_cast<std::size_t>(id)];
+      const Eigen::Vector3d p = pieces.points_camera(u, v).cast<double>();
+      const double over_m = pieces.height_m(u, v) - top.height_m;
+      ++support.all;
+      support.above += over_m > ThicknessAt(p.z()) ? 1 : 0;
+      support.reaching += over_m > -kReach_m && over_m <= ThicknessAt(p.z()) ? 1 : 0;
+      support.on_ground_m.extend(basis.transpose() * p);
+      if (!IsUnder(top, ground_camera, p)) continue;
+      under(u, v) = 1;
+      ++support.under;
+      support.level += pieces.horizontal(u, v);
+    }
+  }
+  return supports;
+}
+
+// Pieces that touch in the image and in depth, each pair once.
+std::vector<std::pair<std::int32_t, std::int32_t>> TouchingPieces(const ImagePieces& pieces,
+                                                                  const SegmentOptions& options) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> touching;
+  const auto touch = [&](int u, int v, int to_u, int to_v) {
+    if (!pieces.piece.Contains(to_u, to_v)) return;
+    const std::int32_t a = pieces.piece(u, v);
+    const std::int32_t b = pieces.piece(to_u, to_v);
+    if (a < 0 || b < 0 || a == b) return;
+    const double z = pieces.points_camera(u, v).z();
+    if (std::abs(pieces.points_camera(to_u, to_v).z() - z) < JumpAt(z, options))
+      touching.emplace_back(std::minmax(a, b));
+  };
+  for (int v = 0; v < pieces.piece.height(); ++v) {
+    for (int u = 0; u < pieces.piece.width(); ++u) {
+      touch(u, v, u + 1, v);
+      touch(u, v, u, v + 1);
+    }
+  }
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  return touching;
+}
+
+// 1 for pieces that carry the top: those that reach up to it, and the parts of legs that hang
+// together with them, since noise cuts a leg into several pieces.
+std::vector<std::uint8_t> FindCarriers(
+    const std::vector<Support>& supports,
+    const std::vector<std::pair<std::int32_t, std::int32_t>>& touching) {
+  std::vector<std::uint8_t> carries(supports.size());
+  for (std::size_t id = 0; id < supports.size(); ++id)
+    carries[id] = supports[id].IsCarrier() ? 1 : 0;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [first, second] : touching) {
+      const auto a = static_cast<std::size_t>(first);
+      const auto b = static_cast<std::size_t>(second);
+      if (carries[a] == carries[b] || !supports[carries[a] != 0 ? b : a].IsLegPart()) continue;
+      carries[a] = carries[b] = 1;
+      changed = true;
+    }
+  }
+  return carries;
+}
+
 }  // namespace
 
 void ClaimCarrier(const ImagePieces& pieces,
                   const Plane& ground_camera,
                   const LevelTop& top,
                   int owner,
+                  const SegmentOptions& options,
                   Owners& owners) {
-  struct Count {
-    int all = 0, above = 0, reaching = 0, under = 0;
-  };
-  std::vector<Count> counts(pieces.num_pixels.size());
   Mask under(owners.width(), owners.height());
-  for (int v = 0; v < owners.height(); ++v) {
-    for (int u = 0; u < owners.width(); ++u) {
-      const std::int32_t id = pieces.piece(u, v);
-      if (id < 0 || owners(u, v) >= 0) continue;
-      Count& count = counts[static_cast<std::size_t>(id)];
-      const Eigen::Vector3d p = pieces.points_camera(u, v).cast<double>();
-      const double over_m = pieces.height_m(u, v) - top.height_m;
-      ++count.all;
-      count.above += over_m > ThicknessAt(p.z()) ? 1 : 0;
-      count.reaching += over_m > -kReach_m && over_m <= ThicknessAt(p.z()) ? 1 : 0;
-      if (pieces.horizontal(u, v) != 0 || !IsUnder(top, ground_camera, p)) continue;
-      under(u, v) = 1;
-      ++count.under;
-    }
-  }
+  const std::vector<Support> supports = SurveySupports(pieces, ground_camera, top, owners, under);
+  const std::vector<std::uint8_t> carries = FindCarriers(supports, TouchingPieces(pieces, options));
   for (int v = 0; v < owners.height(); ++v) {
     for (int u = 0; u < owners.width(); ++u) {
       if (under(u, v) == 0) continue;
-      const Count& count = counts[static_cast<std::size_t>(pieces.piece(u, v))];
-      if (count.above <= kMostAbove * count.all && count.reaching >= kLeastReach * count.all &&
-          2 * count.under > count.all) {
-        owners(u, v) = owner;
-      }
+      const auto id = static_cast<std::size_t>(pieces.piece(u, v));
+      const bool may_be_level = supports[id].IsLegPart();
+      if (carries[id] != 0 && (may_be_level || pieces.horizontal(u, v) == 0)) owners(u, v) = owner;
     }
   }
 }

@@ -32,12 +32,13 @@ struct LevelTop {
 
 // Gives unowned pixels of what carries the top to `owner`, also outside its box: pieces under the
 // top, inside its outline on the ground, that are seen to reach up to it and not above it, and are
-// not level themselves (a seat pushed under the table is). Chairs before a table do not get its
-// legs that way.
+// not level themselves (a seat pushed under the table is), and the slim parts of legs that hang
+// together with these. Chairs before a table do not get its legs that way.
 void ClaimCarrier(const ImagePieces& pieces,
                   const Plane& ground_camera,
                   const LevelTop& top,
                   int owner,
+                  const SegmentOptions& options,
                   Owners& owners);
 
 }  // namespace deepslam::segment

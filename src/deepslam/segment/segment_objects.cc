@@ -200,7 +200,7 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
       tops.emplace_back(d, std::move(*top));
     }
     for (const auto& [d, top] : tops) {
-      ClaimCarrier(pieces, *ground_camera, top, static_cast<int>(d), owners);
+      ClaimCarrier(pieces, *ground_camera, top, static_cast<int>(d), options, owners);
     }
     AssignPieces(pieces, regions, takes_pieces, options, owners);
   }
