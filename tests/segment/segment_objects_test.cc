@@ -1,6 +1,7 @@
 #include "deepslam/segment/segment_objects.h"
 
 #include <limits>
+#include <random>
 
 #include <gmock/gmock.h>
 
@@ -182,6 +183,37 @@ TEST(SegmentFrame, KeepsThinLegs) {
       if (scene.view.object(u, v) != 0) continue;
       const double height_m = scene.ground.SignedDistance(SmallCamera().Unproject(u, v, depth_m));
       if (height_m < 0.1 || height_m > 0.4) continue;
+      ++seen;
+      kept += segments[0].mask(u, v);
+    }
+  }
+  ASSERT_GT(seen, 100);
+  EXPECT_THAT(static_cast<double>(kept) / seen, Ge(0.8));
+}
+
+TEST(SegmentFrame, KeepsLegsOfTablesThatNoiseCutsIntoPieces) {
+  Scene scene = Make(TableAt(0, 0, 0), {1.1, -1.9, 1.2}, {0, 0, 0.4});
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0.0F, 0.008F);
+  DepthImage& depth_m = scene.view.frame.depth_m;
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      if (depth_m(u, v) > 0) depth_m(u, v) += noise(random);
+    }
+  }
+  const auto segments = SegmentFrame(scene.view.frame,
+                                     SmallCamera(),
+                                     scene.ground,
+                                     Truth(scene.view, {"table"}),
+                                     ForSmallImages());
+  int seen = 0;
+  int kept = 0;
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      if (scene.view.object(u, v) != 0) continue;
+      const double height_m =
+          scene.ground.SignedDistance(SmallCamera().Unproject(u, v, depth_m(u, v)));
+      if (height_m < 0.1 || height_m > 0.6) continue;
       ++seen;
       kept += segments[0].mask(u, v);
     }

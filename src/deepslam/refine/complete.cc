@@ -22,7 +22,9 @@ constexpr double kCrumb = 0.02;
 constexpr int kMaxInside = 3;  // voxels from the side of a shell to what nobody can see in it
 constexpr int kPixelStep = 3;  // of views whose points bound the grid
 constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
-constexpr int kMaxGrids = 3;             // tried for one whose longest side is kModelExtent
+constexpr float kInside =
+    0.49F;                      // share of a voxel on the surface; a half would make boards thicker
+constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
 constexpr int kModelVoxels = 62;
 static_assert(kModelVoxels * kVoxelSize == kModelExtent);
 
@@ -69,6 +71,14 @@ Eigen::AlignedBox3d Around(const shape::ShapeModel& model, const Points& points)
   return box;
 }
 
+// Moved by half a voxel at most, so that a layer of voxels begins at the floor.
+Similarity3 OnFloor(Similarity3 object_from_grid, double floor_z) {
+  const double voxel = object_from_grid.scale * kVoxelSize;
+  const double layers = (floor_z - object_from_grid.translation_m.z()) / voxel;
+  object_from_grid.translation_m.z() = floor_z - voxel * std::round(layers);
+  return object_from_grid;
+}
+
 // The model's own grid where the box fits into it; else one that holds the box.
 Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   Similarity3 object_from_grid;
@@ -79,11 +89,8 @@ Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   return object_from_grid;
 }
 
-// A grid in which what fills `box` has its longest side of kModelExtent, and a layer of voxels
-// begins at the model's floor.
-Similarity3 ObjectFromNextGrid(const Similarity3& object_from_grid,
-                               const VoxelBox& box,
-                               double floor_z) {
+// A grid in which what fills `box` of this one has its longest side of kModelExtent.
+Similarity3 ObjectFromNextGrid(const Similarity3& object_from_grid, const VoxelBox& box) {
   const Eigen::Vector3d low = VoxelGrid::Center(box.low.x(), box.low.y(), box.low.z());
   const Eigen::Vector3d high = VoxelGrid::Center(box.high.x(), box.high.y(), box.high.z());
   // The outermost voxels are half full on average.
@@ -91,9 +98,6 @@ Similarity3 ObjectFromNextGrid(const Similarity3& object_from_grid,
   Similarity3 next = object_from_grid;
   next.scale *= longest / kModelVoxels;
   next.translation_m = object_from_grid * (0.5 * (low + high));
-  const double voxel = next.scale * kVoxelSize;
-  const double layers = (floor_z - next.translation_m.z()) / voxel;
-  next.translation_m.z() = floor_z - voxel * std::round(layers);
   return next;
 }
 
@@ -112,10 +116,13 @@ std::vector<float> DistancesTo(const shape::ShapeModel& model,
   return distances;
 }
 
-VoxelGrid Inside(std::span<const float> distances) {
-  VoxelGrid grid;
-  for (std::size_t n = 0; n < distances.size(); ++n) grid.occupied[n] = distances[n] < 0 ? 1 : 0;
-  return grid;
+// The model in a grid of that voxel size; thin parts stay connected and one voxel thin.
+VoxelGrid Inside(std::span<const float> distances, double voxel) {
+  std::vector<float> shares(distances.size());
+  std::transform(distances.begin(), distances.end(), shares.begin(), [&](float distance) {
+    return std::clamp(kInside - distance / static_cast<float>(voxel), 0.0F, 1.0F);
+  });
+  return shape::SolidFromShares(shares);
 }
 
 // What the views and the model say of a grid's voxels; index order of VoxelGrid.
@@ -217,7 +224,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   claims.reach = options.reach_m / scale_m;
   claims.fewest = views.size() > 1 ? 2 : 1;
 
-  const VoxelGrid whole = Inside(claims.distances);
+  const VoxelGrid whole = Inside(claims.distances, voxel);
   const std::optional<VoxelBox> stands_in = OccupiedBox(whole);
   if (!stands_in) return {};
   const int ground_k = stands_in->low.z();
@@ -236,17 +243,17 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
   const std::vector<PlacedView> views = UsableViews(all_views);
   if (model.empty() || views.empty()) return std::nullopt;
   const double reach = options.reach_m / views.front().camera_from_grid.scale;
-  Similarity3 object_from_grid = ObjectFromGrid(Around(model, PointsNear(model, views, reach)));
-  VoxelGrid grid;
-  std::optional<VoxelBox> box;
-  // A grid that fits is made by the views: resampled, one voxel in sixty would fall out of boards.
-  for (int n = 0; n < kMaxGrids; ++n) {
-    if (n > 0) object_from_grid = ObjectFromNextGrid(object_from_grid, *box, model.bottom());
+  Similarity3 object_from_grid =
+      OnFloor(ObjectFromGrid(Around(model, PointsNear(model, views, reach))), model.bottom());
+  VoxelGrid grid = CompleteIn(object_from_grid, model, views, options);
+  std::optional<VoxelBox> box = OccupiedBox(grid);
+  // A grid that fits is made by the views: resampled, one layer in sixty would fall out of boards.
+  for (int n = 0; n < kMaxRegrids && box && box->sides().maxCoeff() != kModelVoxels; ++n) {
+    object_from_grid = OnFloor(ObjectFromNextGrid(object_from_grid, *box), model.bottom());
     grid = CompleteIn(object_from_grid, model, views, options);
     box = OccupiedBox(grid);
-    if (!box) return std::nullopt;
-    if (box->sides().maxCoeff() == kModelVoxels) break;
   }
+  if (!box) return std::nullopt;
   const double extent = box->sides().maxCoeff() * kVoxelSize * object_from_grid.scale;
   return CompletedModel{shape::StretchGrid(grid, Eigen::Vector3d::Ones()), extent};
 }

@@ -145,7 +145,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 4, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 5, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
       4,
       {"track", "ground", "segment"},
@@ -165,7 +165,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      9,
+      10,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,

@@ -13,6 +13,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/refine/complete.h"
 #include "deepslam/refine/refine_latents.h"
+#include "deepslam/select/select.h"
 #include "deepslam/shape/stand.h"
 
 namespace deepslam::stages {
@@ -39,16 +40,28 @@ std::vector<std::size_t> Starts(const Contest& contest) {
   return starts;
 }
 
-// Index of the whole model that agrees best.
-std::optional<std::size_t> ToComplete(const Contest& contest) {
-  std::optional<std::size_t> best;
+// Index of the whole model that would be selected.
+std::optional<std::size_t> ToComplete(const Contest& contest,
+                                      std::span<const ObjectView> views,
+                                      const select::SelectOptions& options) {
+  std::vector<std::size_t> whole;
+  std::vector<ShapeCandidate> candidates;
+  std::vector<CandidateRegistration> registrations;
+  std::vector<CandidateScore> scores;
   for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
-    const bool is_whole = contest.candidates[i].source != CandidateSource::kFused &&
-                          !IsRefined(contest.candidates[i].source);
-    if (!is_whole || !contest.registrations[i].ok) continue;
-    if (!best || contest.scores[i].score > contest.scores[*best].score) best = i;
+    const CandidateSource source = contest.candidates[i].source;
+    if (source == CandidateSource::kFused || IsRefined(source)) continue;
+    whole.push_back(i);
+    candidates.push_back(contest.candidates[i]);
+    registrations.push_back(contest.registrations[i]);
+    scores.push_back(contest.scores[i]);
   }
-  return best;
+  const MapObject best = select::SelectShape(
+      contest.object, contest.class_name, candidates, registrations, scores, views, options);
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    if (candidates[n].id == best.chosen) return whole[n];
+  }
+  return std::nullopt;
 }
 
 // At most `count` of the views, evenly, with the grid at place(i) in view i.
@@ -181,9 +194,10 @@ Proposals RefineShapes(const Contest& contest,
 
 Proposals CompleteBest(const Contest& contest,
                        std::span<const ObjectView> views,
-                       const refine::RefineOptions& options) {
+                       const RunInputs& inputs) {
+  const refine::RefineOptions& options = inputs.config.shape_refinement;
   Proposals completed;
-  const std::optional<std::size_t> best = ToComplete(contest);
+  const std::optional<std::size_t> best = ToComplete(contest, views, inputs.config.select);
   if (!best) return completed;
   const ShapeCandidate& start = contest.candidates[*best];
   const CandidateRegistration& registration = contest.registrations[*best];

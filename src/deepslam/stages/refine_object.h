@@ -5,7 +5,6 @@
 #include <span>
 
 #include "deepslam/propose/shape_prior.h"
-#include "deepslam/refine/refine_options.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/object_view.h"
 #include "deepslam/scene/shape_candidate.h"
@@ -21,9 +20,10 @@ namespace deepslam::stages {
                                      const propose::ShapePrior& prior,
                                      const RunInputs& inputs);
 
-// The whole model that agrees best, completed by what was measured; nothing where there is none.
+// The whole model that would be selected, completed by what was measured; nothing where there is
+// none.
 [[nodiscard]] Proposals CompleteBest(const Contest& contest,
                                      std::span<const ObjectView> views,
-                                     const refine::RefineOptions& options);
+                                     const RunInputs& inputs);
 
 }  // namespace deepslam::stages

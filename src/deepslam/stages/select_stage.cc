@@ -135,7 +135,7 @@ Result<Selection> SelectAll(const StageContext& context,
       Enter(std::move(refined), of_track.views, inputs, next_id, contest, selection);
     };
     if (inputs.config.shape_refinement.complete)
-      enter(CompleteBest(contest, of_track.views, inputs.config.shape_refinement));
+      enter(CompleteBest(contest, of_track.views, inputs));
     if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
       enter(RefineShapes(contest, of_track.views, *prior, inputs));
     Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
