@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Geometry>
 
@@ -116,6 +117,14 @@ std::vector<float> DistancesTo(const shape::ShapeModel& model,
   return distances;
 }
 
+std::vector<std::uint8_t> Within(double reach, std::span<const float> distances) {
+  std::vector<std::uint8_t> within(distances.size());
+  std::transform(distances.begin(), distances.end(), within.begin(), [&](float distance) {
+    return distance <= reach ? 1 : 0;
+  });
+  return within;
+}
+
 // The model in a grid of that voxel size; thin parts stay connected and one voxel thin.
 VoxelGrid Inside(std::span<const float> distances, double voxel) {
   std::vector<float> shares(distances.size());
@@ -219,9 +228,11 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   const double scale_m = views.front().camera_from_grid.scale;
   const double voxel = object_from_grid.scale * kVoxelSize;
   Claims claims;
-  claims.votes = CountVotes(InGrid(views, object_from_grid), options);
   claims.distances = DistancesTo(model, object_from_grid);
   claims.reach = options.reach_m / scale_m;
+  const std::vector<std::uint8_t> asked =
+      Within(claims.reach + kMaxInside * voxel, claims.distances);
+  claims.votes = CountVotes(InGrid(views, object_from_grid), asked, options);
   claims.fewest = views.size() > 1 ? 2 : 1;
 
   const VoxelGrid whole = Inside(claims.distances, voxel);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 
+#include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/depth_view.h"
@@ -20,24 +22,31 @@ constexpr double kMaxShell_m = 0.025;  // boards of large things are no thicker 
 class CarvingView {
  public:
   CarvingView(const PlacedView& placed, const RefineOptions& options)
-      : depth_(*placed.view,
-               {placed.camera_from_grid.rotation, placed.camera_from_grid.translation_m}),
-        scale_m_(placed.camera_from_grid.scale),
-        before_m_(static_cast<float>(kBeforeSurface * kVoxelSize * scale_m_)),
-        behind_m_(static_cast<float>(
-            std::min(kMaxShell_m, options.surface_voxels * kVoxelSize * scale_m_))) {}
+      : camera_from_grid_(placed.camera_from_grid),
+        depth_(*placed.view, camera_from_grid_.RigidPart(), shape::DepthView::Slopes::kIgnored),
+        upward_m_((camera_from_grid_.rotation * Eigen::Vector3d(0, 0, VoxelM())).cast<float>()),
+        before_m_(static_cast<float>(kBeforeSurface * VoxelM())),
+        behind_m_(static_cast<float>(std::min(kMaxShell_m, options.surface_voxels * VoxelM()))) {}
 
-  void Vote(int i, int j, int k, Votes& votes) const {
-    const Eigen::Vector3d center_m = scale_m_ * VoxelGrid::Center(i, j, k);
-    const std::optional<shape::DepthView::Reading> reading = depth_.At(center_m.cast<float>());
-    if (!reading || reading->z_m > reading->depth_m + behind_m_) return;
-    const bool is_before = reading->z_m < reading->depth_m - before_m_;
-    ++(is_before ? votes.free : reading->is_object ? votes.object : votes.other);
+  // On the column of voxels (i, j), where `asked` is not 0; both from the lowest voxel up.
+  void Vote(int i, int j, std::span<const std::uint8_t> asked, std::span<Votes> votes) const {
+    const Eigen::Vector3f lowest = (camera_from_grid_ * VoxelGrid::Center(i, j, 0)).cast<float>();
+    for (std::size_t k = 0; k < votes.size(); ++k) {
+      if (asked[k] == 0) continue;
+      const Eigen::Vector3f p_camera = lowest + static_cast<float>(k) * upward_m_;
+      const std::optional<shape::DepthView::Reading> reading = depth_.AtCamera(p_camera);
+      if (!reading || reading->z_m > reading->depth_m + behind_m_) continue;
+      const bool is_before = reading->z_m < reading->depth_m - before_m_;
+      ++(is_before ? votes[k].free : reading->is_object ? votes[k].object : votes[k].other);
+    }
   }
 
  private:
+  [[nodiscard]] double VoxelM() const { return kVoxelSize * camera_from_grid_.scale; }
+
+  Similarity3 camera_from_grid_;
   shape::DepthView depth_;
-  double scale_m_;  // metres per unit of the grid
+  Eigen::Vector3f upward_m_;  // from a voxel to the one above, camera
   float before_m_;
   float behind_m_;
 };
@@ -66,16 +75,20 @@ std::vector<PlacedView> UsableViews(std::span<const PlacedView> views) {
   return usable;
 }
 
-std::vector<Votes> CountVotes(std::span<const PlacedView> views, const RefineOptions& options) {
+std::vector<Votes> CountVotes(std::span<const PlacedView> views,
+                              std::span<const std::uint8_t> asked,
+                              const RefineOptions& options) {
   std::vector<CarvingView> carving;
   for (const PlacedView& placed : UsableViews(views)) carving.emplace_back(placed, options);
   std::vector<Votes> votes(VoxelGrid().occupied.size());
+  DEEPSLAM_CHECK(asked.size() == votes.size(), "an entry per voxel");
   ParallelFor(kGridSize, [&](std::size_t slab) {
     const int i = static_cast<int>(slab);
     for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        for (const CarvingView& view : carving)
-          view.Vote(i, j, k, votes[VoxelGrid::Index(i, j, k)]);
+      const std::size_t column = VoxelGrid::Index(i, j, 0);
+      for (const CarvingView& view : carving) {
+        view.Vote(
+            i, j, asked.subspan(column, kGridSize), std::span(votes).subspan(column, kGridSize));
       }
     }
   });
@@ -84,7 +97,8 @@ std::vector<Votes> CountVotes(std::span<const PlacedView> views, const RefineOpt
 
 std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
                                     const RefineOptions& options) {
-  const std::vector<Votes> votes = CountVotes(views, options);
+  const std::vector<std::uint8_t> everywhere(VoxelGrid().occupied.size(), 1);
+  const std::vector<Votes> votes = CountVotes(views, everywhere, options);
   const std::size_t num_views = UsableViews(views).size();
   std::vector<Evidence> evidence(votes.size());
   std::transform(votes.begin(), votes.end(), evidence.begin(), [&](const Votes& of_voxel) {

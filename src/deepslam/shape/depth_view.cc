@@ -6,12 +6,10 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr float kNear_m = 0.1F;
-
 // Cosine of the angle under which each pixel's ray meets the surface, from depth differences over
 // about 3 cm; 1 where the neighbourhood gives no surface. Not below 0.2, where depth cameras see
 // nothing anyway.
-Image<float> IncidenceCosine(const ObjectView& view) {
+Image<float> IncidenceCosine(const ObjectView& view, float near_m) {
   constexpr float kMinCosine = 0.2F;
   constexpr float kHalfWindow_m = 0.015F;
   const DepthImage& depth_m = view.depth_crop_m;
@@ -20,7 +18,7 @@ Image<float> IncidenceCosine(const ObjectView& view) {
   for (int v = 0; v < depth_m.height(); ++v) {
     for (int u = 0; u < depth_m.width(); ++u) {
       const float z = depth_m(u, v);
-      if (!(z > kNear_m)) continue;
+      if (!(z > near_m)) continue;
       const int step = std::clamp(static_cast<int>(kHalfWindow_m * f / z + 0.5F), 1, 8);
       if (!depth_m.Contains(u - step, v - step) || !depth_m.Contains(u + step, v + step)) continue;
       const float left = depth_m(u - step, v);
@@ -47,31 +45,15 @@ Image<float> IncidenceCosine(const ObjectView& view) {
 
 }  // namespace
 
-DepthView::DepthView(const ObjectView& view, const Pose3& camera_from_frame)
-    : view_(&view), cosine_(IncidenceCosine(view)) {
+DepthView::DepthView(const ObjectView& view, const Pose3& camera_from_frame, Slopes slopes)
+    : view_(&view) {
+  if (slopes == Slopes::kMeasured) cosine_ = IncidenceCosine(view, kNear_m);
   rotation_ = camera_from_frame.rotation.toRotationMatrix().cast<float>();
   translation_ = camera_from_frame.translation_m.cast<float>();
   fx_ = static_cast<float>(view.camera.fx);
   fy_ = static_cast<float>(view.camera.fy);
   cx_ = static_cast<float>(view.camera.cx);
   cy_ = static_cast<float>(view.camera.cy);
-}
-
-std::optional<DepthView::Reading> DepthView::At(const Eigen::Vector3f& p_frame) const {
-  const Eigen::Vector3f p = rotation_ * p_frame + translation_;
-  if (!(p.z() > kNear_m)) return std::nullopt;
-  const float u = fx_ * p.x() / p.z() + cx_;
-  const float v = fy_ * p.y() / p.z() + cy_;
-  const DepthImage& depth_m = view_->depth_crop_m;
-  if (!(u > -0.5F && v > -0.5F && u < static_cast<float>(depth_m.width()) - 0.5F &&
-        v < static_cast<float>(depth_m.height()) - 0.5F)) {
-    return std::nullopt;
-  }
-  const int column = static_cast<int>(u + 0.5F);
-  const int row = static_cast<int>(v + 0.5F);
-  const float measured_m = depth_m(column, row);
-  if (!(measured_m > 0) || !std::isfinite(measured_m)) return std::nullopt;
-  return Reading{p.z(), measured_m, cosine_(column, row), view_->mask_crop(column, row) != 0};
 }
 
 }  // namespace deepslam::shape
