@@ -152,7 +152,7 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   if (!measured.ok()) return measured.error();
   for (const MapObject& object : in.map.objects) {
     loop::ObjectEvidence& own = evidence[object.id];
-    const Result<VoxelGrid> grid = ReadModel(context, "propose", object.model);
+    const Result<VoxelGrid> grid = ReadModel(context, "select", object.model);
     if (!grid.ok()) return grid.error();
     const Similarity3 world_from_model =
         Similarity3::From(object.world_from_object, object.scale_m);

@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""A capture whose second lap has drifted away: objects are found twice, known again as a constellation, and become one each,
+whatever made their shapes.
+
+    merge_test.py DEEPSLAM REPOSITORY
+
+Exit 77: catalogues are not installed.
+"""
+import json
+import math
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import captures
+
+PROGRAM = sys.argv[1]
+TEMP = tempfile.TemporaryDirectory()
+DIR = pathlib.Path(TEMP.name)
+SHIFT_M, TURN_DEG = (1.6, -1.8), 4.0  # of the second lap's poses, which are given
+# The given poses are perfect but for the shift, and the laps follow each other at once.
+OPTIONS = ("--set", "detect.source=file", "--set", "detect.frames=all", "--set", "propose.retrieval=false", "--set", "propose.network=true",
+           "--set", "track.poses=capture", "--set", "loops.appearance.enabled=false", "--set", "loops.min_gap_frames=1",
+           "--set", "loops.drift_base_m=3", "--progress", "none")
+
+
+def drifted(numbers):
+    """A TUM pose (x y z, quaternion x y z w) turned about the vertical and shifted."""
+    x, y, z, *q = numbers
+    c, s = math.cos(math.radians(TURN_DEG)), math.sin(math.radians(TURN_DEG))
+    w, k = math.cos(math.radians(TURN_DEG) / 2), math.sin(math.radians(TURN_DEG) / 2)
+    turned = (w * q[0] - k * q[1], w * q[1] + k * q[0], w * q[2] + k * q[3], w * q[3] - k * q[2])
+    return (c * x - s * y + SHIFT_M[0], s * x + c * y + SHIFT_M[1], z, *turned)
+
+
+def two_laps(room, target):
+    """The room's frames twice, the second time with poses that have drifted; boxes.json beside them."""
+    for kind in ("rgb", "depth"):
+        (target / kind).mkdir(parents=True)
+    poses = [[float(word) for word in line.split()] for line in (room / "groundtruth.txt").read_text().splitlines()
+             if not line.startswith("#")]
+    lists = {"rgb": [], "depth": [], "groundtruth": []}
+    for lap in range(2):
+        for n, pose in enumerate(poses):
+            frame = lap * len(poses) + n
+            for kind in ("rgb", "depth"):
+                source = sorted((room / kind).iterdir())[n]
+                (target / kind / f"{frame:04d}{source.suffix}").symlink_to(source.resolve())
+                lists[kind].append(f"{frame / 15:.6f} {kind}/{frame:04d}{source.suffix}")
+            numbers = pose[1:] if lap == 0 else drifted(pose[1:])
+            lists["groundtruth"].append(f"{frame / 15:.6f} " + " ".join(f"{number:.9f}" for number in numbers))
+    for name, lines in lists.items():
+        (target / f"{name}.txt").write_text("\n".join(lines) + "\n")
+    (target / "capture.yaml").write_text((room / "capture.yaml").read_text())
+    boxes = captures.true_boxes(room)
+    again = [dict(box, image_id=box["image_id"] + len(poses)) for box in boxes]
+    (target / "boxes.json").write_text(json.dumps(boxes + again))
+    return target
+
+
+class Merge(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.capture = two_laps(ROOM, DIR / "laps")
+        cls.workspace = DIR / "workspace"
+        cls.result = captures.deepslam(PROGRAM, "run", cls.capture, "-o", cls.workspace, *OPTIONS,
+                                       "--set", f"detect.file={cls.capture / 'boxes.json'}")
+
+    def read(self, file):
+        return json.loads((self.workspace / file).read_text())
+
+    def test_objects_known_again_become_one_each(self):
+        self.assertEqual(self.result.returncode, 0, self.result.stderr)
+        before = self.read("select/objects.json")["objects"]
+        after = self.read("loops/objects.json")["objects"]
+        self.assertGreaterEqual(len(before), 4, "two at least are seen twice")
+        self.assertEqual(2 * len(after), len(before))
+        self.assertTrue(all(o["merged"] for o in after))
+        self.assertTrue(any(o["source"] == "completed" for o in before), "shapes of stage select take part")
+        frames = {id: {m["frame"] for m in track["members"]}
+                  for id, track in ((t["id"], t) for t in self.read("loops/tracks.json")["tracks"])}
+        half = len(list((self.capture / "rgb").iterdir())) // 2
+        for o in after:
+            self.assertTrue(min(frames[o["id"]]) < half <= max(frames[o["id"]]), "views of both laps")
+
+    def test_every_object_of_the_map_has_its_mesh(self):
+        self.assertEqual(self.result.returncode, 0, self.result.stderr)
+        for o in self.read("export/map.json")["objects"]:
+            self.assertTrue((self.workspace / f"mesh/objects/{o['name']}.ply").exists(), o["name"])
+
+
+if __name__ == "__main__":
+    ROOM = captures.make_room(PROGRAM, DIR / "room")
+    if ROOM is None:
+        print("sweethome3d-furniture is not installed")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1])
