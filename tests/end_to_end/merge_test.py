@@ -78,6 +78,11 @@ class Merge(unittest.TestCase):
         self.assertEqual(2 * len(after), len(before))
         self.assertTrue(all(o["merged"] for o in after))
         self.assertTrue(any(o["source"] == "completed" for o in before), "shapes of stage select take part")
+        made = self.read("loops/candidates.json")["candidates"]
+        self.assertEqual({c["object"] for c in made}, {o["id"] for o in after}, "completed anew by the views of both laps")
+        self.assertFalse({c["id"] for c in made} & {c["id"] for c in self.read("select/candidates.json")["candidates"]})
+        for o in after:
+            self.assertTrue((self.workspace / "loops/models" / f"{o['model']}.binvox").exists(), o["model"])
         frames = {id: {m["frame"] for m in track["members"]}
                   for id, track in ((t["id"], t) for t in self.read("loops/tracks.json")["tracks"])}
         half = len(list((self.capture / "rgb").iterdir())) // 2

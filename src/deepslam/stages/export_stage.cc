@@ -57,7 +57,7 @@ Result<Content> ReadContent(const StageContext& context) {
   Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply");
   if (!room.ok()) return room.error();
   content.room = std::move(room).value();
-  Result<Proposals> proposals = ReadCandidates(context);
+  Result<Proposals> proposals = ReadCandidates(context, "loops");
   if (!proposals.ok()) return proposals.error();
   content.proposals = std::move(proposals).value();
   const Result<std::string> models = context.Read("propose", "library_models.json");

@@ -1,5 +1,6 @@
 #include "deepslam/stages/judge_object.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -44,6 +45,13 @@ std::vector<ShapeCandidate> CandidatesOf(const Proposals& proposals, ObjectId ob
   return candidates;
 }
 
+int NextId(const Proposals& proposals) {
+  int next = 0;
+  for (const ShapeCandidate& candidate : proposals.candidates)
+    next = std::max(next, candidate.id.value + 1);
+  return next;
+}
+
 std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> candidates,
                                                const ModelMap& models,
                                                std::span<const ObjectView> views,
@@ -71,6 +79,22 @@ void ScoreAll(std::span<const ObjectView> views,
                                                std::span(judged),
                                                options);
   });
+}
+
+void Enter(Proposals& made,
+           std::span<const ObjectView> views,
+           const RunInputs& inputs,
+           int next_id,
+           Contest& contest) {
+  for (ShapeCandidate& candidate : made.candidates) candidate.id = CandidateId{next_id++};
+  contest.models.merge(PrepareModels(made.models));
+  std::vector<CandidateRegistration> registrations =
+      RegisterAll(made.candidates, contest.models, views, inputs.config.registration);
+  for (std::size_t n = 0; n < made.candidates.size(); ++n) {
+    contest.candidates.push_back(made.candidates[n]);
+    contest.registrations.push_back(std::move(registrations[n]));
+  }
+  ScoreAll(views, inputs.config.select, contest);
 }
 
 Result<MapObject> SelectOrChoose(const Contest& contest,

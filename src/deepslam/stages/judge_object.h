@@ -29,6 +29,9 @@ using ModelMap = std::map<std::string, shape::ShapeModel>;
 // The candidates of one object, in order of ids.
 [[nodiscard]] std::vector<ShapeCandidate> CandidatesOf(const Proposals& proposals, ObjectId object);
 
+// The first number that no candidate has.
+[[nodiscard]] int NextId(const Proposals& proposals);
+
 // One registration per candidate, in parallel.
 [[nodiscard]] std::vector<CandidateRegistration> RegisterAll(
     std::span<const ShapeCandidate> candidates,
@@ -51,6 +54,13 @@ struct Contest {
 void ScoreAll(std::span<const ObjectView> views,
               const select::SelectOptions& options,
               Contest& contest);
+
+// Candidates made of those of the contest enter it, numbered from `next_id` on, placed and scored.
+void Enter(Proposals& made,
+           std::span<const ObjectView> views,
+           const RunInputs& inputs,
+           int next_id,
+           Contest& contest);
 
 // The winner of a contest that is scored; but what a person chose wins, and `applied` gets a
 // sentence then. Errors: no such candidate; one that could not be registered.

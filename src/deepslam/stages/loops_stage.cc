@@ -13,6 +13,7 @@
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/proposals_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/shared_place.h"
@@ -20,6 +21,7 @@
 #include "deepslam/stages/appearance_stage.h"
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/refine_object.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -65,7 +67,7 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
   if (!ground.ok()) return ground.error();
   Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  Result<Proposals> proposals = ReadCandidates(context);
+  Result<Proposals> proposals = ReadCandidates(context, "select");
   if (!proposals.ok()) return proposals.error();
   Result<ObjectMap> map = ReadObjects(context, "select");
   if (!map.ok()) return map.error();
@@ -296,11 +298,17 @@ Result<std::vector<ObjectView>> MergedViews(const StageContext& context,
   return views;
 }
 
-// Registers and selects the kept objects with everything both brought; the others stay as they are.
-Result<ObjectMap> Reselect(const StageContext& context,
-                           const RunInputs& inputs,
-                           const Loops& loops,
-                           LoopInputs& in) {
+struct Reselection {
+  ObjectMap map;
+  Proposals made;  // candidates added here
+};
+
+// Registers and selects the kept objects with everything both brought, completed anew by the views
+// of both; the others stay as they are.
+Result<Reselection> Reselect(const StageContext& context,
+                             const RunInputs& inputs,
+                             const Loops& loops,
+                             LoopInputs& in) {
   std::map<ObjectId, std::vector<ObjectId>> groups;
   const Association before = in.association;
   ViewOrigins origins;
@@ -308,7 +316,9 @@ Result<ObjectMap> Reselect(const StageContext& context,
     Merge(merge, CorrectionOf(loops, merge), in, origins);
     groups[merge.kept].push_back(merge.merged);
   }
-  ObjectMap map;
+  const int first_made = NextId(in.proposals);
+  Reselection reselection;
+  ObjectMap& map = reselection.map;
   map.dropped = in.map.dropped;
   for (const MapObject& object : in.map.objects) {
     const bool gone =
@@ -332,6 +342,15 @@ Result<ObjectMap> Reselect(const StageContext& context,
     contest.registrations =
         RegisterAll(contest.candidates, contest.models, *views, inputs.config.registration);
     ScoreAll(*views, inputs.config.select, contest);
+    if (inputs.config.shape_refinement.complete) {
+      Proposals made = CompleteBest(contest, *views, "merged", inputs);
+      const int next_id = first_made + static_cast<int>(reselection.made.candidates.size());
+      Enter(made, *views, inputs, next_id, contest);
+      std::move(made.candidates.begin(),
+                made.candidates.end(),
+                std::back_inserter(reselection.made.candidates));
+      reselection.made.models.merge(made.models);
+    }
     std::vector<std::string> applied;  // told by stage select already
     Result<MapObject> selected = SelectOrChoose(contest, *views, inputs, applied);
     if (!selected.ok()) return selected.error();
@@ -341,7 +360,7 @@ Result<ObjectMap> Reselect(const StageContext& context,
     chosen.merged = group->second;
     map.objects.push_back(std::move(chosen));
   }
-  return map;
+  return reselection;
 }
 
 // Objects that stand in a surer one leave the map, and the map says so.
@@ -371,21 +390,26 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   Loops loops = std::move(detected).value();
   AddAppearance(in->appearance, loops);
   if (context.progress().StopRequested()) return Interrupted();
-  Result<ObjectMap> map = Reselect(context, inputs, loops, *in);
-  if (!map.ok()) return map.error();
-  DropIntruders(inputs.config.loops, *map);
-  for (MapObject& object : map->objects) {
+  Result<Reselection> reselection = Reselect(context, inputs, loops, *in);
+  if (!reselection.ok()) return reselection.error();
+  ObjectMap& map = reselection->map;
+  DropIntruders(inputs.config.loops, map);
+  for (MapObject& object : map.objects) {
     object.world_from_object =
         ClosedFromTracked(in->tracked, in->odometry, object).Inverse() * object.world_from_object;
   }
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
-      {"objects.json", artifact::EncodeObjectMap(*map, "objects.json")},
+      {"objects.json", artifact::EncodeObjectMap(map, "objects.json")},
+      {"candidates.json", artifact::EncodeProposals(reselection->made, "candidates.json")},
       {"tracks.json", artifact::EncodeAssociation(in->association, "tracks.json")}};
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
   }
-  if (Status status = WriteChosenModels(context, *map, "loops"); !status.ok())
+  for (const auto& [key, grid] : reselection->made.models) {
+    if (Status status = WriteModel(context, key, grid); !status.ok()) return status.error();
+  }
+  if (Status status = CopyChosenModels(context, map, reselection->made.models); !status.ok())
     return status.error();
   const auto accepted =
       std::count_if(loops.constellations.begin(),
@@ -404,12 +428,12 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
                   loops.appearance.size(),
                   loops.merges.size(),
                   loops.edges.size(),
-                  map->objects.size()),
+                  map.objects.size()),
       {{"num_accepted", static_cast<double>(accepted)},
        {"num_appearance", static_cast<double>(seen_again)},
        {"num_merges", static_cast<double>(loops.merges.size())},
        {"num_edges", static_cast<double>(loops.edges.size())},
-       {"num_objects", static_cast<double>(map->objects.size())}}};
+       {"num_objects", static_cast<double>(map.objects.size())}}};
 }
 
 }  // namespace deepslam::stages

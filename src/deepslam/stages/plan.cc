@@ -171,9 +171,16 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      8,
+      9,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
-      {"track", "views", "register", "select", "loops", "loops.appearance", "optimize"},
+      {"track",
+       "views",
+       "register",
+       "select",
+       "select.refine",
+       "loops",
+       "loops.appearance",
+       "optimize"},
       kFrames | kChoices,
       RunLoops);
   add("optimize", 1, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
@@ -191,7 +198,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      7,
+      8,
       {"track",
        "ground",
        "detect",

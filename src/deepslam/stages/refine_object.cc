@@ -194,6 +194,7 @@ Proposals RefineShapes(const Contest& contest,
 
 Proposals CompleteBest(const Contest& contest,
                        std::span<const ObjectView> views,
+                       std::string_view change,
                        const RunInputs& inputs) {
   const refine::RefineOptions& options = inputs.config.shape_refinement;
   Proposals completed;
@@ -210,7 +211,7 @@ Proposals CompleteBest(const Contest& contest,
   std::optional<refine::CompletedModel> model =
       refine::CompleteModel(contest.models.at(start.model), placed, options);
   if (!model) return completed;
-  Add(start, CandidateSource::kCompleted, "filled", {}, std::move(model->grid), completed);
+  Add(start, CandidateSource::kCompleted, change, {}, std::move(model->grid), completed);
   ShapeCandidate& candidate = completed.candidates.back();
   candidate.size_m = registration.scale_m * model->extent;
   candidate.max_size_m = std::max(candidate.max_size_m, candidate.size_m);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include "deepslam/propose/shape_prior.h"
 #include "deepslam/scene/object_map.h"
@@ -20,10 +21,11 @@ namespace deepslam::stages {
                                      const propose::ShapePrior& prior,
                                      const RunInputs& inputs);
 
-// The whole model that would be selected, completed by what was measured; nothing where there is
-// none.
+// The whole model that would be selected, completed by what was measured, under a name that begins
+// with `change`; nothing where there is none.
 [[nodiscard]] Proposals CompleteBest(const Contest& contest,
                                      std::span<const ObjectView> views,
+                                     std::string_view change,
                                      const RunInputs& inputs);
 
 }  // namespace deepslam::stages

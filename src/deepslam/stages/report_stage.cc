@@ -46,10 +46,17 @@ std::string SourceInWords(CandidateSource source) {
   return "unknown";
 }
 
-std::vector<report::CandidateRow> CandidateRows(const MapObject& object,
-                                                const Proposals& proposals) {
-  std::map<CandidateId, const ShapeCandidate*> by_id;
+using CandidatesById = std::map<CandidateId, const ShapeCandidate*>;
+
+CandidatesById ById(const Proposals& proposals) {
+  CandidatesById by_id;
   for (const ShapeCandidate& candidate : proposals.candidates) by_id[candidate.id] = &candidate;
+  return by_id;
+}
+
+// In the order of the object's scores.
+std::vector<report::CandidateRow> CandidateRows(const MapObject& object,
+                                                const CandidatesById& by_id) {
   std::vector<report::CandidateRow> rows;
   for (const CandidateScore& score : object.scores) {
     report::CandidateRow row;
@@ -83,7 +90,7 @@ double LowestPoint(const TriangleMesh& mesh, const Pose3& world_from_object) {
   return mesh.vertices.empty() ? 0.0 : lowest;
 }
 
-report::ObjectRow MakeRow(const PicturedObject& pictured, const Proposals& proposals) {
+report::ObjectRow MakeRow(const PicturedObject& pictured, const CandidatesById& by_id) {
   const MapObject& object = *pictured.object;
   report::ObjectRow row;
   row.name = pictured.name;
@@ -97,7 +104,7 @@ report::ObjectRow MakeRow(const PicturedObject& pictured, const Proposals& propo
   row.credit = object.credit;
   row.note = object.note;
   row.colour = pictured.colour;
-  row.candidates = CandidateRows(object, proposals);
+  row.candidates = CandidateRows(object, by_id);
   return row;
 }
 
@@ -211,14 +218,20 @@ void AddPaths(const Odometry& odometry, const Ground& ground, report::ReportCont
   }
 }
 
+// `rows` as CandidateRows gives them.
 void AddThumbnails(const StageContext& context,
-                   Rgb8 colour,
+                   const PicturedObject& pictured,
+                   const CandidatesById& by_id,
                    int max_thumbnails,
                    std::vector<report::CandidateRow>& rows) {
   const std::size_t count = std::min(rows.size(), static_cast<std::size_t>(max_thumbnails));
   ParallelFor(count, [&](std::size_t i) {
-    const Result<VoxelGrid> model = ReadModel(context, "propose", rows[i].model);
-    if (model.ok()) rows[i].thumbnail = Thumbnail(*model, colour);
+    const auto found = by_id.find(pictured.object->scores[i].candidate);
+    if (found == by_id.end()) return;
+    const ShapeCandidate& candidate = *found->second;
+    const std::string_view stage = rows[i].chosen ? "loops" : StageOfModel(candidate.source);
+    const Result<VoxelGrid> model = ReadModel(context, stage, candidate.model);
+    if (model.ok()) rows[i].thumbnail = Thumbnail(*model, pictured.colour);
   });
 }
 
@@ -251,7 +264,7 @@ Result<Sources> ReadSources(const StageContext& context) {
   Status status = Take(ReadOptimized(context), sources.map);
   if (status.ok()) status = Take(ReadSegments(context), sources.segments);
   if (status.ok()) status = Take(ReadAssociation(context, "associate"), sources.association);
-  if (status.ok()) status = Take(ReadCandidates(context), sources.proposals);
+  if (status.ok()) status = Take(ReadCandidates(context, "loops"), sources.proposals);
   if (status.ok()) status = Take(ReadOdometry(context), sources.odometry);
   if (status.ok()) status = Take(ReadGround(context, "ground"), sources.ground);
   if (status.ok()) status = Take(ReadLoops(context), sources.loops);
@@ -286,6 +299,7 @@ bool AddObjects(const StageContext& context,
                 const std::set<FrameIdx>& shown,
                 report::ReportContent& content) {
   const PictureLimits limits = LimitsFor(pictured.size());
+  const CandidatesById by_id = ById(sources.proposals);
   content.objects.resize(pictured.size());
   std::atomic<bool> stopped = false;
   ParallelFor(pictured.size(), [&](std::size_t n) {
@@ -295,12 +309,12 @@ bool AddObjects(const StageContext& context,
     }
     const PicturedObject& object = pictured[n];
     report::ObjectRow& row = content.objects[n];
-    row = MakeRow(object, sources.proposals);
+    row = MakeRow(object, by_id);
     row.pictures =
         ObjectPictures(object, sources.segments, sources.map, frames, shown, limits.crops);
     row.measured_world = MeasuredPoints(
         *object.object, sources.segments, sources.map, frames, limits.points_per_view);
-    AddThumbnails(context, object.colour, limits.thumbnails, row.candidates);
+    AddThumbnails(context, object, by_id, limits.thumbnails, row.candidates);
   });
   return !stopped;
 }

@@ -76,34 +76,16 @@ const propose::ShapePrior* PriorOf(const std::shared_ptr<const propose::ShapePri
   return found != priors->end() && found->second->HasGradient() ? found->second.get() : nullptr;
 }
 
-// Shapes made here enter the contest, with numbers from `next_id` on.
-void Enter(Proposals refined,
-           std::span<const ObjectView> views,
-           const RunInputs& inputs,
-           int next_id,
-           Contest& contest,
-           Selection& selection) {
-  for (ShapeCandidate& candidate : refined.candidates) candidate.id = CandidateId{next_id++};
-  contest.models.merge(PrepareModels(refined.models));
-  const std::vector<CandidateRegistration> registrations =
-      RegisterAll(refined.candidates, contest.models, views, inputs.config.registration);
-  for (std::size_t n = 0; n < refined.candidates.size(); ++n) {
-    contest.candidates.push_back(refined.candidates[n]);
-    contest.registrations.push_back(registrations[n]);
-    selection.refined.candidates.push_back(std::move(refined.candidates[n]));
-    selection.refined_registrations.push_back(registrations[n]);
-  }
-  selection.refined.models.merge(refined.models);
-  std::move(
-      refined.notes.begin(), refined.notes.end(), std::back_inserter(selection.refined.notes));
-  ScoreAll(views, inputs.config.select, contest);
-}
-
-int NextId(const Proposals& proposals) {
-  int next = 0;
-  for (const ShapeCandidate& candidate : proposals.candidates)
-    next = std::max(next, candidate.id.value + 1);
-  return next;
+// What was made here is kept beside the map.
+void Keep(Proposals made,
+          std::span<const CandidateRegistration> registrations,
+          Selection& selection) {
+  Proposals& kept = selection.refined;
+  std::move(made.candidates.begin(), made.candidates.end(), std::back_inserter(kept.candidates));
+  std::move(made.notes.begin(), made.notes.end(), std::back_inserter(kept.notes));
+  kept.models.merge(made.models);
+  selection.refined_registrations.insert(
+      selection.refined_registrations.end(), registrations.begin(), registrations.end());
 }
 
 Result<Selection> SelectAll(const StageContext& context,
@@ -117,7 +99,7 @@ Result<Selection> SelectAll(const StageContext& context,
   if (!registrations.ok()) return registrations.error();
   const auto priors = PriorsToRefine(inputs, *proposals);
   if (!priors.ok()) return priors.error();
-  const int first_refined = NextId(*proposals);
+  const int first_made = NextId(*proposals);
   Selection selection;
   const auto select = [&](const TrackViews& of_track) -> Status {
     const ObjectTrack& track = *of_track.track;
@@ -130,12 +112,14 @@ Result<Selection> SelectAll(const StageContext& context,
     if (!models.ok()) return models.error();
     contest.models = std::move(models).value();
     ScoreAll(of_track.views, inputs.config.select, contest);
-    const auto enter = [&](Proposals refined) {
-      const int next_id = first_refined + static_cast<int>(selection.refined.candidates.size());
-      Enter(std::move(refined), of_track.views, inputs, next_id, contest, selection);
+    const auto enter = [&](Proposals made) {
+      const int next_id = first_made + static_cast<int>(selection.refined.candidates.size());
+      const std::size_t before = contest.candidates.size();
+      Enter(made, of_track.views, inputs, next_id, contest);
+      Keep(std::move(made), std::span(contest.registrations).subspan(before), selection);
     };
     if (inputs.config.shape_refinement.complete)
-      enter(CompleteBest(contest, of_track.views, inputs));
+      enter(CompleteBest(contest, of_track.views, "filled", inputs));
     if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
       enter(RefineShapes(contest, of_track.views, *prior, inputs));
     Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
@@ -161,12 +145,9 @@ Status WriteSelection(StageContext& context, const Selection& selection) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
   }
   for (const auto& [key, grid] : selection.refined.models) {
-    if (Status status =
-            context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
-        !status.ok())
-      return status;
+    if (Status status = WriteModel(context, key, grid); !status.ok()) return status;
   }
-  return WriteChosenModels(context, selection.map, "select");
+  return CopyChosenModels(context, selection.map, selection.refined.models);
 }
 
 }  // namespace

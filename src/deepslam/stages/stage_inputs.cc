@@ -68,15 +68,18 @@ Result<Proposals> ReadProposals(const StageContext& context) {
   return Decode(context, "propose", "candidates.json", artifact::DecodeProposals);
 }
 
-Result<Proposals> ReadCandidates(const StageContext& context) {
+Result<Proposals> ReadCandidates(const StageContext& context, std::string_view last_stage) {
   Result<Proposals> all = ReadProposals(context);
   if (!all.ok()) return all.error();
-  const Result<Proposals> refined =
-      Decode(context, "select", "candidates.json", artifact::DecodeProposals);
-  if (!refined.ok()) return refined.error();
-  all->candidates.insert(
-      all->candidates.end(), refined->candidates.begin(), refined->candidates.end());
-  all->notes.insert(all->notes.end(), refined->notes.begin(), refined->notes.end());
+  for (const std::string_view stage : {"select", "loops"}) {
+    const Result<Proposals> added =
+        Decode(context, stage, "candidates.json", artifact::DecodeProposals);
+    if (!added.ok()) return added.error();
+    all->candidates.insert(
+        all->candidates.end(), added->candidates.begin(), added->candidates.end());
+    all->notes.insert(all->notes.end(), added->notes.begin(), added->notes.end());
+    if (stage == last_stage) break;
+  }
   return all;
 }
 
@@ -150,13 +153,19 @@ Result<std::vector<std::string>> ReadApplied(const StageContext& context, std::s
   return Decode(context, stage, "overrides.json", artifact::DecodeApplied);
 }
 
-Status WriteChosenModels(StageContext& context, const ObjectMap& map, std::string_view this_stage) {
+Status WriteModel(StageContext& context, const std::string& key, const VoxelGrid& grid) {
+  return context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
+}
+
+Status CopyChosenModels(StageContext& context,
+                        const ObjectMap& map,
+                        const std::map<std::string, VoxelGrid>& own) {
   std::map<std::string, std::string_view> stages;
   for (const MapObject& object : map.objects) {
-    if (!object.model.empty()) stages.emplace(object.model, StageOfModel(object.source));
+    if (!object.model.empty() && !own.contains(object.model))
+      stages.emplace(object.model, StageOfModel(object.source));
   }
   for (const auto& [key, stage] : stages) {
-    if (stage == this_stage) continue;
     const std::string file = fmt::format("models/{}.binvox", key);
     if (Status status = WriteEncoded(context, file, context.Read(stage, file)); !status.ok())
       return status;

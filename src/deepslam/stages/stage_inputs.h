@@ -41,10 +41,12 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 // Of stage `associate`, or of `loops` after merging.
 [[nodiscard]] Result<Association> ReadAssociation(const pipeline::StageContext& context,
                                                   std::string_view stage);
-// Without the models. Of stage `propose`; or with what stage `select` refined of them.
+// Without the models. Of stage `propose`; or with what stage `select` made of them, and `loops` of
+// merged objects where that is `last_stage`.
 [[nodiscard]] Result<Proposals> ReadProposals(const pipeline::StageContext& context);
-[[nodiscard]] Result<Proposals> ReadCandidates(const pipeline::StageContext& context);
-// The stage that made a model.
+[[nodiscard]] Result<Proposals> ReadCandidates(const pipeline::StageContext& context,
+                                               std::string_view last_stage);
+// The stage before `loops` that made a model of this source.
 [[nodiscard]] std::string_view StageOfModel(CandidateSource source);
 [[nodiscard]] Result<VoxelGrid> ReadModel(const pipeline::StageContext& context,
                                           std::string_view stage,
@@ -71,11 +73,15 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 // What a stage (ground, associate or select) applied.
 [[nodiscard]] Result<std::vector<std::string>> ReadApplied(const pipeline::StageContext& context,
                                                            std::string_view stage);
-// The chosen models of a map as models/<key>.binvox, each from the stage that made it; this stage's
-// own are there already.
-[[nodiscard]] Status WriteChosenModels(pipeline::StageContext& context,
-                                       const ObjectMap& map,
-                                       std::string_view this_stage);
+// models/<key>.binvox of this stage.
+[[nodiscard]] Status WriteModel(pipeline::StageContext& context,
+                                const std::string& key,
+                                const VoxelGrid& grid);
+// The chosen models of a map as models/<key>.binvox, each from the stage that made it; `own` are
+// this stage's.
+[[nodiscard]] Status CopyChosenModels(pipeline::StageContext& context,
+                                      const ObjectMap& map,
+                                      const std::map<std::string, VoxelGrid>& own);
 
 // The ground in a frame's camera: seen in this very frame, else the world's.
 [[nodiscard]] std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame);
