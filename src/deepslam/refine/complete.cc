@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include "deepslam/core/check.h"
 #include "deepslam/core/inner_range.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/crumbs.h"
@@ -17,7 +16,6 @@
 namespace deepslam::refine {
 namespace {
 
-constexpr float kSure = 10;  // logit
 // Of the completed model's voxels; parts may hang unconnected where thin links were not measured.
 constexpr double kCrumb = 0.02;
 constexpr int kMaxInside = 3;  // voxels from the side of a shell to what nobody can see in it
@@ -30,13 +28,6 @@ constexpr int kModelVoxels = 62;
 static_assert(kModelVoxels * kVoxelSize == kModelExtent);
 
 using Points = std::vector<Eigen::Vector3d>;
-
-VoxelGrid SurelySolid(std::span<const Evidence> evidence) {
-  VoxelGrid grid;
-  for (std::size_t n = 0; n < evidence.size(); ++n)
-    grid.occupied[n] = evidence[n] == Evidence::kSolid ? 1 : 0;
-  return grid;
-}
 
 // Measured points of the object within `reach` of the model, all in object units.
 Points PointsNear(const shape::ShapeModel& model, std::span<const PlacedView> views, double reach) {
@@ -267,18 +258,6 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
   if (!box) return std::nullopt;
   const double extent = box->sides().maxCoeff() * kVoxelSize * object_from_grid.scale;
   return CompletedModel{shape::StretchGrid(grid, Eigen::Vector3d::Ones()), extent};
-}
-
-void AddMeasured(std::span<const Evidence> evidence,
-                 int ground_k,
-                 int max_gap,
-                 std::vector<float>& logits) {
-  DEEPSLAM_CHECK(evidence.size() == logits.size(), "evidence for each voxel");
-  VoxelGrid measured = SurelySolid(evidence);
-  shape::StandOnGround(ground_k, max_gap, measured);
-  for (std::size_t n = 0; n < logits.size(); ++n) {
-    if (measured.occupied[n] != 0) logits[n] = std::max(logits[n], kSure);
-  }
 }
 
 }  // namespace deepslam::refine

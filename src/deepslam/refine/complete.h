@@ -1,10 +1,9 @@
-// A shape completed by what was measured of the object: thin parts that no latents give, and where
+// A model completed by what was measured of the object: thin parts that no latents give, and where
 // a model of another design differs.
 #pragma once
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "deepslam/refine/evidence.h"
 #include "deepslam/refine/refine_options.h"
@@ -12,24 +11,17 @@
 
 namespace deepslam::refine {
 
-// Makes the voxels that are surely solid so in `logits`, after these were brought down to the
-// ground (shape::StandOnGround). One entry per voxel each, index order of VoxelGrid.
-void AddMeasured(std::span<const Evidence> evidence,
-                 int ground_k,
-                 int max_gap,
-                 std::vector<float>& logits);
-
 struct CompletedModel {
   VoxelGrid grid;     // canonical: centred, longest side kModelExtent
   double extent = 0;  // longest side, in object units of the model that was completed
 };
 
-// A whole model where the views say nothing, what they measured where they do: free voxels are
-// taken from it, surely solid ones within options.reach_m of it are added and reach down to its
-// lowest layer as shape::StandOnGround has it, shells are filled where nobody can see between their
-// sides, small loose parts are left out, and what would hang in the air keeps the model's legs.
-// `views` say where the model stands (grid = object frame). Nothing where no view is usable or
-// nothing is left.
+// A whole model where the views say nothing, what they measured where they do: voxels that more rays
+// went through than found any surface in are taken from it, those that two views at least measured
+// within options.reach_m of it are added and reach down to its lowest layer as shape::StandOnGround
+// has it, shells are filled where nobody can see between their sides, small loose parts are left
+// out, and what would hang in the air keeps the model's legs. `views` say where the model stands
+// (grid = object frame). Nothing where no view is usable or nothing is left.
 [[nodiscard]] std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                                           std::span<const PlacedView> views,
                                                           const RefineOptions& options);

@@ -14,7 +14,6 @@
 #include "deepslam/refine/complete.h"
 #include "deepslam/refine/refine_latents.h"
 #include "deepslam/select/select.h"
-#include "deepslam/shape/stand.h"
 
 namespace deepslam::stages {
 namespace {
@@ -50,7 +49,7 @@ std::optional<std::size_t> ToComplete(const Contest& contest,
   std::vector<CandidateScore> scores;
   for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
     const CandidateSource source = contest.candidates[i].source;
-    if (source == CandidateSource::kFused || IsRefined(source)) continue;
+    if (source == CandidateSource::kFused || source == CandidateSource::kCompleted) continue;
     whole.push_back(i);
     candidates.push_back(contest.candidates[i]);
     registrations.push_back(contest.registrations[i]);
@@ -78,23 +77,12 @@ std::vector<refine::PlacedView> PlacedViews(std::span<const ObjectView> views,
   return placed;
 }
 
-// The layer of the decoder's grid that the start's lowest voxels are in.
-int GroundLayer(const VoxelGrid& start, const Similarity3& object_from_decoded) {
-  const std::optional<VoxelBox> box = OccupiedBox(start);
-  if (!box) return 0;
-  const Eigen::Vector3d lowest =
-      object_from_decoded.Inverse() * VoxelGrid::Center(0, 0, box->low.z());
-  return static_cast<int>(std::lround((lowest.z() + 0.5) / kVoxelSize - 0.5));
-}
-
 struct RefinedShape {
   std::vector<float> latents;
-  VoxelGrid refined;
-  VoxelGrid completed;
+  VoxelGrid grid;
 };
 
 Result<RefinedShape> RefineShape(const ShapeCandidate& start,
-                                 const shape::ShapeModel& model,
                                  const CandidateRegistration& registration,
                                  std::span<const ObjectView> views,
                                  const propose::ShapePrior& prior,
@@ -118,19 +106,11 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
   Result<refine::RefinedLatents> latents =
       refine::RefineLatents(start.latents, evidence, decoder, options);
   if (!latents.ok()) return latents.error();
-  Result<std::vector<float>> logits = prior.Logits(latents->latents);
+  const Result<std::vector<float>> logits = prior.Logits(latents->latents);
   if (!logits.ok()) return logits.error();
-  Result<VoxelGrid> refined = prior.Solid(*logits, by_depth);
-  if (!refined.ok()) return refined.error();
-  const double voxel_m = registration.scale_m * object_from_decoded->scale * kVoxelSize;
-  refine::AddMeasured(evidence,
-                      GroundLayer(model.grid(), *object_from_decoded),
-                      static_cast<int>(shape::kMaxFeetGapM / voxel_m),
-                      *logits);
-  Result<VoxelGrid> completed = prior.Solid(*logits, by_depth);
-  if (!completed.ok()) return completed.error();
-  return RefinedShape{
-      std::move(latents->latents), std::move(refined).value(), std::move(completed).value()};
+  Result<VoxelGrid> grid = prior.Solid(*logits, by_depth);
+  if (!grid.ok()) return grid.error();
+  return RefinedShape{std::move(latents->latents), std::move(grid).value()};
 }
 
 // What `start` became, under a name that begins with `change`.
@@ -162,12 +142,7 @@ Proposals RefineShapes(const Contest& contest,
   std::vector<std::optional<Result<RefinedShape>>> shapes(starts.size());
   ParallelFor(starts.size(), [&](std::size_t n) {
     const ShapeCandidate& start = contest.candidates[starts[n]];
-    shapes[n] = RefineShape(start,
-                            contest.models.at(start.model),
-                            contest.registrations[starts[n]],
-                            views,
-                            prior,
-                            inputs);
+    shapes[n] = RefineShape(start, contest.registrations[starts[n]], views, prior, inputs);
   });
   Proposals refined;
   for (std::size_t n = 0; n < starts.size(); ++n) {
@@ -185,9 +160,8 @@ Proposals RefineShapes(const Contest& contest,
         CandidateSource::kRefined,
         "refined",
         std::move(shape.latents),
-        std::move(shape.refined),
+        std::move(shape.grid),
         refined);
-    Add(start, CandidateSource::kCompleted, "completed", {}, std::move(shape.completed), refined);
   }
   return refined;
 }

@@ -1,5 +1,6 @@
-// The networks' shapes of an object, moved until they agree with all its depth (room refine):
-// further candidates, which compete with those they came from.
+// Shapes of an object that all its depth makes of others (room refine): networks' shapes moved
+// until they agree with it, the best model completed by it. Further candidates, which compete with
+// those they came from.
 #pragma once
 
 #include <span>
@@ -14,8 +15,8 @@
 namespace deepslam::stages {
 
 // From the network's candidate that agrees best, and from the mean latent of the views: each
-// refined, and each refined and completed by what was measured. Candidates come with invalid ids
-// and views; a start that leads nowhere gives a note. `contest` is scored.
+// refined. Candidates come with invalid ids and views; a start that leads nowhere gives a note.
+// `contest` is scored.
 [[nodiscard]] Proposals RefineShapes(const Contest& contest,
                                      std::span<const ObjectView> views,
                                      const propose::ShapePrior& prior,

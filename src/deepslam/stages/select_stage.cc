@@ -118,10 +118,10 @@ Result<Selection> SelectAll(const StageContext& context,
       Enter(made, of_track.views, inputs, next_id, contest);
       Keep(std::move(made), std::span(contest.registrations).subspan(before), selection);
     };
-    if (inputs.config.shape_refinement.complete)
-      enter(CompleteBest(contest, of_track.views, "filled", inputs));
     if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
       enter(RefineShapes(contest, of_track.views, *prior, inputs));
+    if (inputs.config.shape_refinement.complete)
+      enter(CompleteBest(contest, of_track.views, "filled", inputs));
     Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
     if (!object.ok()) return object.error();
     Place(std::move(object).value(), selection.map);
