@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <Eigen/Geometry>
-
-#include "deepslam/core/inner_range.h"
+#include "deepslam/refine/grid_around.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/stand.h"
@@ -18,80 +16,10 @@ namespace {
 
 // Of the completed model's voxels; parts may hang unconnected where thin links were not measured.
 constexpr double kCrumb = 0.02;
-constexpr int kMaxInside = 3;  // voxels from the side of a shell to what nobody can see in it
-constexpr int kPixelStep = 3;  // of views whose points bound the grid
-constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
-constexpr float kInside =
-    0.49F;                      // share of a voxel on the surface; a half would make boards thicker
+constexpr int kMaxInside = 3;   // voxels from the side of a shell to what nobody can see in it
 constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
-constexpr int kModelVoxels = 62;
-static_assert(kModelVoxels * kVoxelSize == kModelExtent);
-
-using Points = std::vector<Eigen::Vector3d>;
-
-// Measured points of the object within `reach` of the model, all in object units.
-Points PointsNear(const shape::ShapeModel& model, std::span<const PlacedView> views, double reach) {
-  Points near;
-  for (const PlacedView& placed : views) {
-    const ObjectView& view = *placed.view;
-    const Similarity3 object_from_camera = placed.camera_from_grid.Inverse();
-    for (int v = 0; v < view.depth_crop_m.height(); v += kPixelStep) {
-      for (int u = 0; u < view.depth_crop_m.width(); u += kPixelStep) {
-        const double depth_m = view.depth_crop_m(u, v);
-        if (view.mask_crop(u, v) == 0 || !(depth_m > 0) || !std::isfinite(depth_m)) continue;
-        const Eigen::Vector3d p = object_from_camera * (depth_m * view.camera.Ray(u, v));
-        if (model.Distance(p.cast<float>()) < reach) near.push_back(p);
-      }
-    }
-  }
-  return near;
-}
-
-// Box of the model and of the points, the outermost of these left out.
-Eigen::AlignedBox3d Around(const shape::ShapeModel& model, const Points& points) {
-  Eigen::AlignedBox3d box(model.box_min().cast<double>(), model.box_max().cast<double>());
-  if (points.empty()) return box;
-  std::vector<double> along(points.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::transform(points.begin(), points.end(), along.begin(), [&](const Eigen::Vector3d& p) {
-      return p[axis];
-    });
-    const auto [low, high] = InnerRange(along, kOutermost);
-    box.min()[axis] = std::min(box.min()[axis], low);
-    box.max()[axis] = std::max(box.max()[axis], high);
-  }
-  return box;
-}
-
-// Moved by half a voxel at most, so that a layer of voxels begins at the floor.
-Similarity3 OnFloor(Similarity3 object_from_grid, double floor_z) {
-  const double voxel = object_from_grid.scale * kVoxelSize;
-  const double layers = (floor_z - object_from_grid.translation_m.z()) / voxel;
-  object_from_grid.translation_m.z() = floor_z - voxel * std::round(layers);
-  return object_from_grid;
-}
-
-// The model's own grid where the box fits into it; else one that holds the box.
-Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
-  Similarity3 object_from_grid;
-  constexpr double kHalf = 0.5 * kModelExtent;
-  if (box.min().minCoeff() >= -kHalf && box.max().maxCoeff() <= kHalf) return object_from_grid;
-  object_from_grid.scale = std::max(1.0, box.sizes().maxCoeff() / kModelExtent);
-  object_from_grid.translation_m = box.center();
-  return object_from_grid;
-}
-
-// A grid in which what fills `box` of this one has its longest side of kModelExtent.
-Similarity3 ObjectFromNextGrid(const Similarity3& object_from_grid, const VoxelBox& box) {
-  const Eigen::Vector3d low = VoxelGrid::Center(box.low.x(), box.low.y(), box.low.z());
-  const Eigen::Vector3d high = VoxelGrid::Center(box.high.x(), box.high.y(), box.high.z());
-  // The outermost voxels are half full on average.
-  const double longest = box.sides().maxCoeff() - 0.5;
-  Similarity3 next = object_from_grid;
-  next.scale *= longest / kModelVoxels;
-  next.translation_m = object_from_grid * (0.5 * (low + high));
-  return next;
-}
+// Share of a voxel on the surface; a half would make boards thicker.
+constexpr float kInside = 0.49F;
 
 // Of the grid's voxels to the model's surface, object units, index order of VoxelGrid.
 std::vector<float> DistancesTo(const shape::ShapeModel& model,
@@ -245,13 +173,12 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
   const std::vector<PlacedView> views = UsableViews(all_views);
   if (model.empty() || views.empty()) return std::nullopt;
   const double reach = options.reach_m / views.front().camera_from_grid.scale;
-  Similarity3 object_from_grid =
-      OnFloor(ObjectFromGrid(Around(model, PointsNear(model, views, reach))), model.bottom());
+  Similarity3 object_from_grid = GridAround(model, views, reach);
   VoxelGrid grid = CompleteIn(object_from_grid, model, views, options);
   std::optional<VoxelBox> box = OccupiedBox(grid);
   // A grid that fits is made by the views: resampled, one layer in sixty would fall out of boards.
-  for (int n = 0; n < kMaxRegrids && box && box->sides().maxCoeff() != kModelVoxels; ++n) {
-    object_from_grid = OnFloor(ObjectFromNextGrid(object_from_grid, *box), model.bottom());
+  for (int n = 0; n < kMaxRegrids && box && !IsOfModelSize(*box); ++n) {
+    object_from_grid = GridOver(*box, object_from_grid, model.bottom());
     grid = CompleteIn(object_from_grid, model, views, options);
     box = OccupiedBox(grid);
   }
