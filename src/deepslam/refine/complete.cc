@@ -58,13 +58,13 @@ struct Claims {
   std::vector<Votes> votes;
   std::vector<float> distances;  // to the model's surface, object units
   double reach = 0;              // of the model, object units: what is farther is of something else
-  int fewest = 2;                // views that make a surface
+  std::size_t num_views = 0;
 
   [[nodiscard]] bool IsFree(std::size_t n) const {
     return votes[n].free > votes[n].object + votes[n].other;
   }
   [[nodiscard]] bool IsMeasured(std::size_t n) const {
-    return distances[n] <= reach && votes[n].object >= fewest && votes[n].object >= votes[n].free;
+    return distances[n] <= reach && votes[n].IsMeasured(num_views);
   }
 };
 
@@ -152,7 +152,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   const std::vector<std::uint8_t> asked =
       Within(claims.reach + kMaxInside * voxel, claims.distances);
   claims.votes = CountVotes(InGrid(views, object_from_grid), asked, options);
-  claims.fewest = views.size() > 1 ? 2 : 1;
+  claims.num_views = views.size();
 
   const VoxelGrid whole = Inside(claims.distances, voxel);
   const std::optional<VoxelBox> stands_in = OccupiedBox(whole);

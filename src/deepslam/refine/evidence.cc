@@ -64,7 +64,7 @@ bool IsUsable(const PlacedView& placed) {
 Evidence Majority(const Votes& votes, std::size_t num_views) {
   if (votes.free + votes.object == 0) return Evidence::kUnknown;
   if (votes.free > votes.object) return Evidence::kFree;
-  return votes.object > 1 || num_views == 1 ? Evidence::kSolid : Evidence::kFaint;
+  return votes.IsMeasured(num_views) ? Evidence::kSolid : Evidence::kFaint;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // 2000) on the grid of a decoder.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,6 +35,11 @@ struct Votes {
   int free = 0;
   int object = 0;  // surface of the object's segment
   int other = 0;   // surface outside it: of something else, or of what segmentation has missed
+
+  // As the object's surface: by two of several views at least, and no fewer than went through.
+  [[nodiscard]] bool IsMeasured(std::size_t num_views) const {
+    return object >= (num_views > 1 ? 2 : 1) && object >= free;
+  }
 };
 
 // One entry per voxel, index order of VoxelGrid, as in `asked`: no votes where that is 0. Views

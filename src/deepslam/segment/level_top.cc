@@ -269,12 +269,12 @@ struct Support {
   int all = 0, above = 0, reaching = 0, under = 0, level = 0;
   Eigen::AlignedBox2d on_ground_m;
 
-  [[nodiscard]] bool IsUnder() const { return above <= kMostAbove * all && 2 * under > all; }
+  [[nodiscard]] bool IsBelowTop() const { return above <= kMostAbove * all && 2 * under > all; }
   [[nodiscard]] bool IsCarrier() const {
-    return IsUnder() && 2 * (under - level) > all && reaching >= kLeastReach * all;
+    return IsBelowTop() && 2 * (under - level) > all && reaching >= kLeastReach * all;
   }
   [[nodiscard]] bool IsLegPart() const {
-    return IsUnder() && !on_ground_m.isEmpty() && on_ground_m.diagonal().norm() <= kLeg_m;
+    return IsBelowTop() && !on_ground_m.isEmpty() && on_ground_m.diagonal().norm() <= kLeg_m;
   }
 };
 

@@ -81,11 +81,13 @@ void ScoreAll(std::span<const ObjectView> views,
   });
 }
 
-void Enter(Proposals& made,
+void Enter(Proposals made,
            std::span<const ObjectView> views,
            const RunInputs& inputs,
-           int next_id,
-           Contest& contest) {
+           int first_id,
+           Contest& contest,
+           Proposals& all) {
+  int next_id = first_id + static_cast<int>(all.candidates.size());
   for (ShapeCandidate& candidate : made.candidates) candidate.id = CandidateId{next_id++};
   contest.models.merge(PrepareModels(made.models));
   std::vector<CandidateRegistration> registrations =
@@ -95,6 +97,7 @@ void Enter(Proposals& made,
     contest.registrations.push_back(std::move(registrations[n]));
   }
   ScoreAll(views, inputs.config.select, contest);
+  Join(std::move(made), all);
 }
 
 Result<MapObject> SelectOrChoose(const Contest& contest,

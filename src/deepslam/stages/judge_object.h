@@ -55,12 +55,14 @@ void ScoreAll(std::span<const ObjectView> views,
               const select::SelectOptions& options,
               Contest& contest);
 
-// Candidates made of those of the contest enter it, numbered from `next_id` on, placed and scored.
-void Enter(Proposals& made,
+// Candidates made of those of the contest enter it, placed and scored, and join `all` that a stage
+// made, which are numbered from `first_id` on.
+void Enter(Proposals made,
            std::span<const ObjectView> views,
            const RunInputs& inputs,
-           int next_id,
-           Contest& contest);
+           int first_id,
+           Contest& contest,
+           Proposals& all);
 
 // The winner of a contest that is scored; but what a person chose wins, and `applied` gets a
 // sentence then. Errors: no such candidate; one that could not be registered.

@@ -344,12 +344,7 @@ Result<Reselection> Reselect(const StageContext& context,
     ScoreAll(*views, inputs.config.select, contest);
     if (inputs.config.shape_refinement.complete) {
       Proposals made = CompleteBest(contest, *views, "merged", inputs);
-      const int next_id = first_made + static_cast<int>(reselection.made.candidates.size());
-      Enter(made, *views, inputs, next_id, contest);
-      std::move(made.candidates.begin(),
-                made.candidates.end(),
-                std::back_inserter(reselection.made.candidates));
-      reselection.made.models.merge(made.models);
+      Enter(std::move(made), *views, inputs, first_made, contest, reselection.made);
     }
     std::vector<std::string> applied;  // told by stage select already
     Result<MapObject> selected = SelectOrChoose(contest, *views, inputs, applied);
@@ -406,9 +401,8 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
   }
-  for (const auto& [key, grid] : reselection->made.models) {
-    if (Status status = WriteModel(context, key, grid); !status.ok()) return status.error();
-  }
+  if (Status status = WriteModels(context, reselection->made.models); !status.ok())
+    return status.error();
   if (Status status = CopyChosenModels(context, map, reselection->made.models); !status.ok())
     return status.error();
   const auto accepted =

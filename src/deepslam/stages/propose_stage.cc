@@ -13,7 +13,6 @@
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
-#include "deepslam/shape/binvox.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/plan.h"
@@ -178,13 +177,7 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
       !status.ok()) {
     return status.error();
   }
-  for (const auto& [key, grid] : proposals->models) {
-    if (Status status =
-            context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
-        !status.ok()) {
-      return status.error();
-    }
-  }
+  if (Status status = WriteModels(context, proposals->models); !status.ok()) return status.error();
   return StageSummary{fmt::format("{} candidates for {} objects, {} models",
                                   proposals->candidates.size(),
                                   association->tracks.size(),

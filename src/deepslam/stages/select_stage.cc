@@ -1,6 +1,5 @@
 // select: which candidate is the object's shape.
 #include <algorithm>
-#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -9,7 +8,6 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
-#include "deepslam/shape/binvox.h"
 #include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/load_priors.h"
@@ -76,18 +74,6 @@ const propose::ShapePrior* PriorOf(const std::shared_ptr<const propose::ShapePri
   return found != priors->end() && found->second->HasGradient() ? found->second.get() : nullptr;
 }
 
-// What was made here is kept beside the map.
-void Keep(Proposals made,
-          std::span<const CandidateRegistration> registrations,
-          Selection& selection) {
-  Proposals& kept = selection.refined;
-  std::move(made.candidates.begin(), made.candidates.end(), std::back_inserter(kept.candidates));
-  std::move(made.notes.begin(), made.notes.end(), std::back_inserter(kept.notes));
-  kept.models.merge(made.models);
-  selection.refined_registrations.insert(
-      selection.refined_registrations.end(), registrations.begin(), registrations.end());
-}
-
 Result<Selection> SelectAll(const StageContext& context,
                             const RunInputs& inputs,
                             const Odometry& odometry,
@@ -112,16 +98,17 @@ Result<Selection> SelectAll(const StageContext& context,
     if (!models.ok()) return models.error();
     contest.models = std::move(models).value();
     ScoreAll(of_track.views, inputs.config.select, contest);
+    const std::size_t num_proposed = contest.candidates.size();
     const auto enter = [&](Proposals made) {
-      const int next_id = first_made + static_cast<int>(selection.refined.candidates.size());
-      const std::size_t before = contest.candidates.size();
-      Enter(made, of_track.views, inputs, next_id, contest);
-      Keep(std::move(made), std::span(contest.registrations).subspan(before), selection);
+      Enter(std::move(made), of_track.views, inputs, first_made, contest, selection.refined);
     };
     if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
       enter(RefineShapes(contest, of_track.views, *prior, inputs));
     if (inputs.config.shape_refinement.complete)
       enter(CompleteBest(contest, of_track.views, "filled", inputs));
+    const auto made = std::span(contest.registrations).subspan(num_proposed);
+    selection.refined_registrations.insert(
+        selection.refined_registrations.end(), made.begin(), made.end());
     Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
     if (!object.ok()) return object.error();
     Place(std::move(object).value(), selection.map);
@@ -144,9 +131,7 @@ Status WriteSelection(StageContext& context, const Selection& selection) {
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
   }
-  for (const auto& [key, grid] : selection.refined.models) {
-    if (Status status = WriteModel(context, key, grid); !status.ok()) return status;
-  }
+  if (Status status = WriteModels(context, selection.refined.models); !status.ok()) return status;
   return CopyChosenModels(context, selection.map, selection.refined.models);
 }
 

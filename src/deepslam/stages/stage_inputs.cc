@@ -1,7 +1,9 @@
 #include "deepslam/stages/stage_inputs.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -68,16 +70,19 @@ Result<Proposals> ReadProposals(const StageContext& context) {
   return Decode(context, "propose", "candidates.json", artifact::DecodeProposals);
 }
 
+void Join(Proposals more, Proposals& all) {
+  std::move(more.candidates.begin(), more.candidates.end(), std::back_inserter(all.candidates));
+  std::move(more.notes.begin(), more.notes.end(), std::back_inserter(all.notes));
+  all.models.merge(more.models);
+}
+
 Result<Proposals> ReadCandidates(const StageContext& context, std::string_view last_stage) {
   Result<Proposals> all = ReadProposals(context);
   if (!all.ok()) return all.error();
   for (const std::string_view stage : {"select", "loops"}) {
-    const Result<Proposals> added =
-        Decode(context, stage, "candidates.json", artifact::DecodeProposals);
+    Result<Proposals> added = Decode(context, stage, "candidates.json", artifact::DecodeProposals);
     if (!added.ok()) return added.error();
-    all->candidates.insert(
-        all->candidates.end(), added->candidates.begin(), added->candidates.end());
-    all->notes.insert(all->notes.end(), added->notes.begin(), added->notes.end());
+    Join(std::move(added).value(), *all);
     if (stage == last_stage) break;
   }
   return all;
@@ -153,8 +158,12 @@ Result<std::vector<std::string>> ReadApplied(const StageContext& context, std::s
   return Decode(context, stage, "overrides.json", artifact::DecodeApplied);
 }
 
-Status WriteModel(StageContext& context, const std::string& key, const VoxelGrid& grid) {
-  return context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
+Status WriteModels(StageContext& context, const std::map<std::string, VoxelGrid>& grids) {
+  for (const auto& [key, grid] : grids) {
+    Status status = context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
+    if (!status.ok()) return status;
+  }
+  return Ok();
 }
 
 Status CopyChosenModels(StageContext& context,

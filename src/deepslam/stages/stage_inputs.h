@@ -46,6 +46,8 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 [[nodiscard]] Result<Proposals> ReadProposals(const pipeline::StageContext& context);
 [[nodiscard]] Result<Proposals> ReadCandidates(const pipeline::StageContext& context,
                                                std::string_view last_stage);
+// Behind those that are there, in their order.
+void Join(Proposals more, Proposals& all);
 // The stage before `loops` that made a model of this source.
 [[nodiscard]] std::string_view StageOfModel(CandidateSource source);
 [[nodiscard]] Result<VoxelGrid> ReadModel(const pipeline::StageContext& context,
@@ -73,10 +75,9 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 // What a stage (ground, associate or select) applied.
 [[nodiscard]] Result<std::vector<std::string>> ReadApplied(const pipeline::StageContext& context,
                                                            std::string_view stage);
-// models/<key>.binvox of this stage.
-[[nodiscard]] Status WriteModel(pipeline::StageContext& context,
-                                const std::string& key,
-                                const VoxelGrid& grid);
+// models/<key>.binvox each.
+[[nodiscard]] Status WriteModels(pipeline::StageContext& context,
+                                 const std::map<std::string, VoxelGrid>& grids);
 // The chosen models of a map as models/<key>.binvox, each from the stage that made it; `own` are
 // this stage's.
 [[nodiscard]] Status CopyChosenModels(pipeline::StageContext& context,
