@@ -122,6 +122,21 @@ def unfilter(kind, row, above):
     return row
 
 
+def read_poses(file):
+    """World from camera, (x y z, quaternion x y z w), of a TUM trajectory."""
+    rows = [line.split() for line in pathlib.Path(file).read_text().splitlines() if not line.startswith("#")]
+    return [[float(word) for word in row[1:]] for row in rows]
+
+
+def apply(pose, point):
+    """The point moved by a pose as read_poses gives it."""
+    x, y, z, w = pose[3:]
+    turn = ((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)))
+    return [pose[row] + sum(turn[row][k] * point[k] for k in range(3)) for row in range(3)]
+
+
 def true_boxes(capture):
     """COCO results of the rendered objects: the boxes of their true masks."""
     objects = json.loads((capture / "truth" / "objects.json").read_text())["objects"]

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""A capture whose second lap has drifted away: objects are found twice, known again as a constellation, and become one each,
-whatever made their shapes.
+"""A capture whose second lap has drifted away. Far: objects are found twice, known again as a constellation, and become one
+each, whatever made their shapes. A little: objects are found once, in views that contradict each other until a loop by appearance
+brings them together, and are judged anew.
 
     merge_test.py DEEPSLAM REPOSITORY
 
@@ -9,6 +10,7 @@ Exit 77: catalogues are not installed.
 import json
 import math
 import pathlib
+import statistics
 import sys
 import tempfile
 import unittest
@@ -18,28 +20,29 @@ import captures
 PROGRAM = sys.argv[1]
 TEMP = tempfile.TemporaryDirectory()
 DIR = pathlib.Path(TEMP.name)
-SHIFT_M, TURN_DEG = (1.6, -1.8), 4.0  # of the second lap's poses, which are given
+FAR = ((1.6, -1.8), 4.0)  # shift (m) and turn (deg) of the second lap's poses, which are given
+LITTLE = ((0.16, -0.12), 1.0)
 # The given poses are perfect but for the shift, and the laps follow each other at once.
 OPTIONS = ("--set", "detect.source=file", "--set", "detect.frames=all", "--set", "propose.retrieval=false", "--set", "propose.network=true",
-           "--set", "track.poses=capture", "--set", "loops.appearance.enabled=false", "--set", "loops.min_gap_frames=1",
-           "--set", "loops.drift_base_m=3", "--progress", "none")
+           "--set", "track.poses=capture", "--set", "loops.min_gap_frames=1", "--set", "loops.drift_base_m=3", "--progress", "none")
+BY_OBJECTS = ("--set", "loops.appearance.enabled=false")
+BY_IMAGES = ("--set", "loops.constellations=false", "--set", "loops.appearance.min_gap_keyframes=4")
 
 
-def drifted(numbers):
+def drifted(numbers, shift_m, turn_deg):
     """A TUM pose (x y z, quaternion x y z w) turned about the vertical and shifted."""
     x, y, z, *q = numbers
-    c, s = math.cos(math.radians(TURN_DEG)), math.sin(math.radians(TURN_DEG))
-    w, k = math.cos(math.radians(TURN_DEG) / 2), math.sin(math.radians(TURN_DEG) / 2)
+    c, s = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
+    w, k = math.cos(math.radians(turn_deg) / 2), math.sin(math.radians(turn_deg) / 2)
     turned = (w * q[0] - k * q[1], w * q[1] + k * q[0], w * q[2] + k * q[3], w * q[3] - k * q[2])
-    return (c * x - s * y + SHIFT_M[0], s * x + c * y + SHIFT_M[1], z, *turned)
+    return (c * x - s * y + shift_m[0], s * x + c * y + shift_m[1], z, *turned)
 
 
-def two_laps(room, target):
+def two_laps(room, target, drift):
     """The room's frames twice, the second time with poses that have drifted; boxes.json beside them."""
     for kind in ("rgb", "depth"):
         (target / kind).mkdir(parents=True)
-    poses = [[float(word) for word in line.split()] for line in (room / "groundtruth.txt").read_text().splitlines()
-             if not line.startswith("#")]
+    poses = captures.read_poses(room / "groundtruth.txt")
     lists = {"rgb": [], "depth": [], "groundtruth": []}
     for lap in range(2):
         for n, pose in enumerate(poses):
@@ -48,7 +51,7 @@ def two_laps(room, target):
                 source = sorted((room / kind).iterdir())[n]
                 (target / kind / f"{frame:04d}{source.suffix}").symlink_to(source.resolve())
                 lists[kind].append(f"{frame / 15:.6f} {kind}/{frame:04d}{source.suffix}")
-            numbers = pose[1:] if lap == 0 else drifted(pose[1:])
+            numbers = pose if lap == 0 else drifted(pose, *drift)
             lists["groundtruth"].append(f"{frame / 15:.6f} " + " ".join(f"{number:.9f}" for number in numbers))
     for name, lines in lists.items():
         (target / f"{name}.txt").write_text("\n".join(lines) + "\n")
@@ -59,16 +62,26 @@ def two_laps(room, target):
     return target
 
 
-class Merge(unittest.TestCase):
+class Laps(unittest.TestCase):
     @classmethod
-    def setUpClass(cls):
-        cls.capture = two_laps(ROOM, DIR / "laps")
-        cls.workspace = DIR / "workspace"
-        cls.result = captures.deepslam(PROGRAM, "run", cls.capture, "-o", cls.workspace, *OPTIONS,
+    def reconstruct(cls, name, drift, options):
+        cls.capture = two_laps(ROOM, DIR / name, drift)
+        cls.workspace = DIR / f"{name}.workspace"
+        cls.result = captures.deepslam(PROGRAM, "run", cls.capture, "-o", cls.workspace, *OPTIONS, *options,
                                        "--set", f"detect.file={cls.capture / 'boxes.json'}")
 
     def read(self, file):
         return json.loads((self.workspace / file).read_text())
+
+    def assert_meshes(self):
+        for o in self.read("export/map.json")["objects"]:
+            self.assertTrue((self.workspace / f"mesh/objects/{o['name']}.ply").exists(), o["name"])
+
+
+class FarDrift(Laps):
+    @classmethod
+    def setUpClass(cls):
+        cls.reconstruct("far", FAR, BY_OBJECTS)
 
     def test_objects_known_again_become_one_each(self):
         self.assertEqual(self.result.returncode, 0, self.result.stderr)
@@ -91,8 +104,44 @@ class Merge(unittest.TestCase):
 
     def test_every_object_of_the_map_has_its_mesh(self):
         self.assertEqual(self.result.returncode, 0, self.result.stderr)
-        for o in self.read("export/map.json")["objects"]:
-            self.assertTrue((self.workspace / f"mesh/objects/{o['name']}.ply").exists(), o["name"])
+        self.assert_meshes()
+
+
+class LittleDrift(Laps):
+    @classmethod
+    def setUpClass(cls):
+        cls.reconstruct("little", LITTLE, BY_IMAGES)
+
+    def apart_m(self, objects):
+        """Where the two laps have each object by their true poses: the largest distance between the laps' medians."""
+        poses = captures.read_poses(ROOM / "groundtruth.txt")
+        worst = 0
+        for o in objects:
+            laps = ([], [])
+            for view in o["views"]:
+                lap, n = divmod(view["frame"], len(poses))
+                if view["ok"]:
+                    laps[lap].append(captures.apply(poses[n], view["camera_from_object"]["translation_m"]))
+            places = [[statistics.median(axis) for axis in zip(*lap)] for lap in laps]
+            worst = max(worst, math.dist(*places))
+        return worst
+
+    def test_views_that_a_loop_moved_are_judged_anew(self):
+        self.assertEqual(self.result.returncode, 0, self.result.stderr)
+        loops = self.read("loops/loops.json")
+        self.assertTrue(any(loop["accepted"] for loop in loops["appearance"]))
+        before = self.read("select/objects.json")["objects"]
+        after = self.read("loops/objects.json")["objects"]
+        frames = {t["id"]: [m["frame"] for m in t["members"]] for t in self.read("loops/tracks.json")["tracks"]}
+        half = len(list((self.capture / "rgb").iterdir())) // 2
+        both = {o["id"] for o in before if min(frames[o["id"]]) < half <= max(frames[o["id"]])}
+        self.assertTrue(both, "the drift is small: both laps see one object")
+        made = self.read("loops/candidates.json")["candidates"]
+        self.assertEqual({c["object"] for c in made}, both)
+        self.assertTrue(all(c["model"].startswith("closed_") for c in made))
+        self.assertGreater(self.apart_m([o for o in before if o["id"] in both]), 0.15)
+        self.assertLess(self.apart_m([o for o in after if o["id"] in both]), 0.03)
+        self.assert_meshes()
 
 
 if __name__ == "__main__":

@@ -106,6 +106,27 @@ TEST(OptimizeGraph, BadRegistrationsDoNotBendTheMap) {
   EXPECT_GT(TrajectoryError(Optimize(world, paper).frames, world), clean + 0.05);
 }
 
+// Tracking slid along a wall and is sure of it; what was measured again stands in its place.
+TEST(OptimizeGraph, APairMeasuredAgainHasThatEdgeAlone) {
+  World world = MakeWorld(60, 5, 1, {0.001, 0.001, 0, 0});
+  world.map.objects.clear();
+  constexpr std::size_t kSlid = 30;
+  RelativePose& slid = world.odometry.edges[kSlid];
+  const RelativePose right = slid;
+  slid.i_from_j.translation_m.x() += 0.4;
+  slid.information *= 1e3;
+  const Pose3 moved = world.odometry.at(slid.i).world_from_camera * slid.i_from_j *
+                      world.odometry.at(slid.j).world_from_camera.Inverse();
+  for (auto k = static_cast<std::size_t>(slid.j.value); k < world.odometry.frames.size(); ++k) {
+    Pose3& pose = world.odometry.frames[k].world_from_camera;
+    pose = moved * pose;
+  }
+  EXPECT_GT(TrajectoryError(Optimize(world).frames, world), 0.1);
+  world.loops.edges = {right};
+  const OptimizedMap map = Optimize(world);
+  EXPECT_LT(TrajectoryError(map.frames, world), 0.03);
+}
+
 TEST(OptimizeGraph, AWrongLoopEdgeIsOverruledAndATrueOneCloses) {
   World world = MakeWorld(120, 5, 1, {0.01, 0.006, 0, 0});
   world.map.objects.clear();

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include "deepslam/graph/information.h"
 
@@ -61,6 +64,19 @@ Status CheckOdometry(const Odometry& odometry) {
     previous = keyframe.value;
   }
   return Ok();
+}
+
+// What loops measured again stands for what tracking measured between the same two keyframes.
+std::vector<RelativePose> NotMeasuredAgain(const std::vector<RelativePose>& tracked,
+                                           const std::vector<RelativePose>& again) {
+  std::set<std::pair<FrameIdx, FrameIdx>> pairs;
+  for (const RelativePose& edge : again) pairs.insert({edge.i, edge.j});
+  std::vector<RelativePose> kept;
+  std::copy_if(
+      tracked.begin(), tracked.end(), std::back_inserter(kept), [&](const RelativePose& edge) {
+        return !pairs.contains({edge.i, edge.j});
+      });
+  return kept;
 }
 
 class ModelBuilder {
@@ -281,7 +297,7 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const std::map<ObjectId, double>& bottom_m) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
   ModelBuilder builder(odometry, options);
-  builder.AddRelativePoses(odometry.edges, EdgeKind::kOdometry);
+  builder.AddRelativePoses(NotMeasuredAgain(odometry.edges, loops.edges), EdgeKind::kOdometry);
   builder.AddRelativePoses(loops.edges, EdgeKind::kLoop);
   builder.TieLooseKeyframes();
   if (options.use_objects) builder.AddObjects(map);

@@ -5,9 +5,8 @@
 #include <numbers>
 #include <set>
 
-#include <Eigen/LU>
-
 #include "deepslam/core/parallel.h"
+#include "deepslam/loop/corner_loop.h"
 #include "deepslam/loop/feature_pose.h"
 #include "deepslam/loop/keyframe_path.h"
 #include "deepslam/loop/similar_keyframes.h"
@@ -102,11 +101,6 @@ std::vector<Placed> PlaceAll(const Consistency& consistency,
   return placed;
 }
 
-bool BearsOut(const FeaturePose& pose, const AppearanceOptions& options) {
-  return pose.num_rivals <= options.ambiguity_ratio * pose.num_inliers &&
-         pose.spread_rad >= kRadPerDeg * options.min_spread_deg;
-}
-
 // Of each new keyframe the proposals with most corners.
 std::vector<AppearanceLoop> Strongest(std::vector<AppearanceLoop> loops, int most) {
   std::stable_sort(
@@ -121,31 +115,6 @@ std::vector<AppearanceLoop> Strongest(std::vector<AppearanceLoop> loops, int mos
     if (count <= most) kept.push_back(loop);
   }
   return kept;
-}
-
-std::string Verdict(const AppearanceLoop& loop,
-                    const KeyframeRegistration& registration,
-                    const AppearanceOptions& options) {
-  if (!registration.ok) return "depth does not agree";
-  if (registration.agreement < options.min_agreement) return "too little of the depth agrees";
-  if (registration.brightness_correlation < options.min_correlation)
-    return "the images do not agree";
-  const Pose3 moved = loop.old_from_new.Inverse() * registration.old_from_new;
-  if (moved.translation_m.norm() > options.max_move_m ||
-      RotationAngle(moved.rotation) > kRadPerDeg * options.max_turn_deg) {
-    return "depth and corners disagree";
-  }
-  return {};
-}
-
-Matrix6d EdgeInformation(const Matrix6d& information, const AppearanceOptions& options) {
-  Vector6d floor;
-  floor << Eigen::Vector3d::Constant(options.edge_floor_m),
-      Eigen::Vector3d::Constant(kRadPerDeg * options.edge_floor_deg);
-  Matrix6d covariance = options.variance_scale * information.inverse();
-  covariance.diagonal() += floor.cwiseAbs2();
-  const Matrix6d result = covariance.inverse();
-  return 0.5 * (result + result.transpose());
 }
 
 // Judges the registered loops among themselves: support, then contradictions.
@@ -335,7 +304,10 @@ AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> propose
     result.edges.push_back({loop.old_keyframe,
                             loop.new_keyframe,
                             loop.old_from_new,
-                            EdgeInformation(registrations[k].information, options),
+                            EdgeInformation(registrations[k].information,
+                                            options.variance_scale,
+                                            options.edge_floor_m,
+                                            kRadPerDeg * options.edge_floor_deg),
                             false});
   }
   return result;

@@ -1,13 +1,15 @@
 #include "deepslam/stages/appearance_stage.h"
 
 #include <algorithm>
-#include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/graph/object_graph.h"
+#include "deepslam/loop/neighbours.h"
 #include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -77,6 +79,40 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
   return registrations;
 }
 
+Result<loop::AcceptedAppearance> FindLoops(const StageContext& context,
+                                           const RunInputs& inputs,
+                                           const Odometry& odometry,
+                                           std::span<const loop::KeyframeFeatures> features) {
+  const loop::AppearanceOptions& options = inputs.config.appearance;
+  const std::vector<AppearanceLoop> proposed =
+      loop::ProposeAppearanceLoops(features, odometry, options);
+  const auto registrations = RegisterLoops(context, inputs, proposed);
+  if (!registrations.ok()) return registrations.error();
+  return loop::AcceptAppearanceLoops(proposed, *registrations, odometry, options);
+}
+
+Result<std::vector<RelativePose>> MeasureAgain(const StageContext& context,
+                                               const RunInputs& inputs,
+                                               const Odometry& odometry,
+                                               std::span<const loop::KeyframeFeatures> features) {
+  const loop::AppearanceOptions& options = inputs.config.appearance;
+  const bool depth_alone =
+      inputs.config.track_stage.poses != "capture" && !inputs.config.track.alignment.photometric;
+  const std::vector<AppearanceLoop> proposed =
+      loop::ProposeNeighbours(features, odometry, depth_alone, options);
+  const auto registrations = RegisterLoops(context, inputs, proposed);
+  if (!registrations.ok()) return registrations.error();
+  return loop::AcceptNeighbours(proposed, *registrations, options);
+}
+
+int CountKept(const std::vector<RelativePose>& of, const std::vector<RelativePose>& edges) {
+  return static_cast<int>(std::count_if(of.begin(), of.end(), [&](const RelativePose& edge) {
+    return std::any_of(edges.begin(), edges.end(), [&](const RelativePose& kept) {
+      return kept.i == edge.i && kept.j == edge.j;
+    });
+  }));
+}
+
 // The graph of cameras and ground alone, back in the tracking world.
 Status Solve(const RunInputs& inputs,
              const Odometry& odometry,
@@ -106,22 +142,25 @@ Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
                                            const RunInputs& inputs,
                                            const Odometry& odometry,
                                            const Ground& ground) {
-  ClosedTrajectory closed{odometry, ground, {}};
+  ClosedTrajectory closed{odometry, ground, {}, 0};
   const loop::AppearanceOptions& options = inputs.config.appearance;
   if (!inputs.config.loops.enabled || !options.enabled) return closed;
   const Result<std::vector<loop::KeyframeFeatures>> features =
       ExtractAll(context, inputs, odometry);
   if (!features.ok()) return features.error();
-  const std::vector<AppearanceLoop> proposed =
-      loop::ProposeAppearanceLoops(*features, odometry, options);
-  const Result<std::vector<loop::KeyframeRegistration>> registrations =
-      RegisterLoops(context, inputs, proposed);
-  if (!registrations.ok()) return registrations.error();
-  closed.appearance = loop::AcceptAppearanceLoops(proposed, *registrations, odometry, options);
-  while (!closed.appearance.edges.empty()) {
-    const Status solved = Solve(inputs, odometry, ground, closed.appearance.edges, closed);
+  Result<loop::AcceptedAppearance> loops = FindLoops(context, inputs, odometry, *features);
+  if (!loops.ok()) return loops.error();
+  Result<std::vector<RelativePose>> neighbours = MeasureAgain(context, inputs, odometry, *features);
+  if (!neighbours.ok()) return neighbours.error();
+  closed.appearance = std::move(loops).value();
+  std::vector<RelativePose>& edges = closed.appearance.edges;
+  edges.insert(edges.end(), neighbours->begin(), neighbours->end());
+  while (!edges.empty()) {
+    const Status solved = Solve(inputs, odometry, ground, edges, closed);
     if (!solved.ok()) return solved.error();
-    if (!loop::RefuseContradicted(closed.odometry, options, closed.appearance)) return closed;
+    if (loop::RefuseContradicted(closed.odometry, options, closed.appearance)) continue;
+    closed.num_measured_again = CountKept(*neighbours, edges);
+    return closed;
   }
   closed.odometry = odometry;
   closed.ground = ground;

@@ -1,5 +1,5 @@
-// The part of stage `loops` that looks at keyframes: loops by appearance, and the trajectory that
-// they make.
+// The part of stage `loops` that looks at keyframes: loops by appearance, neighbours measured
+// again, and the trajectory that they make.
 #pragma once
 
 #include "deepslam/core/result.h"
@@ -17,7 +17,8 @@ namespace deepslam::stages {
 struct ClosedTrajectory {
   Odometry odometry;
   Ground ground;
-  loop::AcceptedAppearance appearance;
+  loop::AcceptedAppearance appearance;  // edges: those of neighbours behind those of loops
+  int num_measured_again = 0;           // edges of neighbours
 };
 
 // Keyframes that cannot be read take no part, with a warning.

@@ -6,6 +6,9 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <set>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,6 +36,8 @@ using pipeline::StageSummary;
 constexpr int kEvidencePointsPerView = 300;
 constexpr int kSurroundingsStridePx = 8;  // enough for a share; a view gives a few hundred points
 constexpr float kMaxSurroundingsDepthM = 5.0F;
+// Views that the loops move further against each other were judged where the object was not.
+constexpr double kMovedApart_m = 0.05;
 
 // Everything the stage reads. Where loops were closed by appearance, cameras, ground and objects
 // stand where these put them.
@@ -41,23 +46,33 @@ struct LoopInputs {
   Odometry odometry;
   Ground ground;
   loop::AcceptedAppearance appearance;
+  int num_measured_again = 0;
   Association association;
   Proposals proposals;
   ObjectMap map;
 };
 
-// How the loops by appearance move what the object's best view saw; an object without views stays.
-Pose3 ClosedFromTracked(const Odometry& tracked, const Odometry& closed, const MapObject& object) {
-  const ViewRegistration* best = nullptr;
-  for (const ViewRegistration& view : object.views) {
-    if (!view.frame.valid() || view.frame.value >= static_cast<int>(tracked.frames.size()))
-      continue;
-    if (best == nullptr || view.inlier_share > best->inlier_share) best = &view;
-  }
-  if (best == nullptr) return {};
-  const Pose3& before = tracked.at(best->frame).world_from_camera;
-  const Pose3& after = closed.at(best->frame).world_from_camera;
+// How the loops by appearance move what this frame saw.
+std::optional<Pose3> ClosedFromTracked(const Odometry& tracked,
+                                       const Odometry& closed,
+                                       FrameIdx frame) {
+  if (!frame.valid() || frame.value >= static_cast<int>(tracked.frames.size())) return std::nullopt;
+  const Pose3& before = tracked.at(frame).world_from_camera;
+  const Pose3& after = closed.at(frame).world_from_camera;
   return before == after ? Pose3{} : after * before.Inverse();
+}
+
+// The same of the object's best view; an object without views stays.
+Pose3 ClosedFromTracked(const Odometry& tracked, const Odometry& closed, const MapObject& object) {
+  Pose3 best;
+  double share = -1;
+  for (const ViewRegistration& view : object.views) {
+    const std::optional<Pose3> own = ClosedFromTracked(tracked, closed, view.frame);
+    if (!own || view.inlier_share <= share) continue;
+    share = view.inlier_share;
+    best = *own;
+  }
+  return best;
 }
 
 Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& inputs) {
@@ -81,6 +96,7 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
                     std::move(closed->odometry),
                     std::move(closed->ground),
                     std::move(closed->appearance),
+                    closed->num_measured_again,
                     std::move(*association),
                     std::move(*proposals),
                     std::move(*map)};
@@ -303,57 +319,87 @@ struct Reselection {
   Proposals made;  // candidates added here
 };
 
-// Registers and selects the kept objects with everything both brought, completed anew by the views
-// of both; the others stay as they are.
+// The largest distance by which the loops move what a view saw of the object against what its best
+// view saw: views of both ends of a stretch that is corrected.
+double MovedApart_m(const LoopInputs& in, const MapObject& object) {
+  const Pose3 best = ClosedFromTracked(in.tracked, in.odometry, object);
+  const Eigen::Vector3d centre_tracked = best.Inverse() * object.world_from_object.translation_m;
+  double apart_m = 0;
+  for (const ViewRegistration& view : object.views) {
+    const std::optional<Pose3> own = ClosedFromTracked(in.tracked, in.odometry, view.frame);
+    if (own) apart_m = std::max(apart_m, (*own * centre_tracked - best * centre_tracked).norm());
+  }
+  return apart_m;
+}
+
+// The object as its candidates, registered and judged by all these views and completed anew, make
+// it. `change` names what is completed here.
+Result<MapObject> JudgeAnew(const StageContext& context,
+                            const RunInputs& inputs,
+                            const LoopInputs& in,
+                            const MapObject& object,
+                            std::span<const ObjectView> views,
+                            std::string_view change,
+                            int first_made,
+                            Proposals& made) {
+  Contest contest{object.id, object.class_name, CandidatesOf(in.proposals, object.id), {}, {}, {}};
+  Result<ModelMap> models = LoadModels(context, contest.candidates);
+  if (!models.ok()) return models.error();
+  contest.models = std::move(models).value();
+  contest.registrations =
+      RegisterAll(contest.candidates, contest.models, views, inputs.config.registration);
+  ScoreAll(views, inputs.config.select, contest);
+  if (inputs.config.shape_refinement.complete) {
+    Proposals completed = CompleteBest(contest, views, change, inputs);
+    Enter(std::move(completed), views, inputs, first_made, contest, made);
+  }
+  std::vector<std::string> applied;  // told by stage select already
+  Result<MapObject> selected = SelectOrChoose(contest, views, inputs, applied);
+  if (!selected.ok()) return selected.error();
+  // Nothing fits all views: what fitted the old ones stays.
+  return selected->chosen.valid() ? std::move(selected).value() : object;
+}
+
+// Objects that are one from now on, and those whose views the loops move apart, are registered and
+// selected with everything that was seen of them; the others stay as they are.
 Result<Reselection> Reselect(const StageContext& context,
                              const RunInputs& inputs,
                              const Loops& loops,
                              LoopInputs& in) {
   std::map<ObjectId, std::vector<ObjectId>> groups;
+  std::set<ObjectId> gone;
   const Association before = in.association;
   ViewOrigins origins;
   for (const ObjectMerge& merge : loops.merges) {
     Merge(merge, CorrectionOf(loops, merge), in, origins);
     groups[merge.kept].push_back(merge.merged);
+    gone.insert(merge.merged);
   }
   const int first_made = NextId(in.proposals);
   Reselection reselection;
   ObjectMap& map = reselection.map;
   map.dropped = in.map.dropped;
   for (const MapObject& object : in.map.objects) {
-    const bool gone =
-        std::any_of(loops.merges.begin(), loops.merges.end(), [&](const ObjectMerge& merge) {
-          return merge.merged == object.id;
-        });
-    if (gone) continue;
-    const auto group = groups.find(object.id);
-    if (group == groups.end()) {
+    if (gone.contains(object.id)) continue;
+    const bool merged = groups.contains(object.id);
+    if (!merged && MovedApart_m(in, object) <= kMovedApart_m) {
       map.objects.push_back(object);
       continue;
     }
-    Contest contest{
-        object.id, object.class_name, CandidatesOf(in.proposals, object.id), {}, {}, {}};
-    Result<ModelMap> models = LoadModels(context, contest.candidates);
-    if (!models.ok()) return models.error();
-    contest.models = std::move(models).value();
     const Result<std::vector<ObjectView>> views =
         MergedViews(context, inputs, in, before, OriginsOf(object.id, origins));
     if (!views.ok()) return views.error();
-    contest.registrations =
-        RegisterAll(contest.candidates, contest.models, *views, inputs.config.registration);
-    ScoreAll(*views, inputs.config.select, contest);
-    if (inputs.config.shape_refinement.complete) {
-      Proposals made = CompleteBest(contest, *views, "merged", inputs);
-      Enter(std::move(made), *views, inputs, first_made, contest, reselection.made);
-    }
-    std::vector<std::string> applied;  // told by stage select already
-    Result<MapObject> selected = SelectOrChoose(contest, *views, inputs, applied);
-    if (!selected.ok()) return selected.error();
-    MapObject chosen = std::move(selected).value();
-    // Nothing fits all views: what fitted the old ones stays.
-    if (!chosen.chosen.valid()) chosen = object;
-    chosen.merged = group->second;
-    map.objects.push_back(std::move(chosen));
+    Result<MapObject> judged = JudgeAnew(context,
+                                         inputs,
+                                         in,
+                                         object,
+                                         *views,
+                                         merged ? "merged" : "closed",
+                                         first_made,
+                                         reselection.made);
+    if (!judged.ok()) return judged.error();
+    if (merged) judged->merged = groups.at(object.id);
+    map.objects.push_back(std::move(judged).value());
   }
   return reselection;
 }
@@ -414,17 +460,19 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
         return appearance.accepted;
       });
   return StageSummary{
-      fmt::format("{} of {} constellations and {} of {} loops by appearance accepted, {} objects "
-                  "merged, {} edges; {} objects",
+      fmt::format("{} of {} constellations and {} of {} loops by appearance accepted, {} "
+                  "neighbours measured again, {} objects merged, {} edges; {} objects",
                   accepted,
                   loops.constellations.size(),
                   seen_again,
                   loops.appearance.size(),
+                  in->num_measured_again,
                   loops.merges.size(),
                   loops.edges.size(),
                   map.objects.size()),
       {{"num_accepted", static_cast<double>(accepted)},
        {"num_appearance", static_cast<double>(seen_again)},
+       {"num_measured_again", static_cast<double>(in->num_measured_again)},
        {"num_merges", static_cast<double>(loops.merges.size())},
        {"num_edges", static_cast<double>(loops.edges.size())},
        {"num_objects", static_cast<double>(map.objects.size())}}};

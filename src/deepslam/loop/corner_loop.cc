@@ -1,0 +1,46 @@
+#include "deepslam/loop/corner_loop.h"
+
+#include <numbers>
+
+#include <Eigen/LU>
+
+namespace deepslam::loop {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+}  // namespace
+
+bool BearsOut(const FeaturePose& pose, const AppearanceOptions& options) {
+  return pose.num_rivals <= options.ambiguity_ratio * pose.num_inliers &&
+         pose.spread_rad >= kRadPerDeg * options.min_spread_deg;
+}
+
+std::string Verdict(const AppearanceLoop& loop,
+                    const KeyframeRegistration& registration,
+                    const AppearanceOptions& options) {
+  if (!registration.ok) return "depth does not agree";
+  if (registration.agreement < options.min_agreement) return "too little of the depth agrees";
+  if (registration.brightness_correlation < options.min_correlation)
+    return "the images do not agree";
+  const Pose3 moved = loop.old_from_new.Inverse() * registration.old_from_new;
+  if (moved.translation_m.norm() > options.max_move_m ||
+      RotationAngle(moved.rotation) > kRadPerDeg * options.max_turn_deg) {
+    return "depth and corners disagree";
+  }
+  return {};
+}
+
+Matrix6d EdgeInformation(const Matrix6d& information,
+                         double variance_scale,
+                         double floor_m,
+                         double floor_rad) {
+  Vector6d floor;
+  floor << Eigen::Vector3d::Constant(floor_m), Eigen::Vector3d::Constant(floor_rad);
+  Matrix6d covariance = variance_scale * information.inverse();
+  covariance.diagonal() += floor.cwiseAbs2();
+  const Matrix6d result = covariance.inverse();
+  return 0.5 * (result + result.transpose());
+}
+
+}  // namespace deepslam::loop

@@ -1,0 +1,88 @@
+#include "deepslam/loop/neighbours.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/loop/corner_loop.h"
+#include "deepslam/loop/feature_pose.h"
+#include "deepslam/loop/keyframe_path.h"
+
+namespace deepslam::loop {
+namespace {
+
+constexpr int kAcrossLoss = 3;  // keyframes on either side
+
+using Pair = std::pair<int, int>;  // positions in Odometry::keyframes, ascending
+
+void AddAcross(int before, int after, int num_keyframes, std::set<Pair>& pairs) {
+  for (int i = std::max(0, before - kAcrossLoss + 1); i <= before; ++i) {
+    for (int j = after; j < std::min(num_keyframes, after + kAcrossLoss); ++j) pairs.insert({i, j});
+  }
+}
+
+std::set<Pair> PoorlyMeasured(const Odometry& odometry,
+                              const KeyframePath& path,
+                              bool depth_alone) {
+  std::set<Pair> pairs;
+  for (const RelativePose& edge : odometry.edges) {
+    const int i = path.IndexOf(edge.i);
+    const int j = path.IndexOf(edge.j);
+    if (i < 0 || j <= i) continue;
+    if (edge.composed) AddAcross(j - 1, j, static_cast<int>(odometry.keyframes.size()), pairs);
+    if (depth_alone) pairs.insert({i, j});
+  }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<AppearanceLoop> ProposeNeighbours(std::span<const KeyframeFeatures> features,
+                                              const Odometry& odometry,
+                                              bool depth_alone,
+                                              const AppearanceOptions& options) {
+  if (!options.enabled || features.size() != odometry.keyframes.size()) return {};
+  const KeyframePath path(odometry, options.drift_share);
+  const std::set<Pair> poor = PoorlyMeasured(odometry, path, depth_alone);
+  const std::vector<Pair> pairs(poor.begin(), poor.end());
+  std::vector<std::optional<AppearanceLoop>> found(pairs.size());
+  ParallelFor(pairs.size(), [&](std::size_t k) {
+    const auto [i, j] = pairs[k];
+    const KeyframeFeatures& older = features[static_cast<std::size_t>(i)];
+    const KeyframeFeatures& newer = features[static_cast<std::size_t>(j)];
+    const auto pose = PoseFromFeatures(older, newer, options.min_inliers);
+    if (!pose || !BearsOut(*pose, options)) return;
+    found[k] = {older.keyframe,
+                newer.keyframe,
+                pose->old_from_new,
+                pose->num_inliers,
+                0,
+                0,
+                false,
+                "not registered"};
+  });
+  std::vector<AppearanceLoop> proposed;
+  for (std::optional<AppearanceLoop>& pair : found) {
+    if (pair) proposed.push_back(std::move(*pair));
+  }
+  return proposed;
+}
+
+std::vector<RelativePose> AcceptNeighbours(std::span<const AppearanceLoop> proposed,
+                                           std::span<const KeyframeRegistration> registrations,
+                                           const AppearanceOptions& options) {
+  std::vector<RelativePose> edges;
+  for (std::size_t k = 0; k < proposed.size(); ++k) {
+    if (!Verdict(proposed[k], registrations[k], options).empty()) continue;
+    edges.push_back({proposed[k].old_keyframe,
+                     proposed[k].new_keyframe,
+                     registrations[k].old_from_new,
+                     EdgeInformation(registrations[k].information, options.variance_scale, 0, 0),
+                     false});
+  }
+  return edges;
+}
+
+}  // namespace deepslam::loop

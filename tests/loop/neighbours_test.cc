@@ -1,0 +1,153 @@
+#include "deepslam/loop/neighbours.h"
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/parallel.h"
+#include "loop/textured_room.h"
+#include "support/pose_matchers.h"
+
+namespace deepslam::loop {
+namespace {
+
+using ::deepslam::testing_support::PoseNear;
+using testing_support::kCamera;
+using testing_support::Looking;
+using testing_support::Photograph;
+using testing_support::TexturedRoom;
+using testing_support::Tracked;
+
+// Sideways along a wall.
+std::vector<Pose3> Along() {
+  std::vector<Pose3> poses;
+  for (int k = 0; k < 12; ++k) poses.push_back(Looking({-1 + 0.1 * k, 0.2, 1.4}, 0.3));
+  return poses;
+}
+
+std::vector<KeyframeFeatures> FeaturesAlong(const TexturedRoom& room,
+                                            const std::vector<Pose3>& poses) {
+  std::vector<KeyframeFeatures> features;
+  for (const Pose3& pose : poses) {
+    const auto idx = static_cast<int>(features.size());
+    features.push_back(ExtractFeatures(Photograph(room, pose, idx), kCamera, 500));
+  }
+  return features;
+}
+
+// From keyframe 6 on everything stands `slide` off.
+std::vector<Pose3> Slid(std::vector<Pose3> poses, const Pose3& slide) {
+  for (std::size_t k = 6; k < poses.size(); ++k) poses[k] = slide * poses[k];
+  return poses;
+}
+
+const Pose3 kSlide{Eigen::Quaterniond::Identity(), {0.5, 0.3, 0}};
+
+std::vector<KeyframeRegistration> AsProposed(const std::vector<AppearanceLoop>& proposed) {
+  std::vector<KeyframeRegistration> registrations;
+  for (const AppearanceLoop& pair : proposed)
+    registrations.push_back({true, pair.old_from_new, 1e6 * Matrix6d::Identity(), 0.95, 0.9});
+  return registrations;
+}
+
+TEST(Neighbours, WhatDepthAloneTrackedIsMeasuredAgainWhereverItSlid) {
+  const TexturedRoom room;
+  const std::vector<Pose3> truth = Along();
+  const Odometry slid = Tracked(Slid(truth, kSlide));
+  const std::vector<AppearanceLoop> proposed =
+      ProposeNeighbours(FeaturesAlong(room, truth), slid, true, {});
+  ASSERT_EQ(proposed.size(), slid.edges.size());
+  for (std::size_t k = 0; k < proposed.size(); ++k) {
+    EXPECT_EQ(proposed[k].old_keyframe, slid.edges[k].i);
+    EXPECT_EQ(proposed[k].new_keyframe, slid.edges[k].j);
+    const auto n = static_cast<std::size_t>(proposed[k].old_keyframe.value);
+    EXPECT_THAT(proposed[k].old_from_new, PoseNear(truth[n].Inverse() * truth[n + 1], 0.03, 1.0));
+  }
+  const std::vector<RelativePose> edges = AcceptNeighbours(proposed, AsProposed(proposed), {});
+  EXPECT_EQ(edges.size(), proposed.size());
+}
+
+TEST(Neighbours, WhatImagesTrackedStandsButAcrossALoss) {
+  const TexturedRoom room;
+  const std::vector<Pose3> truth = Along();
+  const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
+  EXPECT_TRUE(ProposeNeighbours(features, Tracked(truth), false, {}).empty());
+  Odometry lost = Tracked(Slid(truth, kSlide));
+  lost.edges[5].composed = true;  // from keyframe 5 to 6
+  const std::vector<AppearanceLoop> proposed = ProposeNeighbours(features, lost, false, {});
+  EXPECT_GE(proposed.size(), 5u);
+  EXPECT_LE(proposed.size(), 9u);
+  for (const AppearanceLoop& pair : proposed) {
+    EXPECT_GE(pair.old_keyframe.value, 3);
+    EXPECT_LE(pair.old_keyframe.value, 5);
+    EXPECT_GE(pair.new_keyframe.value, 6);
+    EXPECT_LE(pair.new_keyframe.value, 8);
+    const auto i = static_cast<std::size_t>(pair.old_keyframe.value);
+    const auto j = static_cast<std::size_t>(pair.new_keyframe.value);
+    EXPECT_THAT(pair.old_from_new, PoseNear(truth[i].Inverse() * truth[j], 0.04, 1.5));
+  }
+}
+
+TEST(Neighbours, RegistrationHasToBearThemOut) {
+  const TexturedRoom room;
+  const std::vector<Pose3> truth = Along();
+  const std::vector<AppearanceLoop> proposed =
+      ProposeNeighbours(FeaturesAlong(room, truth), Tracked(truth), true, {});
+  ASSERT_FALSE(proposed.empty());
+  const auto num_edges = [&](const auto& change) {
+    std::vector<KeyframeRegistration> registrations = AsProposed(proposed);
+    for (KeyframeRegistration& registration : registrations) change(registration);
+    return AcceptNeighbours(proposed, registrations, {}).size();
+  };
+  EXPECT_EQ(num_edges([](KeyframeRegistration&) {}), proposed.size());
+  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.ok = false; }), 0u);
+  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.agreement = 0.5; }), 0u);
+  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.brightness_correlation = 0.3; }), 0u);
+  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.old_from_new.translation_m.x() += 0.4; }),
+            0u);
+}
+
+TEST(Neighbours, TilesAndBareWallsGiveNothingWrong) {
+  const std::vector<Pose3> truth = Along();
+  TexturedRoom tiled;
+  tiled.period = 4;
+  tiled.boxes.clear();
+  TexturedRoom bare;
+  bare.contrast = 0;
+  EXPECT_TRUE(ProposeNeighbours(FeaturesAlong(bare, truth), Tracked(truth), true, {}).empty());
+  for (const AppearanceLoop& pair :
+       ProposeNeighbours(FeaturesAlong(tiled, truth), Tracked(truth), true, {})) {
+    const auto n = static_cast<std::size_t>(pair.old_keyframe.value);
+    EXPECT_THAT(pair.old_from_new, PoseNear(truth[n].Inverse() * truth[n + 1], 0.05, 2.0));
+  }
+}
+
+TEST(Neighbours, NothingAndOff) {
+  AppearanceOptions off;
+  off.enabled = false;
+  const TexturedRoom room;
+  const std::vector<Pose3> truth = Along();
+  const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
+  EXPECT_TRUE(ProposeNeighbours(features, Tracked(truth), true, off).empty());
+  EXPECT_TRUE(ProposeNeighbours({}, {}, true, {}).empty());
+  EXPECT_TRUE(ProposeNeighbours({}, Tracked(truth), true, {}).empty()) << "features are missing";
+  EXPECT_TRUE(AcceptNeighbours({}, {}, {}).empty());
+}
+
+TEST(Neighbours, TheNumberOfThreadsChangesNothing) {
+  const TexturedRoom room;
+  const std::vector<Pose3> truth = Along();
+  const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
+  const auto propose = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return ProposeNeighbours(features, Tracked(truth), true, {});
+  };
+  const std::vector<AppearanceLoop> one = propose(1);
+  const std::vector<AppearanceLoop> four = propose(4);
+  ASSERT_EQ(one.size(), four.size());
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_EQ(one[k].new_keyframe, four[k].new_keyframe);
+    EXPECT_EQ(one[k].old_from_new, four[k].old_from_new);
+  }
+}
+
+}  // namespace
+}  // namespace deepslam::loop
