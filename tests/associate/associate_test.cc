@@ -180,6 +180,21 @@ TEST(Associate, LetsThingsTooLargeForTheImageStartAtTheBorder) {
               SizeIs(0));
 }
 
+TEST(Associate, LetsThingsStartThatAreSeenAtTheBorderAgainAndAgain) {
+  const BoxWorldSource source = Round(10, 4);
+  auto segments = TrueSegments(source, 1);
+  ASSERT_THAT(segments, SizeIs(10));
+  for (Segment& s : segments) s.touches_border = true;
+  const Association one = AssociateAll(source, source.TrueOdometry(), segments);
+  ASSERT_THAT(one.tracks, SizeIs(1));
+  EXPECT_THAT(one.tracks[0].members, SizeIs(10));
+  EXPECT_THAT(one.tracks[0].reason, HasSubstr("never within the margin"));
+  AssociateOptions as_in_the_paper;
+  as_in_the_paper.border_members = 0;
+  EXPECT_THAT(AssociateAll(source, source.TrueOdometry(), segments, as_in_the_paper).tracks,
+              SizeIs(0));
+}
+
 TEST(Associate, SettlesTheClassByScore) {
   const BoxWorldSource source = Round(8, 4);
   auto segments = TrueSegments(source, 1);

@@ -37,7 +37,7 @@ class Matcher {
   void Take(const Match& match, const std::string& how);
   void StartObjects(std::span<const int> unmatched);
   void AdoptOrphans();
-  void StartLargeObjects();
+  void StartObjectsAtBorder();
   ObjectHypothesis& Object(ObjectId id);
   void Reject(const Segment& segment, const std::string& reason) {
     rejections_.push_back({segment.detection, segment.frame, reason});
@@ -162,8 +162,9 @@ void Matcher::AdoptOrphans() {
   orphans_ = std::move(left);
 }
 
-// Orphans that agree with each other: large things that never fit into the image with a margin.
-void Matcher::StartLargeObjects() {
+// Orphans that agree with each other: large things that never fit into the image with a margin, and
+// things at the rim of all that was seen.
+void Matcher::StartObjectsAtBorder() {
   std::vector<ObjectHypothesis> groups;
   for (const int i : orphans_) {
     const std::vector<int> one = {i};
@@ -194,9 +195,13 @@ void Matcher::StartLargeObjects() {
         spans.begin(), spans.begin() + static_cast<std::ptrdiff_t>(spans.size() / 2), spans.end());
     const bool seen_well = static_cast<int>(spans.size()) >= options_.min_members ||
                            group.MeanScore(all_) >= options_.min_single_score;
-    if (spans[spans.size() / 2] >= options_.border_span && seen_well) {
-      group.reason = "too large to keep the margin from the image border, seen in " +
-                     std::to_string(spans.size()) + " frames";
+    const bool too_large = spans[spans.size() / 2] >= options_.border_span && seen_well;
+    const bool often =
+        options_.border_members > 0 && static_cast<int>(spans.size()) >= options_.border_members;
+    if (too_large || often) {
+      group.reason = std::string(too_large ? "too large to keep the margin from"
+                                           : "never within the margin from") +
+                     " the image border, seen in " + std::to_string(spans.size()) + " frames";
       objects_.push_back(std::move(group));
       continue;
     }
@@ -210,7 +215,7 @@ void Matcher::StartLargeObjects() {
 Association Matcher::Finish() {
   MergeDuplicates(objects_, all_, options_, rejections_);
   AdoptOrphans();
-  StartLargeObjects();
+  StartObjectsAtBorder();
   MergeDuplicates(objects_, all_, options_, rejections_);
   RejectNoise(objects_, all_, sights_, frames_.camera(), options_, rejections_);
   std::sort(objects_.begin(),
@@ -279,6 +284,12 @@ void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
                 {0, 2},
                 "1",
                 "share of the image a box at its border must span to start an object after all");
+  visitor.Field(
+      "border_members",
+      options.border_members,
+      {0, 10000},
+      "1",
+      "agreeing boxes at the border that start an object whatever their size; 0: none do");
   visitor.Field("merge_overlap",
                 options.merge_overlap,
                 {0, 1},

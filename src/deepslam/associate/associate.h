@@ -36,6 +36,9 @@ struct AssociateOptions {
   // object agree with each other, span at least this share of the image's width or height (median)
   // and are `min_members` or more, they start one after all. 1 or more: never, as in the paper.
   double border_span = 0.6;
+  // So do boxes that agree and are this many, however small: a thing at the rim of everything the
+  // camera saw. 0: never, as in the paper.
+  int border_members = 8;
   double merge_overlap = 0.5;  // two objects of which the smaller shares more of its space are one
   double voxel_m = 0.05;       // cells in which objects' space is compared
 };
