@@ -125,7 +125,7 @@ Result<eval::HeldOutAgreement> Judge(const fs::path& workspace,
   eval::HeldOutAgreement sum;
   if (proposed == inputs.files.candidates.end() || registration == inputs.files.registrations.end())
     return sum;
-  const Result<VoxelGrid> grid = ReadCandidateModel(workspace, proposed->second);
+  const Result<VoxelGrid> grid = ReadCandidateModel(workspace, inputs.files, proposed->second);
   if (!grid.ok()) return grid.error();
   Result<TriangleMesh> mesh = mesh::ExtractSurface(*grid, mesh::SurfaceOptions());
   if (!mesh.ok()) return mesh.error();

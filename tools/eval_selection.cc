@@ -111,7 +111,7 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
     if (candidate == proposed.files.candidates.end() ||
         registration == proposed.files.registrations.end() || !registration->second.ok)
       continue;
-    const Result<VoxelGrid> grid = ReadCandidateModel(workspace, candidate->second);
+    const Result<VoxelGrid> grid = ReadCandidateModel(workspace, proposed.files, candidate->second);
     if (!grid.ok()) return grid.error();
     Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
     if (!figures.ok()) return figures.error();

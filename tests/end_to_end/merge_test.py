@@ -73,6 +73,16 @@ class Laps(unittest.TestCase):
     def read(self, file):
         return json.loads((self.workspace / file).read_text())
 
+    def assert_registrations(self, objects, judged):
+        """Of all candidates of the objects judged anew, the chosen one where the object stands."""
+        placed = {r["candidate"]: r for r in self.read("loops/registrations.json")["registrations"]}
+        own = [o for o in objects if o["id"] in judged]
+        self.assertEqual(set(placed), {score["candidate"] for o in own for score in o["scores"]})
+        for o in own:
+            for axis in range(3):
+                self.assertAlmostEqual(placed[o["chosen"]]["world_from_object"]["translation_m"][axis],
+                                       o["world_from_object"]["translation_m"][axis], 6)
+
     def assert_meshes(self):
         for o in self.read("export/map.json")["objects"]:
             self.assertTrue((self.workspace / f"mesh/objects/{o['name']}.ply").exists(), o["name"])
@@ -94,6 +104,7 @@ class FarDrift(Laps):
         made = self.read("loops/candidates.json")["candidates"]
         self.assertEqual({c["object"] for c in made}, {o["id"] for o in after}, "completed anew by the views of both laps")
         self.assertFalse({c["id"] for c in made} & {c["id"] for c in self.read("select/candidates.json")["candidates"]})
+        self.assert_registrations(after, {o["id"] for o in after})
         for o in after:
             self.assertTrue((self.workspace / "loops/models" / f"{o['model']}.binvox").exists(), o["model"])
         frames = {id: {m["frame"] for m in track["members"]}
@@ -139,6 +150,7 @@ class LittleDrift(Laps):
         made = self.read("loops/candidates.json")["candidates"]
         self.assertEqual({c["object"] for c in made}, both)
         self.assertTrue(all(c["model"].startswith("closed_") for c in made))
+        self.assert_registrations(after, both)
         self.assertGreater(self.apart_m([o for o in before if o["id"] in both]), 0.15)
         self.assertLess(self.apart_m([o for o in after if o["id"] in both]), 0.03)
         self.assert_meshes()

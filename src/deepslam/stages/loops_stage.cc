@@ -17,6 +17,7 @@
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/proposals_json.h"
+#include "deepslam/artifact/registrations_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/shared_place.h"
@@ -317,6 +318,13 @@ Result<std::vector<ObjectView>> MergedViews(const StageContext& context,
 struct Reselection {
   ObjectMap map;
   Proposals made;  // candidates added here
+  // Of all candidates of the objects judged anew, in the tracking world.
+  std::vector<CandidateRegistration> registrations;
+};
+
+struct Judged {
+  MapObject object;
+  std::vector<CandidateRegistration> registrations;
 };
 
 // The largest distance by which the loops move what a view saw of the object against what its best
@@ -334,14 +342,14 @@ double MovedApart_m(const LoopInputs& in, const MapObject& object) {
 
 // The object as its candidates, registered and judged by all these views and completed anew, make
 // it. `change` names what is completed here.
-Result<MapObject> JudgeAnew(const StageContext& context,
-                            const RunInputs& inputs,
-                            const LoopInputs& in,
-                            const MapObject& object,
-                            std::span<const ObjectView> views,
-                            std::string_view change,
-                            int first_made,
-                            Proposals& made) {
+Result<Judged> JudgeAnew(const StageContext& context,
+                         const RunInputs& inputs,
+                         const LoopInputs& in,
+                         const MapObject& object,
+                         std::span<const ObjectView> views,
+                         std::string_view change,
+                         int first_made,
+                         Proposals& made) {
   Contest contest{object.id, object.class_name, CandidatesOf(in.proposals, object.id), {}, {}, {}};
   Result<ModelMap> models = LoadModels(context, contest.candidates);
   if (!models.ok()) return models.error();
@@ -357,7 +365,18 @@ Result<MapObject> JudgeAnew(const StageContext& context,
   Result<MapObject> selected = SelectOrChoose(contest, views, inputs, applied);
   if (!selected.ok()) return selected.error();
   // Nothing fits all views: what fitted the old ones stays.
-  return selected->chosen.valid() ? std::move(selected).value() : object;
+  const bool fits = selected->chosen.valid();
+  return Judged{fits ? std::move(selected).value() : object, std::move(contest.registrations)};
+}
+
+// As the stages before have them: the tracking world about the object's best view.
+void KeepRegistrations(const LoopInputs& in, Judged& judged, Reselection& reselection) {
+  const Pose3 tracked_from_closed =
+      ClosedFromTracked(in.tracked, in.odometry, judged.object).Inverse();
+  for (CandidateRegistration& registration : judged.registrations) {
+    registration.world_from_object = tracked_from_closed * registration.world_from_object;
+    reselection.registrations.push_back(std::move(registration));
+  }
 }
 
 // Objects that are one from now on, and those whose views the loops move apart, are registered and
@@ -389,17 +408,18 @@ Result<Reselection> Reselect(const StageContext& context,
     const Result<std::vector<ObjectView>> views =
         MergedViews(context, inputs, in, before, OriginsOf(object.id, origins));
     if (!views.ok()) return views.error();
-    Result<MapObject> judged = JudgeAnew(context,
-                                         inputs,
-                                         in,
-                                         object,
-                                         *views,
-                                         merged ? "merged" : "closed",
-                                         first_made,
-                                         reselection.made);
+    Result<Judged> judged = JudgeAnew(context,
+                                      inputs,
+                                      in,
+                                      object,
+                                      *views,
+                                      merged ? "merged" : "closed",
+                                      first_made,
+                                      reselection.made);
     if (!judged.ok()) return judged.error();
-    if (merged) judged->merged = groups.at(object.id);
-    map.objects.push_back(std::move(judged).value());
+    KeepRegistrations(in, *judged, reselection);
+    if (merged) judged->object.merged = groups.at(object.id);
+    map.objects.push_back(std::move(judged->object));
   }
   return reselection;
 }
@@ -443,6 +463,8 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
       {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
       {"objects.json", artifact::EncodeObjectMap(map, "objects.json")},
       {"candidates.json", artifact::EncodeProposals(reselection->made, "candidates.json")},
+      {"registrations.json",
+       artifact::EncodeRegistrations(reselection->registrations, "registrations.json")},
       {"tracks.json", artifact::EncodeAssociation(in->association, "tracks.json")}};
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();

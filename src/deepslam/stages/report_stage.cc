@@ -230,7 +230,8 @@ void AddThumbnails(const StageContext& context,
     if (found == by_id.end()) return;
     const ShapeCandidate& candidate = *found->second;
     const std::string_view stage = rows[i].chosen ? "loops" : StageOfModel(candidate.source);
-    const Result<VoxelGrid> model = ReadModel(context, stage, candidate.model);
+    Result<VoxelGrid> model = ReadModel(context, stage, candidate.model);
+    if (!model.ok()) model = ReadModel(context, "loops", candidate.model);  // made, not chosen
     if (model.ok()) rows[i].thumbnail = Thumbnail(*model, pictured.colour);
   });
 }
