@@ -39,7 +39,7 @@ Result<std::string> SourceHash(const LibraryArguments& arguments,
                                const std::vector<std::string>& withheld) {
   const Result<std::string> catalogues = artifact::HashFolder(arguments.catalogues);
   if (!catalogues.ok()) return catalogues.error();
-  std::string text = fmt::format("{} {} {}", stages::kToolVersion, library::kLibraryRecipe, *catalogues);
+  std::string text = fmt::format("{} {}", stages::kToolVersion, *catalogues);
   for (const std::string& id : withheld) text += "\n" + id;
   return Sha256Hex(text);
 }
@@ -99,11 +99,7 @@ int BuildLibrary(const LibraryArguments& arguments) {
   }
   listener.StageDone(
       "library",
-      fmt::format("{} models and {} mirror images of {} catalogue items{}",
-                  total,
-                  summary->num_mirrored,
-                  summary->num_catalogue_items,
-                  line),
+      fmt::format("{} models of {} catalogue items{}", total, summary->num_catalogue_items, line),
       {SecondsSince(start), 0, 0});
   if (Status status = artifact::WriteFileAtomically(stamp, *source); !status.ok())
     return ReportError(status.error());

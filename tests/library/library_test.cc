@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -244,33 +243,6 @@ TEST_F(Library, HoldsEachProductOnceAndSaysWhatItLeftOut) {
   const std::string licences = ReadText(options_.out / "LICENSES.txt");
   EXPECT_THAT(licences, HasSubstr("test/chair: Chair by Ren\xC3\xA9, Public domain"));
   EXPECT_THAT(licences, HasSubstr("do as you please"));
-}
-
-TEST_F(Library, HoldsTheMirrorImageOfWhatIsMadeForOneHand) {
-  TriangleMesh desk = TableMesh(1.4F, 0.7F, 0.74F, 0.05F);
-  testing_support::AddBox(
-      {-0.25F, 0.25F, 0.05F}, {0.25F, 0.6F, 0.65F}, desk);  // drawers, to the left
-  WriteZip(dir_.path() / "Desks.sh3f",
-           {{"PluginFurnitureCatalog.properties",
-             "name=Desks\nlicense=Public domain\n" +
-                 Item(1, "Test#desk", "Desk", "a/desk.obj", "140 70 74")},
-            {"a/desk.obj", ObjText(desk)}});
-  const Result<LibrarySummary> summary = Build();
-  ASSERT_TRUE(summary.ok()) << summary.error().message;
-  EXPECT_EQ(summary->num_mirrored, 1) << testing::PrintToString(summary->dropped);
-  const Result<ModelLibrary> library = LoadLibrary(options_.out);
-  ASSERT_TRUE(library.ok()) << library.error().message;
-  const auto model = [&](const std::string& id) {
-    return *std::find_if(library->models.begin(),
-                         library->models.end(),
-                         [&](const LibraryModel& each) { return each.id == id; });
-  };
-  EXPECT_EQ(model("test/desk-mirrored").class_name, "table");
-  EXPECT_EQ(model("test/desk-mirrored").size_m, model("test/desk").size_m);
-  EXPECT_NE(model("test/desk-mirrored").checksum, model("test/desk").checksum);
-  EXPECT_LT(
-      shape::GridIntersectionOverUnion(model("test/desk-mirrored").shape, model("test/desk").shape),
-      0.9);
 }
 
 TEST_F(Library, IsTheSameWhenBuiltAgain) {

@@ -8,7 +8,6 @@
 #include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/library_files.h"
-#include "deepslam/library/mirrored.h"
 #include "deepslam/library/products.h"
 #include "deepslam/shape/stretch.h"
 
@@ -104,9 +103,6 @@ Result<LibrarySummary> BuildLibrary(const BuildLibraryOptions& options, Progress
     ++summary.per_class[product.class_name];
     library.models.push_back(std::move(product.model));
   }
-  const std::size_t num_products = library.models.size();
-  AddMirrored(library.models);
-  summary.num_mirrored = static_cast<int>(library.models.size() - num_products);
   std::sort(library.models.begin(),
             library.models.end(),
             [](const LibraryModel& a, const LibraryModel& b) { return a.id < b.id; });

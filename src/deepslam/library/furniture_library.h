@@ -23,9 +23,6 @@ namespace deepslam::library {
 // library, written by a newer program, a model file missing or with another checksum.
 [[nodiscard]] Result<ModelLibrary> LoadLibrary(const std::filesystem::path& folder);
 
-// Raised when equal catalogues and options give another library, so that the old one is made anew.
-inline constexpr int kLibraryRecipe = 2;
-
 struct BuildLibraryOptions {
   std::filesystem::path catalogues;  // folder with *.sh3f catalogues
   std::filesystem::path
@@ -36,14 +33,12 @@ struct BuildLibraryOptions {
 
 struct LibrarySummary {
   int num_catalogue_items = 0;           // items of all catalogues
-  std::map<std::string, int> per_class;  // products written
-  int num_mirrored = 0;  // mirror images written beside them, of products made for one hand
+  std::map<std::string, int> per_class;  // models written
   std::vector<std::string> dropped;  // "id: reason" of items of a mapped class that did not enter
   std::string checksum;              // of the library
 };
 
-// Designs made for one hand (mirrored.h) enter as their mirror images, too. Deterministic: equal
-// catalogues and options give equal bytes.
+// Deterministic: equal catalogues and options give equal bytes.
 [[nodiscard]] Result<LibrarySummary> BuildLibrary(const BuildLibraryOptions& options,
                                                   Progress& progress);
 
