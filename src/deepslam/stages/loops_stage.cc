@@ -38,7 +38,7 @@ constexpr int kEvidencePointsPerView = 300;
 constexpr int kSurroundingsStridePx = 8;  // enough for a share; a view gives a few hundred points
 constexpr float kMaxSurroundingsDepthM = 5.0F;
 // Views that the loops move further against each other were judged where the object was not.
-constexpr double kMovedApart_m = 0.05;
+constexpr double kMovedApart_m = 0.10;
 
 // Everything the stage reads. Where loops were closed by appearance, cameras, ground and objects
 // stand where these put them.
