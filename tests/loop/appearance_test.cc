@@ -6,6 +6,7 @@
 #include "deepslam/loop/feature_pose.h"
 #include "deepslam/loop/keyframe_path.h"
 #include "deepslam/loop/similar_keyframes.h"
+#include "loop/registered_loops.h"
 #include "loop/textured_room.h"
 #include "support/pose_matchers.h"
 
@@ -14,24 +15,18 @@ namespace {
 
 using ::deepslam::testing_support::PoseNear;
 using testing_support::kCamera;
+using testing_support::AsProposed;
+using testing_support::ExpectRegistrationToBearOut;
+using testing_support::FeaturesAlong;
+using testing_support::kFeatures;
 using testing_support::Looking;
 using testing_support::Photograph;
 using testing_support::Round;
 using testing_support::TexturedRoom;
 using testing_support::Tracked;
 
-constexpr int kFeatures = 500;
-
 KeyframeFeatures FeaturesOf(const TexturedRoom& room, const Pose3& pose, int idx) {
   return ExtractFeatures(Photograph(room, pose, idx), kCamera, kFeatures);
-}
-
-std::vector<KeyframeFeatures> FeaturesAlong(const TexturedRoom& room,
-                                            const std::vector<Pose3>& poses) {
-  std::vector<KeyframeFeatures> features;
-  for (const Pose3& pose : poses)
-    features.push_back(FeaturesOf(room, pose, static_cast<int>(features.size())));
-  return features;
 }
 
 // Tracking that is off more and more: by `end` at the last keyframe.
@@ -222,13 +217,6 @@ AppearanceLoop Loop(const std::vector<Pose3>& truth, int i, int j, const Pose3& 
           ""};
 }
 
-std::vector<KeyframeRegistration> AsProposed(const std::vector<AppearanceLoop>& proposed) {
-  std::vector<KeyframeRegistration> registrations;
-  for (const AppearanceLoop& loop : proposed)
-    registrations.push_back({true, loop.old_from_new, 1e6 * Matrix6d::Identity(), 0.95, 0.9});
-  return registrations;
-}
-
 std::vector<int> AcceptedNewKeyframes(const AcceptedAppearance& result) {
   std::vector<int> accepted;
   for (const AppearanceLoop& loop : result.loops) {
@@ -276,17 +264,9 @@ TEST(AcceptAppearanceLoops, RegistrationHasToBearThemOut) {
   const AppearanceOptions options;
   const std::vector<AppearanceLoop> loops = {
       Loop(truth, 1, 61), Loop(truth, 3, 63), Loop(truth, 5, 65)};
-  const auto num_edges = [&](const auto& change) {
-    std::vector<KeyframeRegistration> registrations = AsProposed(loops);
-    for (KeyframeRegistration& registration : registrations) change(registration);
+  ExpectRegistrationToBearOut(loops, [&](const auto& registrations) {
     return AcceptAppearanceLoops(loops, registrations, odometry, options).edges.size();
-  };
-  EXPECT_EQ(num_edges([](KeyframeRegistration&) {}), 3u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.ok = false; }), 0u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.agreement = 0.5; }), 0u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.brightness_correlation = 0.3; }), 0u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.old_from_new.translation_m.x() += 0.4; }),
-            0u);
+  });
 }
 
 TEST(RefuseContradicted, DropsWhatTheSolutionDoesNotBearOut) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/parallel.h"
+#include "loop/registered_loops.h"
 #include "loop/textured_room.h"
 #include "support/pose_matchers.h"
 
@@ -10,9 +11,10 @@ namespace deepslam::loop {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
-using testing_support::kCamera;
+using testing_support::AsProposed;
+using testing_support::ExpectRegistrationToBearOut;
+using testing_support::FeaturesAlong;
 using testing_support::Looking;
-using testing_support::Photograph;
 using testing_support::TexturedRoom;
 using testing_support::Tracked;
 
@@ -23,16 +25,6 @@ std::vector<Pose3> Along() {
   return poses;
 }
 
-std::vector<KeyframeFeatures> FeaturesAlong(const TexturedRoom& room,
-                                            const std::vector<Pose3>& poses) {
-  std::vector<KeyframeFeatures> features;
-  for (const Pose3& pose : poses) {
-    const auto idx = static_cast<int>(features.size());
-    features.push_back(ExtractFeatures(Photograph(room, pose, idx), kCamera, 500));
-  }
-  return features;
-}
-
 // From keyframe 6 on everything stands `slide` off.
 std::vector<Pose3> Slid(std::vector<Pose3> poses, const Pose3& slide) {
   for (std::size_t k = 6; k < poses.size(); ++k) poses[k] = slide * poses[k];
@@ -40,13 +32,6 @@ std::vector<Pose3> Slid(std::vector<Pose3> poses, const Pose3& slide) {
 }
 
 const Pose3 kSlide{Eigen::Quaterniond::Identity(), {0.5, 0.3, 0}};
-
-std::vector<KeyframeRegistration> AsProposed(const std::vector<AppearanceLoop>& proposed) {
-  std::vector<KeyframeRegistration> registrations;
-  for (const AppearanceLoop& pair : proposed)
-    registrations.push_back({true, pair.old_from_new, 1e6 * Matrix6d::Identity(), 0.95, 0.9});
-  return registrations;
-}
 
 TEST(Neighbours, WhatDepthAloneTrackedIsMeasuredAgainWhereverItSlid) {
   const TexturedRoom room;
@@ -92,17 +77,9 @@ TEST(Neighbours, RegistrationHasToBearThemOut) {
   const std::vector<AppearanceLoop> proposed =
       ProposeNeighbours(FeaturesAlong(room, truth), Tracked(truth), true, {});
   ASSERT_FALSE(proposed.empty());
-  const auto num_edges = [&](const auto& change) {
-    std::vector<KeyframeRegistration> registrations = AsProposed(proposed);
-    for (KeyframeRegistration& registration : registrations) change(registration);
+  ExpectRegistrationToBearOut(proposed, [&](const auto& registrations) {
     return AcceptNeighbours(proposed, registrations, {}).size();
-  };
-  EXPECT_EQ(num_edges([](KeyframeRegistration&) {}), proposed.size());
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.ok = false; }), 0u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.agreement = 0.5; }), 0u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.brightness_correlation = 0.3; }), 0u);
-  EXPECT_EQ(num_edges([](KeyframeRegistration& r) { r.old_from_new.translation_m.x() += 0.4; }),
-            0u);
+  });
 }
 
 TEST(Neighbours, TilesAndBareWallsGiveNothingWrong) {
