@@ -75,6 +75,28 @@ TEST(LoadNetworkDetector, RefusesForeignNetworksAndSaysWhatTheyAre) {
   ExpectRefused(WriteOnnx(network), "1x6x84");
 }
 
+TEST(LoadNetworkDetector, MeasuresOutputsThatAreLeftOpen) {
+  TinyNetwork network = TableNetwork();
+  network.outputs[0].stated_shape = {1, 6, -1};
+  const auto detector = LoadNetworkDetector(WriteOnnx(network), {});
+  ASSERT_TRUE(detector.ok()) << detector.error().message;
+  const auto found = (*detector)->Detect(ColourImage(64, 64));
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  EXPECT_THAT(*found, SizeIs(1));
+}
+
+TEST(LoadNetworkDetector, DoesNotTrustTheShapeThatAFileStates) {
+  // As many values as are stated would reach far beyond those that come.
+  TinyNetwork network = TableNetwork();
+  network.input_shape = {1, 3, 640, 640};
+  network.outputs[0].stated_shape = {1, 6, 8400};
+  const auto detector = LoadNetworkDetector(WriteOnnx(network), {});
+  if (!detector.ok()) return;
+  const auto found = (*detector)->Detect(ColourImage(64, 64));
+  ASSERT_FALSE(found.ok());
+  EXPECT_THAT(found.error().message, HasSubstr("shapes"));
+}
+
 TEST(LoadNetworkDetector, FallsBackToCocoLabels) {
   TinyNetwork network;
   std::vector<float> head(84 * kAnchors64, 0.0F);

@@ -16,7 +16,8 @@ struct TinyNetwork {
   struct Tensor {
     std::vector<std::int64_t> shape;
     std::vector<float> values;
-    std::string name = {};  // empty: output0, output1 ...
+    std::string name = {};                        // empty: output0, output1 ...
+    std::vector<std::int64_t> stated_shape = {};  // empty: the shape it has
   };
   struct Input {
     std::string name;
@@ -53,10 +54,12 @@ inline std::string Bytes(int field, std::string_view content) {
   return bytes;
 }
 
-// ValueInfoProto of a float tensor.
+// ValueInfoProto of a float tensor; sides below 1 are left open.
 inline std::string Value(const std::string& name, const std::vector<std::int64_t>& shape) {
   std::string dims;
-  for (const std::int64_t side : shape) dims += Bytes(1, Number(1, side));
+  for (const std::int64_t side : shape) {
+    dims += Bytes(1, side > 0 ? Number(1, side) : Bytes(2, "open"));
+  }
   std::string tensor = Number(1, 1);
   tensor += Bytes(2, dims);
   std::string value = Bytes(1, name);
@@ -88,7 +91,9 @@ inline std::string WriteOnnx(const TinyNetwork& network) {
     std::memcpy(raw.data(), tensor.values.data(), raw.size());
     initializer += Bytes(9, raw);
     initializers += Bytes(5, initializer);
-    outputs += Bytes(12, tiny_onnx::Value(name, tensor.shape));
+    outputs += Bytes(
+        12,
+        tiny_onnx::Value(name, tensor.stated_shape.empty() ? tensor.shape : tensor.stated_shape));
   }
   graph += Bytes(2, "tiny");
   graph += initializers;

@@ -1,6 +1,7 @@
 #include "deepslam/detect/find_walls.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -31,25 +32,34 @@ Eigen::Vector2d Direction(int angle) {
   return {std::cos(rad), std::sin(rad)};
 }
 
+using Directions = std::array<Eigen::Vector2d, kNumAngles>;
+
+Directions AllDirections() {
+  Directions directions;
+  for (int angle = 0; angle < kNumAngles; ++angle)
+    directions[static_cast<std::size_t>(angle)] = Direction(angle);
+  return directions;
+}
+
 // The line with the most area on it (Hough), to half a step.
 std::optional<Wall> StrongestLine(std::span<const UprightPoint> points,
-                                  const std::vector<bool>& taken) {
+                                  const std::vector<bool>& taken,
+                                  const Directions& directions) {
   constexpr auto kNumSteps = static_cast<std::size_t>(kReach_m / kStep_m);
   std::vector<double> votes(kNumAngles * kNumSteps, 0.0);
   for (std::size_t n = 0; n < points.size(); ++n) {
     if (taken[n]) continue;
-    for (int angle = 0; angle < kNumAngles; ++angle) {
-      const double distance_m = Direction(angle).dot(points[n].on_ground_m);
+    for (std::size_t angle = 0; angle < kNumAngles; ++angle) {
+      const double distance_m = directions[angle].dot(points[n].on_ground_m);
       if (!(distance_m > 0 && distance_m < kReach_m)) continue;
       const auto step = std::min(kNumSteps - 1, static_cast<std::size_t>(distance_m / kStep_m));
-      votes[static_cast<std::size_t>(angle) * kNumSteps + step] += AreaOf(points[n]);
+      votes[angle * kNumSteps + step] += AreaOf(points[n]);
     }
   }
   const auto best = std::max_element(votes.begin(), votes.end());
   if (!(*best > 0)) return std::nullopt;
   const auto at = static_cast<std::size_t>(best - votes.begin());
-  return Wall{Direction(static_cast<int>(at / kNumSteps)),
-              (static_cast<double>(at % kNumSteps) + 0.5) * kStep_m};
+  return Wall{directions[at / kNumSteps], (static_cast<double>(at % kNumSteps) + 0.5) * kStep_m};
 }
 
 // Least squares on the points within twice the tolerance.
@@ -111,8 +121,9 @@ double WallTolerance_m(double depth_m) { return 0.04 + 0.006 * depth_m * depth_m
 std::vector<Wall> FindWalls(std::span<const UprightPoint> points) {
   std::vector<Wall> walls;
   std::vector<bool> taken(points.size(), false);
+  const Directions directions = AllDirections();
   for (int attempt = 0; attempt < kMostWalls; ++attempt) {
-    std::optional<Wall> wall = StrongestLine(points, taken);
+    std::optional<Wall> wall = StrongestLine(points, taken, directions);
     for (int round = 0; round < 3 && wall; ++round) wall = Refined(points, taken, *wall);
     if (!wall) break;
     for (std::size_t n = 0; n < points.size(); ++n) {

@@ -64,6 +64,12 @@ std::vector<float> PlanarInput(const ColourImage& image,
   return input;
 }
 
+using OutputShapes = std::vector<std::vector<std::int64_t>>;
+
+Error NoFloatTensors() {
+  return InvalidInput("the network's outputs are no float tensors: not a known detector");
+}
+
 class NetworkDetector final : public Detector {
  public:
   NetworkDetector(Ort::Env env, Ort::Session session, const DetectorOptions& options)
@@ -75,12 +81,16 @@ class NetworkDetector final : public Detector {
 
  private:
   [[nodiscard]] Status PrepareInput();
+  [[nodiscard]] Result<OutputShapes> StatedOutputShapes() const;
+  [[nodiscard]] Result<OutputShapes> ShapesOfAPass() const;
+  [[nodiscard]] bool HasOutputShapes(const std::vector<Ort::Value>& outputs) const;
   [[nodiscard]] std::vector<Ort::Value> Run(std::vector<float>& input) const;
 
   Ort::Env env_;
   mutable Ort::Session session_;  // Run() is thread-safe but not const
   DetectorOptions options_;
   HeadLayout layout_;
+  OutputShapes output_shapes_;
   std::vector<std::string> labels_;
   std::string input_name_;
   std::vector<std::string> output_names_;
@@ -122,26 +132,48 @@ Status NetworkDetector::PrepareInput() {
   return Ok();
 }
 
-Status NetworkDetector::Prepare() {
-  if (const Status status = PrepareInput(); !status.ok()) return status;
-  labels_ = ParseNames(Metadata(session_, "names"));
-  // A forward pass of a grey image shows the outputs' real shapes, which a network may leave open.
+// Nothing where the network leaves one of them open.
+Result<OutputShapes> NetworkDetector::StatedOutputShapes() const {
+  OutputShapes shapes;
+  for (std::size_t i = 0; i < session_.GetOutputCount(); ++i) {
+    const Ort::TypeInfo type = session_.GetOutputTypeInfo(i);
+    if (type.GetONNXType() != ONNX_TYPE_TENSOR) return NoFloatTensors();
+    const auto tensor = type.GetTensorTypeAndShapeInfo();
+    if (tensor.GetElementType() != ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT) return NoFloatTensors();
+    shapes.push_back(tensor.GetShape());
+    if (std::ranges::any_of(shapes.back(), [](std::int64_t side) { return side <= 0; }))
+      return OutputShapes();
+  }
+  return shapes;
+}
+
+// What a forward pass of a grey image gives.
+Result<OutputShapes> NetworkDetector::ShapesOfAPass() const {
   std::vector<float> input(3 * static_cast<std::size_t>(layout_.input_width) *
                                static_cast<std::size_t>(layout_.input_height),
                            0.5F);
-  const std::vector<Ort::Value> outputs = Run(input);
-  std::vector<std::vector<std::int64_t>> shapes;
-  for (const Ort::Value& output : outputs) {
+  OutputShapes shapes;
+  for (const Ort::Value& output : Run(input)) {
     if (!output.IsTensor() || output.GetTensorTypeAndShapeInfo().GetElementType() !=
                                   ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT) {
-      return InvalidInput("the network's outputs are no float tensors: not a known detector");
+      return NoFloatTensors();
     }
     shapes.push_back(output.GetTensorTypeAndShapeInfo().GetShape());
   }
+  return shapes;
+}
+
+Status NetworkDetector::Prepare() {
+  if (const Status status = PrepareInput(); !status.ok()) return status;
+  labels_ = ParseNames(Metadata(session_, "names"));
+  Result<OutputShapes> shapes = StatedOutputShapes();
+  if (shapes.ok() && shapes->empty()) shapes = ShapesOfAPass();
+  if (!shapes.ok()) return shapes.error();
   Result<HeadLayout> layout = RecogniseHead(
-      shapes, static_cast<int>(labels_.size()), layout_.input_width, layout_.input_height);
+      *shapes, static_cast<int>(labels_.size()), layout_.input_width, layout_.input_height);
   if (!layout.ok()) return layout.error();
   layout_ = *layout;
+  output_shapes_ = *std::move(shapes);
   if (labels_.empty() && layout_.num_classes == static_cast<int>(CocoLabels().size())) {
     labels_ = CocoLabels();
   }
@@ -164,6 +196,19 @@ std::vector<Ort::Value> NetworkDetector::Run(std::vector<float>& input) const {
       Ort::RunOptions{nullptr}, &input_name, &tensor, 1, outputs.data(), outputs.size());
 }
 
+// What a file states of its outputs need not be true.
+bool NetworkDetector::HasOutputShapes(const std::vector<Ort::Value>& outputs) const {
+  return std::ranges::equal(outputs,
+                            output_shapes_,
+                            [](const Ort::Value& output, const std::vector<std::int64_t>& shape) {
+                              if (!output.IsTensor()) return false;
+                              const auto tensor = output.GetTensorTypeAndShapeInfo();
+                              return tensor.GetElementType() ==
+                                         ONNX_TENSOR_ELEMENT_DATA_TYPE_FLOAT &&
+                                     tensor.GetShape() == shape;
+                            });
+}
+
 Result<std::vector<RawDetection>> NetworkDetector::Detect(const ColourImage& image) const try {
   if (image.empty()) return std::vector<RawDetection>();
   const Padding padding = layout_.kind == HeadKind::kYoloX ? Padding::kTopLeft : Padding::kCentred;
@@ -171,6 +216,8 @@ Result<std::vector<RawDetection>> NetworkDetector::Detect(const ColourImage& ima
       image.width(), image.height(), layout_.input_width, layout_.input_height, padding);
   std::vector<float> input = PlanarInput(image, letterbox, layout_);
   const std::vector<Ort::Value> outputs = Run(input);
+  if (!HasOutputShapes(outputs))
+    return InvalidInput("the network's outputs have other shapes than its file states");
   const auto values = [](const Ort::Value& output) {
     return std::span<const float>(output.GetTensorData<float>(),
                                   output.GetTensorTypeAndShapeInfo().GetElementCount());

@@ -41,4 +41,18 @@ struct Similarity3 {
   return Similarity3::From(c_from_b, 1.0) * b_from_a;
 }
 
+// The same by its matrix, for many points.
+struct SimilarityMatrix {
+  explicit SimilarityMatrix(const Similarity3& b_from_a)
+      : rotation(b_from_a.rotation.toRotationMatrix()),
+        linear(b_from_a.scale * rotation),
+        translation_m(b_from_a.translation_m) {}
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& x_a) const {
+    return linear * x_a + translation_m;
+  }
+  Eigen::Matrix3d rotation;
+  Eigen::Matrix3d linear;  // scale * rotation
+  Eigen::Vector3d translation_m;
+};
+
 }  // namespace deepslam

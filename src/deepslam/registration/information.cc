@@ -35,20 +35,22 @@ ViewFit FitOfView(const shape::ShapeModel& model,
                   double radius_m,
                   bool is_round) {
   ViewFit fit;
-  const Similarity3 object_from_camera = Similarity3::From(camera_from_object, scale_m).Inverse();
+  const SimilarityMatrix object_from_camera(
+      Similarity3::From(camera_from_object, scale_m).Inverse());
   Matrix6d hessian_camera = Matrix6d::Zero();
   double squares = 0;
   double noise_squares = 0;
   for (std::size_t i = 0; i < view.points_camera.size(); ++i) {
-    const PointMatch match =
-        MatchPoint(model, object_from_camera, view.points_camera[i], view.normals_camera[i]);
+    const Eigen::Vector3d point = view.points_camera[i].cast<double>();
+    const Eigen::Vector3d normal = view.normals_camera[i].cast<double>();
+    const PointMatch match = MatchPoint(
+        model, object_from_camera * point, object_from_camera.rotation * normal, scale_m);
     if (match.distance_m >= radius_m || match.facing <= 0) continue;
     ++fit.num_inliers;
     squares += match.plane_residual_m * match.plane_residual_m;
     noise_squares += std::pow(view.sigmas_m[i], 2);
     const double weight = match.facing * std::pow(1 - std::pow(match.distance_m / radius_m, 2), 2);
-    hessian_camera += weight * ResidualHessian(view.normals_camera[i].cast<double>(),
-                                               view.points_camera[i].cast<double>());
+    hessian_camera += weight * ResidualHessian(normal, point);
   }
   Matrix6d hessian = Matrix6d::Zero();
   if (fit.num_inliers > 0) {

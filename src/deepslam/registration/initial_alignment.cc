@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "deepslam/core/wide_vectors.h"
+
 namespace deepslam::registration {
 namespace {
 
@@ -39,19 +41,59 @@ Points MeasuredPoints(const MeasuredView& view) {
   return points;
 }
 
+// Coordinates side by side, filled up to whole lanes by points that are near to nothing.
+class PointColumns {
+ public:
+  static constexpr std::size_t kLanes = 8;
+  explicit PointColumns(const Points& points) {
+    for (std::vector<float>& column : columns_)
+      column.assign((points.size() + kLanes - 1) / kLanes * kLanes, kFar);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        columns_[axis][n] = static_cast<float>(points[n][static_cast<Eigen::Index>(axis)]);
+    }
+  }
+  [[nodiscard]] std::size_t size() const { return columns_[0].size(); }
+  [[nodiscard]] const float* data(std::size_t axis) const { return columns_[axis].data(); }
+
+ private:
+  static constexpr float kFar = 1e6F;
+  std::array<std::vector<float>, 3> columns_;
+};
+
+// Squared distances of the first points of `from`, as many as `squares` holds, to their nearest
+// ones of `to`.
+DEEPSLAM_WIDE_VECTORS void NearestSquares(const PointColumns& from,
+                                          const PointColumns& to,
+                                          std::vector<float>& squares) {
+  constexpr std::size_t kLanes = PointColumns::kLanes;
+  const float* const x = to.data(0);
+  const float* const y = to.data(1);
+  const float* const z = to.data(2);
+  for (std::size_t n = 0; n < squares.size(); ++n) {
+    const float px = from.data(0)[n], py = from.data(1)[n], pz = from.data(2)[n];
+    std::array<float, kLanes> nearest;
+    nearest.fill(std::numeric_limits<float>::infinity());
+    for (std::size_t k = 0; k < to.size(); k += kLanes) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const float dx = x[k + lane] - px, dy = y[k + lane] - py, dz = z[k + lane] - pz;
+        const float square = dx * dx + dy * dy + dz * dz;
+        nearest[lane] = square < nearest[lane] ? square : nearest[lane];
+      }
+    }
+    squares[n] = *std::min_element(nearest.begin(), nearest.end());
+  }
+}
+
 // Sum of the kept (smallest) squared distances to the nearest neighbour, and how many.
 std::pair<double, double> TrimmedSquares(const Points& from, const Points& to) {
-  std::vector<double> squares;
-  for (const Eigen::Vector3d& point : from) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3d& other : to) best = std::min(best, (point - other).squaredNorm());
-    squares.push_back(best);
-  }
+  std::vector<float> squares(from.size());
+  NearestSquares(PointColumns(from), PointColumns(to), squares);
   std::sort(squares.begin(), squares.end());
   const auto kept =
       static_cast<std::size_t>(std::ceil(kKeptShare * static_cast<double>(squares.size())));
   double sum = 0;
-  for (std::size_t i = 0; i < kept; ++i) sum += squares[i];
+  for (std::size_t i = 0; i < kept; ++i) sum += static_cast<double>(squares[i]);
   return {sum, static_cast<double>(kept)};
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/geometry/depth_noise.h"
 #include "deepslam/shape/view_points.h"
 
@@ -253,21 +254,22 @@ std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
                                        int max_side_px,
                                        double patch_m) {
   std::vector<MeasuredView> measured(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     MeasuredView& out = measured[i];
     out.view = views[i].detection;
     out.frame = views[i].frame;
     out.touches_border = views[i].touches_border;
-    if (!IsUsable(views[i])) continue;
+    if (!IsUsable(views[i])) return;
     out.world_from_camera = views[i].world_from_camera;
     AddPoints(views[i], max_points, out);
     const int side = std::max(views[i].depth_crop_m.width(), views[i].depth_crop_m.height());
     AddReducedCrop(views[i], (side + max_side_px - 1) / max_side_px, out);
     AddNormals(out);
     AddNearestObjectPixel(out);
-  }
-  std::vector<std::vector<bool>> outvoted;
-  for (const MeasuredView& view : measured) outvoted.push_back(Outvoted(view, measured));
+  });
+  std::vector<std::vector<bool>> outvoted(measured.size());
+  ParallelFor(measured.size(),
+              [&](std::size_t i) { outvoted[i] = Outvoted(measured[i], measured); });
   for (std::size_t i = 0; i < measured.size(); ++i) {
     RemovePoints(outvoted[i], measured[i]);
     AddStatistics(patch_m, measured[i]);

@@ -1,10 +1,13 @@
 #include "deepslam/registration/similarity_icp.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/depth_noise.h"
 
 namespace deepslam::registration {
@@ -44,23 +47,35 @@ double PointSigma(double depth_sigma_m, double scale_m) {
 }
 
 // The normal equations of a small motion of the object in its own metric frame: (translation;
-// rotation; log scale).
-struct Equations {
-  Matrix7d hessian = Matrix7d::Zero();
-  Vector7d gradient = Vector7d::Zero();
-  int num_residuals = 0;
-
-  // Of the hessian the lower triangle, which is what Cholesky reads.
+// rotation; log scale). Summed column by column with the residual as an eighth row, so that a row
+// of the Jacobian is whole vectors.
+class Equations {
+ public:
   void Add(const Vector7d& jacobian, double residual, double weight) {
-    const Vector7d weighted = weight * jacobian;
-    for (int column = 0; column < 7; ++column) {
-      for (int row = column; row < 7; ++row) {
-        hessian(row, column) += weighted[row] * jacobian[column];
-      }
+    ++num_residuals_;
+    if (weight == 0) return;
+    std::array<double, kRows> row;
+    for (std::size_t k = 0; k < kColumns; ++k) row[k] = jacobian[static_cast<Eigen::Index>(k)];
+    row[kColumns] = residual;
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      const double weighted = weight * row[column];
+      for (std::size_t k = 0; k < kRows; ++k) sums_[column * kRows + k] += weighted * row[k];
     }
-    gradient.noalias() += weight * residual * jacobian;
-    ++num_residuals;
   }
+
+  [[nodiscard]] Matrix7d Hessian() const { return Sums().topRows<7>(); }
+  [[nodiscard]] Vector7d Gradient() const { return Sums().row(7); }
+  [[nodiscard]] bool empty() const { return num_residuals_ == 0; }
+
+ private:
+  static constexpr std::size_t kColumns = 7;
+  static constexpr std::size_t kRows = 8;
+  [[nodiscard]] Eigen::Map<const Eigen::Matrix<double, 8, 7>> Sums() const {
+    return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(sums_.data());
+  }
+
+  alignas(32) std::array<double, kRows * kColumns> sums_{};
+  int num_residuals_ = 0;
 };
 
 // d(n . x)/d(motion) of a point x that moves with the object (metric object frame).
@@ -125,19 +140,20 @@ BackMatch MatchBack(const MeasuredView& view, const Eigen::Vector3d& q_camera, d
   return match;
 }
 
+// A view relative to the placed model.
 struct PlacedView {
-  Similarity3 camera_from_object;
-  Similarity3 object_from_camera;
-  Eigen::Vector3d camera_object = Eigen::Vector3d::Zero();  // the camera's place, object units
+  PlacedView(const MeasuredView& view, const Similarity3& world_from_object)
+      : PlacedView(view.world_from_camera.Inverse() * world_from_object) {}
+  explicit PlacedView(const Similarity3& placed)
+      : scale_m(placed.scale), camera_from_object(placed), object_from_camera(placed.Inverse()) {}
+  // The camera's place, object units.
+  [[nodiscard]] const Eigen::Vector3d& camera_object() const {
+    return object_from_camera.translation_m;
+  }
+  double scale_m;
+  SimilarityMatrix camera_from_object;
+  SimilarityMatrix object_from_camera;
 };
-
-PlacedView Place(const MeasuredView& view, const Similarity3& world_from_object) {
-  PlacedView placed;
-  placed.camera_from_object = view.world_from_camera.Inverse() * world_from_object;
-  placed.object_from_camera = placed.camera_from_object.Inverse();
-  placed.camera_object = placed.object_from_camera.translation_m;
-  return placed;
-}
 
 void AddForward(const shape::ShapeModel& model,
                 const MeasuredView& view,
@@ -145,21 +161,20 @@ void AddForward(const shape::ShapeModel& model,
                 double radius_m,
                 const SimilarityIcpOptions& options,
                 Equations& equations) {
-  const double scale_m = placed.camera_from_object.scale;
+  const double scale_m = placed.scale_m;
   const double share = std::min(1.0, view.patch_share * options.point_stride);
   const std::size_t stride = static_cast<std::size_t>(options.point_stride);
   for (std::size_t i = 0; i < view.points_camera.size(); i += stride) {
-    const PointMatch match =
-        MatchPoint(model, placed.object_from_camera, view.points_camera[i], view.normals_camera[i]);
-    const Eigen::Vector3d x_m =
-        scale_m * (placed.object_from_camera * view.points_camera[i].cast<double>());
+    const Eigen::Vector3d x = placed.object_from_camera * view.points_camera[i].cast<double>();
+    const Eigen::Vector3d normal =
+        placed.object_from_camera.rotation * view.normals_camera[i].cast<double>();
+    const PointMatch match = MatchPoint(model, x, normal, scale_m);
+    const Eigen::Vector3d x_m = scale_m * x;
     const double sigma = PointSigma(view.sigmas_m[i], scale_m);
     const double information = share / (sigma * sigma);
     const bool beside = options.both_directions && match.beside;
     if (match.facing >= kMinFacing && !beside) {
       const double weight = information * TukeyWeight(match.distance_m, radius_m);
-      const Eigen::Vector3d normal =
-          placed.object_from_camera.rotation * view.normals_camera[i].cast<double>();
       equations.Add(-MotionJacobian(normal, x_m), match.plane_residual_m, weight * match.facing);
     } else if (beside) {
       // A flat surface that goes on past the model's edge: Eq. (1) is zero there wherever the edge
@@ -178,17 +193,18 @@ void AddBackward(VisibleSurface& visible,
                  double radius_m,
                  int point_stride,
                  Equations& equations) {
-  const double scale_m = placed.camera_from_object.scale;
+  const double scale_m = placed.scale_m;
   const double cell_m = VisibleSurface::kCellVoxels * kVoxelSize * scale_m;
   // Each point speaks for those that are left out.
   const double share = point_stride * std::min(1.0, std::pow(cell_m / view.patch_m, 2));
-  const Eigen::Matrix3d object_from_camera = placed.object_from_camera.rotation.toRotationMatrix();
-  const std::vector<SurfacePoint>& seen = visible.From(placed.camera_object);
+  const Eigen::Matrix3d& object_from_camera = placed.object_from_camera.rotation;
+  const std::vector<SurfacePoint>& seen = visible.From(placed.camera_object());
   for (std::size_t i = 0; i < seen.size(); i += static_cast<std::size_t>(point_stride)) {
     const SurfacePoint& surface = seen[i];
     const Eigen::Vector3d q_camera = placed.camera_from_object * surface.point;
     const Eigen::Vector3d q_m = scale_m * surface.point;
     const BackMatch match = MatchBack(view, q_camera, radius_m);
+    if (match.kind != BackMatch::kSurface && match.kind != BackMatch::kFree) continue;
     const double sigma = PointSigma(DepthSigmaM(q_camera.z()), scale_m);
     const double weight = share * TukeyWeight(match.residual_m, radius_m) / (sigma * sigma);
     if (match.kind == BackMatch::kSurface) {
@@ -196,7 +212,7 @@ void AddBackward(VisibleSurface& visible,
       const double facing = normal.dot(surface.normal);
       if (facing < kMinFacing) continue;
       equations.Add(MotionJacobian(normal, q_m), match.residual_m, weight * facing);
-    } else if (match.kind == BackMatch::kFree && weight > 0) {
+    } else {
       for (int axis = 0; axis < 2; ++axis) {
         equations.Add(MotionJacobian(object_from_camera.col(axis), q_m),
                       match.sideways_m[axis],
@@ -271,16 +287,18 @@ void AddPriors(const shape::ShapeModel& model,
 }
 
 // The step, bounded so that a badly conditioned start cannot fling the model away.
-Vector7d SolveStep(Equations equations, bool free_scale, double max_step_m) {
+Vector7d SolveStep(const Equations& equations, bool free_scale, double max_step_m) {
+  Matrix7d hessian = equations.Hessian();
+  Vector7d gradient = equations.Gradient();
   if (!free_scale) {
-    equations.hessian.row(6).setZero();
-    equations.hessian.col(6).setZero();
-    equations.gradient[6] = 0;
+    hessian.row(6).setZero();
+    hessian.col(6).setZero();
+    gradient[6] = 0;
   }
   // Levenberg damping far below any real information; keeps unobserved directions where they are.
-  const double damping = 1e-6 * std::max(1.0, equations.hessian.diagonal().maxCoeff());
-  equations.hessian.diagonal().array() += damping;
-  Vector7d step = -equations.hessian.ldlt().solve(equations.gradient);
+  const double damping = 1e-6 * std::max(1.0, hessian.diagonal().maxCoeff());
+  hessian.diagonal().array() += damping;
+  Vector7d step = -hessian.ldlt().solve(gradient);
   if (!step.allFinite()) return Vector7d::Zero();
   const double too_long = std::max({step.head<3>().norm() / max_step_m,
                                     step.segment<3>(3).norm() / 0.3,
@@ -308,17 +326,15 @@ const MeasuredView* FirstUsable(std::span<const MeasuredView* const> views) {
 }  // namespace
 
 PointMatch MatchPoint(const shape::ShapeModel& model,
-                      const Similarity3& object_from_camera,
-                      const Eigen::Vector3f& point_camera,
-                      const Eigen::Vector3f& normal_camera) {
-  const Eigen::Vector3f x = (object_from_camera * point_camera.cast<double>()).cast<float>();
-  const auto [distance, gradient] = model.At(x);
+                      const Eigen::Vector3d& point_object,
+                      const Eigen::Vector3d& normal_object,
+                      double scale_m) {
+  const auto [distance, gradient] = model.At(point_object.cast<float>());
   const double length = gradient.norm();
-  const double distance_m = distance / object_from_camera.scale;
+  const double distance_m = distance * scale_m;
   PointMatch match{.distance_m = std::abs(distance_m), .plane_residual_m = distance_m};
   if (length < 1e-3) return match;
-  const Eigen::Vector3d normal = object_from_camera.rotation * normal_camera.cast<double>();
-  match.facing = normal.dot(gradient.cast<double>()) / length;
+  match.facing = normal_object.dot(gradient.cast<double>()) / length;
   match.outward_object = gradient.cast<double>() / length;
   match.beside = distance_m > 0 && std::abs(match.facing) < kEdgeFacing;
   match.plane_residual_m =
@@ -326,11 +342,11 @@ PointMatch MatchPoint(const shape::ShapeModel& model,
   return match;
 }
 
-Similarity3 AlignShape(const shape::ShapeModel& model,
-                       VisibleSurface& visible,
-                       std::span<const MeasuredView* const> views,
-                       const Similarity3& world_from_object,
-                       const SimilarityIcpOptions& options) {
+DEEPSLAM_WIDE_VECTORS Similarity3 AlignShape(const shape::ShapeModel& model,
+                                             VisibleSurface& visible,
+                                             std::span<const MeasuredView* const> views,
+                                             const Similarity3& world_from_object,
+                                             const SimilarityIcpOptions& options) {
   const MeasuredView* const any_view = FirstUsable(views);
   if (any_view == nullptr || model.empty()) return world_from_object;
   Similarity3 current = world_from_object;
@@ -345,13 +361,13 @@ Similarity3 AlignShape(const shape::ShapeModel& model,
     Equations equations;
     for (const MeasuredView* view : views) {
       if (view->empty()) continue;
-      const PlacedView placed = Place(*view, current);
+      const PlacedView placed(*view, current);
       AddForward(model, *view, placed, radius_m, options, equations);
       if (options.both_directions) {
         AddBackward(visible, *view, placed, radius_m, options.point_stride, equations);
       }
     }
-    if (equations.num_residuals == 0) break;
+    if (equations.empty()) break;
     AddPriors(model,
               *any_view,
               static_cast<int>(views.size()),
@@ -366,27 +382,30 @@ Similarity3 AlignShape(const shape::ShapeModel& model,
   return current;
 }
 
-double Disagreement(const shape::ShapeModel& model,
-                    VisibleSurface& visible,
-                    std::span<const MeasuredView* const> views,
-                    const Similarity3& world_from_object,
-                    double radius_m,
-                    int point_stride) {
+DEEPSLAM_WIDE_VECTORS double Disagreement(const shape::ShapeModel& model,
+                                          VisibleSurface& visible,
+                                          std::span<const MeasuredView* const> views,
+                                          const Similarity3& world_from_object,
+                                          double radius_m,
+                                          int point_stride) {
   double forward = 0;
   double backward = 0;
   int num_forward = 0;
   int num_backward = 0;
   for (const MeasuredView* view : views) {
     if (view->empty()) continue;
-    const PlacedView placed = Place(*view, world_from_object);
+    const PlacedView placed(*view, world_from_object);
     const std::size_t stride = static_cast<std::size_t>(std::max(1, point_stride));
     for (std::size_t i = 0; i < view->points_camera.size(); i += stride) {
-      const PointMatch match = MatchPoint(
-          model, placed.object_from_camera, view->points_camera[i], view->normals_camera[i]);
+      const PointMatch match =
+          MatchPoint(model,
+                     placed.object_from_camera * view->points_camera[i].cast<double>(),
+                     placed.object_from_camera.rotation * view->normals_camera[i].cast<double>(),
+                     placed.scale_m);
       forward += match.facing < 0 ? 1.0 : Truncated(match.distance_m, radius_m);
       ++num_forward;
     }
-    const std::vector<SurfacePoint>& seen = visible.From(placed.camera_object);
+    const std::vector<SurfacePoint>& seen = visible.From(placed.camera_object());
     for (std::size_t i = 0; i < seen.size(); i += stride) {
       const BackMatch match = MatchBack(*view, placed.camera_from_object * seen[i].point, radius_m);
       if (match.kind == BackMatch::kUnknown) continue;

@@ -67,7 +67,8 @@ struct SimilarityIcpOptions {
                                   double radius_m,
                                   int point_stride);
 
-// One measured point against the placed model.
+// A measured point with its normal (object frame, object units) against the model; `scale_m` is
+// metres per object unit.
 struct PointMatch {
   double distance_m = 0;        // to the surface, >= 0
   double plane_residual_m = 0;  // along the measured normal (Eq. 1)
@@ -76,8 +77,8 @@ struct PointMatch {
   Eigen::Vector3d outward_object = Eigen::Vector3d::Zero();  // model normal there, unit
 };
 [[nodiscard]] PointMatch MatchPoint(const shape::ShapeModel& model,
-                                    const Similarity3& object_from_camera,
-                                    const Eigen::Vector3f& point_camera,
-                                    const Eigen::Vector3f& normal_camera);
+                                    const Eigen::Vector3d& point_object,
+                                    const Eigen::Vector3d& normal_object,
+                                    double scale_m);
 
 }  // namespace deepslam::registration

@@ -1,9 +1,8 @@
 #include "deepslam/registration/visible_surface.h"
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
-#include <set>
-#include <tuple>
 
 #include "deepslam/shape/partial_view.h"
 
@@ -13,30 +12,37 @@ namespace {
 constexpr double kStepRad = std::numbers::pi / 12;
 constexpr int kAzimuths = 24;
 
+// Cells along an axis, with one beyond either end for points on the cube's very rim.
+constexpr int kCells = kGridSize / VisibleSurface::kCellVoxels + 2;
+
 // A cell keeps one point per main direction of the normals in it, so that a thin plate keeps its
 // edges.
-std::tuple<int, int, int, int> CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
-  const Eigen::Vector3i cell = ((point.array() + 0.5f) * static_cast<float>(kGridSize) /
-                                static_cast<float>(VisibleSurface::kCellVoxels))
-                                   .floor()
-                                   .cast<int>();
+std::size_t CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+  const Eigen::Array3i cell = ((point.array() + 0.5f) * static_cast<float>(kGridSize) /
+                               static_cast<float>(VisibleSurface::kCellVoxels))
+                                  .floor()
+                                  .cast<int>() +
+                              1;
   Eigen::Index axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
-  return {cell.x(), cell.y(), cell.z(), static_cast<int>(axis)};
+  return static_cast<std::size_t>(((cell.x() * kCells + cell.y()) * kCells + cell.z()) * 3 +
+                                  static_cast<int>(axis));
 }
 
+// The first visible point of each cell.
 std::vector<SurfacePoint> ThinnedView(const shape::ShapeModel& model,
                                       double azimuth_rad,
                                       double elevation_rad) {
+  const shape::PartialView camera(model, azimuth_rad, elevation_rad);
   std::vector<SurfacePoint> view;
-  std::set<std::tuple<int, int, int, int>> cells;
-  std::size_t i = 0;
-  for (const Eigen::Vector3f& visible : shape::PartialView(model, azimuth_rad, elevation_rad)) {
-    while (i < model.surface_points().size() && model.surface_points()[i] != visible) ++i;
-    if (i == model.surface_points().size()) break;
-    const Eigen::Vector3f& normal = model.surface_normals()[i];
-    if (!cells.insert(CellOf(visible, normal)).second) continue;
-    view.push_back({visible.cast<double>(), normal.cast<double>()});
+  std::vector<bool> taken(std::size_t{kCells} * kCells * kCells * 3, false);
+  for (std::size_t n = 0; n < model.surface_points().size(); ++n) {
+    const Eigen::Vector3f& point = model.surface_points()[n];
+    const Eigen::Vector3f& normal = model.surface_normals()[n];
+    const std::size_t cell = CellOf(point, normal);
+    if (taken[cell] || !camera.Shows(n)) continue;
+    taken[cell] = true;
+    view.push_back({point.cast<double>(), normal.cast<double>()});
   }
   return view;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/geometry/depth_noise.h"
 #include "deepslam/shape/render_voxels.h"
 #include "deepslam/shape/view_points.h"
@@ -70,34 +71,56 @@ class PlacedModel {
 
  private:
   const shape::ShapeModel& model_;
-  Similarity3 object_from_camera_;
+  SimilarityMatrix object_from_camera_;
   double scale_m_;
   const SelectOptions& options_;
 };
 
-// Best agreement of what was measured in a pixel and around it: thin parts may be a pixel beside
-// their place.
-double AgreementAround(const PlacedModel& placed, const JudgedView& view, int u, int v) {
-  double best = 0;
-  for (int y = std::max(0, v - 1); y <= std::min(view.depth_m.height() - 1, v + 1); ++y) {
-    for (int x = std::max(0, u - 1); x <= std::min(view.depth_m.width() - 1, u + 1); ++x) {
-      if (view.depth_m(x, y) <= 0) continue;
-      best = std::max(best, placed.AgreementOf(view.camera.Unproject(x, y, view.depth_m(x, y))));
+// How well what each pixel of a view measured lies on the model, asked of every pixel at most once.
+class PixelAgreement {
+ public:
+  PixelAgreement(const PlacedModel& placed, const JudgedView& view)
+      : placed_(placed),
+        view_(view),
+        known_(view.depth_m.width(), view.depth_m.height(), kUnknown) {}
+
+  // Best agreement in a pixel and around it: thin parts may be a pixel beside their place.
+  [[nodiscard]] double Around(int u, int v) {
+    const DepthImage& depth_m = view_.depth_m;
+    double best = 0;
+    for (int y = std::max(0, v - 1); y <= std::min(depth_m.height() - 1, v + 1); ++y) {
+      for (int x = std::max(0, u - 1); x <= std::min(depth_m.width() - 1, u + 1); ++x) {
+        if (depth_m(x, y) > 0) best = std::max(best, At(x, y));
+      }
     }
+    return best;
   }
-  return best;
-}
+
+ private:
+  static constexpr double kUnknown = -1;
+  double At(int u, int v) {
+    double& agreement = known_(u, v);
+    if (agreement == kUnknown)
+      agreement = placed_.AgreementOf(view_.camera.Unproject(u, v, view_.depth_m(u, v)));
+    return agreement;
+  }
+
+  const PlacedModel& placed_;
+  const JudgedView& view_;
+  Image<double> known_;
+};
 
 void AddCoverage(const DepthImage& rendered_m,
                  const PlacedModel& placed,
                  const JudgedView& view,
                  ViewAgreement& agreement) {
+  PixelAgreement agreement_of(placed, view);
   double confirmed = 0;
   double violated = 0;
   for (int v = 0; v < rendered_m.height(); ++v) {
     for (int u = 0; u < rendered_m.width(); ++u) {
       if (rendered_m(u, v) <= 0) continue;
-      const double share = AgreementAround(placed, view, u, v);
+      const double share = agreement_of.Around(u, v);
       const float depth = view.depth_m(u, v);
       const bool is_behind = depth > rendered_m(u, v);
       const bool is_known = depth > 0 && (is_behind || view.mask(u, v) != 0);
@@ -137,11 +160,11 @@ bool IsConfirmed(const shape::ShapeModel& model,
 std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
                                           const SelectOptions& options) {
   std::vector<JudgedView> judged(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     const ObjectView& view = views[i];
     judged[i].view = view.detection;
     judged[i].frame = view.frame;
-    if (!IsUsable(view)) continue;
+    if (!IsUsable(view)) return;
     for (const Eigen::Vector3f& point :
          shape::ExtractViewPoints(view, options.max_points).points_camera) {
       if (point.allFinite() && point.z() > 0) judged[i].points_camera.push_back(point);
@@ -150,7 +173,7 @@ std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
     judged[i].ground_camera = view.ground_camera;
     const int side = std::max(view.depth_crop_m.width(), view.depth_crop_m.height());
     AddReducedCrop(view, (side + options.max_render_px - 1) / options.max_render_px, judged[i]);
-  }
+  });
   return judged;
 }
 

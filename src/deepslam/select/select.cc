@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "deepslam/core/check.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/geometry/facing.h"
 #include "deepslam/select/score.h"
 
@@ -425,13 +426,14 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
     score.note = model.empty() ? "the model is empty" : registration.reason;
     return score;
   }
-  std::vector<Similarity3> camera_from_object;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    camera_from_object.push_back(Similarity3::From(
+  std::vector<Similarity3> camera_from_object(views.size());
+  score.views.resize(views.size());
+  ParallelFor(views.size(), [&](std::size_t i) {
+    camera_from_object[i] = Similarity3::From(
         CameraFromObject(registration, views[i].view, i, views[i].world_from_camera),
-        registration.scale_m));
-    score.views.push_back(MeasureAgreement(model, camera_from_object[i], views[i], options));
-  }
+        registration.scale_m);
+    score.views[i] = MeasureAgreement(model, camera_from_object[i], views[i], options);
+  });
   score.seen_share = SeenShare(model, camera_from_object, views, options);
   const Evidence evidence = Pool(score.views);
   score.surface_share = evidence.surface;

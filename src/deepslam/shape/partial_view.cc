@@ -58,20 +58,15 @@ bool IsSeen(const VoxelGrid& grid,
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> PartialView(const ShapeModel& model,
-                                         double azimuth_rad,
-                                         double elevation_rad) {
-  const Eigen::Vector3f direction = Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                                    std::cos(elevation_rad) * std::sin(azimuth_rad),
-                                                    std::sin(elevation_rad))
-                                        .cast<float>();
-  std::vector<Eigen::Vector3f> visible;
-  for (std::size_t n = 0; n < model.surface_points().size(); ++n) {
-    const Eigen::Vector3f& normal = model.surface_normals()[n];
-    const Eigen::Vector3f& point = model.surface_points()[n];
-    if (IsSeen(model.grid(), point, normal, direction)) visible.push_back(point);
-  }
-  return visible;
+PartialView::PartialView(const ShapeModel& model, double azimuth_rad, double elevation_rad)
+    : model_(model),
+      direction_(Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                                 std::cos(elevation_rad) * std::sin(azimuth_rad),
+                                 std::sin(elevation_rad))
+                     .cast<float>()) {}
+
+bool PartialView::Shows(std::size_t n) const {
+  return IsSeen(model_.grid(), model_.surface_points()[n], model_.surface_normals()[n], direction_);
 }
 
 }  // namespace deepslam::shape

@@ -2,7 +2,7 @@
 // camera-to-model pose).
 #pragma once
 
-#include <vector>
+#include <cstddef>
 
 #include <Eigen/Core>
 
@@ -10,12 +10,20 @@
 
 namespace deepslam::shape {
 
-// Surface points (see ShapeModel::surface_points) that are visible from a camera infinitely far
-// away in direction (cos e cos a, cos e sin a, sin e) of the model, looking at its centre; a =
-// azimuth about z, 0 = in front (+x), e = elevation above the horizon. In the order of the model's
-// surface points.
-[[nodiscard]] std::vector<Eigen::Vector3f> PartialView(const ShapeModel& model,
-                                                       double azimuth_rad,
-                                                       double elevation_rad = 0);
+// A camera infinitely far away in direction (cos e cos a, cos e sin a, sin e) of a model, looking
+// at its centre; a = azimuth about z, 0 = in front (+x), e = elevation above the horizon.
+class PartialView {
+ public:
+  // Keeps a reference to the model.
+  explicit PartialView(const ShapeModel& model, double azimuth_rad, double elevation_rad = 0);
+
+  // Whether the n-th of the model's surface points (ShapeModel::surface_points) is visible: a ray
+  // through the voxels, so ask only of points that matter.
+  [[nodiscard]] bool Shows(std::size_t n) const;
+
+ private:
+  const ShapeModel& model_;
+  Eigen::Vector3f direction_;  // to the camera
+};
 
 }  // namespace deepslam::shape

@@ -102,7 +102,8 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
 
 ShapeModel::Sample ShapeModel::SampleInside(const Eigen::Vector3f& p_object) const {
   const Eigen::Array3f voxel = (p_object.array() + 0.5F) * static_cast<float>(kGridSize) - 0.5F;
-  const Eigen::Array3i base = voxel.floor().cast<int>().max(0).min(kGridSize - 2);
+  // Rounded down by the cast, as nothing inside is negative by more than rounding.
+  const Eigen::Array3i base = voxel.cast<int>().max(0).min(kGridSize - 2);
   const Eigen::Array3f t = voxel - base.cast<float>();
   const TrilinearSample sample =
       SampleTrilinear(field_.data() + VoxelGrid::Index(base.x(), base.y(), base.z()),
@@ -113,11 +114,13 @@ ShapeModel::Sample ShapeModel::SampleInside(const Eigen::Vector3f& p_object) con
 }
 
 ShapeModel::Sample ShapeModel::At(const Eigen::Vector3f& p_object) const {
-  if (empty() || !p_object.allFinite()) return {kEmptyDistance, Eigen::Vector3f::Zero()};
   constexpr float kLimit = 0.5F - 0.5F * kVoxel;  // centres of the outermost voxels
+  const bool is_inside = std::abs(p_object.x()) <= kLimit && std::abs(p_object.y()) <= kLimit &&
+                         std::abs(p_object.z()) <= kLimit;  // false for NaN
+  if (is_inside) return SampleInside(p_object);
+  if (empty() || !p_object.allFinite()) return {kEmptyDistance, Eigen::Vector3f::Zero()};
   const Eigen::Vector3f inside = p_object.cwiseMax(-kLimit).cwiseMin(kLimit);
   const Sample sample = SampleInside(inside);
-  if (inside == p_object) return sample;
   // Beyond the cube: distance to the surface point nearest to the cube's rim.
   const float length = std::max(sample.gradient.norm(), 1e-6F);
   const Eigen::Vector3f nearest = inside - sample.distance / length * sample.gradient;

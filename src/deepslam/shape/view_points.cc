@@ -1,6 +1,7 @@
 #include "deepslam/shape/view_points.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -34,12 +35,11 @@ bool IsCoherent(const ObjectView& view, int u, int v) {
   constexpr int kMinAgreeing = 6;
   const float center = depth_m(u, v);
   const float limit = JumpLimit(view.camera, center, 1);
-  int agreeing = 0;
-  for (int dv = -1; dv <= 1; ++dv) {
-    for (int du = -1; du <= 1; ++du) {
-      if ((du == 0 && dv == 0) || !depth_m.Contains(u + du, v + dv)) continue;
-      const float other = depth_m(u + du, v + dv);
-      if (IsUsable(other) && std::abs(other - center) <= limit) ++agreeing;
+  int agreeing = -1;  // the pixel itself agrees
+  for (int y = std::max(0, v - 1); y <= std::min(depth_m.height() - 1, v + 1); ++y) {
+    for (int x = std::max(0, u - 1); x <= std::min(depth_m.width() - 1, u + 1); ++x) {
+      const float other = depth_m(x, y);
+      agreeing += IsUsable(other) & (std::abs(other - center) <= limit) ? 1 : 0;
     }
   }
   return agreeing >= kMinAgreeing;
@@ -53,15 +53,19 @@ std::optional<Eigen::Vector3f> PatchNormal(const ObjectView& view, int u, int v)
       std::clamp(static_cast<int>(std::lround(kPatchRadius_m * view.camera.fx / center_m)),
                  kMinPatchRadius_px,
                  kMaxPatchRadius_px);
+  std::array<float, kMaxPatchRadius_px + 1> limits;
+  for (int steps = 0; steps <= radius; ++steps)
+    limits[static_cast<std::size_t>(steps)] = JumpLimit(view.camera, center_m, steps);
+  const int left = std::max(-radius, -u), right = std::min(radius, depth_m.width() - 1 - u);
+  const int top = std::max(-radius, -v), bottom = std::min(radius, depth_m.height() - 1 - v);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   int count = 0;
-  for (int dv = -radius; dv <= radius; ++dv) {
-    for (int du = -radius; du <= radius; ++du) {
-      if (!depth_m.Contains(u + du, v + dv)) continue;
+  for (int dv = top; dv <= bottom; ++dv) {
+    for (int du = left; du <= right; ++du) {
       const float other = depth_m(u + du, v + dv);
       const int steps = std::max(std::abs(du), std::abs(dv));
-      if (!IsUsable(other) || std::abs(other - center_m) > JumpLimit(view.camera, center_m, steps))
+      if (!IsUsable(other) || std::abs(other - center_m) > limits[static_cast<std::size_t>(steps)])
         continue;
       const Eigen::Vector3d offset = view.camera.Unproject(u + du, v + dv, other) - center;
       sum += offset;

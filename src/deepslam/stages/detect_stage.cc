@@ -22,7 +22,8 @@ namespace {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-constexpr std::size_t kBatch = 8;  // frames held at once
+// Frames between two reports of progress. A thread holds one at a time.
+constexpr std::size_t kBatch = 32;
 // The score from which YOLO's own tools show a box. Lower than what enters the map: a picture left
 // out costs little, a person shown cannot be taken back.
 constexpr double kPersonScore = 0.25;
@@ -162,6 +163,7 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
     const std::size_t size = std::min(kBatch, wanted.size() - begin);
     std::vector<FrameDetections> found(size);
     ParallelFor(size, [&](std::size_t i) {
+      if (context.progress().StopRequested()) return;
       std::vector<Detection> given;
       std::copy_if(from_file->detections.begin(),
                    from_file->detections.end(),
@@ -170,6 +172,7 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
       found[i] = DetectOne(
           inputs, detector->get(), *ground, odometry->at(wanted[begin + i]), std::move(given));
     });
+    if (context.progress().StopRequested()) return Interrupted();
     for (std::size_t i = 0; i < size; ++i) {
       const FrameIdx frame = wanted[begin + i];
       table.images.push_back(images[static_cast<std::size_t>(frame.value)]);

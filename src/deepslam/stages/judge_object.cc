@@ -68,7 +68,8 @@ std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> c
 void ScoreAll(std::span<const ObjectView> views,
               const select::SelectOptions& options,
               Contest& contest) {
-  const auto judged = select::PrepareForScoring(views, options);
+  if (contest.judged_views.empty())
+    contest.judged_views = select::PrepareForScoring(views, options);
   const std::size_t first = contest.scores.size();
   contest.scores.resize(contest.candidates.size());
   ParallelFor(contest.candidates.size() - first, [&](std::size_t n) {
@@ -76,7 +77,7 @@ void ScoreAll(std::span<const ObjectView> views,
     contest.scores[i] = select::ScoreCandidate(contest.candidates[i],
                                                contest.models.at(contest.candidates[i].model),
                                                contest.registrations[i],
-                                               std::span(judged),
+                                               std::span(std::as_const(contest.judged_views)),
                                                options);
   });
 }

@@ -13,6 +13,7 @@
 #include "deepslam/scene/object_view.h"
 #include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
+#include "deepslam/select/agreement.h"
 #include "deepslam/shape/shape_model.h"
 #include "deepslam/stages/plan.h"
 
@@ -40,7 +41,7 @@ using ModelMap = std::map<std::string, shape::ShapeModel>;
     const registration::RegisterOptions& options);
 
 // The candidates of one object, where they stand and how well they agree. The vectors run in
-// parallel; scores may be behind.
+// parallel but for the views' own; scores may be behind.
 struct Contest {
   ObjectId object;
   std::string class_name;
@@ -48,6 +49,7 @@ struct Contest {
   std::vector<CandidateRegistration> registrations;
   ModelMap models;
   std::vector<CandidateScore> scores;
+  std::vector<select::JudgedView> judged_views;  // made when something is scored first
 };
 
 // Scores the candidates that have no score yet, in parallel.

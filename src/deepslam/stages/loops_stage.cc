@@ -350,7 +350,8 @@ Result<Judged> JudgeAnew(const StageContext& context,
                          std::string_view change,
                          int first_made,
                          Proposals& made) {
-  Contest contest{object.id, object.class_name, CandidatesOf(in.proposals, object.id), {}, {}, {}};
+  Contest contest{
+      object.id, object.class_name, CandidatesOf(in.proposals, object.id), {}, {}, {}, {}};
   Result<ModelMap> models = LoadModels(context, contest.candidates);
   if (!models.ok()) return models.error();
   contest.models = std::move(models).value();

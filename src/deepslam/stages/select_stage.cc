@@ -89,7 +89,7 @@ Result<Selection> SelectAll(const StageContext& context,
   Selection selection;
   const auto select = [&](const TrackViews& of_track) -> Status {
     const ObjectTrack& track = *of_track.track;
-    Contest contest{track.id, track.class_name, CandidatesOf(*proposals, track.id), {}, {}, {}};
+    Contest contest{track.id, track.class_name, CandidatesOf(*proposals, track.id), {}, {}, {}, {}};
     Result<std::vector<CandidateRegistration>> own =
         RegistrationsOf(contest.candidates, *registrations);
     if (!own.ok()) return own.error();
