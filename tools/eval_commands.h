@@ -11,7 +11,10 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen);
 void AddEvalDetections(CLI::App& eval_command, Command& chosen);
 void AddEvalMap(CLI::App& eval_command, Command& chosen);
 
-// `eval selection --held-out`: WORKSPACE CAPTURE pairs.
-[[nodiscard]] int EvalHeldOut(const std::vector<std::string>& paths, const std::string& json_file);
+// `eval selection --held-out`: WORKSPACE CAPTURE pairs; one of them where a `judging_workspace` is
+// named, whose views judge.
+[[nodiscard]] int EvalHeldOut(const std::vector<std::string>& paths,
+                              const std::string& judging_workspace,
+                              const std::string& json_file);
 
 }  // namespace deepslam::tools

@@ -1,7 +1,9 @@
 // `deepslam eval selection --held-out`: on captures without truth, candidates against depth of
-// frames that had no part in choosing them.
+// frames that had no part in choosing them: of frames spread over the capture, or of the views of a
+// workspace that was made of other detections in the same capture.
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "candidate_files.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture.h"
@@ -68,8 +71,14 @@ Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_fol
       std::move(capture).value(), table->frames, std::move(map).value(), std::move(files).value()};
 }
 
+// A frame that judges, and what it shows of the object, where that is known.
+struct Judge {
+  FrameIdx frame;
+  const PixelMask* mask = nullptr;
+};
+
 // Tracked frames that no view of the object comes from, spread over the capture.
-std::vector<FrameIdx> HeldOutFrames(const Inputs& inputs, const MapObject& object) {
+std::vector<Judge> HeldOutFrames(const Inputs& inputs, const MapObject& object) {
   std::set<FrameIdx> used;
   for (const ViewRegistration& view : object.views) used.insert(view.frame);
   std::vector<FrameIdx> all;
@@ -77,10 +86,66 @@ std::vector<FrameIdx> HeldOutFrames(const Inputs& inputs, const MapObject& objec
     if (frame.status == TrackingStatus::kTracked && !used.contains(frame.frame))
       all.push_back(frame.frame);
   }
-  std::vector<FrameIdx> spread;
+  std::vector<Judge> spread;
   const std::size_t count = std::min(all.size(), kMaxHeldOutFrames);
-  for (std::size_t n = 0; n < count; ++n) spread.push_back(all[n * all.size() / count]);
+  for (std::size_t n = 0; n < count; ++n) spread.push_back({all[n * all.size() / count]});
   return spread;
+}
+
+// A workspace whose views judge: same capture and tracking, other detections.
+struct Bench {
+  ObjectMap map;
+  std::map<DetectionId, Segment> segments;
+};
+
+Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_workspace) {
+  if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
+  const fs::path tracking = fs::path("track") / "trajectory.tum";
+  const Result<std::string> own = artifact::ReadFile(judged_workspace / tracking);
+  if (!own.ok()) return own.error();
+  const Result<std::string> tum = artifact::ReadFile(workspace / tracking);
+  if (!tum.ok()) return tum.error();
+  if (*tum != *own) {
+    return InvalidInput(
+        fmt::format("{}: tracked otherwise than {}; judge by a workspace of the same capture with "
+                    "the same options of track",
+                    workspace.string(),
+                    judged_workspace.string()));
+  }
+  Result<ObjectMap> map =
+      DecodeFile<ObjectMap>(workspace / "loops" / "objects.json", artifact::DecodeObjectMap);
+  if (!map.ok()) return map.error();
+  const auto segments = DecodeFile<std::vector<Segment>>(workspace / "segment" / "segments.json",
+                                                         artifact::DecodeSegments);
+  if (!segments.ok()) return segments.error();
+  Bench bench{std::move(map).value(), {}};
+  for (const Segment& segment : *segments) bench.segments.emplace(segment.detection, segment);
+  return bench;
+}
+
+// The views of the object of the same class that stands nearest, in frames that no view of the
+// judged one comes from; none where nothing stands near.
+std::vector<Judge> ViewsThere(const Bench& bench, const MapObject& object) {
+  constexpr double kSamePlaceM = 0.5;
+  const MapObject* nearest = nullptr;
+  double least_m = kSamePlaceM;
+  for (const MapObject& other : bench.map.objects) {
+    const double distance_m =
+        (other.world_from_object.translation_m - object.world_from_object.translation_m).norm();
+    if (other.class_name != object.class_name || distance_m > least_m) continue;
+    nearest = &other;
+    least_m = distance_m;
+  }
+  std::vector<Judge> views;
+  if (nearest == nullptr) return views;
+  std::set<FrameIdx> used;
+  for (const ViewRegistration& view : object.views) used.insert(view.frame);
+  for (const ViewRegistration& view : nearest->views) {
+    const auto segment = bench.segments.find(view.view);
+    if (segment != bench.segments.end() && !used.contains(view.frame))
+      views.push_back({view.frame, &segment->second.mask});
+  }
+  return views;
 }
 
 struct Choice {
@@ -91,6 +156,7 @@ struct Choice {
 std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
   CandidateId first;
   CandidateId as_proposed;  // the best that was not refined
+  CandidateId fused;
   CandidateId refined;
   CandidateId completed;
   for (const CandidateScore& score : object.scores) {
@@ -102,6 +168,7 @@ std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
     const CandidateSource source = candidate->second.source;
     const bool is_refined = source == CandidateSource::kRefined;
     const bool is_completed = source == CandidateSource::kCompleted;
+    if (source == CandidateSource::kFused && !fused.valid()) fused = score.candidate;
     if (is_refined && !refined.valid()) refined = score.candidate;
     if (is_completed && !completed.valid()) completed = score.candidate;
     if (!is_refined && !is_completed && !as_proposed.valid()) as_proposed = score.candidate;
@@ -111,79 +178,126 @@ std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
   return {{"initial", first},
           {"greedy", greedy},
           {"as proposed", as_proposed},
+          {"fused", fused},
           {"refined", refined},
           {"completed", completed},
           {"selected", object.chosen}};
 }
 
-Result<eval::HeldOutAgreement> Judge(const fs::path& workspace,
-                                     const Inputs& inputs,
-                                     CandidateId candidate,
-                                     const std::vector<FrameIdx>& frames) {
+struct Verdict {
+  eval::HeldOutAgreement agreement;  // of the rendered model
+  eval::MeasuredShare measured;      // of the object's depth, where views judge
+};
+
+Result<Verdict> JudgeCandidate(const fs::path& workspace,
+                               const Inputs& inputs,
+                               CandidateId candidate,
+                               const std::vector<Judge>& judges) {
   const auto proposed = inputs.files.candidates.find(candidate);
   const auto registration = inputs.files.registrations.find(candidate);
-  eval::HeldOutAgreement sum;
+  Verdict verdict;
   if (proposed == inputs.files.candidates.end() || registration == inputs.files.registrations.end())
-    return sum;
+    return verdict;
   const Result<VoxelGrid> grid = ReadCandidateModel(workspace, inputs.files, proposed->second);
   if (!grid.ok()) return grid.error();
   Result<TriangleMesh> mesh = mesh::ExtractSurface(*grid, mesh::SurfaceOptions());
   if (!mesh.ok()) return mesh.error();
-  for (Eigen::Vector3f& vertex : mesh->vertices)
-    vertex *= static_cast<float>(registration->second.scale_m);
-  for (const FrameIdx idx : frames) {
-    const Result<Frame> frame = inputs.capture.frames->ReadDepth(idx);
+  const double scale_m = registration->second.scale_m;
+  for (Eigen::Vector3f& vertex : mesh->vertices) vertex *= static_cast<float>(scale_m);
+  const shape::ShapeModel model(*grid);
+  const PinholeCamera& camera = inputs.capture.frames->camera();
+  for (const Judge& judge : judges) {
+    const Result<Frame> frame = inputs.capture.frames->ReadDepth(judge.frame);
     if (!frame.ok()) continue;  // unusable for the run as well
     const Pose3 camera_from_object =
-        inputs.frames[static_cast<std::size_t>(idx.value)].world_from_camera.Inverse() *
+        inputs.frames[static_cast<std::size_t>(judge.frame.value)].world_from_camera.Inverse() *
         registration->second.world_from_object;
-    sum += eval::JudgeHeldOut(
-        *mesh, camera_from_object, inputs.capture.frames->camera(), frame->depth_m);
+    verdict.agreement += eval::JudgeHeldOut(*mesh, camera_from_object, camera, frame->depth_m);
+    if (judge.mask == nullptr) continue;
+    verdict.measured += eval::JudgeMeasured(
+        model, Similarity3::From(camera_from_object, scale_m), camera, frame->depth_m, *judge.mask);
   }
-  return sum;
+  return verdict;
+}
+
+JsonObject ToJson(const Verdict& verdict) {
+  JsonObject entry;
+  entry.emplace("agreement", verdict.agreement.agreement());
+  entry.emplace("num_judged", verdict.agreement.num_judged());
+  entry.emplace("num_violated", verdict.agreement.num_violated);
+  if (verdict.measured.num_measured > 0) {
+    entry.emplace("depth_near", verdict.measured.share());
+    entry.emplace("num_depth", verdict.measured.num_measured);
+  }
+  return entry;
+}
+
+// Shares of all objects by row.
+using Shares = std::map<std::string, std::vector<double>>;
+
+JsonObject MeansOf(const Shares& shares, const char* what) {
+  JsonObject means;
+  for (const auto& [name, values] : shares) {
+    const eval::Interval mean = eval::BootstrapMean(values, 1);
+    fmt::print(stderr,
+               "{:<11} {:>3} objects, {:.4f} [{:.4f}, {:.4f}] {}\n",
+               name,
+               values.size(),
+               mean.mean,
+               mean.low,
+               mean.high,
+               what);
+    means.emplace(name, tools::ToJson(mean));
+  }
+  return means;
 }
 
 }  // namespace
 
-int EvalHeldOut(const std::vector<std::string>& paths, const std::string& json_file) {
+int EvalHeldOut(const std::vector<std::string>& paths,
+                const std::string& judging_workspace,
+                const std::string& json_file) {
   const Result<std::vector<EvalPair>> pairs = PairsOf(paths);
   if (!pairs.ok()) return ReportError(pairs.error());
+  std::optional<Bench> bench;
+  if (!judging_workspace.empty()) {
+    if (pairs->size() != 1)
+      return ReportError(InvalidConfig("--judge-by: takes one pair of WORKSPACE CAPTURE"));
+    Result<Bench> read = ReadBench(judging_workspace, pairs->front().workspace);
+    if (!read.ok()) return ReportError(read.error());
+    bench = std::move(read).value();
+  }
   JsonArray rows;
-  std::map<std::string, std::vector<double>> shares;
+  Shares agreements;
+  Shares depths;
   for (const EvalPair& pair : *pairs) {
     const Result<Inputs> inputs = ReadInputs(pair.workspace, pair.truth);
     if (!inputs.ok()) return ReportError(inputs.error());
     for (const MapObject& object : inputs->map.objects) {
-      const std::vector<FrameIdx> frames = HeldOutFrames(*inputs, object);
+      const std::vector<Judge> judges =
+          bench ? ViewsThere(*bench, object) : HeldOutFrames(*inputs, object);
       JsonObject row;
       row.emplace("mapped", stages::ObjectName(object));
-      row.emplace("num_frames", static_cast<int>(frames.size()));
+      row.emplace("num_frames", static_cast<int>(judges.size()));
       for (const Choice& choice : ChoicesOf(object, *inputs)) {
-        const auto judged = Judge(pair.workspace, *inputs, choice.candidate, frames);
-        if (!judged.ok()) return ReportError(judged.error());
-        JsonObject entry;
-        entry.emplace("agreement", judged->agreement());
-        entry.emplace("num_judged", judged->num_judged());
-        entry.emplace("num_violated", judged->num_violated);
-        row.emplace(choice.row, std::move(entry));
-        if (judged->num_judged() > 0) shares[choice.row].push_back(judged->agreement());
+        const auto verdict = JudgeCandidate(pair.workspace, *inputs, choice.candidate, judges);
+        if (!verdict.ok()) return ReportError(verdict.error());
+        row.emplace(choice.row, ToJson(*verdict));
+        if (verdict->agreement.num_judged() > 0)
+          agreements[choice.row].push_back(verdict->agreement.agreement());
+        if (verdict->measured.num_measured > 0)
+          depths[choice.row].push_back(verdict->measured.share());
       }
       rows.emplace_back(std::move(row));
     }
   }
   JsonObject document = artifact::NewDocument("deepslam/eval_held_out", 1);
-  document.emplace("protocol", eval::kHeldOutProtocol);
+  document.emplace("protocol", bench ? eval::kOtherViewsProtocol : eval::kHeldOutProtocol);
   document.emplace("objects", std::move(rows));
-  for (const auto& [name, values] : shares) {
-    const eval::Interval mean = eval::BootstrapMean(values, 1);
-    fmt::print(stderr,
-               "{:<11} {:>3} objects, {:.4f} [{:.4f}, {:.4f}] of the judged pixels within 2 cm\n",
-               name,
-               values.size(),
-               mean.mean,
-               mean.low,
-               mean.high);
-    document.emplace(name, ToJson(mean));
+  for (auto& [name, mean] : MeansOf(agreements, "of the judged pixels within 2 cm"))
+    document.emplace(name, std::move(mean));
+  if (bench) {
+    document.emplace("depth_near", MeansOf(depths, "of the object's depth within 2 cm"));
   }
   const Result<std::string> text = DumpJson(std::move(document), "held-out agreement");
   const Status status = text.ok() ? WriteResult(json_file, *text) : Status(text.error());

@@ -368,6 +368,7 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
     std::string annotation;
     std::string json;
     bool held_out = false;
+    std::string judge_by;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = eval_command.add_subcommand(
@@ -384,9 +385,16 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
                     arguments->held_out,
                     "Without truth: agreement with the depth of frames no view comes from; the "
                     "second of each pair is the capture");
+  command->add_option("--judge-by",
+                      arguments->judge_by,
+                      "With --held-out: workspace of the same capture made of other detections, "
+                      "whose views judge (scripts/experiments/halves.py)");
   command->callback([&chosen, arguments] {
     chosen = [arguments] {
-      if (arguments->held_out) return EvalHeldOut(arguments->paths, arguments->json);
+      if (arguments->held_out)
+        return EvalHeldOut(arguments->paths, arguments->judge_by, arguments->json);
+      if (!arguments->judge_by.empty())
+        return ReportError(InvalidConfig("--judge-by: only with --held-out"));
       return EvalSelection(arguments->paths, arguments->annotation, arguments->json);
     };
   });

@@ -35,5 +35,48 @@ TEST(HeldOut, HolesSayNothing) {
   EXPECT_EQ(nothing.agreement(), 0);
 }
 
+VoxelGrid Cube(double side) {
+  VoxelGrid grid;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        const bool inside = VoxelGrid::Center(i, j, k).cwiseAbs().maxCoeff() < 0.5 * side;
+        grid.occupied[VoxelGrid::Index(i, j, k)] = inside ? 1 : 0;
+      }
+    }
+  }
+  return grid;
+}
+
+// A cube of half a metre, its front 2 m before the camera; the mask is the 11 x 11 middle pixels.
+MeasuredShare Measure(const DepthImage& depth_m) {
+  const PinholeCamera camera{80, 60, 60, 60, 39.5, 29.5};
+  const shape::ShapeModel model(Cube(0.5));
+  Mask mask(80, 60);
+  for (int v = 25; v <= 35; ++v) {
+    for (int u = 35; u <= 45; ++u) mask(u, v) = 1;
+  }
+  const Similarity3 camera_from_object{1.0, Eigen::Quaterniond::Identity(), {0, 0, 2.25}};
+  return JudgeMeasured(model, camera_from_object, camera, depth_m, mask);
+}
+
+TEST(HeldOut, DepthOfTheObjectIsNearTheModelOrNot) {
+  EXPECT_EQ(Measure(DepthImage(80, 60, 2.0F)).num_measured, 121);
+  EXPECT_EQ(Measure(DepthImage(80, 60, 2.0F)).share(), 1);
+  EXPECT_EQ(Measure(DepthImage(80, 60, 2.019F)).share(), 1);
+  EXPECT_EQ(Measure(DepthImage(80, 60, 1.97F)).share(), 0);
+  EXPECT_EQ(Measure(DepthImage(80, 60, 2.25F)).share(), 0)
+      << "the middle of a solid is not its surface";
+}
+
+TEST(HeldOut, OnlyWhatWasMeasuredOfTheObjectCounts) {
+  DepthImage depth_m(80, 60, 2.0F);
+  for (int u = 0; u < 80; ++u) depth_m(u, 30) = 0;     // a hole
+  for (int u = 0; u < 80; ++u) depth_m(u, 10) = 5.0F;  // beside the object
+  EXPECT_EQ(Measure(depth_m).num_measured, 110);
+  EXPECT_EQ(Measure(depth_m).share(), 1);
+  EXPECT_EQ(MeasuredShare().share(), 0);
+}
+
 }  // namespace
 }  // namespace deepslam::eval

@@ -43,4 +43,37 @@ HeldOutAgreement JudgeHeldOut(const TriangleMesh& mesh,
   return agreement;
 }
 
+double MeasuredShare::share() const {
+  return num_measured > 0 ? static_cast<double>(num_near) / static_cast<double>(num_measured) : 0;
+}
+
+MeasuredShare& MeasuredShare::operator+=(const MeasuredShare& other) {
+  num_near += other.num_near;
+  num_measured += other.num_measured;
+  return *this;
+}
+
+MeasuredShare JudgeMeasured(const shape::ShapeModel& model,
+                            const Similarity3& camera_from_object,
+                            const PinholeCamera& camera,
+                            const DepthImage& depth_m,
+                            const PixelMask& mask) {
+  DEEPSLAM_CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height &&
+                     mask.width() == camera.width && mask.height() == camera.height,
+                 "depth, mask and camera differ in size");
+  const SimilarityMatrix object_from_camera(camera_from_object.Inverse());
+  MeasuredShare measured;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      if (mask(u, v) == 0 || !(depth_m(u, v) > 0)) continue;
+      const Eigen::Vector3d point = object_from_camera * camera.Unproject(u, v, depth_m(u, v));
+      const double distance_m =
+          camera_from_object.scale * std::abs(model.Distance(point.cast<float>()));
+      ++measured.num_measured;
+      if (distance_m <= kHeldOutToleranceM) ++measured.num_near;
+    }
+  }
+  return measured;
+}
+
 }  // namespace deepslam::eval
