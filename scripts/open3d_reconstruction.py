@@ -21,6 +21,7 @@ from compare_open3d import MAX_DEPTH_M, quaternion, read_capture
 PARSER = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 PARSER.add_argument("capture", type=pathlib.Path)
 PARSER.add_argument("poses", type=pathlib.Path)
+PARSER.add_argument("--seed", type=int, default=1, help="of its random draws, which move its poses by millimetres (default: 1)")
 ARGUMENTS = PARSER.parse_args()  # before the imports, so that the help needs nothing installed
 
 import cv2  # noqa: E402
@@ -188,8 +189,8 @@ def register_fragments(fragments):
 def main():
     args = ARGUMENTS
     begin_wall, begin = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF)
-    o3d.utility.random.seed(1)
-    random, capture = np.random.default_rng(1), Capture(args.capture)
+    o3d.utility.random.seed(args.seed)
+    random, capture = np.random.default_rng(args.seed), Capture(args.capture)
     count = len(capture.frames)
     # As in the examples a fragment's last frame is the next one's first.
     fragments = [make_fragment(capture, k, min(count, k + FRAGMENT + 1), random) for k in range(0, max(1, count - 1), FRAGMENT)]

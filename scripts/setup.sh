@@ -2,7 +2,7 @@
 # Installs what deepslam needs on Debian bookworm (x86-64). Asks nothing; quick when nothing is missing.
 #   scripts/setup.sh [--tests] [--fuzz] [--downloads DIR] [--fetch]
 #     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm)
-#     --fuzz           also what only scripts/fuzz.sh needs (clang 14 with its sanitizers and libFuzzer)
+#     --fuzz           also what only scripts/fuzz.sh and builds by clang need (clang 14 with its sanitizers, libFuzzer, OpenMP)
 #     --downloads DIR  folder of what is fetched: npm archives are used when they lie there and put there when not.
 #                      Where DIR/debian holds packages (--fetch), Debian's packages come from there alone.
 #                      Default: ${XDG_CACHE_HOME:-~/.cache}/deepslam/downloads
@@ -50,7 +50,7 @@ packages=(
   sweethome3d-furniture
 )
 [ "$with_tests" = no ] || packages+=(chromium python3-numpy slurm-wlm munge man-db debootstrap)
-[ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev)
+[ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev libomp-14-dev)
 
 # 1. Debian's packages.
 as_root() {

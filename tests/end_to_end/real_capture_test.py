@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Two real captures from the folder DEEPSLAM_TEST_DATA, through the program as a user runs it.
 
-    real_capture_test.py DEEPSLAM
+    real_capture_test.py DEEPSLAM REPOSITORY
 
 redkitchen: 500 frames, chairs round one table. fr3_cabinet: sparse keyframes round a cabinet with a known box.
 """
+import argparse
 import json
 import math
 import os
@@ -18,6 +19,9 @@ import time
 import unittest
 
 import rigid
+
+sys.path.insert(0, str(pathlib.Path(sys.argv[2]).resolve() / "scripts" / "experiments"))
+import halves  # noqa: E402
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 SKIPPED = 77
@@ -132,6 +136,26 @@ class RealCapture(unittest.TestCase):
         self.assertAlmostEqual(vertical_range(tables[0])[1], TABLE_TOP_M, delta=TABLE_TOLERANCE_M)
         self.check_common(run)
         self.check_networks()
+
+    def test_what_one_half_of_the_views_selects_agrees_best_with_the_depth_of_the_other(self):
+        work = DIR / "halves"
+        work.mkdir()
+        args = argparse.Namespace(capture=DATA / "redkitchen", deepslam=PROGRAM, work=work, run_options=[])
+        workspaces = halves.mapped_halves(args)
+        objects, _ = halves.judged_objects(args, workspaces)
+        self.assertGreaterEqual(len(objects), 6, "three of each half")
+        near, through = ({row: float(halves.mean(objects, row)[k]) for row in halves.ROWS} for k in (0, 1))
+        print("of the object's depth", near, "rays through", through, file=sys.stderr)
+        for row in ("initial", "fused"):
+            self.assertGreaterEqual(near["selected"], near[row], row)
+            self.assertLess(through["selected"], through[row], row)
+        shutil.copytree(workspaces["odd"], DIR / "elsewhere")
+        with open(DIR / "elsewhere" / "track" / "trajectory.tum", "a", encoding="utf-8") as trajectory:
+            trajectory.write("# another\n")
+        other = subprocess.run([PROGRAM, "eval", "selection", "--held-out", "--judge-by", DIR / "elsewhere", workspaces["even"],
+                                args.capture], capture_output=True, text=True)
+        self.assertNotEqual(other.returncode, 0)
+        self.assertIn("elsewhere", other.stderr)
 
     def check_networks(self):
         """The shape networks on top of the finished run: their candidates, refined ones, and the same by one thread."""

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "deepslam/refine/grid_around.h"
+#include "deepslam/refine/links.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/stand.h"
@@ -16,6 +17,9 @@ namespace {
 
 // Of the completed model's voxels; parts may hang unconnected where thin links were not measured.
 constexpr double kCrumb = 0.02;
+constexpr double kLongestLinkM = 0.3;  // through the model
+constexpr std::uint8_t kCostOfModel = 2;
+constexpr std::uint8_t kCostOfUnknown = 3;
 constexpr int kMaxInside = 3;   // voxels from the side of a shell to what nobody can see in it
 constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
@@ -131,6 +135,20 @@ VoxelGrid Standing(VoxelGrid grid, const VoxelGrid& model, int highest_foot) {
   return grid;
 }
 
+// Links cost a step where the model is or nothing is known; nothing goes where rays went and the
+// model is not.
+std::vector<std::uint8_t> CostsOfLinks(const VoxelGrid& model, const Claims& claims) {
+  std::vector<std::uint8_t> costs(claims.votes.size());
+  for (std::size_t n = 0; n < costs.size(); ++n) {
+    if (model.occupied[n] != 0) {
+      costs[n] = kCostOfModel;
+    } else {
+      costs[n] = claims.IsFree(n) ? 0 : kCostOfUnknown;
+    }
+  }
+  return costs;
+}
+
 std::vector<PlacedView> InGrid(std::span<const PlacedView> views,
                                const Similarity3& object_from_grid) {
   std::vector<PlacedView> placed;
@@ -162,7 +180,10 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   VoxelGrid measured = Measured(claims);
   shape::StandOnGround(ground_k, max_gap, measured);
   const VoxelGrid filled = WithInsides(Filled(whole, claims, measured), claims);
-  return Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
+  const VoxelGrid standing =
+      Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
+  const auto most = static_cast<int>(kCostOfModel * kLongestLinkM / (scale_m * voxel));
+  return WithLinks(standing, whole, CostsOfLinks(whole, claims), most);
 }
 
 }  // namespace

@@ -33,14 +33,20 @@ std::vector<std::size_t> TakePart(std::size_t first, int reach, std::vector<std:
 
 }  // namespace
 
+std::vector<std::vector<std::size_t>> PartsOf(const VoxelGrid& grid, int reach) {
+  std::vector<std::vector<std::size_t>> parts;
+  std::vector<std::uint8_t> left = grid.occupied;
+  for (std::size_t first = 0; first < left.size(); ++first) {
+    if (left[first] != 0) parts.push_back(TakePart(first, reach, left));
+  }
+  return parts;
+}
+
 VoxelGrid WithoutCrumbs(const VoxelGrid& grid, int reach, double min_share) {
   const auto total = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
   const double fewest = min_share * static_cast<double>(total);
   VoxelGrid kept;
-  std::vector<std::uint8_t> left = grid.occupied;
-  for (std::size_t first = 0; first < left.size(); ++first) {
-    if (left[first] == 0) continue;
-    const std::vector<std::size_t> part = TakePart(first, reach, left);
+  for (const std::vector<std::size_t>& part : PartsOf(grid, reach)) {
     if (static_cast<double>(part.size()) < fewest) continue;
     for (const std::size_t n : part) kept.occupied[n] = 1;
   }

@@ -39,7 +39,7 @@ bool IsCoherent(const ObjectView& view, int u, int v) {
   for (int y = std::max(0, v - 1); y <= std::min(depth_m.height() - 1, v + 1); ++y) {
     for (int x = std::max(0, u - 1); x <= std::min(depth_m.width() - 1, u + 1); ++x) {
       const float other = depth_m(x, y);
-      agreeing += IsUsable(other) & (std::abs(other - center) <= limit) ? 1 : 0;
+      agreeing += IsUsable(other) && std::abs(other - center) <= limit ? 1 : 0;
     }
   }
   return agreeing >= kMinAgreeing;

@@ -159,19 +159,19 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses | kLibrary | kPriors,
       RunPropose);
   add("register",
-      4,
+      5,
       {"track", "ground", "segment", "associate", "propose"},
       {"views", "register"},
       kFrames,
       RunRegister);
   add("select",
-      11,
+      12,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      12,
+      13,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
