@@ -17,6 +17,7 @@ find_package(CGAL REQUIRED)
 find_package(draco REQUIRED)
 find_package(tinyobjloader REQUIRED)
 find_package(nanoflann REQUIRED)
+find_package(meshoptimizer REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(Open3D REQUIRED)
 

@@ -7,6 +7,11 @@
 
 function(deepslam_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+  if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    # Written for gcc's vectoriser: its pragmas, and conditions without branches.
+    target_compile_options(${target} PRIVATE -Wno-unknown-pragmas -Wno-unknown-warning-option
+                           -Wno-bitwise-instead-of-logical)
+  endif()
   if(DEEPSLAM_ASAN)
     # Under ASan Eigen would choose another allocator than the packaged Ceres was built with, and memory that crosses
     # between them would be freed by the wrong one.

@@ -64,6 +64,7 @@ FENCES = {
     "tiny_obj_loader.h": {"library", "synth"},
     "open3d/": {"fuse"},
     "Open3D/": {"fuse"},
+    "meshoptimizer.h": {"fuse"},
     "embree3/": {"render"},
     "onnxruntime": {"detect", "propose"},
     "nlohmann/": {"artifact", "gltf", "pipeline", "report", "stages", "eval", "library", "detect", "tools", "dataset"},

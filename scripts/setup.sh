@@ -2,7 +2,7 @@
 # Installs what deepslam needs on Debian bookworm (x86-64). Asks nothing; quick when nothing is missing.
 #   scripts/setup.sh [--tests] [--fuzz] [--downloads DIR] [--fetch]
 #     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm)
-#     --fuzz           also what only scripts/fuzz.sh and builds by clang need (clang 14 with its sanitizers, libFuzzer, OpenMP)
+#     --fuzz           also what only scripts/fuzz.sh and builds by clang need (clang 14 with its sanitizers, libFuzzer)
 #     --downloads DIR  folder of what is fetched: npm archives are used when they lie there and put there when not.
 #                      Where DIR/debian holds packages (--fetch), Debian's packages come from there alone.
 #                      Default: ${XDG_CACHE_HOME:-~/.cache}/deepslam/downloads
@@ -45,12 +45,12 @@ packages=(
   build-essential cmake ninja-build pkg-config python3 ca-certificates ccache
   libopencv-dev libopencv-contrib-dev libeigen3-dev libceres-dev libcgal-dev libopenmesh-dev libdraco-dev
   libtinygltf-dev libopen3d-dev libembree-dev libtinyobjloader-dev libzip-dev zlib1g-dev
-  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev libtbb-dev libnanoflann-dev libssl-dev
+  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev libtbb-dev libnanoflann-dev libmeshoptimizer-dev libssl-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   sweethome3d-furniture
 )
 [ "$with_tests" = no ] || packages+=(chromium python3-numpy slurm-wlm munge man-db debootstrap)
-[ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev libomp-14-dev)
+[ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev)
 
 # 1. Debian's packages.
 as_root() {

@@ -220,7 +220,7 @@ void FuseDeepslam(benchmark::State& state) {
           fusion.Integrate(sequence->frames[n], sequence->camera, (*poses)[n], nullptr);
       if (!status.ok()) return state.SkipWithError(status.error().message.c_str());
     }
-    num_vertices = fusion.ExtractMesh()->vertices.size();
+    num_vertices = fusion.ExtractMesh().vertices.size();
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(sequence->frames.size()));
   state.counters["vertices"] = static_cast<double>(num_vertices);

@@ -35,8 +35,10 @@ def one_run(program, capture, workspace, threads, more):
     if child.returncode:
         sys.exit(f"the run ended with {child.returncode}:\n{message}")
     stages = {stage: json.loads((workspace / stage / "timing.json").read_text()) for stage in STAGES}
-    return {"wall_s": time.monotonic() - begin, "cpu_s": usage.ru_utime + usage.ru_stime,
-            "peak_memory_mib": usage.ru_maxrss / 1024, "load": os.getloadavg()[0], "stages": stages}
+    # Every stage starts its peak anew, and with it what the system tells of the process in the end.
+    peak_mib = max(usage.ru_maxrss / 1024, *(figures["peak_memory_mib"] for figures in stages.values()))
+    return {"wall_s": time.monotonic() - begin, "cpu_s": usage.ru_utime + usage.ru_stime, "peak_memory_mib": peak_mib,
+            "load": os.getloadavg()[0], "stages": stages}
 
 
 def figures(workspace, stage):

@@ -65,7 +65,7 @@ TriangleMesh Fused(const FuseOptions& options) {
   for (const Pose3& pose : Cameras()) {
     EXPECT_TRUE(fusion.Integrate(SphereAndWall(pose), kCamera, pose, nullptr).ok());
   }
-  return *fusion.ExtractMesh();
+  return fusion.ExtractMesh();
 }
 
 TEST(TsdfFusion, FindsSphereAndWallWithinAVoxel) {
@@ -163,7 +163,7 @@ TEST(TsdfFusion, ColoursAreTheMeanOfWhatWasSeen) {
     frame.colour = ColourImage(kCamera.width, kCamera.height, {grey, 0, 255});
     ASSERT_TRUE(fusion.Integrate(frame, kCamera, {}, nullptr).ok());
   }
-  const TriangleMesh mesh = *std::move(fusion).TakeMesh();
+  const TriangleMesh mesh = std::move(fusion).TakeMesh();
   ASSERT_FALSE(mesh.colours.empty());
   for (const Rgb8& colour : mesh.colours) ASSERT_EQ(colour, (Rgb8{102, 0, 255}));
 }
@@ -171,8 +171,8 @@ TEST(TsdfFusion, ColoursAreTheMeanOfWhatWasSeen) {
 TEST(TsdfFusion, TakenMeshIsTheExtractedOne) {
   TsdfFusion fusion(CoarseOptions());
   ASSERT_TRUE(fusion.Integrate(SphereAndWall({}), kCamera, {}, nullptr).ok());
-  const TriangleMesh extracted = *fusion.ExtractMesh();
-  const TriangleMesh taken = *std::move(fusion).TakeMesh();
+  const TriangleMesh extracted = fusion.ExtractMesh();
+  const TriangleMesh taken = std::move(fusion).TakeMesh();
   EXPECT_EQ(extracted.vertices, taken.vertices);
   EXPECT_EQ(extracted.faces, taken.faces);
 }
@@ -218,7 +218,7 @@ TEST(TsdfFusion, RefusesBadFramesAndGoesOn) {
   Frame blind = good;
   for (float& depth : blind.depth_m) depth = 0;
   EXPECT_TRUE(fusion.Integrate(blind, kCamera, {}, nullptr).ok());
-  EXPECT_TRUE(fusion.ExtractMesh()->empty());
+  EXPECT_TRUE(fusion.ExtractMesh().empty());
   EXPECT_EQ(fusion.CountSurfacePoints(), 0);
   EXPECT_TRUE(fusion.Integrate(good, kCamera, {}, nullptr).ok());
   EXPECT_GT(fusion.CountSurfacePoints(), 0);
@@ -231,7 +231,7 @@ TEST(TsdfFusion, StopsBeforeTheRoomOutgrowsItsBound) {
   const Status status = fusion.Integrate(SphereAndWall({}), kCamera, {}, nullptr);
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.error().message.find("max_voxel_blocks"), std::string::npos);
-  EXPECT_TRUE(fusion.ExtractMesh()->empty());
+  EXPECT_TRUE(fusion.ExtractMesh().empty());
 }
 
 // The report's size of a fused cloud against one that is written: surface points at 1 cm, binary

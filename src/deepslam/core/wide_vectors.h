@@ -3,8 +3,8 @@
 // numbers are the same to the bit: AVX2 brings wider vectors without fused multiply-add, and sums
 // are written in a fixed number of partial ones.
 //
-// Nothing where the compiler or the C library cannot choose a function at start, and under
-// sanitizers, which are not ready when that choice is made.
+// Nothing where the compiler or the C library cannot choose a function at start (clang 14 has no
+// clones that are flattened), and under sanitizers, which are not ready when that choice is made.
 #pragma once
 
 #include <cstddef>  // defines __GLIBC__ where there is one
@@ -20,7 +20,7 @@
 #endif
 
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(DEEPSLAM_SANITIZED) && \
-    __has_attribute(target_clones)
+    !defined(__clang__) && __has_attribute(target_clones)
 #define DEEPSLAM_WIDE_VECTORS __attribute__((target_clones("avx2", "default"), flatten))
 #else
 #define DEEPSLAM_WIDE_VECTORS

@@ -1,37 +1,20 @@
 #include "deepslam/fuse/tsdf.h"
 
-#include <open3d/geometry/TriangleMesh.h>
-
 #include <cmath>
 #include <cstddef>
-#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <omp.h>
 #include <Eigen/Geometry>
 
 #include "deepslam/fuse/block_surface.h"
 #include "deepslam/fuse/canonical_mesh.h"
+#include "deepslam/fuse/fewer_faces.h"
 #include "deepslam/fuse/voxel_blocks.h"
 
 namespace deepslam::fuse {
 namespace {
-
-// Open3D's inner OpenMP loops are short, and their threads spin for each other on a busy machine (5
-// ms become 800). They ask for a number of threads of their own, so only forbidding
-// parallel regions altogether keeps them to one.
-class SingleThread {
- public:
-  SingleThread() : before_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-  ~SingleThread() { omp_set_max_active_levels(before_); }
-  SingleThread(const SingleThread&) = delete;
-  SingleThread& operator=(const SingleThread&) = delete;
-
- private:
-  int before_;
-};
 
 Status CheckInputs(const Frame& frame,
                    const PinholeCamera& camera,
@@ -77,50 +60,13 @@ DepthImage UsableDepth(const Frame& frame, const Mask* leave_out, double max_dep
   return usable;
 }
 
-TriangleMesh FromOpen3d(const open3d::geometry::TriangleMesh& mesh) {
-  TriangleMesh result;
-  result.vertices.reserve(mesh.vertices_.size());
-  for (const Eigen::Vector3d& p : mesh.vertices_) result.vertices.push_back(p.cast<float>());
-  for (const Eigen::Vector3d& c : mesh.vertex_colors_) {
-    const auto byte = [](double x) {
-      return static_cast<std::uint8_t>(std::lround(255.0 * std::min(1.0, std::max(0.0, x))));
-    };
-    result.colours.push_back({byte(c.x()), byte(c.y()), byte(c.z())});
-  }
-  for (const Eigen::Vector3i& t : mesh.triangles_) {
-    result.faces.push_back({static_cast<std::uint32_t>(t.x()),
-                            static_cast<std::uint32_t>(t.y()),
-                            static_cast<std::uint32_t>(t.z())});
-  }
-  return result;
-}
-
-open3d::geometry::TriangleMesh ToOpen3d(const TriangleMesh& mesh) {
-  open3d::geometry::TriangleMesh result;
-  for (const Eigen::Vector3f& p : mesh.vertices) result.vertices_.push_back(p.cast<double>());
-  for (const Rgb8 c : mesh.colours) {
-    result.vertex_colors_.emplace_back(c.r / 255.0, c.g / 255.0, c.b / 255.0);
-  }
-  for (const auto& face : mesh.faces) {
-    result.triangles_.push_back(Eigen::Vector3i(
-        static_cast<int>(face[0]), static_cast<int>(face[1]), static_cast<int>(face[2])));
-  }
-  return result;
-}
-
 // Without noise, no larger than wanted, in an order of its own.
-Result<TriangleMesh> Finished(TriangleMesh surface, const FuseOptions& options) {
+TriangleMesh Finished(TriangleMesh surface, const FuseOptions& options) {
   TriangleMesh mesh =
       CanonicalMesh(WithoutSmallComponents(std::move(surface), options.min_component_faces));
-  if (mesh.faces.size() <= static_cast<std::size_t>(options.max_faces)) return mesh;
-  const SingleThread single_thread;
-  try {
-    const auto simplified =
-        ToOpen3d(std::exchange(mesh, {})).SimplifyQuadricDecimation(options.max_faces, 1e300, 1.0);
-    return CanonicalMesh(FromOpen3d(*simplified));
-  } catch (const std::exception& e) {
-    return Failed(std::string("extracting the fused surface: ") + e.what());
-  }
+  const auto max_faces = static_cast<std::size_t>(options.max_faces);
+  return mesh.faces.size() <= max_faces ? mesh
+                                        : CanonicalMesh(WithFewerFaces(std::move(mesh), max_faces));
 }
 
 }  // namespace
@@ -158,11 +104,11 @@ Status TsdfFusion::Integrate(const Frame& frame,
   return Ok();
 }
 
-Result<TriangleMesh> TsdfFusion::ExtractMesh() const {
+TriangleMesh TsdfFusion::ExtractMesh() const {
   return Finished(SurfaceOf(impl_->blocks), impl_->options);
 }
 
-Result<TriangleMesh> TsdfFusion::TakeMesh() && {
+TriangleMesh TsdfFusion::TakeMesh() && {
   TriangleMesh surface = SurfaceOf(impl_->blocks);
   const FuseOptions options = impl_->options;
   impl_.reset();

@@ -45,10 +45,10 @@ class TsdfFusion {
 
   // The surface in world metres, coloured, faces towards the cameras; vertices in lexicographic
   // order. Empty when nothing was fused. Open at the borders of what was seen.
-  [[nodiscard]] Result<TriangleMesh> ExtractMesh() const;
+  [[nodiscard]] TriangleMesh ExtractMesh() const;
 
   // The same as the last call: the field makes room for what finishing a large mesh takes.
-  [[nodiscard]] Result<TriangleMesh> TakeMesh() &&;
+  [[nodiscard]] TriangleMesh TakeMesh() &&;
 
   // Points on the surface, one per crossing of a voxel edge: the size of a fused cloud of this
   // voxel size (15 bytes each as binary PLY with colour). Fuse at 1 cm for the baseline of the

@@ -87,17 +87,15 @@ Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
   };
   if (Status status = ForFrames(context, frames, wanted, integrate); !status.ok())
     return status.error();
-  Result<TriangleMesh> room = std::move(fusion).TakeMesh();
-  if (!room.ok()) return room.error();
+  TriangleMesh room = std::move(fusion).TakeMesh();
   const StageSummary summary{fmt::format("{} frames, {} vertices, {} faces",
                                          wanted.size(),
-                                         room->vertices.size(),
-                                         room->faces.size()),
+                                         room.vertices.size(),
+                                         room.faces.size()),
                              {{"num_frames", static_cast<double>(wanted.size())},
-                              {"num_vertices", static_cast<double>(room->vertices.size())},
-                              {"num_faces", static_cast<double>(room->faces.size())}}};
-  const Result<std::string> ply =
-      artifact::EncodePly({std::move(room).value(), {}, {}}, "room.ply");
+                              {"num_vertices", static_cast<double>(room.vertices.size())},
+                              {"num_faces", static_cast<double>(room.faces.size())}}};
+  const Result<std::string> ply = artifact::EncodePly({std::move(room), {}, {}}, "room.ply");
   if (Status status = WriteEncoded(context, "room.ply", ply); !status.ok()) return status.error();
   return summary;
 }

@@ -190,7 +190,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"views", "mesh.surface", "mesh.refine", "mesh.colour"},
       kFrames | kClasses,
       RunMesh);
-  add("fuse", 2, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
+  add("fuse", 3, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
       7,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
