@@ -71,6 +71,51 @@ TEST(SegmentFrame, FindsTheSilhouetteOfABoxOnTheFloorBeforeAWall) {
   EXPECT_THAT(segments[0].extent_camera.Size().norm(), Le(0.8 + 0.6 + 0.6));
 }
 
+// The frame of a chair's back, and a wall one and a half metres behind it.
+std::vector<Cuboid> BackBeforeAWall() {
+  return {{0, {-0.25, -0.02, 0}, {-0.21, 0.02, 0.9}},
+          {0, {0.21, -0.02, 0}, {0.25, 0.02, 0.9}},
+          {0, {-0.21, -0.02, 0.75}, {0.21, 0.02, 0.9}},
+          {-1, {-3, 1.5, 0}, {3, 1.6, 2.5}}};
+}
+
+// As a dark thing appears, which sends no light back.
+void TakeDepthOf(int id, BoxView& view) {
+  for (int v = 0; v < view.object.height(); ++v) {
+    for (int u = 0; u < view.object.width(); ++u) {
+      if (view.object(u, v) == id) view.frame.depth_m(u, v) = 0;
+    }
+  }
+}
+
+TEST(SegmentFrame, TheWallSeenThroughADarkChairIsNotTheChair) {
+  Scene scene = Make(BackBeforeAWall(), {0.2, -2.0, 1.0}, {0, 0, 0.6});
+  TakeDepthOf(0, scene.view);
+  const auto segments = SegmentsOf(scene, {"chair"});
+  ASSERT_EQ(segments.size(), 1U);
+  EXPECT_FALSE(segments[0].usable);
+  EXPECT_THAT(segments[0].reason, testing::HasSubstr("wall behind"));
+}
+
+TEST(SegmentFrame, ThingsBeforeAWallAreUsableAndThoseInARowAreToo) {
+  const Scene back =
+      Make({{0, {-0.3, -0.02, 0}, {0.3, 0.02, 0.9}}, {-1, {-3, 1.5, 0}, {3, 1.6, 2.5}}},
+           {0.2, -2.0, 1.0},
+           {0, 0, 0.6});
+  const auto alone = SegmentsOf(back, {"chair"});
+  ASSERT_EQ(alone.size(), 1U);
+  EXPECT_TRUE(alone[0].usable) << alone[0].reason;
+  // Fronts in one plane, which goes on beside the middle one but not above it.
+  const Scene row = Make({{0, {-1.2, 0, 0}, {-0.42, 0.4, 0.8}},
+                          {1, {-0.38, 0, 0}, {0.38, 0.4, 0.8}},
+                          {2, {0.42, 0, 0}, {1.2, 0.4, 0.8}},
+                          {-1, {-3, 1.5, 0}, {3, 1.6, 2.5}}},
+                         {0.1, -2.6, 1.2},
+                         {0, 0, 0.4});
+  for (const Segment& segment : SegmentsOf(row, {"cabinet", "cabinet", "cabinet"}))
+    EXPECT_THAT(segment.reason, testing::Not(testing::HasSubstr("wall")));
+}
+
 TEST(SegmentFrame, PartsTableAndChairsWhoseBoxesOverlap) {
   std::vector<Cuboid> world = TableAt(0, 0, 0);
   Append(world, ChairAt(1, -0.2, -0.65, -1));  // between camera and table

@@ -13,6 +13,7 @@
 #include "deepslam/segment/image_pieces.h"
 #include "deepslam/segment/level_top.h"
 #include "deepslam/segment/region.h"
+#include "deepslam/segment/surface_behind.h"
 
 namespace deepslam::segment {
 namespace {
@@ -221,8 +222,15 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
         top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
     Mask mask;
     segments.push_back(Describe(detections[d], regions[d], kept, width, height, options, mask));
+    // Clusters are depth themselves.
+    Segment& segment = segments.back();
+    if (segment.usable && !top && segment.source != DetectionSource::kCluster &&
+        IsSurfaceBehind(kept, regions[d], frame.depth_m, camera, ground_camera)) {
+      segment.usable = false;
+      segment.reason = "its depth is that of the wall behind";
+    }
     FillUnmeasured(frame.depth_m, camera, regions[d], options.fill_gap_m, filled, mask);
-    segments.back().mask = mask;
+    segment.mask = mask;
   }
   return segments;
 }

@@ -145,7 +145,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 5, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 6, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
       5,
       {"track", "ground", "segment"},
