@@ -63,7 +63,8 @@ class Linking {
     Start(*largest);
     std::vector<std::size_t> links;
     while (!reached_.empty()) {
-      const auto [cost, n] = reached_.top();
+      const int cost = reached_.top().first;
+      const std::size_t n = reached_.top().second;
       reached_.pop();
       if (cost > cost_[n]) continue;
       if (part_of_[n] != kNoPart && cost > 0) {
