@@ -37,6 +37,8 @@ DRY = {
     r"python3 tests/tools/(kill|fault)_test\.py ": "ctest runs them with fewer trials (kill, faults)",
     r"deepslam-demo\b": "renders and reconstructs 120 frames; scripts/test_package.sh runs it",
     r"scripts/experiments/(run|loops|table1)\.py\b": "takes hours",
+    r"scripts/experiments/halves\.py\b": "wants a real capture; ctest runs it on one (real_capture)",
+    r"python3 tests/end_to_end/golden_demo_test\.py ": "wants a build by another compiler; ctest runs it with this one (golden_demo)",
     r"scripts/(compare_open3d|open3d_reconstruction)\.py\b": "minutes, and needs another program",
     r"scripts/train/train\.sh\b": "trains for hours",
     r"deepslam priors look ": "needs an object of a class with networks; the world has tables",
