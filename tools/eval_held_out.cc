@@ -46,11 +46,25 @@ Result<Value> DecodeFile(const fs::path& file, Decode decode) {
   return decode(*text, file.string());
 }
 
+Result<ObjectMap> ReadMap(const fs::path& workspace) {
+  return DecodeFile<ObjectMap>(workspace / "loops" / "objects.json", artifact::DecodeObjectMap);
+}
+
+Result<std::string> ReadTracking(const fs::path& workspace) {
+  return artifact::ReadFile(workspace / "track" / "trajectory.tum");
+}
+
+std::set<FrameIdx> FramesOf(const MapObject& object) {
+  std::set<FrameIdx> frames;
+  for (const ViewRegistration& view : object.views) frames.insert(view.frame);
+  return frames;
+}
+
 Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_folder) {
   if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
   Result<dataset::Capture> capture = dataset::OpenCapture(capture_folder);
   if (!capture.ok()) return capture.error();
-  const Result<std::string> tum = artifact::ReadFile(workspace / "track" / "trajectory.tum");
+  const Result<std::string> tum = ReadTracking(workspace);
   if (!tum.ok()) return tum.error();
   const auto table = DecodeFile<artifact::FrameTable>(
       workspace / "track" / "frames.json", [&](std::string_view text, std::string_view name) {
@@ -62,8 +76,7 @@ Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_fol
                                     capture_folder.string(),
                                     capture->frames->num_frames(),
                                     table->frames.size()));
-  Result<ObjectMap> map =
-      DecodeFile<ObjectMap>(workspace / "loops" / "objects.json", artifact::DecodeObjectMap);
+  Result<ObjectMap> map = ReadMap(workspace);
   if (!map.ok()) return map.error();
   Result<CandidateFiles> files = ReadCandidateFiles(workspace);
   if (!files.ok()) return files.error();
@@ -79,8 +92,7 @@ struct Judge {
 
 // Tracked frames that no view of the object comes from, spread over the capture.
 std::vector<Judge> HeldOutFrames(const Inputs& inputs, const MapObject& object) {
-  std::set<FrameIdx> used;
-  for (const ViewRegistration& view : object.views) used.insert(view.frame);
+  const std::set<FrameIdx> used = FramesOf(object);
   std::vector<FrameIdx> all;
   for (const TrackedFrame& frame : inputs.frames) {
     if (frame.status == TrackingStatus::kTracked && !used.contains(frame.frame))
@@ -100,10 +112,9 @@ struct Bench {
 
 Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_workspace) {
   if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
-  const fs::path tracking = fs::path("track") / "trajectory.tum";
-  const Result<std::string> own = artifact::ReadFile(judged_workspace / tracking);
+  const Result<std::string> own = ReadTracking(judged_workspace);
   if (!own.ok()) return own.error();
-  const Result<std::string> tum = artifact::ReadFile(workspace / tracking);
+  const Result<std::string> tum = ReadTracking(workspace);
   if (!tum.ok()) return tum.error();
   if (*tum != *own) {
     return InvalidInput(
@@ -112,8 +123,7 @@ Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_worksp
                     workspace.string(),
                     judged_workspace.string()));
   }
-  Result<ObjectMap> map =
-      DecodeFile<ObjectMap>(workspace / "loops" / "objects.json", artifact::DecodeObjectMap);
+  Result<ObjectMap> map = ReadMap(workspace);
   if (!map.ok()) return map.error();
   const auto segments = DecodeFile<std::vector<Segment>>(workspace / "segment" / "segments.json",
                                                          artifact::DecodeSegments);
@@ -138,8 +148,7 @@ std::vector<Judge> ViewsThere(const Bench& bench, const MapObject& object) {
   }
   std::vector<Judge> views;
   if (nearest == nullptr) return views;
-  std::set<FrameIdx> used;
-  for (const ViewRegistration& view : object.views) used.insert(view.frame);
+  const std::set<FrameIdx> used = FramesOf(object);
   for (const ViewRegistration& view : nearest->views) {
     const auto segment = bench.segments.find(view.view);
     if (segment != bench.segments.end() && !used.contains(view.frame))

@@ -56,7 +56,9 @@ class Run:
         assert child.returncode == 0, self.output
         self.wall_s = time.monotonic() - begin
         self.cpu_s = usage.ru_utime + usage.ru_stime
-        self.memory_kib = usage.ru_maxrss
+        # Every stage starts the process's peak anew, so that the system tells of the last one alone.
+        stages = [json.loads(file.read_text()) for file in self.workspace.glob("*/timing.json")]
+        self.memory_kib = max(usage.ru_maxrss, *(1024 * stage["peak_memory_mib"] for stage in stages))
         self.map = json.loads((self.workspace / "export" / "map.json").read_text())
         print(f"{workspace}: {self.wall_s:.0f} s wall, {self.cpu_s:.0f} s of processors, {self.memory_kib / 1024:.0f} MiB, "
               f"verdict {self.map['verdict']}", file=sys.stderr)

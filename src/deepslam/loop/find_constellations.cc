@@ -196,8 +196,8 @@ class ConstellationFinder {
       if (error_m < 2 * Tolerance_m(pairs_[list.front()], pair)) others.emplace_back(error_m, k);
     }
     std::sort(others.begin(), others.end());
-    for (const auto& [error_m, other] : others) {
-      const auto k = other;  // for the lambda: clang 14 captures no structured binding
+    for (const auto& other : others) {
+      const auto k = other.second;  // clang 14 captures no structured binding
       const bool compatible = std::all_of(list.begin(), list.end(), [&](std::size_t member) {
         return Compatible(pairs_[member], pairs_[k]);
       });

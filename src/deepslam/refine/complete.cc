@@ -15,7 +15,7 @@
 namespace deepslam::refine {
 namespace {
 
-// Of the completed model's voxels; parts may hang unconnected where thin links were not measured.
+// Of the completed model's voxels: larger parts are tied to the largest (links.h).
 constexpr double kCrumb = 0.02;
 constexpr double kLongestLinkM = 0.3;  // through the model
 constexpr std::uint8_t kCostOfModel = 2;

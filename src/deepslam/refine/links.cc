@@ -1,7 +1,6 @@
 #include "deepslam/refine/links.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <limits>
