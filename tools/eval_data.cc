@@ -93,7 +93,7 @@ Status FillShape(const fs::path& mesh_file, TrueObject& object) {
   Result<VoxelGrid> grid = shape::Voxelize(object.mesh);
   if (!grid.ok()) return InvalidInput(mesh_file.string() + ": " + grid.error().message);
   object.grid = std::move(grid).value();
-  object.symmetry = eval::SymmetryOf(object.grid);
+  object.symmetry = shape::SymmetryOf(object.grid);
   return Ok();
 }
 

@@ -28,7 +28,7 @@ struct TrueObject {
   TriangleMesh mesh;    // object frame, metres; the box itself where only that is known
   bool has_shape = false;
   VoxelGrid grid;
-  eval::Symmetry symmetry = eval::Symmetry::kNone;
+  shape::Symmetry symmetry = shape::Symmetry::kNone;
   int visible_px = -1;  // most pixels in one frame; -1 where no masks tell
 };
 

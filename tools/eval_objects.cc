@@ -9,6 +9,7 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/eval/placed_iou.h"
 #include "deepslam/eval/shape_similarity.h"
+#include "deepslam/shape/stretch.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -29,7 +30,7 @@ struct ObjectScore {
   std::string true_class;
   std::size_t true_index = 0;
   eval::PlacementError placement;
-  eval::Symmetry symmetry = eval::Symmetry::kNone;
+  shape::Symmetry symmetry = shape::Symmetry::kNone;
   bool has_shape = false;
   std::vector<double> iou_sweep;         // each in its own canonical pose
   std::vector<double> iou_placed_sweep;  // ours turned by quarters as it stands in the world
@@ -54,15 +55,15 @@ struct ShapeScore {
 };
 Result<ShapeScore> CompareShapes(const VoxelGrid& ours,
                                  const VoxelGrid& truth,
-                                 eval::Symmetry symmetry) {
+                                 shape::Symmetry symmetry) {
   const Result<eval::Volume> true_volume = eval::NormaliseForIou(eval::Volume(truth));
   if (!true_volume.ok()) return true_volume.error();
   const auto true_points = eval::SampleForChamfer(eval::Volume(truth), kChamferSeed);
   if (!true_points.ok()) return true_points.error();
   ShapeScore best;
   double best_iou = -1;
-  for (const int quarters : eval::QuarterTurns(symmetry)) {
-    const eval::Volume turned(eval::Turned(ours, quarters));
+  for (const int quarters : shape::QuarterTurns(symmetry)) {
+    const eval::Volume turned(shape::TurnGrid(ours, quarters));
     const Result<eval::Volume> volume = eval::NormaliseForIou(turned);
     if (!volume.ok()) return volume.error();
     const auto points = eval::SampleForChamfer(turned, kChamferSeed);
@@ -98,7 +99,7 @@ Result<ObjectScore> ScoreObject(const MappedObject& mapped,
   const int quarters =
       eval::QuarterTurnsAsPlaced(mapped.true_world_from_object, truth.box.world_from_object);
   const Result<ShapeScore> placed =
-      CompareShapes(eval::Turned(mapped.grid, quarters), truth.grid, truth.symmetry);
+      CompareShapes(shape::TurnGrid(mapped.grid, quarters), truth.grid, truth.symmetry);
   if (!placed.ok()) return placed.error();
   score.iou_sweep = canonical->iou_sweep;
   score.chamfer = canonical->chamfer;
@@ -150,15 +151,15 @@ Status AddPair(const EvalPair& pair,
   return Ok();
 }
 
-std::string_view NameOf(eval::Symmetry symmetry) {
+std::string_view NameOf(shape::Symmetry symmetry) {
   switch (symmetry) {
-    case eval::Symmetry::kHalf:
+    case shape::Symmetry::kHalf:
       return "half turn";
-    case eval::Symmetry::kQuarter:
+    case shape::Symmetry::kQuarter:
       return "quarter turn";
-    case eval::Symmetry::kAny:
+    case shape::Symmetry::kAny:
       return "any turn";
-    case eval::Symmetry::kNone:
+    case shape::Symmetry::kNone:
       break;
   }
   return "none";
@@ -333,10 +334,11 @@ int EvalObjects(const std::vector<std::string>& paths,
   protocols.emplace("iou", eval::kPix3dIou);
   protocols.emplace("chamfer", eval::kPix3dChamfer);
   protocols.emplace("placement", eval::kPlacementProtocol);
-  protocols.emplace("matching",
-                    fmt::format("nearest centres within {} m, one to one, pairs of one class first; "
-                                "precision and recall by class",
-                                options.max_match_m));
+  protocols.emplace(
+      "matching",
+      fmt::format("nearest centres within {} m, one to one, pairs of one class first; "
+                  "precision and recall by class",
+                  options.max_match_m));
   protocols.emplace("in_place_iou", "solids where they stand, 128 points along the longest side");
   protocols.emplace("symmetry", "best of the turns about the vertical that leave the true shape");
   document.emplace("protocols", std::move(protocols));

@@ -13,6 +13,7 @@
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/eval/shape_similarity.h"
+#include "deepslam/shape/stretch.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -83,7 +84,7 @@ Result<ShapeFigures> CompareAsPlaced(const VoxelGrid& grid,
                                      const TrueObject& truth) {
   const int quarters = eval::QuarterTurnsAsPlaced(
       proposed.truth_from_tracking * registration.world_from_object, truth.box.world_from_object);
-  const eval::Volume ours(eval::Turned(grid, quarters));
+  const eval::Volume ours(shape::TurnGrid(grid, quarters));
   const Result<eval::Volume> volume = eval::NormaliseForIou(ours);
   if (!volume.ok()) return volume.error();
   const Result<eval::Volume> true_volume = eval::NormaliseForIou(eval::Volume(truth.grid));

@@ -15,7 +15,6 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
 #include "deepslam/core/sha256.h"
-#include "deepslam/eval/symmetry.h"
 #include "deepslam/furniture/design.h"
 #include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
@@ -23,6 +22,7 @@
 #include "deepslam/scene/mesh_box.h"
 #include "deepslam/shape/front.h"
 #include "deepslam/shape/stretch.h"
+#include "deepslam/shape/symmetry.h"
 #include "deepslam/shape/voxelize.h"
 #include "furniture_files.h"
 
@@ -349,17 +349,17 @@ Result<TrainingModel> TrainingModels::Make(std::size_t n) const {
   Result<VoxelGrid> shape = shape::Voxelize(model.furniture.mesh);
   if (!shape) return InvalidInput(source.id + ": " + shape.error().message);
   model.shape = std::move(*shape);
-  switch (eval::SymmetryOf(model.shape)) {
-    case eval::Symmetry::kNone:
+  switch (shape::SymmetryOf(model.shape)) {
+    case shape::Symmetry::kNone:
       model.symmetry = 1;
       break;
-    case eval::Symmetry::kHalf:
+    case shape::Symmetry::kHalf:
       model.symmetry = 2;
       break;
-    case eval::Symmetry::kQuarter:
+    case shape::Symmetry::kQuarter:
       model.symmetry = 4;
       break;
-    case eval::Symmetry::kAny:
+    case shape::Symmetry::kAny:
       model.symmetry = 0;
       break;
   }

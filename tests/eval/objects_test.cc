@@ -1,4 +1,4 @@
-// Matching, placement, symmetry, surfaces and intervals: what `eval objects` and `eval map` add up.
+// Matching, placement, surfaces and intervals: what `eval objects` and `eval map` add up.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,13 +12,16 @@
 #include "deepslam/eval/placement.h"
 #include "deepslam/eval/shape_similarity.h"
 #include "deepslam/eval/surface_comparison.h"
-#include "deepslam/eval/symmetry.h"
+#include "deepslam/shape/stretch.h"
+#include "deepslam/shape/symmetry.h"
 #include "deepslam/shape/voxelize.h"
 #include "support/box_meshes.h"
 
 namespace deepslam::eval {
 namespace {
 
+using shape::Symmetry;
+using shape::TurnGrid;
 using testing_support::AddBox;
 
 Pose3 At(double x, double y, double yaw_deg) {
@@ -31,39 +34,17 @@ TriangleMesh Table(float length, float width) {
   return testing_support::TableMesh(length, width, 0.75F, 0.08F);
 }
 
-TriangleMesh RoundTable() {
-  TriangleMesh mesh = testing_support::SphereMesh(0.6F);
-  for (Eigen::Vector3f& v : mesh.vertices) v.z() *= 0.1F;
-  AddBox({-0.05F, -0.05F, -0.7F}, {0.05F, 0.05F, 0.0F}, mesh);
-  return mesh;
-}
-
 VoxelGrid Grid(const TriangleMesh& mesh) { return shape::Voxelize(mesh).value(); }
 
-TEST(Symmetry, IsReadFromTheShape) {
-  EXPECT_EQ(SymmetryOf(Grid(testing_support::ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.04F))),
-            Symmetry::kNone);
-  EXPECT_EQ(SymmetryOf(Grid(Table(1.4F, 0.8F))), Symmetry::kHalf);
-  EXPECT_EQ(SymmetryOf(Grid(Table(0.9F, 0.9F))), Symmetry::kQuarter);
-  EXPECT_EQ(SymmetryOf(Grid(RoundTable())), Symmetry::kAny);
-  EXPECT_EQ(SymmetryOf(VoxelGrid()), Symmetry::kNone);
-}
-
-TEST(Symmetry, ATurnedShapeScoresTheSame) {
+TEST(ShapeIou, ATurnedShapeScoresTheSame) {
   const VoxelGrid table = Grid(Table(1.4F, 0.8F));
   const VoxelGrid other = Grid(testing_support::BoxMesh({0.8F, 0.6F, 0.5F}));
   const auto iou = [](const VoxelGrid& a, const VoxelGrid& b) {
     return IouPerThreshold(NormaliseForIou(Volume(a)).value(), NormaliseForIou(Volume(b)).value());
   };
-  EXPECT_THAT(iou(Turned(table, 2), table), testing::Each(1.0));
-  EXPECT_EQ(iou(Turned(other, 2), table), iou(other, table));
-  EXPECT_THAT(iou(Turned(table, 1), table), testing::Each(testing::Lt(0.8)));
-}
-
-TEST(Symmetry, FourQuartersAreNoTurn) {
-  const VoxelGrid chair = Grid(testing_support::ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.04F));
-  EXPECT_EQ(Turned(Turned(chair, 3), 1), chair);
-  EXPECT_FALSE(Turned(chair, 1) == chair);
+  EXPECT_THAT(iou(TurnGrid(table, 2), table), testing::Each(1.0));
+  EXPECT_EQ(iou(TurnGrid(other, 2), table), iou(other, table));
+  EXPECT_THAT(iou(TurnGrid(table, 1), table), testing::Each(testing::Lt(0.8)));
 }
 
 TEST(Placement, OfTheTruthItselfIsExact) {

@@ -18,8 +18,8 @@
 #include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/artifact/store.h"
-#include "deepslam/eval/symmetry.h"
 #include "deepslam/shape/binvox.h"
+#include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
 
 namespace deepslam {
@@ -54,7 +54,7 @@ void Turn(int turns, TrueObject& object) {
   const Eigen::Quaterniond turn(
       Eigen::AngleAxisd(turns * std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
   for (Eigen::Vector3f& v : object.mesh.vertices) v = (turn * v.cast<double>()).cast<float>();
-  object.grid = eval::Turned(object.grid, turns);
+  object.grid = shape::TurnGrid(object.grid, turns);
   object.world_from_object.rotation = object.world_from_object.rotation * turn.conjugate();
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/registration/register_shape.h"
+#include "deepslam/select/confidence.h"
 #include "deepslam/select/select.h"
 #include "support/furniture_world.h"
 
@@ -29,8 +30,11 @@ class JudgeAChair : public testing::Test {
     const CandidateRegistration registration =
         registration::RegisterCandidate(candidate, model, views, {});
     const CandidateScore score = ScoreCandidate(candidate, model, registration, views, {});
-    return SelectShape(
+    MapObject object = SelectShape(
         ObjectId{0}, "chair", {&candidate, 1}, {&registration, 1}, {&score, 1}, views, {});
+    object.confidence =
+        Confidence(object, model, {&candidate, 1}, {&registration, 1}, {&score, 1}, {});
+    return object;
   }
 
   // Pixels of the mask that `keep` allows.

@@ -12,6 +12,7 @@
 #include "deepslam/associate/match_frame.h"
 #include "deepslam/associate/object_hypothesis.h"
 #include "deepslam/associate/review_objects.h"
+#include "deepslam/core/order_statistics.h"
 
 namespace deepslam::associate {
 namespace {
@@ -191,11 +192,10 @@ void Matcher::StartObjectsAtBorder() {
     for (const int i : group.observations) {
       spans.push_back(Span(*all_[static_cast<std::size_t>(i)].segment));
     }
-    std::nth_element(
-        spans.begin(), spans.begin() + static_cast<std::ptrdiff_t>(spans.size() / 2), spans.end());
+    const double span = Median(spans);
     const bool seen_well = static_cast<int>(spans.size()) >= options_.min_members ||
                            group.MeanScore(all_) >= options_.min_single_score;
-    const bool too_large = spans[spans.size() / 2] >= options_.border_span && seen_well;
+    const bool too_large = span >= options_.border_span && seen_well;
     const bool often =
         options_.border_members > 0 && static_cast<int>(spans.size()) >= options_.border_members;
     if (too_large || often) {

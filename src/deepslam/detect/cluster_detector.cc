@@ -10,7 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "deepslam/core/inner_range.h"
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/detect/find_walls.h"
 #include "deepslam/scene/ground.h"
 

@@ -9,7 +9,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "deepslam/core/inner_range.h"
+#include "deepslam/core/order_statistics.h"
 
 namespace deepslam::detect {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "deepslam/core/check.h"
+#include "deepslam/core/order_statistics.h"
 
 namespace deepslam::detect {
 namespace {
@@ -93,9 +94,7 @@ bool IsRelativeToGrid(std::span<const float> output, std::size_t num_anchors, st
     if (std::isfinite(cx)) centres.push_back(std::abs(cx));
   }
   if (centres.empty()) return true;
-  const auto middle = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() / 2);
-  std::nth_element(centres.begin(), middle, centres.end());
-  return *middle < kLargestMedianOffset;
+  return Median(centres) < kLargestMedianOffset;
 }
 
 // For every anchor of YOLOX its cell and stride, in the order of the output.

@@ -12,26 +12,6 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-double TiltDeg(const Eigen::Quaterniond& true_from_estimated) {
-  const double z = (true_from_estimated * Eigen::Vector3d::UnitZ()).z();
-  return std::acos(std::clamp(z, -1.0, 1.0)) * kDegPerRad;
-}
-
-Eigen::Quaterniond QuarterTurn(int quarters) {
-  return Eigen::Quaterniond(
-      Eigen::AngleAxisd(quarters * std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
-}
-
-double RotationDeg(const Eigen::Quaterniond& true_from_estimated, Symmetry symmetry) {
-  if (symmetry == Symmetry::kAny) return TiltDeg(true_from_estimated);
-  double least = 180;
-  for (const int quarters : QuarterTurns(symmetry)) {
-    const Eigen::Quaterniond turned = QuarterTurn(quarters) * true_from_estimated;
-    least = std::min(least, RotationAngle(turned.normalized()) * kDegPerRad);
-  }
-  return least;
-}
-
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, PlacementOptions& options) {
@@ -57,14 +37,15 @@ int QuarterTurnsAsPlaced(const Pose3& world_from_estimated, const Pose3& world_f
 
 PlacementError ComparePlacement(const PlacedBox& estimated,
                                 const PlacedBox& truth,
-                                Symmetry symmetry,
+                                shape::Symmetry symmetry,
                                 const PlacementOptions& options) {
   PlacementError error;
   error.translation_m =
       (estimated.world_from_object.translation_m - truth.world_from_object.translation_m).norm();
-  error.rotation_deg = RotationDeg(
-      truth.world_from_object.rotation.conjugate() * estimated.world_from_object.rotation,
-      symmetry);
+  error.rotation_deg =
+      kDegPerRad * shape::RotationApart(truth.world_from_object.rotation.conjugate() *
+                                            estimated.world_from_object.rotation,
+                                        symmetry);
   Eigen::Vector3d size = estimated.size_m;
   if (QuarterTurnsAsPlaced(estimated.world_from_object, truth.world_from_object) % 2 != 0)
     std::swap(size.x(), size.y());

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "deepslam/core/options.h"
-#include "deepslam/eval/symmetry.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/shape/symmetry.h"
 
 namespace deepslam::eval {
 
@@ -39,7 +39,7 @@ struct PlacementError {
 };
 [[nodiscard]] PlacementError ComparePlacement(const PlacedBox& estimated,
                                               const PlacedBox& truth,
-                                              Symmetry symmetry,
+                                              shape::Symmetry symmetry,
                                               const PlacementOptions& options);
 
 // Quarter turns about z that bring the estimated object's axes nearest to those of the truth: its

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/graph/information.h"
 
 namespace deepslam::graph {
@@ -226,9 +227,7 @@ class ModelBuilder {
       const int node = model_.num_keyframes() + static_cast<int>(object);
       return model_.plane->SignedDistance(Node(node) * bottom);
     }
-    const auto middle = gaps_m.begin() + static_cast<std::ptrdiff_t>(gaps_m.size() / 2);
-    std::nth_element(gaps_m.begin(), middle, gaps_m.end());
-    return *middle;
+    return Median(gaps_m);
   }
 
   // Edges of the object's usable views from their keyframes; `b` is left open.

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/geometry/depth_noise.h"
 
 namespace deepslam::ground {
@@ -58,9 +59,7 @@ class Grid {
     }
     // Half-empty blocks lie at edges.
     if (2 * values.size() < static_cast<std::size_t>(step_ * step_)) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return Median(values);
   }
 
   [[nodiscard]] Eigen::Vector3f Unproject(int u, int v, float z) const {

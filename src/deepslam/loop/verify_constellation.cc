@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
@@ -70,9 +71,7 @@ double GroundHeight(const LoopEvidence& evidence,
     }
   }
   if (heights.empty()) return -std::numeric_limits<double>::infinity();
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 50);
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low + kGroundBand_m;
+  return OrderStatistic(heights, heights.size() / 50) + kGroundBand_m;
 }
 
 Visit MakeVisit(const ObjectMap& map,

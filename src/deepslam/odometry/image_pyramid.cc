@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::odometry {
@@ -73,9 +74,7 @@ double NoiseScale(
     }
   }
   if (differences.size() < kMinDifferences) return 1.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return std::clamp(static_cast<double>(kMadToSigma * *middle), 1.0, kMaxNoiseScale);
+  return std::clamp(static_cast<double>(kMadToSigma * Median(differences)), 1.0, kMaxNoiseScale);
 }
 
 double NoiseScale(const PyramidLevel& level, int lag, const DepthNoise& noise) {
@@ -91,9 +90,7 @@ float BlockDepth(std::span<float> values, const DepthNoise& noise) {
   if (most - least <= kSameSurfaceSigmas * noise.SigmaM(0.4F) + 0.01F * least) {
     return std::accumulate(values.begin(), values.end(), 0.0F) / static_cast<float>(values.size());
   }
-  const std::ptrdiff_t middle = static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), values.begin() + middle, values.end());
-  const float median = values[static_cast<std::size_t>(middle)];
+  const float median = OrderStatistic(values, (values.size() - 1) / 2);
   const float tolerance = kSameSurfaceSigmas * noise.SigmaM(median) + 0.01F * median;
   float sum = 0;
   float count = 0;

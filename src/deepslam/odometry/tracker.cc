@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/odometry/pose_interpolation.h"
 #include "deepslam/odometry/rotation_search.h"
 
@@ -46,9 +47,7 @@ double MedianDepthM(const PyramidLevel& level) {
   std::vector<float> depths;
   std::ranges::copy_if(level.depth_m, std::back_inserter(depths), [](float z) { return z > 0; });
   if (depths.empty()) return 1.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(Median(depths));
 }
 
 // Camera motions about the point in front of the camera: they leave the image in place, so that

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/shape/view_points.h"
 
@@ -30,8 +31,7 @@ struct CellSum {
 
 double Quantile(std::vector<float>& values, double share) {
   const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
-  return values[n];
+  return OrderStatistic(values, n);
 }
 
 }  // namespace
@@ -54,10 +54,7 @@ LevelFrame FindLevel(std::span<const ObjectView> views) {
   if (level.has_ground) {
     std::vector<double> heights;
     for (const Plane& plane : planes) heights.push_back(plane.d_m);
-    std::nth_element(heights.begin(),
-                     heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
-                     heights.end());
-    level.level_from_world.translation_m.z() = heights[heights.size() / 2];
+    level.level_from_world.translation_m.z() = Median(heights);
   }
   return level;
 }

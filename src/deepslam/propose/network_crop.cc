@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "deepslam/core/order_statistics.h"
+
 namespace deepslam::propose {
 namespace {
 
@@ -46,9 +48,7 @@ double MedianDepth(const ObjectView& view) {
     if (mask[n] != 0 && depth_m[n] > 0) depths.push_back(depth_m[n]);
   }
   if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return Median(depths);
 }
 
 // Colour on white and silhouette between pixels.

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "deepslam/core/inner_range.h"
+#include "deepslam/core/order_statistics.h"
 
 namespace deepslam::refine {
 namespace {

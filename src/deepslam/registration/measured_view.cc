@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/geometry/depth_noise.h"
 #include "deepslam/shape/view_points.h"
@@ -202,12 +203,6 @@ void AddStatistics(double patch_m, MeasuredView& view) {
   if (!view.empty()) view.centroid_camera = sum / static_cast<double>(view.points_camera.size());
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 bool IsUsablePlane(const Plane& plane) {
   return plane.normal.allFinite() && std::abs(plane.normal.norm() - 1.0) < 1e-3 &&
          std::isfinite(plane.d_m);
@@ -235,7 +230,7 @@ std::optional<Plane> ConsensusGround(std::span<const ObjectView> views,
   normal.normalize();
   std::vector<double> heights;
   for (const Plane& plane : planes) heights.push_back(plane.SignedDistance(centroid));
-  return Plane{normal, Median(std::move(heights)) - normal.dot(centroid)};
+  return Plane{normal, Median(heights) - normal.dot(centroid)};
 }
 
 // Without any ground the mean of the cameras' own "up" is the best guess.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/geometry/facing.h"
 #include "deepslam/registration/initial_alignment.h"
 #include "deepslam/registration/similarity_icp.h"
@@ -33,10 +34,8 @@ double TopHeight(std::span<const MeasuredView* const> views) {
     }
   }
   if (heights.empty()) return 0;
-  const auto top =
-      heights.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(heights.size() - 1));
-  std::nth_element(heights.begin(), top, heights.end());
-  return std::max(0.0, *top);
+  const auto top = static_cast<std::size_t>(0.98 * static_cast<double>(heights.size() - 1));
+  return std::max(0.0, OrderStatistic(heights, top));
 }
 
 // Views with many points come first; those cut by the image border count half, since their moments

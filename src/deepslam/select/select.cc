@@ -8,8 +8,10 @@
 #include <optional>
 
 #include "deepslam/core/check.h"
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/geometry/facing.h"
+#include "deepslam/select/placed.h"
 #include "deepslam/select/score.h"
 
 namespace deepslam::select {
@@ -17,12 +19,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<std::string_view, 2> kModes = {"offline", "greedy"};
-// Width of the passage from "likely wrong" to "likely right" around good_score.
-constexpr double kScoreWidth = 0.08;
-// From one corner about this much of a piece of furniture's surface is seen.
-constexpr double kWellSeenShare = 0.3;
-constexpr double kUnseenLogit = -1.5;
-constexpr double kShownLogit = 3.65;
 // Of a model seen less than this nearly all is the prior's word.
 constexpr double kHardlySeenShare = 0.12;
 // With less of an object's depth within its reach the model is one of two things cut out as one, or
@@ -54,9 +50,7 @@ std::optional<double> GroundGap(const shape::ShapeModel& model,
     if (std::isfinite(gap)) gaps.push_back(gap);
   }
   if (gaps.empty()) return std::nullopt;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return Median(gaps);
 }
 
 // Angles about a placed object's vertical between neighbouring cameras, all round; their sum is 2
@@ -96,25 +90,6 @@ struct Ranked {
   double deciding = 0;
   bool placed = false;
 };
-
-int NumRegistered(const CandidateRegistration& registration) {
-  return static_cast<int>(std::count_if(registration.views.begin(),
-                                        registration.views.end(),
-                                        [](const ViewRegistration& view) { return view.ok; }));
-}
-
-// Placed: registered in at least half as many views as the candidate that is in most. Views that
-// pull a model out of its joint pose say that it stands at a place of chance, however well that
-// happens to score.
-std::vector<bool> Placed(std::span<const CandidateRegistration> registrations) {
-  int most = 0;
-  for (const CandidateRegistration& registration : registrations)
-    most = std::max(most, NumRegistered(registration));
-  std::vector<bool> placed;
-  for (const CandidateRegistration& registration : registrations)
-    placed.push_back(registration.ok && 2 * NumRegistered(registration) >= most);
-  return placed;
-}
 
 // How far the best of the whole models gets, and how far it would get if depth out of its reach
 // were of something else.
@@ -254,20 +229,6 @@ double SeenAngle(const MapObject& object, std::span<const ObjectView> views) {
   return 2 * std::numbers::pi - *std::max_element(gaps.begin(), gaps.end());
 }
 
-// How likely the object stands where it is said to (20 cm, 20 deg, 20 % of size): a logistic
-// function of how much of the model its views show, fitted to 181 objects of rendered rooms
-// (docs/evaluation.md, "Confidence"). There neither the score nor how far round the views go told
-// more; but below good_score, and with fewer than full_confidence_views, nothing was fitted, and
-// confidence falls.
-double ConfidenceOf(const CandidateScore& score, int num_views, const SelectOptions& options) {
-  const double fit = 1.0 / (1.0 + std::exp(-(score.score - options.good_score) / kScoreWidth));
-  const double views =
-      0.4 + 0.6 * std::min(1.0, num_views / std::max(1.0, options.full_confidence_views));
-  const double shown = std::min(1.0, score.seen_share / kWellSeenShare);
-  const double likely = 1.0 / (1.0 + std::exp(-(kUnseenLogit + kShownLogit * shown)));
-  return std::clamp(fit * views * likely, 0.0, 1.0);
-}
-
 std::string Doubts(const MapObject& object,
                    const ShapeCandidate& winner,
                    const CandidateScore& score,
@@ -275,7 +236,7 @@ std::string Doubts(const MapObject& object,
                    double seen_angle_rad,
                    const SelectOptions& options) {
   std::string note = score.note;
-  const int num_registered = NumRegistered(registration);
+  const int num_registered = NumRegistered(registration.views);
   if (num_registered < 2) AppendNote(note, "registered in one view only");
   if (seen_angle_rad < kOneSideRad) AppendNote(note, "seen from one side only");
   if (score.seen_share < kHardlySeenShare) {
@@ -324,7 +285,6 @@ MapObject FillWinner(MapObject object,
   object.world_from_object = registration.world_from_object;
   object.views = registration.views;
   const double seen_angle_rad = SeenAngle(object, views);
-  object.confidence = ConfidenceOf(score, NumRegistered(registration), options);
   object.note = Doubts(object, winner, score, registration, seen_angle_rad, options);
   const std::string size_doubt = SizeDoubt(winner, registration.scale_m);
   if (!size_doubt.empty()) AppendNote(object.note, size_doubt);
@@ -440,7 +400,7 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
   score.coverage_share = evidence.coverage;
   score.reached_share = evidence.reached;
   score.free_violation = evidence.violation;
-  score.num_views = NumRegistered(registration);
+  score.num_views = NumRegistered(registration.views);
   double excess_m = 0;
   if (const std::optional<double> gap_m = GroundGap(model, registration, views)) {
     excess_m = std::max(0.0, std::abs(*gap_m) - options.ground_tolerance_m);

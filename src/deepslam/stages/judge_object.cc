@@ -9,6 +9,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/select/agreement.h"
+#include "deepslam/select/confidence.h"
 #include "deepslam/select/select.h"
 #include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -114,11 +115,22 @@ Result<MapObject> SelectOrChoose(const Contest& contest,
                                views,
                                inputs.config.select);
   };
+  const auto judged = [&](MapObject object) {
+    if (object.chosen.valid()) {
+      object.confidence = select::Confidence(object,
+                                             contest.models.at(object.model),
+                                             contest.candidates,
+                                             contest.registrations,
+                                             contest.scores,
+                                             inputs.config.select);
+    }
+    return object;
+  };
   MapObject best = select(0, contest.candidates.size());
   const Result<CandidateId> wanted =
       ChosenByHand(inputs.overrides, contest.object, contest.candidates);
   if (!wanted.ok()) return wanted.error();
-  if (!wanted->valid() || *wanted == best.chosen) return best;
+  if (!wanted->valid() || *wanted == best.chosen) return judged(std::move(best));
   std::size_t n = 0;
   while (contest.candidates[n].id != *wanted) ++n;
   MapObject chosen = select(n, 1);
@@ -136,7 +148,7 @@ Result<MapObject> SelectOrChoose(const Contest& contest,
                                 contest.object.value,
                                 wanted->value,
                                 chosen.model));
-  return chosen;
+  return judged(std::move(chosen));
 }
 
 }  // namespace deepslam::stages

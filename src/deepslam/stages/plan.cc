@@ -165,13 +165,13 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      12,
+      13,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      13,
+      14,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",

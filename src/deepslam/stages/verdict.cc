@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -50,9 +51,7 @@ std::vector<Step> Jumps(const std::vector<TrackedFrame>& frames) {
   if (steps.empty()) return steps;
   std::vector<double> speeds;
   for (const Step& step : steps) speeds.push_back(step.speed_m_per_s);
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  const double usual = *middle;
+  const double usual = Median(speeds);
   std::erase_if(steps, [&](const Step& step) {
     return step.length_m < kJumpM || step.speed_m_per_s < kJumpSpeeds * usual;
   });

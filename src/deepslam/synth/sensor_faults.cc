@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::synth {
@@ -78,8 +79,7 @@ Image<float> SharedNoise(
         for (int v = 1; v < height; ++v) {
           const float* const above = noise.row(v - 1);
           float* const values = noise.row(v);
-          for (std::size_t u = begin; u < end; ++u)
-            values[u] = kept * above[u] + fresh * values[u];
+          for (std::size_t u = begin; u < end; ++u) values[u] = kept * above[u] + fresh * values[u];
         }
       });
   return noise;
@@ -138,9 +138,7 @@ Mask MissingPatches(int width, int height, double share, const FrameSeed& seed) 
   std::vector<float> sorted(noise.begin(), noise.end());
   const auto rank = std::min(sorted.size() - 1,
                              static_cast<std::size_t>(share * static_cast<double>(sorted.size())));
-  std::nth_element(
-      sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
-  const float limit = share >= 1 ? 2.0f : sorted[rank];
+  const float limit = share >= 1 ? 2.0f : OrderStatistic(sorted, rank);
   Mask missing(width, height, 0);
   std::transform(noise.begin(), noise.end(), missing.begin(), [limit](float value) {
     return static_cast<std::uint8_t>(value < limit ? 1 : 0);
@@ -196,12 +194,8 @@ class Reading {
 
   // Depth of the surface that cell (x, y), whose middle is pixel (u, v), takes for its own; 0 where
   // it sees none.
-  [[nodiscard]] float At(int x,
-                         int y,
-                         int u,
-                         int v,
-                         const std::vector<std::uint8_t>& shadow,
-                         Random& random) const {
+  [[nodiscard]] float At(
+      int x, int y, int u, int v, const std::vector<std::uint8_t>& shadow, Random& random) const {
     if (faults_.rim && OnRim(u, v)) return 0;
     if (faults_.lateral_noise) {
       const double deviation =
@@ -339,14 +333,12 @@ class Pixels {
   Pixels(const PinholeCamera& camera, const Pose3& moved_from_camera) {
     Eigen::Matrix3d lens;
     lens << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-    turn_ =
-        (lens * moved_from_camera.rotation.toRotationMatrix() * lens.inverse()).cast<float>();
+    turn_ = (lens * moved_from_camera.rotation.toRotationMatrix() * lens.inverse()).cast<float>();
     shift_ = (lens * moved_from_camera.translation_m).cast<float>();
   }
   [[nodiscard]] Eigen::Vector2f Of(int u, int v, float depth_m) const {
     const Eigen::Vector3f h =
-        turn_ * Eigen::Vector3f(static_cast<float>(u), static_cast<float>(v), 1) +
-        shift_ / depth_m;
+        turn_ * Eigen::Vector3f(static_cast<float>(u), static_cast<float>(v), 1) + shift_ / depth_m;
     return h.head<2>() / h.z();
   }
 

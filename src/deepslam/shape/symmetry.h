@@ -3,11 +3,12 @@
 
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/shape_model.h"
 
-namespace deepslam::eval {
+namespace deepslam::shape {
 
 enum class Symmetry {
   kNone,     // a chair
@@ -18,12 +19,14 @@ enum class Symmetry {
 
 // From the shape alone: a turn counts when 98 % of the turned surface lies within 1.5 voxels of the
 // surface; kAny when every turn by 15 deg does.
+[[nodiscard]] Symmetry SymmetryOf(const ShapeModel& model);
 [[nodiscard]] Symmetry SymmetryOf(const VoxelGrid& grid);
 
 // Turns in quarters of a circle that belong to the symmetry: {0}, {0, 2} or {0, 1, 2, 3}.
 [[nodiscard]] std::vector<int> QuarterTurns(Symmetry symmetry);
 
-// The grid turned about z by quarters of a circle, counter-clockwise seen from above.
-[[nodiscard]] VoxelGrid Turned(const VoxelGrid& grid, int quarters);
+// Angle (rad, up to pi) of the rotation that is left when b is turned about its vertical as far as
+// the symmetry allows; with kAny what is left is the lean.
+[[nodiscard]] double RotationApart(const Eigen::Quaterniond& a_from_b, Symmetry symmetry);
 
-}  // namespace deepslam::eval
+}  // namespace deepslam::shape

@@ -1,18 +1,19 @@
-#include "deepslam/eval/symmetry.h"
+#include "deepslam/shape/symmetry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "deepslam/shape/shape_model.h"
+#include "deepslam/geometry/pose.h"
 
-namespace deepslam::eval {
+namespace deepslam::shape {
 namespace {
 
 constexpr double kNearVoxels = 1.5;
 constexpr double kNearShare = 0.98;
 constexpr int kStepDeg = 15;
 
-bool StaysWhenTurned(const shape::ShapeModel& model, int angle_deg) {
+bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
   const float angle = static_cast<float>(angle_deg) * std::numbers::pi_v<float> / 180.0F;
   const float c = std::cos(angle);
   const float s = std::sin(angle);
@@ -29,8 +30,7 @@ bool StaysWhenTurned(const shape::ShapeModel& model, int angle_deg) {
 
 }  // namespace
 
-Symmetry SymmetryOf(const VoxelGrid& grid) {
-  const shape::ShapeModel model(grid);
+Symmetry SymmetryOf(const ShapeModel& model) {
   if (model.empty() || !StaysWhenTurned(model, 180)) return Symmetry::kNone;
   if (!StaysWhenTurned(model, 90)) return Symmetry::kHalf;
   for (int angle = kStepDeg; angle < 90; angle += kStepDeg) {
@@ -38,6 +38,8 @@ Symmetry SymmetryOf(const VoxelGrid& grid) {
   }
   return Symmetry::kAny;
 }
+
+Symmetry SymmetryOf(const VoxelGrid& grid) { return SymmetryOf(ShapeModel(grid)); }
 
 std::vector<int> QuarterTurns(Symmetry symmetry) {
   switch (symmetry) {
@@ -52,20 +54,16 @@ std::vector<int> QuarterTurns(Symmetry symmetry) {
   return {0, 1, 2, 3};
 }
 
-VoxelGrid Turned(const VoxelGrid& grid, int quarters) {
-  VoxelGrid turned = grid;
-  for (int n = ((quarters % 4) + 4) % 4; n > 0; --n) {
-    const VoxelGrid from = turned;
-    for (int i = 0; i < kGridSize; ++i) {
-      for (int j = 0; j < kGridSize; ++j) {
-        for (int k = 0; k < kGridSize; ++k) {
-          turned.occupied[VoxelGrid::Index(kGridSize - 1 - j, i, k)] =
-              from.occupied[VoxelGrid::Index(i, j, k)];
-        }
-      }
-    }
+double RotationApart(const Eigen::Quaterniond& a_from_b, Symmetry symmetry) {
+  if (symmetry == Symmetry::kAny) {
+    return std::acos(std::clamp((a_from_b * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));
   }
-  return turned;
+  double least = std::numbers::pi;
+  for (const int quarters : QuarterTurns(symmetry)) {
+    const Eigen::AngleAxisd turn(quarters * std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
+    least = std::min(least, RotationAngle((turn * a_from_b).normalized()));
+  }
+  return least;
 }
 
-}  // namespace deepslam::eval
+}  // namespace deepslam::shape
