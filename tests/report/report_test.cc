@@ -1,5 +1,6 @@
 #include "deepslam/report/report.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -43,6 +44,24 @@ TEST(RenderReport, SaysTheVerdictAndEveryObject) {
   EXPECT_THAT(page, HasSubstr("2 of 3 frames were lost"));
   EXPECT_THAT(page, HasSubstr("chair_01"));
   EXPECT_THAT(page, HasSubstr("<b>1</b> tracked, 0 with a weak direction, 2 lost"));
+}
+
+TEST(Facts, NameTheObjectsThatAreMoreLikelyWrongThanRight) {
+  ReportContent content = SmallContent();
+  const auto objects = [&] {
+    const std::vector<Fact> facts = Facts(content);
+    return *std::find_if(
+        facts.begin(), facts.end(), [](const Fact& fact) { return fact.subject == "Objects"; });
+  };
+  content.objects[0].confidence = 0.9;
+  EXPECT_TRUE(objects().fine);
+  content.objects[0].note = "seen from one side only";  // as everything that stands at a wall
+  EXPECT_TRUE(objects().fine);
+  EXPECT_THAT(objects().finding, HasSubstr("notes on 1 of them"));
+  content.objects[0].confidence = 0.4;
+  EXPECT_FALSE(objects().fine);
+  EXPECT_THAT(objects().finding, HasSubstr("unsure: chair_01"));
+  EXPECT_FALSE(objects().remedy.empty());
 }
 
 TEST(RenderReport, LoopsAreToldOfByTheirKind) {

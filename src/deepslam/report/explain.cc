@@ -56,14 +56,17 @@ Fact ObjectsFact(const ReportContent& content) {
             "See the detections below: were objects found at all, and were they whole in the "
             "picture, off its border?"};
   }
-  std::string doubtful;
+  std::string unsure;
+  std::size_t num_noted = 0;
   for (const ObjectRow& object : content.objects) {
-    if (object.note.empty()) continue;
-    doubtful += (doubtful.empty() ? "" : ", ") + object.name;
+    num_noted += object.note.empty() ? 0 : 1;
+    if (object.confidence >= kEvenOdds) continue;
+    unsure += (unsure.empty() ? "" : ", ") + object.name;
   }
-  Fact fact{doubtful.empty(), "Objects", CountInWords(content.objects), {}};
+  Fact fact{unsure.empty(), "Objects", CountInWords(content.objects), {}};
+  if (num_noted > 0) fact.finding += fmt::format("; notes on {} of them below", num_noted);
   if (!fact.fine) {
-    fact.finding += "; with doubts: " + doubtful;
+    fact.finding += "; unsure: " + unsure;
     fact.remedy =
         "Compare the outlines in the photographs of these objects below; sides no camera saw are "
         "taken from the chosen model. Walk around such objects to measure them.";

@@ -65,7 +65,7 @@ std::string CandidateTable(const ObjectRow& object) {
 std::string ObjectTable(const ReportContent& content) {
   std::string html =
       "<div class=wide><table><tr><th>object<th>size (front x side x height)<th class=n>above "
-      "floor<th class=n>confidence<th class=n>views<th>shape from<th>doubts</tr>";
+      "floor<th class=n>confidence<th class=n>views<th>shape from<th>notes</tr>";
   for (const ObjectRow& o : content.objects) {
     html += fmt::format(
         "<tr><td class=name><span class=swatch "

@@ -38,6 +38,9 @@ struct CandidateRow {
   Picture thumbnail;  // the model by itself; no bytes = none
 };
 
+// An object of less confidence is more likely to stand elsewhere than where it is said to.
+inline constexpr double kEvenOdds = 0.5;
+
 struct ObjectRow {
   std::string name;  // "chair_03"
   std::string class_name;

@@ -198,7 +198,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      8,
+      9,
       {"track",
        "ground",
        "detect",

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/report/report_content.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -16,7 +17,6 @@ constexpr double kBadLostShare = 0.5;
 constexpr double kDoubtfulLostShare = 0.05;
 constexpr double kDoubtfulDegenerateShare = 0.25;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
-constexpr double kLowConfidence = 0.5;    // below even odds that it stands where it is said to
 // A camera in a hand or on a robot keeps its pace: a step between neighbouring frames that is
 // longer than the first and quicker than the second times the capture's median speed is a wrong
 // alignment or a cut in the capture.
@@ -102,7 +102,7 @@ RunVerdict JudgeRun(const OptimizedMap& map) {
   if (!map.summary.converged) note(artifact::Verdict::kDoubtful, "the graph did not converge");
   if (map.map.objects.empty()) note(artifact::Verdict::kBad, "no object was mapped");
   for (const MapObject& object : map.map.objects) {
-    if (object.confidence < kLowConfidence) {
+    if (object.confidence < report::kEvenOdds) {
       note(artifact::Verdict::kDoubtful,
            fmt::format("{} is unsure ({:.2f})", ObjectName(object), object.confidence));
     }

@@ -39,7 +39,7 @@ export function describeObject(object) {
   row(table, 'size', `${object.size_m.map((side) => side.toFixed(2)).join(' x ')} m (front, side, height)`);
   row(table, 'views', String(object.views));
   row(table, 'shape from', object.source);
-  if (object.note) row(table, 'doubts', object.note);
+  if (object.note) row(table, 'notes', object.note);
   if (object.credit) row(table, 'model by', object.credit);
   const parts = [element('h3', object.name), table];
   if (object.why) parts.push(element('p', object.why));
