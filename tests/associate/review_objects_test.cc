@@ -44,12 +44,12 @@ std::size_t NumLeft(const Box2& first_px, const Box2& second_px) {
     const std::size_t object = k < 2 ? 0 : 1;
     Observation& observation = all[static_cast<std::size_t>(k)];
     observation.segment = &segments[static_cast<std::size_t>(k)];
-    observation.cloud_world = PointCloud(Seat(k < 2 ? 0 : 0.08));
     objects[object].id = ObjectId(static_cast<int>(object));
     TrackMember member;
     member.detection = observation.segment->detection;
     member.frame = observation.segment->frame;
-    AddMember(objects[object], all, k, member, kCell_m);
+    AddMember(objects[object], all, k, member);
+    AddPoints(objects[object], Seat(k < 2 ? 0 : 0.08), kCell_m);
   }
   std::vector<Rejection> rejections;
   MergeDuplicates(objects, all, {}, rejections);
@@ -57,20 +57,42 @@ std::size_t NumLeft(const Box2& first_px, const Box2& second_px) {
   return objects.size();
 }
 
-TEST(MajorityClass, WhatIsRecognisedOutvotesGuessesBySize) {
-  std::vector<Segment> segments(8, Chair(0, 1, {0, 0, 10, 10}));
+TEST(ObjectHypothesis, WhatIsRecognisedOutvotesGuessesBySize) {
+  std::vector<Segment> segments;
+  for (int k = 0; k < 8; ++k) {
+    segments.push_back(Chair(k, k, {0, 0, 10, 10}));
+    if (k < 2) continue;
+    segments.back().class_name = "cabinet";
+    segments.back().source = DetectionSource::kCluster;
+  }
   std::vector<Observation> all(segments.size());
   ObjectHypothesis object;
-  for (std::size_t k = 0; k < segments.size(); ++k) {
-    all[k].segment = &segments[k];
-    object.observations.push_back(static_cast<int>(k));
-    if (k < 2) continue;
-    segments[k].class_name = "cabinet";
-    segments[k].source = DetectionSource::kCluster;
+  for (const int k : {7, 0, 3, 1, 2, 4, 5, 6}) {
+    all[static_cast<std::size_t>(k)].segment = &segments[static_cast<std::size_t>(k)];
+    AddMember(object, all, k, {});
   }
-  EXPECT_EQ(MajorityClass(object, all), "chair") << "2 of a network against 6 by size";
-  object.observations.erase(object.observations.begin(), object.observations.begin() + 2);
-  EXPECT_EQ(MajorityClass(object, all), "cabinet");
+  EXPECT_THAT(object.observations, testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7)) << "by frames";
+  EXPECT_EQ(object.MemberIn(FrameIdx{3}), 3U);
+  EXPECT_FALSE(object.MemberIn(FrameIdx{8}));
+  EXPECT_EQ(object.class_name, "chair") << "2 of a network against 6 by size";
+  RemoveMember(object, all, 1);
+  RemoveMember(object, all, 0);
+  EXPECT_EQ(object.class_name, "cabinet");
+  EXPECT_THAT(object.members, SizeIs(6));
+  EXPECT_FALSE(object.MemberIn(FrameIdx{0}));
+}
+
+TEST(Sights, OfLongCapturesAnEvenShareIsHeldAndSpeaksForAll) {
+  for (const int num_frames : {0, 1, 7, 8, 9, 100, 1000}) {
+    Sights sights(8);
+    for (int k = 0; k < num_frames; ++k) sights.Add({k}, Pose3(), DepthImage(16, 16));
+    EXPECT_LE(sights.num_held(), 8U);
+    const double all = sights.NumThat([](const Sight&) { return true; });
+    EXPECT_NEAR(all, num_frames, num_frames <= 8 ? 0 : 0.25 * num_frames);
+    const double half =
+        sights.NumThat([&](const Sight& sight) { return 2 * sight.frame.value < num_frames; });
+    EXPECT_NEAR(half, 0.5 * all, 0.13 * all + 0.5);
+  }
 }
 
 TEST(ReviewObjects, AThingAndHalfOfItInOneFrameAreOneThing) {

@@ -36,6 +36,7 @@ class Matcher {
                                     std::span<const Segment* const> segments,
                                     const DepthImage& depth_m);
   void Take(const Match& match, const std::string& how);
+  void Retire(std::span<const int> voters);
   void StartObjects(std::span<const int> unmatched);
   void AdoptOrphans();
   void StartObjectsAtBorder();
@@ -51,7 +52,7 @@ class Matcher {
   std::vector<ObjectHypothesis> objects_;
   std::deque<std::vector<int>> voters_;
   std::vector<int> orphans_;  // usable, but could start nothing
-  std::vector<Sight> sights_;
+  Sights sights_;
   std::vector<Rejection> rejections_;
   int num_started_ = 0;
 };
@@ -64,11 +65,20 @@ ObjectHypothesis& Matcher::Object(ObjectId id) {
 }
 
 void Matcher::Take(const Match& match, const std::string& how) {
-  AddMember(Object(match.object),
-            all_,
-            match.observation,
-            {{}, {}, match.num_votes, match.dissimilarity_m, how},
+  ObjectHypothesis& object = Object(match.object);
+  AddMember(object, all_, match.observation, {{}, {}, match.num_votes, match.dissimilarity_m, how});
+  AddPoints(object,
+            all_[static_cast<std::size_t>(match.observation)].points_world,
             0.5 * options_.voxel_m);
+}
+
+void Matcher::Retire(std::span<const int> voters) {
+  for (const int i : voters) {
+    Observation& observation = all_[static_cast<std::size_t>(i)];
+    observation.cloud_world = PointCloud({});
+    // Orphans are looked at again when all objects are known.
+    if (observation.object.valid()) observation.points_world = {};
+  }
 }
 
 std::vector<int> Matcher::MakeObservations(FrameIdx frame,
@@ -87,15 +97,16 @@ std::vector<int> Matcher::MakeObservations(FrameIdx frame,
     }
     Observation observation;
     observation.segment = segment;
-    observation.cloud_world = PointCloud(MaskPoints(segment->mask.Unpacked(),
-                                                    depth_m,
-                                                    frames_.camera(),
-                                                    world_from_camera,
-                                                    options_.max_points));
-    if (observation.cloud_world.points().empty()) {
+    observation.points_world = MaskPoints(segment->mask.Unpacked(),
+                                          depth_m,
+                                          frames_.camera(),
+                                          world_from_camera,
+                                          options_.max_points);
+    if (observation.points_world.empty()) {
       Reject(*segment, "no depth in the mask");
       continue;
     }
+    observation.cloud_world = PointCloud(observation.points_world);
     current.push_back(static_cast<int>(all_.size()));
     all_.push_back(std::move(observation));
   }
@@ -126,7 +137,7 @@ void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments)
     return;
   }
   const Pose3 camera_from_world = odometry_.at(frame).world_from_camera.Inverse();
-  sights_.push_back({frame, camera_from_world, CoarseDepth(read->depth_m)});
+  sights_.Add(frame, camera_from_world, read->depth_m);
   const std::vector<int> current = MakeObservations(frame, segments, read->depth_m);
   if (current.empty()) return;
   const std::vector<std::vector<int>> voters(voters_.begin(), voters_.end());
@@ -145,7 +156,10 @@ void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments)
   take_all(MatchByModels(unmatched(), objects_, all_, options_), "model");
   StartObjects(unmatched());
   voters_.push_back(current);
-  if (static_cast<int>(voters_.size()) > options_.num_vote_frames) voters_.pop_front();
+  if (static_cast<int>(voters_.size()) > options_.num_vote_frames) {
+    Retire(voters_.front());
+    voters_.pop_front();
+  }
 }
 
 // Detections that could start nothing, held against what was found afterwards.
@@ -185,7 +199,8 @@ void Matcher::StartObjectsAtBorder() {
       groups.push_back(std::move(started));
       group = groups.end() - 1;
     }
-    AddMember(*group, all_, i, std::move(member), 0.5 * options_.voxel_m);
+    AddMember(*group, all_, i, std::move(member));
+    AddPoints(*group, all_[static_cast<std::size_t>(i)].points_world, 0.5 * options_.voxel_m);
   }
   for (ObjectHypothesis& group : groups) {
     std::vector<double> spans;
@@ -224,7 +239,7 @@ Association Matcher::Finish() {
   Association association;
   for (ObjectHypothesis& object : objects_) {
     association.tracks.push_back(
-        {object.id, MajorityClass(object, all_), std::move(object.members), object.reason});
+        {object.id, object.class_name, std::move(object.members), object.reason});
   }
   association.rejections = std::move(rejections_);
   std::stable_sort(association.rejections.begin(),

@@ -12,13 +12,13 @@ namespace {
 // dissimilarity.
 constexpr double kOtherClassFactor = 0.6;
 
-std::vector<bool> InsideBox(const PointCloud& cloud,
+std::vector<bool> InsideBox(const std::vector<Eigen::Vector3f>& points_world,
                             const Box2& box_px,
                             const PinholeCamera& camera,
                             const Pose3& camera_from_world) {
   std::vector<bool> inside;
-  inside.reserve(cloud.points().size());
-  for (const Eigen::Vector3f& p : cloud.points()) {
+  inside.reserve(points_world.size());
+  for (const Eigen::Vector3f& p : points_world) {
     const auto pixel = camera.Project(camera_from_world * p.cast<double>());
     inside.push_back(pixel && box_px.Contains(pixel->x(), pixel->y()));
   }
@@ -33,15 +33,15 @@ std::optional<double> Dissimilarity(const Observation& voter,
                                     const Pose3& camera_from_world,
                                     const AssociateOptions& options) {
   const std::vector<bool> inside =
-      InsideBox(voter.cloud_world, current.segment->box_px, camera, camera_from_world);
+      InsideBox(voter.points_world, current.segment->box_px, camera, camera_from_world);
   const auto num_inside = static_cast<double>(std::count(inside.begin(), inside.end(), true));
   if (num_inside < options.min_inside_share * static_cast<double>(inside.size()) ||
       num_inside == 0) {
     return std::nullopt;
   }
   const double forth_m =
-      MeanDistance(voter.cloud_world, current.cloud_world, options.truncation_m, inside);
-  const double back_m = MeanDistance(current.cloud_world, voter.cloud_world, options.truncation_m);
+      MeanDistance(voter.points_world, current.cloud_world, options.truncation_m, inside);
+  const double back_m = MeanDistance(current.points_world, voter.cloud_world, options.truncation_m);
   const bool same_class = voter.segment->class_name == current.segment->class_name;
   const double error_m = same_class ? std::min(forth_m, back_m) : std::max(forth_m, back_m);
   const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
@@ -129,11 +129,11 @@ std::vector<Match> MatchByModels(std::span<const int> unmatched,
   for (const int i : unmatched) {
     const Observation& current = all[static_cast<std::size_t>(i)];
     for (const ObjectHypothesis& object : objects) {
-      if (object.IsSeenIn(current.segment->frame)) continue;
+      if (object.MemberIn(current.segment->frame)) continue;
       const bool same_class = object.class_name == current.segment->class_name;
       const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
       const double error_m =
-          MeanDistance(current.cloud_world, object.cloud_world, options.truncation_m);
+          MeanDistance(current.points_world, object.cloud_world, options.truncation_m);
       if (error_m <= limit_m) candidates.push_back({i, object.id, 0, error_m});
     }
   }

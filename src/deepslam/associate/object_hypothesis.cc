@@ -10,12 +10,28 @@ namespace {
 // Of a class that is guessed by size, against one that a network or a person has recognised.
 constexpr double kTrustInSize = 0.1;
 
+bool IsEarlier(const TrackMember& a, const TrackMember& b) { return a.frame < b.frame; }
+
+// Positive, or negative to take the segment out again.
+void Weigh(ObjectHypothesis& object, const Segment& segment, double sign) {
+  const double trust = segment.source == DetectionSource::kCluster ? kTrustInSize : 1;
+  object.class_weights[segment.class_name] += sign * trust * segment.score;
+  double best_weight = -1;
+  for (const auto& [name, weight] : object.class_weights) {
+    if (weight <= best_weight) continue;
+    object.class_name = name;
+    best_weight = weight;
+  }
+}
+
 }  // namespace
 
-bool ObjectHypothesis::IsSeenIn(FrameIdx frame) const {
-  return std::any_of(members.begin(), members.end(), [frame](const TrackMember& member) {
-    return member.frame == frame;
-  });
+std::optional<std::size_t> ObjectHypothesis::MemberIn(FrameIdx frame) const {
+  TrackMember member;
+  member.frame = frame;
+  const auto place = std::lower_bound(members.begin(), members.end(), member, IsEarlier);
+  if (place == members.end() || place->frame != frame) return std::nullopt;
+  return static_cast<std::size_t>(place - members.begin());
 }
 
 double ObjectHypothesis::MeanScore(const std::vector<Observation>& all) const {
@@ -27,45 +43,35 @@ double ObjectHypothesis::MeanScore(const std::vector<Observation>& all) const {
 void AddMember(ObjectHypothesis& object,
                std::vector<Observation>& all,
                int observation,
-               TrackMember member,
-               double cell_m) {
+               TrackMember member) {
   Observation& added = all[static_cast<std::size_t>(observation)];
   added.object = object.id;
   member.detection = added.segment->detection;
   member.frame = added.segment->frame;
   // Members stay in ascending frames, also when an earlier detection is adopted late.
-  const auto place = std::upper_bound(
-      object.members.begin(),
-      object.members.end(),
-      member,
-      [](const TrackMember& a, const TrackMember& b) { return a.frame < b.frame; });
+  const auto place =
+      std::upper_bound(object.members.begin(), object.members.end(), member, IsEarlier);
   object.observations.insert(object.observations.begin() + (place - object.members.begin()),
                              observation);
   object.members.insert(place, std::move(member));
-  object.class_name = MajorityClass(object, all);
-  object.points_world.insert(object.points_world.end(),
-                             added.cloud_world.points().begin(),
-                             added.cloud_world.points().end());
-  object.points_world = Thinned(object.points_world, cell_m);
-  object.cloud_world = PointCloud(object.points_world);
+  Weigh(object, *added.segment, 1);
 }
 
-std::string MajorityClass(const ObjectHypothesis& object, const std::vector<Observation>& all) {
-  std::map<std::string, double> weights;
-  for (const int i : object.observations) {
-    const Segment& segment = *all[static_cast<std::size_t>(i)].segment;
-    const double trust = segment.source == DetectionSource::kCluster ? kTrustInSize : 1;
-    weights[segment.class_name] += trust * segment.score;
-  }
-  std::string best;
-  double best_weight = -1;
-  for (const auto& [name, weight] : weights) {
-    if (weight > best_weight) {
-      best = name;
-      best_weight = weight;
-    }
-  }
-  return best;
+void RemoveMember(ObjectHypothesis& object, std::vector<Observation>& all, std::size_t member) {
+  const auto place = static_cast<std::ptrdiff_t>(member);
+  Observation& removed = all[static_cast<std::size_t>(object.observations[member])];
+  removed.object = ObjectId();
+  object.observations.erase(object.observations.begin() + place);
+  object.members.erase(object.members.begin() + place);
+  Weigh(object, *removed.segment, -1);
+}
+
+void AddPoints(ObjectHypothesis& object,
+               const std::vector<Eigen::Vector3f>& points_world,
+               double cell_m) {
+  object.points_world.insert(object.points_world.end(), points_world.begin(), points_world.end());
+  object.points_world = Thinned(object.points_world, cell_m);
+  object.cloud_world = PointCloud(object.points_world);
 }
 
 }  // namespace deepslam::associate

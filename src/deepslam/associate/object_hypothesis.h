@@ -1,6 +1,8 @@
 // An object while the matching goes on: its detections so far and all their points.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,11 +15,13 @@
 
 namespace deepslam::associate {
 
-// A segment on its way through the matching.
+// A segment on its way through the matching. Its points are kept as long as something may be held
+// against them: what has found its object, or may vote no more, gives them up.
 struct Observation {
   const Segment* segment = nullptr;
-  PointCloud cloud_world{{}};
-  ObjectId object;  // invalid: none yet
+  std::vector<Eigen::Vector3f> points_world;
+  PointCloud cloud_world{{}};  // of the same points; empty where they no longer vote
+  ObjectId object;             // invalid: none yet
 };
 
 struct ObjectHypothesis {
@@ -28,21 +32,25 @@ struct ObjectHypothesis {
   std::string reason;
   std::vector<Eigen::Vector3f> points_world;  // of all members, thinned
   PointCloud cloud_world{{}};
+  std::map<std::string, double> class_weights;
 
-  [[nodiscard]] bool IsSeenIn(FrameIdx frame) const;
+  [[nodiscard]] std::optional<std::size_t> MemberIn(FrameIdx frame) const;
   [[nodiscard]] double MeanScore(const std::vector<Observation>& all) const;
 };
 
-// Adds a detection; points closer than `cell_m` to known ones are not kept.
+// Adds a detection, without its points. Its class is that of most members, weighted by score; what
+// clusters guess by size counts a tenth; of equal ones the first by name.
 void AddMember(ObjectHypothesis& object,
                std::vector<Observation>& all,
                int observation,
-               TrackMember member,
-               double cell_m);
+               TrackMember member);
 
-// Class of most members, weighted by score; what clusters guess by size counts a tenth. Of equal
-// ones the first by name.
-[[nodiscard]] std::string MajorityClass(const ObjectHypothesis& object,
-                                        const std::vector<Observation>& all);
+// Takes a detection out again.
+void RemoveMember(ObjectHypothesis& object, std::vector<Observation>& all, std::size_t member);
+
+// Points that share a cell of side `cell_m` with known ones are not kept.
+void AddPoints(ObjectHypothesis& object,
+               const std::vector<Eigen::Vector3f>& points_world,
+               double cell_m);
 
 }  // namespace deepslam::associate

@@ -70,15 +70,15 @@ double PointCloud::Distance(const Eigen::Vector3f& p, double max_m) const {
   return std::sqrt(static_cast<double>(squared));
 }
 
-double MeanDistance(const PointCloud& from,
+double MeanDistance(const std::vector<Eigen::Vector3f>& from,
                     const PointCloud& to,
                     double truncation_m,
                     const std::vector<bool>& counted) {
   double sum = 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < from.points().size(); ++i) {
+  for (std::size_t i = 0; i < from.size(); ++i) {
     if (!counted.empty() && !counted[i]) continue;
-    sum += std::min(truncation_m, to.Distance(from.points()[i], truncation_m));
+    sum += std::min(truncation_m, to.Distance(from[i], truncation_m));
     ++count;
   }
   return count > 0 ? sum / static_cast<double>(count) : truncation_m;

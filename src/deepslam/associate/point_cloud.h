@@ -36,7 +36,7 @@ class PointCloud {
 // Mean distance of `from`'s points to their nearest ones in `to`, none counting more than
 // `truncation_m`. Only points marked in `counted` where it is not empty. `truncation_m` when there
 // is nothing to compare.
-[[nodiscard]] double MeanDistance(const PointCloud& from,
+[[nodiscard]] double MeanDistance(const std::vector<Eigen::Vector3f>& from,
                                   const PointCloud& to,
                                   double truncation_m,
                                   const std::vector<bool>& counted = {});

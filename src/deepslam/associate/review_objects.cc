@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -28,41 +29,39 @@ void Dissolve(const ObjectHypothesis& object,
   }
 }
 
+const Segment& SegmentOf(const ObjectHypothesis& object,
+                         std::size_t member,
+                         const std::vector<Observation>& all) {
+  return *all[static_cast<std::size_t>(object.observations[member])].segment;
+}
+
 void Absorb(ObjectHypothesis& kept,
             const ObjectHypothesis& merged,
             std::vector<Observation>& all,
             const AssociateOptions& options,
             std::vector<Rejection>& rejections) {
+  const auto reject = [&](const Segment& segment) {
+    rejections.push_back({segment.detection, segment.frame, "second detection of one object"});
+  };
   for (std::size_t m = 0; m < merged.members.size(); ++m) {
     const int index = merged.observations[m];
     Observation& observation = all[static_cast<std::size_t>(index)];
     const Segment& segment = *observation.segment;
-    const auto rival = std::find_if(kept.members.begin(),
-                                    kept.members.end(),
-                                    [&](const TrackMember& k) { return k.frame == segment.frame; });
-    if (rival != kept.members.end()) {
-      const auto place = rival - kept.members.begin();
-      const int rival_index = kept.observations[static_cast<std::size_t>(place)];
-      Observation& other = all[static_cast<std::size_t>(rival_index)];
-      const bool keep_rival = other.segment->num_points >= segment.num_points;
-      Observation& loser = keep_rival ? observation : other;
-      loser.object = ObjectId();
-      rejections.push_back(
-          {loser.segment->detection, loser.segment->frame, "second detection of one object"});
-      if (keep_rival) continue;
-      kept.members.erase(rival);
-      kept.observations.erase(kept.observations.begin() + place);
+    if (const std::optional<std::size_t> rival = kept.MemberIn(segment.frame)) {
+      const Segment& other = SegmentOf(kept, *rival, all);
+      if (other.num_points >= segment.num_points) {
+        observation.object = ObjectId();
+        reject(segment);
+        continue;
+      }
+      RemoveMember(kept, all, *rival);
+      reject(other);
     }
     TrackMember member = merged.members[m];
     member.how = "merge";
-    AddMember(kept, all, index, std::move(member), 0.5 * options.voxel_m);
+    AddMember(kept, all, index, std::move(member));
   }
-}
-
-const Segment& SegmentOf(const ObjectHypothesis& object,
-                         std::size_t member,
-                         const std::vector<Observation>& all) {
-  return *all[static_cast<std::size_t>(object.observations[member])].segment;
+  AddPoints(kept, merged.points_world, 0.5 * options.voxel_m);
 }
 
 // Two boxes of which one lies in the other may be a thing and a half of it, detected twice.
@@ -128,16 +127,6 @@ bool IsInSight(const ObjectHypothesis& object, const Sight& sight, const Pinhole
 
 }  // namespace
 
-DepthImage CoarseDepth(const DepthImage& depth_m) {
-  DepthImage coarse(depth_m.width() / kSightStep, depth_m.height() / kSightStep);
-  for (int v = 0; v < coarse.height(); ++v) {
-    for (int u = 0; u < coarse.width(); ++u) {
-      coarse(u, v) = depth_m(u * kSightStep + kSightStep / 2, v * kSightStep + kSightStep / 2);
-    }
-  }
-  return coarse;
-}
-
 void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
                      std::vector<Observation>& all,
                      const AssociateOptions& options,
@@ -165,16 +154,14 @@ void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
 
 void RejectNoise(std::vector<ObjectHypothesis>& objects,
                  std::vector<Observation>& all,
-                 const std::vector<Sight>& sights,
+                 const Sights& sights,
                  const PinholeCamera& camera,
                  const AssociateOptions& options,
                  std::vector<Rejection>& rejections) {
   std::erase_if(objects, [&](const ObjectHypothesis& object) {
     const auto num_members = static_cast<int>(object.members.size());
-    const auto num_sights =
-        static_cast<double>(std::count_if(sights.begin(), sights.end(), [&](const Sight& sight) {
-          return IsInSight(object, sight, camera);
-        }));
+    const double num_sights =
+        sights.NumThat([&](const Sight& sight) { return IsInSight(object, sight, camera); });
     std::string reason;
     if (num_members < options.min_members && object.MeanScore(all) < options.min_single_score) {
       reason = "object seen too seldom with too low a score";

@@ -5,20 +5,10 @@
 
 #include "deepslam/associate/associate.h"
 #include "deepslam/associate/object_hypothesis.h"
+#include "deepslam/associate/sights.h"
 #include "deepslam/geometry/camera.h"
-#include "deepslam/geometry/pose.h"
 
 namespace deepslam::associate {
-
-// What a frame could see, coarsely: every kSightStep-th pixel of its depth.
-struct Sight {
-  FrameIdx frame;
-  Pose3 camera_from_world;
-  DepthImage coarse_depth_m;
-};
-inline constexpr int kSightStep = 8;
-
-[[nodiscard]] DepthImage CoarseDepth(const DepthImage& depth_m);
 
 // Merges objects that fill the same space, into the lower id; where both were seen in a frame the
 // better detection stays. What was never seen side by side may be apart by drift; a box within the
@@ -32,7 +22,7 @@ void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
 // Removes objects that were detected too seldom for how often they were in sight.
 void RejectNoise(std::vector<ObjectHypothesis>& objects,
                  std::vector<Observation>& all,
-                 const std::vector<Sight>& sights,
+                 const Sights& sights,
                  const PinholeCamera& camera,
                  const AssociateOptions& options,
                  std::vector<Rejection>& rejections);

@@ -53,25 +53,59 @@ Eigen::Vector3f ShadePixel(const RayScene& scene,
   return colour * Light(scene, point, hit.normal_world, to_eye);
 }
 
-ColourImage Downsampled(const Image<Eigen::Vector3f>& fine) {
-  ColourImage coarse(fine.width() / kSupersampling, fine.height() / kSupersampling);
-  constexpr float kShare = 1.0f / (kSupersampling * kSupersampling);
-  const auto byte = [](float x) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 255.0f)));
-  };
-  for (int v = 0; v < coarse.height(); ++v) {
-    for (int u = 0; u < coarse.width(); ++u) {
-      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-      for (int n = 0; n < kSupersampling * kSupersampling; ++n) {
-        sum +=
-            fine(u * kSupersampling + n % kSupersampling, v * kSupersampling + n / kSupersampling);
-      }
-      sum *= kShare;
-      coarse(u, v) = {byte(sum.x()), byte(sum.y()), byte(sum.z())};
-    }
-  }
-  return coarse;
+std::uint8_t Byte(float x) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0f, 255.0f)));
 }
+
+PinholeCamera Supersampled(const PinholeCamera& camera) {
+  PinholeCamera fine = camera;
+  fine.width *= kSupersampling;
+  fine.height *= kSupersampling;
+  fine.fx *= kSupersampling;
+  fine.fy *= kSupersampling;
+  fine.cx = (camera.cx + 0.5) * kSupersampling - 0.5;
+  fine.cy = (camera.cy + 0.5) * kSupersampling - 0.5;
+  return fine;
+}
+
+// Renders rows of the fine view and shades them.
+class RowShader {
+ public:
+  RowShader(const RayScene& scene,
+            std::span<const ShadedMesh* const> placed,
+            const PinholeCamera& fine,
+            const Pose3& world_from_camera)
+      : scene_(scene),
+        placed_(placed),
+        fine_(fine),
+        world_from_camera_(world_from_camera),
+        hits_(static_cast<std::size_t>(fine.width)),
+        depth_m_(hits_.size()) {}
+
+  void Render(int v) {
+    v_ = v;
+    RenderRow(scene_, fine_, world_from_camera_, v, hits_, depth_m_);
+  }
+
+  // White where nothing is hit.
+  [[nodiscard]] Eigen::Vector3f Shade(int u) const {
+    const auto n = static_cast<std::size_t>(u);
+    if (hits_[n].instance < 0) return Eigen::Vector3f::Constant(255.0f);
+    const Eigen::Vector3d point =
+        world_from_camera_ * fine_.Unproject(u, v_, static_cast<double>(depth_m_[n]));
+    const Eigen::Vector3d to_eye = (world_from_camera_.translation_m - point).normalized();
+    return ShadePixel(scene_, placed_, hits_[n], point.cast<float>(), to_eye.cast<float>());
+  }
+
+ private:
+  const RayScene& scene_;
+  std::span<const ShadedMesh* const> placed_;
+  const PinholeCamera& fine_;
+  const Pose3& world_from_camera_;
+  int v_ = 0;
+  std::vector<RayHit> hits_;
+  std::vector<float> depth_m_;
+};
 
 }  // namespace
 
@@ -84,29 +118,26 @@ ColourImage ShadeView(std::span<const ShadedMesh> meshes,
     if (scene.AddMesh(mesh.mesh, mesh.world_from_mesh).ok()) placed.push_back(&mesh);
   }
   scene.Commit();
-  PinholeCamera fine = camera;
-  fine.width *= kSupersampling;
-  fine.height *= kSupersampling;
-  fine.fx *= kSupersampling;
-  fine.fy *= kSupersampling;
-  fine.cx = (camera.cx + 0.5) * kSupersampling - 0.5;
-  fine.cy = (camera.cy + 0.5) * kSupersampling - 0.5;
-  const RenderedView view = RenderView(scene, fine, world_from_camera);
-  const Eigen::Vector3f white = Eigen::Vector3f::Constant(255.0f);
-  Image<Eigen::Vector3f> picture(fine.width, fine.height, white);
-  ParallelFor(static_cast<std::size_t>(fine.height), [&](std::size_t row) {
+  const PinholeCamera fine = Supersampled(camera);
+  ColourImage picture(camera.width, camera.height);
+  ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
-    for (int u = 0; u < fine.width; ++u) {
-      const RayHit& hit = view.hits(u, v);
-      if (hit.instance < 0) continue;
-      const Eigen::Vector3d p_camera =
-          fine.Unproject(u, v, static_cast<double>(view.depth_m(u, v)));
-      const Eigen::Vector3d point = world_from_camera * p_camera;
-      const Eigen::Vector3d to_eye = (world_from_camera.translation_m - point).normalized();
-      picture(u, v) = ShadePixel(scene, placed, hit, point.cast<float>(), to_eye.cast<float>());
+    RowShader shader(scene, placed, fine, world_from_camera);
+    std::vector<Eigen::Vector3f> sums(static_cast<std::size_t>(camera.width),
+                                      Eigen::Vector3f::Zero());
+    for (int fine_v = v * kSupersampling; fine_v < (v + 1) * kSupersampling; ++fine_v) {
+      shader.Render(fine_v);
+      for (int u = 0; u < fine.width; ++u) {
+        sums[static_cast<std::size_t>(u / kSupersampling)] += shader.Shade(u);
+      }
+    }
+    constexpr float kShare = 1.0f / (kSupersampling * kSupersampling);
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3f mean = kShare * sums[static_cast<std::size_t>(u)];
+      picture(u, v) = {Byte(mean.x()), Byte(mean.y()), Byte(mean.z())};
     }
   });
-  return Downsampled(picture);
+  return picture;
 }
 
 Pose3 LookAt(const Eigen::Vector3d& position_world, const Eigen::Vector3d& target_world) {

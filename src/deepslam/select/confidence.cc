@@ -15,12 +15,12 @@ constexpr double kSamePlaceM = 0.2;
 constexpr double kSameTurnRad = 20 * std::numbers::pi / 180;
 constexpr double kSameSize = 1.2;
 // The fit, and from where on its parts tell no more.
-constexpr double kLogit = -5.9;
-constexpr double kLeadLogit = 1.9;
+constexpr double kLogit = -4.85;
+constexpr double kLeadLogit = 2.1;
 constexpr double kClearLead = 0.15;
-constexpr double kSeenLogit = 4.3;
+constexpr double kSeenLogit = 3.1;
 constexpr double kWellSeenShare = 0.4;
-constexpr double kExplainedLogit = 3.1;
+constexpr double kExplainedLogit = 3.35;
 constexpr double kUnexplained = 0.6;
 constexpr double kExplained = 0.9;
 // Of objects whose place no whole model speaks for or against: about the fit's mean.
