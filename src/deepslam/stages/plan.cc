@@ -147,7 +147,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunDetect);
   add("segment", 6, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
-      5,
+      6,
       {"track", "ground", "segment"},
       {"associate"},
       kFrames | kTrackOverrides,
