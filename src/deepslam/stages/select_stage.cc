@@ -50,8 +50,8 @@ void Place(MapObject object, ObjectMap& map) {
 // What the stage makes.
 struct Selection {
   ObjectMap map;
-  Proposals refined;  // candidates added here
-  std::vector<CandidateRegistration> refined_registrations;
+  Proposals made;  // candidates added here
+  std::vector<CandidateRegistration> made_registrations;
   std::vector<std::string> applied;  // of a person's choices
 };
 
@@ -100,15 +100,15 @@ Result<Selection> SelectAll(const StageContext& context,
     ScoreAll(of_track.views, inputs.config.select, contest);
     const std::size_t num_proposed = contest.candidates.size();
     const auto enter = [&](Proposals made) {
-      Enter(std::move(made), of_track.views, inputs, first_made, contest, selection.refined);
+      Enter(std::move(made), of_track.views, inputs, first_made, contest, selection.made);
     };
     if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
       enter(RefineShapes(contest, of_track.views, *prior, inputs));
     if (inputs.config.shape_refinement.complete)
       enter(CompleteBest(contest, of_track.views, "filled", inputs));
     const auto made = std::span(contest.registrations).subspan(num_proposed);
-    selection.refined_registrations.insert(
-        selection.refined_registrations.end(), made.begin(), made.end());
+    selection.made_registrations.insert(
+        selection.made_registrations.end(), made.begin(), made.end());
     Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
     if (!object.ok()) return object.error();
     Place(std::move(object).value(), selection.map);
@@ -125,14 +125,14 @@ Status WriteSelection(StageContext& context, const Selection& selection) {
   if (Status status = WriteApplied(context, selection.applied); !status.ok()) return status;
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"objects.json", artifact::EncodeObjectMap(selection.map, "objects.json")},
-      {"candidates.json", artifact::EncodeProposals(selection.refined, "candidates.json")},
+      {"candidates.json", artifact::EncodeProposals(selection.made, "candidates.json")},
       {"registrations.json",
-       artifact::EncodeRegistrations(selection.refined_registrations, "registrations.json")}};
+       artifact::EncodeRegistrations(selection.made_registrations, "registrations.json")}};
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
   }
-  if (Status status = WriteModels(context, selection.refined.models); !status.ok()) return status;
-  return CopyChosenModels(context, selection.map, selection.refined.models);
+  if (Status status = WriteModels(context, selection.made.models); !status.ok()) return status;
+  return CopyChosenModels(context, selection.map, selection.made.models);
 }
 
 }  // namespace
@@ -151,13 +151,22 @@ Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   if (!selection.ok()) return selection.error();
   if (Status status = WriteSelection(context, *selection); !status.ok()) return status.error();
   const ObjectMap& map = selection->map;
-  const std::size_t num_refined = selection->refined.candidates.size();
+  const auto num_made = [&](CandidateSource source) {
+    const std::vector<ShapeCandidate>& made = selection->made.candidates;
+    return std::count_if(made.begin(), made.end(), [source](const ShapeCandidate& candidate) {
+      return candidate.source == source;
+    });
+  };
+  const auto num_refined = num_made(CandidateSource::kRefined);
+  const auto num_completed = num_made(CandidateSource::kCompleted);
   StageSummary summary{
       fmt::format("{} objects, {} dropped", map.objects.size(), map.dropped.size()),
       {{"num_objects", static_cast<double>(map.objects.size())},
        {"num_dropped", static_cast<double>(map.dropped.size())},
-       {"num_refined", static_cast<double>(num_refined)}}};
+       {"num_refined", static_cast<double>(num_refined)},
+       {"num_completed", static_cast<double>(num_completed)}}};
   if (num_refined > 0) summary.line += fmt::format(", {} shapes refined", num_refined);
+  if (num_completed > 0) summary.line += fmt::format(", {} completed", num_completed);
   for (const MapObject& object : map.objects) {
     summary.line += fmt::format(", {} {:.2f}", ObjectName(object), object.confidence);
   }
