@@ -105,6 +105,7 @@ def card(config, scores, curve, heads, given, worst, weights):
     lines += ["", "## Training", "",
               f"{last} steps of {config['batch']} views in {curve['seconds'] / 3600:.1f} h on {platform.machine()}, "
               f"PyTorch {torch.__version__}; seed {config['seed']}.",
+              *(f"Before that: {line}" for line in curve.get("before", [])),
               "Models: " + ", ".join(f"{n} {s} ({p})" for (s, p), n in sorted(source.items())) + ".", "",
               "## Limits", "",
               "Rendered furniture only; thin parts are often lost; a cut crop does not show what was cut; sizes come from "

@@ -12,6 +12,15 @@ from onnx import numpy_helper
 from torch import nn
 
 
+def trainings_of(source):
+    """What the model card of exported networks says of the trainings behind them, the last one first; empty for other weights."""
+    card = pathlib.Path(source) / "MODEL_CARD.md"
+    if not card.exists():
+        return []
+    section = card.read_text(encoding="utf-8").partition("## Training\n")[2].partition("\n## ")[0]
+    return [line.removeprefix("Before that: ") for line in section.splitlines() if " steps of " in line]
+
+
 def parameters_of(model):
     halves = {cast.output[0]: cast.input[0] for cast in model.graph.node if cast.op_type == "Cast"}
     stored = {tensor.name: numpy_helper.to_array(tensor).astype(np.float32) for tensor in model.graph.initializer}

@@ -190,6 +190,7 @@ def main():
         some = np.linspace(0, len(train_views) - 1, min(256, len(train_views))).astype(int)
         restart.begin(model.cpu(), arguments.start_from, train_views.crops(some)).to(device)
         mean.load_state_dict(model.state_dict())
+        state["before"] = restart.trainings_of(arguments.start_from)
     print(f"{len(train_views)} views of {len(train_views.models)} models, validated on {len(check_views)} of "
           f"{len(check_views.models)}; step {state['step']}, {sum(p.numel() for p in model.parameters())} weights, "
           f"{device}", flush=True)
