@@ -36,6 +36,7 @@ class Matcher {
                                     std::span<const Segment* const> segments,
                                     const DepthImage& depth_m);
   void Take(const Match& match, const std::string& how);
+  void Add(ObjectHypothesis& object, int observation, TrackMember member);
   void Retire(std::span<const int> voters);
   void StartObjects(std::span<const int> unmatched);
   void AdoptOrphans();
@@ -65,11 +66,15 @@ ObjectHypothesis& Matcher::Object(ObjectId id) {
 }
 
 void Matcher::Take(const Match& match, const std::string& how) {
-  ObjectHypothesis& object = Object(match.object);
-  AddMember(object, all_, match.observation, {{}, {}, match.num_votes, match.dissimilarity_m, how});
-  AddPoints(object,
-            all_[static_cast<std::size_t>(match.observation)].points_world,
-            0.5 * options_.voxel_m);
+  Add(Object(match.object),
+      match.observation,
+      {{}, {}, match.num_votes, match.dissimilarity_m, how});
+}
+
+void Matcher::Add(ObjectHypothesis& object, int observation, TrackMember member) {
+  AddMember(object, all_, observation, std::move(member));
+  AddPoints(
+      object, all_[static_cast<std::size_t>(observation)].points_world, 0.5 * options_.voxel_m);
 }
 
 void Matcher::Retire(std::span<const int> voters) {
@@ -199,8 +204,7 @@ void Matcher::StartObjectsAtBorder() {
       groups.push_back(std::move(started));
       group = groups.end() - 1;
     }
-    AddMember(*group, all_, i, std::move(member));
-    AddPoints(*group, all_[static_cast<std::size_t>(i)].points_world, 0.5 * options_.voxel_m);
+    Add(*group, i, std::move(member));
   }
   for (ObjectHypothesis& group : groups) {
     std::vector<double> spans;

@@ -16,7 +16,7 @@
 namespace deepslam::associate {
 
 // A segment on its way through the matching. Its points are kept as long as something may be held
-// against them: what has found its object, or may vote no more, gives them up.
+// against them: what has found its object gives them up when it votes no more.
 struct Observation {
   const Segment* segment = nullptr;
   std::vector<Eigen::Vector3f> points_world;

@@ -68,44 +68,27 @@ PinholeCamera Supersampled(const PinholeCamera& camera) {
   return fine;
 }
 
-// Renders rows of the fine view and shades them.
-class RowShader {
- public:
-  RowShader(const RayScene& scene,
-            std::span<const ShadedMesh* const> placed,
-            const PinholeCamera& fine,
-            const Pose3& world_from_camera)
-      : scene_(scene),
-        placed_(placed),
-        fine_(fine),
-        world_from_camera_(world_from_camera),
-        hits_(static_cast<std::size_t>(fine.width)),
-        depth_m_(hits_.size()) {}
-
-  void Render(int v) {
-    v_ = v;
-    RenderRow(scene_, fine_, world_from_camera_, v, hits_, depth_m_);
+// Colours of row v; white where nothing is hit.
+std::vector<Eigen::Vector3f> ShadedRow(const RayScene& scene,
+                                       std::span<const ShadedMesh* const> placed,
+                                       const PinholeCamera& camera,
+                                       const Pose3& world_from_camera,
+                                       int v) {
+  const auto width = static_cast<std::size_t>(camera.width);
+  std::vector<RayHit> hits(width);
+  std::vector<float> depth_m(width);
+  RenderRow(scene, camera, world_from_camera, v, hits, depth_m);
+  std::vector<Eigen::Vector3f> colours(width, Eigen::Vector3f::Constant(255.0f));
+  for (std::size_t n = 0; n < width; ++n) {
+    if (hits[n].instance < 0) continue;
+    const Eigen::Vector3d p_camera =
+        camera.Unproject(static_cast<int>(n), v, static_cast<double>(depth_m[n]));
+    const Eigen::Vector3d point = world_from_camera * p_camera;
+    const Eigen::Vector3d to_eye = (world_from_camera.translation_m - point).normalized();
+    colours[n] = ShadePixel(scene, placed, hits[n], point.cast<float>(), to_eye.cast<float>());
   }
-
-  // White where nothing is hit.
-  [[nodiscard]] Eigen::Vector3f Shade(int u) const {
-    const auto n = static_cast<std::size_t>(u);
-    if (hits_[n].instance < 0) return Eigen::Vector3f::Constant(255.0f);
-    const Eigen::Vector3d point =
-        world_from_camera_ * fine_.Unproject(u, v_, static_cast<double>(depth_m_[n]));
-    const Eigen::Vector3d to_eye = (world_from_camera_.translation_m - point).normalized();
-    return ShadePixel(scene_, placed_, hits_[n], point.cast<float>(), to_eye.cast<float>());
-  }
-
- private:
-  const RayScene& scene_;
-  std::span<const ShadedMesh* const> placed_;
-  const PinholeCamera& fine_;
-  const Pose3& world_from_camera_;
-  int v_ = 0;
-  std::vector<RayHit> hits_;
-  std::vector<float> depth_m_;
-};
+  return colours;
+}
 
 }  // namespace
 
@@ -122,14 +105,12 @@ ColourImage ShadeView(std::span<const ShadedMesh> meshes,
   ColourImage picture(camera.width, camera.height);
   ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
-    RowShader shader(scene, placed, fine, world_from_camera);
     std::vector<Eigen::Vector3f> sums(static_cast<std::size_t>(camera.width),
                                       Eigen::Vector3f::Zero());
     for (int fine_v = v * kSupersampling; fine_v < (v + 1) * kSupersampling; ++fine_v) {
-      shader.Render(fine_v);
-      for (int u = 0; u < fine.width; ++u) {
-        sums[static_cast<std::size_t>(u / kSupersampling)] += shader.Shade(u);
-      }
+      const std::vector<Eigen::Vector3f> colours =
+          ShadedRow(scene, placed, fine, world_from_camera, fine_v);
+      for (std::size_t n = 0; n < colours.size(); ++n) sums[n / kSupersampling] += colours[n];
     }
     constexpr float kShare = 1.0f / (kSupersampling * kSupersampling);
     for (int u = 0; u < camera.width; ++u) {

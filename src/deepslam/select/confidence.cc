@@ -29,8 +29,7 @@ constexpr double kUsualLead = 0.06;
 constexpr double kScoreWidth = 0.08;
 
 bool IsMadeOfDepth(CandidateSource source) {
-  return source == CandidateSource::kFused || source == CandidateSource::kRefined ||
-         source == CandidateSource::kCompleted;
+  return source == CandidateSource::kFused || IsRefined(source);
 }
 
 bool StandsThere(const CandidateRegistration& other,
