@@ -33,7 +33,7 @@ DIR = pathlib.Path(TEMP.name)
 SANITIZED = os.environ.get("DEEPSLAM_SANITIZED") == "1"
 MAX_WALL_S = 240
 MAX_MEMORY_KIB = 2 * 1024 * 1024
-MAX_ATE_M = 0.04
+MAX_ATE_M = 0.03
 MAX_GROUND_GAP_M = 0.04
 TABLE_TOP_M, TABLE_TOLERANCE_M = 0.74, 0.05
 SAME_PLACE_M = 0.3  # two objects of one class nearer than this are one, mapped twice
@@ -138,6 +138,18 @@ class RealCapture(unittest.TestCase):
         self.assertAlmostEqual(vertical_range(tables[0])[1], TABLE_TOP_M, delta=TABLE_TOLERANCE_M)
         self.check_common(run)
         self.check_networks()
+
+    def test_keyframes_that_see_the_same_make_the_path_better(self):
+        for capture in ("redkitchen", "fr3_cabinet"):
+            errors = {}
+            for on in ("true", "false"):
+                workspace = DIR / f"path_{capture}_{on}"
+                subprocess.run([PROGRAM, "run", DATA / capture, "-o", workspace, "--until", "track", "--progress", "none",
+                                "--set", f"track.covisible.enabled={on}"], check=True, capture_output=True)
+                errors[on] = json.loads(subprocess.run(
+                    [PROGRAM, "eval", "trajectory", workspace / "track" / "trajectory.tum", DATA / capture / "groundtruth.txt"],
+                    check=True, capture_output=True, text=True).stdout)["ate_m"]["rmse"]
+            self.assertLess(errors["true"], errors["false"], capture)
 
     def test_what_one_half_of_the_views_selects_agrees_best_with_the_depth_of_the_other(self):
         work = DIR / "halves"

@@ -14,6 +14,7 @@ namespace deepslam::loop {
 namespace {
 
 constexpr int kAcrossLoss = 3;  // keyframes on either side
+constexpr int kTracked = 2;     // keyframes on that tracking itself joins
 
 using Pair = std::pair<int, int>;  // positions in Odometry::keyframes, ascending
 
@@ -32,7 +33,7 @@ std::set<Pair> PoorlyMeasured(const Odometry& odometry,
     const int j = path.IndexOf(edge.j);
     if (i < 0 || j <= i) continue;
     if (edge.composed) AddAcross(j - 1, j, static_cast<int>(odometry.keyframes.size()), pairs);
-    if (depth_alone) pairs.insert({i, j});
+    if (depth_alone && j - i <= kTracked) pairs.insert({i, j});
   }
   return pairs;
 }

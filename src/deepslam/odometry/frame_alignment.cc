@@ -21,6 +21,10 @@ constexpr int kMinAlignmentWidth = 60;
 // Scale of the first step in standard deviations of the noise: far off, every residual must pull.
 constexpr float kFirstScale = 12.0F;
 constexpr float kFirstPhotometricScale = 25.0F;
+// ... halved where the start is near: within a few pixels of the levels that are left.
+constexpr float kNearScale = 6.0F;
+constexpr float kNearPhotometricScale = 12.0F;
+constexpr std::size_t kNearLevels = 2;
 constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
 // Keeps directions that nothing constrains where the start put them.
 constexpr StartSigma kPrior;
@@ -48,6 +52,9 @@ constexpr double kOpenRatio = 0.02;
 // below 0.002, 0.1 cm above 0.004). On a bare wall what looks like structure are the steps of the
 // sensor's disparity, which stay with the camera as it moves.
 constexpr double kUnseenRatio = 0.003;
+// Normals are off by about 0.1 rad (rms), and the squares of that look like structure: in every
+// direction this share of the strongest one's information is theirs.
+constexpr double kNoiseOfNormals = 0.01;
 // Steps along an open direction, pixels of the coarsest level, to each side.
 constexpr double kOpenStepPx = 0.75;
 constexpr int kNumOpenSteps = 10;
@@ -153,6 +160,7 @@ struct Descent {
   AlignmentGates gates;
   AlignmentSystem system;  // at i_from_j, of the last level visited
   Unseen held;             // no steps along these
+  bool near = false;       // beyond the coarsest level: Balance
 };
 
 void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
@@ -164,15 +172,61 @@ void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
   gates.bias = system.bias;
 }
 
-Vector6d Step(const Descent& descent, double correlation_factor) {
+// Of a direction's information about a left perturbation, what depth tells and what its noise does
+// not: the Hessian and its gradient are to be multiplied by it from the left.
+Matrix6d StructuralShare(const Matrix6d& geometric) {
+  const std::optional<ArcSpectrum> spectrum = SpectrumByArc(geometric);
+  if (!spectrum) return Matrix6d::Identity();
+  const double noise = kNoiseOfNormals * spectrum->values[5];
+  const Vector6d values = spectrum->values.cwiseMax(0.0);
+  const Vector6d share = values.array() / (values.array() + noise);
+  const Matrix6d& directions = spectrum->directions;
+  return spectrum->scale.asDiagonal() * directions * share.asDiagonal() * directions.transpose() *
+         spectrum->scale.cwiseInverse().asDiagonal();
+}
+
+struct NormalEquations {
+  Matrix6d hessian;
+  Vector6d gradient;
+};
+
+// Near the place, depth and brightness each by the number of its independent measurements. Beside
+// brightness depth counts for its structure alone, so that brightness decides in the directions
+// that depth leaves weak, and depth in those where it is strong.
+NormalEquations Balance(const AlignmentSystem& system,
+                        const PyramidLevel& level,
+                        const AlignmentOptions& options,
+                        int stride) {
+  const double of_depth = 1 / CorrelationFactor(level, options.correlation_length_px, stride);
+  const double of_brightness =
+      1 / CorrelationFactor(level, options.photometric_correlation_length_px, stride);
+  const Matrix6d geometric = of_depth * (system.hessian - system.photometric_hessian);
+  const Vector6d gradient = of_depth * (system.gradient - system.photometric_gradient);
+  if (!SeesImages(system)) return {geometric, gradient};
+  const Matrix6d share = StructuralShare(geometric);
+  const Matrix6d structural = share * geometric;
+  return {0.5 * (structural + structural.transpose()) + of_brightness * system.photometric_hessian,
+          share * gradient + of_brightness * system.photometric_gradient};
+}
+
+// Far off, where all that pulls is needed, every residual counts alike.
+NormalEquations Measured(const Descent& descent,
+                         const PyramidLevel& level,
+                         const AlignmentOptions& options) {
+  const int stride = descent.gates.stride;
+  if (descent.near) return Balance(descent.system, level, options, stride);
+  const double share = 1 / CorrelationFactor(level, options.correlation_length_px, stride);
+  return {share * descent.system.hessian, share * descent.system.gradient};
+}
+
+Vector6d Step(const Descent& descent, const NormalEquations& measured) {
   Vector6d prior;
   prior.head<3>().setConstant(1 / (kPrior.translation_m * kPrior.translation_m));
   prior.tail<3>().setConstant(1 / (kPrior.rotation_rad * kPrior.rotation_rad));
   const Vector6d moved = T2v(descent.i_from_j * descent.start_i_from_j.Inverse());
-  Matrix6d hessian = descent.system.hessian / correlation_factor;
+  Matrix6d hessian = measured.hessian;
   hessian.diagonal() += prior;
-  const Vector6d gradient =
-      descent.system.gradient / correlation_factor + prior.cwiseProduct(moved);
+  const Vector6d gradient = measured.gradient + prior.cwiseProduct(moved);
   const Vector6d step = -hessian.ldlt().solve(gradient);
   return step.allFinite() ? step : Vector6d::Zero();
 }
@@ -195,13 +249,11 @@ bool Descend(const PyramidLevel& i,
              std::span<const Pose3> known = {}) {
   const double converged_rad = kConvergedPx / j.camera.fx;
   const double converged_m = kConvergedDistanceM * converged_rad;
-  const double correlation =
-      CorrelationFactor(j, options.correlation_length_px, descent.gates.stride);
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
     TakeScales(descent.system, descent.gates);
-    const Vector6d free = Step(descent, correlation);
+    const Vector6d free = Step(descent, Measured(descent, j, options));
     const Vector6d step = free - descent.held.Part(free);
     descent.i_from_j = V2t(step) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
@@ -330,7 +382,7 @@ Descent BestCoarseDescent(const PyramidLevel& i,
   std::vector<Pose3> ends;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     if (AmongThem(starts.first(k), starts[k])) continue;
-    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}, {}};
+    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}, {}, false};
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
     if (!Descend(i, j, options, descent, ends)) continue;
@@ -456,28 +508,34 @@ FrameAlignment Conclude(const Descent& descent,
   return result;
 }
 
-}  // namespace
+bool Comparable(const FramePyramid& i, const FramePyramid& j) {
+  return !i.empty() && i.levels.size() == j.levels.size();
+}
 
-FrameAlignment AlignPyramids(const FramePyramid& i,
+FrameAlignment Failed(const Pose3& i_from_j) {
+  FrameAlignment failed;
+  failed.i_from_j = i_from_j;
+  return failed;
+}
+
+AlignmentOptions WithNoiseOf(const FramePyramid& i,
                              const FramePyramid& j,
-                             std::span<const Pose3> initial_i_from_j,
-                             const AlignmentOptions& user_options,
-                             const StartSigma& start_sigma) {
-  DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
-  if (i.empty() || j.empty() || i.levels.size() != j.levels.size()) {
-    FrameAlignment failed;
-    failed.i_from_j = initial_i_from_j.front();
-    return failed;
-  }
+                             const AlignmentOptions& user_options) {
   AlignmentOptions options = user_options;
   options.pyramid.noise = options.pyramid.noise.Scaled(std::max(i.noise_scale, j.noise_scale));
-  const std::size_t num_levels = NumAlignmentLevels(i);
-  const std::size_t coarsest = num_levels - 1;
-  Descent descent =
-      BestCoarseDescent(i.levels[coarsest], j.levels[coarsest], initial_i_from_j, options);
-  if (options.photometric)
-    descent = SearchOpenDirections(i.levels[coarsest], j.levels[coarsest], options, descent);
-  for (std::size_t level = coarsest; level-- > 0;) {
+  return options;
+}
+
+// Down the `num_levels` finest levels, and judged at the end.
+void DescendToFinest(const FramePyramid& i,
+                     const FramePyramid& j,
+                     std::size_t num_levels,
+                     const Pose3& first_start,
+                     const AlignmentOptions& options,
+                     Descent& descent) {
+  const std::size_t coarsest = NumAlignmentLevels(i) - 1;
+  descent.near = true;
+  for (std::size_t level = num_levels; level-- > 0;) {
     AlignmentGates gates = LevelGates(options, coarsest - level);
     gates.geometric_scale = 2 * descent.gates.geometric_scale;
     gates.photometric_scale = 2 * descent.gates.photometric_scale;
@@ -489,10 +547,42 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
     Descend(i.levels[level], j.levels[level], options, descent);
   }
   JudgeEnd(i.levels.front(), j.levels.front(), options, descent);
-  HoldUnseen(i.levels.front(), j.levels.front(), initial_i_from_j.front(), options, descent);
+  HoldUnseen(i.levels.front(), j.levels.front(), first_start, options, descent);
+}
+
+}  // namespace
+
+FrameAlignment AlignPyramids(const FramePyramid& i,
+                             const FramePyramid& j,
+                             std::span<const Pose3> initial_i_from_j,
+                             const AlignmentOptions& user_options,
+                             const StartSigma& start_sigma) {
+  DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
+  if (!Comparable(i, j)) return Failed(initial_i_from_j.front());
+  const AlignmentOptions options = WithNoiseOf(i, j, user_options);
+  const std::size_t coarsest = NumAlignmentLevels(i) - 1;
+  Descent descent =
+      BestCoarseDescent(i.levels[coarsest], j.levels[coarsest], initial_i_from_j, options);
+  if (options.photometric)
+    descent = SearchOpenDirections(i.levels[coarsest], j.levels[coarsest], options, descent);
+  DescendToFinest(i, j, coarsest, initial_i_from_j.front(), options, descent);
   FrameAlignment result = Conclude(descent, j.levels.front(), start_sigma, options);
   result.support = Support(i.levels[coarsest], j.levels[coarsest], descent, options);
   return result;
+}
+
+FrameAlignment RefineAlignment(const FramePyramid& i,
+                               const FramePyramid& j,
+                               const Pose3& i_from_j,
+                               const AlignmentOptions& user_options) {
+  if (!Comparable(i, j)) return Failed(i_from_j);
+  const AlignmentOptions options = WithNoiseOf(i, j, user_options);
+  Descent descent{i_from_j, i_from_j, {}, {}, {}, false};
+  descent.gates.geometric_scale = kNearScale;
+  descent.gates.photometric_scale = kNearPhotometricScale;
+  const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));
+  DescendToFinest(i, j, num_levels, i_from_j, options, descent);
+  return Conclude(descent, j.levels.front(), {}, options);
 }
 
 FrameAlignment AlignFrames(const Frame& i,

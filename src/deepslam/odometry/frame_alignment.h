@@ -5,6 +5,9 @@
 // pixel of T p_j. Photometric residual: I_i(pixel of T p_j) - (gain * I_j + bias). Both are divided
 // by their standard deviations (depth noise model times the larger FramePyramid::noise_scale of the
 // two; spread of the residuals themselves) and weighted as Student-t, nu = 5 (Kerl et al. 2013).
+// Each term counts by its independent measurements (see FrameAlignment::information), and where
+// both are there, depth by what its directions have beyond the noise of the normals: brightness
+// fills the directions that depth leaves weak, and does not outvote depth where it is strong.
 #pragma once
 
 #include <span>
@@ -31,7 +34,7 @@ struct AlignmentOptions {
   double min_brightness_correlation = 0.4;
   // Lengths over which errors are shared, in pixels of a 640 pixel wide image; see `information`.
   double correlation_length_px = 9;               // of depth
-  double photometric_correlation_length_px = 30;  // of brightness: highlights, shading, vignetting
+  double photometric_correlation_length_px = 25;  // of brightness: highlights, shading, vignetting
   // Systematic part of the error of one alignment, one standard deviation.
   double floor_translation_m = 0.002;
   double floor_rotation_deg = 0.1;
@@ -80,6 +83,13 @@ struct StartSigma {
                                            std::span<const Pose3> initial_i_from_j,
                                            const AlignmentOptions& options,
                                            const StartSigma& start_sigma = {});
+
+// The same from one start that is near, within a few centimetres and degrees: the finest levels
+// alone, and nothing else is tried. `support` stays 0.
+[[nodiscard]] FrameAlignment RefineAlignment(const FramePyramid& i,
+                                             const FramePyramid& j,
+                                             const Pose3& i_from_j,
+                                             const AlignmentOptions& options);
 
 // The same for two frames as they come from the capture, for verification by others. Not ok when
 // either has no depth.

@@ -611,16 +611,15 @@ class SystemBuilder {
   }
 
   AlignmentSystem Conclude() {
-    Vector6d photometric_gradient = Vector6d::Zero();
     if (gates_.cross_frames) {
       geometric_cross_.Finish(system_.hessian);
       photometric_cross_.Finish(system_.photometric_hessian);
     } else {
       geometric_sums_.Finish(system_.hessian, system_.gradient);
-      photometric_sums_.Finish(system_.photometric_hessian, photometric_gradient);
+      photometric_sums_.Finish(system_.photometric_hessian, system_.photometric_gradient);
     }
     system_.hessian += system_.photometric_hessian;
-    system_.gradient += photometric_gradient;
+    system_.gradient += system_.photometric_gradient;
     system_.geometric_scale = system_.num_matched > 0
                                   ? kMadToSigma * geometric_histogram_.Median(kBinsPerSigma)
                                   : gates_.geometric_scale;

@@ -30,9 +30,10 @@ struct AlignmentSystem {
   // residuals.
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
-  Matrix6d photometric_hessian = Matrix6d::Zero();  // the photometric part of `hessian`
-  int num_source = 0;                               // valid points of j
-  int num_inside = 0;                               // of those that fall inside the image of i
+  Matrix6d photometric_hessian = Matrix6d::Zero();   // the photometric part of `hessian`
+  Vector6d photometric_gradient = Vector6d::Zero();  // ... and of `gradient`
+  int num_source = 0;                                // valid points of j
+  int num_inside = 0;                                // of those that fall inside the image of i
   int num_overlap = 0;  // of those that fall on valid points of i, near or far
   int num_matched = 0;  // of those within the gates
   int num_inliers = 0;  // residual within three standard deviations of the depth noise

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
-#include "deepslam/graph/object_graph.h"
 #include "deepslam/loop/neighbours.h"
 #include "deepslam/odometry/frame_alignment.h"
+#include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -113,29 +113,6 @@ int CountKept(const std::vector<RelativePose>& of, const std::vector<RelativePos
   }));
 }
 
-// The graph of cameras and ground alone, back in the tracking world.
-Status Solve(const RunInputs& inputs,
-             const Odometry& odometry,
-             const Ground& ground,
-             const std::vector<RelativePose>& edges,
-             ClosedTrajectory& closed) {
-  Loops loops;
-  loops.edges = edges;
-  const Result<OptimizedMap> solved =
-      graph::OptimizeGraph(odometry, ground, ObjectMap{}, loops, inputs.config.optimize);
-  if (!solved.ok()) return solved.error();
-  const auto first = static_cast<std::size_t>(odometry.keyframes.front().value);
-  const Pose3 tracking_from_level =
-      odometry.frames[first].world_from_camera * solved->frames[first].world_from_camera.Inverse();
-  for (std::size_t k = 0; k < closed.odometry.frames.size(); ++k) {
-    closed.odometry.frames[k].world_from_camera =
-        tracking_from_level * solved->frames[k].world_from_camera;
-  }
-  if (solved->has_ground)
-    closed.ground.plane_world = Transformed(tracking_from_level, solved->ground_world);
-  return Ok();
-}
-
 }  // namespace
 
 Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
@@ -156,8 +133,10 @@ Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
   std::vector<RelativePose>& edges = closed.appearance.edges;
   edges.insert(edges.end(), neighbours->begin(), neighbours->end());
   while (!edges.empty()) {
-    const Status solved = Solve(inputs, odometry, ground, edges, closed);
+    Result<SolvedPath> solved = SolvePath(odometry, ground, edges, inputs.config.optimize);
     if (!solved.ok()) return solved.error();
+    closed.odometry.frames = std::move(solved->frames);
+    closed.ground = std::move(solved->ground);
     if (loop::RefuseContradicted(closed.odometry, options, closed.appearance)) continue;
     closed.num_measured_again = CountKept(*neighbours, edges);
     return closed;

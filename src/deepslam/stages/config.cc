@@ -91,6 +91,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
                        "table of classes (YAML); empty: the one of configs/classes.yaml");
        }},
       Section("track", "Camera tracking", c.track_stage, c.track),
+      Section("track.covisible", "Keyframes that see the same, measured as well", c.covisible),
       Section("ground", "Ground plane", c.ground),
       Section("detect", "Boxes in colour images", c.detect_stage, c.detect),
       Section("detect.network", "The detector network", c.network),

@@ -15,6 +15,7 @@
 #include "deepslam/graph/object_graph.h"
 #include "deepslam/ground/ground_plane.h"
 #include "deepslam/loop/appearance.h"
+#include "deepslam/loop/covisible.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/mesh/colour_mesh.h"
 #include "deepslam/mesh/extract_surface.h"
@@ -88,6 +89,7 @@ struct Config {
   refine::RefineOptions shape_refinement;
   loop::LoopOptions loops;
   loop::AppearanceOptions appearance;
+  loop::CovisibleOptions covisible;
   graph::GraphOptions optimize;
   mesh::SurfaceOptions surface;
   mesh::RefineOptions refine;

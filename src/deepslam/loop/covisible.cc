@@ -1,0 +1,159 @@
+#include "deepslam/loop/covisible.h"
+
+#include <algorithm>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "deepslam/core/check.h"
+#include "deepslam/loop/keyframe_path.h"
+
+namespace deepslam::loop {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+std::set<std::pair<int, int>> Joined(const Odometry& odometry, const KeyframePath& path) {
+  std::set<std::pair<int, int>> joined;
+  for (const RelativePose& edge : odometry.edges)
+    joined.insert(std::minmax(path.IndexOf(edge.i), path.IndexOf(edge.j)));
+  return joined;
+}
+
+bool Within(const Pose3& pose, double distance_m, double turn_deg) {
+  return pose.translation_m.norm() <= distance_m &&
+         RotationAngle(pose.rotation) <= kRadPerDeg * turn_deg;
+}
+
+bool BearsOut(const KeyframeRegistration& registration,
+              const CovisiblePair& pair,
+              const CovisibleOptions& options) {
+  return registration.ok && registration.agreement >= options.min_agreement &&
+         registration.brightness_correlation >= options.min_correlation &&
+         Within(pair.older_from_newer.Inverse() * registration.old_from_new,
+                options.max_move_m,
+                options.max_move_deg);
+}
+
+// At most `most` of them, evenly along the path.
+void AppendSpread(const std::vector<CovisiblePair>& own,
+                  std::size_t most,
+                  std::vector<CovisiblePair>& pairs) {
+  const std::size_t count = std::min(most, own.size());
+  for (std::size_t k = 0; k < count; ++k)
+    pairs.push_back(own[(2 * k + 1) * own.size() / (2 * count)]);
+}
+
+}  // namespace
+
+std::vector<CovisiblePair> ProposeCovisible(const Odometry& odometry,
+                                            const CovisibleOptions& options) {
+  const KeyframePath path(odometry, 0);
+  const std::set<std::pair<int, int>> joined = Joined(odometry, path);
+  std::vector<CovisiblePair> pairs;
+  const int num_keyframes = static_cast<int>(odometry.keyframes.size());
+  for (int newer = 0; newer < num_keyframes; ++newer) {
+    std::vector<CovisiblePair> own;
+    for (int older = std::max(0, newer - options.max_gap_keyframes); older < newer; ++older) {
+      const Pose3 older_from_newer =
+          path.world_from_camera(older).Inverse() * path.world_from_camera(newer);
+      if (!Within(older_from_newer, options.max_distance_m, options.max_turn_deg)) continue;
+      if (path.Broken(older, newer) || joined.contains({older, newer})) continue;
+      own.push_back({older, newer, older_from_newer});
+    }
+    AppendSpread(own, static_cast<std::size_t>(options.max_pairs), pairs);
+  }
+  return pairs;
+}
+
+std::vector<RelativePose> AcceptCovisible(std::span<const CovisiblePair> pairs,
+                                          std::span<const KeyframeRegistration> registrations,
+                                          const Odometry& odometry,
+                                          const CovisibleOptions& options) {
+  DEEPSLAM_CHECK(pairs.size() == registrations.size(), "one registration for each pair");
+  const auto keyframe = [&](int n) { return odometry.keyframes[static_cast<std::size_t>(n)]; };
+  std::vector<RelativePose> edges;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (!BearsOut(registrations[k], pairs[k], options)) continue;
+    edges.push_back({keyframe(pairs[k].older),
+                     keyframe(pairs[k].newer),
+                     registrations[k].old_from_new,
+                     registrations[k].information,
+                     false});
+  }
+  return edges;
+}
+
+std::vector<RelativePose> Consistent(std::vector<RelativePose> edges,
+                                     const Odometry& solved,
+                                     const CovisibleOptions& options) {
+  std::erase_if(edges, [&](const RelativePose& edge) {
+    const Pose3 i_from_j =
+        solved.at(edge.i).world_from_camera.Inverse() * solved.at(edge.j).world_from_camera;
+    return !Within(
+        edge.i_from_j.Inverse() * i_from_j, options.max_residual_m, options.max_residual_deg);
+  });
+  return edges;
+}
+
+void Describe(OptionsVisitor& visitor, CovisibleOptions& options) {
+  constexpr Range kShare{0, 1};
+  constexpr Range kDistance_m{0, 100};
+  constexpr Range kAngle_deg{0, 180};
+  visitor.Field(
+      "enabled",
+      options.enabled,
+      "measure keyframes against others that see the same; not with poses of the capture");
+  visitor.Field("max_gap_keyframes",
+                options.max_gap_keyframes,
+                {1, 10000},
+                "1",
+                "keyframes between the two of a pair, at most");
+  visitor.Field("max_pairs",
+                options.max_pairs,
+                {1, 10000},
+                "1",
+                "for each keyframe, spread evenly over those before it");
+  visitor.Field("max_distance_m",
+                options.max_distance_m,
+                kDistance_m,
+                "m",
+                "between the two as tracked, at most");
+  visitor.Field("max_turn_deg",
+                options.max_turn_deg,
+                kAngle_deg,
+                "deg",
+                "between the two as tracked, at most");
+  visitor.Field("min_agreement",
+                options.min_agreement,
+                kShare,
+                "1",
+                "share of the common depth that must agree");
+  visitor.Field("min_correlation",
+                options.min_correlation,
+                kShare,
+                "1",
+                "of the two images over the common points");
+  visitor.Field("max_move_m",
+                options.max_move_m,
+                kDistance_m,
+                "m",
+                "of the registered pose from the tracked one");
+  visitor.Field("max_move_deg",
+                options.max_move_deg,
+                kAngle_deg,
+                "deg",
+                "of the registered pose from the tracked one");
+  visitor.Field("max_residual_m",
+                options.max_residual_m,
+                kDistance_m,
+                "m",
+                "of an edge from the path that all of them make; others are left out");
+  visitor.Field("max_residual_deg",
+                options.max_residual_deg,
+                kAngle_deg,
+                "deg",
+                "of an edge from the path that all of them make; others are left out");
+}
+
+}  // namespace deepslam::loop

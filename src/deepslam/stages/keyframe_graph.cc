@@ -1,0 +1,31 @@
+#include "deepslam/stages/keyframe_graph.h"
+
+#include <utility>
+
+#include "deepslam/scene/loop.h"
+#include "deepslam/scene/object_map.h"
+
+namespace deepslam::stages {
+
+Result<SolvedPath> SolvePath(const Odometry& odometry,
+                             const Ground& ground,
+                             const std::vector<RelativePose>& edges,
+                             const graph::GraphOptions& options) {
+  Loops loops;
+  loops.edges = edges;
+  const Result<OptimizedMap> solved =
+      graph::OptimizeGraph(odometry, ground, ObjectMap{}, loops, options);
+  if (!solved.ok()) return solved.error();
+  const auto first = static_cast<std::size_t>(odometry.keyframes.front().value);
+  const Pose3 tracking_from_level =
+      odometry.frames[first].world_from_camera * solved->frames[first].world_from_camera.Inverse();
+  SolvedPath path{odometry.frames, ground};
+  for (std::size_t k = 0; k < path.frames.size(); ++k) {
+    path.frames[k].world_from_camera = tracking_from_level * solved->frames[k].world_from_camera;
+  }
+  if (solved->has_ground)
+    path.ground.plane_world = Transformed(tracking_from_level, solved->ground_world);
+  return path;
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,25 @@
+// The graph of cameras and ground alone, without objects.
+#pragma once
+
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/graph/object_graph.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::stages {
+
+// Cameras and ground as the graph has them with `edges` beside tracking's own; in the tracking
+// world (the first keyframe stays).
+struct SolvedPath {
+  std::vector<TrackedFrame> frames;
+  Ground ground;
+};
+
+[[nodiscard]] Result<SolvedPath> SolvePath(const Odometry& odometry,
+                                           const Ground& ground,
+                                           const std::vector<RelativePose>& edges,
+                                           const graph::GraphOptions& options);
+
+}  // namespace deepslam::stages

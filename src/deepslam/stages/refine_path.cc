@@ -1,0 +1,144 @@
+#include "deepslam/stages/refine_path.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/loop/covisible.h"
+#include "deepslam/odometry/frame_alignment.h"
+#include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/stages/keyframe_graph.h"
+
+namespace deepslam::stages {
+namespace {
+
+using loop::CovisiblePair;
+using odometry::FramePyramid;
+
+constexpr std::size_t kBatch = 8;  // keyframes whose pyramids (3 MB each) are made at a time
+
+// Pyramids of the keyframes that pairs ask for, by position; made and given up as the pairs go on.
+class KeyframePyramids {
+ public:
+  KeyframePyramids(const RunInputs& inputs,
+                   const Odometry& odometry,
+                   std::span<const CovisiblePair> pairs)
+      : frames_(*inputs.capture->frames),
+        options_(inputs.config.track.alignment.pyramid),
+        keyframes_(odometry.keyframes),
+        pyramids_(keyframes_.size()),
+        last_use_(keyframes_.size(), -1) {
+    for (const CovisiblePair& pair : pairs) {
+      for (const int k : {pair.older, pair.newer}) {
+        int& last = last_use_[static_cast<std::size_t>(k)];
+        last = std::max(last, pair.newer);
+      }
+    }
+  }
+
+  void Make(std::size_t begin, std::size_t end, Progress& progress) {
+    std::vector<std::string> faults(end - begin);
+    ParallelFor(end - begin, [&](std::size_t n) {
+      const std::size_t k = begin + n;
+      if (last_use_[k] < 0) return;
+      const Result<Frame> frame = frames_.Read(keyframes_[k]);
+      if (frame.ok()) {
+        pyramids_[k] = odometry::BuildPyramid(*frame, frames_.camera(), options_);
+      } else {
+        faults[n] = frame.error().message;
+      }
+    });
+    for (std::size_t n = 0; n < faults.size(); ++n) {
+      if (faults[n].empty()) continue;
+      progress.Warn(fmt::format("frame {} is not measured against others that see the same: {}",
+                                keyframes_[begin + n].value,
+                                faults[n]));
+    }
+  }
+
+  void GiveUpBefore(std::size_t newer) {
+    for (std::size_t k = 0; k < newer; ++k) {
+      if (last_use_[k] < static_cast<int>(newer)) pyramids_[k] = {};
+    }
+  }
+
+  const FramePyramid& operator[](int k) const { return pyramids_[static_cast<std::size_t>(k)]; }
+
+ private:
+  const FrameSource& frames_;
+  const odometry::PyramidOptions& options_;
+  const std::vector<FrameIdx>& keyframes_;
+  std::vector<FramePyramid> pyramids_;
+  std::vector<int> last_use_;  // as the newer keyframe of a pair; -1 without a pair
+};
+
+loop::KeyframeRegistration Register(const FramePyramid& older,
+                                    const FramePyramid& newer,
+                                    const Pose3& older_from_newer,
+                                    const odometry::AlignmentOptions& options) {
+  const odometry::FrameAlignment found =
+      odometry::RefineAlignment(older, newer, older_from_newer, options);
+  return {
+      found.ok, found.i_from_j, found.information, found.agreement, found.brightness_correlation};
+}
+
+std::vector<loop::KeyframeRegistration> RegisterAll(const RunInputs& inputs,
+                                                    const Odometry& odometry,
+                                                    std::span<const CovisiblePair> pairs,
+                                                    Progress& progress) {
+  KeyframePyramids pyramids(inputs, odometry, pairs);
+  std::vector<loop::KeyframeRegistration> registrations(pairs.size());
+  std::size_t done = 0;
+  for (std::size_t begin = 0; done < pairs.size(); begin += kBatch) {
+    if (progress.StopRequested()) break;
+    const std::size_t end = std::min(begin + kBatch, odometry.keyframes.size());
+    pyramids.Make(begin, end, progress);
+    const auto is_later = [&](const CovisiblePair& pair) {
+      return pair.newer >= static_cast<int>(end);
+    };
+    const auto later =
+        std::find_if(pairs.begin() + static_cast<std::ptrdiff_t>(done), pairs.end(), is_later);
+    const auto next = static_cast<std::size_t>(later - pairs.begin());
+    ParallelFor(next - done, [&](std::size_t n) {
+      const CovisiblePair& pair = pairs[done + n];
+      registrations[done + n] = Register(pyramids[pair.older],
+                                         pyramids[pair.newer],
+                                         pair.older_from_newer,
+                                         inputs.config.track.alignment);
+    });
+    done = next;
+    pyramids.GiveUpBefore(end);
+  }
+  return registrations;
+}
+
+}  // namespace
+
+Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& odometry) {
+  const loop::CovisibleOptions& options = inputs.config.covisible;
+  if (!options.enabled) return 0;
+  const std::vector<CovisiblePair> pairs = loop::ProposeCovisible(odometry, options);
+  const auto registrations = RegisterAll(inputs, odometry, pairs, progress);
+  if (progress.StopRequested()) return Interrupted();
+  std::vector<RelativePose> edges = loop::AcceptCovisible(pairs, registrations, odometry, options);
+  if (edges.empty()) return 0;
+  // The options of `optimize` are that stage's own: they must not change what tracking is.
+  graph::GraphOptions robust;
+  robust.odometry_loss = "cauchy";
+  const std::size_t num_tracked = odometry.edges.size();
+  odometry.edges.insert(odometry.edges.end(), edges.begin(), edges.end());
+  Result<SolvedPath> solved = SolvePath(odometry, Ground{}, {}, robust);
+  if (!solved.ok()) return solved.error();
+  odometry.frames = std::move(solved->frames);
+  edges = loop::Consistent(std::move(edges), odometry, options);
+  odometry.edges.resize(num_tracked);
+  odometry.edges.insert(odometry.edges.end(), edges.begin(), edges.end());
+  return static_cast<int>(edges.size());
+}
+
+}  // namespace deepslam::stages

@@ -1,0 +1,19 @@
+// The part of stage `track` behind tracking itself: keyframes that see the same are measured
+// against each other (loop/covisible.h), and the path is what all measurements agree on.
+#pragma once
+
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/scene/trajectory.h"
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::stages {
+
+// Adds the edges that are borne out to the odometry's, moves its poses to where the graph of
+// cameras has them, and returns how many edges these are. Keyframes that cannot be read take no
+// part, with a warning. Memory does not depend on the length of the capture.
+[[nodiscard]] Result<int> RefinePath(const RunInputs& inputs,
+                                     Progress& progress,
+                                     Odometry& odometry);
+
+}  // namespace deepslam::stages
