@@ -81,8 +81,10 @@ struct GraphOptions {
 
   bool use_objects = true;  // r_io and r_po; else objects follow their keyframes
   bool use_ground = true;   // r_pi, r_po, stand
-  // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges.
-  double stand_floor_m = 0.005;
+  // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges. Wide, since
+  // the bottom of a model is good to half a voxel however many views there are, and what the views
+  // agree on must not be moved for it.
+  double stand_floor_m = 0.1;
   // Objects whose bottom is seen farther than this from the ground hang, or stand on something.
   double stand_max_gap_m = 0.25;
 

@@ -158,9 +158,10 @@ struct Descent {
   Pose3 i_from_j;
   Pose3 start_i_from_j;
   AlignmentGates gates;
-  AlignmentSystem system;  // at i_from_j, of the last level visited
-  Unseen held;             // no steps along these
-  bool near = false;       // beyond the coarsest level: Balance
+  AlignmentSystem system;              // at i_from_j, of the last level visited
+  Unseen held;                         // no steps along these
+  bool near = false;                   // beyond the coarsest level: Balance
+  std::optional<Matrix6d> structural;  // StructuralShare at the level's first step, for all of them
 };
 
 void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
@@ -193,29 +194,31 @@ struct NormalEquations {
 // Near the place, depth and brightness each by the number of its independent measurements. Beside
 // brightness depth counts for its structure alone, so that brightness decides in the directions
 // that depth leaves weak, and depth in those where it is strong.
-NormalEquations Balance(const AlignmentSystem& system,
-                        const PyramidLevel& level,
+NormalEquations Balance(const PyramidLevel& level,
                         const AlignmentOptions& options,
-                        int stride) {
+                        Descent& descent) {
+  const AlignmentSystem& system = descent.system;
+  const int stride = descent.gates.stride;
   const double of_depth = 1 / CorrelationFactor(level, options.correlation_length_px, stride);
   const double of_brightness =
       1 / CorrelationFactor(level, options.photometric_correlation_length_px, stride);
   const Matrix6d geometric = of_depth * (system.hessian - system.photometric_hessian);
   const Vector6d gradient = of_depth * (system.gradient - system.photometric_gradient);
   if (!SeesImages(system)) return {geometric, gradient};
-  const Matrix6d share = StructuralShare(geometric);
+  if (!descent.structural) descent.structural = StructuralShare(geometric);
+  const Matrix6d& share = *descent.structural;
   const Matrix6d structural = share * geometric;
   return {0.5 * (structural + structural.transpose()) + of_brightness * system.photometric_hessian,
           share * gradient + of_brightness * system.photometric_gradient};
 }
 
 // Far off, where all that pulls is needed, every residual counts alike.
-NormalEquations Measured(const Descent& descent,
-                         const PyramidLevel& level,
-                         const AlignmentOptions& options) {
-  const int stride = descent.gates.stride;
-  if (descent.near) return Balance(descent.system, level, options, stride);
-  const double share = 1 / CorrelationFactor(level, options.correlation_length_px, stride);
+NormalEquations Measured(const PyramidLevel& level,
+                         const AlignmentOptions& options,
+                         Descent& descent) {
+  if (descent.near) return Balance(level, options, descent);
+  const double share =
+      1 / CorrelationFactor(level, options.correlation_length_px, descent.gates.stride);
   return {share * descent.system.hessian, share * descent.system.gradient};
 }
 
@@ -249,11 +252,12 @@ bool Descend(const PyramidLevel& i,
              std::span<const Pose3> known = {}) {
   const double converged_rad = kConvergedPx / j.camera.fx;
   const double converged_m = kConvergedDistanceM * converged_rad;
+  descent.structural.reset();
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
     TakeScales(descent.system, descent.gates);
-    const Vector6d free = Step(descent, Measured(descent, j, options));
+    const Vector6d free = Step(descent, Measured(j, options, descent));
     const Vector6d step = free - descent.held.Part(free);
     descent.i_from_j = V2t(step) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
@@ -382,7 +386,7 @@ Descent BestCoarseDescent(const PyramidLevel& i,
   std::vector<Pose3> ends;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     if (AmongThem(starts.first(k), starts[k])) continue;
-    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}, {}, false};
+    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}, {}, false, {}};
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
     if (!Descend(i, j, options, descent, ends)) continue;
@@ -577,7 +581,7 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
                                const AlignmentOptions& user_options) {
   if (!Comparable(i, j)) return Failed(i_from_j);
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
-  Descent descent{i_from_j, i_from_j, {}, {}, {}, false};
+  Descent descent{i_from_j, i_from_j, {}, {}, {}, false, {}};
   descent.gates.geometric_scale = kNearScale;
   descent.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));
