@@ -13,8 +13,15 @@ import argparse
 import pathlib
 import re
 
-import cv2
-import numpy as np
+PARSER = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+PARSER.add_argument("capture")
+PARSER.add_argument("poses", nargs="+")
+PARSER.add_argument("--pairs", type=int, default=1200)
+PARSER.add_argument("--seed", type=int, default=0)
+ARGUMENTS = PARSER.parse_args()  # before the imports, so that the help needs nothing installed
+
+import cv2  # noqa: E402
+import numpy as np  # noqa: E402
 
 NEAR_FRAMES, STEP_PX, GATE_M, CLOSE_M = 60, 8, 0.15, 0.02
 LEAST_SHARED = 0.4
@@ -74,17 +81,11 @@ def residuals(capture, poses, i, j, points):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("capture")
-    parser.add_argument("poses", nargs="+")
-    parser.add_argument("--pairs", type=int, default=1200)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    capture = Capture(arguments.capture)
-    paths = [poses_at(file, capture.times) for file in arguments.poses]
-    random = np.random.default_rng(arguments.seed)
+    capture = Capture(ARGUMENTS.capture)
+    paths = [poses_at(file, capture.times) for file in ARGUMENTS.poses]
+    random = np.random.default_rng(ARGUMENTS.seed)
     found = [{"near": [], "far": []} for _ in paths]
-    for _ in range(arguments.pairs):
+    for _ in range(ARGUMENTS.pairs):
         i, j = (int(n) for n in random.integers(0, len(capture.files), 2))
         if abs(i - j) < 5:
             continue
@@ -97,7 +98,7 @@ def main():
             if len(r):
                 figures["near" if abs(i - j) < NEAR_FRAMES else "far"].append(
                     (np.median(abs(r)), np.mean(abs(r) < CLOSE_M), abs(np.median(r))))
-    for file, figures in zip(arguments.poses, found):
+    for file, figures in zip(ARGUMENTS.poses, found):
         for name, rows in figures.items():
             if rows:
                 median_m, close, bias_m = np.mean(rows, 0)

@@ -153,7 +153,9 @@ TEST(OptimizeGraph, ObjectsStandOnTheGround) {
   // The model is 8 cm taller below its centre than the object: registrations put its feet into the
   // ground.
   for (auto& [id, bottom_m] : world.bottom_m) bottom_m = -0.53;
-  const OptimizedMap map = Optimize(world);
+  GraphOptions firm;
+  firm.stand_floor_m = 0.005;
+  const OptimizedMap map = Optimize(world, firm);
   EXPECT_EQ(map.ground_world, Plane{});
   for (const MapObject& object : map.map.objects) {
     const Eigen::Vector3d bottom = object.world_from_object * Eigen::Vector3d(0, 0, -0.53);
@@ -162,9 +164,26 @@ TEST(OptimizeGraph, ObjectsStandOnTheGround) {
   }
   // One that hangs on the wall is left there and says so.
   world.bottom_m[ObjectId{2}] = 0.3;
-  const OptimizedMap hanging = Optimize(world);
+  const OptimizedMap hanging = Optimize(world, firm);
   EXPECT_NEAR(hanging.map.objects[2].world_from_object.translation_m.z(), 0.45, 0.05);
   EXPECT_NE(hanging.map.objects[2].note.find("does not stand"), std::string::npos);
+}
+
+// The lowest voxel of a model is no foot; what many views agree on must not be moved for it.
+TEST(OptimizeGraph, TheGroundDoesNotOutvoteTheViews) {
+  World world = MakeWorld(40, 4, 1, {0.001, 0.001, 0.01, 0.03});
+  GraphOptions without;
+  without.stand_floor_m = 0;
+  const OptimizedMap by_views = Optimize(world, without);
+  for (auto& [id, bottom_m] : world.bottom_m) bottom_m -= 0.03;
+  const OptimizedMap standing = Optimize(world);
+  ASSERT_EQ(standing.map.objects.size(), by_views.map.objects.size());
+  for (std::size_t k = 0; k < standing.map.objects.size(); ++k) {
+    const double raised_m = standing.map.objects[k].world_from_object.translation_m.z() -
+                            by_views.map.objects[k].world_from_object.translation_m.z();
+    EXPECT_GT(raised_m, 0.0005) << "towards the ground";
+    EXPECT_LT(raised_m, 0.015) << "less than half way";
+  }
 }
 
 // A leaning camera walks 100 m and sees the floor all the way: tracking alone climbs by metres.

@@ -133,10 +133,13 @@ Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& od
   const std::size_t num_tracked = odometry.edges.size();
   odometry.edges.insert(odometry.edges.end(), edges.begin(), edges.end());
   Result<SolvedPath> solved = SolvePath(odometry, Ground{}, {}, robust);
-  if (!solved.ok()) return solved.error();
+  odometry.edges.resize(num_tracked);
+  if (!solved.ok()) {
+    progress.Warn("the path stays as tracked: " + solved.error().message);
+    return 0;
+  }
   odometry.frames = std::move(solved->frames);
   edges = loop::Consistent(std::move(edges), odometry, options);
-  odometry.edges.resize(num_tracked);
   odometry.edges.insert(odometry.edges.end(), edges.begin(), edges.end());
   return static_cast<int>(edges.size());
 }
