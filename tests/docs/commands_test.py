@@ -41,7 +41,7 @@ DRY = {
     r"python3 tests/end_to_end/golden_demo_test\.py ": "wants a build by another compiler; ctest runs it with this one (golden_demo)",
     r"scripts/(compare_open3d|open3d_reconstruction)\.py\b": "minutes, and needs another program",
     r"scripts/train/train\.sh\b": "trains for hours",
-    r"scripts/experiments/path_agreement\.py\b": "needs packages of PyPI",
+    r"scripts/path_agreement\.py\b": "needs packages of PyPI",
     r"deepslam priors look ": "needs an object of a class with networks; the world has tables",
     r"scripts/measure_noise\.py\b": "takes minutes; ctest runs it (noise_statistics)",
     r"deepslam synth configs/scenes/\S+ -o \S+$": "renders 120 frames; the world's capture is of the same kind",

@@ -9,6 +9,7 @@
 #include "deepslam/loop/corner_loop.h"
 #include "deepslam/loop/feature_pose.h"
 #include "deepslam/loop/keyframe_path.h"
+#include "deepslam/loop/registered_pair.h"
 #include "deepslam/loop/similar_keyframes.h"
 
 namespace deepslam::loop {
@@ -209,16 +210,7 @@ void Describe(OptionsVisitor& visitor, AppearanceOptions& options) {
                 {1, 100},
                 "1",
                 "proposals of a keyframe that are registered by dense depth");
-  visitor.Field("min_agreement",
-                options.min_agreement,
-                kShare,
-                "1",
-                "share of the common depth that must agree");
-  visitor.Field("min_correlation",
-                options.min_correlation,
-                kShare,
-                "1",
-                "of the two images over the common points");
+  DescribeAgreement(visitor, options.min_agreement, options.min_correlation);
   visitor.Field("max_move_m",
                 options.max_move_m,
                 kDistance_m,
@@ -317,11 +309,9 @@ bool RefuseContradicted(const Odometry& solved,
                         const AppearanceOptions& options,
                         AcceptedAppearance& accepted) {
   const double most_m = kFloors * options.edge_floor_m + options.drift_share;
-  const double most_rad = kRadPerDeg * (kFloors * options.edge_floor_deg + options.drift_deg_per_m);
+  const double most_deg = kFloors * options.edge_floor_deg + options.drift_deg_per_m;
   const auto contradicted = [&](FrameIdx i, FrameIdx j, const Pose3& i_from_j) {
-    const Pose3 off = i_from_j.Inverse() *
-                      (solved.at(i).world_from_camera.Inverse() * solved.at(j).world_from_camera);
-    return !(off.translation_m.norm() <= most_m) || !(RotationAngle(off.rotation) <= most_rad);
+    return !Agrees(solved, i, j, i_from_j, most_m, most_deg);
   };
   const std::size_t before = accepted.edges.size();
   std::erase_if(accepted.edges, [&](const RelativePose& edge) {

@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 
+#include "deepslam/loop/registered_pair.h"
+
 namespace deepslam::loop {
 namespace {
 
@@ -19,16 +21,10 @@ bool BearsOut(const FeaturePose& pose, const AppearanceOptions& options) {
 std::string Verdict(const AppearanceLoop& loop,
                     const KeyframeRegistration& registration,
                     const AppearanceOptions& options) {
-  if (!registration.ok) return "depth does not agree";
-  if (registration.agreement < options.min_agreement) return "too little of the depth agrees";
-  if (registration.brightness_correlation < options.min_correlation)
-    return "the images do not agree";
-  const Pose3 moved = loop.old_from_new.Inverse() * registration.old_from_new;
-  if (moved.translation_m.norm() > options.max_move_m ||
-      RotationAngle(moved.rotation) > kRadPerDeg * options.max_turn_deg) {
-    return "depth and corners disagree";
-  }
-  return {};
+  return Verdict(
+      registration,
+      loop.old_from_new,
+      {options.min_agreement, options.min_correlation, options.max_move_m, options.max_turn_deg});
 }
 
 Matrix6d EdgeInformation(const Matrix6d& information,

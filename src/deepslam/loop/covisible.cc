@@ -1,17 +1,15 @@
 #include "deepslam/loop/covisible.h"
 
 #include <algorithm>
-#include <numbers>
 #include <set>
 #include <utility>
 
 #include "deepslam/core/check.h"
 #include "deepslam/loop/keyframe_path.h"
+#include "deepslam/loop/registered_pair.h"
 
 namespace deepslam::loop {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 std::set<std::pair<int, int>> Joined(const Odometry& odometry, const KeyframePath& path) {
   std::set<std::pair<int, int>> joined;
@@ -20,19 +18,16 @@ std::set<std::pair<int, int>> Joined(const Odometry& odometry, const KeyframePat
   return joined;
 }
 
-bool Within(const Pose3& pose, double distance_m, double turn_deg) {
-  return pose.translation_m.norm() <= distance_m &&
-         RotationAngle(pose.rotation) <= kRadPerDeg * turn_deg;
-}
-
 bool BearsOut(const KeyframeRegistration& registration,
               const CovisiblePair& pair,
               const CovisibleOptions& options) {
-  return registration.ok && registration.agreement >= options.min_agreement &&
-         registration.brightness_correlation >= options.min_correlation &&
-         Within(pair.older_from_newer.Inverse() * registration.old_from_new,
-                options.max_move_m,
-                options.max_move_deg);
+  return Verdict(registration,
+                 pair.older_from_newer,
+                 {options.min_agreement,
+                  options.min_correlation,
+                  options.max_move_m,
+                  options.max_move_deg})
+      .empty();
 }
 
 // At most `most` of them, evenly along the path.
@@ -88,16 +83,13 @@ std::vector<RelativePose> Consistent(std::vector<RelativePose> edges,
                                      const Odometry& solved,
                                      const CovisibleOptions& options) {
   std::erase_if(edges, [&](const RelativePose& edge) {
-    const Pose3 i_from_j =
-        solved.at(edge.i).world_from_camera.Inverse() * solved.at(edge.j).world_from_camera;
-    return !Within(
-        edge.i_from_j.Inverse() * i_from_j, options.max_residual_m, options.max_residual_deg);
+    return !Agrees(
+        solved, edge.i, edge.j, edge.i_from_j, options.max_residual_m, options.max_residual_deg);
   });
   return edges;
 }
 
 void Describe(OptionsVisitor& visitor, CovisibleOptions& options) {
-  constexpr Range kShare{0, 1};
   constexpr Range kDistance_m{0, 100};
   constexpr Range kAngle_deg{0, 180};
   visitor.Field(
@@ -124,16 +116,7 @@ void Describe(OptionsVisitor& visitor, CovisibleOptions& options) {
                 kAngle_deg,
                 "deg",
                 "between the two as tracked, at most");
-  visitor.Field("min_agreement",
-                options.min_agreement,
-                kShare,
-                "1",
-                "share of the common depth that must agree");
-  visitor.Field("min_correlation",
-                options.min_correlation,
-                kShare,
-                "1",
-                "of the two images over the common points");
+  DescribeAgreement(visitor, options.min_agreement, options.min_correlation);
   visitor.Field("max_move_m",
                 options.max_move_m,
                 kDistance_m,

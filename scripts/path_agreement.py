@@ -3,7 +3,7 @@
 
     path_agreement.py CAPTURE POSES.tum [POSES.tum ...] [--pairs 1200] [--seed 0]
 
-CAPTURE: a folder in TUM layout with capture.yaml (`deepslam convert` makes one). Points of one frame (every eighth row and
+CAPTURE as for compare_open3d.py. Points of one frame (every eighth row and
 column, 0.3 to 3 m) are laid into another by the poses. Of random pairs of frames those count that share 40 % of the points under
 all of the poses given. Printed for pairs fewer than 60 frames apart and for the others: pairs, the median distance along the
 ray to the depth measured there (of those within 15 cm), the share within 2 cm, and the pairs' mean absolute median with its sign,
@@ -11,7 +11,8 @@ which noise does not feed. Needs numpy and opencv-python.
 """
 import argparse
 import pathlib
-import re
+
+from compare_open3d import read_capture
 
 PARSER = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 PARSER.add_argument("capture")
@@ -29,19 +30,14 @@ LEAST_SHARED = 0.4
 
 class Capture:
     def __init__(self, folder):
-        self.folder = pathlib.Path(folder)
-        text = (self.folder / "capture.yaml").read_text(encoding="utf-8")
-        number = {name: float(re.search(rf"\b{name}: *([0-9.eE+-]+)", text).group(1))
-                  for name in ("fx", "fy", "cx", "cy", "depth_units_per_m")}
+        number, frames = read_capture(pathlib.Path(folder))
         self.focal, self.middle = np.array([number["fx"], number["fy"]]), np.array([number["cx"], number["cy"]])
         self.units_per_m = number["depth_units_per_m"]
-        rows = [line.split() for line in (self.folder / "depth.txt").read_text(encoding="utf-8").splitlines()
-                if line and not line.startswith("#")]
-        self.times, self.files, self.kept = np.array([float(row[0]) for row in rows]), [row[1] for row in rows], {}
+        self.times, self.files, self.kept = np.array([time for time, _, _ in frames]), [depth for _, _, depth in frames], {}
 
     def depth_m(self, n):
         if n not in self.kept:
-            self.kept[n] = cv2.imread(str(self.folder / self.files[n]), cv2.IMREAD_UNCHANGED).astype(np.float32) / self.units_per_m
+            self.kept[n] = cv2.imread(str(self.files[n]), cv2.IMREAD_UNCHANGED).astype(np.float32) / self.units_per_m
         return self.kept[n]
 
     def points(self, n):
