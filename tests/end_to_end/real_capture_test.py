@@ -150,6 +150,8 @@ class RealCapture(unittest.TestCase):
                     [PROGRAM, "eval", "trajectory", workspace / "track" / "trajectory.tum", DATA / capture / "groundtruth.txt"],
                     check=True, capture_output=True, text=True).stdout)["ate_m"]["rmse"]
             self.assertLess(errors["true"], errors["false"], capture)
+            alone = DIR / f"path_{capture}_false" / "track" / "trajectory.tum"
+            self.assertEqual((DIR / f"path_{capture}_true" / "track" / "as_tracked.tum").read_bytes(), alone.read_bytes())
 
     def test_what_one_half_of_the_views_selects_agrees_best_with_the_depth_of_the_other(self):
         work = DIR / "halves"

@@ -137,7 +137,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 9, {}, {"track", "track.covisible"}, kFrames, RunTrack);
+  add("track", 10, {}, {"track", "track.covisible"}, kFrames, RunTrack);
   add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       4,

@@ -23,6 +23,7 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
           ? odometry::OdometryFromCapturePoses(frames, inputs.config.track, context.progress())
           : odometry::EstimateOdometry(frames, inputs.config.track, context.progress());
   if (!odometry.ok()) return odometry.error();
+  const auto as_tracked = artifact::StampedPoses(odometry->frames);
   int num_covisible = 0;
   if (!capture_poses) {
     const Result<int> refined = RefinePath(inputs, context.progress(), *odometry);
@@ -34,6 +35,7 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"trajectory.tum", artifact::EncodeTum(trajectory, "trajectory.tum")},
       {"keyframes.tum", artifact::EncodeTum(keyframes, "keyframes.tum")},
+      {"as_tracked.tum", artifact::EncodeTum(as_tracked, "as_tracked.tum")},
       {"odometry.g2o",
        artifact::EncodeG2o(odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o")},
       {"frames.json",
