@@ -25,13 +25,18 @@ constexpr float kFirstPhotometricScale = 25.0F;
 constexpr float kNearScale = 6.0F;
 constexpr float kNearPhotometricScale = 12.0F;
 constexpr std::size_t kNearLevels = 2;
+// ... and the overlap there is what it will be, but for this share.
+constexpr double kNearOverlap = 0.75;
 constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
 // Keeps directions that nothing constrains where the start put them.
 constexpr StartSigma kPrior;
 // Convergence: steps that move points at this distance by less than this share of a pixel of the
 // level.
-constexpr double kConvergedPx = 0.015;
+constexpr double kConvergedPx = 0.03;
 constexpr double kConvergedDistanceM = 2.0;
+// Steps that shrink by the same share each time are taken further at once, by at most this many
+// times the last one.
+constexpr double kMostFurther = 2;
 // Descents closer together than this converge to the same place.
 constexpr double kSamePlaceM = 0.005;
 constexpr double kSamePlaceRad = 0.005;
@@ -234,6 +239,39 @@ Vector6d Step(const Descent& descent, const NormalEquations& measured) {
   return step.allFinite() ? step : Vector6d::Zero();
 }
 
+// Anderson's mixing with a memory of one step: robust weights and new pairs make Gauss-Newton
+// converge linearly, and by the last two steps it is seen where to.
+class Mixing {
+ public:
+  Vector6d Move(const Vector6d& step) {
+    Vector6d move = step;
+    if (is_under_way_) {
+      const Vector6d change = step - last_step_;
+      const Vector6d change_m = InMetres(change);
+      const double squared = change_m.squaredNorm();
+      const double further = squared > 0 ? -InMetres(step).dot(change_m) / squared : 0;
+      move += std::clamp(further, -kMostBack, kMostFurther) * (last_move_ + change);
+    }
+    is_under_way_ = true;
+    last_step_ = step;
+    last_move_ = move;
+    return move;
+  }
+
+ private:
+  static constexpr double kMostBack = 0.5;
+
+  static Vector6d InMetres(const Vector6d& step) {
+    Vector6d metres = step;
+    metres.tail<3>() *= kConvergedDistanceM;
+    return metres;
+  }
+
+  bool is_under_way_ = false;
+  Vector6d last_step_ = Vector6d::Zero();
+  Vector6d last_move_ = Vector6d::Zero();
+};
+
 bool SamePlace(const Pose3& a, const Pose3& b) {
   const Pose3 difference = a.Inverse() * b;
   return difference.translation_m.norm() < kSamePlaceM &&
@@ -253,13 +291,14 @@ bool Descend(const PyramidLevel& i,
   const double converged_rad = kConvergedPx / j.camera.fx;
   const double converged_m = kConvergedDistanceM * converged_rad;
   descent.structural.reset();
+  Mixing mixing;
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
     TakeScales(descent.system, descent.gates);
     const Vector6d free = Step(descent, Measured(j, options, descent));
     const Vector6d step = free - descent.held.Part(free);
-    descent.i_from_j = V2t(step) * descent.i_from_j;
+    descent.i_from_j = V2t(mixing.Move(step)) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
     if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
   }
@@ -554,6 +593,17 @@ void DescendToFinest(const FramePyramid& i,
   HoldUnseen(i.levels.front(), j.levels.front(), first_start, options, descent);
 }
 
+// Told at the coarsest level.
+bool SeesTheSame(const FramePyramid& i,
+                 const FramePyramid& j,
+                 const Pose3& i_from_j,
+                 const AlignmentOptions& options) {
+  const std::size_t coarsest = NumAlignmentLevels(i) - 1;
+  const AlignmentSystem there =
+      JudgePlace(i.levels[coarsest], j.levels[coarsest], i_from_j, options, 1);
+  return there.num_overlap >= kNearOverlap * options.min_overlap * there.num_source;
+}
+
 }  // namespace
 
 FrameAlignment AlignPyramids(const FramePyramid& i,
@@ -581,6 +631,7 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
                                const AlignmentOptions& user_options) {
   if (!Comparable(i, j)) return Failed(i_from_j);
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
+  if (!SeesTheSame(i, j, i_from_j, options)) return Failed(i_from_j);
   Descent descent{i_from_j, i_from_j, {}, {}, {}, false, {}};
   descent.gates.geometric_scale = kNearScale;
   descent.gates.photometric_scale = kNearPhotometricScale;

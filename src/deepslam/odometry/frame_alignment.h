@@ -85,7 +85,8 @@ struct StartSigma {
                                            const StartSigma& start_sigma = {});
 
 // The same from one start that is near, within a few centimetres and degrees: the finest levels
-// alone, and nothing else is tried. `support` stays 0.
+// alone, and nothing else is tried; not ok without a look where the start leaves too little
+// overlap. `support` stays 0.
 [[nodiscard]] FrameAlignment RefineAlignment(const FramePyramid& i,
                                              const FramePyramid& j,
                                              const Pose3& i_from_j,
