@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # Installs what deepslam needs on Debian bookworm (x86-64). Asks nothing; quick when nothing is missing.
 #   scripts/setup.sh [--tests] [--fuzz] [--downloads DIR] [--fetch]
-#     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm)
+#     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm, GTSAM)
 #     --fuzz           also what only scripts/fuzz.sh and builds by clang need (clang 14 with its sanitizers, libFuzzer)
-#     --downloads DIR  folder of what is fetched: npm archives are used when they lie there and put there when not.
+#     --downloads DIR  folder of what is fetched: archives are used when they lie there and put there when not.
 #                      Where DIR/debian holds packages (--fetch), Debian's packages come from there alone.
 #                      Default: ${XDG_CACHE_HOME:-~/.cache}/deepslam/downloads
 #     --fetch          fill DIR for machines without a network, Debian's packages with all they depend on included
 #                      (0.6 GB more), and install nothing. Copy DIR there and run setup.sh --downloads DIR
 # Debian's packages come by apt-get; ONNX Runtime and the detector's weights by `npm pack` at pinned versions, every
-# file checked against the SHA-256 written in these scripts, into ${XDG_DATA_HOME:-~/.local/share}/deepslam.
+# file checked against the SHA-256 written in these scripts, into ${XDG_DATA_HOME:-~/.local/share}/deepslam; GTSAM by
+# `pip download`, likewise pinned, into ${XDG_CACHE_HOME:-~/.cache}/deepslam, where nothing but tests looks for it.
 set -euo pipefail
 
 data="${XDG_DATA_HOME:-$HOME/.local/share}/deepslam"
@@ -31,7 +32,7 @@ while [ $# -gt 0 ]; do
       downloads="$2"
       shift
       ;;
-    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "setup: unknown option '$1'; known: --tests, --fuzz, --downloads DIR, --fetch" >&2; exit 2 ;;
   esac
   shift
@@ -147,6 +148,38 @@ f7a36d1547d85def0761c94fccb0f7d1afce7ad719c81df4c89a954f890ef3d4 $headers/onnxru
 febf1052ee15e56ce136c41d028938d04b3e217bd4820dcafcb9bcd0f4f2c5ea $headers/onnxruntime_session_options_config_keys.h onnxruntime/include/onnxruntime_session_options_config_keys.h
 5715f06d8992ca8eeeddcce43df3a7d38f97d537052126f558e912cb312460ca package/Plugins/Linux/x64/libonnxruntime.so onnxruntime/lib/libonnxruntime.so"
 
+# 3. Python packages that only tests use, as wheels for Debian's Python and its numpy.
+gtsam_wheel="gtsam==4.3.0 gtsam-4.3.0-cp311-cp311-manylinux2014_x86_64.manylinux_2_17_x86_64.whl
+  63cae1c925f0094832b7f8d629951d4631cac57c6d7faba140c8ecc9f3c57752"
+
+# fetch_wheel PACKAGE==VERSION WHEEL SHA256: the wheel lies in $downloads afterwards, else false.
+fetch_wheel() {
+  local wheel="$downloads/$2" aside
+  matches "$wheel" "$3" && return 0
+  python3 -m pip --version >/dev/null 2>&1 || [ "$fetch_only" = yes ] || (apt_install python3-pip) || return 1
+  say "fetching $1"
+  aside="$(mktemp -d "$downloads/.fetch.XXXXXX")"
+  python3 -m pip download --quiet --no-deps --only-binary :all: --python-version 3.11 --implementation cp --abi cp311 \
+    --platform manylinux2014_x86_64 --dest "$aside" "$1" >&2 || say "cannot fetch $1"
+  if matches "$aside/$2" "$3"; then mv "$aside/$2" "$wheel"; fi
+  [ ! -e "$aside/$2" ] || say "$1 is not what it was: $2 has another SHA-256 than $3"
+  rm -rf "$aside"
+  matches "$wheel" "$3"
+}
+
+# install_wheel PACKAGE==VERSION WHEEL SHA256 FOLDER: tests that want it say so and are skipped where it could not be had.
+install_wheel() {
+  local target="$4" aside
+  [ ! -d "$target" ] || return 0
+  fetch_wheel "$1" "$2" "$3" || { say "the tests that need $1 will be skipped"; return 0; }
+  mkdir -p "$(dirname "$target")"
+  aside="$(mktemp -d "$(dirname "$target")/.setup.XXXXXX")"
+  python3 -m zipfile -e "$downloads/$2" "$aside/package"
+  rm -rf "$target"
+  mv "$aside/package" "$target"
+  rm -rf "$aside"
+}
+
 if [ "$fetch_only" = yes ]; then
   fetch_debian "${packages[@]}"
   for archive in "$onnxruntime_archive" "$three_archive" "$esbuild_archive" "$yolov8_archive" "$yolo11_archive"; do
@@ -155,6 +188,7 @@ if [ "$fetch_only" = yes ]; then
   if [ "$with_tests" = yes ]; then
     fetch $playwright_archive
     fetch $validator_archive
+    fetch_wheel $gtsam_wheel || fail "GTSAM for the tests is missing (needs pip)"
   fi
   say "all that setup.sh needs lies in $downloads"
   exit 0
@@ -184,5 +218,7 @@ if [ "$with_tests" = yes ]; then
   install_package $three_archive "$render/three"
   install_package $playwright_archive "$render/playwright-core"
   install_package $validator_archive "$node/gltf-validator-2.0.0-dev.3.10/node_modules/gltf-validator"
+  # Where tests/support/python_packages.py looks.
+  install_wheel $gtsam_wheel "${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/python/gtsam-4.3.0"
 fi
 say "everything is there ($data)"

@@ -38,7 +38,7 @@ WRONG_M, WRONG_DEG, SAME_OBJECT_M = 0.10, 5.0, 0.5
 DRIFT_M, DRIFT_DEG = (0.10, 0.25), (4.0, 8.0)  # of a lap; what is 2 m off moves by 0.14 m for 4 deg
 
 
-def scene(seed):
+def scene(seed, frames=FRAMES, along_walls=True):
     """The room's YAML. Furniture at four places about the middle, the camera on an ellipse inside, looking outwards."""
     draw = random.Random(seed)
     x, y = draw.uniform(4.8, 5.8), draw.uniform(4.4, 5.4)
@@ -68,6 +68,8 @@ def scene(seed):
         out, along = (x if wall % 2 == 0 else y) / 2 - depth / 2 - 0.02, draw.uniform(-0.4, 0.4)
         sign = 1 if wall < 2 else -1
         at = (sign * out, along) if wall % 2 == 0 else (along, sign * out)
+        if not along_walls:
+            continue
         objects.append(f'  - {{class: {kind}, model: "{model}", position_m: [{at[0]:.3f}, {at[1]:.3f}], '
                        f'yaw_deg: {(180, 270, 0, 90)[wall]}}}')
     around = [2 * math.pi * k / 8 for k in range(8)]
@@ -77,7 +79,7 @@ def scene(seed):
     looks = ", ".join(f"[{(x / 2 - 0.9) * math.cos(a + start):.3f}, {(y / 2 - 0.8) * math.sin(a + start):.3f}, "
                       f"{draw.uniform(0.35, 0.6):.3f}]" for a in around)
     return f"""seed: {1000 + seed}
-frames: {FRAMES}
+frames: {frames}
 frames_per_s: 15
 camera: {{preset: kinect_v1, width: 320, height: 240, fx: 262.5, fy: 262.5, cx: 159.5, cy: 119.5}}
 room:

@@ -38,8 +38,13 @@ def deepslam(program, *arguments, data="/nonexistent", timeout=600, variables=No
 
 def make_room(program, folder):
     """A table and two chairs in ten frames. None where the furniture catalogues are not installed."""
+    return render(program, SCENE, folder)
+
+
+def render(program, text, folder):
+    """The capture of a scene's YAML. None where the furniture catalogues are not installed."""
     scene = folder.with_suffix(".yaml")
-    scene.write_text(SCENE)
+    scene.write_text(text)
     made = deepslam(program, "synth", scene, "-o", folder)
     if made.returncode == 3 and "sweethome3d-furniture" in made.stderr:
         return None
@@ -47,8 +52,8 @@ def make_room(program, folder):
     return folder
 
 
-def copy_capture(source, target, frames=None):
-    """The same capture by links to its images, cut to the first frames; lists and settings are copies."""
+def copy_capture(source, target, frames=None, first=0):
+    """The same capture by links to its images, cut to frames first .. frames - 1; lists and settings are copies."""
     for kind in ("rgb", "depth"):
         (target / kind).mkdir(parents=True)
         for file in sorted((source / kind).iterdir()):
@@ -57,7 +62,7 @@ def copy_capture(source, target, frames=None):
         shutil.copy(source / name, target / name)
     for name in ("associations.txt", "rgb.txt", "depth.txt"):
         lines = [line for line in (source / name).read_text().splitlines() if not line.startswith("#")]
-        (target / name).write_text("\n".join(lines[:frames]) + "\n")
+        (target / name).write_text("\n".join(lines[first:frames]) + "\n")
     return target
 
 

@@ -201,6 +201,9 @@ class RealCapture(unittest.TestCase):
 
     def test_fr3_cabinet(self):
         run = Run("fr3_cabinet", "fr3")
+        error = run.ask("eval", "trajectory", run.workspace, run.capture)
+        self.assertEqual((error["num_scored"], error["num_frames"]), (58, 58))
+        self.assertLessEqual(error["ate_m"]["rmse"], MAX_ATE_M)
         self.assertGreaterEqual(len(run.objects()), 1)
         self.check_common(run)
 

@@ -4,21 +4,16 @@
     trajectory_figures_test.py DEEPSLAM
 """
 import json
-import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import unittest
 
-try:
-    import numpy as np
-except ImportError:
-    # Debian's packages are there for Debian's python, which need not be the first on the path.
-    if pathlib.Path("/usr/bin/python3").exists() and "DEEPSLAM_SECOND_TRY" not in os.environ:
-        os.execve("/usr/bin/python3", ["/usr/bin/python3", *sys.argv], {**os.environ, "DEEPSLAM_SECOND_TRY": "1"})
-    print("numpy is not installed (scripts/setup.sh --tests): skipped", file=sys.stderr)
-    sys.exit(77)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import python_packages  # noqa: E402
+
+[np] = python_packages.need("numpy")
 
 DEEPSLAM = sys.argv[1]
 

@@ -1,6 +1,7 @@
 // Solves a g2o file with the graph's own solver, for comparison with others: without robust losses,
 // the first vertex held, the file's information as it stands.
-//   solve_g2o IN.g2o OUT.g2o
+//   solve_g2o IN.g2o OUT.g2o   prints the energy and whether it converged
+//   solve_g2o IN.g2o           solves nothing; prints poses, edges and chi^2 by g2o's definition
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -33,14 +34,24 @@ GraphModel ModelOf(const G2oGraph& graph) {
   return model;
 }
 
-int Solve(const char* in, const char* out) {
+Result<G2oGraph> Read(const char* in) {
   std::ifstream file(in);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   Result<G2oGraph> graph = ParseG2o(text);
-  if (!graph.ok()) {
-    std::cerr << in << ": " << graph.error().message << '\n';
-    return 1;
-  }
+  if (!graph.ok()) std::cerr << in << ": " << graph.error().message << '\n';
+  return graph;
+}
+
+int Tell(const char* in) {
+  const Result<G2oGraph> graph = Read(in);
+  if (!graph.ok()) return 1;
+  std::printf("%zu %zu %.17g\n", graph->vertices.size(), graph->edges.size(), Chi2(*graph));
+  return 0;
+}
+
+int Solve(const char* in, const char* out) {
+  Result<G2oGraph> graph = Read(in);
+  if (!graph.ok()) return 1;
   GraphModel model = ModelOf(*graph);
   GraphOptions options;
   options.object_loss = options.odometry_loss = options.loop_loss = options.ground_loss = "none";
@@ -58,4 +69,7 @@ int Solve(const char* in, const char* out) {
 }  // namespace
 }  // namespace deepslam::graph
 
-int main(int argc, char** argv) { return argc == 3 ? deepslam::graph::Solve(argv[1], argv[2]) : 2; }
+int main(int argc, char** argv) {
+  if (argc == 2) return deepslam::graph::Tell(argv[1]);
+  return argc == 3 ? deepslam::graph::Solve(argv[1], argv[2]) : 2;
+}

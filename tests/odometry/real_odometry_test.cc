@@ -42,7 +42,7 @@ TEST(RealOdometry, FollowsTheKitchenWithoutLosingAFrame) {
   ASSERT_TRUE(odometry.ok());
   EXPECT_EQ(odometry->frames.size(), 500U);
   EXPECT_EQ(NumAligned(*odometry), 500);
-  // The reference itself is good to 2-3 cm.
+  // The reference itself is good to 2-3 cm; 3 are asked of the refined path (real_capture_test.py).
   EXPECT_LT(AteM(*capture->frames, *odometry), 0.04);
 }
 
@@ -54,8 +54,7 @@ TEST(RealOdometry, FollowsBigStepsRoundAPlainCabinet) {
   const auto odometry = EstimateOdometry(*capture->frames, OdometryOptions{}, progress);
   ASSERT_TRUE(odometry.ok());
   EXPECT_EQ(NumAligned(*odometry), 58);
-  // Half a step of the capture: no step was misjudged as a whole.
-  EXPECT_LT(AteM(*capture->frames, *odometry), 0.08);
+  EXPECT_LT(AteM(*capture->frames, *odometry), 0.03);
 }
 
 }  // namespace
