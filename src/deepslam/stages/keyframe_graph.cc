@@ -3,18 +3,17 @@
 #include <utility>
 
 #include "deepslam/scene/loop.h"
-#include "deepslam/scene/object_map.h"
 
 namespace deepslam::stages {
 
 Result<SolvedPath> SolvePath(const Odometry& odometry,
                              const Ground& ground,
                              const std::vector<RelativePose>& edges,
-                             const graph::GraphOptions& options) {
+                             const graph::GraphOptions& options,
+                             const ObjectMap& map) {
   Loops loops;
   loops.edges = edges;
-  const Result<OptimizedMap> solved =
-      graph::OptimizeGraph(odometry, ground, ObjectMap{}, loops, options);
+  const Result<OptimizedMap> solved = graph::OptimizeGraph(odometry, ground, map, loops, options);
   if (!solved.ok()) return solved.error();
   const auto first = static_cast<std::size_t>(odometry.keyframes.front().value);
   const Pose3 tracking_from_level =

@@ -24,6 +24,7 @@
 #include "deepslam/shape/view_points.h"
 #include "deepslam/stages/appearance_stage.h"
 #include "deepslam/stages/judge_object.h"
+#include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/refine_object.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -40,8 +41,8 @@ constexpr float kMaxSurroundingsDepthM = 5.0F;
 // Views that the loops move further against each other were judged where the object was not.
 constexpr double kMovedApart_m = 0.10;
 
-// Everything the stage reads. Where loops were closed by appearance, cameras, ground and objects
-// stand where these put them.
+// Everything the stage reads. Where loops were closed by appearance or by objects that were known
+// again, cameras, ground and objects stand where these put them.
 struct LoopInputs {
   Odometry tracked;
   Odometry odometry;
@@ -53,7 +54,7 @@ struct LoopInputs {
   ObjectMap map;
 };
 
-// How the loops by appearance move what this frame saw.
+// How closing loops moves what this frame saw.
 std::optional<Pose3> ClosedFromTracked(const Odometry& tracked,
                                        const Odometry& closed,
                                        FrameIdx frame) {
@@ -76,6 +77,50 @@ Pose3 ClosedFromTracked(const Odometry& tracked, const Odometry& closed, const M
   return best;
 }
 
+// The largest distance by which `closed` moves what a view saw of the object against what its best
+// view saw: views of both ends of a stretch that is corrected.
+double MovedApart_m(const Odometry& tracked, const Odometry& closed, const MapObject& object) {
+  const Pose3 best = ClosedFromTracked(tracked, closed, object);
+  const Eigen::Vector3d centre_tracked = best.Inverse() * object.world_from_object.translation_m;
+  double apart_m = 0;
+  for (const ViewRegistration& view : object.views) {
+    const std::optional<Pose3> own = ClosedFromTracked(tracked, closed, view.frame);
+    if (own) apart_m = std::max(apart_m, (*own * centre_tracked - best * centre_tracked).norm());
+  }
+  return apart_m;
+}
+
+ObjectMap Moved(const Odometry& tracked, const Odometry& closed, ObjectMap map) {
+  for (MapObject& object : map.objects) {
+    object.world_from_object =
+        ClosedFromTracked(tracked, closed, object) * object.world_from_object;
+  }
+  return map;
+}
+
+// Objects that were known again tie their visits together. Where that moves what was seen of one
+// apart, the path is closed by them, before others are looked for along it.
+Status CloseByObjects(const RunInputs& inputs,
+                      const Odometry& tracked,
+                      const ObjectMap& map,
+                      ClosedTrajectory& closed) {
+  const graph::GraphOptions& options = inputs.config.optimize;
+  if (!inputs.config.loops.enabled || !options.use_objects) return Ok();
+  const ObjectMap moved = Moved(tracked, closed.odometry, map);
+  Result<SolvedPath> solved =
+      SolvePath(closed.odometry, closed.ground, closed.appearance.edges, options, moved);
+  if (!solved.ok()) return solved.error();
+  Odometry by_objects = closed.odometry;
+  by_objects.frames = std::move(solved->frames);
+  const bool apart = std::ranges::any_of(moved.objects, [&](const MapObject& object) {
+    return MovedApart_m(closed.odometry, by_objects, object) > kMovedApart_m;
+  });
+  if (!apart) return Ok();
+  closed.odometry = std::move(by_objects);
+  closed.ground = std::move(solved->ground);
+  return Ok();
+}
+
 Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& inputs) {
   Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
@@ -85,14 +130,13 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
   if (!association.ok()) return association.error();
   Result<Proposals> proposals = ReadCandidates(context, "select");
   if (!proposals.ok()) return proposals.error();
-  Result<ObjectMap> map = ReadObjects(context, "select");
+  const Result<ObjectMap> map = ReadObjects(context, "select");
   if (!map.ok()) return map.error();
   Result<ClosedTrajectory> closed = CloseByAppearance(context, inputs, *odometry, *ground);
   if (!closed.ok()) return closed.error();
-  for (MapObject& object : map->objects) {
-    object.world_from_object =
-        ClosedFromTracked(*odometry, closed->odometry, object) * object.world_from_object;
-  }
+  if (Status status = CloseByObjects(inputs, *odometry, *map, *closed); !status.ok())
+    return status.error();
+  ObjectMap moved = Moved(*odometry, closed->odometry, *map);
   return LoopInputs{std::move(*odometry),
                     std::move(closed->odometry),
                     std::move(closed->ground),
@@ -100,7 +144,7 @@ Result<LoopInputs> ReadLoopInputs(const StageContext& context, const RunInputs& 
                     closed->num_measured_again,
                     std::move(*association),
                     std::move(*proposals),
-                    std::move(*map)};
+                    std::move(moved)};
 }
 
 void AppendWorld(const Pose3& world_from_camera,
@@ -327,19 +371,6 @@ struct Judged {
   std::vector<CandidateRegistration> registrations;
 };
 
-// The largest distance by which the loops move what a view saw of the object against what its best
-// view saw: views of both ends of a stretch that is corrected.
-double MovedApart_m(const LoopInputs& in, const MapObject& object) {
-  const Pose3 best = ClosedFromTracked(in.tracked, in.odometry, object);
-  const Eigen::Vector3d centre_tracked = best.Inverse() * object.world_from_object.translation_m;
-  double apart_m = 0;
-  for (const ViewRegistration& view : object.views) {
-    const std::optional<Pose3> own = ClosedFromTracked(in.tracked, in.odometry, view.frame);
-    if (own) apart_m = std::max(apart_m, (*own * centre_tracked - best * centre_tracked).norm());
-  }
-  return apart_m;
-}
-
 // The object as its candidates, registered and judged by all these views and completed anew, make
 // it. `change` names what is completed here.
 Result<Judged> JudgeAnew(const StageContext& context,
@@ -402,7 +433,7 @@ Result<Reselection> Reselect(const StageContext& context,
   for (const MapObject& object : in.map.objects) {
     if (gone.contains(object.id)) continue;
     const bool merged = groups.contains(object.id);
-    if (!merged && MovedApart_m(in, object) <= kMovedApart_m) {
+    if (!merged && MovedApart_m(in.tracked, in.odometry, object) <= kMovedApart_m) {
       map.objects.push_back(object);
       continue;
     }
