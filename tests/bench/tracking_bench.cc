@@ -1,8 +1,10 @@
-// Tracking of a capture beside decoding its frames alone: the second is what no tracker can do
-// without. The capture is the folder that DEEPSLAM_BENCH_CAPTURE names. Real time; as many threads
-// as the argument says.
+// Tracking of a capture, alone and with the refinement of its path as stage `track` does both,
+// beside decoding its frames alone: what no tracker can do without. The capture is the folder that
+// DEEPSLAM_BENCH_CAPTURE names. Real time; as many threads as the argument says.
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_tracking_bench --benchmark_repetitions=5
+#include <memory>
 #include <string>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
@@ -10,6 +12,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/odometry/odometry.h"
+#include "deepslam/stages/refine_path.h"
 
 namespace deepslam {
 namespace {
@@ -32,6 +35,23 @@ void TrackFrames(benchmark::State& state) {
   Report(state, capture->frames->num_frames());
 }
 
+void TrackAndRefine(benchmark::State& state) {
+  Result<dataset::Capture> capture = bench::OpenNamedCapture();
+  if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
+  const ThreadLimit limit(static_cast<int>(state.range(0)));
+  stages::RunInputs inputs;
+  inputs.capture = std::make_shared<const dataset::Capture>(std::move(capture).value());
+  const FrameSource& frames = *inputs.capture->frames;
+  SilentProgress progress;
+  for (auto _ : state) {
+    Result<Odometry> odometry = odometry::EstimateOdometry(frames, inputs.config.track, progress);
+    if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
+    const Result<int> num_edges = stages::RefinePath(inputs, progress, *odometry);
+    if (!num_edges.ok()) return state.SkipWithError(num_edges.error().message.c_str());
+  }
+  Report(state, frames.num_frames());
+}
+
 BENCHMARK(bench::DecodeFrames)
     ->Name("DecodeFrames")
     ->Arg(1)
@@ -40,6 +60,12 @@ BENCHMARK(bench::DecodeFrames)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(TrackFrames)
+    ->Arg(1)
+    ->Arg(2)
+    ->ArgName("threads")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(TrackAndRefine)
     ->Arg(1)
     ->Arg(2)
     ->ArgName("threads")
