@@ -1,12 +1,15 @@
+#include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "deepslam/core/base64.h"
+#include "deepslam/core/clock_stretches.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
@@ -122,6 +125,78 @@ TEST(ResultTest, HoldsValueOrError) {
   ASSERT_FALSE(bad.ok());
   EXPECT_EQ(bad.error().message, "file x: no frames");
   EXPECT_DEATH((void)bad.value(), "no frames");
+}
+
+// `count` times from `begin_s` on, 30 a second, a little uneven as clocks have them.
+std::vector<double> Ticks(int count, double begin_s) {
+  Random random(static_cast<std::uint64_t>(count));
+  std::vector<double> times;
+  for (int k = 0; k < count; ++k) times.push_back(begin_s + k / 30.0 + random.Uniform(0, 0.004));
+  return times;
+}
+
+std::vector<double> Joined(std::vector<double> a, const std::vector<double>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(ClockStretches, BeginWhereTheClockWasSetBack) {
+  const std::vector<double> first = Ticks(200, 1000);
+  for (const double begin_s : {1000.0, 1003.21, 1006.6, 990.0, 0.0}) {
+    std::vector<int> expected(200, 0);
+    expected.resize(350, 1);
+    EXPECT_EQ(ClockStretches(Joined(first, Ticks(150, begin_s))), expected) << begin_s;
+  }
+  // Three recordings in one, each beginning at 0.
+  const std::vector<double> joined = Joined(Joined(Ticks(30, 0), Ticks(20, 0)), Ticks(40, 0));
+  std::vector<int> expected(30, 0);
+  expected.resize(50, 1);
+  expected.resize(90, 2);
+  EXPECT_EQ(ClockStretches(joined), expected);
+  // A capture of a few frames.
+  EXPECT_THAT(ClockStretches(std::vector<double>{0, 0.1, 0.2, 0.3, 0.4, 0.2, 0.3, 0.4, 0.5, 0.6}),
+              testing::ElementsAre(0, 0, 0, 0, 0, 1, 1, 1, 1, 1));
+}
+
+TEST(ClockStretches, ListsThatWantOrderAloneAreOneStretch) {
+  const auto is_one = [](const std::vector<double>& times) {
+    return std::ranges::all_of(ClockStretches(times), [](int stretch) { return stretch == 0; });
+  };
+  EXPECT_TRUE(is_one({}));
+  EXPECT_TRUE(is_one({1}));
+  const std::vector<double> ticks = Ticks(300, 5);
+  EXPECT_TRUE(is_one(ticks));
+  std::vector<double> reversed = ticks;
+  std::ranges::reverse(reversed);
+  EXPECT_TRUE(is_one(reversed));
+  std::vector<double> late = ticks;
+  for (std::size_t k = 10; k < 290; k += 20) std::rotate(&late[k], &late[k + 1], &late[k + 4]);
+  EXPECT_TRUE(is_one(late));
+  std::vector<double> shuffled = ticks;
+  Random random(3);
+  for (std::size_t k = shuffled.size(); k > 1; --k)
+    std::swap(shuffled[k - 1], shuffled[random.Index(k)]);
+  EXPECT_TRUE(is_one(shuffled));
+  // Parts in the wrong order leave no seam when they are sorted.
+  EXPECT_TRUE(
+      is_one(Joined({ticks.begin() + 120, ticks.end()}, {ticks.begin(), ticks.begin() + 120})));
+  // Frame numbers sorted as text: 0, 1, 10, 100, 101, ... 11, 110, ...
+  std::vector<std::string> numbers;
+  for (int k = 0; k < 1000; ++k) numbers.push_back(std::to_string(k));
+  std::ranges::sort(numbers);
+  std::vector<double> as_text;
+  for (const std::string& number : numbers) as_text.push_back(std::stod(number));
+  EXPECT_TRUE(is_one(as_text));
+}
+
+// Lines written late within a recording do not hide that its clock was set back.
+TEST(ClockStretches, AreFoundAmongTimesThatAreOutOfOrder) {
+  std::vector<double> times = Joined(Ticks(200, 1000), Ticks(150, 1002.5));
+  std::swap(times[50], times[51]);
+  std::swap(times[270], times[271]);
+  std::vector<int> expected(200, 0);
+  expected.resize(350, 1);
+  EXPECT_EQ(ClockStretches(times), expected);
 }
 
 }  // namespace

@@ -100,6 +100,65 @@ TEST(OpenCapture, PosesAreInterpolatedInTime) {
   EXPECT_FALSE(capture->frames->capture_world_from_camera(FrameIdx{2}).has_value());
 }
 
+// Frames 0 to 5 at 0.0 to 0.5 s, frames 6 to 11 at 0.22 to 0.72 s; poses at x = frame number.
+void WriteSetBackCapture(const std::filesystem::path& folder) {
+  WriteCapture(folder, 12);
+  std::string rgb, depth, poses;
+  for (int i = 0; i < 12; ++i) {
+    const double time_s = i < 6 ? 0.1 * i : 0.22 + 0.1 * (i - 6);
+    rgb += fmt::format("{:.6f} rgb/{}.png\n", time_s, i);
+    depth += fmt::format("{:.6f} depth/{}.png\n", time_s + 0.005, i);
+    poses += fmt::format("{:.6f} {} 0 0 0 0 0 1\n", time_s + 0.005, i);
+  }
+  WriteText(folder / "rgb.txt", rgb);
+  WriteText(folder / "depth.txt", depth);
+  WriteText(folder / "groundtruth.txt", poses);
+}
+
+TEST(OpenCapture, KeepsRecordingsApartWhoseClockWasSetBack) {
+  const TempDir dir;
+  WriteSetBackCapture(dir.path());
+  const Result<Capture> capture = OpenCapture(dir.path());
+  ASSERT_TRUE(capture.ok()) << capture.error().message;
+  ASSERT_EQ(capture->frames->num_frames(), 12);
+  for (int i = 0; i < 12; ++i) {
+    const Result<Frame> frame = capture->frames->Read(FrameIdx{i});
+    EXPECT_EQ(frame->colour(0, 0).r, 10 * i);
+    EXPECT_FLOAT_EQ(frame->depth_m(0, 0), 1.0f + 0.001f * static_cast<float>(i));
+    const auto pose = capture->frames->capture_world_from_camera(FrameIdx{i});
+    ASSERT_TRUE(pose.has_value()) << i;
+    EXPECT_EQ(pose->translation_m.x(), i);
+  }
+  EXPECT_THAT(capture->warnings,
+              ElementsAre(HasSubstr("rgb.txt:7: the time falls back"),
+                          HasSubstr("depth.txt:7: the time falls back"),
+                          HasSubstr("groundtruth.txt:7: the time falls back")));
+}
+
+TEST(OpenCapture, DoesNotGuessWhereTimesFallBackInOneListAlone) {
+  const TempDir dir;
+  WriteSetBackCapture(dir.path());
+  // Poses of another clock: those of times that stand for two moments belong to neither.
+  std::string poses;
+  for (int i = 0; i < 16; ++i) poses += fmt::format("{:.6f} {} 0 0 0 0 0 1\n", 0.005 + 0.05 * i, i);
+  WriteText(dir.path() / "groundtruth.txt", poses);
+  const Result<Capture> capture = OpenCapture(dir.path());
+  ASSERT_TRUE(capture.ok()) << capture.error().message;
+  EXPECT_THAT(capture->warnings,
+              testing::Contains(AllOf(HasSubstr("groundtruth.txt"), HasSubstr("no pose"))));
+  for (int i = 0; i < 12; ++i) {
+    // 0.225 to 0.505 s stand for two moments: frames 3 to 5, and 6 to 8.
+    EXPECT_EQ(capture->frames->capture_world_from_camera(FrameIdx{i}).has_value(), i < 3 || i > 8)
+        << i;
+  }
+  std::string depth;
+  for (int i = 0; i < 12; ++i) depth += fmt::format("{:.6f} depth/{}.png\n", 0.1 * i, i);
+  WriteText(dir.path() / "depth.txt", depth);
+  EXPECT_THAT(Refusal(dir.path()),
+              AllOf(HasSubstr("rgb.txt fall back 1 times, those of depth.txt 0 times"),
+                    HasSubstr("write associations.txt")));
+}
+
 TEST(OpenCapture, HashFollowsContentAndNotPlaceOrThreads) {
   const TempDir dir;
   WriteCapture(dir.path() / "a", 3);

@@ -1,5 +1,6 @@
 #include "deepslam/dataset/tum_lists.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "deepslam/core/random.h"
@@ -51,6 +52,48 @@ TEST(ParseFileList, SortsAndDropsRepeatedTimesAndSaysSo) {
   EXPECT_THAT(
       warnings,
       ElementsAre(AllOf(HasSubstr("rgb.txt"), HasSubstr("sorted")), HasSubstr("1 lines repeat")));
+}
+
+// Two recordings that overlap in time, as lines "time NAMEk".
+std::string TwoStretches(const std::string& first, const std::string& second) {
+  std::string text = "# time file\n";
+  for (int k = 0; k < 8; ++k) text += fmt::format("{:.2f} {}{}\n", 10 + 0.1 * k, first, k);
+  for (int k = 0; k < 8; ++k) text += fmt::format("{:.2f} {}{}\n", 10.42 + 0.1 * k, second, k);
+  return text;
+}
+
+TEST(ParseFileList, KeepsTheOrderOfTheFileWhereTheClockWasSetBack) {
+  std::vector<std::string> warnings;
+  const auto files = ParseFileList(TwoStretches("a", "b"), "rgb.txt", warnings);
+  ASSERT_TRUE(files.ok());
+  ASSERT_EQ(files->size(), 16U);
+  for (std::size_t k = 0; k < 16; ++k) {
+    EXPECT_EQ((*files)[k].file, fmt::format("{}{}", k < 8 ? "a" : "b", k % 8));
+    EXPECT_EQ((*files)[k].stretch, k < 8 ? 0 : 1);
+  }
+  EXPECT_THAT(warnings,
+              ElementsAre(AllOf(HasSubstr("rgb.txt:10: the time falls back from 10.7 to 10.42 s"),
+                                HasSubstr("order of the file is kept"))));
+}
+
+TEST(ParseFileList, LinesWrittenTwiceAreNoClockThatWasSetBack) {
+  const std::string once = "0.0 a\n0.1 b\n0.2 c\n0.3 d\n0.4 e\n0.5 f\n";
+  std::vector<std::string> warnings;
+  const auto files = ParseFileList(once + once, "rgb.txt", warnings);
+  ASSERT_TRUE(files.ok());
+  EXPECT_EQ(files->size(), 6U);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("6 lines repeat")));
+}
+
+TEST(AssociateByTime, PairsWithinStretchesOfTheClock) {
+  std::vector<std::string> warnings;
+  const auto colour = ParseFileList(TwoStretches("rgb/a", "rgb/b"), "rgb.txt", warnings);
+  const auto depth = ParseFileList(TwoStretches("depth/a", "depth/b"), "depth.txt", warnings);
+  // 0.02 s apart, the images of the other stretch are within the tolerance.
+  const std::vector<ImagePair> pairs = AssociateByTime(*colour, *depth, 0.03);
+  ASSERT_EQ(pairs.size(), 16U);
+  for (const ImagePair& pair : pairs)
+    EXPECT_EQ(pair.colour.file.substr(4), pair.depth.file.substr(6));
 }
 
 TEST(ParseFileList, RefusesBrokenLinesByNumber) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <gmock/gmock.h>
 
@@ -136,6 +137,22 @@ TEST(TrajectoryError, ATruePoseScoresOnce) {
   const Result<TrajectoryError> error = ComputeTrajectoryError(estimate, truth, {});
   EXPECT_EQ(error->num_scored, 5);
   EXPECT_NEAR(error->ate_m.max, 0, 1e-9);
+}
+
+// Two walks whose times are the same, one behind the other, as a clock set back leaves them.
+TEST(TrajectoryError, PairsWithinStretchesOfTheClock) {
+  std::vector<TimedPose> truth = Walk(40, 4);
+  for (TimedPose pose : Walk(40, 5)) {
+    pose.time_s += 0.1;
+    truth.push_back(pose);
+  }
+  const Result<TrajectoryError> error = ComputeTrajectoryError(truth, truth, {});
+  ASSERT_TRUE(error.ok());
+  EXPECT_EQ(error->num_scored, 80);
+  EXPECT_NEAR(error->ate_m.max, 0, 1e-9);
+  std::vector<int> in_order(80);
+  std::iota(in_order.begin(), in_order.end(), 0);
+  EXPECT_EQ(error->scored, in_order);
 }
 
 TEST(TrajectoryError, RefusesWhatCannotBeScored) {

@@ -38,6 +38,8 @@ inline Pose3 LookAt(const Eigen::Vector3d& eye,
 struct BoxWorld {
   Box3 room{{-2, -2, 0}, {2, 2, 2.5}};  // seen from inside
   std::vector<Box3> boxes;              // seen from outside
+  std::vector<Box3> walker;             // boxes that move, texture and all ...
+  Eigen::Vector3d walked_m{0, 0, 0};    // ... by this far
   double texture = 1;                   // contrast, 0 to 1
   double texture_fineness = 1;          // how many times smaller than in other worlds
   double texture_phase = 0;             // another world's texture
@@ -67,12 +69,20 @@ struct BoxWorld {
   [[nodiscard]] double Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
     double nearest = Exit(room, origin, direction);
     for (const Box3& box : boxes) nearest = std::min(nearest, Entry(box, origin, direction));
+    return std::min(nearest, CastWalker(origin, direction));
+  }
+
+  [[nodiscard]] double CastWalker(const Eigen::Vector3d& origin,
+                                  const Eigen::Vector3d& direction) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Box3& part : walker)
+      nearest = std::min(nearest, Entry(part, origin - walked_m, direction));
     return nearest;
   }
 
   [[nodiscard]] double Brightness(const Eigen::Vector3d& p) const {
     if (tile_m > 0) return TileBrightness(p / tile_m);
-    const Eigen::Vector3d q = texture_fineness * p;
+    const Eigen::Vector3d q = texture_fineness * (OnWalker(p) ? p - walked_m : p);
     const double a = std::sin(9.1 * q.x() + 3.7 * q.y() + 1.3 * q.z() + texture_phase) *
                      std::sin(2.3 * q.x() - 7.9 * q.y() + 5.1 * q.z() + 2 * texture_phase);
     const double b = std::sin(3.1 * q.x() + 4.3 * q.y() - 8.7 * q.z() + 0.5);
@@ -81,6 +91,13 @@ struct BoxWorld {
   }
 
  private:
+  [[nodiscard]] bool OnWalker(const Eigen::Vector3d& p) const {
+    const Eigen::Array3d q = p - walked_m;
+    return std::ranges::any_of(walker, [&](const Box3& part) {
+      return (q > part.min.array() - 1e-6).all() && (q < part.max.array() + 1e-6).all();
+    });
+  }
+
   [[nodiscard]] double TileBrightness(const Eigen::Vector3d& p_tiles) const {
     constexpr double kJoint = 0.05;
     // Surfaces lie on multiples of the tile only by chance: a little off, they are in one tile.

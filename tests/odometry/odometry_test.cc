@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,79 +13,10 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/memory_frame_source.h"
 #include "deepslam/odometry/pose_interpolation.h"
-#include "odometry/box_world.h"
-#include "support/pose_matchers.h"
+#include "odometry/tracked_sequence.h"
 
 namespace deepslam::odometry {
 namespace {
-
-using dataset::MemoryFrameSource;
-using testing_support::BoxWorld;
-using testing_support::kSmallCamera;
-using testing_support::LookAt;
-using testing_support::PoseNear;
-using testing_support::RenderFrame;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-
-// Camera carried along an arc through the room; `step_deg` of it per frame.
-std::vector<Pose3> Arc(int num_frames, double step_deg = 2.0) {
-  std::vector<Pose3> poses;
-  for (int k = 0; k < num_frames; ++k) {
-    const double angle = (200 + step_deg * k) * kRadPerDeg;
-    poses.push_back(
-        LookAt({1.5 * std::cos(angle), 1.5 * std::sin(angle), 1.3 + 0.004 * k}, {0.2, 0.1, 0.5}));
-  }
-  return poses;
-}
-
-std::vector<Frame> Render(const BoxWorld& world,
-                          const std::vector<Pose3>& poses,
-                          double noise = 1.0) {
-  std::vector<Frame> frames;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    frames.push_back(RenderFrame(world, poses[k], noise, k));
-    frames.back().time_s = 0.05 * static_cast<double>(k);
-  }
-  return frames;
-}
-
-Odometry Track(std::vector<Frame> frames, const OdometryOptions& options = {}) {
-  const MemoryFrameSource source(kSmallCamera, std::move(frames));
-  SilentProgress progress;
-  Result<Odometry> odometry = EstimateOdometry(source, options, progress);
-  EXPECT_TRUE(odometry.ok());
-  return std::move(odometry).value();
-}
-
-void ExpectTrue(const Odometry& odometry,
-                const std::vector<Pose3>& truth,
-                std::size_t begin,
-                std::size_t end,
-                double tolerance_m = 0.02,
-                double tolerance_deg = 0.6) {
-  for (std::size_t k = begin; k < end; ++k) {
-    EXPECT_THAT(
-        odometry.frames[begin].world_from_camera.Inverse() * odometry.frames[k].world_from_camera,
-        PoseNear(truth[begin].Inverse() * truth[k], tolerance_m, tolerance_deg))
-        << "frame " << k;
-  }
-}
-
-void ExpectConsistent(const Odometry& odometry) {
-  EXPECT_TRUE(std::ranges::is_sorted(odometry.keyframes));
-  for (std::size_t k = 1; k < odometry.keyframes.size(); ++k) {
-    const bool joined = std::ranges::any_of(odometry.edges, [&](const RelativePose& edge) {
-      return edge.i == odometry.keyframes[k - 1] && edge.j == odometry.keyframes[k];
-    });
-    EXPECT_TRUE(joined) << "keyframe " << odometry.keyframes[k];
-  }
-  for (const FrameIdx keyframe : odometry.keyframes)
-    EXPECT_EQ(odometry.at(keyframe).keyframe, keyframe);
-  for (const RelativePose& edge : odometry.edges) {
-    EXPECT_EQ(edge.information.llt().info(), Eigen::Success);
-  }
-}
 
 TEST(EstimateOdometry, FollowsAnArcThroughAFurnishedRoom) {
   const std::vector<Pose3> truth = Arc(30);
@@ -170,7 +100,8 @@ TEST(EstimateOdometry, PlainFrameToFrameIcpIsAConfiguration) {
   EXPECT_EQ(odometry.edges.size(), odometry.keyframes.size() - 1);
 }
 
-// Along a bare wall depth shows no motion; what was predicted from a prediction is less sure each time.
+// Along a bare wall depth shows no motion; what was predicted from a prediction is less sure each
+// time.
 TEST(EstimateOdometry, AMotionThatNothingShowsAges) {
   BoxWorld hall;
   hall.room = {{-20, -20, 0}, {20, 2.6, 20}};
@@ -246,22 +177,6 @@ TEST(EstimateOdometry, TwoCapturesInOneAreJoinedByAnEdgeThatSaysSo) {
   ASSERT_NE(across, odometry.edges.end());
   EXPECT_TRUE(across->composed);
   EXPECT_LT(across->information(0, 0), 0.01 * odometry.edges.front().information(0, 0));
-}
-
-TEST(EstimateOdometry, APieceAfterATeleportRejoinsWhenItSeesAnEarlierKeyframe) {
-  const BoxWorld world = BoxWorld::Furnished();
-  // Turns away to a wall for a while without passing over what lies between, then comes back to the
-  // start.
-  std::vector<Pose3> truth = Arc(6, 1.0);
-  for (int k = 0; k < 14; ++k)
-    truth.push_back(LookAt({0.2 + 0.03 * k, 1.5, 1.2}, {-0.6 + 0.03 * k, -0.6, 0.5}));
-  for (int k = 0; k < 6; ++k) truth.push_back(Arc(6, 1.0)[static_cast<std::size_t>(5 - k)]);
-  const Odometry odometry = Track(Render(world, truth));
-  // The last frames are placed against the first ones.
-  EXPECT_THAT(odometry.frames.front().world_from_camera.Inverse() *
-                  odometry.frames.back().world_from_camera,
-              PoseNear(Pose3{}, 0.02, 0.6));
-  ExpectConsistent(odometry);
 }
 
 TEST(EstimateOdometry, IsByteEqualForAnyNumberOfThreads) {

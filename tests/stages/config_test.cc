@@ -174,6 +174,16 @@ TEST(Verdict, NamesTheFrameAtWhichTheCameraJumps) {
   EXPECT_EQ(JudgeRun(sparse).verdict, artifact::Verdict::kGood);
 }
 
+TEST(Verdict, SeesJumpsWhereTheClockWasSetBack) {
+  const auto set_back = [](OptimizedMap map) {
+    for (std::size_t k = 40; k < map.frames.size(); ++k) map.frames[k].time_s -= 0.7;
+    return map;
+  };
+  EXPECT_EQ(JudgeRun(set_back(MapOfAWalk(40, 0))).verdict, artifact::Verdict::kGood);
+  EXPECT_THAT(JudgeRun(set_back(MapOfAWalk(40, 0.5))).reasons,
+              testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
+}
+
 TEST(Verdict, FollowsWhatWentWrong) {
   EXPECT_EQ(JudgeRun(MapWithFrames(100, 0)).verdict, artifact::Verdict::kGood);
   EXPECT_EQ(JudgeRun(MapWithFrames(90, 10)).verdict, artifact::Verdict::kDoubtful);

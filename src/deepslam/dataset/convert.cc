@@ -239,8 +239,8 @@ class Conversion {
     }
     if (settings_.has_times && num_repeated_ > 0 && !format_.is_file) {
       report.losses.push_back(
-          fmt::format("{} frames are not later than the one before; readers sort by time and drop "
-                      "repeated ones",
+          fmt::format("{} frames are not later than the one before; readers may sort by time and "
+                      "drop repeated ones",
                       num_repeated_));
     }
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -43,6 +44,15 @@ Result<std::vector<ImagePair>> PairsByTime(const fs::path& folder,
     if (!files) return files.error();
     lists.push_back(*std::move(files));
   }
+  if (NumStretches(lists[0]) != NumStretches(lists[1])) {
+    return InvalidInput(
+        fmt::format("{}: the times of rgb.txt fall back {} times, those of depth.txt {} times, so "
+                    "that which images belong together cannot be told; write associations.txt "
+                    "(lines 'time rgb-file time depth-file')",
+                    folder.string(),
+                    NumStretches(lists[0]) - 1,
+                    NumStretches(lists[1]) - 1));
+  }
   std::vector<ImagePair> pairs = AssociateByTime(lists[0], lists[1], kAssociationToleranceS);
   if (pairs.empty()) {
     return InvalidInput(
@@ -60,6 +70,33 @@ Result<std::vector<ImagePair>> PairsByTime(const fs::path& folder,
                     kAssociationToleranceS));
   }
   return pairs;
+}
+
+std::optional<Pose3> PoseWithin(const std::vector<TimedPose>& poses, int stretch, double time_s) {
+  return PoseAt(Stretch(poses, stretch), time_s, kAssociationToleranceS, kMaxPoseGapS);
+}
+
+// Nothing where several stretches have one.
+std::optional<Pose3> OnlyPose(const std::vector<TimedPose>& poses, double time_s) {
+  std::optional<Pose3> only;
+  for (int stretch = 0; stretch < NumStretches(poses); ++stretch) {
+    const std::optional<Pose3> pose = PoseWithin(poses, stretch, time_s);
+    if (pose && only) return std::nullopt;
+    if (pose) only = pose;
+  }
+  return only;
+}
+
+int NumStretchesOver(const std::vector<ImagePair>& pairs, double time_s) {
+  int count = 0;
+  for (int number = 0; number < NumStretches(pairs); ++number) {
+    const std::span<const ImagePair> stretch = Stretch(pairs, number);
+    count += !stretch.empty() && stretch.front().depth.time_s <= time_s &&
+                     time_s <= stretch.back().depth.time_s
+                 ? 1
+                 : 0;
+  }
+  return count;
 }
 
 // "capture/" and "." have no file name of their own.
@@ -107,6 +144,12 @@ Result<OpenedLayout> OpenLists(const LayoutSource& source,
         ParsePoses(**poses_text, folder / kPosesName, warnings);
     if (!poses) return poses.error();
     world_from_colour = PosesAt(*poses, pairs);
+    if (NumStretches(*poses) != NumStretches(pairs) && !poses->empty()) {
+      warnings.push_back(
+          fmt::format("{}: its times do not fall back where those of the images do; frames whose "
+                      "time stands for several moments have no pose",
+                      (folder / kPosesName).string()));
+    }
   }
   texts.push_back({kPosesName, *poses_text});
   Result<std::string> hash = HashFiles(tag, texts, folder, pairs);
@@ -140,10 +183,18 @@ Result<std::vector<ImagePair>> ReadPairs(const fs::path& folder,
 
 std::vector<std::optional<Pose3>> PosesAt(const std::vector<TimedPose>& poses,
                                           const std::vector<ImagePair>& pairs) {
+  const bool alike = NumStretches(poses) == NumStretches(pairs);
   std::vector<std::optional<Pose3>> at;
   at.reserve(pairs.size());
-  for (const ImagePair& pair : pairs)
-    at.push_back(PoseAt(poses, pair.depth.time_s, kAssociationToleranceS, kMaxPoseGapS));
+  for (const ImagePair& pair : pairs) {
+    if (alike) {
+      at.push_back(PoseWithin(poses, StretchOf(pair), pair.depth.time_s));
+    } else {
+      at.push_back(NumStretchesOver(pairs, pair.depth.time_s) == 1
+                       ? OnlyPose(poses, pair.depth.time_s)
+                       : std::nullopt);
+    }
+  }
   return at;
 }
 

@@ -4,12 +4,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <functional>
+#include <numeric>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "deepslam/core/clock_stretches.h"
 #include "deepslam/dataset/text_lines.h"
 
 namespace deepslam::dataset {
@@ -65,21 +67,86 @@ Result<TimedFile> ParseTimedFile(const std::filesystem::path& list,
   return TimedFile{*time_s, *std::move(file), line.number};
 }
 
-// Ascending in time and each time once; says in `warnings` what that changed.
-template <typename T, typename TimeOf>
+double TimeOf(const TimedFile& file) { return file.time_s; }
+double TimeOf(const ImagePair& pair) { return pair.depth.time_s; }
+double TimeOf(const TimedPose& pose) { return pose.time_s; }
+
+int LineOf(const TimedFile& file) { return file.line; }
+int LineOf(const ImagePair& pair) { return pair.depth.line; }
+int LineOf(const TimedPose& pose) { return pose.line; }
+
+void SetStretch(TimedFile& file, int stretch) { file.stretch = stretch; }
+void SetStretch(ImagePair& pair, int stretch) {
+  pair.colour.stretch = pair.depth.stretch = stretch;
+}
+void SetStretch(TimedPose& pose, int stretch) { pose.stretch = stretch; }
+
+// Of two entries of one time.
+bool SayTheSame(const TimedFile& a, const TimedFile& b) { return a.file == b.file; }
+bool SayTheSame(const ImagePair& a, const ImagePair& b) {
+  return a.colour.file == b.colour.file && a.depth.file == b.depth.file;
+}
+bool SayTheSame(const TimedPose& a, const TimedPose& b) {
+  return a.world_from_camera == b.world_from_camera;
+}
+
+// Lines written twice would look like a clock that was set back.
+template <typename T>
+void DropRepeatedLines(std::vector<T>& entries) {
+  std::vector<std::size_t> by_time(entries.size());
+  std::iota(by_time.begin(), by_time.end(), std::size_t{0});
+  std::ranges::stable_sort(by_time, {}, [&](std::size_t k) { return TimeOf(entries[k]); });
+  std::vector<bool> repeats(entries.size(), false);
+  for (std::size_t k = 0; k < by_time.size(); ++k) {
+    const T& entry = entries[by_time[k]];
+    for (std::size_t other = k;
+         other-- > 0 && !repeats[by_time[k]] && TimeOf(entries[by_time[other]]) == TimeOf(entry);)
+      repeats[by_time[k]] = SayTheSame(entries[by_time[other]], entry);
+  }
+  std::size_t k = 0;
+  std::erase_if(entries, [&](const T&) { return repeats[k++]; });
+}
+
+template <typename T>
+void NumberStretches(std::vector<T>& entries,
+                     const std::filesystem::path& list,
+                     std::vector<std::string>& warnings) {
+  std::vector<double> times_s;
+  for (const T& entry : entries) times_s.push_back(TimeOf(entry));
+  const std::vector<int> stretches = ClockStretches(times_s);
+  for (std::size_t k = 0; k < entries.size(); ++k) SetStretch(entries[k], stretches[k]);
+  if (NumStretches(entries) <= 1) return;
+  const auto fall = static_cast<std::size_t>(std::ranges::find(stretches, 1) - stretches.begin());
+  const std::string others = stretches.back() > 1
+                                 ? fmt::format(", as at {} lines after it", stretches.back() - 1)
+                                 : std::string();
+  warnings.push_back(
+      fmt::format("{}:{}: the time falls back from {} to {} s{}: taken for a clock that was set "
+                  "back, or recordings that were joined; the order of the file is kept there",
+                  list.string(),
+                  LineOf(entries[fall]),
+                  times_s[fall - 1],
+                  times_s[fall],
+                  others));
+}
+
+// Ascending in time and each time once, within each stretch of the clock; says in `warnings` what
+// that changed.
+template <typename T>
 void SortByTime(std::vector<T>& entries,
                 const std::filesystem::path& list,
-                TimeOf time_of,
                 std::vector<std::string>& warnings) {
-  const auto before = [&](const T& a, const T& b) { return time_of(a) < time_of(b); };
-  if (!std::is_sorted(entries.begin(), entries.end(), before)) {
-    std::stable_sort(entries.begin(), entries.end(), before);
+  const std::size_t count = entries.size();
+  DropRepeatedLines(entries);
+  NumberStretches(entries, list, warnings);
+  const auto place = [](const T& entry) { return std::pair(StretchOf(entry), TimeOf(entry)); };
+  if (!std::ranges::is_sorted(entries, {}, place)) {
+    std::ranges::stable_sort(entries, {}, place);
     warnings.push_back(
         fmt::format("{}: times are not ascending; lines were sorted", list.string()));
   }
-  const std::size_t count = entries.size();
-  const auto same = [&](const T& a, const T& b) { return time_of(a) == time_of(b); };
-  entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
+  const auto repeated = std::ranges::unique(entries, {}, place);
+  entries.erase(repeated.begin(), repeated.end());
   if (entries.size() < count) {
     warnings.push_back(fmt::format(
         "{}: {} lines repeat a time and were left out", list.string(), count - entries.size()));
@@ -92,7 +159,7 @@ Error EmptyList(const std::filesystem::path& list) {
 
 // Index of the entry nearest to a time in an ascending list (the earlier one when two are equally
 // near).
-std::size_t Nearest(const std::vector<TimedFile>& entries, double time_s) {
+std::size_t Nearest(std::span<const TimedFile> entries, double time_s) {
   const auto after =
       std::lower_bound(entries.begin(), entries.end(), time_s, [](const TimedFile& e, double t) {
         return e.time_s < t;
@@ -117,8 +184,7 @@ Result<std::vector<TimedFile>> ParseFileList(const std::string& text,
     entries.push_back(*std::move(entry));
   }
   if (entries.empty()) return EmptyList(list);
-  SortByTime(
-      entries, list, [](const TimedFile& e) { return e.time_s; }, warnings);
+  SortByTime(entries, list, warnings);
   return entries;
 }
 
@@ -140,8 +206,7 @@ Result<std::vector<ImagePair>> ParseAssociations(const std::string& text,
     pairs.push_back({*std::move(first), *std::move(second)});
   }
   if (pairs.empty()) return EmptyList(list);
-  SortByTime(
-      pairs, list, [](const ImagePair& p) { return p.depth.time_s; }, warnings);
+  SortByTime(pairs, list, warnings);
   return pairs;
 }
 
@@ -177,7 +242,7 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
       continue;
     }
     const Eigen::Quaterniond rotation(v[6] / norm, v[3] / norm, v[4] / norm, v[5] / norm);
-    poses.push_back({*time_s, Pose3{rotation, v.head<3>()}});
+    poses.push_back({*time_s, Pose3{rotation, v.head<3>()}, line.number});
   }
   if (num_unusable > 0) {
     warnings.push_back(fmt::format(
@@ -186,25 +251,28 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
         first_unusable,
         num_unusable));
   }
-  SortByTime(
-      poses, list, [](const TimedPose& p) { return p.time_s; }, warnings);
+  SortByTime(poses, list, warnings);
   return poses;
 }
 
-std::vector<ImagePair> AssociateByTime(const std::vector<TimedFile>& colour,
-                                       const std::vector<TimedFile>& depth,
+std::vector<ImagePair> AssociateByTime(const std::vector<TimedFile>& all_colour,
+                                       const std::vector<TimedFile>& all_depth,
                                        double tolerance_s) {
   std::vector<ImagePair> pairs;
-  if (colour.empty() || depth.empty()) return pairs;
-  for (std::size_t d = 0; d < depth.size(); ++d) {
-    const std::size_t c = Nearest(colour, depth[d].time_s);
-    if (std::abs(colour[c].time_s - depth[d].time_s) > tolerance_s) continue;
-    if (Nearest(depth, colour[c].time_s) == d) pairs.push_back({colour[c], depth[d]});
+  for (int number = 0; number < NumStretches(all_depth); ++number) {
+    const std::span<const TimedFile> colour = Stretch(all_colour, number);
+    const std::span<const TimedFile> depth = Stretch(all_depth, number);
+    if (colour.empty()) continue;
+    for (std::size_t d = 0; d < depth.size(); ++d) {
+      const std::size_t c = Nearest(colour, depth[d].time_s);
+      if (std::abs(colour[c].time_s - depth[d].time_s) > tolerance_s) continue;
+      if (Nearest(depth, colour[c].time_s) == d) pairs.push_back({colour[c], depth[d]});
+    }
   }
   return pairs;
 }
 
-std::optional<Pose3> PoseAt(const std::vector<TimedPose>& poses,
+std::optional<Pose3> PoseAt(std::span<const TimedPose> poses,
                             double time_s,
                             double tolerance_s,
                             double max_gap_s) {

@@ -2,11 +2,16 @@
 //
 // Fields are separated by blanks, tabs or commas; lines that are empty or begin with '#' carry
 // nothing. A line that cannot be understood is an error naming file, line and field. Times out of
-// order are sorted, repeated times dropped (the first stays); both are said in `warnings`.
+// order are sorted, repeated times dropped (the first stays); both are said in `warnings`. Where
+// the clock was set back (core/clock_stretches.h), or recordings were joined, the order of the file
+// stays: times ascend within a stretch, and the same times may stand in several. That is said too,
+// with the line.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +24,7 @@ struct TimedFile {
   double time_s = 0;
   std::string file;  // relative to the capture, never leaving it
   int line = 0;      // 1-based, of the list
+  int stretch = 0;   // of the list's clock, 0-based
 };
 
 struct ImagePair {
@@ -29,6 +35,8 @@ struct ImagePair {
 struct TimedPose {
   double time_s = 0;
   Pose3 world_from_camera;
+  int line = 0;
+  int stretch = 0;
 };
 
 // rgb.txt, depth.txt: `time file`.
@@ -49,15 +57,32 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
                                           const std::filesystem::path& list,
                                           std::vector<std::string>& warnings);
 
-// Pairs of images that are each other's nearest in time and at most `tolerance_s` apart; both lists
-// ascending.
+inline int StretchOf(const TimedFile& file) { return file.stretch; }
+inline int StretchOf(const ImagePair& pair) { return pair.depth.stretch; }
+inline int StretchOf(const TimedPose& pose) { return pose.stretch; }
+
+template <typename T>
+int NumStretches(const std::vector<T>& entries) {
+  return entries.empty() ? 0 : StretchOf(entries.back()) + 1;
+}
+
+// The entries of one stretch; empty where there is none of the number.
+template <typename T>
+std::span<const T> Stretch(const std::vector<T>& entries, int number) {
+  const auto found = std::ranges::equal_range(
+      entries, number, {}, [](const T& entry) { return StretchOf(entry); });
+  return {found.begin(), found.end()};
+}
+
+// Pairs of images that are each other's nearest in time and at most `tolerance_s` apart, of
+// stretches with the same number; both lists as parsed.
 std::vector<ImagePair> AssociateByTime(const std::vector<TimedFile>& colour,
                                        const std::vector<TimedFile>& depth,
                                        double tolerance_s);
 
 // The pose at a time: between two poses less than `max_gap_s` apart by interpolation (slerp), else
-// the nearest one if within `tolerance_s`, else nothing. `poses` ascending.
-std::optional<Pose3> PoseAt(const std::vector<TimedPose>& poses,
+// the nearest one if within `tolerance_s`, else nothing. `poses` ascending, of one stretch.
+std::optional<Pose3> PoseAt(std::span<const TimedPose> poses,
                             double time_s,
                             double tolerance_s,
                             double max_gap_s);

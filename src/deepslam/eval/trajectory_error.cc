@@ -9,6 +9,8 @@
 
 #include <Eigen/SVD>
 
+#include "deepslam/core/clock_stretches.h"
+
 namespace deepslam::eval {
 namespace {
 
@@ -51,25 +53,33 @@ struct Pair {
   std::size_t truth = 0;
 };
 
-// Indices of poses by ascending time.
-std::vector<std::size_t> OrderByTime(const std::vector<TimedPose>& poses) {
-  std::vector<std::size_t> order(poses.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return poses[a].time_s < poses[b].time_s;
-  });
-  return order;
+// Indices of poses by ascending time, of each stretch of the clock.
+std::vector<std::vector<std::size_t>> OrderByTime(const std::vector<TimedPose>& poses,
+                                                  const std::vector<int>& stretches) {
+  std::vector<std::vector<std::size_t>> orders(static_cast<std::size_t>(stretches.back()) + 1);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    orders[static_cast<std::size_t>(stretches[i])].push_back(i);
+  for (std::vector<std::size_t>& order : orders)
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return poses[i].time_s; });
+  return orders;
+}
+
+std::vector<int> Stretches(const std::vector<TimedPose>& poses) {
+  std::vector<double> times_s;
+  for (const TimedPose& pose : poses) times_s.push_back(pose.time_s);
+  return ClockStretches(times_s);
 }
 
 // In ascending time. Where several poses of one list want the same of the other, the nearest in
 // time has it.
 std::vector<Pair> PairByTime(const std::vector<TimedPose>& estimate,
+                             const std::vector<std::size_t>& estimate_order,
                              const std::vector<TimedPose>& truth,
+                             const std::vector<std::size_t>& truth_order,
                              double max_difference_s) {
-  const std::vector<std::size_t> truth_order = OrderByTime(truth);
   std::vector<Pair> pairs;
   double last_difference_s = 0;
-  for (const std::size_t e : OrderByTime(estimate)) {
+  for (const std::size_t e : estimate_order) {
     const double time_s = estimate[e].time_s;
     const auto after = std::lower_bound(
         truth_order.begin(), truth_order.end(), time_s, [&](std::size_t t, double value) {
@@ -92,6 +102,27 @@ std::vector<Pair> PairByTime(const std::vector<TimedPose>& estimate,
     }
     pairs.push_back({e, *nearest});
     last_difference_s = difference_s;
+  }
+  return pairs;
+}
+
+// The same times may stand for several moments where a clock was set back.
+std::vector<Pair> PairByStretch(const std::vector<TimedPose>& estimate,
+                                const std::vector<TimedPose>& truth,
+                                double max_difference_s) {
+  std::vector<int> estimate_stretches = Stretches(estimate);
+  std::vector<int> truth_stretches = Stretches(truth);
+  if (estimate_stretches.back() != truth_stretches.back()) {
+    std::ranges::fill(estimate_stretches, 0);
+    std::ranges::fill(truth_stretches, 0);
+  }
+  const auto estimate_orders = OrderByTime(estimate, estimate_stretches);
+  const auto truth_orders = OrderByTime(truth, truth_stretches);
+  std::vector<Pair> pairs;
+  for (std::size_t s = 0; s < estimate_orders.size(); ++s) {
+    const std::vector<Pair> more =
+        PairByTime(estimate, estimate_orders[s], truth, truth_orders[s], max_difference_s);
+    pairs.insert(pairs.end(), more.begin(), more.end());
   }
   return pairs;
 }
@@ -142,7 +173,7 @@ Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
                                                const TrajectoryErrorOptions& options) {
   if (const std::optional<Error> fault = Fault(estimate, "estimated")) return *fault;
   if (const std::optional<Error> fault = Fault(truth, "true")) return *fault;
-  const std::vector<Pair> pairs = PairByTime(estimate, truth, options.max_time_difference_s);
+  const std::vector<Pair> pairs = PairByStretch(estimate, truth, options.max_time_difference_s);
   if (pairs.size() < 3) {
     return InvalidInput("only " + std::to_string(pairs.size()) + " of " +
                         std::to_string(estimate.size()) + " poses have a true pose within " +

@@ -48,7 +48,9 @@ struct TrajectoryError {
 };
 
 // Poses of both lists are paired by nearest time, each used once at most; the lists may be in any
-// order. Errors: a list is empty, holds a value that is not finite, or fewer than three pairs.
+// order. Where the times of both fall back alike (core/clock_stretches.h), poses are paired within
+// their stretch. Errors: a list is empty, holds a value that is not finite, or fewer than three
+// pairs.
 Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
                                                std::vector<TimedPose> truth,
                                                const TrajectoryErrorOptions& options);

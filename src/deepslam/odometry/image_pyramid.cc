@@ -37,6 +37,10 @@ constexpr float kMadToSigma = 1.4826F;
 // Levels smaller than this hold too little to align.
 constexpr int kMinLevelWidth = 16;
 constexpr int kMaxReduction = 32;
+// Columns looked at for whether there is but one depth; one part in so many may stray at either
+// end.
+constexpr int kOneDepthColumns = 40;
+constexpr std::size_t kOneDepthStrays = 50;
 
 std::size_t Offset(const PinholeCamera& camera, int u, int v) {
   return static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width) +
@@ -439,6 +443,20 @@ PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, dou
   return level;
 }
 
+// Of some hundred pixels, but for a few strays; without depth there is nothing to tell.
+bool HasOneDepth(const DepthImage& depth_m) {
+  std::vector<float> samples;
+  const int step = std::max(1, depth_m.width() / kOneDepthColumns);
+  for (int v = step / 2; v < depth_m.height(); v += step) {
+    for (int u = step / 2; u < depth_m.width(); u += step) {
+      if (depth_m(u, v) > 0) samples.push_back(depth_m(u, v));
+    }
+  }
+  if (samples.empty()) return false;
+  const auto [low, high] = InnerRange(samples, kOneDepthStrays);
+  return low == high;
+}
+
 }  // namespace
 
 DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const Frame& frame,
@@ -449,6 +467,7 @@ DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const Frame& frame,
     return {};
   }
   FramePyramid pyramid;
+  pyramid.one_depth = HasOneDepth(frame.depth_m);
   pyramid.levels.push_back(FinestLevel(frame, camera, options));
   // Beyond the window, so that what smoothing shared between neighbours is seen.
   pyramid.noise_scale = NoiseScale(pyramid.levels.front(), kFarLag, options.noise);

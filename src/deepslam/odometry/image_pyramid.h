@@ -66,6 +66,7 @@ struct FramePyramid {
   double valid_share = 0;            // texels of the finest level with a normal, of all
   // Deviation of the smoothed depth in units of DepthNoise, measured across this frame; 1 to 8.
   double noise_scale = 1;
+  bool one_depth = false;  // the same at every pixel: a sensor that hangs; even a wall has noise
 
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };

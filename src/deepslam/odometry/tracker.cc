@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/odometry/moved_surfaces.h"
 #include "deepslam/odometry/pose_interpolation.h"
 #include "deepslam/odometry/rotation_search.h"
 
@@ -41,6 +42,10 @@ constexpr double kWristAcceleration = 4;  // rad/s^2
 bool Doubtful(const FrameAlignment& alignment) {
   return !alignment.ok || alignment.agreement < kSureAgreement ||
          alignment.brightness_correlation < kSureCorrelation;
+}
+
+TrackingStatus StatusOf(bool degenerate) {
+  return degenerate ? TrackingStatus::kDegenerate : TrackingStatus::kTracked;
 }
 
 double MedianDepthM(const PyramidLevel& level) {
@@ -75,22 +80,58 @@ Matrix6d DiagonalInformation(double translation_m, double rotation_deg) {
 }  // namespace
 
 void Tracker::Add(FrameIdx frame, double time_s, std::shared_ptr<const FramePyramid> pyramid) {
+  const double clock_s = ClockS(time_s);
+  clocks_s_.push_back(clock_s);
   if (pyramid == nullptr) {
     AddUnaligned(TrackingStatus::kUnreadable, frame, time_s);
     return;
   }
-  if (pyramid->valid_share < options_.min_valid_share) {
+  const bool one_depth = pyramid->one_depth;
+  if (pyramid->valid_share < options_.min_valid_share || (one_depth && seen_measured_)) {
     AddUnaligned(TrackingStatus::kLost, frame, time_s);
     return;
   }
-  Anchor anchor{frame, time_s, std::move(pyramid), Pose3{}, piece_};
+  if (!one_depth && !seen_measured_) {
+    ForgetOneDepth();
+    seen_measured_ = true;
+  }
+  Anchor anchor{frame, time_s, clock_s, std::move(pyramid), Pose3{}, piece_};
   if (keyframes_.empty()) {
-    odometry_.frames.push_back({frame, time_s, Pose3{}, TrackingStatus::kTracked, frame, 0, 1});
+    odometry_.frames.push_back({frame, time_s, Pose3{}, StatusOf(one_depth), frame, 0, 1});
     PushKeyframe(anchor);
     previous_ = anchor;
     return;
   }
   Align(anchor);
+}
+
+// Where the capture's clock is set back, as long as between the two frames before has passed.
+double Tracker::ClockS(double time_s) {
+  const double clock_s = time_s + clock_behind_s_;
+  if (clocks_s_.empty() || clock_s >= clocks_s_.back()) return clock_s;
+  const std::size_t last = clocks_s_.size() - 1;
+  const double interval_s = last > 0 ? clocks_s_[last] - clocks_s_[last - 1] : 0;
+  const double goes_on_s = clocks_s_[last] + interval_s;
+  clock_behind_s_ += goes_on_s - clock_s;
+  return goes_on_s;
+}
+
+void Tracker::ForgetOneDepth() {
+  if (odometry_.keyframes.empty()) return;
+  for (TrackedFrame& frame : odometry_.frames) {
+    if (frame.status == TrackingStatus::kUnreadable) continue;
+    frame = {frame.frame, frame.time_s, Pose3{}, TrackingStatus::kLost, FrameIdx{}, 0, 0};
+  }
+  odometry_.keyframes.clear();
+  odometry_.edges.clear();
+  keyframes_.clear();
+  previous_.reset();
+  previous_alignment_.reset();
+  pending_.reset();
+  last_interval_s_ = 0;
+  held_s_ = 0;
+  piece_ = 0;
+  piece_starts_.resize(1);
 }
 
 void Tracker::AddUnaligned(TrackingStatus status, FrameIdx frame, double time_s) {
@@ -110,7 +151,7 @@ std::vector<Pose3> Tracker::Starts(const Anchor& frame) const {
   std::vector<Pose3> starts;
   const Pose3& last = previous_->world_from_camera;
   if (options_.motion_prediction && last_interval_s_ > 0) {
-    const double ratio = (frame.time_s - previous_->time_s) / last_interval_s_;
+    const double ratio = (frame.clock_s - previous_->clock_s) / last_interval_s_;
     if (ratio > 0 && ratio <= kMaxPredictionRatio) {
       starts.push_back(last * V2t(ratio * T2v(last_motion_)));
     }
@@ -139,7 +180,7 @@ FrameAlignment Tracker::AlignTo(const Anchor& anchor,
                        *frame.pyramid,
                        starts,
                        options_.alignment,
-                       SigmaOfStart(frame.time_s - anchor.time_s));
+                       SigmaOfStart(frame.clock_s - anchor.clock_s));
 }
 
 // The first start after `duration_s` of prediction from frame to frame, or of none. A motion that
@@ -175,18 +216,16 @@ void Tracker::Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignme
   frame.world_from_camera = aligned_to.world_from_camera * alignment.i_from_j;
   frame.piece = aligned_to.piece;
   last_motion_ = previous_->world_from_camera.Inverse() * frame.world_from_camera;
-  last_interval_s_ = frame.time_s - previous_->time_s;
+  last_interval_s_ = frame.clock_s - previous_->clock_s;
   held_s_ = alignment.held ? held_s_ + last_interval_s_ : 0;
   pending_.reset();
 }
 
 void Tracker::AddAligned(const Anchor& frame, const FrameAlignment& alignment) {
-  const TrackingStatus status =
-      alignment.degenerate ? TrackingStatus::kDegenerate : TrackingStatus::kTracked;
   odometry_.frames.push_back({frame.frame,
                               frame.time_s,
                               frame.world_from_camera,
-                              status,
+                              StatusOf(alignment.degenerate || frame.pyramid->one_depth),
                               keyframes_.back().frame,
                               alignment.rmse_m,
                               alignment.inlier_share});
@@ -213,6 +252,7 @@ bool Tracker::AlignToReference(Anchor& frame) {
 // Too far from the keyframe, but still near the frame before: that one becomes the keyframe.
 bool Tracker::AlignToPrevious(Anchor& frame) {
   if (options_.reference == "previous" || previous_->frame == keyframes_.back().frame) return false;
+  HideMoved(*previous_);
   const FrameAlignment alignment = AlignWidely(*previous_, frame, Starts(frame));
   if (!alignment.ok) return false;
   const std::optional<FrameAlignment> direct = previous_alignment_;
@@ -287,6 +327,7 @@ bool Tracker::WantsKeyframe(const Anchor& frame, const FrameAlignment* to_keyfra
 }
 
 void Tracker::AddKeyframe(Anchor& frame, const FrameAlignment* direct) {
+  HideMoved(frame);
   const Anchor& last = keyframes_.back();
   const FrameAlignment alignment =
       direct != nullptr ? *direct : AlignTo(last, frame, {frame.world_from_camera});
@@ -353,6 +394,15 @@ void Tracker::RejoinPiece(Anchor& frame) {
   }
 }
 
+void Tracker::HideMoved(Anchor& frame) const {
+  std::vector<PlacedPyramid> earlier;
+  for (const Anchor& keyframe : keyframes_) {
+    if (keyframe.piece == frame.piece)
+      earlier.push_back({keyframe.pyramid, keyframe.world_from_camera});
+  }
+  frame.pyramid = WithoutMoved({frame.pyramid, frame.world_from_camera}, earlier);
+}
+
 void Tracker::PushKeyframe(const Anchor& frame) {
   odometry_.keyframes.push_back(frame.frame);
   keyframes_.push_back(frame);
@@ -377,15 +427,13 @@ void Tracker::AddWeakEdge(const Anchor& i, const Anchor& j) {
 // are any.
 void Tracker::InterpolateGaps() {
   std::vector<std::optional<Pose3>> poses;
-  std::vector<double> times;
   for (const TrackedFrame& frame : odometry_.frames) {
     const bool aligned = frame.status == TrackingStatus::kTracked ||
                          frame.status == TrackingStatus::kDegenerate ||
                          frame.keyframe == frame.frame;
     poses.push_back(aligned ? std::optional(frame.world_from_camera) : std::nullopt);
-    times.push_back(frame.time_s);
   }
-  const std::vector<Pose3> filled = InterpolateMissing(poses, times);
+  const std::vector<Pose3> filled = InterpolateMissing(poses, clocks_s_);
   for (std::size_t k = 0; k < filled.size(); ++k) odometry_.frames[k].world_from_camera = filled[k];
 }
 

@@ -25,12 +25,16 @@ class Tracker {
   // A frame that others can be aligned to.
   struct Anchor {
     FrameIdx frame;
-    double time_s = 0;
+    double time_s = 0;   // of the capture
+    double clock_s = 0;  // goes on where the capture's was set back
     std::shared_ptr<const FramePyramid> pyramid;
     Pose3 world_from_camera;
     int piece = 0;  // connected part of the trajectory it belongs to
   };
 
+  [[nodiscard]] double ClockS(double time_s);
+  // Frames of one depth everywhere are as good as a wall only while nothing better has come.
+  void ForgetOneDepth();
   void AddUnaligned(TrackingStatus status, FrameIdx frame, double time_s);
   void AddAligned(const Anchor& anchor, const FrameAlignment& alignment);
   void Align(Anchor& frame);
@@ -59,6 +63,8 @@ class Tracker {
   void AddKeyframe(Anchor& frame, const FrameAlignment* direct);
   void AddSkipEdge(Anchor& frame, const FrameAlignment& direct);
   void RejoinPiece(Anchor& frame);
+  // Nothing is to be aligned to what walks about.
+  void HideMoved(Anchor& frame) const;
   void PushKeyframe(const Anchor& frame);
   void AddEdge(const Anchor& i, const Anchor& j, const FrameAlignment& alignment);
   void AddWeakEdge(const Anchor& i, const Anchor& j);
@@ -73,6 +79,9 @@ class Tracker {
   std::optional<Anchor> pending_;  // a usable frame that could not be aligned
   Pose3 last_motion_;              // previous frame from the one after it
   double last_interval_s_ = 0;
+  double clock_behind_s_ = 0;     // of the capture, by what it was set back
+  std::vector<double> clocks_s_;  // of all frames
+  bool seen_measured_ = false;    // a frame of more than one depth
   double held_s_ = 0;  // for how long alignments kept a direction of the motion as predicted
   int piece_ = 0;
   std::vector<FrameIdx> piece_starts_{FrameIdx{0}};  // first frame of each piece

@@ -33,10 +33,22 @@ struct Step {
   double speed_m_per_s;
 };
 
-std::vector<Step> Steps(const std::vector<TrackedFrame>& frames) {
-  std::vector<Step> steps;
+// Of frames that are later than the one before.
+double UsualIntervalS(const std::vector<TrackedFrame>& frames) {
+  std::vector<double> intervals_s;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const double time_s = frames[k].time_s - frames[k - 1].time_s;
+    if (time_s > 0) intervals_s.push_back(time_s);
+  }
+  return intervals_s.empty() ? 0 : Median(intervals_s);
+}
+
+std::vector<Step> Steps(const std::vector<TrackedFrame>& frames) {
+  std::vector<Step> steps;
+  const double usual_s = UsualIntervalS(frames);
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    double time_s = frames[k].time_s - frames[k - 1].time_s;
+    if (time_s < 0) time_s = usual_s;  // the clock was set back
     if (!Aligned(frames[k - 1]) || !Aligned(frames[k]) || !(time_s > 0)) continue;
     const double length_m =
         (frames[k].world_from_camera.translation_m - frames[k - 1].world_from_camera.translation_m)
