@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "deepslam/dataset/depth_registration.h"
+#include "deepslam/scene/brightness.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -68,6 +69,15 @@ class CaptureFrameSource final : public FrameSource {
     if (!colour) return colour.error();
     if (reduction_ > 1) *colour = ReduceColour(*colour, reduction_);
     return Frame{frame, time_s, *std::move(colour), DepthImage()};
+  }
+
+  [[nodiscard]] Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const override {
+    const Result<StoredColour> stored = stored_->ReadColour(Index(frame));
+    if (!stored) return Noted(stored.error());
+    const int of_stored = reduction_ * factor;
+    if (stored->codec == ImageCodec::kOther) return BrightnessOf(stored->pixels, of_stored);
+    const PinholeCamera& camera = stored_->cameras().colour;
+    return DecodeBrightness(stored->bytes, stored->name, camera.width, camera.height, of_stored);
   }
 
   [[nodiscard]] std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const override {

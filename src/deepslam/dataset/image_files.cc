@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/scene/brightness.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -116,8 +117,13 @@ Status CheckStructure(const std::filesystem::path& file,
   return Ok();
 }
 
-Result<cv::Mat> Decode(
-    std::string_view bytes, const std::filesystem::path& file, int flags, int width, int height) {
+// `reduction`: by how much `flags` ask for a smaller image than the file holds.
+Result<cv::Mat> Decode(std::string_view bytes,
+                       const std::filesystem::path& file,
+                       int flags,
+                       int width,
+                       int height,
+                       int reduction = 1) {
   if (bytes.empty()) return FileError(file, "file is empty");
   const Status structure = CheckStructure(file, bytes, width, height);
   if (!structure) return structure.error();
@@ -125,10 +131,13 @@ Result<cv::Mat> Decode(
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
     cv::Mat image = cv::imdecode(raw, flags);
     if (image.empty()) return FileError(file, "not a readable image");
-    if (image.cols != width || image.rows != height) {
-      return FileError(
-          file,
-          fmt::format("is {} x {} px, the camera {} x {}", image.cols, image.rows, width, height));
+    if (image.cols != width / reduction || image.rows != height / reduction) {
+      return FileError(file,
+                       fmt::format("is {} x {} px, the camera {} x {}",
+                                   image.cols * reduction,
+                                   image.rows * reduction,
+                                   width,
+                                   height));
     }
     return image;
   } catch (const cv::Exception& fault) {
@@ -140,6 +149,24 @@ Result<cv::Mat> DecodeFile(const std::filesystem::path& file, int flags, int wid
   const Result<std::string> bytes = ReadFileBytes(file);
   if (!bytes) return bytes.error();
   return Decode(*bytes, file, flags, width, height);
+}
+
+// The most that JPEG's own blocks of 8 x 8 pixels let a file be reduced by in decoding, of
+// `factor`.
+int JpegReduction(int width, int height, int factor) {
+  for (const int reduction : {8, 4, 2}) {
+    if (factor % reduction == 0 && width % reduction == 0 && height % reduction == 0)
+      return reduction;
+  }
+  return 1;
+}
+
+int GreyFlags(int reduction) {
+  constexpr int kPlain = cv::IMREAD_IGNORE_ORIENTATION;
+  if (reduction == 8) return cv::IMREAD_REDUCED_GRAYSCALE_8 | kPlain;
+  if (reduction == 4) return cv::IMREAD_REDUCED_GRAYSCALE_4 | kPlain;
+  if (reduction == 2) return cv::IMREAD_REDUCED_GRAYSCALE_2 | kPlain;
+  return cv::IMREAD_GRAYSCALE | kPlain;
 }
 
 cv::Mat ToBgr(const ColourImage& image) {
@@ -236,6 +263,23 @@ Result<ColourImage> DecodeColour(std::string_view bytes,
     for (int u = 0; u < width; ++u, bgr += 3) rgb[u] = {bgr[2], bgr[1], bgr[0]};
   }
   return image;
+}
+
+Result<BrightnessImage> DecodeBrightness(
+    std::string_view bytes, const std::filesystem::path& file, int width, int height, int factor) {
+  if (CodecOf(bytes) != ImageCodec::kJpeg) {
+    const Result<ColourImage> colour = DecodeColour(bytes, file, width, height);
+    if (!colour) return colour.error();
+    return BrightnessOf(*colour, factor);
+  }
+  const int reduction = JpegReduction(width, height, factor);
+  const Result<cv::Mat> grey = Decode(bytes, file, GreyFlags(reduction), width, height, reduction);
+  if (!grey) return grey.error();
+  BrightnessImage brightness(grey->cols, grey->rows);
+  for (int v = 0; v < grey->rows; ++v)
+    std::copy_n(grey->ptr<unsigned char>(v), grey->cols, brightness.row(v));
+  if (reduction == factor) return brightness;
+  return ReducedBrightness(brightness, factor / reduction);
 }
 
 Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height) {

@@ -38,6 +38,11 @@ Result<ColourImage> DecodeColour(std::string_view bytes,
                                  int width,
                                  int height);
 
+// Brightness of such an image, averaged over blocks of factor x factor pixels. JPEG files are
+// decoded without their colour and, by 2, 4 and 8, at that size: grey levels are whole there.
+Result<BrightnessImage> DecodeBrightness(
+    std::string_view bytes, const std::filesystem::path& file, int width, int height, int factor);
+
 // Decodes a depth image of exactly width x height px, 16 bit, one channel.
 Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height);
 

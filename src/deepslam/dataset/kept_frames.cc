@@ -77,6 +77,11 @@ class KeptFrameSource final : public FrameSource {
     return read;
   }
 
+  // Not made of a kept colour: what a decoder makes of the file may be rounded otherwise.
+  [[nodiscard]] Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const override {
+    return frames_->ReadBrightness(frame, factor);
+  }
+
  private:
   template <typename T>
   [[nodiscard]] std::shared_ptr<const Image<T>> Find(const KeptImages<T>& images,

@@ -12,6 +12,7 @@
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
+#include "deepslam/scene/brightness.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -349,46 +350,6 @@ void ComputeGradients(PyramidLevel& level) {
   }
 }
 
-// Adds a row's bytes to the sums of the rows before: whole vectors of them, whatever the channel.
-void AddBytes(const Rgb8* row, std::vector<std::uint16_t>& sums) {
-  static_assert(sizeof(Rgb8) == 3);
-  const std::uint8_t* const bytes = &row->r;
-  for (std::size_t n = 0; n < sums.size(); ++n)
-    sums[n] = static_cast<std::uint16_t>(sums[n] + bytes[n]);
-}
-
-// Luma of `factor` pixels next to each other, in 1/256.
-int Luma(const std::uint16_t* rgb, int factor) {
-  int r = 0, g = 0, b = 0;
-  for (int du = 0; du < factor; ++du) {
-    r += rgb[3 * du];
-    g += rgb[3 * du + 1];
-    b += rgb[3 * du + 2];
-  }
-  return 77 * r + 150 * g + 29 * b;
-}
-
-std::vector<IntensityTexel> ReduceColour(const ColourImage& colour,
-                                         const PinholeCamera& reduced,
-                                         int factor) {
-  std::vector<IntensityTexel> result(NumTexels(reduced));
-  const float scale = 1.0F / (256.0F * static_cast<float>(factor * factor));
-  const std::size_t row_size = 3 * static_cast<std::size_t>(reduced.width * factor);
-  std::vector<std::uint16_t> sums(row_size);  // at most kMaxReduction rows: 13 bits
-  for (int v = 0; v < reduced.height; ++v) {
-    std::fill(sums.begin(), sums.end(), std::uint16_t{0});
-    for (int dv = 0; dv < factor; ++dv) AddBytes(colour.row(v * factor + dv), sums);
-    IntensityTexel* const out = result.data() + Offset(reduced, 0, v);
-    for (int u = 0; u < reduced.width; ++u) {
-      const std::uint16_t* const block = sums.data() + static_cast<std::ptrdiff_t>(3) * u * factor;
-      // 2, the factor of VGA, unrolled.
-      const int luma = factor == 2 ? Luma(block, 2) : Luma(block, factor);
-      out[u].value = scale * static_cast<float>(luma);
-    }
-  }
-  return result;
-}
-
 std::vector<IntensityTexel> HalveIntensity(const PyramidLevel& fine, const PinholeCamera& reduced) {
   std::vector<IntensityTexel> result(NumTexels(reduced));
   const std::ptrdiff_t width = fine.camera.width;
@@ -402,19 +363,20 @@ std::vector<IntensityTexel> HalveIntensity(const PyramidLevel& fine, const Pinho
   return result;
 }
 
-int ReductionFactor(int width, int work_width) {
-  int factor = 1;
-  while (width / factor > work_width && factor < kMaxReduction) ++factor;
-  return factor;
+std::vector<IntensityTexel> Intensity(const BrightnessImage& brightness) {
+  std::vector<IntensityTexel> result(brightness.size());
+  for (std::size_t k = 0; k < result.size(); ++k) result[k].value = brightness.data()[k];
+  return result;
 }
 
-PyramidLevel FinestLevel(const Frame& frame,
+PyramidLevel FinestLevel(const DepthImage& depth_m,
+                         const BrightnessImage& brightness,
                          const PinholeCamera& camera,
                          const PyramidOptions& options) {
-  const int factor = ReductionFactor(camera.width, options.work_width_px);
+  const int factor = WorkReduction(camera, options);
   PyramidLevel level;
   level.camera = camera.Reduced(factor);
-  const float* depth = frame.depth_m.data();
+  const float* depth = depth_m.data();
   const double raw_scale =
       NoiseScale(depth, camera.width, camera.height, 1, kNoiseStride * factor, options.noise);
   level.depth_m = ReduceDepth(depth, camera.width, level.camera, factor, options, raw_scale);
@@ -428,9 +390,8 @@ PyramidLevel FinestLevel(const Frame& frame,
     }
     level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise, 1);
   }
-  if (frame.colour.width() == camera.width && frame.colour.height() == camera.height) {
-    level.intensity = ReduceColour(frame.colour, level.camera, factor);
-  }
+  if (brightness.width() == level.camera.width && brightness.height() == level.camera.height)
+    level.intensity = Intensity(brightness);
   return level;
 }
 
@@ -459,16 +420,30 @@ bool HasOneDepth(const DepthImage& depth_m) {
 
 }  // namespace
 
-DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const Frame& frame,
+int WorkReduction(const PinholeCamera& camera, const PyramidOptions& options) {
+  int factor = 1;
+  while (camera.width / factor > options.work_width_px && factor < kMaxReduction) ++factor;
+  return factor;
+}
+
+FramePyramid BuildPyramid(const Frame& frame,
+                          const PinholeCamera& camera,
+                          const PyramidOptions& options) {
+  const bool fits = frame.colour.width() == camera.width && frame.colour.height() == camera.height;
+  const int factor = WorkReduction(camera, options);
+  const BrightnessImage brightness = fits ? BrightnessOf(frame.colour, factor) : BrightnessImage();
+  return BuildPyramid(frame.depth_m, brightness, camera, options);
+}
+
+DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const DepthImage& depth_m,
+                                                const BrightnessImage& brightness,
                                                 const PinholeCamera& camera,
                                                 const PyramidOptions& options) {
-  if (frame.depth_m.empty() || frame.depth_m.width() != camera.width ||
-      frame.depth_m.height() != camera.height) {
+  if (depth_m.empty() || depth_m.width() != camera.width || depth_m.height() != camera.height)
     return {};
-  }
   FramePyramid pyramid;
-  pyramid.one_depth = HasOneDepth(frame.depth_m);
-  pyramid.levels.push_back(FinestLevel(frame, camera, options));
+  pyramid.one_depth = HasOneDepth(depth_m);
+  pyramid.levels.push_back(FinestLevel(depth_m, brightness, camera, options));
   // Beyond the window, so that what smoothing shared between neighbours is seen.
   pyramid.noise_scale = NoiseScale(pyramid.levels.front(), kFarLag, options.noise);
   while (static_cast<int>(pyramid.levels.size()) < options.num_levels &&

@@ -71,9 +71,18 @@ struct FramePyramid {
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
 
+// By how much the capture is reduced for the finest level: a whole factor.
+[[nodiscard]] int WorkReduction(const PinholeCamera& camera, const PyramidOptions& options);
+
 // The colour image may be empty; a colour image of another size than the depth is ignored. Empty
 // for an empty depth.
 [[nodiscard]] FramePyramid BuildPyramid(const Frame& frame,
+                                        const PinholeCamera& camera,
+                                        const PyramidOptions& options);
+
+// The same of its parts; `brightness` is that of the finest level (BrightnessOf by WorkReduction).
+[[nodiscard]] FramePyramid BuildPyramid(const DepthImage& depth_m,
+                                        const BrightnessImage& brightness,
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);
 

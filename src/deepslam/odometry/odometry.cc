@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/odometry/read_pyramid.h"
 #include "deepslam/odometry/tracker.h"
 
 namespace deepslam::odometry {
@@ -26,11 +27,9 @@ struct PreparedFrame {
 };
 
 PreparedFrame Prepare(const FrameSource& frames, FrameIdx idx, const OdometryOptions& options) {
-  const Result<Frame> frame = frames.Read(idx);
-  if (!frame.ok()) return {nullptr, frame.error().message};
-  FramePyramid pyramid = BuildPyramid(*frame, frames.camera(), options.alignment.pyramid);
-  if (pyramid.empty()) return {nullptr, "depth image has not the size of the camera"};
-  return {std::make_shared<const FramePyramid>(std::move(pyramid)), {}};
+  Result<FramePyramid> pyramid = ReadPyramid(frames, idx, options.alignment.pyramid);
+  if (!pyramid.ok()) return {nullptr, pyramid.error().message};
+  return {std::make_shared<const FramePyramid>(std::move(pyramid).value()), {}};
 }
 
 class FaultCount {

@@ -26,6 +26,10 @@ class FrameSource {
   // is empty.
   [[nodiscard]] virtual Result<Frame> ReadDepth(FrameIdx frame) const = 0;
   [[nodiscard]] virtual Result<Frame> ReadColour(FrameIdx frame) const = 0;
+  // The colour's brightness averaged over blocks of factor x factor pixels (factor 1 to 32). Made
+  // of the colour here; sources whose files can be decoded at that size do so, which may differ by
+  // the rounding of grey levels. The same whatever was read before.
+  [[nodiscard]] virtual Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const;
   // Pose that came with the capture (truth or an AR session), in the capture's own world; nothing
   // where it has none.
   [[nodiscard]] virtual std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const = 0;

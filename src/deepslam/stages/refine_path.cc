@@ -12,6 +12,7 @@
 #include "deepslam/loop/covisible.h"
 #include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/odometry/read_pyramid.h"
 #include "deepslam/stages/keyframe_graph.h"
 
 namespace deepslam::stages {
@@ -46,11 +47,11 @@ class KeyframePyramids {
     ParallelFor(end - begin, [&](std::size_t n) {
       const std::size_t k = begin + n;
       if (last_use_[k] < 0) return;
-      const Result<Frame> frame = frames_.Read(keyframes_[k]);
-      if (frame.ok()) {
-        pyramids_[k] = odometry::BuildPyramid(*frame, frames_.camera(), options_);
+      Result<FramePyramid> pyramid = odometry::ReadPyramid(frames_, keyframes_[k], options_);
+      if (pyramid.ok()) {
+        pyramids_[k] = std::move(pyramid).value();
       } else {
-        faults[n] = frame.error().message;
+        faults[n] = pyramid.error().message;
       }
     });
     for (std::size_t n = 0; n < faults.size(); ++n) {

@@ -1,0 +1,13 @@
+#include "deepslam/scene/frame_source.h"
+
+#include "deepslam/scene/brightness.h"
+
+namespace deepslam {
+
+Result<BrightnessImage> FrameSource::ReadBrightness(FrameIdx frame, int factor) const {
+  const Result<Frame> read = ReadColour(frame);
+  if (!read.ok()) return read.error();
+  return BrightnessOf(read->colour, factor);
+}
+
+}  // namespace deepslam
