@@ -139,6 +139,31 @@ class Captures(BadInput):
                             "times are not ascending; lines were sorted", "3 lines repeat a time and were left out")
         self.assertIn("10 frames, 0 lost", line)
 
+    def test_a_clock_that_was_set_back_changes_no_pose(self):
+        def set_back(name, columns):
+            def change(capture):
+                lines = [line.split() for line in (capture / name).read_text().splitlines() if not line.startswith("#")]
+                for line in lines:
+                    for column in columns:
+                        line[column] = f"{float(line[column]) - (0.23 if float(line[column]) > 0.3 else 0):.6f}"
+                captures.replace(capture / name, "\n".join(map(" ".join, lines)).encode())
+            return change
+        changed = self.capture(set_back("associations.txt", (0, 2)), set_back("groundtruth.txt", (0,)))
+        for poses in ("track", "capture"):
+            trajectories = []
+            for capture, patterns in [(self.capture(), []), (changed, [r"associations\.txt:\d: the time falls back"])]:
+                result = run(capture, self.workspace, "--until", "track", "--poses", poses)
+                self.check(result, 0, *patterns)
+                self.assertIn("10 frames, 0 lost", summary(self.workspace, "track"))
+                lines = (self.workspace / "track" / "trajectory.tum").read_text().splitlines()[1:]
+                trajectories.append([list(map(float, line.split())) for line in lines])
+                shutil.rmtree(self.workspace)
+            straight, jumped = trajectories
+            self.assertLess(jumped[5][0], jumped[4][0])
+            for a, b in zip(straight, jumped, strict=True):
+                for x, y in zip(a[1:], b[1:], strict=True):
+                    self.assertAlmostEqual(x, y, places=6)
+
     def test_bad_images_are_skipped_and_counted(self):
         jpeg = (ROOM / "rgb" / "000001.jpg").read_bytes()
         png = (ROOM / "depth" / "000002.png").read_bytes()

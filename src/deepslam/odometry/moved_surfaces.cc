@@ -72,34 +72,51 @@ std::size_t CheckedLevel(const FramePyramid& pyramid) {
   return level;
 }
 
-float MarginM(float near_m, float far_m, double noise_scale) {
-  const DepthNoise noise = DepthNoise{}.Scaled(noise_scale);
-  return kMarginM + kMarginSigmas * std::hypot(noise.SigmaM(near_m), noise.SigmaM(far_m));
-}
+// What an earlier frame says of the place where a surface stands now.
+enum class Verdict { kNothing, kMoved, kStood };
 
-Mask SeenThrough(const PlacedPyramid& frame, std::span<const PlacedPyramid> earlier) {
-  const std::size_t at = CheckedLevel(*frame.pyramid);
-  const PyramidLevel& level = frame.pyramid->levels[at];
+class Witness {
+ public:
+  Witness(const PlacedPyramid& earlier, const PlacedPyramid& now, const DepthNoise& noise)
+      : level_(earlier.pyramid->levels[CheckedLevel(*now.pyramid)]),
+        earlier_from_now_(earlier.world_from_camera.Inverse() * now.world_from_camera),
+        noise_(noise.Scaled(std::max(earlier.pyramid->noise_scale, now.pyramid->noise_scale))) {}
+
+  [[nodiscard]] Verdict Of(const Eigen::Vector3d& p_now) const {
+    const Eigen::Vector3d p = earlier_from_now_ * p_now;
+    const std::optional<float> seen_m = NearestAround(level_, p);
+    if (!seen_m) return Verdict::kNothing;
+    const float z_m = static_cast<float>(p.z());
+    const float margin_m =
+        kMarginM + kMarginSigmas * std::hypot(noise_.SigmaM(z_m), noise_.SigmaM(*seen_m));
+    if (*seen_m < z_m - margin_m) return Verdict::kNothing;  // hidden from there
+    return *seen_m > z_m + margin_m ? Verdict::kMoved : Verdict::kStood;
+  }
+
+ private:
+  const PyramidLevel& level_;
+  const Pose3 earlier_from_now_;
+  const DepthNoise noise_;
+};
+
+Mask SeenThrough(const PlacedPyramid& frame,
+                 std::span<const PlacedPyramid> earlier,
+                 const DepthNoise& noise) {
+  const PyramidLevel& level = frame.pyramid->levels[CheckedLevel(*frame.pyramid)];
+  std::vector<Witness> latest_first;
+  for (auto seen = earlier.rbegin(); seen != earlier.rend(); ++seen)
+    latest_first.emplace_back(*seen, frame, noise);
   Mask mask{level.camera.width, level.camera.height, {}};
   mask.set.resize(level.depth_m.size());
   for (int v = 0; v < mask.height; ++v) {
     for (int u = 0; u < mask.width; ++u) {
       const std::size_t k = static_cast<std::size_t>(v * mask.width + u);
-      const float depth_m = level.depth_m[k];
-      if (!(depth_m > 0)) continue;
-      const Eigen::Vector3d p_world =
-          frame.world_from_camera * (static_cast<double>(depth_m) * level.camera.Ray(u, v));
-      for (auto seen = earlier.rbegin(); seen != earlier.rend(); ++seen) {
-        const Eigen::Vector3d p_seen = seen->world_from_camera.Inverse() * p_world;
-        const std::optional<float> there_m = NearestAround(seen->pyramid->levels[at], p_seen);
-        if (!there_m) continue;
-        const float z_m = static_cast<float>(p_seen.z());
-        const float margin_m = MarginM(
-            z_m, *there_m, std::max(frame.pyramid->noise_scale, seen->pyramid->noise_scale));
-        if (*there_m < z_m - margin_m) continue;  // hidden from there
-        mask.set[k] = *there_m > z_m + margin_m;
-        break;
-      }
+      if (!(level.depth_m[k] > 0)) continue;
+      const Eigen::Vector3d p = static_cast<double>(level.depth_m[k]) * level.camera.Ray(u, v);
+      Verdict verdict = Verdict::kNothing;
+      for (std::size_t n = 0; n < latest_first.size() && verdict == Verdict::kNothing; ++n)
+        verdict = latest_first[n].Of(p);
+      mask.set[k] = verdict == Verdict::kMoved;
     }
   }
   return mask;
@@ -121,8 +138,9 @@ void Hide(const Mask& mask, PyramidLevel& level) {
 }  // namespace
 
 std::shared_ptr<const FramePyramid> WithoutMoved(const PlacedPyramid& frame,
-                                                 std::span<const PlacedPyramid> earlier) {
-  const Mask moved = SeenThrough(frame, earlier).Where(1, kMinTogether, true);
+                                                 std::span<const PlacedPyramid> earlier,
+                                                 const DepthNoise& noise) {
+  const Mask moved = SeenThrough(frame, earlier, noise).Where(1, kMinTogether, true);
   const std::vector<float>& depth_m = frame.pyramid->levels[CheckedLevel(*frame.pyramid)].depth_m;
   const auto num_valid = std::ranges::count_if(depth_m, [](float z) { return z > 0; });
   const auto num_moved = std::ranges::count(moved.set, std::uint8_t{1});

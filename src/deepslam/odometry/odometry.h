@@ -6,8 +6,11 @@
 // (`reference` "keyframe") or to the frame before it (the paper's plain behaviour). A frame that
 // cannot be aligned is tried against the frame before it and the last keyframes; if that fails it
 // is kLost, carries the last pose, and what follows is joined by an edge of low information until
-// an earlier keyframe is seen again. Frames are streamed; memory does not depend on the length of
-// the capture. Same result for any thread count.
+// an earlier keyframe is seen again. Frames of one depth at every pixel are no measurement: kLost,
+// or kDegenerate where the capture has no others. With keyframes as
+// reference, what has moved since earlier ones is not aligned to (moved_surfaces.h). Times may jump
+// back; all goes on as if one more interval had passed. Frames are streamed; memory does not depend
+// on the length of the capture. Same result for any thread count.
 #pragma once
 
 #include <string>

@@ -395,12 +395,14 @@ void Tracker::RejoinPiece(Anchor& frame) {
 }
 
 void Tracker::HideMoved(Anchor& frame) const {
+  if (options_.reference == "previous") return;  // the paper's plain behaviour
   std::vector<PlacedPyramid> earlier;
   for (const Anchor& keyframe : keyframes_) {
     if (keyframe.piece == frame.piece)
       earlier.push_back({keyframe.pyramid, keyframe.world_from_camera});
   }
-  frame.pyramid = WithoutMoved({frame.pyramid, frame.world_from_camera}, earlier);
+  frame.pyramid = WithoutMoved(
+      {frame.pyramid, frame.world_from_camera}, earlier, options_.alignment.pyramid.noise);
 }
 
 void Tracker::PushKeyframe(const Anchor& frame) {
