@@ -1,15 +1,21 @@
 #include "deepslam/dataset/image_files.h"
 
+#include <cmath>
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/scene/brightness.h"
 #include "support/temp_dir.h"
 
 namespace deepslam::dataset {
 namespace {
+
+namespace fs = std::filesystem;
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -62,6 +68,51 @@ TEST(ColourFile, RefusesOtherSizesBeforeDecoding) {
   WriteText(dir.path() / "bomb.png", bytes);
   EXPECT_THAT(ReadColourFile(dir.path() / "bomb.png", 40, 30).error().message,
               HasSubstr("100000 x 100000"));
+}
+
+// Waves of a few pixels, as textures are: what a reduced image keeps and what it averages away.
+ColourImage Waves(int width, int height) {
+  ColourImage colour(width, height);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const auto wave = [&](double a, double b) {
+        return static_cast<std::uint8_t>(120 + 70 * std::sin(a * u + b * v));
+      };
+      colour(u, v) = {wave(0.11, 0.07), wave(0.05, 0.13), wave(0.17, 0.03)};
+    }
+  }
+  return colour;
+}
+
+TEST(DecodeBrightness, IsThatOfTheColoursWhateverTheFileAndTheFactor) {
+  const TempDir dir;
+  const fs::path jpeg = dir.path() / "c.jpg", png = dir.path() / "c.png";
+  ASSERT_TRUE(WriteColourFile(jpeg, Waves(160, 120)).ok());
+  ASSERT_TRUE(WriteColourFile(png, Waves(160, 120)).ok());
+  for (const int factor : {1, 2, 3, 4, 5, 6, 7, 8, 16, 32}) {
+    for (const fs::path& file : {jpeg, png}) {
+      const BrightnessImage expected = BrightnessOf(*ReadColourFile(file, 160, 120), factor);
+      const Result<BrightnessImage> read = DecodeBrightness(ReadText(file), file, 160, 120, factor);
+      ASSERT_TRUE(read.ok()) << read.error().message;
+      ASSERT_EQ(read->width(), expected.width());
+      ASSERT_EQ(read->height(), expected.height());
+      for (std::size_t k = 0; k < expected.size(); ++k)
+        ASSERT_NEAR(read->data()[k], expected.data()[k], file == png ? 0.0F : 3.0F) << factor;
+    }
+  }
+}
+
+TEST(DecodeBrightness, RefusesWhatColoursRefuse) {
+  const TempDir dir;
+  const fs::path file = dir.path() / "c.jpg";
+  ASSERT_TRUE(WriteColourFile(file, Waves(40, 30)).ok());
+  const std::string jpeg = ReadText(file);
+  EXPECT_THAT(DecodeBrightness(jpeg, file, 30, 40, 2).error().message,
+              HasSubstr("40 x 30 px, the camera 30 x 40"));
+  for (std::size_t percent = 0; percent < 100; percent += 7) {
+    const std::string part = jpeg.substr(0, jpeg.size() * percent / 100);
+    EXPECT_FALSE(DecodeBrightness(part, file, 40, 30, 2).ok()) << percent << " %";
+  }
 }
 
 TEST(ImageFiles, EveryTruncationIsRefused) {

@@ -83,6 +83,18 @@ TEST(KeepFrames, GivesEqualFramesAndReadsThemTwiceAtMost) {
   EXPECT_EQ(reads, (std::vector<int>{4, 4, 4})) << "depth and colour, twice each";
 }
 
+// Of the source, whether the colour is kept by then or not: it may be rounded in its own way.
+TEST(KeepFrames, BrightnessIsTheSourcesOwn) {
+  std::vector<int> reads;
+  const auto kept = KeepFrames(std::make_unique<CountedFrames>(1, reads), 100 * kFrameBytes);
+  for (int turn = 0; turn < 4; ++turn) {
+    const int before = reads[0];
+    ASSERT_TRUE(kept->ReadBrightness({0}, 2).ok());
+    EXPECT_EQ(reads[0], before + 1);
+    ASSERT_TRUE(kept->ReadColour({0}).ok());
+  }
+}
+
 TEST(KeepFrames, KeepsDepthAndColourForThemselves) {
   std::vector<int> reads;
   const auto kept = KeepFrames(std::make_unique<CountedFrames>(1, reads), 100 * kFrameBytes);

@@ -159,6 +159,8 @@ TEST(RefineAlignment, SaysWhenTheFramesDoNotAgreeOrAreNotThere) {
   const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
   const Pose3 elsewhere = V2t((Vector6d() << 0.9, 0.2, -0.5, 0, 0.8, 0).finished());
   EXPECT_FALSE(RefineAlignment(i, j, elsewhere, {}).ok);
+  const Pose3 behind = V2t((Vector6d() << 0, 0, 0, 0, 3, 0).finished());
+  EXPECT_FALSE(RefineAlignment(i, j, behind * kIFromJ, {}).ok) << "they share nothing there";
   EXPECT_FALSE(RefineAlignment({}, j, kIFromJ, {}).ok);
   EXPECT_FALSE(RefineAlignment(i, {}, kIFromJ, {}).ok);
 }

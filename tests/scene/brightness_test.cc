@@ -1,0 +1,60 @@
+#include "deepslam/scene/brightness.h"
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/random.h"
+
+namespace deepslam {
+namespace {
+
+ColourImage RandomColours(int width, int height) {
+  Random random(3);
+  ColourImage colour(width, height);
+  const auto byte = [&] { return static_cast<std::uint8_t>(random.Index(256)); };
+  for (Rgb8& c : colour) c = {byte(), byte(), byte()};
+  return colour;
+}
+
+TEST(BrightnessOf, IsTheMeanLumaOfWholeBlocks) {
+  const ColourImage colour = RandomColours(37, 23);
+  for (const int factor : {1, 2, 3, 5, 23}) {
+    const BrightnessImage brightness = BrightnessOf(colour, factor);
+    ASSERT_EQ(brightness.width(), 37 / factor);
+    ASSERT_EQ(brightness.height(), 23 / factor);
+    for (int v = 0; v < brightness.height(); ++v) {
+      for (int u = 0; u < brightness.width(); ++u) {
+        double sum = 0;
+        for (int y = 0; y < factor; ++y) {
+          for (int x = 0; x < factor; ++x) {
+            const Rgb8& c = colour(u * factor + x, v * factor + y);
+            sum += 0.299 * c.r + 0.587 * c.g + 0.114 * c.b;
+          }
+        }
+        EXPECT_NEAR(static_cast<double>(brightness(u, v)), sum / (factor * factor), 1.0) << factor;
+      }
+    }
+  }
+}
+
+TEST(BrightnessOf, GreyStaysWhatItIs) {
+  for (const int level : {0, 1, 128, 255}) {
+    const auto byte = static_cast<std::uint8_t>(level);
+    EXPECT_FLOAT_EQ(BrightnessOf(ColourImage(8, 8, {byte, byte, byte}), 4)(1, 1),
+                    static_cast<float>(level));
+  }
+  EXPECT_TRUE(BrightnessOf(ColourImage(), 2).empty());
+  EXPECT_TRUE(BrightnessOf(ColourImage(3, 3), 4).empty());
+}
+
+TEST(ReducedBrightness, BlocksOfBlocksAreBlocks) {
+  const ColourImage colour = RandomColours(48, 36);
+  const BrightnessImage at_once = BrightnessOf(colour, 6);
+  const BrightnessImage in_two = ReducedBrightness(BrightnessOf(colour, 2), 3);
+  ASSERT_EQ(in_two.width(), at_once.width());
+  ASSERT_EQ(in_two.height(), at_once.height());
+  for (std::size_t k = 0; k < at_once.size(); ++k)
+    EXPECT_NEAR(in_two.data()[k], at_once.data()[k], 1e-3F);
+}
+
+}  // namespace
+}  // namespace deepslam
