@@ -36,10 +36,10 @@ def deepslam(program, *arguments, data="/nonexistent", timeout=600, variables=No
                           timeout=timeout, env=environment, **options)
 
 
-def make_room(program, folder):
+def make_room(program, folder, description=SCENE):
     """A table and two chairs in ten frames. None where the furniture catalogues are not installed."""
     scene = folder.with_suffix(".yaml")
-    scene.write_text(SCENE)
+    scene.write_text(description)
     made = deepslam(program, "synth", scene, "-o", folder)
     if made.returncode == 3 and "sweethome3d-furniture" in made.stderr:
         return None
@@ -58,6 +58,27 @@ def copy_capture(source, target, frames=None):
     for name in ("associations.txt", "rgb.txt", "depth.txt"):
         lines = [line for line in (source / name).read_text().splitlines() if not line.startswith("#")]
         (target / name).write_text("\n".join(lines[:frames]) + "\n")
+    return target
+
+
+def concatenate(first, second, target):
+    """Both captures in one, as if the recorder had been carried elsewhere: without poses, in the first one's time."""
+    copy_capture(first, target)
+    (target / "groundtruth.txt").unlink()
+    for kind in ("rgb", "depth"):
+        for file in sorted((second / kind).iterdir()):
+            (target / kind / f"second_{file.name}").symlink_to(file.resolve())
+    for name, times in (("associations.txt", (0, 2)), ("rgb.txt", (0,)), ("depth.txt", (0,))):
+        own = (target / name).read_text().splitlines()
+        after = float(own[-1].split()[0]) + 0.07
+        for line in (second / name).read_text().splitlines():
+            if line.startswith("#"):
+                continue
+            words = line.split()
+            shifted = [f"{float(word) + after:.6f}" if k in times else word.replace("/", "/second_")
+                       for k, word in enumerate(words)]
+            own.append(" ".join(shifted))
+        (target / name).write_text("\n".join(own) + "\n")
     return target
 
 

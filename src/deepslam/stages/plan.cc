@@ -192,7 +192,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunMesh);
   add("fuse", 3, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      7,
+      8,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,
