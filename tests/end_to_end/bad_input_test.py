@@ -240,6 +240,9 @@ class Captures(BadInput):
         self.assertEqual(verdict, "bad")
         self.assertRegex(reasons, r"at frame 10 the camera sees nothing in common with the frames before: where frames "
                                   r"\d+ to \d+ lie relative to the others was not measured")
+        ground = json.loads((self.workspace / "ground" / "ground.json").read_text())
+        self.assertEqual(ground["apart"][0]["first"], 10, "the second part's floor is looked for by itself")
+        self.assertRegex(summary(self.workspace, "ground"), "did not measure against the first")
         self.assertIn("sees nothing in common", (self.workspace / "report" / "index.html").read_text())
         shutil.rmtree(self.workspace)
         self.check(with_boxes(ROOM, self.workspace), 0)

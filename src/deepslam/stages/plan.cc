@@ -138,7 +138,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   };
   // Versions rise whenever results may differ with equal options.
   add("track", 9, {}, {"track", "track.covisible"}, kFrames, RunTrack);
-  add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
+  add("ground", 3, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       4,
       {"track", "ground"},
