@@ -62,6 +62,8 @@ inline Ground SampleGround() {
                           {Eigen::Vector3d(0, -1, 0), 1.1},
                           (Eigen::Matrix3d() << 5, 0.1, 0.2, 0.1, 6, 0.3, 0.2, 0.3, 7).finished(),
                           4321}};
+  ground.apart = {{FrameIdx{3}, FrameIdx{4}, Plane{Eigen::Vector3d(0, 0.6, 0.8), 0.7}},
+                  {FrameIdx{5}, FrameIdx{9}, std::nullopt}};
   return ground;
 }
 

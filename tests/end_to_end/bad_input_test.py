@@ -250,6 +250,31 @@ class Captures(BadInput):
         self.assertEqual((verdict, objects), ("bad", []))
         self.assertIn("no object was mapped", reasons)
 
+    def test_two_captures_in_one_are_told_where_they_meet(self):
+        # A smaller room with another floor, from another height: nothing in common with the first frames.
+        elsewhere = captures.SCENE
+        for old, new in (("[6.2, 6.0, 2.6], floor: wood", "[3.6, 3.4, 2.4], floor: tiles"), ("radius_m: 2.5", "radius_m: 1.4"),
+                         ("height_m: 1.6,", "height_m: 1.0,"), ("start_deg: -160", "start_deg: 40"), ("seed: 7", "seed: 8"),
+                         ("target_height_m: 0.45", "target_height_m: 1.0")):
+            assert old in elsewhere
+            elsewhere = elsewhere.replace(old, new)
+        second = captures.render(PROGRAM, elsewhere, self.dir / "elsewhere")
+        both = captures.concatenate(ROOM, second, self.dir / "both")
+        self.check(with_boxes(both, self.workspace), 0)
+        verdict, reasons, _ = self.verdict()
+        self.assertEqual(verdict, "bad")
+        self.assertRegex(reasons, r"at frame 10 the camera sees nothing in common with the frames before: where frames "
+                                  r"\d+ to \d+ lie relative to the others was not measured")
+        ground = json.loads((self.workspace / "ground" / "ground.json").read_text())
+        self.assertEqual(ground["apart"][0]["first"], 10, "the second part's floor is looked for by itself")
+        self.assertRegex(summary(self.workspace, "ground"), "did not measure against the first")
+        self.assertIn("sees nothing in common", (self.workspace / "report" / "index.html").read_text())
+        shutil.rmtree(self.workspace)
+        self.check(with_boxes(ROOM, self.workspace), 0)
+        verdict, reasons, _ = self.verdict()
+        self.assertNotEqual(verdict, "bad")
+        self.assertNotIn("nothing in common", reasons)
+
     def test_no_ground_in_sight(self):
         wall = [(lambda i: lambda c: captures.write_depth(c / f"depth/{i:06d}.png", *SIZE, 2000))(i) for i in range(10)]
         self.check(with_boxes(self.capture(*wall), self.workspace), 0)

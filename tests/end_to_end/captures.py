@@ -66,6 +66,27 @@ def copy_capture(source, target, frames=None, first=0):
     return target
 
 
+def concatenate(first, second, target):
+    """Both captures in one, as if the recorder had been carried elsewhere: without poses, in the first one's time."""
+    copy_capture(first, target)
+    (target / "groundtruth.txt").unlink()
+    for kind in ("rgb", "depth"):
+        for file in sorted((second / kind).iterdir()):
+            (target / kind / f"second_{file.name}").symlink_to(file.resolve())
+    for name, times in (("associations.txt", (0, 2)), ("rgb.txt", (0,)), ("depth.txt", (0,))):
+        own = (target / name).read_text().splitlines()
+        after = float(own[-1].split()[0]) + 0.07
+        for line in (second / name).read_text().splitlines():
+            if line.startswith("#"):
+                continue
+            words = line.split()
+            shifted = [f"{float(word) + after:.6f}" if k in times else word.replace("/", "/second_")
+                       for k, word in enumerate(words)]
+            own.append(" ".join(shifted))
+        (target / name).write_text("\n".join(own) + "\n")
+    return target
+
+
 def write_png(path, width, height, bit_depth, colour_type, rows):
     """PNG of unfiltered rows; colour_type 0 grey, 2 RGB."""
     def chunk(kind, payload):

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <Eigen/Cholesky>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/random.h"
 #include "deepslam/dataset/memory_frame_source.h"
 #include "odometry/box_world.h"
 
@@ -125,6 +129,241 @@ TEST(EstimateGround, CarriesAFloorThatIsSeenLateBackToTheStart) {
   const Ground ground = Estimate(capture);
   ExpectFloor(capture, ground);
   EXPECT_GE(ground.observations.front().keyframe, FrameIdx{4});
+}
+
+// A table in the room; views of it without floor, of walls alone, and past it to the floor.
+struct TableRoom {
+  BoxWorld world;
+
+  explicit TableRoom(double height_m) {
+    world.boxes = {{{-1.4, -1.2, height_m - 0.04}, {0.9, 1.2, height_m}}};
+  }
+
+  static Pose3 Floor(int k) {
+    const double along = 0.02 * (k % 20);
+    return LookAt({-1.5 + along, 1.0, 1.5}, {0.6 + along, 1.8, 0.0});
+  }
+  [[nodiscard]] Pose3 Top(int k) const {
+    const double top_m = world.boxes[0].max.z();
+    return LookAt({-0.6, 0.02 * (k % 20) - 0.2, top_m + 0.6}, {0.2, 0, top_m});
+  }
+  static Pose3 Walls(int k) { return LookAt({-1.5, 0.02 * (k % 20) - 0.2, 1.5}, {2, 0, 1.9}); }
+};
+
+// Minutes of keyframes without floor, the table in every third of them, between two views of it.
+struct LongWay {
+  static constexpr int kWithFloor = 20;
+  static constexpr int kWithout = 300;
+  std::vector<Pose3> poses;
+
+  explicit LongWay(const TableRoom& room) {
+    for (int k = 0; k < kWithFloor; ++k) poses.push_back(TableRoom::Floor(k));
+    for (int k = 0; k < kWithout; ++k)
+      poses.push_back(k % 3 == 0 ? room.Top(k) : TableRoom::Walls(k));
+    for (int k = 0; k < kWithFloor; ++k)
+      poses.push_back(k % 3 == 1 ? room.Top(k) : TableRoom::Floor(k));
+  }
+
+  [[nodiscard]] bool SeesFloor(FrameIdx frame) const {
+    const int behind = frame.value - kWithFloor - kWithout;
+    return frame.value < kWithFloor || (behind >= 0 && behind % 3 != 1);
+  }
+};
+
+// A random walk towards `end`, which it does not exceed.
+std::vector<double> Walk(double end, std::size_t count, Random& random) {
+  std::vector<double> values(count, 0.0);
+  const double step = std::abs(end) / std::sqrt(static_cast<double>(count));
+  for (std::size_t k = 1; k < count; ++k) values[k] = values[k - 1] + step * random.Normal();
+  const double correction = (end - values.back()) / static_cast<double>(count - 1);
+  double largest = std::abs(end);
+  for (std::size_t k = 0; k < count; ++k) {
+    values[k] += correction * static_cast<double>(k);
+    largest = std::max(largest, std::abs(values[k]));
+  }
+  for (double& value : values) value *= largest > 0 ? std::abs(end) / largest : 0;
+  return values;
+}
+
+// The same capture as tracked, with these errors of height and tilt.
+TrueCapture Drifted(TrueCapture capture,
+                    const std::vector<double>& heights_m,
+                    const std::vector<double>& tilts_deg) {
+  const Pose3 first_from_world = capture.world_from_first.Inverse();
+  for (std::size_t k = 0; k < heights_m.size(); ++k) {
+    Pose3& tracked = capture.odometry.frames[k].world_from_camera;
+    Pose3 in_room = capture.world_from_first * tracked;
+    const Eigen::AngleAxisd tilt(tilts_deg[k] / kDegPerRad, Eigen::Vector3d::UnitX());
+    in_room.rotation = (tilt * in_room.rotation).normalized();
+    in_room.translation_m.z() += heights_m[k];
+    tracked = first_from_world * in_room;
+  }
+  return capture;
+}
+
+TrueCapture Drifted(TrueCapture capture, double height_m, double tilt_deg, std::uint64_t seed) {
+  Random random(seed, "drift", 0);
+  const std::size_t count = capture.odometry.frames.size();
+  const std::vector<double> heights_m = Walk(height_m, count, random);
+  return Drifted(std::move(capture), heights_m, Walk(tilt_deg, count, random));
+}
+
+class AfterALongWay : public testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(AfterALongWay, TheFloorIsFoundAgainAndNotTheTable) {
+  const auto [height_m, tilt_deg] = GetParam();
+  const TableRoom room(0.74);
+  const LongWay way(room);
+  const TrueCapture truth = Capture(room.world, way.poses);
+  for (const std::uint64_t seed : {1, 2}) {
+    const Ground ground = Estimate(Drifted(truth, height_m, tilt_deg, seed));
+    int num_behind = 0;
+    for (const GroundObservation& seen : ground.observations) {
+      EXPECT_TRUE(way.SeesFloor(seen.keyframe)) << "keyframe " << seen.keyframe;
+      EXPECT_NEAR(seen.plane_camera.d_m, 1.5, 0.03) << "keyframe " << seen.keyframe;
+      num_behind += seen.keyframe.value >= LongWay::kWithFloor ? 1 : 0;
+    }
+    EXPECT_EQ(num_behind, 13) << "of the floor behind the long way, seed " << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Drift,
+                         AfterALongWay,
+                         testing::Values(std::pair(0.0, 0.0),
+                                         std::pair(0.29, 3.0),
+                                         std::pair(-0.29, -3.0),
+                                         std::pair(0.15, -4.0)));
+
+TEST(EstimateGround, ALowTableIsNotTheFloorThoughNothingElseIsInViewForLong) {
+  const TableRoom room(0.42);
+  const LongWay way(room);
+  const Ground ground = Estimate(Drifted(Capture(room.world, way.poses), -0.08, 1.0, 1));
+  EXPECT_GE(ground.observations.size(), 30U);
+  for (const GroundObservation& seen : ground.observations)
+    EXPECT_NEAR(seen.plane_camera.d_m, 1.5, 0.03) << "keyframe " << seen.keyframe;
+}
+
+// The search starts from the lowest floor, so that drift alone carries the plane away from tables;
+// having followed the floor up by 28 cm and lost it again it is 14 cm below a table.
+TEST(EstimateGround, ALowTableWithFloorBesideItIsNotTheFloorWhereDriftHasReachedIt) {
+  const TableRoom room(0.42);
+  std::vector<Pose3> poses;
+  std::vector<double> heights_m;
+  std::vector<bool> is_floor;
+  const auto add = [&](const Pose3& pose, double height_m, bool floor) {
+    poses.push_back(pose);
+    heights_m.push_back(height_m);
+    is_floor.push_back(floor);
+  };
+  const auto table_and_floor = [&] {
+    for (int k = 0; k < 18; ++k) add(k % 3 == 1 ? TableRoom::Floor(k) : room.Top(k), 0, k % 3 == 1);
+  };
+  table_and_floor();
+  for (int k = 0; k < 150; ++k) add(TableRoom::Walls(k), 0.28 * k / 150, false);
+  for (int k = 0; k < 10; ++k) add(TableRoom::Floor(k), 0.28, true);
+  for (int k = 0; k < 150; ++k) add(TableRoom::Walls(k), 0.28 - 0.28 * k / 150, false);
+  table_and_floor();
+  const TrueCapture truth = Capture(room.world, poses);
+  const Ground ground =
+      Estimate(Drifted(truth, heights_m, std::vector<double>(heights_m.size(), 0.0)));
+  EXPECT_EQ(ground.observations.size(), 22U);
+  for (const GroundObservation& seen : ground.observations) {
+    EXPECT_TRUE(is_floor[static_cast<std::size_t>(seen.keyframe.value)]) << seen.keyframe;
+    EXPECT_NEAR(seen.plane_camera.d_m, 1.5, 0.03) << seen.keyframe;
+  }
+}
+
+class Warnings final : public Progress {
+ public:
+  std::vector<std::string> texts;
+  void Report(std::size_t, std::size_t) override {}
+  void Warn(std::string_view message) override { texts.emplace_back(message); }
+  [[nodiscard]] bool StopRequested() const override { return false; }
+};
+
+std::vector<std::string> WarningsOf(const TrueCapture& capture) {
+  const MemoryFrameSource source(kSmallCamera, capture.frames);
+  Warnings warnings;
+  EXPECT_TRUE(EstimateGround(source, capture.odometry, {}, warnings).ok());
+  return warnings.texts;
+}
+
+TEST(EstimateGround, SaysSoWhereATableTopIsAllThereIs) {
+  const TableRoom room(0.74);
+  std::vector<Pose3> poses;
+  for (int k = 0; k < 12; ++k) poses.push_back(room.Top(k));
+  EXPECT_THAT(WarningsOf(Capture(room.world, poses)),
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("0.60 m below the camera"),
+                                                  testing::HasSubstr("overrides.yaml"))));
+  for (int k = 0; k < 6; ++k) poses.push_back(TableRoom::Floor(k));
+  EXPECT_THAT(WarningsOf(Capture(room.world, poses)), testing::IsEmpty());
+}
+
+// The second capture begins at the last pose of the first, as tracking has it: lost there, and
+// joined by a composed edge.
+TrueCapture Joined(TrueCapture first, const TrueCapture& second) {
+  const FrameIdx last = first.odometry.keyframes.back();
+  const Pose3 start = first.odometry.frames.back().world_from_camera;
+  const auto add_edge = [&](FrameIdx i, FrameIdx j, bool composed) {
+    RelativePose edge;
+    edge.i = i;
+    edge.j = j;
+    edge.composed = composed;
+    first.odometry.edges.push_back(edge);
+  };
+  for (std::int32_t k = 1; k <= last.value; ++k) add_edge(FrameIdx{k - 1}, FrameIdx{k}, false);
+  for (TrackedFrame frame : second.odometry.frames) {
+    const bool is_start = frame.frame.value == 0;
+    frame.frame.value += last.value + 1;
+    frame.keyframe = frame.frame;
+    frame.world_from_camera = start * frame.world_from_camera;
+    if (is_start) frame.status = TrackingStatus::kLost;
+    add_edge(FrameIdx{frame.frame.value - 1}, frame.frame, is_start);
+    first.odometry.frames.push_back(frame);
+    first.odometry.keyframes.push_back(frame.frame);
+  }
+  first.frames.insert(first.frames.end(), second.frames.begin(), second.frames.end());
+  return first;
+}
+
+TEST(EstimateGround, IsNotCarriedAcrossAJoinThatNobodyMeasured) {
+  const TrueCapture high = Capture(BoxWorld::Furnished(), Pan({-1.7, 0, 1.5}, 0.3, 0, 6));
+  // Another height and inclination, of which the join knows nothing.
+  const TrueCapture low = Capture(BoxWorld::Furnished(), Pan({-1.7, 0, 1.1}, 0.7, 0, 6));
+  const TrueCapture both = Joined(high, low);
+  const Ground ground = Estimate(both);
+  ASSERT_EQ(ground.observations.size(), 12U);
+  for (const GroundObservation& seen : ground.observations)
+    EXPECT_NEAR(seen.plane_camera.d_m, seen.keyframe.value < 6 ? 1.5 : 1.1, 0.02);
+  ASSERT_EQ(ground.apart.size(), 1U);
+  EXPECT_EQ(ground.apart[0].first, FrameIdx{6});
+  EXPECT_EQ(ground.apart[0].end, FrameIdx{12});
+  // Frames that did not see it themselves have their own part's.
+  Ground unseen = ground;
+  unseen.observations.clear();
+  for (const std::int32_t k : {2, 8}) {
+    const auto plane =
+        GroundInCamera(unseen, FrameIdx{k}, both.odometry.at(FrameIdx{k}).world_from_camera);
+    ASSERT_TRUE(plane.has_value());
+    EXPECT_NEAR(plane->d_m, k < 6 ? 1.5 : 1.1, 0.02);
+  }
+}
+
+TEST(EstimateGround, APartThatSawNoFloorHasNone) {
+  const TrueCapture high = Capture(BoxWorld::Furnished(), Pan({-1.7, 0, 1.5}, 0.3, 0, 6));
+  const TrueCapture walls = Capture(BoxWorld{}, Pan({-1.7, 0, 1.4}, 1.9, 0, 5));
+  const TrueCapture both = Joined(high, walls);
+  const Ground ground = Estimate(both);
+  EXPECT_EQ(ground.observations.size(), 6U);
+  const auto in_camera = [&](int k) {
+    return GroundInCamera(ground, FrameIdx{k}, both.odometry.at(FrameIdx{k}).world_from_camera);
+  };
+  EXPECT_TRUE(in_camera(3).has_value());
+  EXPECT_FALSE(in_camera(8).has_value());
+  // A measurement across the join carries it over.
+  TrueCapture measured = both;
+  measured.odometry.edges[5].composed = false;
+  EXPECT_TRUE(Estimate(measured).apart.empty());
 }
 
 TEST(EstimateGround, NearerAndFullerViewsKnowMore) {

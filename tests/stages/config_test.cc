@@ -163,15 +163,86 @@ OptimizedMap MapOfAWalk(std::size_t jump_at, double jump_m) {
 }
 
 TEST(Verdict, NamesTheFrameAtWhichTheCameraJumps) {
-  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0)).verdict, artifact::Verdict::kGood);
-  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0.1)).verdict, artifact::Verdict::kGood);
-  const RunVerdict jumped = JudgeRun(MapOfAWalk(40, 0.5));
+  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0), {}).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0.1), {}).verdict, artifact::Verdict::kGood);
+  const RunVerdict jumped = JudgeRun(MapOfAWalk(40, 0.5), {});
   EXPECT_EQ(jumped.verdict, artifact::Verdict::kDoubtful);
   EXPECT_THAT(jumped.reasons, testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
   // Keyframes far apart, as sparse captures have them, are a pace of their own.
   OptimizedMap sparse = MapOfAWalk(40, 0);
   for (TrackedFrame& frame : sparse.frames) frame.world_from_camera.translation_m *= 20;
-  EXPECT_EQ(JudgeRun(sparse).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(sparse, {}).verdict, artifact::Verdict::kGood);
+}
+
+// Keyframes every ten frames; tracking starts anew at each of `starts`, as its lost keyframes.
+struct BrokenWalk {
+  OptimizedMap map = MapOfAWalk(0, 0);
+  std::vector<RelativePose> edges;
+
+  explicit BrokenWalk(const std::set<int>& starts) {
+    map.keyframes.clear();
+    for (int k = 0; k < 100; k += 10) {
+      map.keyframes.push_back(FrameIdx{k});
+      if (k == 0) continue;
+      edges.push_back(Edge(k - 10, k));
+      edges.back().composed = starts.contains(k);
+      if (starts.contains(k))
+        map.frames[static_cast<std::size_t>(k)].status = TrackingStatus::kLost;
+    }
+  }
+
+  static RelativePose Edge(int i, int j) {
+    RelativePose edge;
+    edge.i = FrameIdx{i};
+    edge.j = FrameIdx{j};
+    return edge;
+  }
+};
+
+TEST(Verdict, NamesThePartsWhosePlaceNobodyMeasured) {
+  BrokenWalk walk({60});
+  EXPECT_EQ(JudgeRun(BrokenWalk({}).map, walk.edges).verdict, artifact::Verdict::kGood)
+      << "a chain of tracked frames is measured";
+  const RunVerdict two = JudgeRun(walk.map, walk.edges);
+  EXPECT_EQ(two.verdict, artifact::Verdict::kBad);
+  EXPECT_THAT(two.reasons,
+              testing::ElementsAre(testing::AllOf(HasSubstr("at frame 60"),
+                                                  HasSubstr("frames 60 to 99"),
+                                                  HasSubstr("not measured"),
+                                                  HasSubstr("40 %"),
+                                                  HasSubstr("overlap"))));
+  // A loop, or keyframes measured again across the loss.
+  walk.edges.push_back(BrokenWalk::Edge(20, 80));
+  EXPECT_EQ(JudgeRun(walk.map, walk.edges).verdict, artifact::Verdict::kGood);
+}
+
+TEST(Verdict, TheSmallerPartIsAdriftWhereverItStands) {
+  const BrokenWalk first({10});
+  const RunVerdict early = JudgeRun(first.map, first.edges);
+  EXPECT_EQ(early.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_THAT(
+      early.reasons,
+      testing::ElementsAre(testing::AllOf(HasSubstr("at frame 10"), HasSubstr("frames 0 to 9 "))));
+  // The last part has met the first again, so that what lies between alone hangs in the air.
+  BrokenWalk between({30, 40});
+  EXPECT_THAT(JudgeRun(between.map, between.edges).reasons,
+              testing::ElementsAre(HasSubstr("1 more such part")));
+  between.edges.push_back(BrokenWalk::Edge(10, 70));
+  const RunVerdict middle = JudgeRun(between.map, between.edges);
+  EXPECT_EQ(middle.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_THAT(middle.reasons,
+              testing::ElementsAre(testing::AllOf(
+                  HasSubstr("at frame 30"), HasSubstr("frames 30 to 39 "), HasSubstr("10 %"))));
+}
+
+TEST(Verdict, AFrameThatIsFoundAgainDoesNotVouchForWhatIsBetween) {
+  // Tracking starts anew at 30 and meets keyframe 20 again at 40: tracked, with a measured edge to
+  // 20 and a composed one to its neighbour.
+  BrokenWalk found({30, 40});
+  found.map.frames[40].status = TrackingStatus::kTracked;
+  found.edges.push_back(BrokenWalk::Edge(20, 40));
+  EXPECT_THAT(JudgeRun(found.map, found.edges).reasons,
+              testing::ElementsAre(HasSubstr("frames 30 to 39 ")));
 }
 
 TEST(Verdict, SeesJumpsWhereTheClockWasSetBack) {
@@ -185,20 +256,20 @@ TEST(Verdict, SeesJumpsWhereTheClockWasSetBack) {
 }
 
 TEST(Verdict, FollowsWhatWentWrong) {
-  EXPECT_EQ(JudgeRun(MapWithFrames(100, 0)).verdict, artifact::Verdict::kGood);
-  EXPECT_EQ(JudgeRun(MapWithFrames(90, 10)).verdict, artifact::Verdict::kDoubtful);
-  EXPECT_EQ(JudgeRun(MapWithFrames(40, 60)).verdict, artifact::Verdict::kBad);
+  EXPECT_EQ(JudgeRun(MapWithFrames(100, 0), {}).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapWithFrames(90, 10), {}).verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(JudgeRun(MapWithFrames(40, 60), {}).verdict, artifact::Verdict::kBad);
   OptimizedMap standing = MapWithFrames(100, 0);
   standing.keyframes = {FrameIdx{0}};
-  EXPECT_EQ(JudgeRun(standing).verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(JudgeRun(standing, {}).verdict, artifact::Verdict::kDoubtful);
   OptimizedMap map = MapWithFrames(100, 0);
   map.has_ground = false;
   map.map.objects[0].confidence = 0.1;
-  const RunVerdict doubtful = JudgeRun(map);
+  const RunVerdict doubtful = JudgeRun(map, {});
   EXPECT_EQ(doubtful.verdict, artifact::Verdict::kDoubtful);
   EXPECT_THAT(doubtful.reasons, testing::ElementsAre(HasSubstr("ground"), HasSubstr("chair_00")));
   map.map.objects.clear();
-  EXPECT_EQ(JudgeRun(map).verdict, artifact::Verdict::kBad);
+  EXPECT_EQ(JudgeRun(map, {}).verdict, artifact::Verdict::kBad);
 }
 
 }  // namespace

@@ -160,6 +160,23 @@ TEST(ChosenByHand, TakesNumbersAndModelsAndNamesTheKnown) {
               HasSubstr("known are 0, 4"));
 }
 
+TEST(ApplyToGround, LeavesPartsAloneThatWereNotMeasuredAgainstTheFirstCamera) {
+  const Overrides hint = Parsed("ground: {up_camera: [0, -1, 0], height_m: 1.4}\n");
+  Odometry odometry;
+  odometry.frames.resize(2);
+  const Plane low{-Eigen::Vector3d::UnitY(), 0.7};
+  Ground ground;
+  ground.plane_world = low;
+  ground.observations = {{FrameIdx{0}, low, Eigen::Matrix3d::Identity(), 1},
+                         {FrameIdx{1}, low, Eigen::Matrix3d::Identity(), 1}};
+  ground.apart = {{FrameIdx{1}, FrameIdx{2}, low}};
+  EXPECT_THAT(ApplyToGround(hint, odometry, ground), ElementsAre(HasSubstr("1 of 2")));
+  EXPECT_DOUBLE_EQ(ground.plane_world->d_m, 1.4);
+  ASSERT_EQ(ground.observations.size(), 1U);
+  EXPECT_EQ(ground.observations[0].keyframe, FrameIdx{1});
+  EXPECT_DOUBLE_EQ(ground.apart[0].plane_world->d_m, 0.7);
+}
+
 TEST(ApplyToGround, HintStandsInForGroundThatDisagrees) {
   Odometry odometry;
   odometry.frames.resize(2);

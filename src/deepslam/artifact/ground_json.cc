@@ -23,6 +23,15 @@ Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
     observations.emplace_back(std::move(row));
   }
   document.emplace("observations", std::move(observations));
+  JsonArray apart;
+  for (const GroundApart& stretch : ground.apart) {
+    JsonObject row;
+    row.emplace("first", ToJson(stretch.first));
+    row.emplace("end", ToJson(stretch.end));
+    row.emplace("plane_world", stretch.plane_world ? ToJson(*stretch.plane_world) : JsonValue());
+    apart.emplace_back(std::move(row));
+  }
+  if (!apart.empty()) document.emplace("apart", std::move(apart));
   return DumpJson(std::move(document), name);
 }
 
@@ -39,6 +48,14 @@ Result<Ground> DecodeGround(std::string_view text, std::string_view name) {
     observation.information = ReadMatrix3(row["information"]);
     observation.num_inliers = row["num_inliers"].Int(0, kMaxId);
     ground.observations.push_back(observation);
+  }
+  if (const JsonNode apart = root.Maybe("apart"); apart.exists()) {
+    for (const JsonNode& row : apart.Items()) {
+      GroundApart stretch{ReadId<FrameIdx>(row["first"]), ReadId<FrameIdx>(row["end"]), {}};
+      if (const JsonNode plane = row.Maybe("plane_world"); plane.exists())
+        stretch.plane_world = ReadPlane(plane);
+      ground.apart.push_back(stretch);
+    }
   }
   return reader.Finish(std::move(ground));
 }

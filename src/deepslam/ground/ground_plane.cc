@@ -6,16 +6,21 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
 #include "deepslam/ground/ground_points.h"
 #include "deepslam/ground/level_search.h"
 #include "deepslam/ground/plane_fit.h"
+#include "deepslam/ground/reidentify.h"
+#include "deepslam/scene/measured_parts.h"
 
 namespace deepslam::ground {
 namespace {
@@ -23,6 +28,11 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr std::size_t kBatchKeyframes = 16;
 constexpr std::size_t kSamplePoints = 400;
+// Keyframes on either side whose samples say what lies below a plane found again; tracking drifts
+// by little between them.
+constexpr std::size_t kKeyframesAbout = 10;
+// A lower plane must hold this share of the largest one.
+constexpr double kMinShareOfLargest = 0.15;
 // How far the propagated plane may be off after one more keyframe: drift of tracking, one standard
 // deviation.
 constexpr double kStepAngleRad = 0.5 * kRadPerDeg;
@@ -31,6 +41,9 @@ constexpr double kStepDistanceM = 0.01;
 // plane.
 constexpr double kDriftAngleRad = 1.0 * kRadPerDeg;
 constexpr double kDriftDistanceM = 0.02;
+
+// A camera in a hand is higher above the floor: lower ones are on a robot, or above a table top.
+constexpr double kLowCameraM = 0.9;
 
 bool Aligned(const TrackedFrame& frame) {
   return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate ||
@@ -59,17 +72,25 @@ Eigen::Vector3d Difference(const Plane& a, const Plane& b) {
   return difference;
 }
 
+// How far the search over all parts has come, in keyframes searched and followed.
+struct Done {
+  std::size_t before = 0;  // in parts searched already
+  std::size_t total = 0;
+};
+
+// In keyframes that tracking measured against each other.
 class GroundSearch {
  public:
   GroundSearch(const FrameSource& frames,
-               const Odometry& odometry,
+               std::vector<TrackedFrame> keyframes,
                const GroundOptions& options,
+               const Done& done,
                Progress& progress)
-      : frames_(frames), options_(options), progress_(progress) {
-    for (const FrameIdx keyframe : odometry.keyframes) {
-      if (Aligned(odometry.at(keyframe))) keyframes_.push_back(odometry.at(keyframe));
-    }
-  }
+      : frames_(frames),
+        options_(options),
+        done_(done),
+        progress_(progress),
+        keyframes_(std::move(keyframes)) {}
 
   Result<Ground> Run() {
     if (!FindSightings()) return Interrupted();
@@ -104,7 +125,7 @@ class GroundSearch {
       if (progress_.StopRequested()) return false;
       const std::size_t count = std::min(kBatchKeyframes, keyframes_.size() - begin);
       ParallelFor(count, [&](std::size_t n) { SearchKeyframe(begin + n, found[begin + n]); });
-      progress_.Report(begin + count, 2 * keyframes_.size());
+      progress_.Report(done_.before + begin + count, done_.total);
     }
     for (const auto& planes : found)
       sightings_.insert(sightings_.end(), planes.begin(), planes.end());
@@ -151,8 +172,8 @@ class GroundSearch {
         Observe(k, batch[n], plane, information);
       }
     }
-    progress_.Report(keyframes_.size() + (direction > 0 ? count : keyframes_.size()),
-                     2 * keyframes_.size());
+    progress_.Report(done_.before + keyframes_.size() + (direction > 0 ? count : keyframes_.size()),
+                     done_.total);
     return true;
   }
 
@@ -161,13 +182,8 @@ class GroundSearch {
                const GroundPoints& points,
                Plane& plane,
                Eigen::Matrix3d& information) {
-    const auto refined = RefinePlane(points, frames_.camera(), plane, options_);
-    if (!refined || refined->inlier_share < options_.min_inlier_share ||
-        refined->area_m2 < options_.min_area_m2) {
-      return;
-    }
-    const double height_m = refined->plane_camera.d_m;
-    if (height_m < options_.min_height_m || height_m > options_.max_height_m) return;
+    const auto refined = FindAgain(k, points, plane, ReachOf(information));
+    if (!refined) return;
     observations_[k] = GroundObservation{keyframes_[k].frame,
                                          refined->plane_camera,
                                          refined->information,
@@ -177,6 +193,54 @@ class GroundSearch {
         joint.ldlt().solve(refined->information * Difference(plane, refined->plane_camera));
     plane = Perturbed(plane, step);
     information = joint;
+  }
+
+  // What is seen of the plane near `predicted`, when that is enough for an observation.
+  [[nodiscard]] std::optional<PlaneRefinement> SeenNear(const Plane& predicted,
+                                                        const GroundPoints& points) const {
+    std::optional<PlaneRefinement> refined =
+        RefinePlane(points, frames_.camera(), predicted, options_);
+    if (!refined || refined->inlier_share < options_.min_inlier_share ||
+        refined->area_m2 < options_.min_area_m2) {
+      return std::nullopt;
+    }
+    const double height_m = refined->plane_camera.d_m;
+    if (height_m < options_.min_height_m || height_m > options_.max_height_m) return std::nullopt;
+    return refined;
+  }
+
+  [[nodiscard]] std::optional<PlaneRefinement> FindAgain(std::size_t k,
+                                                         const GroundPoints& points,
+                                                         const Plane& predicted,
+                                                         const Reach& reach) const {
+    std::optional<PlaneRefinement> nearest = SeenNear(predicted, points);
+    if (!IsWide(reach)) return nearest;
+    std::vector<PlaneRefinement> found;
+    if (nearest) found.push_back(*nearest);
+    for (const Plane& start : PlanesWithin(SightingsOf(k), predicted, reach)) {
+      if (const auto refined = SeenNear(start, points)) found.push_back(*refined);
+    }
+    if (found.empty()) return std::nullopt;
+    const double largest = std::ranges::max(found, {}, &PlaneRefinement::inlier_share).inlier_share;
+    std::erase_if(found, [&](const PlaneRefinement& plane) {
+      return plane.inlier_share < kMinShareOfLargest * largest;
+    });
+    const PlaneRefinement& lowest = std::ranges::max(
+        found, {}, [](const PlaneRefinement& plane) { return plane.plane_camera.d_m; });
+    const Plane plane_world = Transformed(keyframes_[k].world_from_camera, lowest.plane_camera);
+    if (!IsLowest(plane_world, SamplesAbout(k), options_)) return std::nullopt;
+    return lowest;
+  }
+
+  [[nodiscard]] std::span<const PlaneSighting> SightingsOf(std::size_t k) const {
+    const auto range = std::ranges::equal_range(sightings_, k, {}, &PlaneSighting::keyframe);
+    return {range.begin(), range.end()};
+  }
+
+  [[nodiscard]] std::span<const KeyframeSample> SamplesAbout(std::size_t k) const {
+    const std::size_t begin = k - std::min(k, kKeyframesAbout);
+    const std::size_t end = std::min(k + kKeyframesAbout + 1, samples_.size());
+    return std::span(samples_).subspan(begin, end - begin);
   }
 
   // Gauss-Newton on the plane's three degrees of freedom over all observations, Cauchy weights.
@@ -212,6 +276,7 @@ class GroundSearch {
 
   const FrameSource& frames_;
   const GroundOptions& options_;
+  Done done_;
   Progress& progress_;
   std::vector<TrackedFrame> keyframes_;
   std::vector<PlaneSighting> sightings_;
@@ -219,13 +284,80 @@ class GroundSearch {
   std::vector<std::optional<GroundObservation>> observations_;
 };
 
+using Part = std::vector<TrackedFrame>;  // keyframes that tracking measured against each other
+
+std::vector<Part> PartsOf(const Odometry& odometry, std::span<const MeasuredStretch> stretches) {
+  std::vector<Part> parts;
+  for (const MeasuredStretch& stretch : stretches) {
+    const auto part = static_cast<std::size_t>(stretch.part);
+    if (part == parts.size()) parts.emplace_back();
+    for (int k = stretch.first_keyframe; k < stretch.end_keyframe; ++k) {
+      const TrackedFrame& frame = odometry.at(odometry.keyframes[static_cast<std::size_t>(k)]);
+      if (Aligned(frame)) parts[part].push_back(frame);
+    }
+  }
+  return parts;
+}
+
+// The stretches that are not of the first keyframe's part, each with its part's plane.
+std::vector<GroundApart> Apart(const Odometry& odometry,
+                               std::span<const MeasuredStretch> stretches,
+                               std::span<const std::optional<Plane>> planes_world) {
+  const auto frame = [&](int keyframe) {
+    return odometry.keyframes[static_cast<std::size_t>(keyframe)];
+  };
+  const FrameIdx end{static_cast<int>(odometry.frames.size())};
+  std::vector<GroundApart> apart;
+  for (std::size_t n = 0; n < stretches.size(); ++n) {
+    if (stretches[n].part == 0) continue;
+    const bool last = n + 1 == stretches.size();
+    apart.push_back({frame(stretches[n].first_keyframe),
+                     last ? end : frame(stretches[n + 1].first_keyframe),
+                     planes_world[static_cast<std::size_t>(stretches[n].part)]});
+  }
+  return apart;
+}
+
+// What looks like the floor may be a table top where the floor never came into view.
+void WarnOfLowCamera(const Ground& ground, Progress& progress) {
+  if (ground.observations.empty()) return;
+  std::vector<double> heights_m;
+  for (const GroundObservation& seen : ground.observations)
+    heights_m.push_back(seen.plane_camera.d_m);
+  const double height_m = Median(heights_m);
+  if (height_m >= kLowCameraM) return;
+  progress.Warn(fmt::format(
+      "the lowest level in view is only {:.2f} m below the camera: a floor below a robot, but a "
+      "table top below a camera held in a hand. If the floor was never in view, name it: `ground` "
+      "in overrides.yaml",
+      height_m));
+}
+
 }  // namespace
 
 Result<Ground> EstimateGround(const FrameSource& frames,
                               const Odometry& odometry,
                               const GroundOptions& options,
                               Progress& progress) {
-  return GroundSearch(frames, odometry, options, progress).Run();
+  const auto stretches = MeasuredStretches(odometry.frames, odometry.keyframes, odometry.edges);
+  const std::vector<Part> parts = PartsOf(odometry, stretches);
+  Done done;
+  for (const Part& part : parts) done.total += 2 * part.size();
+  Ground ground;
+  std::vector<std::optional<Plane>> planes_world;
+  for (const Part& part : parts) {
+    Result<Ground> own = GroundSearch(frames, part, options, done, progress).Run();
+    if (!own.ok()) return own.error();
+    done.before += 2 * part.size();
+    planes_world.push_back(own->plane_world);
+    ground.observations.insert(
+        ground.observations.end(), own->observations.begin(), own->observations.end());
+  }
+  std::ranges::sort(ground.observations, {}, &GroundObservation::keyframe);
+  if (!planes_world.empty()) ground.plane_world = planes_world.front();
+  ground.apart = Apart(odometry, stretches, planes_world);
+  WarnOfLowCamera(ground, progress);
+  return ground;
 }
 
 void Describe(OptionsVisitor& visitor, GroundOptions& options) {

@@ -3,7 +3,10 @@
 // and object segmentation).
 //
 // The ground is the lowest large plane within the permissible orientations: a table top has floor
-// points below it somewhere in the capture, the floor has nothing substantial below it.
+// points below it somewhere in the capture, the floor has nothing substantial below it. After long
+// stretches without floor it is looked for as far as tracking may have drifted (reidentify.h).
+//
+// Parts that tracking did not measure against each other are searched each for themselves.
 #pragma once
 
 #include "deepslam/core/options.h"
@@ -36,7 +39,8 @@ struct GroundOptions {
 void Describe(OptionsVisitor& visitor, GroundOptions& options);
 
 // Stage `ground`. A capture in which no ground is seen gives Ground{} with no plane, which is not
-// an error. Errors: Interrupted.
+// an error. Warns where the ground is so near below the camera that it may be a table top. Errors:
+// Interrupted.
 [[nodiscard]] Result<Ground> EstimateGround(const FrameSource& frames,
                                             const Odometry& odometry,
                                             const GroundOptions& options,

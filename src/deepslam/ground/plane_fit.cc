@@ -20,9 +20,6 @@ constexpr double kSearchCosine = 0.9;          // 26 deg: normals of single poin
 constexpr double kReidentifyDistanceM = 0.04;  // error of a plane propagated over one keyframe step
 constexpr double kReidentifyCosine = 0.94;     // 20 deg
 constexpr int kRefinements = 8;
-// A refined plane farther from its prediction has gone to another surface.
-constexpr double kMaxTurnRad = 6 * kRadPerDeg;
-constexpr double kMaxShiftM = 0.08;
 
 bool OnPlane(const GroundPoint& point,
              const Eigen::Vector3f& normal,

@@ -2,6 +2,7 @@
 // information.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,6 +15,10 @@
 #include "deepslam/ground/ground_points.h"
 
 namespace deepslam::ground {
+
+// A plane refined farther from its prediction than this has gone to another surface.
+inline constexpr double kMaxTurnRad = 6 * std::numbers::pi / 180.0;
+inline constexpr double kMaxShiftM = 0.08;
 
 struct PlaneCandidate {
   Plane plane_camera;                                         // normal up

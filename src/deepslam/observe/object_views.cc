@@ -98,19 +98,6 @@ Image<T> Crop(const Image<T>& image, int u0, int v0, int width, int height) {
   return crop;
 }
 
-std::optional<Plane> GroundAt(const Ground& ground,
-                              FrameIdx frame,
-                              const Pose3& world_from_camera) {
-  const auto found = std::lower_bound(
-      ground.observations.begin(),
-      ground.observations.end(),
-      frame,
-      [](const GroundObservation& o, FrameIdx wanted) { return o.keyframe < wanted; });
-  if (found != ground.observations.end() && found->keyframe == frame) return found->plane_camera;
-  if (!ground.plane_world) return std::nullopt;
-  return Transformed(world_from_camera.Inverse(), *ground.plane_world);
-}
-
 // The pixels of the mask that have depth, in the window of the depth crop.
 Mask Measured(const PixelMask& mask, int u0, int v0, const DepthImage& depth_crop_m) {
   Mask measured(depth_crop_m.width(), depth_crop_m.height());
@@ -287,7 +274,7 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSo
         std::optional<ObjectView>& view = cut[n].views[k];
         if (!view) continue;
         view->world_from_camera = world_from_camera;
-        view->ground_camera = GroundAt(ground, frame_idx, world_from_camera);
+        view->ground_camera = GroundInCamera(ground, frame_idx, world_from_camera);
         views[of_frame[k].object].push_back(*std::move(view));
       }
     }

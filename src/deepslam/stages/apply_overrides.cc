@@ -191,8 +191,10 @@ std::vector<std::string> ApplyToGround(const Overrides& overrides,
     const double cosine = std::clamp(plane_world.normal.dot(hint.normal), -1.0, 1.0);
     return std::acos(cosine) < kHintAngleRad && std::abs(plane_world.d_m - hint.d_m) < kHintHeightM;
   };
+  // What was not measured against the first camera keeps its own ground.
   const std::size_t before = ground.observations.size();
   std::erase_if(ground.observations, [&](const GroundObservation& observation) {
+    if (ApartAt(ground, observation.keyframe) != nullptr) return false;
     const Pose3& world_from_camera = odometry.at(observation.keyframe).world_from_camera;
     return !agrees(Transformed(world_from_camera, observation.plane_camera));
   });

@@ -129,7 +129,8 @@ FrameDetections DetectOne(const RunInputs& inputs,
       found.warning = fmt::format("frame {}: {}", tracked.frame.value, raw.error().message);
     }
   }
-  const std::optional<Plane> plane = GroundInCamera(ground, tracked);
+  const std::optional<Plane> plane =
+      GroundInCamera(ground, tracked.frame, tracked.world_from_camera);
   if (inputs.config.clusters.enabled && plane) {
     std::vector<Detection> clusters = detect::DetectClusters(*frame,
                                                              inputs.capture->frames->camera(),

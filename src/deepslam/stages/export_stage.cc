@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,7 +38,19 @@ struct Content {
   Proposals proposals;
   std::map<std::string, std::string> library_checksums;
   std::map<std::string, std::string> voxels_checksums;  // by model key
+  std::vector<RelativePose> edges;                      // between keyframes, loops included
 };
+
+// What was measured between keyframes, by tracking and by the loops.
+Result<std::vector<RelativePose>> ReadEdges(const StageContext& context) {
+  Result<Odometry> odometry = ReadOdometry(context);
+  if (!odometry.ok()) return odometry.error();
+  const Result<Loops> loops = ReadLoops(context);
+  if (!loops.ok()) return loops.error();
+  std::vector<RelativePose> edges = std::move(odometry->edges);
+  edges.insert(edges.end(), loops->edges.begin(), loops->edges.end());
+  return edges;
+}
 
 Result<Content> ReadContent(const StageContext& context) {
   Content content;
@@ -67,6 +80,9 @@ Result<Content> ReadContent(const StageContext& context) {
     content.library_checksums[id] = checksum.String();
   }
   if (!reader.ok()) return reader.error();
+  Result<std::vector<RelativePose>> edges = ReadEdges(context);
+  if (!edges.ok()) return edges.error();
+  content.edges = std::move(edges).value();
   return content;
 }
 
@@ -79,10 +95,8 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
   }
   const Result<TriangleMesh> polygon = mesh::GroundPolygon(points, config.ground_polygon);
   if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
-  return mesh::ColouredGround(RoundedGround(*polygon),
-                              content.room,
-                              kFloorBandM,
-                              config.ground_polygon.colour_step_m);
+  return mesh::ColouredGround(
+      RoundedGround(*polygon), content.room, kFloorBandM, config.ground_polygon.colour_step_m);
 }
 
 // The scene without its surroundings, to say how large its objects are.
@@ -212,7 +226,7 @@ Result<artifact::MapFile> MakeMap(const StageContext& context,
   map.capture_name = inputs.capture->name;
   map.capture_hash = inputs.capture->content_hash;
   if (content.map.has_ground) map.ground_world = content.map.ground_world;
-  const RunVerdict verdict = JudgeRun(content.map);
+  const RunVerdict verdict = JudgeRun(content.map, content.edges);
   if (scene.ground) map.ground_outline_m = mesh::OutlineOf(*scene.ground);
   for (const gltf::GltfObject& object : scene.objects) {
     map.class_colours[object.class_name] = object.class_colour;
@@ -277,16 +291,17 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
       !status.ok()) {
     return status.error();
   }
-  return StageSummary{fmt::format("{} objects, scene {} bytes (objects {}), map {} bytes, verdict {}",
-                                  map->objects.size(),
-                                  glb->size(),
-                                  objects_glb->size(),
-                                  map_json->size(),
-                                  artifact::NameOf(map->verdict)),
-                      {{"num_objects", static_cast<double>(map->objects.size())},
-                       {"scene_bytes", static_cast<double>(glb->size())},
-                       {"objects_glb_bytes", static_cast<double>(objects_glb->size())},
-                       {"map_bytes", static_cast<double>(map_json->size())}}};
+  return StageSummary{
+      fmt::format("{} objects, scene {} bytes (objects {}), map {} bytes, verdict {}",
+                  map->objects.size(),
+                  glb->size(),
+                  objects_glb->size(),
+                  map_json->size(),
+                  artifact::NameOf(map->verdict)),
+      {{"num_objects", static_cast<double>(map->objects.size())},
+       {"scene_bytes", static_cast<double>(glb->size())},
+       {"objects_glb_bytes", static_cast<double>(objects_glb->size())},
+       {"map_bytes", static_cast<double>(map_json->size())}}};
 }
 
 }  // namespace deepslam::stages

@@ -1,4 +1,7 @@
 // ground: the floor, per keyframe and once for the world.
+#include <algorithm>
+#include <cstddef>
+
 #include <fmt/format.h>
 
 #include "deepslam/artifact/ground_json.h"
@@ -11,6 +14,30 @@ namespace deepslam::stages {
 
 using pipeline::StageContext;
 using pipeline::StageSummary;
+
+namespace {
+
+StageSummary Summarise(const Ground& ground, std::size_t num_keyframes) {
+  const std::size_t seen = ground.observations.size();
+  StageSummary summary{"no ground found", {{"num_observations", static_cast<double>(seen)}}};
+  if (seen > 0) summary.line = fmt::format("seen in {} of {} keyframes", seen, num_keyframes);
+  if (ground.plane_world) {
+    summary.line += fmt::format(", {:.3f} m below the first camera", ground.plane_world->d_m);
+    summary.figures["first_height_m"] = ground.plane_world->d_m;
+  }
+  if (!ground.apart.empty()) {
+    const auto known = std::ranges::count_if(
+        ground.apart, [](const GroundApart& apart) { return apart.plane_world.has_value(); });
+    summary.line += fmt::format(
+        "; {} stretches of frames that tracking did not measure against the first, with a ground "
+        "of their own in {}",
+        ground.apart.size(),
+        known);
+  }
+  return summary;
+}
+
+}  // namespace
 
 Result<StageSummary> RunGround(StageContext& context, const RunInputs& inputs) {
   const Result<Odometry> odometry = ReadOdometry(context);
@@ -25,13 +52,7 @@ Result<StageSummary> RunGround(StageContext& context, const RunInputs& inputs) {
       !status.ok()) {
     return status.error();
   }
-  const double seen = static_cast<double>(ground->observations.size());
-  if (!ground->plane_world) return StageSummary{"no ground found", {{"num_observations", seen}}};
-  return StageSummary{fmt::format("seen in {} of {} keyframes, {:.3f} m below the first camera",
-                                  ground->observations.size(),
-                                  odometry->keyframes.size(),
-                                  ground->plane_world->d_m),
-                      {{"num_observations", seen}, {"first_height_m", ground->plane_world->d_m}}};
+  return Summarise(*ground, odometry->keyframes.size());
 }
 
 }  // namespace deepslam::stages

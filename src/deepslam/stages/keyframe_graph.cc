@@ -24,6 +24,13 @@ Result<SolvedPath> SolvePath(const Odometry& odometry,
   }
   if (solved->has_ground)
     path.ground.plane_world = Transformed(tracking_from_level, solved->ground_world);
+  for (GroundApart& apart : path.ground.apart) {
+    if (!apart.plane_world) continue;
+    const auto own = static_cast<std::size_t>(apart.first.value);
+    const Pose3 solved_from_tracked =
+        path.frames[own].world_from_camera * odometry.frames[own].world_from_camera.Inverse();
+    apart.plane_world = Transformed(solved_from_tracked, *apart.plane_world);
+  }
   return path;
 }
 

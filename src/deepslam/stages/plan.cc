@@ -138,7 +138,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   };
   // Versions rise whenever results may differ with equal options.
   add("track", 10, {}, {"track", "track.covisible"}, kFrames, RunTrack);
-  add("ground", 2, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
+  add("ground", 3, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       4,
       {"track", "ground"},
@@ -192,7 +192,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunMesh);
   add("fuse", 3, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      7,
+      8,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,

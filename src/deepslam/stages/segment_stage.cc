@@ -39,7 +39,7 @@ std::vector<Segment> SegmentOne(const RunInputs& inputs,
   if (!frame.ok()) return {};
   return segment::SegmentFrame(*frame,
                                frames.camera(),
-                               GroundInCamera(ground, odometry.at(idx)),
+                               GroundInCamera(ground, idx, odometry.at(idx).world_from_camera),
                                detections,
                                inputs.config.segment);
 }

@@ -182,14 +182,6 @@ Status CopyChosenModels(StageContext& context,
   return Ok();
 }
 
-std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame) {
-  for (const GroundObservation& observation : ground.observations) {
-    if (observation.keyframe == frame.frame) return observation.plane_camera;
-  }
-  if (!ground.plane_world) return std::nullopt;
-  return Transformed(frame.world_from_camera.Inverse(), *ground.plane_world);
-}
-
 Result<ObjectViews> CollectViews(const StageContext& context,
                                  const RunInputs& inputs,
                                  const Odometry& odometry,

@@ -84,9 +84,6 @@ void Join(Proposals more, Proposals& all);
                                       const ObjectMap& map,
                                       const std::map<std::string, VoxelGrid>& own);
 
-// The ground in a frame's camera: seen in this very frame, else the world's.
-[[nodiscard]] std::optional<Plane> GroundInCamera(const Ground& ground, const TrackedFrame& frame);
-
 // Views of all tracks at once, with the frames' tracked poses: for captures known to be small.
 [[nodiscard]] Result<ObjectViews> CollectViews(const pipeline::StageContext& context,
                                                const RunInputs& inputs,

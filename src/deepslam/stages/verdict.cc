@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/report/report_content.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -16,6 +19,9 @@ namespace {
 constexpr double kBadLostShare = 0.5;
 constexpr double kDoubtfulLostShare = 0.05;
 constexpr double kDoubtfulDegenerateShare = 0.25;
+// Of frames whose place relative to the others was not measured. Two captures in one that are laid
+// over each other are no map; a few frames between two losses spoil what they alone saw.
+constexpr double kBadAdriftShare = 0.2;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
 // A camera in a hand or on a robot keeps its pace: a step between neighbouring frames that is
 // longer than the first and quicker than the second times the capture's median speed is a wrong
@@ -70,9 +76,68 @@ std::vector<Step> Jumps(const std::vector<TrackedFrame>& frames) {
   return steps;
 }
 
+// Stretches of frames whose place relative to the largest part was not measured.
+struct Adrift {
+  std::size_t num_stretches = 0;
+  double share = 0;  // of all frames
+  // Of the longest stretch.
+  std::size_t first_frame = 0;
+  std::size_t last_frame = 0;
+  std::size_t cut_frame = 0;  // where tracking found nothing in common with the frames before
+};
+
+std::optional<Adrift> FindAdrift(const OptimizedMap& map, std::span<const RelativePose> edges) {
+  const auto stretches = MeasuredStretches(map.frames, map.keyframes, edges);
+  if (stretches.size() < 2) return std::nullopt;
+  // A stretch reaches from its first keyframe to the next stretch's; what is before the first
+  // keyframe is the first stretch's.
+  const auto begin = [&](std::size_t n) -> std::size_t {
+    if (n == 0) return 0;
+    if (n == stretches.size()) return map.frames.size();
+    const auto keyframe = static_cast<std::size_t>(stretches[n].first_keyframe);
+    return static_cast<std::size_t>(map.keyframes[keyframe].value);
+  };
+  std::map<int, std::size_t> num_frames;  // by part
+  for (std::size_t n = 0; n < stretches.size(); ++n)
+    num_frames[stretches[n].part] += begin(n + 1) - begin(n);
+  const int largest =
+      std::ranges::max_element(num_frames, {}, [](const auto& part) { return part.second; })->first;
+  Adrift adrift;
+  std::size_t longest = 0;
+  for (std::size_t n = 0; n < stretches.size(); ++n) {
+    const std::size_t length = begin(n + 1) - begin(n);
+    if (stretches[n].part == largest) continue;
+    ++adrift.num_stretches;
+    adrift.share += static_cast<double>(length) / static_cast<double>(map.frames.size());
+    if (length <= longest) continue;
+    longest = length;
+    adrift.first_frame = begin(n);
+    adrift.last_frame = begin(n + 1) - 1;
+    adrift.cut_frame = n > 0 ? begin(n) : begin(1);
+  }
+  return adrift;
+}
+
+std::string InWords(const Adrift& adrift) {
+  const std::string others =
+      adrift.num_stretches > 1
+          ? fmt::format(", nor where {} more such parts are", adrift.num_stretches - 1)
+          : "";
+  return fmt::format(
+      "at frame {} the camera sees nothing in common with the frames before: where frames {} to {} "
+      "lie relative to the others was not measured{} ({:.0f} % of the frames), so their objects "
+      "may "
+      "stand in the others'; record again with overlap, or run each part as a capture of its own",
+      adrift.cut_frame,
+      adrift.first_frame,
+      adrift.last_frame,
+      others,
+      100 * adrift.share);
+}
+
 }  // namespace
 
-RunVerdict JudgeRun(const OptimizedMap& map) {
+RunVerdict JudgeRun(const OptimizedMap& map, std::span<const RelativePose> edges) {
   RunVerdict verdict;
   const auto note = [&](artifact::Verdict level, std::string reason) {
     verdict.verdict = std::max(verdict.verdict, level);
@@ -95,6 +160,10 @@ RunVerdict JudgeRun(const OptimizedMap& map) {
   if (degenerate > kDoubtfulDegenerateShare) {
     note(artifact::Verdict::kDoubtful,
          fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate));
+  }
+  if (const std::optional<Adrift> adrift = FindAdrift(map, edges)) {
+    note(adrift->share > kBadAdriftShare ? artifact::Verdict::kBad : artifact::Verdict::kDoubtful,
+         InWords(*adrift));
   }
   const std::vector<Step> jumps = Jumps(map.frames);
   if (!jumps.empty()) {

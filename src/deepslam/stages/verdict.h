@@ -1,11 +1,13 @@
 // Whether a run's map can be used as it is.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/scene/optimized_map.h"
+#include "deepslam/scene/trajectory.h"
 
 namespace deepslam::stages {
 
@@ -14,9 +16,11 @@ struct RunVerdict {
   std::vector<std::string> reasons;
 };
 
-// Bad: more than half of the frames lost, or no object. Doubtful: more than 5 % lost, more than a
-// quarter weakly constrained, no ground, a graph that did not converge, objects of little
-// confidence.
-[[nodiscard]] RunVerdict JudgeRun(const OptimizedMap& map);
+// Bad: more than half of the frames lost, more than a fifth without a measured place relative to
+// the rest, or no object. Doubtful: more than 5 % lost, any frames without a measured place, more
+// than a quarter weakly constrained, a camera that jumps, few keyframes, no ground, a graph that
+// did not converge, objects of little confidence. `edges`: all measurements between keyframes, of
+// tracking and of the loops.
+[[nodiscard]] RunVerdict JudgeRun(const OptimizedMap& map, std::span<const RelativePose> edges);
 
 }  // namespace deepslam::stages

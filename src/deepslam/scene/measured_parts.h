@@ -1,0 +1,31 @@
+// Which stretches of a trajectory have a measured place relative to each other.
+//
+// Where tracking finds nothing in common with the frames before (two captures in one, a teleport),
+// it starts anew at the last pose: the keyframe there is lost, and the edge that joins it is
+// composed. Such a join says nothing about where both sides lie; an edge that was measured between
+// them (tracking met an earlier keyframe again, a loop, neighbours measured again) does.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam {
+
+// Keyframes [first_keyframe, end_keyframe), positions in the list of keyframes, that follow each
+// other in one part.
+struct MeasuredStretch {
+  int part = 0;  // 0 first seen, then 1, ...; one may come back behind another
+  int first_keyframe = 0;
+  int end_keyframe = 0;
+};
+
+// Ascending; together they hold every keyframe. One stretch where everything was measured. `edges`:
+// those between keyframes, of tracking and whatever was measured later; edges of other frames say
+// nothing.
+[[nodiscard]] std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> frames,
+                                                             std::span<const FrameIdx> keyframes,
+                                                             std::span<const RelativePose> edges);
+
+}  // namespace deepslam
