@@ -271,7 +271,10 @@ bool Tracker::Relocalise(Anchor& frame) {
     std::vector<Pose3> starts{previous_->world_from_camera, keyframe->world_from_camera};
     if (const auto start = SearchStart(*keyframe, frame)) starts.push_back(*start);
     const FrameAlignment alignment = AlignWidely(*keyframe, frame, starts);
-    if (!alignment.ok) continue;
+    // Elsewhere some earlier keyframe nearly always fits somehow; a new piece is joined when it is
+    // sure where.
+    const bool is_last = keyframe == keyframes_.rbegin();
+    if (!alignment.ok || (!is_last && Doubtful(alignment))) continue;
     const Anchor found = *keyframe;
     Accept(frame, found, alignment);
     last_interval_s_ = 0;  // the motion across a loss predicts nothing
