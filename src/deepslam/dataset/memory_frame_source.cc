@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "deepslam/scene/brightness.h"
+
 namespace deepslam::dataset {
 
 MemoryFrameSource::MemoryFrameSource(const PinholeCamera& camera,
@@ -49,6 +51,10 @@ Result<Frame> MemoryFrameSource::ReadColour(FrameIdx frame) const {
     return InvalidInput("frame " + std::to_string(frame.value) + " holds no colour");
   }
   return Frame{found.idx, found.time_s, found.colour, DepthImage()};
+}
+
+Result<BrightnessImage> MemoryFrameSource::ReadBrightness(FrameIdx frame, int factor) const {
+  return BrightnessOf(At(frame).colour, factor);
 }
 
 std::optional<Pose3> MemoryFrameSource::capture_world_from_camera(FrameIdx frame) const {

@@ -33,6 +33,7 @@ constexpr StartSigma kPrior;
 // Convergence: steps that move points at this distance by less than this share of a pixel of the
 // level.
 constexpr double kConvergedPx = 0.03;
+constexpr double kConvergedFarPx = 0.015;  // at the coarsest level
 constexpr double kConvergedDistanceM = 2.0;
 // Steps that shrink by the same share each time are taken further at once, by at most this many
 // times the last one.
@@ -288,7 +289,7 @@ bool Descend(const PyramidLevel& i,
              const AlignmentOptions& options,
              Descent& descent,
              std::span<const Pose3> known = {}) {
-  const double converged_rad = kConvergedPx / j.camera.fx;
+  const double converged_rad = (descent.near ? kConvergedPx : kConvergedFarPx) / j.camera.fx;
   const double converged_m = kConvergedDistanceM * converged_rad;
   descent.structural.reset();
   Mixing mixing;
@@ -298,7 +299,9 @@ bool Descend(const PyramidLevel& i,
     TakeScales(descent.system, descent.gates);
     const Vector6d free = Step(descent, Measured(j, options, descent));
     const Vector6d step = free - descent.held.Part(free);
-    descent.i_from_j = V2t(mixing.Move(step)) * descent.i_from_j;
+    // Far off the next stripe or tile may lie where the steps seem to lead.
+    const Vector6d move = descent.near ? mixing.Move(step) : step;
+    descent.i_from_j = V2t(move) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
     if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
   }
