@@ -250,8 +250,8 @@ TEST(Verdict, SeesJumpsWhereTheClockWasSetBack) {
     for (std::size_t k = 40; k < map.frames.size(); ++k) map.frames[k].time_s -= 0.7;
     return map;
   };
-  EXPECT_EQ(JudgeRun(set_back(MapOfAWalk(40, 0))).verdict, artifact::Verdict::kGood);
-  EXPECT_THAT(JudgeRun(set_back(MapOfAWalk(40, 0.5))).reasons,
+  EXPECT_EQ(JudgeRun(set_back(MapOfAWalk(40, 0)), {}).verdict, artifact::Verdict::kGood);
+  EXPECT_THAT(JudgeRun(set_back(MapOfAWalk(40, 0.5)), {}).reasons,
               testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
 }
 
