@@ -16,11 +16,11 @@ ColourImage RandomColours(int width, int height) {
 }
 
 TEST(BrightnessOf, IsTheMeanLumaOfWholeBlocks) {
-  const ColourImage colour = RandomColours(37, 23);
-  for (const int factor : {1, 2, 3, 5, 23}) {
+  const ColourImage colour = RandomColours(137, 83);
+  for (const int factor : {1, 2, 3, 5, 32, 33, 80, 83}) {
     const BrightnessImage brightness = BrightnessOf(colour, factor);
-    ASSERT_EQ(brightness.width(), 37 / factor);
-    ASSERT_EQ(brightness.height(), 23 / factor);
+    ASSERT_EQ(brightness.width(), 137 / factor);
+    ASSERT_EQ(brightness.height(), 83 / factor);
     for (int v = 0; v < brightness.height(); ++v) {
       for (int u = 0; u < brightness.width(); ++u) {
         double sum = 0;

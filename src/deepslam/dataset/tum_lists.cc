@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -81,28 +82,27 @@ void SetStretch(ImagePair& pair, int stretch) {
 }
 void SetStretch(TimedPose& pose, int stretch) { pose.stretch = stretch; }
 
-// Of two entries of one time.
-bool SayTheSame(const TimedFile& a, const TimedFile& b) { return a.file == b.file; }
-bool SayTheSame(const ImagePair& a, const ImagePair& b) {
-  return a.colour.file == b.colour.file && a.depth.file == b.depth.file;
+// What an entry says, in an order.
+auto Content(const TimedFile& file) { return std::tie(file.time_s, file.file); }
+auto Content(const ImagePair& pair) {
+  return std::tie(pair.depth.time_s, pair.colour.file, pair.depth.file);
 }
-bool SayTheSame(const TimedPose& a, const TimedPose& b) {
-  return a.world_from_camera == b.world_from_camera;
+auto Content(const TimedPose& pose) {
+  const Eigen::Vector4d q = pose.world_from_camera.rotation.coeffs();
+  const Eigen::Vector3d t = pose.world_from_camera.translation_m;
+  return std::array{pose.time_s, q[0], q[1], q[2], q[3], t[0], t[1], t[2]};
 }
 
 // Lines written twice would look like a clock that was set back.
 template <typename T>
 void DropRepeatedLines(std::vector<T>& entries) {
-  std::vector<std::size_t> by_time(entries.size());
-  std::iota(by_time.begin(), by_time.end(), std::size_t{0});
-  std::ranges::stable_sort(by_time, {}, [&](std::size_t k) { return TimeOf(entries[k]); });
+  std::vector<std::size_t> order(entries.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto content = [&](std::size_t n) { return Content(entries[n]); };
+  std::ranges::stable_sort(order, {}, content);
   std::vector<bool> repeats(entries.size(), false);
-  for (std::size_t k = 0; k < by_time.size(); ++k) {
-    const T& entry = entries[by_time[k]];
-    for (std::size_t other = k;
-         other-- > 0 && !repeats[by_time[k]] && TimeOf(entries[by_time[other]]) == TimeOf(entry);)
-      repeats[by_time[k]] = SayTheSame(entries[by_time[other]], entry);
-  }
+  for (std::size_t n = 1; n < order.size(); ++n)
+    repeats[order[n]] = content(order[n]) == content(order[n - 1]);
   std::size_t k = 0;
   std::erase_if(entries, [&](const T&) { return repeats[k++]; });
 }

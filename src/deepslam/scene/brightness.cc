@@ -11,7 +11,7 @@
 namespace deepslam {
 namespace {
 
-constexpr int kMaxFactor = 32;  // sums of so many rows of bytes take 13 bits
+constexpr int kMaxSummed = 32;  // sums of so many rows of bytes take 13 bits
 
 // Adds a row's bytes to the sums of the rows before: whole vectors of them, whatever the channel.
 void AddBytes(const Rgb8* row, std::vector<std::uint16_t>& sums) {
@@ -32,10 +32,7 @@ int Luma(const std::uint16_t* rgb, int factor) {
   return 77 * r + 150 * g + 29 * b;
 }
 
-}  // namespace
-
-DEEPSLAM_WIDE_VECTORS BrightnessImage BrightnessOf(const ColourImage& colour, int factor) {
-  DEEPSLAM_CHECK(factor >= 1 && factor <= kMaxFactor, "blocks of 1 to 32 pixels");
+DEEPSLAM_WIDE_VECTORS BrightnessImage MeanLuma(const ColourImage& colour, int factor) {
   BrightnessImage result(colour.width() / factor, colour.height() / factor);
   const float scale = 1.0F / (256.0F * static_cast<float>(factor * factor));
   std::vector<std::uint16_t> sums(3 * static_cast<std::size_t>(result.width() * factor));
@@ -51,6 +48,14 @@ DEEPSLAM_WIDE_VECTORS BrightnessImage BrightnessOf(const ColourImage& colour, in
     }
   }
   return result;
+}
+
+}  // namespace
+
+BrightnessImage BrightnessOf(const ColourImage& colour, int factor) {
+  DEEPSLAM_CHECK(factor >= 1, "blocks of at least one pixel");
+  if (factor <= kMaxSummed) return MeanLuma(colour, factor);
+  return ReducedBrightness(MeanLuma(colour, 1), factor);
 }
 
 BrightnessImage ReducedBrightness(const BrightnessImage& brightness, int factor) {

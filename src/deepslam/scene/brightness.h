@@ -5,8 +5,8 @@
 
 namespace deepslam {
 
-// Averaged over blocks of factor x factor pixels (factor 1 to 32); columns and rows at the end that
-// fill no block are left out.
+// Averaged over blocks of factor x factor pixels; columns and rows at the end that fill no block
+// are left out.
 [[nodiscard]] BrightnessImage BrightnessOf(const ColourImage& colour, int factor);
 
 // The same of an image that is brightness already.

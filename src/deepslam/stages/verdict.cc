@@ -125,9 +125,9 @@ std::string InWords(const Adrift& adrift) {
           : "";
   return fmt::format(
       "at frame {} the camera sees nothing in common with the frames before: where frames {} to {} "
-      "lie relative to the others was not measured{} ({:.0f} % of the frames), so their objects "
-      "may "
-      "stand in the others'; record again with overlap, or run each part as a capture of its own",
+      "lie relative to the others was not measured{} ({:.0f} % of the frames), so their "
+      "objects may stand in the others'; record again with overlap, or run each part as a capture "
+      "of its own",
       adrift.cut_frame,
       adrift.first_frame,
       adrift.last_frame,
