@@ -10,14 +10,13 @@
 #include <Eigen/Eigenvalues>
 
 #include "deepslam/core/check.h"
+#include "deepslam/odometry/alignment_levels.h"
 #include "deepslam/odometry/point_alignment.h"
 
 namespace deepslam::odometry {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-// Coarser levels hold too few points for all six directions; they serve the rotation search.
-constexpr int kMinAlignmentWidth = 60;
 // Scale of the first step in standard deviations of the noise: far off, every residual must pull.
 constexpr float kFirstScale = 12.0F;
 constexpr float kFirstPhotometricScale = 25.0F;
@@ -83,13 +82,6 @@ double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int
 
 int Stride(const PyramidLevel& level, int wide_px = kWideLevel) {
   return level.camera.width >= wide_px ? kWideStride : 1;
-}
-
-std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
-  std::size_t count = 1;
-  while (count < pyramid.levels.size() && pyramid.levels[count].camera.width >= kMinAlignmentWidth)
-    ++count;
-  return count;
 }
 
 // Factors that turn a perturbation into metres: rotations count by their arc at the mean distance.

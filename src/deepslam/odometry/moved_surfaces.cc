@@ -8,11 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "deepslam/core/image.h"
+#include "deepslam/odometry/alignment_levels.h"
+
 namespace deepslam::odometry {
 namespace {
 
-// Coarse enough to be quick, fine enough for an arm.
-constexpr int kMinWidth = 60;
 // Seen through: this far behind, beside five standard deviations of the noise of the two.
 constexpr float kMarginM = 0.05F;
 constexpr float kMarginSigmas = 5.0F;
@@ -23,30 +24,26 @@ constexpr int kOutline = 2;
 // Share of the frame's depth that is worth a change.
 constexpr double kMinShare = 0.02;
 
-struct Mask {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> set;
+int CountAround(const Mask& mask, int u, int v, int radius) {
+  int count = 0;
+  for (int y = std::max(0, v - radius); y <= std::min(mask.height() - 1, v + radius); ++y) {
+    for (int x = std::max(0, u - radius); x <= std::min(mask.width() - 1, u + radius); ++x)
+      count += mask(x, y);
+  }
+  return count;
+}
 
-  [[nodiscard]] int CountAround(int u, int v, int radius) const {
-    int count = 0;
-    for (int y = std::max(0, v - radius); y <= std::min(height - 1, v + radius); ++y) {
-      for (int x = std::max(0, u - radius); x <= std::min(width - 1, u + radius); ++x)
-        count += set[static_cast<std::size_t>(y * width + x)];
+// Texels with at least `least` set ones within `radius`.
+Mask Where(const Mask& mask, int radius, int least, bool of_set_only) {
+  Mask result(mask.width(), mask.height());
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) {
+      const bool asked = mask(u, v) != 0 || !of_set_only;
+      result(u, v) = asked && CountAround(mask, u, v, radius) >= least ? 1 : 0;
     }
-    return count;
   }
-  // Texels with at least `least` set ones within `radius`.
-  [[nodiscard]] Mask Where(int radius, int least, bool of_set_only) const {
-    Mask result = *this;
-    for (int v = 0; v < height; ++v) {
-      for (int u = 0; u < width; ++u) {
-        const std::size_t k = static_cast<std::size_t>(v * width + u);
-        result.set[k] = (set[k] != 0 || !of_set_only) && CountAround(u, v, radius) >= least;
-      }
-    }
-    return result;
-  }
-};
+  return result;
+}
 
 // The nearest depth about the pixel where the point falls; nothing where the frame has none of it.
 std::optional<float> NearestAround(const PyramidLevel& level, const Eigen::Vector3d& p_camera) {
@@ -65,11 +62,9 @@ std::optional<float> NearestAround(const PyramidLevel& level, const Eigen::Vecto
   return nearest_m > 0 ? std::optional(nearest_m) : std::nullopt;
 }
 
-std::size_t CheckedLevel(const FramePyramid& pyramid) {
-  std::size_t level = 0;
-  while (level + 1 < pyramid.levels.size() && pyramid.levels[level + 1].camera.width >= kMinWidth)
-    ++level;
-  return level;
+// The coarsest that frames are aligned at: quick, and fine enough for an arm.
+const PyramidLevel& LevelOf(const FramePyramid& pyramid) {
+  return pyramid.levels[NumAlignmentLevels(pyramid) - 1];
 }
 
 // What an earlier frame says of the place where a surface stands now.
@@ -78,7 +73,7 @@ enum class Verdict { kNothing, kMoved, kStood };
 class Witness {
  public:
   Witness(const PlacedPyramid& earlier, const PlacedPyramid& now, const DepthNoise& noise)
-      : level_(earlier.pyramid->levels[CheckedLevel(*now.pyramid)]),
+      : level_(LevelOf(*earlier.pyramid)),
         earlier_from_now_(earlier.world_from_camera.Inverse() * now.world_from_camera),
         noise_(noise.Scaled(std::max(earlier.pyramid->noise_scale, now.pyramid->noise_scale))) {}
 
@@ -102,21 +97,20 @@ class Witness {
 Mask SeenThrough(const PlacedPyramid& frame,
                  std::span<const PlacedPyramid> earlier,
                  const DepthNoise& noise) {
-  const PyramidLevel& level = frame.pyramid->levels[CheckedLevel(*frame.pyramid)];
+  const PyramidLevel& level = LevelOf(*frame.pyramid);
   std::vector<Witness> latest_first;
   for (auto seen = earlier.rbegin(); seen != earlier.rend(); ++seen)
     latest_first.emplace_back(*seen, frame, noise);
-  Mask mask{level.camera.width, level.camera.height, {}};
-  mask.set.resize(level.depth_m.size());
-  for (int v = 0; v < mask.height; ++v) {
-    for (int u = 0; u < mask.width; ++u) {
-      const std::size_t k = static_cast<std::size_t>(v * mask.width + u);
-      if (!(level.depth_m[k] > 0)) continue;
-      const Eigen::Vector3d p = static_cast<double>(level.depth_m[k]) * level.camera.Ray(u, v);
+  Mask mask(level.camera.width, level.camera.height);
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) {
+      const float z_m = level.depth_m[static_cast<std::size_t>(v * mask.width() + u)];
+      if (!(z_m > 0)) continue;
+      const Eigen::Vector3d p = static_cast<double>(z_m) * level.camera.Ray(u, v);
       Verdict verdict = Verdict::kNothing;
       for (std::size_t n = 0; n < latest_first.size() && verdict == Verdict::kNothing; ++n)
         verdict = latest_first[n].Of(p);
-      mask.set[k] = verdict == Verdict::kMoved;
+      mask(u, v) = verdict == Verdict::kMoved ? 1 : 0;
     }
   }
   return mask;
@@ -124,10 +118,10 @@ Mask SeenThrough(const PlacedPyramid& frame,
 
 void Hide(const Mask& mask, PyramidLevel& level) {
   for (int v = 0; v < level.camera.height; ++v) {
-    const int mask_v = std::min(mask.height - 1, v * mask.height / level.camera.height);
+    const int mask_v = std::min(mask.height() - 1, v * mask.height() / level.camera.height);
     for (int u = 0; u < level.camera.width; ++u) {
-      const int mask_u = std::min(mask.width - 1, u * mask.width / level.camera.width);
-      if (mask.set[static_cast<std::size_t>(mask_v * mask.width + mask_u)] == 0) continue;
+      const int mask_u = std::min(mask.width() - 1, u * mask.width() / level.camera.width);
+      if (mask(mask_u, mask_v) == 0) continue;
       const std::size_t k = static_cast<std::size_t>(v * level.camera.width + u);
       level.depth_m[k] = 0;
       level.surface[k] = SurfaceTexel{};
@@ -140,14 +134,14 @@ void Hide(const Mask& mask, PyramidLevel& level) {
 std::shared_ptr<const FramePyramid> WithoutMoved(const PlacedPyramid& frame,
                                                  std::span<const PlacedPyramid> earlier,
                                                  const DepthNoise& noise) {
-  const Mask moved = SeenThrough(frame, earlier, noise).Where(1, kMinTogether, true);
-  const std::vector<float>& depth_m = frame.pyramid->levels[CheckedLevel(*frame.pyramid)].depth_m;
+  const Mask moved = Where(SeenThrough(frame, earlier, noise), 1, kMinTogether, true);
+  const std::vector<float>& depth_m = LevelOf(*frame.pyramid).depth_m;
   const auto num_valid = std::ranges::count_if(depth_m, [](float z) { return z > 0; });
-  const auto num_moved = std::ranges::count(moved.set, std::uint8_t{1});
+  const auto num_moved = std::ranges::count(moved, std::uint8_t{1});
   if (static_cast<double>(num_moved) <= kMinShare * static_cast<double>(num_valid))
     return frame.pyramid;
   auto hidden = std::make_shared<FramePyramid>(*frame.pyramid);
-  const Mask outlined = moved.Where(kOutline, 1, false);
+  const Mask outlined = Where(moved, kOutline, 1, false);
   for (PyramidLevel& level : hidden->levels) Hide(outlined, level);
   return hidden;
 }
