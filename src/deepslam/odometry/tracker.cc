@@ -31,6 +31,9 @@ constexpr double kFewCommonPoints = 0.5;
 // Alignments of real captures that are right reach these; below, other minima are looked for.
 constexpr double kSureAgreement = 0.85;
 constexpr double kSureCorrelation = 0.8;
+// Successive images correlate like that where they are laid right, however poor their depth is;
+// laid elsewhere, they differ by parallax.
+constexpr double kSameImage = 0.95;
 constexpr std::array<double, 4> kTurnsDeg = {-18, -9, 9, 18};
 
 // Of cameras in hands, one standard deviation.
@@ -42,6 +45,10 @@ constexpr double kWristAcceleration = 4;  // rad/s^2
 bool Doubtful(const FrameAlignment& alignment) {
   return !alignment.ok || alignment.agreement < kSureAgreement ||
          alignment.brightness_correlation < kSureCorrelation;
+}
+
+bool SameImage(const FrameAlignment& alignment) {
+  return alignment.ok && alignment.brightness_correlation > kSameImage;
 }
 
 TrackingStatus StatusOf(bool degenerate) {
@@ -201,7 +208,7 @@ FrameAlignment Tracker::AlignWidely(const Anchor& anchor,
                                     const Anchor& frame,
                                     std::vector<Pose3> starts_world) const {
   const FrameAlignment first = AlignTo(anchor, frame, starts_world);
-  if (!options_.wide_search || !Doubtful(first)) return first;
+  if (!options_.wide_search || !Doubtful(first) || SameImage(first)) return first;
   const std::vector<Pose3> orbits = Orbits(MedianDepthM(frame.pyramid->levels.back()));
   const std::size_t num_starts = starts_world.size();
   for (std::size_t k = 0; k < num_starts; ++k) {
@@ -274,7 +281,7 @@ bool Tracker::Relocalise(Anchor& frame) {
     // Elsewhere some earlier keyframe nearly always fits somehow; a new piece is joined when it is
     // sure where.
     const bool is_last = keyframe == keyframes_.rbegin();
-    if (!alignment.ok || (!is_last && Doubtful(alignment))) continue;
+    if (!alignment.ok || (!is_last && Doubtful(alignment) && !SameImage(alignment))) continue;
     const Anchor found = *keyframe;
     Accept(frame, found, alignment);
     last_interval_s_ = 0;  // the motion across a loss predicts nothing
@@ -375,7 +382,7 @@ void Tracker::RejoinPiece(Anchor& frame) {
     std::vector<Pose3> starts{earlier.world_from_camera};
     if (const auto start = SearchStart(earlier, frame)) starts.push_back(*start);
     const FrameAlignment alignment = AlignWidely(earlier, frame, starts);
-    if (Doubtful(alignment)) continue;
+    if (Doubtful(alignment) && !SameImage(alignment)) continue;
     AddEdge(earlier, frame, alignment);
     const Pose3 moved =
         earlier.world_from_camera * alignment.i_from_j * frame.world_from_camera.Inverse();
