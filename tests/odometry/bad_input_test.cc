@@ -267,6 +267,22 @@ TEST(EstimateOdometry, AlongABareWallFramesSayThatTheyMaySlide) {
   }
 }
 
+// It begins before the bare wall, so that nothing has shown its motion until the end comes in view.
+TEST(EstimateOdometry, AMotionThatNothingShowsIsBoundedLooselyAndEndsWhereSomethingIsSeen) {
+  AlongAWall walk = GoAlongAWall(0.0);
+  const auto first_bare = walk.truth.begin() + static_cast<std::ptrdiff_t>(walk.bare_begin);
+  walk.truth.erase(walk.truth.begin(), first_bare);
+  walk.bare_end -= walk.bare_begin;
+  const Odometry odometry = Track(Render(walk.hall, walk.truth));
+  ExpectStatus(odometry, 1, walk.bare_end, TrackingStatus::kDegenerate);
+  // The end of the hall is of use as soon as a keyframe has it, half a second later.
+  const std::size_t seen = walk.bare_end + 12;
+  ExpectStatus(odometry, seen, walk.truth.size(), TrackingStatus::kTracked);
+  ExpectTrue(odometry, walk.truth, seen, walk.truth.size());
+  ExpectConsistent(odometry);
+  ExpectHonestEdges(odometry, walk.truth);
+}
+
 TEST(EstimateOdometry, AlongAWallThatImagesSeeNothingSlides) {
   const AlongAWall walk = GoAlongAWall(1.0);
   const Odometry odometry = Track(Render(walk.hall, walk.truth));

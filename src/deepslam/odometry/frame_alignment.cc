@@ -501,13 +501,18 @@ JudgedHessian Judge(const AlignmentSystem& system,
   return {scale.asDiagonal() * clamped * scale.asDiagonal(), ratio};
 }
 
-Matrix6d Information(const Matrix6d& left, const Pose3& i_from_j, const AlignmentOptions& options) {
+Matrix6d Information(const Matrix6d& left,
+                     const Pose3& i_from_j,
+                     const StartSigma& start_sigma,
+                     const AlignmentOptions& options) {
   // A perturbation in frame j (right) is Adjoint(i_from_j) times as large in frame i (left).
   const Matrix6d adjoint = Adjoint(i_from_j);
   Matrix6d right = adjoint.transpose() * left * adjoint;
   // Directions that nothing constrains keep the prior that held them.
-  right.diagonal().head<3>().array() += 1 / (kPrior.translation_m * kPrior.translation_m);
-  right.diagonal().tail<3>().array() += 1 / (kPrior.rotation_rad * kPrior.rotation_rad);
+  const double prior_m = std::max(kPrior.translation_m, start_sigma.translation_m);
+  const double prior_rad = std::max(kPrior.rotation_rad, start_sigma.rotation_rad);
+  right.diagonal().head<3>().array() += 1 / (prior_m * prior_m);
+  right.diagonal().tail<3>().array() += 1 / (prior_rad * prior_rad);
   Matrix6d covariance = right.ldlt().solve(Matrix6d::Identity());
   covariance.diagonal().head<3>().array() +=
       options.floor_translation_m * options.floor_translation_m;
@@ -526,7 +531,7 @@ FrameAlignment Conclude(const Descent& descent,
   FrameAlignment result;
   result.i_from_j = descent.i_from_j;
   const JudgedHessian judged = Judge(system, finest, start_sigma, options);
-  result.information = Information(judged.left, descent.i_from_j, options);
+  result.information = Information(judged.left, descent.i_from_j, start_sigma, options);
   const double num_source = std::max(1, system.num_source);
   result.rmse_m =
       system.num_inliers > 0 ? std::sqrt(system.sum_squared_m2 / system.num_inliers) : 0;

@@ -42,6 +42,10 @@ constexpr double kHandAcceleration = 2;   // m/s^2
 constexpr double kWristSpeed = 0.7;       // rad/s
 constexpr double kWristAcceleration = 4;  // rad/s^2
 
+// A camera whose motion nothing shows may be anywhere after a while, also where it would see
+// something again: it is compared with what it saw lately.
+constexpr double kLongHeld_s = 0.5;
+
 bool Doubtful(const FrameAlignment& alignment) {
   return !alignment.ok || alignment.agreement < kSureAgreement ||
          alignment.brightness_correlation < kSureCorrelation;
@@ -199,8 +203,10 @@ StartSigma Tracker::SigmaOfStart(double duration_s) const {
   const double motion_age_s = 0.5 * last_interval_s_ + held_s_;
   const double speed_error_m_per_s = predicted ? kHandAcceleration * motion_age_s : kHandSpeed;
   const double turn_error_per_s = predicted ? kWristAcceleration * motion_age_s : kWristSpeed;
-  sigma.translation_m = std::min(sigma.translation_m, speed_error_m_per_s * duration_s);
-  sigma.rotation_rad = std::min(sigma.rotation_rad, turn_error_per_s * duration_s);
+  const double reach_m = std::max(sigma.translation_m, kHandSpeed * duration_s);
+  const double turned_rad = std::max(sigma.rotation_rad, kWristSpeed * duration_s);
+  sigma.translation_m = std::min(reach_m, speed_error_m_per_s * duration_s);
+  sigma.rotation_rad = std::min(turned_rad, turn_error_per_s * duration_s);
   return sigma;
 }
 
@@ -328,6 +334,9 @@ void Tracker::Lose(const Anchor& frame) {
 }
 
 bool Tracker::WantsKeyframe(const Anchor& frame, const FrameAlignment* to_keyframe) const {
+  if (to_keyframe != nullptr && to_keyframe->held &&
+      frame.clock_s - keyframes_.back().clock_s > kLongHeld_s)
+    return true;
   const Pose3 moved = keyframes_.back().world_from_camera.Inverse() * frame.world_from_camera;
   if (moved.translation_m.norm() > options_.keyframe_distance_m) return true;
   if (RotationAngle(moved.rotation) > options_.keyframe_angle_deg * kRadPerDeg) return true;
@@ -341,6 +350,7 @@ void Tracker::AddKeyframe(Anchor& frame, const FrameAlignment* direct) {
   const Anchor& last = keyframes_.back();
   const FrameAlignment alignment =
       direct != nullptr ? *direct : AlignTo(last, frame, {frame.world_from_camera});
+  frame.held = alignment.held;
   if (alignment.ok) {
     AddEdge(last, frame, alignment);
     AddSkipEdge(frame, alignment);
@@ -355,7 +365,7 @@ void Tracker::AddKeyframe(Anchor& frame, const FrameAlignment* direct) {
 void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
   if (!options_.skip_edges || keyframes_.size() < 2) return;
   const Anchor& before_last = keyframes_[keyframes_.size() - 2];
-  if (before_last.piece != frame.piece) return;
+  if (before_last.piece != frame.piece || keyframes_.back().held) return;
   const FrameAlignment skip = AlignTo(before_last, frame, {frame.world_from_camera});
   if (!skip.ok || skip.inside < kSkipEdgeOverlap || skip.agreement < kSureAgreement) return;
   const Pose3 by_last = keyframes_.back().world_from_camera * direct.i_from_j;

@@ -29,7 +29,8 @@ class Tracker {
     double clock_s = 0;  // goes on where the capture's was set back
     std::shared_ptr<const FramePyramid> pyramid;
     Pose3 world_from_camera;
-    int piece = 0;  // connected part of the trajectory it belongs to
+    int piece = 0;      // connected part of the trajectory it belongs to
+    bool held = false;  // since the keyframe before, a direction of its motion was predicted alone
   };
 
   [[nodiscard]] double ClockS(double time_s);
