@@ -44,7 +44,7 @@ DRY = {
     r"scripts/path_agreement\.py\b": "needs packages of PyPI",
     r"deepslam priors look ": "needs an object of a class with networks; the world has tables",
     r"scripts/measure_noise\.py\b": "takes minutes; ctest runs it (noise_statistics)",
-    r"deepslam synth configs/scenes/\S+ -o \S+$": "renders 120 frames; the world's capture is of the same kind",
+    r"deepslam synth configs/scenes/\S+( --rung \S+)? -o \S+$": "renders 120 frames; the world's capture is of the same kind",
     r"deepslam batch .*--engine slurm": "needs a cluster; ctest runs it (slurm)",
     r"deepslam batch --keep final$": "named in a sentence; the batch test runs it",
     r"deepslam library (build --force|split)$": "reads the whole catalogue, half a minute",
