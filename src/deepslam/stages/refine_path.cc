@@ -1,5 +1,7 @@
 #include "deepslam/stages/refine_path.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <span>
 #include <string>
@@ -125,6 +127,8 @@ Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& od
   if (!options.enabled) return 0;
   const std::vector<CovisiblePair> pairs = loop::ProposeCovisible(odometry, options);
   const auto registrations = RegisterAll(inputs, odometry, pairs, progress);
+  // The pyramids' memory goes back to the system: the graph below grows with the capture.
+  ::malloc_trim(0);
   if (progress.StopRequested()) return Interrupted();
   std::vector<RelativePose> edges = loop::AcceptCovisible(pairs, registrations, odometry, options);
   if (edges.empty()) return 0;
