@@ -8,8 +8,8 @@ arrangement. Each capture is reconstructed with the defaults, with configs/paper
 detected in keyframes alone, to save time), and by poses of its own that drift, furniture coming back 0.2 to 0.5 m off, with
 loops by objects alone (what is tracked drifts too little here to ask for them), up to the optimised graph. Against the truth
 it counts: revisits closed (a loop of either kind, or at least two objects known again), wrong loops (a keyframe loop off by
-more than 10 cm or 5 deg, a merge of different objects), duplicates left (two objects of the map that are one), and ATE of
-tracking alone, behind the path's refinement (which closes rooms of few keyframes already), and at the end. Results lie in
+more than 10 cm or 5 deg, a merge of different objects, an object whose views show two), duplicates left (two objects of the map that
+are one), and ATE of tracking alone, behind the path's refinement (which closes rooms of few keyframes already), and at the end. Results lie in
 --work as one JSON per seed and mode and are used again; the table goes to stdout. Needs nothing beyond Python 3.
 """
 import json
@@ -187,10 +187,14 @@ class Truth:
     def object_of(self, entry):
         """The true object that a map's object is, by what its best view saw from the true camera; None: none near."""
         views = [view for view in entry["views"] if view["ok"]]
-        if not views:
-            return None
-        best = max(views, key=lambda view: view["inlier_share"])
-        seen = times(self.camera(best["frame"]), of_json(best["camera_from_object"]))[1]
+        return self.shown(max(views, key=lambda view: view["inlier_share"])) if views else None
+
+    def objects_of(self, entry):
+        """The true objects that its views show."""
+        return {self.shown(view) for view in entry["views"] if view["ok"]} - {None}
+
+    def shown(self, view):
+        seen = times(self.camera(view["frame"]), of_json(view["camera_from_object"]))[1]
 
         def distance(k):
             return math.dist(seen[:2], self.objects[k]["translation_m"][:2])
@@ -199,11 +203,26 @@ class Truth:
         return nearest if distance(nearest) < SAME_OBJECT_M else None
 
 
+def of_visits(rows, visits):
+    """The objects by id; of those whose visits were parted, each visit with its own views, under its own id."""
+    known = {row["id"]: row for row in rows}
+    parted = {}
+    for visit in visits:
+        row = known[visit["object"]]
+        views = [view for view in row["views"] if visit["first"] <= view["frame"] <= visit["last"]]
+        parted[visit["visit"]] = {"views": views if any(view["ok"] for view in views)
+                                  else [{**view, "ok": True} for view in views]}
+    return {**known, **parted}
+
+
 def score(capture, workspace, ate):
     truth = Truth(capture, workspace)
     loops = read_json(workspace / "loops/loops.json")
-    before = {row["id"]: truth.object_of(row) for row in read_json(workspace / "select/objects.json")["objects"]}
-    after = [truth.object_of(row) for row in read_json(workspace / "loops/objects.json")["objects"]]
+    rows = read_json(workspace / "select/objects.json")["objects"]
+    already = [k for k in map(truth.object_of, rows) if k is not None]
+    before = {key: truth.object_of(row) for key, row in of_visits(rows, loops["visits"]).items()}
+    rows = read_json(workspace / "loops/objects.json")["objects"]
+    after = [truth.object_of(row) for row in rows]
     frames = sorted(truth.times)
     first_lap = frames[int(len(frames) / LAPS) - 1]
     known_again = sum(
@@ -215,7 +234,6 @@ def score(capture, workspace, ate):
               for row in appearance]
     constellations = [row for row in loops["constellations"] if row["accepted"] and len(row["pairs"]) > 1]
     known = [k for k in after if k is not None]
-    already = [k for k in before.values() if k is not None]
     return {
         "appearance": len(appearance),
         "constellations": len(constellations),
@@ -225,6 +243,7 @@ def score(capture, workspace, ate):
         "worst_appearance_m": max((m for m, _ in errors), default=0.0),
         "wrong_merges": sum(before.get(row["kept"]) != before.get(row["merged"]) for row in loops["merges"]),
         "merges": len(loops["merges"]),
+        "mixed": sum(len(truth.objects_of(row)) > 1 for row in rows),
         "objects": len(after),
         "duplicates_before": len(already) - len(set(already)),
         "duplicates": len(known) - len(set(known)),
@@ -276,8 +295,8 @@ def median(values):
 
 
 def table(rows, modes):
-    lines = ["| tracking | rooms | captures | closed | loops by appearance | constellations | wrong loops | wrong merges | "
-             "duplicates before, left | ATE tracked | path refined | after | worst after | above tracked |", "|" + "---|" * 14]
+    lines = ["| tracking | rooms | captures | closed | loops by appearance | constellations | wrong loops | wrong merges | two in one | "
+             "duplicates before, left | ATE tracked | path refined | after | worst after | above tracked |", "|" + "---|" * 15]
     for mode in modes:
         for twins in (False, True):
             group = [row for row in rows if row["mode"] == mode and bool(row["seed"] % 2) == twins]
@@ -290,6 +309,7 @@ def table(rows, modes):
             lines.append(
                 f"| {mode} | {'two chairs twice' if twins else 'all chairs differ'} | {len(group)} | {total('closed')} | "
                 f"{total('appearance')} | {total('constellations')} | {total('wrong_appearance')} | {total('wrong_merges')} | "
+                f"{total('mixed')} | "
                 f"{total('duplicates_before')}, {total('duplicates')} | "
                 f"{100 * median([row['ate_before'] for row in group]):.2f} cm | "
                 f"{100 * median([row['ate_path'] for row in group]):.2f} cm | "

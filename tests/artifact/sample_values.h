@@ -225,7 +225,8 @@ inline Loops SampleLoops() {
             "agrees"}},
           {{ObjectId{1}, ObjectId{5}}},
           {{FrameIdx{0}, FrameIdx{4}, SamplePose(random), SampleInformation(random), true}},
-          {{FrameIdx{1}, FrameIdx{9}, SamplePose(random), 41, 3, 0.9, true, "agrees"}}};
+          {{FrameIdx{1}, FrameIdx{9}, SamplePose(random), 41, 3, 0.9, true, "agrees"}},
+          {{ObjectId{5}, ObjectId{1}, FrameIdx{70}, FrameIdx{90}}}};
 }
 
 inline artifact::OptimizationRecord SampleOptimization() {

@@ -46,7 +46,7 @@ class Scoring(unittest.TestCase):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(value if isinstance(value, str) else json.dumps(value))
 
-    def score(self, before, after, appearance=(), merges=(), constellations=(), tracks=()):
+    def score(self, before, after, appearance=(), merges=(), constellations=(), tracks=(), visits=()):
         self.write(self.workspace / "select/objects.json", {"objects": before})
         self.write(self.workspace / "loops/objects.json", {"objects": after})
         self.write(self.workspace / "loops/tracks.json",
@@ -55,7 +55,8 @@ class Scoring(unittest.TestCase):
             "appearance": [{"accepted": good, "old_keyframe": i, "new_keyframe": j, "old_from_new": pose}
                            for i, j, pose, good in appearance],
             "constellations": [{"accepted": good, "pairs": pairs} for good, pairs in constellations],
-            "merges": [{"kept": a, "merged": b} for a, b in merges]})
+            "merges": [{"kept": a, "merged": b} for a, b in merges],
+            "visits": [dict(zip(("visit", "object", "first", "last"), visit)) for visit in visits]})
         return loops.score(self.capture, self.workspace, {})
 
     def test_a_right_loop_a_wrong_one_and_a_refused_one(self):
@@ -69,6 +70,15 @@ class Scoring(unittest.TestCase):
         self.assertEqual((right["wrong_merges"], right["duplicates_before"], right["duplicates"]), (0, 1, 0))
         wrong = self.score(before, before[:2], merges=[(1, 6)])
         self.assertEqual((wrong["wrong_merges"], wrong["duplicates"]), (1, 1))
+
+    def test_visits_of_an_object_count_by_themselves(self):
+        both = seen(1, 0, 0, 2)
+        both["views"] += seen(1, 90, 3, 2)["views"][:1]
+        before, visits = [both, seen(2, 95, 0.1, 2)], [(1, 1, 0, 10), (7, 1, 80, 99)]
+        self.assertEqual(self.score(before, before)["mixed"], 1)
+        right = self.score(before, before[1:], merges=[(1, 2)], visits=visits)
+        self.assertEqual((right["wrong_merges"], right["mixed"]), (0, 0))
+        self.assertEqual(self.score(before, before[1:], merges=[(2, 7)], visits=visits)["wrong_merges"], 1)
 
     def test_objects_known_again_close_a_loop_when_there_are_two(self):
         self.assertFalse(self.score([], [], tracks=[[0, 99], [0, 10]])["closed"])

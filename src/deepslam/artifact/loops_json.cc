@@ -6,7 +6,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/loops";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr int kMostCorners = 1000000;
 
 JsonValue MergesToJson(const std::vector<ObjectMerge>& merges) {
@@ -74,6 +74,15 @@ JsonValue EdgeToJson(const RelativePose& edge) {
   return JsonValue(std::move(row));
 }
 
+JsonValue VisitToJson(const PartedVisit& visit) {
+  JsonObject row;
+  row.emplace("visit", ToJson(visit.visit));
+  row.emplace("object", ToJson(visit.object));
+  row.emplace("first", ToJson(visit.first));
+  row.emplace("last", ToJson(visit.last));
+  return JsonValue(std::move(row));
+}
+
 }  // namespace
 
 Result<std::string> EncodeLoops(const Loops& loops, std::string_view name) {
@@ -90,6 +99,9 @@ Result<std::string> EncodeLoops(const Loops& loops, std::string_view name) {
   JsonArray appearance;
   for (const AppearanceLoop& loop : loops.appearance) appearance.push_back(AppearanceToJson(loop));
   document.emplace("appearance", std::move(appearance));
+  JsonArray visits;
+  for (const PartedVisit& visit : loops.visits) visits.push_back(VisitToJson(visit));
+  document.emplace("visits", std::move(visits));
   return DumpJson(std::move(document), name);
 }
 
@@ -118,6 +130,12 @@ Result<Loops> DecodeLoops(std::string_view text, std::string_view name) {
   }
   for (const JsonNode& row : root["appearance"].Items())
     loops.appearance.push_back(ReadAppearance(row));
+  for (const JsonNode& row : root["visits"].Items()) {
+    loops.visits.push_back({ReadId<ObjectId>(row["visit"]),
+                            ReadId<ObjectId>(row["object"]),
+                            ReadId<FrameIdx>(row["first"]),
+                            ReadId<FrameIdx>(row["last"])});
+  }
   return reader.Finish(std::move(loops));
 }
 

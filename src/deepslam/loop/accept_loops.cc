@@ -203,4 +203,25 @@ Loops AcceptLoops(std::span<const Constellation> verified,
   return loops;
 }
 
+void Append(Loops more, Loops& all) {
+  const auto pairs = [](const Constellation& constellation) {
+    std::vector<IdPair> ids;
+    for (const ObjectMerge& pair : constellation.pairs) ids.emplace_back(pair.kept, pair.merged);
+    return ids;
+  };
+  for (Constellation& constellation : more.constellations) {
+    std::erase_if(all.constellations, [&](const Constellation& earlier) {
+      return !earlier.accepted && pairs(earlier) == pairs(constellation);
+    });
+    all.constellations.push_back(std::move(constellation));
+  }
+  for (const ObjectMerge& merge : more.merges) {
+    for (ObjectMerge& earlier : all.merges) {
+      if (earlier.kept == merge.merged) earlier.kept = merge.kept;
+    }
+    all.merges.push_back(merge);
+  }
+  all.edges.insert(all.edges.end(), more.edges.begin(), more.edges.end());
+}
+
 }  // namespace deepslam::loop

@@ -127,4 +127,8 @@ using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
                                 const LoopOptions& options,
                                 const Odometry& odometry = {});
 
+// What a further search found, in the map that the merges of `all` made. Merged objects still go to
+// what is kept at last; refused constellations that come again take the place of the earlier ones.
+void Append(Loops more, Loops& all);
+
 }  // namespace deepslam::loop

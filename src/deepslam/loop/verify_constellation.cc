@@ -9,6 +9,7 @@
 #include "deepslam/geometry/box.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
+#include "deepslam/loop/level_icp.h"
 #include "deepslam/loop/point_agreement.h"
 
 namespace deepslam::loop {
@@ -20,9 +21,6 @@ constexpr double kCell_m = 0.03;  // thinning
 constexpr std::size_t kMinObjectPoints = 30;
 constexpr double kGroundBand_m = 0.10;  // above the objects' feet: counted as ground
 constexpr double kBoxShrink = 0.8;
-constexpr int kRefineSteps = 20;
-constexpr double kRefineRadius_m = 0.30;  // of correspondences at first
-constexpr double kRefineShrink = 0.85;
 constexpr double kMaxRefineMove_m =
     0.30;  // farther than registration errors explain: not a refinement
 constexpr double kMaxRefineTurn_rad = 15.0 * std::numbers::pi / 180.0;
@@ -106,51 +104,18 @@ Visit MakeVisit(const ObjectMap& map,
   return visit;
 }
 
-// Correspondences of the new visit's points with the old one's under the correction.
-void AddCorrespondences(const Points& points,
-                        const PointIndex& target,
-                        const Pose3& old_from_new,
-                        const Eigen::Quaterniond& level_from_world,
-                        double radius_m,
-                        CorrectionFit& fit,
-                        std::size_t& count) {
-  for (const Eigen::Vector3f& p : points) {
-    const Eigen::Vector3d moved = old_from_new * p.cast<double>();
-    const Eigen::Vector3f* nearest = target.Nearest(moved.cast<float>(), radius_m);
-    if (nearest == nullptr) continue;
-    fit.AddPoint(level_from_world * nearest->cast<double>(), level_from_world * p.cast<double>());
-    ++count;
-  }
-}
-
-// Point-to-point ICP of four degrees of freedom over objects and surroundings.
+// ICP of four degrees of freedom over objects and surroundings.
 Pose3 Refined(const Visit& old_visit,
               const Visit& new_visit,
               const PointIndex& old_room,
               const Pose3& start,
               const Eigen::Quaterniond& level_from_world,
               const LoopOptions& options) {
-  Pose3 correction = start;
-  double radius_m = kRefineRadius_m;
-  for (int step = 0; step < kRefineSteps; ++step) {
-    CorrectionFit fit;
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < new_visit.objects.size(); ++k) {
-      AddCorrespondences(new_visit.objects[k].depth,
-                         old_visit.objects[k].surface,
-                         correction,
-                         level_from_world,
-                         radius_m,
-                         fit,
-                         count);
-    }
-    AddCorrespondences(
-        new_visit.room, old_room, correction, level_from_world, radius_m, fit, count);
-    if (count < kMinObjectPoints) return start;
-    correction = fit.Solve(radius_m, 1.0).InWorld(level_from_world);
-    radius_m = std::max(options.verify_distance_m, kRefineShrink * radius_m);
-  }
-  return correction;
+  std::vector<Belonging> clouds;
+  for (std::size_t k = 0; k < new_visit.objects.size(); ++k)
+    clouds.push_back({new_visit.objects[k].depth, &old_visit.objects[k].surface});
+  clouds.push_back({new_visit.room, &old_room});
+  return AlignLevel(clouds, start, level_from_world, options.verify_distance_m).value_or(start);
 }
 
 // The worse of both directions; nothing where neither side has points. `b_from_a` moves a onto b.

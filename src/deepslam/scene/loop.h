@@ -23,6 +23,15 @@ struct Constellation {
   std::string reason;  // the geometric verification's verdict
 };
 
+// A visit to an object that association had known again, where what the visits measured stands
+// apart: looked for like an object of its own. The first one has the object's own id.
+struct PartedVisit {
+  ObjectId visit;
+  ObjectId object;
+  FrameIdx first;
+  FrameIdx last;
+};
+
 // Two keyframes that show one place, found by what they look like.
 struct AppearanceLoop {
   FrameIdx old_keyframe;
@@ -40,6 +49,7 @@ struct Loops {
   std::vector<ObjectMerge> merges;            // accepted, each object merged at most once
   std::vector<RelativePose> edges;            // keyframe to keyframe, verified, of both kinds
   std::vector<AppearanceLoop> appearance;     // accepted and rejected ones
+  std::vector<PartedVisit> visits;            // ids that pairs and merges may name beside objects'
 };
 
 }  // namespace deepslam

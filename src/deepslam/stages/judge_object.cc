@@ -17,10 +17,15 @@
 namespace deepslam::stages {
 
 Result<ModelMap> LoadModels(const pipeline::StageContext& context,
-                            std::span<const ShapeCandidate> candidates) {
+                            std::span<const ShapeCandidate> candidates,
+                            const std::map<std::string, VoxelGrid>& own) {
   std::map<std::string, VoxelGrid> grids;
   for (const ShapeCandidate& candidate : candidates) {
     if (grids.contains(candidate.model)) continue;
+    if (const auto made = own.find(candidate.model); made != own.end()) {
+      grids.insert(*made);
+      continue;
+    }
     Result<VoxelGrid> grid = ReadModel(context, StageOfModel(candidate.source), candidate.model);
     if (!grid.ok()) return grid.error();
     grids.emplace(candidate.model, std::move(grid).value());

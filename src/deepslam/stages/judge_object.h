@@ -21,9 +21,10 @@ namespace deepslam::stages {
 
 using ModelMap = std::map<std::string, shape::ShapeModel>;
 
-// The models of the candidates, prepared, from the stages that made them.
+// The models of the candidates, prepared: `own`, or from the stages that made them.
 [[nodiscard]] Result<ModelMap> LoadModels(const pipeline::StageContext& context,
-                                          std::span<const ShapeCandidate> candidates);
+                                          std::span<const ShapeCandidate> candidates,
+                                          const std::map<std::string, VoxelGrid>& own = {});
 
 [[nodiscard]] ModelMap PrepareModels(const std::map<std::string, VoxelGrid>& grids);
 

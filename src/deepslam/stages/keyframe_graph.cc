@@ -18,7 +18,7 @@ Result<SolvedPath> SolvePath(const Odometry& odometry,
   const auto first = static_cast<std::size_t>(odometry.keyframes.front().value);
   const Pose3 tracking_from_level =
       odometry.frames[first].world_from_camera * solved->frames[first].world_from_camera.Inverse();
-  SolvedPath path{odometry.frames, ground};
+  SolvedPath path{odometry.frames, ground, {}};
   for (std::size_t k = 0; k < path.frames.size(); ++k) {
     path.frames[k].world_from_camera = tracking_from_level * solved->frames[k].world_from_camera;
   }
@@ -31,6 +31,8 @@ Result<SolvedPath> SolvePath(const Odometry& odometry,
         path.frames[own].world_from_camera * odometry.frames[own].world_from_camera.Inverse();
     apart.plane_world = Transformed(solved_from_tracked, *apart.plane_world);
   }
+  for (const MapObject& object : solved->map.objects)
+    path.world_from_object.push_back(tracking_from_level * object.world_from_object);
   return path;
 }
 

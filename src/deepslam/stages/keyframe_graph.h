@@ -11,11 +11,12 @@
 
 namespace deepslam::stages {
 
-// Cameras and ground as the graph has them with `edges` beside tracking's own and the views of
-// `map`; in the tracking world (the first keyframe stays).
+// Cameras, ground and objects as the graph has them with `edges` beside tracking's own and the
+// views of `map`; in the tracking world (the first keyframe stays).
 struct SolvedPath {
   std::vector<TrackedFrame> frames;
   Ground ground;
+  std::vector<Pose3> world_from_object;  // in the map's order
 };
 
 [[nodiscard]] Result<SolvedPath> SolvePath(const Odometry& odometry,

@@ -1,0 +1,397 @@
+#include "deepslam/stages/loop_world.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/stages/judge_object.h"
+#include "deepslam/stages/refine_object.h"
+
+namespace deepslam::stages {
+namespace {
+
+using pipeline::StageContext;
+
+std::optional<Pose3> AfterFromBefore(const Odometry& before,
+                                     const Odometry& after,
+                                     FrameIdx frame) {
+  if (!frame.valid() || frame.value >= static_cast<int>(before.frames.size())) return std::nullopt;
+  const Pose3& from = before.at(frame).world_from_camera;
+  const Pose3& to = after.at(frame).world_from_camera;
+  return from == to ? Pose3{} : to * from.Inverse();
+}
+
+// Whose views an object has after merging: those of its own track, then of each that was merged
+// into it, with the corrections that move them, the first one first.
+struct ViewOrigin {
+  ObjectId track;
+  std::vector<Pose3> corrections;
+};
+using ViewOrigins = std::map<ObjectId, std::vector<ViewOrigin>>;
+
+std::vector<ViewOrigin>& OriginsOf(ObjectId id, ViewOrigins& origins) {
+  std::vector<ViewOrigin>& own = origins[id];
+  if (own.empty()) own.push_back({id, {}});
+  return own;
+}
+
+// A step from an object to the older one that an accepted constellation paired it with.
+struct Step {
+  ObjectId older;
+  Pose3 older_from_newer;
+};
+
+// `kept` is preferred; objects that came back twice are joined by way of the visit between.
+std::optional<Step> StepFrom(const Loops& loops, ObjectId newer, ObjectId kept) {
+  std::optional<Step> step;
+  for (const Constellation& constellation : loops.constellations) {
+    if (!constellation.accepted) continue;
+    for (const ObjectMerge& pair : constellation.pairs) {
+      if (pair.merged != newer) continue;
+      if (!step || pair.kept == kept) step = {pair.kept, constellation.old_world_from_new_world};
+    }
+  }
+  return step;
+}
+
+// Brings the merged object's views onto the kept one.
+Pose3 CorrectionOf(const Loops& loops, const ObjectMerge& merge) {
+  Pose3 kept_from_merged;
+  ObjectId current = merge.merged;
+  for (std::size_t n = 0; n < loops.constellations.size() && current != merge.kept; ++n) {
+    const std::optional<Step> step = StepFrom(loops, current, merge.kept);
+    if (!step) break;
+    kept_from_merged = step->older_from_newer * kept_from_merged;
+    current = step->older;
+  }
+  return kept_from_merged;
+}
+
+ObjectTrack* FindTrack(Association& association, ObjectId id) {
+  const auto it = std::find_if(association.tracks.begin(),
+                               association.tracks.end(),
+                               [&](const ObjectTrack& track) { return track.id == id; });
+  return it == association.tracks.end() ? nullptr : &*it;
+}
+
+void EraseTrack(Association& association, ObjectId id) {
+  std::erase_if(association.tracks, [&](const ObjectTrack& track) { return track.id == id; });
+}
+
+void SortTracks(Association& association) {
+  std::ranges::stable_sort(association.tracks, {}, &ObjectTrack::id);
+}
+
+// The merged object's members, views and candidates become the kept one's; its views move by the
+// loop's correction.
+void Merge(const ObjectMerge& merge,
+           const Pose3& correction,
+           LoopWorld& world,
+           ViewOrigins& origins) {
+  ObjectTrack* kept = FindTrack(world.association, merge.kept);
+  const ObjectTrack* merged = FindTrack(world.association, merge.merged);
+  if (kept == nullptr || merged == nullptr) return;
+  for (TrackMember member : merged->members) {
+    member.how = "merge";
+    kept->members.push_back(std::move(member));
+  }
+  std::stable_sort(kept->members.begin(),
+                   kept->members.end(),
+                   [](const TrackMember& a, const TrackMember& b) { return a.frame < b.frame; });
+  EraseTrack(world.association, merge.merged);
+  std::vector<ViewOrigin> moved = OriginsOf(merge.merged, origins);
+  std::vector<ViewOrigin>& kept_origins = OriginsOf(merge.kept, origins);
+  for (ViewOrigin& origin : moved) {
+    origin.corrections.push_back(correction);
+    kept_origins.push_back(std::move(origin));
+  }
+  for (Proposals* proposals : {&world.proposals, &world.made}) {
+    for (ShapeCandidate& candidate : proposals->candidates) {
+      if (candidate.object == merge.merged) candidate.object = merge.kept;
+    }
+  }
+}
+
+// The views of an object after merging, ascending frames. `tracks` are those before merging.
+Result<std::vector<ObjectView>> ViewsOf(const StageContext& context,
+                                        const RunInputs& inputs,
+                                        const LoopWorld& world,
+                                        const Association& before,
+                                        std::span<const ViewOrigin> origins) {
+  ObjectViews of_tracks;
+  std::vector<ObjectTrack> tracks;
+  for (const ObjectTrack& track : before.tracks) {
+    if (std::ranges::find(origins, track.id, &ViewOrigin::track) != origins.end())
+      tracks.push_back(track);
+  }
+  const auto keep = [&](std::span<TrackViews> batch) {
+    for (TrackViews& of_track : batch) of_tracks[of_track.track->id] = std::move(of_track.views);
+    return Ok();
+  };
+  const Status status = ForDepthViews(context, inputs, world, tracks, keep);
+  if (!status.ok()) return status.error();
+  std::vector<ObjectView> views;
+  for (const ViewOrigin& origin : origins) {
+    for (ObjectView& view : of_tracks[origin.track]) {
+      for (const Pose3& correction : origin.corrections)
+        view.world_from_camera = correction * view.world_from_camera;
+      views.push_back(std::move(view));
+    }
+  }
+  std::stable_sort(views.begin(), views.end(), [](const ObjectView& a, const ObjectView& b) {
+    return a.frame < b.frame;
+  });
+  return views;
+}
+
+std::vector<ShapeCandidate> AllCandidatesOf(const LoopWorld& world, ObjectId object) {
+  std::vector<ShapeCandidate> candidates = CandidatesOf(world.proposals, object);
+  std::ranges::move(CandidatesOf(world.made, object), std::back_inserter(candidates));
+  return candidates;
+}
+
+// As the stages before have them: the tracking world about the object's best view.
+void KeepRegistrations(const MapObject& object,
+                       std::vector<CandidateRegistration> registrations,
+                       LoopWorld& world) {
+  const Pose3 tracked_from_closed = MovedWith(world.tracked, world.odometry, object).Inverse();
+  for (CandidateRegistration& registration : registrations)
+    registration.world_from_object = tracked_from_closed * registration.world_from_object;
+  world.registrations[object.id] = std::move(registrations);
+}
+
+// What is completed for an object goes by `change`, with a number from the second time on.
+std::string NextName(std::string_view change, ObjectId object, LoopWorld& world) {
+  const int n = ++world.num_judged[object];
+  return n == 1 ? std::string(change) : fmt::format("{}{}", change, n);
+}
+
+// The object as its candidates, registered and judged by all these views and completed anew, make
+// it. Where nothing fits all views, what fitted the old ones stays.
+Status JudgeAnew(const StageContext& context,
+                 const RunInputs& inputs,
+                 std::span<const ObjectView> views,
+                 std::string_view change,
+                 LoopWorld& world,
+                 MapObject& object) {
+  Contest contest{object.id, object.class_name, AllCandidatesOf(world, object.id), {}, {}, {}, {}};
+  Result<ModelMap> models = LoadModels(context, contest.candidates, world.made.models);
+  if (!models.ok()) return models.error();
+  contest.models = std::move(models).value();
+  contest.registrations =
+      RegisterAll(contest.candidates, contest.models, views, inputs.config.registration);
+  ScoreAll(views, inputs.config.select, contest);
+  if (inputs.config.shape_refinement.complete) {
+    Proposals completed = CompleteBest(contest, views, NextName(change, object.id, world), inputs);
+    Enter(std::move(completed), views, inputs, NextId(world.proposals), contest, world.made);
+  }
+  std::vector<std::string> applied;  // told by stage select already
+  Result<MapObject> selected = SelectOrChoose(contest, views, inputs, applied);
+  if (!selected.ok()) return selected.error();
+  if (selected->chosen.valid()) {
+    selected->merged = std::move(object.merged);
+    object = std::move(selected).value();
+  }
+  KeepRegistrations(object, std::move(contest.registrations), world);
+  return Ok();
+}
+
+// By all views of its track.
+Status JudgeWhole(const StageContext& context,
+                  const RunInputs& inputs,
+                  std::string_view change,
+                  LoopWorld& world,
+                  MapObject& object) {
+  const std::vector<ViewOrigin> own = {{object.id, {}}};
+  const Result<std::vector<ObjectView>> views =
+      ViewsOf(context, inputs, world, world.association, own);
+  if (!views.ok()) return views.error();
+  return JudgeAnew(context, inputs, *views, change, world, object);
+}
+
+void CopyCandidates(ObjectId from, ObjectId to, LoopWorld& world) {
+  const int first = NextId(world.proposals);
+  for (ShapeCandidate candidate : CandidatesOf(world.proposals, from)) {
+    candidate.object = to;
+    candidate.id = CandidateId{first + static_cast<int>(world.made.candidates.size())};
+    world.made.candidates.push_back(std::move(candidate));
+  }
+}
+
+// The object with what one of its visits saw.
+MapObject OfVisit(const MapObject& object, const ObjectTrack& visit) {
+  MapObject own = object;
+  own.id = visit.id;
+  own.merged.clear();
+  std::erase_if(own.views, [&](const ViewRegistration& view) {
+    return view.frame < visit.members.front().frame || view.frame > visit.members.back().frame;
+  });
+  return own;
+}
+
+}  // namespace
+
+Pose3 MovedWith(const Odometry& before, const Odometry& after, const MapObject& object) {
+  Pose3 best;
+  double share = -1;
+  for (const ViewRegistration& view : object.views) {
+    const std::optional<Pose3> own = AfterFromBefore(before, after, view.frame);
+    if (!own || view.inlier_share <= share) continue;
+    share = view.inlier_share;
+    best = *own;
+  }
+  return best;
+}
+
+double MovedApart_m(const Odometry& before, const Odometry& after, const MapObject& object) {
+  const Pose3 best = MovedWith(before, after, object);
+  const Eigen::Vector3d centre = best.Inverse() * object.world_from_object.translation_m;
+  double apart_m = 0;
+  for (const ViewRegistration& view : object.views) {
+    const std::optional<Pose3> own = AfterFromBefore(before, after, view.frame);
+    if (own) apart_m = std::max(apart_m, (*own * centre - best * centre).norm());
+  }
+  return apart_m;
+}
+
+void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map) {
+  for (MapObject& object : map.objects)
+    object.world_from_object = MovedWith(before, after, object) * object.world_from_object;
+}
+
+Status ForDepthViews(const StageContext& context,
+                     const RunInputs& inputs,
+                     const LoopWorld& world,
+                     std::span<const ObjectTrack> tracks,
+                     const std::function<Status(std::span<TrackViews>)>& use) {
+  return ForTrackViews(
+      context, inputs, world.odometry, world.ground, tracks, observe::ViewContent::kDepth, use);
+}
+
+Result<VoxelGrid> ReadChosenModel(const StageContext& context,
+                                  const LoopWorld& world,
+                                  const MapObject& object) {
+  const auto made = world.made.models.find(object.model);
+  if (made != world.made.models.end()) return made->second;
+  return ReadModel(context, StageOfModel(object.source), object.model);
+}
+
+Status JudgeMerged(const StageContext& context,
+                   const RunInputs& inputs,
+                   const Loops& found,
+                   LoopWorld& world) {
+  const Association before = world.association;
+  std::map<ObjectId, std::vector<ObjectId>> groups;
+  ViewOrigins origins;
+  for (const ObjectMerge& merge : found.merges) {
+    Merge(merge, CorrectionOf(found, merge), world, origins);
+    groups[merge.kept].push_back(merge.merged);
+    const auto gone = std::ranges::find(world.map.objects, merge.merged, &MapObject::id);
+    if (gone == world.map.objects.end()) continue;
+    std::ranges::copy(gone->merged, std::back_inserter(groups[merge.kept]));
+    world.map.objects.erase(gone);
+    world.registrations.erase(merge.merged);
+  }
+  for (MapObject& object : world.map.objects) {
+    const auto group = groups.find(object.id);
+    if (group == groups.end()) continue;
+    const Result<std::vector<ObjectView>> views =
+        ViewsOf(context, inputs, world, before, OriginsOf(object.id, origins));
+    if (!views.ok()) return views.error();
+    if (Status status = JudgeAnew(context, inputs, *views, "merged", world, object); !status.ok())
+      return status;
+    std::ranges::copy(group->second, std::back_inserter(object.merged));
+    std::ranges::sort(object.merged);
+  }
+  return Ok();
+}
+
+Status JudgeMovedApart(const StageContext& context,
+                       const RunInputs& inputs,
+                       const Odometry& before,
+                       const std::set<ObjectId>& just_judged,
+                       LoopWorld& world) {
+  for (MapObject& object : world.map.objects) {
+    if (just_judged.contains(object.id) ||
+        MovedApart_m(before, world.odometry, object) <= loop::kApart_m) {
+      continue;
+    }
+    if (Status status = JudgeWhole(context, inputs, "closed", world, object); !status.ok())
+      return status;
+  }
+  return Ok();
+}
+
+Result<PartedWorld> Part(const StageContext& context,
+                         const RunInputs& inputs,
+                         const loop::PartedObjects& parted,
+                         LoopWorld& world) {
+  PartedWorld whole{world.odometry, parted.visits, {}, {}};
+  std::vector<MapObject> visits;
+  for (std::size_t k = 0; k < parted.visits.size(); ++k) {
+    const ObjectId id = parted.visits[k].object;
+    if (!whole.objects.contains(id)) {
+      const auto object = std::ranges::find(world.map.objects, id, &MapObject::id);
+      whole.objects.emplace(id, *object);
+      whole.tracks.emplace(id, *FindTrack(world.association, id));
+      world.map.objects.erase(object);
+      EraseTrack(world.association, id);
+    }
+    if (parted.tracks[k].id != id) CopyCandidates(id, parted.tracks[k].id, world);
+    world.association.tracks.push_back(parted.tracks[k]);
+    visits.push_back(OfVisit(whole.objects.at(id), parted.tracks[k]));
+  }
+  SortTracks(world.association);
+  for (MapObject& visit : visits) {
+    if (Status status = JudgeWhole(context, inputs, "visit", world, visit); !status.ok())
+      return status.error();
+  }
+  std::ranges::move(visits, std::back_inserter(world.map.objects));
+  std::ranges::stable_sort(world.map.objects, {}, &MapObject::id);
+  return whole;
+}
+
+Status Rejoin(const StageContext& context,
+              const RunInputs& inputs,
+              const std::vector<ObjectMerge>& merges,
+              const PartedWorld& parted,
+              LoopWorld& world) {
+  std::set<ObjectId> known_again;
+  for (const ObjectMerge& merge : merges) known_again.insert({merge.kept, merge.merged});
+  std::set<ObjectId> settled;
+  for (const PartedVisit& visit : parted.visits) {
+    if (known_again.contains(visit.visit)) settled.insert(visit.object);
+  }
+  for (const PartedVisit& visit : parted.visits) {
+    if (settled.contains(visit.object)) continue;
+    EraseTrack(world.association, visit.visit);
+    std::erase_if(world.map.objects,
+                  [&](const MapObject& object) { return object.id == visit.visit; });
+    world.registrations.erase(visit.visit);
+    for (ShapeCandidate& candidate : world.made.candidates) {
+      if (candidate.object == visit.visit) candidate.object = ObjectId();
+    }
+  }
+  for (const auto& [id, whole] : parted.objects) {
+    if (settled.contains(id)) continue;
+    world.association.tracks.push_back(parted.tracks.at(id));
+    SortTracks(world.association);
+    MapObject object = whole;
+    object.world_from_object =
+        MovedWith(parted.odometry, world.odometry, whole) * whole.world_from_object;
+    if (MovedApart_m(parted.odometry, world.odometry, whole) > loop::kApart_m) {
+      if (Status status = JudgeWhole(context, inputs, "closed", world, object); !status.ok())
+        return status;
+    }
+    world.map.objects.push_back(std::move(object));
+  }
+  std::ranges::stable_sort(world.map.objects, {}, &MapObject::id);
+  return Ok();
+}
+
+}  // namespace deepslam::stages
