@@ -194,6 +194,49 @@ TEST(Loops, ADuplicateInItsPlaceIsMergedWithoutASecondPair) {
   EXPECT_TRUE(Detect(scene, options).merges.empty());
 }
 
+// A top on four legs, about its middle.
+std::vector<Eigen::Vector3f> TablePoints() {
+  std::vector<Eigen::Vector3f> points;
+  for (float x = -0.6F; x <= 0.6F; x += 0.025F) {
+    for (float y = -0.4F; y <= 0.4F; y += 0.025F) {
+      points.emplace_back(x, y, 0.3F);
+      if (std::abs(x) > 0.56F && std::abs(y) > 0.36F) {
+        for (float z = -0.45F; z < 0.3F; z += 0.025F) points.emplace_back(x, y, z);
+      }
+    }
+  }
+  return points;
+}
+
+TEST(Loops, DepthTellsAThingOfTwoClassesFromAChairUnderATable) {
+  for (const bool same_thing : {true, false}) {
+    Scene scene;
+    scene.odometry = Walk(100, 1);
+    const auto room = Clutter(1, 4);
+    AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, room);
+    AddVisit(scene, {{same_thing ? "cabinet" : "table", 0, 0, 0}}, 40, Yawed(0.1, 0, 0, 0), room);
+    if (!same_thing) {
+      ObjectEvidence& table = scene.evidence[ObjectId{1}];
+      table.depth_points_world = testing_support::Moved(TablePoints(), Yawed(0.1, 0, 0.45, 0));
+      table.model_points_world = table.depth_points_world;
+    }
+    EXPECT_EQ(Merged(Detect(scene)), same_thing ? (Merges{{0, 1}}) : Merges{});
+  }
+}
+
+TEST(Loops, ADuplicateThatModelsDoNotShowIsFoundInTheDepth) {
+  LoopOptions options;
+  options.min_single_overlap = 1;
+  for (const bool same_room : {true, false}) {
+    Scene scene;
+    scene.odometry = Walk(100, 1);
+    AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, Clutter(1, 4));
+    AddVisit(
+        scene, {{"chair", 0, 0, 0}}, 40, Yawed(0.12, 0.05, 0, 0.02), Clutter(same_room ? 1 : 2, 4));
+    EXPECT_EQ(Detect(scene, options).merges.size(), same_room ? 1U : 0U);
+  }
+}
+
 TEST(Loops, AChainOfVisitsEndsInTheLowestId) {
   Scene scene;
   scene.odometry = Walk(800, 30);

@@ -17,9 +17,9 @@
 //   path, measured at the objects, and drift_base_deg + drift_deg_per_m * path.
 // Two pairs' distance, bearing and yaws determine the correction; further pairs are added, nearest
 // first, as long as all agree after a refit.
-// Besides, a single pair is proposed where two models stand in each other: distance of centres
-// below overlap_share * half the smaller one's longest side (a duplicate left by association; no
-// gap needed).
+// Besides, a single pair is proposed where two models stand in each other, of whatever classes:
+// distance of centres below overlap_share * half the smaller one's longest side (a duplicate left
+// by association or by a path that has been closed; no gap needed).
 //
 // Verification. The correction is refined by 4-DoF ICP over objects and surroundings; then the
 // depth of either visit has to lie on the other visit's models, and the surroundings have to agree.
@@ -109,9 +109,10 @@ using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
 // verify_distance_m of the other's; the better direction counts, since one visit may have seen
 // more; it must reach min_room_agreement. Where a visit has fewer than min_room_points of them,
 // objects alone are believed only if the correction moves them by no more than drift_base_m: equal
-// furniture in an equal arrangement may stand elsewhere. A single pair: without any correction,
-// min_single_overlap of both models' points must lie within verify_distance_m of the other model or
-// inside its box shrunk to 80 %.
+// furniture in an equal arrangement may stand elsewhere. A single pair of one class: it is enough
+// if without any correction min_single_overlap of both models' points lie within verify_distance_m
+// of the other model or inside its box shrunk to 80 %. Else, and of two classes, depth decides as
+// above.
 [[nodiscard]] Constellation VerifyConstellation(const Constellation& constellation,
                                                 const ObjectMap& map,
                                                 const LoopEvidence& evidence,

@@ -1,35 +1,76 @@
 #include "deepslam/loop/shared_place.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "deepslam/loop/point_agreement.h"
 
 namespace deepslam::loop {
 namespace {
 
 // Share of the host's confidence from which on it is open which of the two is there.
 constexpr double kAsSure = 0.5;
+constexpr double kPieceShare = 0.8;
+constexpr double kCell_m = 0.03;        // thinning
+constexpr std::size_t kMinPoints = 30;  // fewer say nothing
+
+double Apart_m(const MapObject& a, const MapObject& b) {
+  return (a.world_from_object.translation_m - b.world_from_object.translation_m).norm();
+}
+
+const MapObject& Get(const ObjectMap& map, ObjectId id) {
+  return *std::ranges::find(map.objects, id, &MapObject::id);
+}
+
+bool IsPieceOf(ObjectId piece, ObjectId whole, const LoopEvidence& evidence, double radius_m) {
+  const auto own = evidence.find(piece);
+  const auto other = evidence.find(whole);
+  if (own == evidence.end() || other == evidence.end()) return false;
+  const std::vector<Eigen::Vector3f> points = Thinned(own->second.depth_points_world, kCell_m);
+  std::vector<Eigen::Vector3f> surface = Thinned(other->second.model_points_world, kCell_m);
+  std::ranges::copy(Thinned(other->second.depth_points_world, kCell_m),
+                    std::back_inserter(surface));
+  return points.size() >= kMinPoints &&
+         AgreeingShare(points, {}, PointIndex(std::move(surface)), radius_m) >= kPieceShare;
+}
 
 }  // namespace
 
 bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& options) {
-  const double apart_m =
-      (a.world_from_object.translation_m - b.world_from_object.translation_m).norm();
-  return a.class_name == b.class_name &&
-         apart_m < options.overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
+  return Apart_m(a, b) < options.overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
 }
 
-std::vector<Intruder> FindIntruders(const ObjectMap& map, const LoopOptions& options) {
-  std::vector<Intruder> intruders;
-  if (!options.merge_overlapping) return intruders;
+std::vector<Intruder> SuspectIntruders(const ObjectMap& map, const LoopOptions& options) {
+  std::vector<Intruder> suspects;
+  if (!options.merge_overlapping) return suspects;
   for (const MapObject& object : map.objects) {
-    const MapObject* host = nullptr;
-    for (const MapObject& other : map.objects) {
-      if (other.id == object.id || !(object.confidence < kAsSure * other.confidence) ||
-          !SharePlace(object, other, options)) {
-        continue;
+    for (const MapObject& host : map.objects) {
+      if (host.id != object.id && object.confidence < kAsSure * host.confidence &&
+          Apart_m(object, host) < 0.5 * (object.scale_m + host.scale_m)) {
+        suspects.push_back({object.id, host.id});
       }
-      if (host == nullptr || other.confidence > host->confidence) host = &other;
     }
-    if (host != nullptr) intruders.push_back({object.id, host->id});
+  }
+  return suspects;
+}
+
+std::vector<Intruder> FindIntruders(const std::vector<Intruder>& suspects,
+                                    const ObjectMap& map,
+                                    const LoopEvidence& evidence,
+                                    const LoopOptions& options) {
+  std::vector<Intruder> intruders;
+  for (const Intruder& suspect : suspects) {
+    const MapObject& object = Get(map, suspect.id);
+    const MapObject& host = Get(map, suspect.host);
+    const bool shares = object.class_name == host.class_name && SharePlace(object, host, options);
+    if (!shares && !IsPieceOf(suspect.id, suspect.host, evidence, options.verify_distance_m))
+      continue;
+    if (intruders.empty() || intruders.back().id != suspect.id) {
+      intruders.push_back(suspect);
+    } else if (host.confidence > Get(map, intruders.back().host).confidence) {
+      intruders.back().host = suspect.host;
+    }
   }
   return intruders;
 }

@@ -10,19 +10,29 @@
 
 namespace deepslam::loop {
 
-// Of one class, with centres nearer to each other than overlap_share of half the smaller one's
-// longest side.
+// Centres nearer to each other than overlap_share of half the smaller one's longest side.
 [[nodiscard]] bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& options);
 
 // An object that stands where a surer one stands, from a box that took a thing and what is behind
-// it for one. The two may be seen in one frame, so that they are not merged as duplicates.
+// it for one, or from a piece of the other. The two may be seen in one frame, so that they are not
+// merged as duplicates.
 struct Intruder {
   ObjectId id;
-  ObjectId host;  // the surest of those it shares its place with
+  ObjectId host;
 };
 
-// In the order of the map: those less than half as sure as their host. None without
-// merge_overlapping.
-[[nodiscard]] std::vector<Intruder> FindIntruders(const ObjectMap& map, const LoopOptions& options);
+// Those less than half as sure as another one that they may touch, with every such one, in the
+// order of the map. None without merge_overlapping.
+[[nodiscard]] std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
+                                                     const LoopOptions& options);
+
+// The suspects that share the place of a host of their class, or that are no more than a piece of
+// the host, whatever their class: four fifths of what was measured of them lie within
+// verify_distance_m of its model or of what was measured of it. Each with the surest of these
+// hosts.
+[[nodiscard]] std::vector<Intruder> FindIntruders(const std::vector<Intruder>& suspects,
+                                                  const ObjectMap& map,
+                                                  const LoopEvidence& evidence,
+                                                  const LoopOptions& options);
 
 }  // namespace deepslam::loop

@@ -180,7 +180,8 @@ Constellation VerifySingle(Constellation single,
           old_evidence->second, new_evidence->second, new_object->world_from_object, options),
       ShareInside(
           new_evidence->second, old_evidence->second, old_object->world_from_object, options));
-  single.accepted = overlap >= options.min_single_overlap;
+  single.accepted =
+      old_object->class_name == new_object->class_name && overlap >= options.min_single_overlap;
   single.reason = "models overlap by " + Percent(overlap);
   return single;
 }
@@ -243,15 +244,14 @@ void TakeRefinement(const Pose3& refined, const ObjectMap& map, Constellation& c
   constellation.position_error_m = std::sqrt(squared / count);
 }
 
-}  // namespace
-
-Constellation VerifyConstellation(const Constellation& constellation,
-                                  const ObjectMap& map,
-                                  const LoopEvidence& evidence,
-                                  const LoopOptions& options) {
+// By the depth of both visits: objects, then surroundings.
+Constellation VerifyDepth(const Constellation& constellation,
+                          const ObjectMap& map,
+                          const LoopEvidence& evidence,
+                          const LoopOptions& options) {
   Constellation result = constellation;
-  result.accepted = false;
-  if (result.pairs.size() == 1) return VerifySingle(result, map, evidence, options);
+  const std::size_t min_pairs =
+      std::min(constellation.pairs.size(), static_cast<std::size_t>(options.min_pairs));
   std::vector<ObjectId> old_ids, new_ids;
   for (const ObjectMerge& pair : result.pairs) {
     old_ids.push_back(pair.kept);
@@ -271,7 +271,7 @@ Constellation VerifyConstellation(const Constellation& constellation,
                  result);
 
   const std::optional<double> objects = KeepAgreeingPairs(old_visit, new_visit, options, result);
-  if (static_cast<int>(result.pairs.size()) < options.min_pairs || !objects) {
+  if (result.pairs.size() < min_pairs || !objects) {
     result.pairs = constellation.pairs;
     result.reason = "the objects' depth does not agree";
     return result;
@@ -295,6 +295,22 @@ Constellation VerifyConstellation(const Constellation& constellation,
   result.reason += ", surroundings by " + Percent(room);
   result.accepted = result.accepted && room >= options.min_room_agreement;
   return result;
+}
+
+}  // namespace
+
+Constellation VerifyConstellation(const Constellation& constellation,
+                                  const ObjectMap& map,
+                                  const LoopEvidence& evidence,
+                                  const LoopOptions& options) {
+  Constellation verified = constellation;
+  verified.accepted = false;
+  if (verified.pairs.size() > 1) return VerifyDepth(verified, map, evidence, options);
+  const Constellation overlapping = VerifySingle(verified, map, evidence, options);
+  if (overlapping.accepted) return overlapping;
+  verified = VerifyDepth(verified, map, evidence, options);
+  verified.reason = overlapping.reason + "; " + verified.reason;
+  return verified;
 }
 
 }  // namespace deepslam::loop

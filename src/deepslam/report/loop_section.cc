@@ -37,11 +37,20 @@ struct Range {
   }
 };
 
-Row ConstellationRow(const Constellation& constellation) {
+// A visit that was looked for by itself says when it was.
+std::string Name(ObjectId id, const std::vector<PartedVisit>& visits) {
+  const auto visit = std::ranges::find(visits, id, &PartedVisit::visit);
+  if (visit == visits.end()) return fmt::format("{:02d}", id.value);
+  return fmt::format("{:02d} (as seen in {})",
+                     visit->object.value,
+                     Range{visit->first.value, visit->last.value}.Text());
+}
+
+Row ConstellationRow(const Constellation& constellation, const std::vector<PartedVisit>& visits) {
   std::string pairs;
   for (const ObjectMerge& pair : constellation.pairs) {
     if (!pairs.empty()) pairs += ", ";
-    pairs += fmt::format("{:02d} is {:02d}", pair.merged.value, pair.kept.value);
+    pairs += fmt::format("{} is {}", Name(pair.merged, visits), Name(pair.kept, visits));
   }
   const bool single = constellation.pairs.size() == 1;
   return {single ? "duplicate" : "constellation",
@@ -93,7 +102,7 @@ std::vector<Row> AppearanceRows(const std::vector<AppearanceLoop>& loops) {
 std::string LoopSection(const Loops& loops) {
   std::vector<Row> rows;
   for (const Constellation& constellation : loops.constellations)
-    rows.push_back(ConstellationRow(constellation));
+    rows.push_back(ConstellationRow(constellation, loops.visits));
   for (Row& row : AppearanceRows(loops.appearance)) rows.push_back(std::move(row));
   if (rows.empty()) return "<h2>Places seen again</h2><p>None was found.</p>";
   std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/loop/merge_correction.h"
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/refine_object.h"
 
@@ -40,38 +41,6 @@ std::vector<ViewOrigin>& OriginsOf(ObjectId id, ViewOrigins& origins) {
   return own;
 }
 
-// A step from an object to the older one that an accepted constellation paired it with.
-struct Step {
-  ObjectId older;
-  Pose3 older_from_newer;
-};
-
-// `kept` is preferred; objects that came back twice are joined by way of the visit between.
-std::optional<Step> StepFrom(const Loops& loops, ObjectId newer, ObjectId kept) {
-  std::optional<Step> step;
-  for (const Constellation& constellation : loops.constellations) {
-    if (!constellation.accepted) continue;
-    for (const ObjectMerge& pair : constellation.pairs) {
-      if (pair.merged != newer) continue;
-      if (!step || pair.kept == kept) step = {pair.kept, constellation.old_world_from_new_world};
-    }
-  }
-  return step;
-}
-
-// Brings the merged object's views onto the kept one.
-Pose3 CorrectionOf(const Loops& loops, const ObjectMerge& merge) {
-  Pose3 kept_from_merged;
-  ObjectId current = merge.merged;
-  for (std::size_t n = 0; n < loops.constellations.size() && current != merge.kept; ++n) {
-    const std::optional<Step> step = StepFrom(loops, current, merge.kept);
-    if (!step) break;
-    kept_from_merged = step->older_from_newer * kept_from_merged;
-    current = step->older;
-  }
-  return kept_from_merged;
-}
-
 ObjectTrack* FindTrack(Association& association, ObjectId id) {
   const auto it = std::find_if(association.tracks.begin(),
                                association.tracks.end(),
@@ -88,7 +57,7 @@ void SortTracks(Association& association) {
 }
 
 // The merged object's members, views and candidates become the kept one's; its views move by the
-// loop's correction.
+// loop's correction. Of two classes the one that was seen more often stays.
 void Merge(const ObjectMerge& merge,
            const Pose3& correction,
            LoopWorld& world,
@@ -96,6 +65,7 @@ void Merge(const ObjectMerge& merge,
   ObjectTrack* kept = FindTrack(world.association, merge.kept);
   const ObjectTrack* merged = FindTrack(world.association, merge.merged);
   if (kept == nullptr || merged == nullptr) return;
+  if (merged->members.size() > kept->members.size()) kept->class_name = merged->class_name;
   for (TrackMember member : merged->members) {
     member.how = "merge";
     kept->members.push_back(std::move(member));
@@ -289,7 +259,7 @@ Status JudgeMerged(const StageContext& context,
   std::map<ObjectId, std::vector<ObjectId>> groups;
   ViewOrigins origins;
   for (const ObjectMerge& merge : found.merges) {
-    Merge(merge, CorrectionOf(found, merge), world, origins);
+    Merge(merge, loop::CorrectionOf(merge, found), world, origins);
     groups[merge.kept].push_back(merge.merged);
     const auto gone = std::ranges::find(world.map.objects, merge.merged, &MapObject::id);
     if (gone == world.map.objects.end()) continue;
@@ -300,6 +270,7 @@ Status JudgeMerged(const StageContext& context,
   for (MapObject& object : world.map.objects) {
     const auto group = groups.find(object.id);
     if (group == groups.end()) continue;
+    object.class_name = FindTrack(world.association, object.id)->class_name;
     const Result<std::vector<ObjectView>> views =
         ViewsOf(context, inputs, world, before, OriginsOf(object.id, origins));
     if (!views.ok()) return views.error();

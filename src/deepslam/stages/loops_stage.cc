@@ -261,8 +261,15 @@ Result<Loops> CloseByObjects(const StageContext& context,
 }
 
 // Objects that stand in a surer one leave the map, and the map says so.
-void DropIntruders(const loop::LoopOptions& options, ObjectMap& map) {
-  const std::vector<loop::Intruder> intruders = loop::FindIntruders(map, options);
+Status DropIntruders(const StageContext& context, const RunInputs& inputs, LoopWorld& world) {
+  const loop::LoopOptions& options = inputs.config.loops;
+  ObjectMap& map = world.map;
+  const std::vector<loop::Intruder> suspects = loop::SuspectIntruders(map, options);
+  if (suspects.empty()) return Ok();
+  const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world);
+  if (!evidence.ok()) return evidence.error();
+  const std::vector<loop::Intruder> intruders =
+      loop::FindIntruders(suspects, map, *evidence, options);
   std::map<ObjectId, std::string> names;
   for (const MapObject& object : map.objects) names[object.id] = ObjectName(object);
   for (const loop::Intruder& intruder : intruders) {
@@ -270,6 +277,7 @@ void DropIntruders(const loop::LoopOptions& options, ObjectMap& map) {
         fmt::format("{}: stands in {}, which is surer", names[intruder.id], names[intruder.host]));
     std::erase_if(map.objects, [&](const MapObject& object) { return object.id == intruder.id; });
   }
+  return Ok();
 }
 
 void AddAppearance(const loop::AcceptedAppearance& appearance, Loops& loops) {
@@ -341,7 +349,7 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   Loops& loops = *found;
   AddAppearance(by_appearance.appearance, loops);
   if (context.progress().StopRequested()) return Interrupted();
-  DropIntruders(inputs.config.loops, world.map);
+  if (Status status = DropIntruders(context, inputs, world); !status.ok()) return status.error();
   MoveObjects(world.odometry, world.tracked, world.map);
   if (Status status = Write(context, world, loops); !status.ok()) return status.error();
   return Summary(loops, by_appearance.num_measured_again, world.map.objects.size());
