@@ -32,8 +32,22 @@ ObjectTrack Track(int id, const std::vector<int>& frames) {
   return track;
 }
 
+ObjectEvidence Measured(const Points& object, const Points& around = {}) {
+  return {object, {}, around};
+}
+
 bool ChairStandsApart(const Pose3& second_from_first) {
-  return StandApart(ChairPoints(), Moved(ChairPoints(), second_from_first), kUp, {});
+  return StandApart(
+      Measured(ChairPoints()), Measured(Moved(ChairPoints(), second_from_first)), kUp, {});
+}
+
+// A level board that begins at x, 0.75 m up.
+Points Top(float x_m, float length_m) {
+  Points points;
+  for (float a = 0; a < length_m; a += 0.02F) {
+    for (float y = 0; y < 0.8F; y += 0.02F) points.emplace_back(x_m + a, y, 0.75F);
+  }
+  return points;
 }
 
 TEST(Visits, EndWhereTheObjectIsNotSeenForLong) {
@@ -53,19 +67,26 @@ TEST(Visits, StandApartWhereTheyFitElsewhere) {
   EXPECT_FALSE(ChairStandsApart(Yawed(0.05, -0.03, 0.02, 0.05)));
 }
 
-TEST(Visits, OfWhichNothingIsComparedDoNotStandApart) {
+TEST(Visits, OfWhichTooLittleIsComparedDoNotStandApart) {
   EXPECT_FALSE(ChairStandsApart(Yawed(3, 0, 0, 0)));
-  EXPECT_FALSE(StandApart({}, ChairPoints(), kUp, {}));
-  EXPECT_FALSE(StandApart(ChairPoints(), {}, kUp, {}));
-  // The front of a box and the side of it.
-  Points front, side;
-  for (float a = 0; a < 1; a += 0.02F) {
-    for (float z = 0; z < 1; z += 0.02F) {
-      front.emplace_back(0.0F, a, z);
-      side.emplace_back(a, 0.0F, z);
-    }
-  }
-  EXPECT_FALSE(StandApart(front, side, kUp, {}));
+  const ObjectEvidence away = Measured(Moved(ChairPoints(), Yawed(0.25, 0, 0, 0)));
+  Points few = ChairPoints();
+  few.resize(29);
+  EXPECT_FALSE(StandApart(Measured(few), away, kUp, {}));
+  EXPECT_FALSE(StandApart(Measured({}), away, kUp, {}));
+  EXPECT_FALSE(StandApart(away, Measured({}), kUp, {}));
+}
+
+// Of a long table either visit saw another part, and alone these fit when one slides onto the
+// other.
+TEST(Visits, OfDifferentPartsAreToldByWhatStandsAround) {
+  const Points room = Moved(Clutter(1, 1.5), Yawed(0, 0, 0.3, 0));
+  const Points left = Top(0, 0.8F), right = Top(0.25F, 0.8F);
+  EXPECT_TRUE(StandApart(Measured(Top(0, 0.8F)), Measured(Top(0.25F, 0.8F)), kUp, {}));
+  EXPECT_FALSE(StandApart(Measured(left, room), Measured(right, room), kUp, {}));
+  const Pose3 drift = Yawed(0.2, 0.15, 0, 0.03);
+  EXPECT_TRUE(
+      StandApart(Measured(left, room), Measured(Moved(left, drift), Moved(room, drift)), kUp, {}));
 }
 
 TEST(Visits, AreCountedBehindTheLastId) {
@@ -73,8 +94,9 @@ TEST(Visits, AreCountedBehindTheLastId) {
       {Track(2, {0, 1, 100, 101, 200, 201}), Track(4, {0, 100}), Track(9, {0, 100})}, {}};
   const Points there = ChairPoints();
   const Points away = Moved(there, Yawed(0.25, 0, 0, 0));
-  const VisitDepth depth = {{ObjectId{2}, {there, away, away}}, {ObjectId{4}, {there, there}}};
-  const PartedObjects parted = PartVisits(association, depth, kUp, {});
+  const VisitEvidence evidence = {{ObjectId{2}, {Measured(there), Measured(away), Measured(away)}},
+                                  {ObjectId{4}, {Measured(there), Measured(there)}}};
+  const PartedObjects parted = PartVisits(association, evidence, kUp, {});
   ASSERT_EQ(parted.visits.size(), 2U);  // 4 stands still, of 9 nothing is known
   ASSERT_EQ(parted.tracks.size(), 2U);
   EXPECT_EQ(parted.visits[0].visit, ObjectId{2});
@@ -104,13 +126,24 @@ TEST(Visits, ANeighbourTakenForTheObjectIsGivenBack) {
   mistaken.map.objects.pop_back();
   EXPECT_TRUE(Detect(mistaken).merges.empty());
 
-  const auto seen = [&](int id) { return scene.evidence.at(ObjectId{id}).depth_points_world; };
+  const auto seen = [&](int id) { return scene.evidence.at(ObjectId{id}); };
   const PartedObjects parted =
       PartVisits(mistaken.association, {{ObjectId{0}, {seen(0), seen(3)}}}, kUp, {});
   ASSERT_EQ(parted.tracks.size(), 2U);
   EXPECT_EQ(parted.tracks[0].members.size(), scene.association.tracks[0].members.size());
   EXPECT_EQ(parted.tracks[1].id,
             ObjectId{3});  // what it is in the scene where nothing was mistaken
+}
+
+TEST(Visits, AreOfOneObjectOrNot) {
+  const ObjectId a{0}, b{1}, c{2}, d{3};
+  const FrameIdx frame{5};
+  const std::vector<PartedVisit> visits = {
+      {a, a, frame, frame}, {c, a, frame, frame}, {b, b, frame, frame}, {d, b, frame, frame}};
+  EXPECT_TRUE(AreOfOneObject({a, c}, visits));
+  EXPECT_TRUE(AreOfOneObject({d, b}, visits));
+  EXPECT_FALSE(AreOfOneObject({a, b}, visits));
+  EXPECT_FALSE(AreOfOneObject({a, c}, {}));
 }
 
 TEST(Loops, AFurtherSearchGoesOnWhereTheFirstOneEnded) {

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <optional>
 
+#include "deepslam/core/order_statistics.h"
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/level_icp.h"
 #include "deepslam/loop/point_agreement.h"
@@ -12,22 +13,61 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr double kCell_m = 0.03;  // thinning
+using Points = std::vector<Eigen::Vector3f>;
 
-Eigen::Vector3d Mean(std::span<const Eigen::Vector3f> points) {
+constexpr double kCell_m = 0.03;  // thinning
+constexpr std::size_t kMinPoints = 30;
+constexpr double kGroundBand_m = 0.10;  // above the object's feet: counted as ground
+
+Eigen::Vector3d Mean(const Points& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3f& p : points) sum += p.cast<double>();
   return sum / static_cast<double>(points.size());
 }
 
+// Around the object, without the ground.
+Points Surroundings(const ObjectEvidence& visit,
+                    const Points& object,
+                    const Eigen::Vector3d& up_world) {
+  const auto height_m = [&](const Eigen::Vector3f& p) { return up_world.dot(p.cast<double>()); };
+  std::vector<double> heights_m;
+  std::ranges::transform(object, std::back_inserter(heights_m), height_m);
+  Points around;
+  if (heights_m.empty()) return around;
+  const double ground_m = OrderStatistic(heights_m, heights_m.size() / 50) + kGroundBand_m;
+  std::ranges::copy_if(Thinned(visit.surroundings_world, kCell_m),
+                       std::back_inserter(around),
+                       [&](const Eigen::Vector3f& p) { return height_m(p) >= ground_m; });
+  return around;
+}
+
+Points Together(Points points, const Points& more) {
+  points.insert(points.end(), more.begin(), more.end());
+  return points;
+}
+
+struct Seen {
+  Seen(const ObjectEvidence& visit, const Eigen::Vector3d& up_world)
+      : object(Thinned(visit.depth_points_world, kCell_m)),
+        all(Together(object, Surroundings(visit, object, up_world))),
+        object_index(object),
+        all_index(all) {}
+
+  Points object;
+  Points all;
+  PointIndex object_index;
+  PointIndex all_index;
+};
+
 // The visits that stand together, in order.
 std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits,
-                               const std::vector<std::vector<Eigen::Vector3f>>& depth,
+                               const std::vector<ObjectEvidence>& evidence,
                                const Eigen::Vector3d& up_world,
                                const LoopOptions& options) {
   std::vector<ObjectTrack> parts;
   for (std::size_t k = 0; k < visits.size(); ++k) {
-    if (k == 0 || (k < depth.size() && StandApart(depth[k - 1], depth[k], up_world, options))) {
+    if (k == 0 ||
+        (k < evidence.size() && StandApart(evidence[k - 1], evidence[k], up_world, options))) {
       parts.push_back(std::move(visits[k]));
       continue;
     }
@@ -53,30 +93,37 @@ std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& opt
   return visits;
 }
 
-bool StandApart(std::span<const Eigen::Vector3f> old_world,
-                std::span<const Eigen::Vector3f> new_world,
+bool StandApart(const ObjectEvidence& old_visit,
+                const ObjectEvidence& new_visit,
                 const Eigen::Vector3d& up_world,
                 const LoopOptions& options) {
-  const PointIndex old_points(Thinned(old_world, kCell_m));
-  const std::vector<Eigen::Vector3f> thinned_old = Thinned(old_world, kCell_m);
-  const std::vector<Eigen::Vector3f> thinned_new = Thinned(new_world, kCell_m);
-  const std::vector<Belonging> clouds = {{thinned_new, &old_points}};
-  const std::optional<Pose3> old_from_new =
-      AlignLevel(clouds, {}, LevelFromWorld(up_world), options.verify_distance_m);
-  if (!old_from_new) return false;
-  const Eigen::Vector3d middle = Mean(thinned_new);
-  if ((*old_from_new * middle - middle).norm() <= kApart_m) return false;
-  const double agreement =
-      std::max(AgreeingShare(thinned_new, *old_from_new, old_points, options.verify_distance_m),
-               AgreeingShare(thinned_old,
-                             old_from_new->Inverse(),
-                             PointIndex(thinned_new),
-                             options.verify_distance_m));
-  return agreement >= options.min_object_agreement;
+  const Seen older(old_visit, up_world);
+  const Seen newer(new_visit, up_world);
+  if (std::min(older.object.size(), newer.object.size()) < kMinPoints) return false;
+  const Eigen::Quaterniond level_from_world = LevelFromWorld(up_world);
+  const double radius_m = options.verify_distance_m;
+  // The object first: around it walls may hold on to where they are.
+  const std::vector<Belonging> object = {{newer.object, &older.object_index}};
+  const std::vector<Belonging> all = {{newer.all, &older.all_index}};
+  const std::optional<Pose3> start = AlignLevel(object, {}, level_from_world, radius_m);
+  const std::optional<Pose3> aligned =
+      AlignLevel(all, start.value_or(Pose3{}), level_from_world, radius_m);
+  if (!aligned) return false;
+  const Eigen::Vector3d middle = Mean(newer.object);
+  if ((*aligned * middle - middle).norm() <= kApart_m) return false;
+  // The better direction, since one visit may have seen more.
+  const double of_object =
+      std::max(AgreeingShare(newer.object, *aligned, older.object_index, radius_m),
+               AgreeingShare(older.object, aligned->Inverse(), newer.object_index, radius_m));
+  const auto of_all = [&](const Pose3& correction) {
+    return std::max(AgreeingShare(newer.all, correction, older.all_index, radius_m),
+                    AgreeingShare(older.all, correction.Inverse(), newer.all_index, radius_m));
+  };
+  return of_object >= options.min_object_agreement && of_all(*aligned) > of_all({});
 }
 
 PartedObjects PartVisits(const Association& association,
-                         const VisitDepth& depth,
+                         const VisitEvidence& evidence,
                          const Eigen::Vector3d& up_world,
                          const LoopOptions& options) {
   int next_id = 0;
@@ -84,8 +131,8 @@ PartedObjects PartVisits(const Association& association,
     next_id = std::max(next_id, track.id.value + 1);
   PartedObjects parted;
   for (const ObjectTrack& track : association.tracks) {
-    const auto own = depth.find(track.id);
-    if (own == depth.end()) continue;
+    const auto own = evidence.find(track.id);
+    if (own == evidence.end()) continue;
     std::vector<ObjectTrack> parts = Parts(Visits(track, options), own->second, up_world, options);
     if (parts.size() < 2) continue;
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -96,6 +143,12 @@ PartedObjects PartVisits(const Association& association,
     }
   }
   return parted;
+}
+
+bool AreOfOneObject(const ObjectMerge& pair, const std::vector<PartedVisit>& visits) {
+  const auto kept = std::ranges::find(visits, pair.kept, &PartedVisit::visit);
+  const auto merged = std::ranges::find(visits, pair.merged, &PartedVisit::visit);
+  return kept != visits.end() && merged != visits.end() && kept->object == merged->object;
 }
 
 }  // namespace deepslam::loop

@@ -1,12 +1,12 @@
 // Objects that association knew again. Behind drift it may have known the right one at a place that
 // is no longer its own, or taken the neighbour for it; either way the views of both visits agree on
-// no place, and what is registered with all of them stands nowhere. The depth tells: where that of
-// one visit fits that of another better elsewhere, the visits are parted and looked for like
-// objects of their own, so that constellations decide which are one and how far the path is off.
+// no place, and what is registered with all of them stands nowhere. The depth tells: where what one
+// visit saw of the object and around it fits the other better elsewhere, the visits are parted and
+// looked for like objects of their own, so that constellations decide which are one and how far the
+// path is off.
 #pragma once
 
 #include <map>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,16 +25,18 @@ inline constexpr double kApart_m = 0.10;
 // track's own id.
 [[nodiscard]] std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& options);
 
-// Whether points of two visits, in a world with this up direction, lie on each other
-// (min_object_agreement of either) after one of them has moved by more than kApart_m. Not where too
-// few are near each other to tell: visits may have seen different sides.
-[[nodiscard]] bool StandApart(std::span<const Eigen::Vector3f> old_world,
-                              std::span<const Eigen::Vector3f> new_world,
+// Whether what two visits measured of an object, in a world with this up direction, fits better
+// after one visit has moved by more than kApart_m: the object's points lie on each other then
+// (min_object_agreement), and more of all points, surroundings with them, than before. Surroundings
+// tell drift from visits that saw different parts of an object. Models do not count. Fewer than 30
+// points of either visit tell nothing.
+[[nodiscard]] bool StandApart(const ObjectEvidence& old_visit,
+                              const ObjectEvidence& new_visit,
                               const Eigen::Vector3d& up_world,
                               const LoopOptions& options);
 
-// Measured points of every visit of an object, in the order of Visits.
-using VisitDepth = std::map<ObjectId, std::vector<std::vector<Eigen::Vector3f>>>;
+// What every visit of an object measured, in the order of Visits.
+using VisitEvidence = std::map<ObjectId, std::vector<ObjectEvidence>>;
 
 struct PartedObjects {
   std::vector<ObjectTrack> tracks;  // of the visits, each under an id of its own, ascending
@@ -42,11 +44,14 @@ struct PartedObjects {
 };
 
 // Objects parted where a visit stands apart from the one before; the first part keeps the id,
-// others get the next free ones of `association`. Objects without depth stay whole and are not
+// others get the next free ones of `association`. Objects without evidence stay whole and are not
 // among the tracks.
 [[nodiscard]] PartedObjects PartVisits(const Association& association,
-                                       const VisitDepth& depth,
+                                       const VisitEvidence& evidence,
                                        const Eigen::Vector3d& up_world,
                                        const LoopOptions& options);
+
+// Whether the pair are visits that one object was parted into.
+[[nodiscard]] bool AreOfOneObject(const ObjectMerge& pair, const std::vector<PartedVisit>& visits);
 
 }  // namespace deepslam::loop

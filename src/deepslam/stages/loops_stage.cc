@@ -93,23 +93,21 @@ std::vector<Eigen::Vector3f> Surroundings(const ObjectView& view) {
   return points;
 }
 
-// What the views measured of the object itself.
-void AppendObject(std::span<const ObjectView> views, std::vector<Eigen::Vector3f>& points_world) {
+// What the views measured of the object and around it.
+void Append(std::span<const ObjectView> views, loop::ObjectEvidence& evidence) {
   for (const ObjectView& view : views) {
     const shape::ViewPoints points = shape::ExtractViewPoints(view, kEvidencePointsPerView);
-    AppendWorld(view.world_from_camera, points.points_camera, points_world);
+    AppendWorld(view.world_from_camera, points.points_camera, evidence.depth_points_world);
+    AppendWorld(view.world_from_camera, Surroundings(view), evidence.surroundings_world);
   }
 }
 
-// What the views of the batch's objects measured.
-void AddMeasured(std::span<TrackViews> batch, loop::LoopEvidence& evidence) {
+// What the views of the batch's objects measured; `of` gives the place for a track's.
+template <typename Of>
+void AddMeasured(std::span<const TrackViews> batch, const Of& of) {
   std::vector<loop::ObjectEvidence*> own;
-  for (const TrackViews& of_track : batch) own.push_back(&evidence[of_track.track->id]);
-  ParallelFor(batch.size(), [&](std::size_t n) {
-    AppendObject(batch[n].views, own[n]->depth_points_world);
-    for (const ObjectView& view : batch[n].views)
-      AppendWorld(view.world_from_camera, Surroundings(view), own[n]->surroundings_world);
-  });
+  for (const TrackViews& of_track : batch) own.push_back(&of(*of_track.track));
+  ParallelFor(batch.size(), [&](std::size_t n) { Append(batch[n].views, *own[n]); });
 }
 
 Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
@@ -122,7 +120,8 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
                        std::back_inserter(tracks),
                        [&](const ObjectTrack& track) { return evidence.contains(track.id); });
   const auto add = [&](std::span<TrackViews> batch) {
-    AddMeasured(batch, evidence);
+    AddMeasured(
+        batch, [&](const ObjectTrack& track) -> auto& { return evidence[track.id]; });
     return Ok();
   };
   const Status measured = ForDepthViews(context, inputs, world, tracks, add);
@@ -141,12 +140,19 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   return evidence;
 }
 
+// `visits` of one object that overlap tell nothing that association has not said: they wait for a
+// constellation.
 Result<Loops> DetectLoops(const StageContext& context,
                           const RunInputs& inputs,
+                          const std::vector<PartedVisit>& visits,
                           const LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
-  const std::vector<Constellation> proposed =
+  std::vector<Constellation> proposed =
       loop::FindConstellations(world.map, world.association, options, world.odometry);
+  std::erase_if(proposed, [&](const Constellation& constellation) {
+    return constellation.pairs.size() == 1 &&
+           loop::AreOfOneObject(constellation.pairs.front(), visits);
+  });
   std::vector<Constellation> verified(proposed.size());
   if (!proposed.empty()) {  // most captures propose nothing, and evidence takes all views
     const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world);
@@ -175,17 +181,20 @@ Result<loop::PartedObjects> FindParted(const StageContext& context,
   std::vector<ObjectId> objects;
   for (std::size_t k = 0; k < visits.size(); ++k)
     objects.push_back(std::exchange(visits[k].id, ObjectId{static_cast<int>(k)}));
-  loop::VisitDepth depth;
+  std::vector<loop::ObjectEvidence> measured(visits.size());
   const auto add = [&](std::span<TrackViews> batch) {
-    for (const TrackViews& visit : batch) {
-      auto& of_visits = depth[objects[static_cast<std::size_t>(visit.track->id.value)]];
-      AppendObject(visit.views, of_visits.emplace_back());
-    }
+    AddMeasured(
+        batch, [&](const ObjectTrack& visit) -> auto& {
+          return measured[static_cast<std::size_t>(visit.id.value)];
+        });
     return Ok();
   };
-  const Status measured = ForDepthViews(context, inputs, world, visits, add);
-  if (!measured.ok()) return measured.error();
-  return loop::PartVisits(world.association, depth, loop::UpDirection(world.map), options);
+  const Status status = ForDepthViews(context, inputs, world, visits, add);
+  if (!status.ok()) return status.error();
+  loop::VisitEvidence evidence;
+  for (std::size_t k = 0; k < visits.size(); ++k)
+    evidence[objects[k]].push_back(std::move(measured[k]));
+  return loop::PartVisits(world.association, evidence, loop::UpDirection(world.map), options);
 }
 
 // The path is closed by what ties it together so far, where that moves what was seen of an object
@@ -220,7 +229,7 @@ Result<bool> SearchOnce(const StageContext& context,
                         const RunInputs& inputs,
                         LoopWorld& world,
                         Loops& all) {
-  Result<Loops> found = DetectLoops(context, inputs, world);
+  Result<Loops> found = DetectLoops(context, inputs, all.visits, world);
   if (!found.ok()) return found.error();
   std::set<ObjectId> just_judged;
   for (const ObjectMerge& merge : found->merges) just_judged.insert(merge.kept);
