@@ -146,6 +146,32 @@ TEST(Visits, AreOfOneObjectOrNot) {
   EXPECT_FALSE(AreOfOneObject({a, c}, {}));
 }
 
+TEST(Visits, GoBackWhereNobodyElseClaimedThem) {
+  const auto visits_of = [](const std::vector<std::pair<int, int>>& pairs) {
+    std::vector<PartedVisit> visits;
+    for (const auto& [visit, object] : pairs)
+      visits.push_back({ObjectId{visit}, ObjectId{object}, FrameIdx{0}, FrameIdx{9}});
+    return visits;
+  };
+  const auto as_merges = [](const RejoinedVisits& rejoined) {
+    Loops loops;
+    loops.merges = rejoined.merges;
+    return Merged(loops);
+  };
+  const std::vector<PartedVisit> two = visits_of({{1, 1}, {7, 1}});
+  const std::vector<PartedVisit> three = visits_of({{1, 1}, {7, 1}, {8, 1}});
+  const ObjectId a{1}, b{7}, c{8}, other{0};
+
+  EXPECT_EQ(RejoinVisits(two, {}).whole, (std::set<ObjectId>{a}));
+  EXPECT_TRUE(RejoinVisits(two, {{a, b}}).whole.empty());
+  EXPECT_TRUE(RejoinVisits(two, {{a, b}}).merges.empty());
+  EXPECT_TRUE(RejoinVisits(two, {{other, b}}).merges.empty()) << "it was another's";
+
+  EXPECT_EQ(as_merges(RejoinVisits(three, {{a, b}})), (Merges{{1, 8}}));
+  EXPECT_EQ(as_merges(RejoinVisits(three, {{b, c}})), (Merges{{1, 7}}));
+  EXPECT_TRUE(RejoinVisits(three, {{other, a}, {other, b}}).merges.empty());
+}
+
 TEST(Loops, AFurtherSearchGoesOnWhereTheFirstOneEnded) {
   const auto constellation = [](std::vector<ObjectMerge> pairs, bool accepted) {
     Constellation made;

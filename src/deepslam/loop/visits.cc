@@ -151,4 +151,35 @@ bool AreOfOneObject(const ObjectMerge& pair, const std::vector<PartedVisit>& vis
   return kept != visits.end() && merged != visits.end() && kept->object == merged->object;
 }
 
+RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,
+                            const std::vector<ObjectMerge>& merges) {
+  std::map<ObjectId, ObjectId> kept;  // of everything that is in a merge
+  for (const ObjectMerge& merge : merges) {
+    kept[merge.merged] = merge.kept;
+    kept[merge.kept] = merge.kept;
+  }
+  std::map<ObjectId, std::set<ObjectId>> own;  // visits by object
+  for (const PartedVisit& visit : visits) own[visit.object].insert(visit.visit);
+  RejoinedVisits rejoined;
+  for (const auto& [object, of_object] : own) {
+    std::set<ObjectId> groups, loose;
+    for (const ObjectId visit : of_object) {
+      const auto in_merge = kept.find(visit);
+      (in_merge == kept.end() ? loose : groups)
+          .insert(in_merge == kept.end() ? visit : in_merge->second);
+    }
+    if (groups.empty()) rejoined.whole.insert(object);
+    if (groups.size() != 1 || loose.empty()) continue;
+    const ObjectId group = *groups.begin();
+    const bool others = std::ranges::any_of(kept, [&](const auto& entry) {
+      return entry.second == group && !of_object.contains(entry.first);
+    });
+    if (others) continue;
+    loose.insert(group);
+    for (auto visit = std::next(loose.begin()); visit != loose.end(); ++visit)
+      rejoined.merges.push_back({*loose.begin(), *visit});
+  }
+  return rejoined;
+}
+
 }  // namespace deepslam::loop

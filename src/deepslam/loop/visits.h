@@ -7,6 +7,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include <Eigen/Core>
@@ -53,5 +54,15 @@ struct PartedObjects {
 
 // Whether the pair are visits that one object was parted into.
 [[nodiscard]] bool AreOfOneObject(const ObjectMerge& pair, const std::vector<PartedVisit>& visits);
+
+// What becomes of the visits when nothing more is found among them.
+struct RejoinedVisits {
+  std::set<ObjectId> whole;  // objects none of whose visits is in a merge
+  // Of visits in no merge, where all others of their object are one, and nothing else with them.
+  std::vector<ObjectMerge> merges;
+};
+
+[[nodiscard]] RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,
+                                          const std::vector<ObjectMerge>& merges);
 
 }  // namespace deepslam::loop

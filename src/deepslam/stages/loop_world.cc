@@ -204,6 +204,15 @@ MapObject OfVisit(const MapObject& object, const ObjectTrack& visit) {
   return own;
 }
 
+void Remove(ObjectId visit, LoopWorld& world) {
+  EraseTrack(world.association, visit);
+  std::erase_if(world.map.objects, [&](const MapObject& object) { return object.id == visit; });
+  world.registrations.erase(visit);
+  for (ShapeCandidate& candidate : world.made.candidates) {
+    if (candidate.object == visit) candidate.object = ObjectId();
+  }
+}
+
 }  // namespace
 
 Pose3 MovedWith(const Odometry& before, const Odometry& after, const MapObject& object) {
@@ -329,33 +338,20 @@ Result<PartedWorld> Part(const StageContext& context,
 
 Status Rejoin(const StageContext& context,
               const RunInputs& inputs,
-              const std::vector<ObjectMerge>& merges,
+              const std::set<ObjectId>& whole,
               const PartedWorld& parted,
               LoopWorld& world) {
-  std::set<ObjectId> known_again;
-  for (const ObjectMerge& merge : merges) known_again.insert({merge.kept, merge.merged});
-  std::set<ObjectId> settled;
   for (const PartedVisit& visit : parted.visits) {
-    if (known_again.contains(visit.visit)) settled.insert(visit.object);
+    if (whole.contains(visit.object)) Remove(visit.visit, world);
   }
-  for (const PartedVisit& visit : parted.visits) {
-    if (settled.contains(visit.object)) continue;
-    EraseTrack(world.association, visit.visit);
-    std::erase_if(world.map.objects,
-                  [&](const MapObject& object) { return object.id == visit.visit; });
-    world.registrations.erase(visit.visit);
-    for (ShapeCandidate& candidate : world.made.candidates) {
-      if (candidate.object == visit.visit) candidate.object = ObjectId();
-    }
-  }
-  for (const auto& [id, whole] : parted.objects) {
-    if (settled.contains(id)) continue;
+  for (const ObjectId id : whole) {
     world.association.tracks.push_back(parted.tracks.at(id));
     SortTracks(world.association);
-    MapObject object = whole;
+    const MapObject& before = parted.objects.at(id);
+    MapObject object = before;
     object.world_from_object =
-        MovedWith(parted.odometry, world.odometry, whole) * whole.world_from_object;
-    if (MovedApart_m(parted.odometry, world.odometry, whole) > loop::kApart_m) {
+        MovedWith(parted.odometry, world.odometry, before) * before.world_from_object;
+    if (MovedApart_m(parted.odometry, world.odometry, before) > loop::kApart_m) {
       if (Status status = JudgeWhole(context, inputs, "closed", world, object); !status.ok())
         return status;
     }

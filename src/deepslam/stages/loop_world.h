@@ -91,11 +91,10 @@ struct PartedWorld {
                                        const loop::PartedObjects& parted,
                                        LoopWorld& world);
 
-// Objects none of whose visits is in a merge are whole again, and judged anew where the path has
-// moved their views apart since.
+// These objects are whole again, and judged anew where the path has moved their views apart since.
 [[nodiscard]] Status Rejoin(const pipeline::StageContext& context,
                             const RunInputs& inputs,
-                            const std::vector<ObjectMerge>& merges,
+                            const std::set<ObjectId>& whole,
                             const PartedWorld& parted,
                             LoopWorld& world);
 

@@ -262,8 +262,13 @@ Result<Loops> CloseByObjects(const StageContext& context,
     if (!found.ok()) return found.error();
     if (*found) continue;
     if (!is_parted) break;
-    if (Status status = Rejoin(context, inputs, loops.merges, *whole, world); !status.ok())
+    const loop::RejoinedVisits rejoined = loop::RejoinVisits(loops.visits, loops.merges);
+    if (Status status = Rejoin(context, inputs, rejoined.whole, *whole, world); !status.ok())
       return status.error();
+    const Loops again{{}, rejoined.merges, {}, {}, {}};
+    if (Status status = JudgeMerged(context, inputs, again, world); !status.ok())
+      return status.error();
+    loop::Append(again, loops);
     is_parted = false;
   }
   return loops;
