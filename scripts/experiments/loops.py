@@ -8,9 +8,9 @@ arrangement. Each capture is reconstructed with the defaults, with configs/paper
 detected in keyframes alone, to save time), and by poses of its own that drift, furniture coming back 0.2 to 0.5 m off, with
 loops by objects alone (what is tracked drifts too little here to ask for them), up to the optimised graph. Against the truth
 it counts: revisits closed (a loop of either kind, or at least two objects known again), wrong loops (a keyframe loop off by
-more than 10 cm or 5 deg, a merge of different objects, an object whose views show two), duplicates left (two objects of the map that
-are one), and ATE of tracking alone, behind the path's refinement (which closes rooms of few keyframes already), and at the end. Results lie in
---work as one JSON per seed and mode and are used again; the table goes to stdout. Needs nothing beyond Python 3.
+more than 10 cm or 5 deg, a merge of different objects), objects whose views show two, duplicates left (two objects of the map that are
+one), and ATE of tracking alone, behind the path's refinement (which closes rooms of few keyframes already), and at the end.
+Results lie in --work as one JSON per seed and mode and are used again; the table goes to stdout. Needs nothing beyond Python 3.
 """
 import json
 import math
@@ -203,26 +203,23 @@ class Truth:
         return nearest if distance(nearest) < SAME_OBJECT_M else None
 
 
-def of_visits(rows, visits):
-    """The objects by id; of those whose visits were parted, each visit with its own views, under its own id."""
-    known = {row["id"]: row for row in rows}
-    parted = {}
-    for visit in visits:
-        row = known[visit["object"]]
-        views = [view for view in row["views"] if visit["first"] <= view["frame"] <= visit["last"]]
-        parted[visit["visit"]] = {"views": views if any(view["ok"] for view in views)
-                                  else [{**view, "ok": True} for view in views]}
-    return {**known, **parted}
+def of_visits(loops, rows):
+    """By id, what each visit saw that was looked for by itself: its views of the object of `rows` that it ended in."""
+    kept = {row["merged"]: row["kept"] for row in loops["merges"]}
+    known = {row["id"]: row["views"] for row in rows}
+    return {visit["visit"]: {"views": [view for view in known.get(kept.get(visit["visit"], visit["visit"]), [])
+                                       if visit["first"] <= view["frame"] <= visit["last"]]}
+            for visit in loops["visits"]}
 
 
 def score(capture, workspace, ate):
     truth = Truth(capture, workspace)
     loops = read_json(workspace / "loops/loops.json")
-    rows = read_json(workspace / "select/objects.json")["objects"]
-    already = [k for k in map(truth.object_of, rows) if k is not None]
-    before = {key: truth.object_of(row) for key, row in of_visits(rows, loops["visits"]).items()}
+    before = {row["id"]: truth.object_of(row) for row in read_json(workspace / "select/objects.json")["objects"]}
+    already = [k for k in before.values() if k is not None]
     rows = read_json(workspace / "loops/objects.json")["objects"]
     after = [truth.object_of(row) for row in rows]
+    before.update({key: truth.object_of(visit) for key, visit in of_visits(loops, rows).items()})
     frames = sorted(truth.times)
     first_lap = frames[int(len(frames) / LAPS) - 1]
     known_again = sum(
@@ -295,8 +292,8 @@ def median(values):
 
 
 def table(rows, modes):
-    lines = ["| tracking | rooms | captures | closed | loops by appearance | constellations | wrong loops | wrong merges | two in one | "
-             "duplicates before, left | ATE tracked | path refined | after | worst after | above tracked |", "|" + "---|" * 15]
+    lines = ["| tracking | rooms | captures | closed | loops by appearance | constellations | wrong loops | wrong merges | "
+             "two in one | duplicates before, left | ATE tracked | path refined | after | worst after | above tracked |", "|" + "---|" * 15]
     for mode in modes:
         for twins in (False, True):
             group = [row for row in rows if row["mode"] == mode and bool(row["seed"] % 2) == twins]

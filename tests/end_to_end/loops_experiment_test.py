@@ -72,13 +72,16 @@ class Scoring(unittest.TestCase):
         self.assertEqual((wrong["wrong_merges"], wrong["duplicates"]), (1, 1))
 
     def test_visits_of_an_object_count_by_themselves(self):
-        both = seen(1, 0, 0, 2)
-        both["views"] += seen(1, 90, 3, 2)["views"][:1]
-        before, visits = [both, seen(2, 95, 0.1, 2)], [(1, 1, 0, 10), (7, 1, 80, 99)]
+        first, second, mine = seen(1, 0, 0, 2)["views"], seen(1, 90, 3, 2)["views"], seen(2, 70, 0.1, 2)["views"]
+        before = [{"id": 1, "views": first + second}, {"id": 2, "views": mine}]
+        visits = [(1, 1, 0, 10), (7, 1, 80, 99)]
         self.assertEqual(self.score(before, before)["mixed"], 1)
-        right = self.score(before, before[1:], merges=[(1, 2)], visits=visits)
+        after = [{"id": 1, "views": first + mine}, {"id": 7, "views": second}]
+        right = self.score(before, after, merges=[(1, 2)], visits=visits)
         self.assertEqual((right["wrong_merges"], right["mixed"]), (0, 0))
-        self.assertEqual(self.score(before, before[1:], merges=[(2, 7)], visits=visits)["wrong_merges"], 1)
+        after = [{"id": 1, "views": first}, {"id": 2, "views": mine + second}]
+        wrong = self.score(before, after, merges=[(2, 7)], visits=visits)
+        self.assertEqual((wrong["wrong_merges"], wrong["mixed"]), (1, 1))
 
     def test_objects_known_again_close_a_loop_when_there_are_two(self):
         self.assertFalse(self.score([], [], tracks=[[0, 99], [0, 10]])["closed"])

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "loop/synthetic_visits.h"
+#include "support/pose_matchers.h"
 
 namespace deepslam::loop {
 namespace {
 
+using ::deepslam::testing_support::PoseNear;
 using testing_support::AddVisit;
 using testing_support::ChairPoints;
 using testing_support::Clutter;
@@ -135,15 +137,52 @@ TEST(Visits, ANeighbourTakenForTheObjectIsGivenBack) {
             ObjectId{3});  // what it is in the scene where nothing was mistaken
 }
 
-TEST(Visits, AreOfOneObjectOrNot) {
-  const ObjectId a{0}, b{1}, c{2}, d{3};
+// One chair, seen before and after drift; whether another one was taken for it.
+TEST(Visits, OfAnObjectKnownAgainAreJoinedWhereDepthSaysSo) {
+  const auto room = Clutter(1, 4);
+  const Pose3 drift = Yawed(0.3, -0.1, 0, 0.05);
+  for (const bool same_chair : {true, false}) {
+    Scene scene;
+    scene.odometry = Walk(400, 20);
+    AddVisit(scene, {{"chair", 0, 0, 0.3}}, 0, {}, room);
+    AddVisit(
+        scene, {{"chair", same_chair ? 0 : -0.5, 0, same_chair ? 0.3 : 0.4}}, 300, drift, room);
+    const std::vector<PartedVisit> visits = {
+        {ObjectId{0}, ObjectId{0}, FrameIdx{0}, FrameIdx{19}},
+        {ObjectId{1}, ObjectId{0}, FrameIdx{300}, FrameIdx{319}}};
+    std::vector<Constellation> proposed;
+    const std::vector<Constellation> known_again = ProposeKnownAgain(visits, scene.map, proposed);
+    ASSERT_EQ(known_again.size(), 1U);
+    const Constellation verified =
+        VerifyKnownAgain(known_again.front(), scene.map, scene.evidence, {});
+    EXPECT_EQ(verified.accepted, same_chair) << verified.reason;
+    if (!same_chair) continue;
+    EXPECT_THAT(verified.old_world_from_new_world, PoseNear(drift.Inverse(), 0.05, 2.0));
+  }
+}
+
+TEST(Visits, OfOneObjectLeaveItToAConstellationThatHasThem) {
+  Scene scene;
+  scene.odometry = Walk(400, 20);
+  AddVisit(scene, {{"chair", 0, 0, 0}, {"chair", 1, 0, 0}}, 0, {}, {});
+  AddVisit(scene, {{"chair", 0, 0, 0}, {"chair", 1, 0, 0}}, 300, {}, {});
+  const ObjectId a{0}, b{1}, a2{2}, b2{3};
   const FrameIdx frame{5};
   const std::vector<PartedVisit> visits = {
-      {a, a, frame, frame}, {c, a, frame, frame}, {b, b, frame, frame}, {d, b, frame, frame}};
-  EXPECT_TRUE(AreOfOneObject({a, c}, visits));
-  EXPECT_TRUE(AreOfOneObject({d, b}, visits));
-  EXPECT_FALSE(AreOfOneObject({a, b}, visits));
-  EXPECT_FALSE(AreOfOneObject({a, c}, {}));
+      {a, a, frame, frame}, {a2, a, frame, frame}, {b, b, frame, frame}, {b2, b, frame, frame}};
+  Constellation both, overlap, other;
+  both.pairs = {{a, a2}, {b, b2}};
+  overlap.pairs = {{b, b2}};
+  other.pairs = {{a, b}};
+
+  std::vector<Constellation> proposed = {both, other};
+  EXPECT_TRUE(ProposeKnownAgain(visits, scene.map, proposed).empty());
+  EXPECT_EQ(proposed.size(), 2U);
+  proposed = {overlap, other};
+  EXPECT_EQ(ProposeKnownAgain(visits, scene.map, proposed).size(), 2U);
+  EXPECT_EQ(proposed.size(), 1U);
+  scene.map.objects.pop_back();  // b2 is another's meanwhile
+  EXPECT_EQ(ProposeKnownAgain(visits, scene.map, proposed).size(), 1U);
 }
 
 TEST(Visits, GoBackWhereNobodyElseClaimedThem) {

@@ -11,6 +11,7 @@
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/level_icp.h"
 #include "deepslam/loop/point_agreement.h"
+#include "deepslam/loop/visits.h"
 
 namespace deepslam::loop {
 namespace {
@@ -311,6 +312,13 @@ Constellation VerifyConstellation(const Constellation& constellation,
   verified = VerifyDepth(verified, map, evidence, options);
   verified.reason = overlapping.reason + "; " + verified.reason;
   return verified;
+}
+
+Constellation VerifyKnownAgain(const Constellation& single,
+                               const ObjectMap& map,
+                               const LoopEvidence& evidence,
+                               const LoopOptions& options) {
+  return VerifyDepth(single, map, evidence, options);
 }
 
 }  // namespace deepslam::loop

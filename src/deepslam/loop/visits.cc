@@ -50,13 +50,11 @@ struct Seen {
   Seen(const ObjectEvidence& visit, const Eigen::Vector3d& up_world)
       : object(Thinned(visit.depth_points_world, kCell_m)),
         all(Together(object, Surroundings(visit, object, up_world))),
-        object_index(object),
-        all_index(all) {}
+        object_index(object) {}
 
   Points object;
   Points all;
   PointIndex object_index;
-  PointIndex all_index;
 };
 
 // The visits that stand together, in order.
@@ -104,7 +102,8 @@ bool StandApart(const ObjectEvidence& old_visit,
   const double radius_m = options.verify_distance_m;
   // The object first: around it walls may hold on to where they are.
   const std::vector<Belonging> object = {{newer.object, &older.object_index}};
-  const std::vector<Belonging> all = {{newer.all, &older.all_index}};
+  const PointIndex all_older(older.all);
+  const std::vector<Belonging> all = {{newer.all, &all_older}};
   const std::optional<Pose3> start = AlignLevel(object, {}, level_from_world, radius_m);
   const std::optional<Pose3> aligned =
       AlignLevel(all, start.value_or(Pose3{}), level_from_world, radius_m);
@@ -112,14 +111,10 @@ bool StandApart(const ObjectEvidence& old_visit,
   const Eigen::Vector3d middle = Mean(newer.object);
   if ((*aligned * middle - middle).norm() <= kApart_m) return false;
   // The better direction, since one visit may have seen more.
-  const double of_object =
-      std::max(AgreeingShare(newer.object, *aligned, older.object_index, radius_m),
-               AgreeingShare(older.object, aligned->Inverse(), newer.object_index, radius_m));
-  const auto of_all = [&](const Pose3& correction) {
-    return std::max(AgreeingShare(newer.all, correction, older.all_index, radius_m),
-                    AgreeingShare(older.all, correction.Inverse(), newer.all_index, radius_m));
-  };
-  return of_object >= options.min_object_agreement && of_all(*aligned) > of_all({});
+  return std::max(
+             AgreeingShare(newer.object, *aligned, older.object_index, radius_m),
+             AgreeingShare(older.object, aligned->Inverse(), PointIndex(newer.object), radius_m)) >=
+         options.min_object_agreement;
 }
 
 PartedObjects PartVisits(const Association& association,
@@ -145,10 +140,43 @@ PartedObjects PartVisits(const Association& association,
   return parted;
 }
 
-bool AreOfOneObject(const ObjectMerge& pair, const std::vector<PartedVisit>& visits) {
-  const auto kept = std::ranges::find(visits, pair.kept, &PartedVisit::visit);
-  const auto merged = std::ranges::find(visits, pair.merged, &PartedVisit::visit);
-  return kept != visits.end() && merged != visits.end() && kept->object == merged->object;
+std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& visits,
+                                             const ObjectMap& map,
+                                             std::vector<Constellation>& proposed) {
+  std::map<ObjectId, ObjectId> object_of;
+  for (const PartedVisit& visit : visits) object_of[visit.visit] = visit.object;
+  const auto of_one_object = [&](const ObjectMerge& pair) {
+    const auto kept = object_of.find(pair.kept);
+    const auto merged = object_of.find(pair.merged);
+    return kept != object_of.end() && merged != object_of.end() && kept->second == merged->second;
+  };
+  std::erase_if(proposed, [&](const Constellation& constellation) {
+    return constellation.pairs.size() == 1 && of_one_object(constellation.pairs.front());
+  });
+  const auto is_proposed = [&](ObjectId a, ObjectId b) {
+    return std::ranges::any_of(proposed, [&](const Constellation& constellation) {
+      return std::ranges::any_of(constellation.pairs, [&](const ObjectMerge& pair) {
+        return std::minmax(pair.kept, pair.merged) == std::minmax(a, b);
+      });
+    });
+  };
+  std::vector<Constellation> known_again;
+  for (std::size_t k = 1; k < visits.size(); ++k) {
+    if (visits[k].object != visits[k - 1].object) continue;
+    const auto older = std::ranges::find(map.objects, visits[k - 1].visit, &MapObject::id);
+    const auto newer = std::ranges::find(map.objects, visits[k].visit, &MapObject::id);
+    if (older == map.objects.end() || newer == map.objects.end() ||
+        is_proposed(older->id, newer->id)) {
+      continue;
+    }
+    Constellation single;
+    single.pairs = {{older->id, newer->id}};
+    single.old_world_from_new_world.translation_m =
+        older->world_from_object.translation_m - newer->world_from_object.translation_m;
+    single.position_error_m = single.old_world_from_new_world.translation_m.norm();
+    known_again.push_back(single);
+  }
+  return known_again;
 }
 
 RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,

@@ -26,11 +26,11 @@ inline constexpr double kApart_m = 0.10;
 // track's own id.
 [[nodiscard]] std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& options);
 
-// Whether what two visits measured of an object, in a world with this up direction, fits better
-// after one visit has moved by more than kApart_m: the object's points lie on each other then
-// (min_object_agreement), and more of all points, surroundings with them, than before. Surroundings
-// tell drift from visits that saw different parts of an object. Models do not count. Fewer than 30
-// points of either visit tell nothing.
+// Whether what two visits measured of an object, in a world with this up direction, belongs further
+// on: registered with each other, surroundings with it, one visit moves by more than kApart_m, and
+// the object's points lie on each other then (min_object_agreement). Surroundings tell drift from
+// visits that saw different parts of an object. Models do not count. Fewer than 30 points of either
+// visit tell nothing.
 [[nodiscard]] bool StandApart(const ObjectEvidence& old_visit,
                               const ObjectEvidence& new_visit,
                               const Eigen::Vector3d& up_world,
@@ -52,8 +52,18 @@ struct PartedObjects {
                                        const Eigen::Vector3d& up_world,
                                        const LoopOptions& options);
 
-// Whether the pair are visits that one object was parted into.
-[[nodiscard]] bool AreOfOneObject(const ObjectMerge& pair, const std::vector<PartedVisit>& visits);
+// Visits of one object, one after the other, as single pairs: association says that they are one
+// thing, and depth has to say where. Where a constellation of `proposed` has the pair, it decides;
+// other single pairs of such visits leave `proposed`, since where models overlap tells nothing new.
+[[nodiscard]] std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& visits,
+                                                           const ObjectMap& map,
+                                                           std::vector<Constellation>& proposed);
+
+// As VerifyConstellation verifies more pairs: by the depth of the object and of what stands around.
+[[nodiscard]] Constellation VerifyKnownAgain(const Constellation& single,
+                                             const ObjectMap& map,
+                                             const LoopEvidence& evidence,
+                                             const LoopOptions& options);
 
 // What becomes of the visits when nothing more is found among them.
 struct RejoinedVisits {

@@ -140,8 +140,6 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   return evidence;
 }
 
-// `visits` of one object that overlap tell nothing that association has not said: they wait for a
-// constellation.
 Result<Loops> DetectLoops(const StageContext& context,
                           const RunInputs& inputs,
                           const std::vector<PartedVisit>& visits,
@@ -149,16 +147,18 @@ Result<Loops> DetectLoops(const StageContext& context,
   const loop::LoopOptions& options = inputs.config.loops;
   std::vector<Constellation> proposed =
       loop::FindConstellations(world.map, world.association, options, world.odometry);
-  std::erase_if(proposed, [&](const Constellation& constellation) {
-    return constellation.pairs.size() == 1 &&
-           loop::AreOfOneObject(constellation.pairs.front(), visits);
-  });
-  std::vector<Constellation> verified(proposed.size());
-  if (!proposed.empty()) {  // most captures propose nothing, and evidence takes all views
+  const std::vector<Constellation> known_again =
+      loop::ProposeKnownAgain(visits, world.map, proposed);
+  std::vector<Constellation> verified(proposed.size() + known_again.size());
+  if (!verified.empty()) {  // most captures propose nothing, and evidence takes all views
     const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world);
     if (!evidence.ok()) return evidence.error();
     ParallelFor(proposed.size(), [&](std::size_t i) {
       verified[i] = loop::VerifyConstellation(proposed[i], world.map, *evidence, options);
+    });
+    ParallelFor(known_again.size(), [&](std::size_t i) {
+      verified[proposed.size() + i] =
+          loop::VerifyKnownAgain(known_again[i], world.map, *evidence, options);
     });
   }
   return loop::AcceptLoops(verified, world.map, world.association, options, world.odometry);
