@@ -3,14 +3,15 @@
 
     scripts/experiments/loops.py [--seeds 0-49] [--work out/loops] [--modes default,paper,drifted] [-- RUN OPTIONS]
 
-Every seed is a room of its own (320 x 240 pixels, 160 frames); in odd ones the same two chairs stand twice, in the same
-arrangement. Each capture is reconstructed with the defaults, with configs/paper.yaml, frame-to-frame tracking (objects
-detected in keyframes alone, to save time), and by poses of its own that drift, furniture coming back 0.2 to 0.5 m off, with
-loops by objects alone (what is tracked drifts too little here to ask for them), up to the optimised graph. Against the truth
-it counts: revisits closed (a loop of either kind, or at least two objects known again), wrong loops (a keyframe loop off by
-more than 10 cm or 5 deg, a merge of different objects), objects whose views show two, duplicates left (two objects of the map that are
-one), and ATE of tracking alone, behind the path's refinement (which closes rooms of few keyframes already), and at the end.
-Results lie in --work as one JSON per seed and mode and are used again; the table goes to stdout. Needs nothing beyond Python 3.
+Every seed is a room of its own (320 x 240 pixels, 160 frames); in odd ones the same two chairs stand twice, in the
+same arrangement. Each capture is reconstructed with the defaults, with configs/paper.yaml, frame-to-frame tracking
+(objects detected in keyframes alone, to save time), and by poses of its own that drift, furniture coming back 0.2 to
+0.5 m off, with loops by objects alone (what is tracked drifts too little here to ask for them), up to the optimised
+graph. Against the truth it counts: revisits closed (a loop of either kind, or at least two objects known again),
+wrong loops (a keyframe loop off by more than 10 cm or 5 deg, a merge of different objects), objects whose views show
+two, duplicates left (two objects of the map that are one), and ATE of tracking alone, behind the path's refinement
+(which closes rooms of few keyframes already), and at the end. Results lie in --work as one JSON per seed and mode and
+are used again; the table goes to stdout. Needs nothing beyond Python 3.
 """
 import json
 import math
