@@ -245,11 +245,14 @@ void TakeRefinement(const Pose3& refined, const ObjectMap& map, Constellation& c
   constellation.position_error_m = std::sqrt(squared / count);
 }
 
-// By the depth of both visits: objects, then surroundings.
+// By the depth of both visits: objects, then surroundings. Where too little is known of these,
+// objects alone are believed as far as `believed_m`: equal furniture may stand elsewhere in an
+// equal arrangement, but not within a foot of the first.
 Constellation VerifyDepth(const Constellation& constellation,
                           const ObjectMap& map,
                           const LoopEvidence& evidence,
-                          const LoopOptions& options) {
+                          const LoopOptions& options,
+                          double believed_m) {
   Constellation result = constellation;
   const std::size_t min_pairs =
       std::min(constellation.pairs.size(), static_cast<std::size_t>(options.min_pairs));
@@ -281,9 +284,7 @@ Constellation VerifyDepth(const Constellation& constellation,
   result.accepted = *objects >= options.min_object_agreement;
   const auto min_points = static_cast<std::size_t>(std::max(1, options.min_room_points));
   if (old_visit.room.size() < min_points || new_visit.room.size() < min_points) {
-    // Equal furniture may stand elsewhere in an equal arrangement, but not within a foot of the
-    // first.
-    const bool near = LargestMove(result, map) <= options.drift_base_m;
+    const bool near = LargestMove(result, map) <= believed_m;
     result.reason += near ? ", surroundings unknown" : ", surroundings unknown and too far apart";
     result.accepted = result.accepted && near;
     return result;
@@ -306,10 +307,11 @@ Constellation VerifyConstellation(const Constellation& constellation,
                                   const LoopOptions& options) {
   Constellation verified = constellation;
   verified.accepted = false;
-  if (verified.pairs.size() > 1) return VerifyDepth(verified, map, evidence, options);
+  if (verified.pairs.size() > 1)
+    return VerifyDepth(verified, map, evidence, options, options.drift_base_m);
   const Constellation overlapping = VerifySingle(verified, map, evidence, options);
   if (overlapping.accepted) return overlapping;
-  verified = VerifyDepth(verified, map, evidence, options);
+  verified = VerifyDepth(verified, map, evidence, options, options.drift_base_m);
   verified.reason = overlapping.reason + "; " + verified.reason;
   return verified;
 }
@@ -318,7 +320,7 @@ Constellation VerifyKnownAgain(const Constellation& single,
                                const ObjectMap& map,
                                const LoopEvidence& evidence,
                                const LoopOptions& options) {
-  return VerifyDepth(single, map, evidence, options);
+  return VerifyDepth(single, map, evidence, options, 0);
 }
 
 }  // namespace deepslam::loop

@@ -59,7 +59,8 @@ struct PartedObjects {
                                                            const ObjectMap& map,
                                                            std::vector<Constellation>& proposed);
 
-// As VerifyConstellation verifies more pairs: by the depth of the object and of what stands around.
+// As VerifyConstellation verifies more pairs: by the depth of the object and of what stands around,
+// which has to be known here.
 [[nodiscard]] Constellation VerifyKnownAgain(const Constellation& single,
                                              const ObjectMap& map,
                                              const LoopEvidence& evidence,
