@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "deepslam/core/image.h"
@@ -94,14 +95,20 @@ class Witness {
   const DepthNoise noise_;
 };
 
-Mask SeenThrough(const PlacedPyramid& frame,
-                 std::span<const PlacedPyramid> earlier,
-                 const DepthNoise& noise) {
+struct Testimony {
+  Mask seen_through;
+  int num_told = 0;  // texels that any witness says something of
+};
+
+Testimony TestimonyOn(const PlacedPyramid& frame,
+                      std::span<const PlacedPyramid> earlier,
+                      const DepthNoise& noise) {
   const PyramidLevel& level = LevelOf(*frame.pyramid);
   std::vector<Witness> latest_first;
   for (auto seen = earlier.rbegin(); seen != earlier.rend(); ++seen)
     latest_first.emplace_back(*seen, frame, noise);
   Mask mask(level.camera.width, level.camera.height);
+  int num_told = 0;
   for (int v = 0; v < mask.height(); ++v) {
     for (int u = 0; u < mask.width(); ++u) {
       const float z_m = level.depth_m[static_cast<std::size_t>(v * mask.width() + u)];
@@ -111,9 +118,25 @@ Mask SeenThrough(const PlacedPyramid& frame,
       for (std::size_t n = 0; n < latest_first.size() && verdict == Verdict::kNothing; ++n)
         verdict = latest_first[n].Of(p);
       mask(u, v) = verdict == Verdict::kMoved ? 1 : 0;
+      num_told += verdict == Verdict::kNothing ? 0 : 1;
     }
   }
-  return mask;
+  return {std::move(mask), num_told};
+}
+
+double ShareSeenThrough(std::span<const PlacedPyramid> frames,
+                        std::span<const PlacedPyramid> witnesses,
+                        const DepthNoise& noise) {
+  std::ptrdiff_t num_seen_through = 0;
+  std::ptrdiff_t num_told = 0;
+  for (const PlacedPyramid& frame : frames) {
+    for (const PlacedPyramid& witness : witnesses) {
+      const Testimony testimony = TestimonyOn(frame, {&witness, 1}, noise);
+      num_seen_through += std::ranges::count(testimony.seen_through, std::uint8_t{1});
+      num_told += testimony.num_told;
+    }
+  }
+  return num_told > 0 ? static_cast<double>(num_seen_through) / static_cast<double>(num_told) : 0;
 }
 
 void Hide(const Mask& mask, PyramidLevel& level) {
@@ -134,7 +157,7 @@ void Hide(const Mask& mask, PyramidLevel& level) {
 std::shared_ptr<const FramePyramid> WithoutMoved(const PlacedPyramid& frame,
                                                  std::span<const PlacedPyramid> earlier,
                                                  const DepthNoise& noise) {
-  const Mask moved = Where(SeenThrough(frame, earlier, noise), 1, kMinTogether, true);
+  const Mask moved = Where(TestimonyOn(frame, earlier, noise).seen_through, 1, kMinTogether, true);
   const std::vector<float>& depth_m = LevelOf(*frame.pyramid).depth_m;
   const auto num_valid = std::ranges::count_if(depth_m, [](float z) { return z > 0; });
   const auto num_moved = std::ranges::count(moved, std::uint8_t{1});
@@ -144,6 +167,12 @@ std::shared_ptr<const FramePyramid> WithoutMoved(const PlacedPyramid& frame,
   const Mask outlined = Where(moved, kOutline, 1, false);
   for (PyramidLevel& level : hidden->levels) Hide(outlined, level);
   return hidden;
+}
+
+double ContradictedShare(std::span<const PlacedPyramid> a,
+                         std::span<const PlacedPyramid> b,
+                         const DepthNoise& noise) {
+  return std::max(ShareSeenThrough(a, b, noise), ShareSeenThrough(b, a, noise));
 }
 
 }  // namespace deepslam::odometry

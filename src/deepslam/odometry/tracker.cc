@@ -12,7 +12,7 @@
 #include <Eigen/LU>
 
 #include "deepslam/core/order_statistics.h"
-#include "deepslam/odometry/moved_surfaces.h"
+#include "deepslam/odometry/detail_likeness.h"
 #include "deepslam/odometry/pose_interpolation.h"
 #include "deepslam/odometry/rotation_search.h"
 
@@ -41,18 +41,29 @@ constexpr double kHandSpeed = 0.5;        // m/s
 constexpr double kHandAcceleration = 2;   // m/s^2
 constexpr double kWristSpeed = 0.7;       // rad/s
 constexpr double kWristAcceleration = 4;  // rad/s^2
+constexpr double kManySigmas = 5;
+// Of a prediction from two alignments, beside what the hand does, one standard deviation: where
+// somebody walks through they are off by several centimetres.
+constexpr double kPredictedM = 0.02;
+constexpr double kPredictedRad = 0.016;
+// Farther off, or after a longer time, a prediction is none.
+constexpr StartSigma kFarthestPrediction;
+// Share that keyframes may contradict of a frame which a hand may have brought there: noise that is
+// underrated makes as much. Placed right, captures without motion leave less than half of it.
+constexpr double kMaxContradicted = 0.02;
+constexpr double kMaxContradictedFar = 0.01;
+// Frames that share half of their views and are placed right reach this.
+constexpr double kSureDetails = 0.7;
 
 // A camera whose motion nothing shows may be anywhere after a while, also where it would see
 // something again: it is compared with what it saw lately.
 constexpr double kLongHeld_s = 0.5;
 
 bool Doubtful(const FrameAlignment& alignment) {
-  return !alignment.ok || alignment.agreement < kSureAgreement ||
-         alignment.brightness_correlation < kSureCorrelation;
-}
-
-bool SameImage(const FrameAlignment& alignment) {
-  return alignment.ok && alignment.brightness_correlation > kSameImage;
+  if (!alignment.ok) return true;
+  return alignment.brightness_correlation < kSameImage &&
+         (alignment.agreement < kSureAgreement ||
+          alignment.brightness_correlation < kSureCorrelation);
 }
 
 TrackingStatus StatusOf(bool degenerate) {
@@ -158,16 +169,20 @@ void Tracker::Align(Anchor& frame) {
   Lose(frame);
 }
 
+// The motion before, carried on.
+std::optional<Pose3> Tracker::Predicted(const Anchor& frame) const {
+  if (!(last_interval_s_ > 0)) return std::nullopt;
+  const double ratio = (frame.clock_s - previous_->clock_s) / last_interval_s_;
+  if (!(ratio > 0) || ratio > kMaxPredictionRatio) return std::nullopt;
+  return previous_->world_from_camera * V2t(ratio * T2v(last_motion_));
+}
+
 std::vector<Pose3> Tracker::Starts(const Anchor& frame) const {
   std::vector<Pose3> starts;
-  const Pose3& last = previous_->world_from_camera;
-  if (options_.motion_prediction && last_interval_s_ > 0) {
-    const double ratio = (frame.clock_s - previous_->clock_s) / last_interval_s_;
-    if (ratio > 0 && ratio <= kMaxPredictionRatio) {
-      starts.push_back(last * V2t(ratio * T2v(last_motion_)));
-    }
+  if (options_.motion_prediction) {
+    if (const auto predicted = Predicted(frame)) starts.push_back(*predicted);
   }
-  starts.push_back(last);
+  starts.push_back(previous_->world_from_camera);
   if (options_.rotation_search) {
     if (const auto start = SearchStart(*previous_, frame)) starts.push_back(*start);
   }
@@ -211,18 +226,87 @@ StartSigma Tracker::SigmaOfStart(double duration_s) const {
 }
 
 FrameAlignment Tracker::AlignWidely(const Anchor& anchor,
+                                    const Anchor& last,
                                     const Anchor& frame,
                                     std::vector<Pose3> starts_world) const {
-  const FrameAlignment first = AlignTo(anchor, frame, starts_world);
-  if (!options_.wide_search || !Doubtful(first) || SameImage(first)) return first;
+  const auto align = [&] {
+    FrameAlignment alignment = AlignTo(anchor, frame, starts_world);
+    alignment.ok = alignment.ok && Believable(anchor, last, frame, alignment);
+    return alignment;
+  };
+  const FrameAlignment first = align();
+  if (!options_.wide_search || !Doubtful(first)) return first;
   const std::vector<Pose3> orbits = Orbits(MedianDepthM(frame.pyramid->levels.back()));
   const std::size_t num_starts = starts_world.size();
   for (std::size_t k = 0; k < num_starts; ++k) {
     for (const Pose3& orbit : orbits) starts_world.push_back(starts_world[k] * orbit);
   }
-  const FrameAlignment second = AlignTo(anchor, frame, starts_world);
+  const FrameAlignment second = align();
   const bool better = second.ok == first.ok ? second.support > first.support : second.ok;
   return better ? second : first;
+}
+
+Tracker::Motion Tracker::MotionTo(const Pose3& world_from_camera,
+                                  const Anchor& last,
+                                  const Anchor& frame) const {
+  const double duration_s = frame.clock_s - last.clock_s;
+  const auto predicted = last.frame == previous_->frame ? Predicted(frame) : std::nullopt;
+  const Pose3 expected = predicted.value_or(last.world_from_camera);
+  const Pose3 off = expected.Inverse() * world_from_camera;
+  const double off_m = off.translation_m.norm();
+  const double off_rad = RotationAngle(off.rotation);
+  if (predicted) {
+    const StartSigma hand = SigmaOfStart(duration_s);
+    const double sigma_m = std::hypot(hand.translation_m, kPredictedM);
+    const double sigma_rad = std::hypot(hand.rotation_rad, kPredictedRad);
+    if (off_m <= std::min(kFarthestPrediction.translation_m, kManySigmas * sigma_m) &&
+        off_rad <= std::min(kFarthestPrediction.rotation_rad, kManySigmas * sigma_rad))
+      return Motion::kAsPredicted;
+  }
+  // Back the way it came is twice the motion off.
+  const Pose3 motion = last.world_from_camera.Inverse() * expected;
+  const bool of_a_hand =
+      off_m <= kManySigmas * kHandSpeed * duration_s + 2 * motion.translation_m.norm() &&
+      off_rad <= kManySigmas * kWristSpeed * duration_s + 2 * RotationAngle(motion.rotation);
+  return of_a_hand || !(duration_s > 0) ? Motion::kOfAHand : Motion::kUnlikely;
+}
+
+// What fits where the camera was expected is taken for it, whatever has moved. Elsewhere most
+// frames fit somehow, so nothing may speak against it; and where no hand would have carried the
+// camera, it has to be sure as well.
+bool Tracker::Believable(const Anchor& anchor,
+                         const Anchor& last,
+                         const Anchor& frame,
+                         const FrameAlignment& alignment) const {
+  if (options_.reference == "previous") return true;  // the paper's plain behaviour
+  const Pose3 placed = anchor.world_from_camera * alignment.i_from_j;
+  const Motion motion =
+      last.piece == anchor.piece ? MotionTo(placed, last, frame) : Motion::kUnlikely;
+  if (motion == Motion::kAsPredicted) return true;
+  const DepthNoise& noise = options_.alignment.pyramid.noise;
+  if (motion == Motion::kUnlikely &&
+      (Doubtful(alignment) ||
+       DetailCorrelation(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, noise) <
+           kSureDetails))
+    return false;
+  const double most = motion == Motion::kUnlikely ? kMaxContradictedFar : kMaxContradicted;
+  const PlacedPyramid seen{frame.pyramid, placed};
+  const PlacedPyramid seen_before{anchor.pyramid, anchor.world_from_camera};
+  return ContradictedShare({&seen, 1}, {&seen_before, 1}, noise) <= most &&
+         Contradicted(anchor.piece, {seen}) <= most;
+}
+
+std::vector<PlacedPyramid> Tracker::KeyframesOf(int piece) const {
+  std::vector<PlacedPyramid> keyframes;
+  for (const Anchor& keyframe : keyframes_) {
+    if (keyframe.piece == piece)
+      keyframes.push_back({keyframe.pyramid, keyframe.world_from_camera});
+  }
+  return keyframes;
+}
+
+double Tracker::Contradicted(int piece, const std::vector<PlacedPyramid>& placed) const {
+  return ContradictedShare(KeyframesOf(piece), placed, options_.alignment.pyramid.noise);
 }
 
 void Tracker::Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment) {
@@ -248,7 +332,7 @@ void Tracker::AddAligned(const Anchor& frame, const FrameAlignment& alignment) {
 bool Tracker::AlignToReference(Anchor& frame) {
   const bool to_previous = options_.reference == "previous";
   const Anchor reference = to_previous ? *previous_ : keyframes_.back();
-  const FrameAlignment alignment = AlignWidely(reference, frame, Starts(frame));
+  const FrameAlignment alignment = AlignWidely(reference, *previous_, frame, Starts(frame));
   if (!alignment.ok) return false;
   Accept(frame, reference, alignment);
   if (to_previous) {
@@ -266,7 +350,7 @@ bool Tracker::AlignToReference(Anchor& frame) {
 bool Tracker::AlignToPrevious(Anchor& frame) {
   if (options_.reference == "previous" || previous_->frame == keyframes_.back().frame) return false;
   HideMoved(*previous_);
-  const FrameAlignment alignment = AlignWidely(*previous_, frame, Starts(frame));
+  const FrameAlignment alignment = AlignWidely(*previous_, *previous_, frame, Starts(frame));
   if (!alignment.ok) return false;
   const std::optional<FrameAlignment> direct = previous_alignment_;
   AddKeyframe(*previous_, direct ? &*direct : nullptr);
@@ -283,11 +367,11 @@ bool Tracker::Relocalise(Anchor& frame) {
   for (auto keyframe = keyframes_.rbegin(); keyframe != keyframes_.rend(); ++keyframe) {
     std::vector<Pose3> starts{previous_->world_from_camera, keyframe->world_from_camera};
     if (const auto start = SearchStart(*keyframe, frame)) starts.push_back(*start);
-    const FrameAlignment alignment = AlignWidely(*keyframe, frame, starts);
+    const FrameAlignment alignment = AlignWidely(*keyframe, *previous_, frame, starts);
     // Elsewhere some earlier keyframe nearly always fits somehow; a new piece is joined when it is
     // sure where.
     const bool is_last = keyframe == keyframes_.rbegin();
-    if (!alignment.ok || (!is_last && Doubtful(alignment) && !SameImage(alignment))) continue;
+    if (!alignment.ok || (!is_last && Doubtful(alignment))) continue;
     const Anchor found = *keyframe;
     Accept(frame, found, alignment);
     last_interval_s_ = 0;  // the motion across a loss predicts nothing
@@ -310,11 +394,12 @@ bool Tracker::Relocalise(Anchor& frame) {
 bool Tracker::AlignToPending(Anchor& frame) {
   if (!pending_) return false;
   Anchor start = *pending_;
+  start.piece = piece_ + 1;
   std::vector<Pose3> starts{start.world_from_camera};
   if (const auto found = SearchStart(start, frame)) starts.push_back(*found);
-  const FrameAlignment alignment = AlignWidely(start, frame, starts);
+  const FrameAlignment alignment = AlignWidely(start, start, frame, starts);
   if (!alignment.ok) return false;
-  start.piece = ++piece_;
+  piece_ = start.piece;
   piece_starts_.push_back(start.frame);
   AddWeakEdge(keyframes_.back(), start);
   PushKeyframe(start);
@@ -391,12 +476,16 @@ void Tracker::RejoinPiece(Anchor& frame) {
     if (earlier.piece >= frame.piece) continue;
     std::vector<Pose3> starts{earlier.world_from_camera};
     if (const auto start = SearchStart(earlier, frame)) starts.push_back(*start);
-    const FrameAlignment alignment = AlignWidely(earlier, frame, starts);
-    if (Doubtful(alignment) && !SameImage(alignment)) continue;
-    AddEdge(earlier, frame, alignment);
+    const FrameAlignment alignment = AlignWidely(earlier, *previous_, frame, starts);
+    if (Doubtful(alignment)) continue;
     const Pose3 moved =
         earlier.world_from_camera * alignment.i_from_j * frame.world_from_camera.Inverse();
     const int piece = frame.piece;
+    std::vector<PlacedPyramid> carried = KeyframesOf(piece);
+    for (PlacedPyramid& keyframe : carried)
+      keyframe.world_from_camera = moved * keyframe.world_from_camera;
+    if (Contradicted(earlier.piece, carried) > kMaxContradictedFar) continue;
+    AddEdge(earlier, frame, alignment);
     const int joined = earlier.piece;
     const auto move = [&](Anchor& anchor) {
       if (anchor.piece != piece) return;
@@ -416,13 +505,9 @@ void Tracker::RejoinPiece(Anchor& frame) {
 
 void Tracker::HideMoved(Anchor& frame) const {
   if (options_.reference == "previous") return;  // the paper's plain behaviour
-  std::vector<PlacedPyramid> earlier;
-  for (const Anchor& keyframe : keyframes_) {
-    if (keyframe.piece == frame.piece)
-      earlier.push_back({keyframe.pyramid, keyframe.world_from_camera});
-  }
-  frame.pyramid = WithoutMoved(
-      {frame.pyramid, frame.world_from_camera}, earlier, options_.alignment.pyramid.noise);
+  frame.pyramid = WithoutMoved({frame.pyramid, frame.world_from_camera},
+                               KeyframesOf(frame.piece),
+                               options_.alignment.pyramid.noise);
 }
 
 void Tracker::PushKeyframe(const Anchor& frame) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "deepslam/odometry/moved_surfaces.h"
 #include "deepslam/odometry/odometry.h"
 
 namespace deepslam::odometry {
@@ -50,10 +51,24 @@ class Tracker {
                                        const Anchor& frame,
                                        const std::vector<Pose3>& starts_world) const;
   [[nodiscard]] StartSigma SigmaOfStart(double duration_s) const;
-  // AlignTo, and once more from turns about the scene when the outcome is doubtful.
+  // AlignTo, and once more from turns about the scene when the outcome is doubtful. Not ok where it
+  // is not to be believed of a camera that was at `last` before.
   [[nodiscard]] FrameAlignment AlignWidely(const Anchor& anchor,
+                                           const Anchor& last,
                                            const Anchor& frame,
                                            std::vector<Pose3> starts_world) const;
+  [[nodiscard]] bool Believable(const Anchor& anchor,
+                                const Anchor& last,
+                                const Anchor& frame,
+                                const FrameAlignment& alignment) const;
+  // What keyframes of a piece saw against what `placed` saw: ContradictedShare.
+  [[nodiscard]] double Contradicted(int piece, const std::vector<PlacedPyramid>& placed) const;
+  [[nodiscard]] std::vector<PlacedPyramid> KeyframesOf(int piece) const;
+  enum class Motion { kAsPredicted, kOfAHand, kUnlikely };
+  [[nodiscard]] Motion MotionTo(const Pose3& world_from_camera,
+                                const Anchor& last,
+                                const Anchor& frame) const;
+  [[nodiscard]] std::optional<Pose3> Predicted(const Anchor& frame) const;
   [[nodiscard]] std::optional<Pose3> SearchStart(const Anchor& anchor, const Anchor& frame) const;
   void Accept(Anchor& frame, const Anchor& aligned_to, const FrameAlignment& alignment);
 

@@ -1,0 +1,21 @@
+// Whether two placed frames show the same details of what they both see.
+//
+// Two tables over two floors correlate by their one contrast, light over dark, whatever the floors
+// are made of. Within patches that are smaller than furniture such contrasts are few, and boards do
+// not look like tiles.
+#pragma once
+
+#include "deepslam/geometry/pose.h"
+#include "deepslam/odometry/image_pyramid.h"
+
+namespace deepslam::odometry {
+
+// Correlation of brightness about the means of small patches, over all points of one that lie on
+// surfaces of the other; the smaller of both ways. 1 without colour, and where neither shows any
+// details; 0 where one alone does. Pyramids of one camera and as many levels.
+[[nodiscard]] double DetailCorrelation(const FramePyramid& i,
+                                       const FramePyramid& j,
+                                       const Pose3& i_from_j,
+                                       const DepthNoise& noise);
+
+}  // namespace deepslam::odometry
