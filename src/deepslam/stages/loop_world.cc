@@ -125,16 +125,6 @@ std::vector<ShapeCandidate> AllCandidatesOf(const LoopWorld& world, ObjectId obj
   return candidates;
 }
 
-// As the stages before have them: the tracking world about the object's best view.
-void KeepRegistrations(const MapObject& object,
-                       std::vector<CandidateRegistration> registrations,
-                       LoopWorld& world) {
-  const Pose3 tracked_from_closed = MovedWith(world.tracked, world.odometry, object).Inverse();
-  for (CandidateRegistration& registration : registrations)
-    registration.world_from_object = tracked_from_closed * registration.world_from_object;
-  world.registrations[object.id] = std::move(registrations);
-}
-
 // What is completed for an object goes by `change`, with a number from the second time on.
 std::string NextName(std::string_view change, ObjectId object, LoopWorld& world) {
   const int n = ++world.num_judged[object];
@@ -167,7 +157,7 @@ Status JudgeAnew(const StageContext& context,
     selected->merged = std::move(object.merged);
     object = std::move(selected).value();
   }
-  KeepRegistrations(object, std::move(contest.registrations), world);
+  world.registrations[object.id] = std::move(contest.registrations);
   return Ok();
 }
 
@@ -241,6 +231,25 @@ double MovedApart_m(const Odometry& before, const Odometry& after, const MapObje
 void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map) {
   for (MapObject& object : map.objects)
     object.world_from_object = MovedWith(before, after, object) * object.world_from_object;
+}
+
+std::vector<CandidateRegistration> PlacedRegistrations(const LoopWorld& world) {
+  std::vector<CandidateRegistration> placed;
+  for (const MapObject& object : world.map.objects) {
+    const auto own = world.registrations.find(object.id);
+    if (own == world.registrations.end()) continue;
+    const auto chosen =
+        std::ranges::find(own->second, object.chosen, &CandidateRegistration::candidate);
+    const Pose3 now_from_then =
+        chosen == own->second.end() || !chosen->ok
+            ? Pose3{}
+            : object.world_from_object * chosen->world_from_object.Inverse();
+    for (CandidateRegistration registration : own->second) {
+      registration.world_from_object = now_from_then * registration.world_from_object;
+      placed.push_back(std::move(registration));
+    }
+  }
+  return placed;
 }
 
 Status ForDepthViews(const StageContext& context,

@@ -33,7 +33,7 @@ struct LoopWorld {
   Proposals proposals;  // of the stages before
   Proposals made;       // here, with models
   ObjectMap map;
-  // Of all candidates of the objects judged anew, in the tracking world about their best view.
+  // Of all candidates of the objects judged anew, in the world as it was then.
   std::map<ObjectId, std::vector<CandidateRegistration>> registrations;
   std::map<ObjectId, int> num_judged;
 };
@@ -50,6 +50,10 @@ struct LoopWorld {
                                   const MapObject& object);
 
 void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map);
+
+// Of all candidates of the objects judged anew, in the order of the map, moved with their object so
+// that the chosen one stands where it stands now.
+[[nodiscard]] std::vector<CandidateRegistration> PlacedRegistrations(const LoopWorld& world);
 
 // Depth views of these tracks, a few tracks at a time.
 [[nodiscard]] Status ForDepthViews(const pipeline::StageContext& context,

@@ -313,14 +313,12 @@ Proposals MadeForMap(Proposals made, const ObjectMap& map) {
 
 Status Write(StageContext& context, const LoopWorld& world, const Loops& loops) {
   const Proposals made = MadeForMap(world.made, world.map);
-  std::vector<CandidateRegistration> registrations;
-  for (const auto& [id, own] : world.registrations)
-    registrations.insert(registrations.end(), own.begin(), own.end());
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
       {"objects.json", artifact::EncodeObjectMap(world.map, "objects.json")},
       {"candidates.json", artifact::EncodeProposals(made, "candidates.json")},
-      {"registrations.json", artifact::EncodeRegistrations(registrations, "registrations.json")},
+      {"registrations.json",
+       artifact::EncodeRegistrations(PlacedRegistrations(world), "registrations.json")},
       {"tracks.json", artifact::EncodeAssociation(world.association, "tracks.json")}};
   for (const auto& [file, text] : files) {
     if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
