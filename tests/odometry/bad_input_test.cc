@@ -170,13 +170,15 @@ struct Walk {
   std::string name;
   double camera_step_deg;  // of the camera, per frame
   double pace_m;           // of the person, per frame: to the right where positive
+  double distance_m;       // of the person from the camera in the middle
+  double covered_share;    // of the view, at least, when most is
 };
 
 void PrintTo(const Walk& walk, std::ostream* out) { *out << walk.name; }
 
 class EstimateOdometryWalker : public ::testing::TestWithParam<Walk> {};
 
-// Someone walks by, 1.2 m before the camera, and covers a third of the view.
+// Someone walks by and covers a third of the view, more than half, two thirds.
 TEST_P(EstimateOdometryWalker, DoesNotTakeTheCameraAlong) {
   constexpr int kNumFrames = 70;
   const std::vector<Pose3> truth = Arc(kNumFrames, GetParam().camera_step_deg);
@@ -188,7 +190,7 @@ TEST_P(EstimateOdometryWalker, DoesNotTakeTheCameraAlong) {
   int num_seen = 0;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const double aside_m = GetParam().pace_m * (static_cast<double>(k) - kNumFrames / 2);
-    world.walked_m = middle * Eigen::Vector3d(aside_m, 0, 1.2);
+    world.walked_m = middle * Eigen::Vector3d(aside_m, 0, GetParam().distance_m);
     world.walked_m.z() = 0;
     const double share = ShareOfWalker(world, truth[k]);
     largest_share = std::max(largest_share, share);
@@ -196,29 +198,30 @@ TEST_P(EstimateOdometryWalker, DoesNotTakeTheCameraAlong) {
     frames.push_back(RenderFrame(world, truth[k], 1.0, k));
     frames.back().time_s = 0.05 * static_cast<double>(k);
   }
-  ASSERT_GT(largest_share, 0.30);
+  ASSERT_GT(largest_share, GetParam().covered_share);
   ASSERT_GE(num_seen, 20);  // a second
   ASSERT_LT(num_seen, kNumFrames - 15);
   const Odometry odometry = Track(std::move(frames));
   ExpectStatus(odometry, 0, kNumFrames, TrackingStatus::kTracked);
-  // A walker's step is 6 cm.
-  ExpectTrue(odometry, truth, 0, kNumFrames, 0.06, 1.2);
-  for (std::size_t k = kNumFrames - 5; k < kNumFrames; ++k) {
-    EXPECT_THAT(odometry.frames[k].world_from_camera,
-                PoseNear(truth[0].Inverse() * truth[k], 0.02, 0.6))
-        << "frame " << k;
-  }
+  // The person's step is 6 cm.
+  ExpectTrue(odometry, truth, 0, kNumFrames, 0.02, 0.6);
   ExpectConsistent(odometry);
   ExpectHonestEdges(odometry, truth);
 }
 
-INSTANTIATE_TEST_SUITE_P(Passes,
-                         EstimateOdometryWalker,
-                         ::testing::Values(Walk{"AStandingCamera", 0.0, 0.06},
-                                           Walk{"AMovingCamera", 0.5, 0.06},
-                                           Walk{"AMovingCameraTheOtherWay", 0.5, -0.06},
-                                           Walk{"AFastCamera", 1.0, 0.06}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Passes,
+    EstimateOdometryWalker,
+    ::testing::Values(Walk{"AStandingCamera", 0.0, 0.06, 1.2, 0.30},
+                      Walk{"AMovingCamera", 0.5, 0.06, 1.2, 0.30},
+                      Walk{"AMovingCameraTheOtherWay", 0.5, -0.06, 1.2, 0.30},
+                      Walk{"AFastCamera", 1.0, 0.06, 1.2, 0.30},
+                      Walk{"AStandingCameraNearBy", 0.0, 0.06, 0.8, 0.50},
+                      Walk{"AMovingCameraNearBy", 0.5, 0.06, 0.8, 0.50},
+                      Walk{"AMovingCameraTheOtherWayNearBy", 0.5, -0.06, 0.8, 0.50},
+                      Walk{"AFastCameraNearBy", 1.0, 0.06, 0.8, 0.50},
+                      Walk{"AStandingCameraNearer", 0.0, 0.06, 0.65, 0.60}),
+    [](const auto& test) { return test.param.name; });
 
 // A bare hall: the camera goes along one wall, from one end of it to the other.
 struct AlongAWall {

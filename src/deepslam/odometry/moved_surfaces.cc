@@ -20,6 +20,8 @@ constexpr float kMarginM = 0.05F;
 constexpr float kMarginSigmas = 5.0F;
 // Of a texel and its eight neighbours, so many have moved with it: outlines are off by a texel.
 constexpr int kMinTogether = 7;
+// Between neighbouring texels of one thing.
+constexpr float kOneSurfaceM = 0.1F;
 // Moved surfaces are hidden with their outlines, this many texels around.
 constexpr int kOutline = 2;
 // Share of the frame's depth that is worth a change.
@@ -97,7 +99,7 @@ class Witness {
 
 struct Testimony {
   Mask seen_through;
-  int num_told = 0;  // texels that any witness says something of
+  Mask told;  // texels that any witness says something of
 };
 
 Testimony TestimonyOn(const PlacedPyramid& frame,
@@ -108,7 +110,7 @@ Testimony TestimonyOn(const PlacedPyramid& frame,
   for (auto seen = earlier.rbegin(); seen != earlier.rend(); ++seen)
     latest_first.emplace_back(*seen, frame, noise);
   Mask mask(level.camera.width, level.camera.height);
-  int num_told = 0;
+  Mask told = mask;
   for (int v = 0; v < mask.height(); ++v) {
     for (int u = 0; u < mask.width(); ++u) {
       const float z_m = level.depth_m[static_cast<std::size_t>(v * mask.width() + u)];
@@ -118,10 +120,10 @@ Testimony TestimonyOn(const PlacedPyramid& frame,
       for (std::size_t n = 0; n < latest_first.size() && verdict == Verdict::kNothing; ++n)
         verdict = latest_first[n].Of(p);
       mask(u, v) = verdict == Verdict::kMoved ? 1 : 0;
-      num_told += verdict == Verdict::kNothing ? 0 : 1;
+      told(u, v) = verdict == Verdict::kNothing ? 0 : 1;
     }
   }
-  return {std::move(mask), num_told};
+  return {std::move(mask), std::move(told)};
 }
 
 double ShareSeenThrough(std::span<const PlacedPyramid> frames,
@@ -133,10 +135,36 @@ double ShareSeenThrough(std::span<const PlacedPyramid> frames,
     for (const PlacedPyramid& witness : witnesses) {
       const Testimony testimony = TestimonyOn(frame, {&witness, 1}, noise);
       num_seen_through += std::ranges::count(testimony.seen_through, std::uint8_t{1});
-      num_told += testimony.num_told;
+      num_told += std::ranges::count(testimony.told, std::uint8_t{1});
     }
   }
   return num_told > 0 ? static_cast<double>(num_seen_through) / static_cast<double>(num_told) : 0;
+}
+
+// What nobody tells anything of moves with what it hangs together with: a sleeve that no earlier
+// frame had in view.
+Mask WithWhatHangsOn(Mask moved, const Mask& told, const PyramidLevel& level) {
+  std::vector<std::pair<int, int>> front;
+  for (int v = 0; v < moved.height(); ++v) {
+    for (int u = 0; u < moved.width(); ++u) {
+      if (moved(u, v) != 0) front.emplace_back(u, v);
+    }
+  }
+  const auto depth_m = [&](int u, int v) {
+    return level.depth_m[static_cast<std::size_t>(v * level.camera.width + u)];
+  };
+  while (!front.empty()) {
+    const auto [u, v] = front.back();
+    front.pop_back();
+    for (const auto& [x, y] : {std::pair(u - 1, v), {u + 1, v}, {u, v - 1}, {u, v + 1}}) {
+      if (x < 0 || y < 0 || x >= moved.width() || y >= moved.height()) continue;
+      if (moved(x, y) != 0 || told(x, y) != 0 || !(depth_m(x, y) > 0)) continue;
+      if (std::abs(depth_m(x, y) - depth_m(u, v)) > kOneSurfaceM) continue;
+      moved(x, y) = 1;
+      front.emplace_back(x, y);
+    }
+  }
+  return moved;
 }
 
 void Hide(const Mask& mask, PyramidLevel& level) {
@@ -157,7 +185,10 @@ void Hide(const Mask& mask, PyramidLevel& level) {
 std::shared_ptr<const FramePyramid> WithoutMoved(const PlacedPyramid& frame,
                                                  std::span<const PlacedPyramid> earlier,
                                                  const DepthNoise& noise) {
-  const Mask moved = Where(TestimonyOn(frame, earlier, noise).seen_through, 1, kMinTogether, true);
+  const Testimony testimony = TestimonyOn(frame, earlier, noise);
+  const Mask moved = WithWhatHangsOn(Where(testimony.seen_through, 1, kMinTogether, true),
+                                     testimony.told,
+                                     LevelOf(*frame.pyramid));
   const std::vector<float>& depth_m = LevelOf(*frame.pyramid).depth_m;
   const auto num_valid = std::ranges::count_if(depth_m, [](float z) { return z > 0; });
   const auto num_moved = std::ranges::count(moved, std::uint8_t{1});

@@ -20,8 +20,9 @@ struct PlacedPyramid {
 };
 
 // The frame without the depth of what has moved since `earlier` (latest last, poses right to a few
-// centimetres): where several saw a place, the latest one tells. What hides little of the frame is
-// left in, which gives the same pyramid back. All pyramids of one camera and as many levels.
+// centimetres): where several saw a place, the latest one tells; what none tells of goes with what
+// it hangs together with. What hides little of the frame is left in, which gives the same pyramid
+// back. All pyramids of one camera and as many levels.
 [[nodiscard]] std::shared_ptr<const FramePyramid> WithoutMoved(
     const PlacedPyramid& frame, std::span<const PlacedPyramid> earlier, const DepthNoise& noise);
 
