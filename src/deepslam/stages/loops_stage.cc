@@ -311,8 +311,21 @@ Proposals MadeForMap(Proposals made, const ObjectMap& map) {
   return made;
 }
 
+// Visits that stay objects of their own have copies of their object's candidates, whose models are
+// other stages': they become this stage's as well.
+Status AddModelsOfCopies(const StageContext& context, Proposals& made) {
+  for (const ShapeCandidate& candidate : made.candidates) {
+    if (made.models.contains(candidate.model)) continue;
+    Result<VoxelGrid> grid = ReadModel(context, StageOfModel(candidate.source), candidate.model);
+    if (!grid.ok()) return grid.error();
+    made.models.emplace(candidate.model, std::move(grid).value());
+  }
+  return Ok();
+}
+
 Status Write(StageContext& context, const LoopWorld& world, const Loops& loops) {
-  const Proposals made = MadeForMap(world.made, world.map);
+  Proposals made = MadeForMap(world.made, world.map);
+  if (Status status = AddModelsOfCopies(context, made); !status.ok()) return status;
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
       {"objects.json", artifact::EncodeObjectMap(world.map, "objects.json")},
