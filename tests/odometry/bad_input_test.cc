@@ -426,6 +426,27 @@ TEST_P(EstimateOdometryOfTwoRooms, NothingMeasuredTiesThem) {
   ExpectConsistent(odometry);
 }
 
+// The second is seen from just where the camera was expected to go on in the first, and most of its
+// depth fits there.
+TEST_P(EstimateOdometryOfTwoRooms, TheSecondIsNotTakenForTheFirstWhereItWasExpected) {
+  const std::vector<Pose3> truth = Arc(28, 2.0);
+  BoxWorld first = PlainRoom();
+  first.texture = 0.6;
+  BoxWorld second = first;
+  second.texture_phase = OtherPlainRoom(GetParam()).texture_phase;
+  second.boxes.erase(second.boxes.begin() + static_cast<std::ptrdiff_t>(GetParam() % 2));
+  std::vector<Frame> frames = Render(first, truth);
+  std::vector<Frame> others = Render(second, truth);
+  std::ranges::move(others.begin() + 14, others.end(), frames.begin() + 14);
+  const Odometry odometry = Track(std::move(frames));
+  EXPECT_EQ(odometry.frames[14].status, TrackingStatus::kLost);
+  for (const RelativePose& edge : odometry.edges)
+    EXPECT_EQ(edge.composed, (edge.i.value < 14) != (edge.j.value < 14))
+        << edge.i << " to " << edge.j;
+  ExpectTrue(odometry, truth, 0, 14);
+  ExpectTrue(odometry, truth, 14, truth.size(), 0.03, 0.8);
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, EstimateOdometryOfTwoRooms, ::testing::Range<std::uint64_t>(1, 7));
 
 // As above, behind a covered lens: none of the keyframes that are tried again is the place either.

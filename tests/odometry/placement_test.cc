@@ -1,4 +1,5 @@
 // What frames that are placed rightly have in common, and wrongly placed ones have not.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -125,6 +126,24 @@ TEST(DetailCorrelation, SeesOtherPatternsBehindOneContrast) {
   EXPECT_THAT(DetailsInCommon(here, here, {pose, pose}), Gt(0.9));
   EXPECT_THAT(DetailsInCommon(here, there, {pose, pose}),
               Lt(BrightnessInCommon(here, there, pose) - 0.15));
+}
+
+// A fifth of the view, in strong colours, is the same.
+TEST(DetailCorrelation, IsNotOutvotedByOneThingThatStandsInBothPlaces) {
+  BoxWorld here = BoxWorld::Furnished();
+  here.texture = 0.25;
+  BoxWorld there = here;
+  there.texture_phase = 1.3;
+  const Pose3 pose = Arc(1).front();
+  const Frame thing = RenderFrame(BoxWorld::Furnished(), pose);
+  const auto with_thing = [&](const BoxWorld& world) {
+    Frame frame = RenderFrame(world, pose);
+    const int end = frame.colour.height() / 5;
+    std::copy(thing.colour.row(0), thing.colour.row(end), frame.colour.row(0));
+    return BuildPyramid(frame, kSmallCamera, {});
+  };
+  EXPECT_THAT(DetailCorrelation(with_thing(here), with_thing(here), Pose3{}, {}), Gt(0.9));
+  EXPECT_THAT(DetailCorrelation(with_thing(here), with_thing(there), Pose3{}, {}), Lt(0.6));
 }
 
 TEST(DetailCorrelation, SaysNothingWithoutDetailsOrColour) {

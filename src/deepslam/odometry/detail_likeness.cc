@@ -14,6 +14,7 @@ constexpr int kPatchPx = 8;
 constexpr int kMinPoints = 16;  // of a patch
 // Standard deviation of brightness within patches, grey levels, that a camera's noise may leave.
 constexpr double kNoise = 2;
+constexpr double kLeastContrast = 0.5;  // over contrast and noise: as much as the noise
 // On the same surface: so near along the ray, beside five standard deviations of the noise.
 constexpr double kMarginM = 0.05;
 constexpr double kMarginSigmas = 5;
@@ -31,11 +32,17 @@ struct Sums {
     bb += value_b * value_b;
   }
 
-  void AddAboutItsMeans(const Sums& patch) {
+  // About its means, and by its points and not by its contrast: one chair's outlines outweigh a
+  // whole floor otherwise.
+  void AddPatch(const Sums& patch) {
+    const double patch_aa = patch.aa - patch.a * patch.a / patch.count;
+    const double patch_ab = patch.ab - patch.a * patch.b / patch.count;
+    const double patch_bb = patch.bb - patch.b * patch.b / patch.count;
+    const double contrast = std::max(patch_aa, patch_bb) / patch.count + kNoise * kNoise;
     count += patch.count;
-    aa += patch.aa - patch.a * patch.a / patch.count;
-    ab += patch.ab - patch.a * patch.b / patch.count;
-    bb += patch.bb - patch.b * patch.b / patch.count;
+    aa += patch_aa / contrast;
+    ab += patch_ab / contrast;
+    bb += patch_bb / contrast;
   }
 };
 
@@ -95,10 +102,10 @@ double CorrelationOver(const FramePyramid& i,
   for (int v0 = 0; v0 < from.camera.height; v0 += kPatchPx) {
     for (int u0 = 0; u0 < from.camera.width; u0 += kPatchPx) {
       const Sums patch = SumsOf(from, to, i_from_j, u0, v0, noise);
-      if (patch.count >= kMinPoints) details.AddAboutItsMeans(patch);
+      if (patch.count >= kMinPoints) details.AddPatch(patch);
     }
   }
-  if (std::max(details.aa, details.bb) <= kNoise * kNoise * details.count) return 1;
+  if (std::max(details.aa, details.bb) <= kLeastContrast * details.count) return 1;
   return details.aa > 0 && details.bb > 0 ? details.ab / std::sqrt(details.aa * details.bb) : 0;
 }
 

@@ -10,9 +10,10 @@
 
 namespace deepslam::odometry {
 
-// Correlation of brightness about the means of small patches, over all points of one that lie on
-// surfaces of the other; the smaller of both ways. 1 without colour, and where neither shows any
-// details; 0 where one alone does. Pyramids of one camera and as many levels.
+// Correlation of brightness about the means of small patches, each as large a part as it has points
+// of one that lie on surfaces of the other; the smaller of both ways. 1 without colour, and where
+// neither shows any details; near 0 where one alone does. Pyramids of one camera and as many
+// levels.
 [[nodiscard]] double DetailCorrelation(const FramePyramid& i,
                                        const FramePyramid& j,
                                        const Pose3& i_from_j,

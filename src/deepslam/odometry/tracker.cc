@@ -52,8 +52,9 @@ constexpr StartSigma kFarthestPrediction;
 // underrated makes as much. Placed right, captures without motion leave less than half of it.
 constexpr double kMaxContradicted = 0.02;
 constexpr double kMaxContradictedFar = 0.01;
-// Frames that share half of their views and are placed right reach this.
-constexpr double kSureDetails = 0.7;
+// Frames that are placed right reach this: real captures 0.7 and more. At wrong places, also where
+// the same chair stands, it is 0.6 at most.
+constexpr double kLikeDetails = 0.65;
 
 // A camera whose motion nothing shows may be anywhere after a while, also where it would see
 // something again: it is compared with what it saw lately.
@@ -271,29 +272,37 @@ Tracker::Motion Tracker::MotionTo(const Pose3& world_from_camera,
   return of_a_hand || !(duration_s > 0) ? Motion::kOfAHand : Motion::kUnlikely;
 }
 
-// What fits where the camera was expected is taken for it, whatever has moved. Elsewhere most
-// frames fit somehow, so nothing may speak against it; and where no hand would have carried the
-// camera, it has to be sure as well.
+// What fits where the camera was expected is taken for it, whatever has moved: unless it looks like
+// another place as well. Elsewhere most frames fit somehow, so nothing may speak against it; and
+// where no hand would have carried the camera, all has to speak for it.
 bool Tracker::Believable(const Anchor& anchor,
                          const Anchor& last,
                          const Anchor& frame,
                          const FrameAlignment& alignment) const {
   if (options_.reference == "previous") return true;  // the paper's plain behaviour
   const Pose3 placed = anchor.world_from_camera * alignment.i_from_j;
-  const Motion motion =
-      last.piece == anchor.piece ? MotionTo(placed, last, frame) : Motion::kUnlikely;
-  if (motion == Motion::kAsPredicted) return true;
   const DepthNoise& noise = options_.alignment.pyramid.noise;
-  if (motion == Motion::kUnlikely &&
-      (Doubtful(alignment) ||
-       DetailCorrelation(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, noise) <
-           kSureDetails))
-    return false;
-  const double most = motion == Motion::kUnlikely ? kMaxContradictedFar : kMaxContradicted;
-  const PlacedPyramid seen{frame.pyramid, placed};
-  const PlacedPyramid seen_before{anchor.pyramid, anchor.world_from_camera};
-  return ContradictedShare({&seen, 1}, {&seen_before, 1}, noise) <= most &&
-         Contradicted(anchor.piece, {seen}) <= most;
+  const auto sure = [&] { return !Doubtful(alignment); };
+  const auto looks_like_it = [&] {
+    return DetailCorrelation(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, noise) >=
+           kLikeDetails;
+  };
+  const auto contradicted = [&](double most) {
+    const PlacedPyramid seen{frame.pyramid, placed};
+    const PlacedPyramid seen_before{anchor.pyramid, anchor.world_from_camera};
+    return ContradictedShare({&seen, 1}, {&seen_before, 1}, noise) > most ||
+           Contradicted(anchor.piece, {seen}) > most;
+  };
+  const bool one_piece = last.piece == anchor.piece;
+  switch (one_piece ? MotionTo(placed, last, frame) : Motion::kUnlikely) {
+    case Motion::kAsPredicted:
+      return sure() || looks_like_it() || !contradicted(kMaxContradicted);
+    case Motion::kOfAHand:
+      return looks_like_it() && !contradicted(kMaxContradicted);
+    case Motion::kUnlikely:
+      break;
+  }
+  return sure() && looks_like_it() && !contradicted(kMaxContradictedFar);
 }
 
 std::vector<PlacedPyramid> Tracker::KeyframesOf(int piece) const {

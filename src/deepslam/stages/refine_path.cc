@@ -3,6 +3,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <string>
 #include <utility>
@@ -120,33 +121,43 @@ std::vector<loop::KeyframeRegistration> RegisterAll(const RunInputs& inputs,
   return registrations;
 }
 
+// Edges that tracking has not: of keyframes that see the same.
+std::vector<RelativePose> MeasureCovisible(const RunInputs& inputs,
+                                           const Odometry& odometry,
+                                           Progress& progress) {
+  const loop::CovisibleOptions& options = inputs.config.covisible;
+  const std::vector<CovisiblePair> pairs = loop::ProposeCovisible(odometry, options);
+  const auto registrations = RegisterAll(inputs, odometry, pairs, progress);
+  return loop::AcceptCovisible(pairs, registrations, odometry, options);
+}
+
 }  // namespace
 
 Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& odometry) {
   const loop::CovisibleOptions& options = inputs.config.covisible;
   if (!options.enabled) return 0;
-  const std::vector<CovisiblePair> pairs = loop::ProposeCovisible(odometry, options);
-  const auto registrations = RegisterAll(inputs, odometry, pairs, progress);
+  const auto num_tracked = static_cast<std::ptrdiff_t>(odometry.edges.size());
+  std::ranges::move(MeasureCovisible(inputs, odometry, progress),
+                    std::back_inserter(odometry.edges));
   // The pyramids' memory goes back to the system: the graph below grows with the capture.
   ::malloc_trim(0);
   if (progress.StopRequested()) return Interrupted();
-  std::vector<RelativePose> edges = loop::AcceptCovisible(pairs, registrations, odometry, options);
-  if (edges.empty()) return 0;
+  const auto begin = [&] { return odometry.edges.begin() + num_tracked; };
+  if (begin() == odometry.edges.end()) return 0;
   // The options of `optimize` are that stage's own: they must not change what tracking is.
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
-  const std::size_t num_tracked = odometry.edges.size();
-  odometry.edges.insert(odometry.edges.end(), edges.begin(), edges.end());
   Result<SolvedPath> solved = SolvePath(odometry, Ground{}, {}, robust);
-  odometry.edges.resize(num_tracked);
+  std::vector<RelativePose> measured(begin(), odometry.edges.end());
+  odometry.edges.erase(begin(), odometry.edges.end());
   if (!solved.ok()) {
     progress.Warn("the path stays as tracked: " + solved.error().message);
     return 0;
   }
   odometry.frames = std::move(solved->frames);
-  edges = loop::Consistent(std::move(edges), odometry, options);
-  odometry.edges.insert(odometry.edges.end(), edges.begin(), edges.end());
-  return static_cast<int>(edges.size());
+  measured = loop::Consistent(std::move(measured), odometry, options);
+  odometry.edges.insert(odometry.edges.end(), measured.begin(), measured.end());
+  return static_cast<int>(measured.size());
 }
 
 }  // namespace deepslam::stages
