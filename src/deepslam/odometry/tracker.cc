@@ -59,6 +59,8 @@ constexpr double kLikeDetails = 0.65;
 // A camera whose motion nothing shows may be anywhere after a while, also where it would see
 // something again: it is compared with what it saw lately.
 constexpr double kLongHeld_s = 0.5;
+// As long as somebody takes to pass by.
+constexpr double kPassingBy_s = 2;
 
 bool Doubtful(const FrameAlignment& alignment) {
   if (!alignment.ok) return true;
@@ -489,27 +491,64 @@ void Tracker::RejoinPiece(Anchor& frame) {
     if (Doubtful(alignment)) continue;
     const Pose3 moved =
         earlier.world_from_camera * alignment.i_from_j * frame.world_from_camera.Inverse();
-    const int piece = frame.piece;
-    std::vector<PlacedPyramid> carried = KeyframesOf(piece);
+    std::vector<PlacedPyramid> carried = KeyframesOf(frame.piece);
     for (PlacedPyramid& keyframe : carried)
       keyframe.world_from_camera = moved * keyframe.world_from_camera;
-    if (Contradicted(earlier.piece, carried) > kMaxContradictedFar) continue;
-    AddEdge(earlier, frame, alignment);
-    const int joined = earlier.piece;
-    const auto move = [&](Anchor& anchor) {
-      if (anchor.piece != piece) return;
-      anchor.world_from_camera = moved * anchor.world_from_camera;
-      anchor.piece = joined;
-    };
-    const FrameIdx start = piece_starts_[static_cast<std::size_t>(piece)];
-    for (std::size_t k = static_cast<std::size_t>(start.value); k < odometry_.frames.size(); ++k) {
-      odometry_.frames[k].world_from_camera = moved * odometry_.frames[k].world_from_camera;
-    }
-    for (Anchor& anchor : keyframes_) move(anchor);
-    if (previous_->frame != frame.frame) move(*previous_);
-    move(frame);
+    const bool belongs = Contradicted(earlier.piece, carried) <= kMaxContradictedFar;
+    if (!belongs && !PassedBy(frame, earlier.piece)) continue;
+    const Anchor found = earlier;
+    if (!belongs) GiveUpPieceBefore(frame, found.frame);
+    CarryPiece(frame, moved, found.piece);
+    AddEdge(found, frame, alignment);
+    if (!belongs && found.frame != keyframes_.back().frame) AddWeakEdge(keyframes_.back(), frame);
     return;
   }
+}
+
+// Whether the frame's piece is as short as somebody takes who comes so near that little else is in
+// view, and shorter than what was before.
+bool Tracker::PassedBy(const Anchor& frame, int earlier_piece) const {
+  const auto start = [&](int piece) { return piece_starts_[static_cast<std::size_t>(piece)]; };
+  const auto start_s = [&](int piece) {
+    return clocks_s_[static_cast<std::size_t>(start(piece).value)];
+  };
+  const double lasts_s = frame.clock_s - start_s(frame.piece);
+  const double lasted_s = start_s(frame.piece) - start_s(earlier_piece);
+  return lasts_s < std::min(kPassingBy_s, lasted_s) &&
+         std::ranges::all_of(keyframes_, [&](const Anchor& keyframe) {
+           return (keyframe.frame >= start(frame.piece)) == (keyframe.piece == frame.piece);
+         });
+}
+
+// The piece followed what had moved: its frames are lost, as the one before.
+void Tracker::GiveUpPieceBefore(const Anchor& frame, FrameIdx keyframe) {
+  const FrameIdx start = piece_starts_[static_cast<std::size_t>(frame.piece)];
+  for (int k = start.value; k < frame.frame.value; ++k) {
+    TrackedFrame& followed = odometry_.frames[static_cast<std::size_t>(k)];
+    if (followed.status != TrackingStatus::kUnreadable) followed.status = TrackingStatus::kLost;
+    followed.keyframe = keyframe;
+  }
+  std::erase_if(odometry_.keyframes, [&](FrameIdx followed) { return followed >= start; });
+  std::erase_if(odometry_.edges,
+                [&](const RelativePose& edge) { return edge.i >= start || edge.j >= start; });
+  std::erase_if(keyframes_, [&](const Anchor& followed) { return followed.frame >= start; });
+}
+
+// The frame's piece becomes a part of an earlier one, with the frame.
+void Tracker::CarryPiece(Anchor& frame, const Pose3& moved, int joined) {
+  const int piece = frame.piece;
+  const auto carry = [&](Anchor& anchor) {
+    if (anchor.piece != piece) return;
+    anchor.world_from_camera = moved * anchor.world_from_camera;
+    anchor.piece = joined;
+  };
+  const FrameIdx start = piece_starts_[static_cast<std::size_t>(piece)];
+  for (std::size_t k = static_cast<std::size_t>(start.value); k < odometry_.frames.size(); ++k) {
+    odometry_.frames[k].world_from_camera = moved * odometry_.frames[k].world_from_camera;
+  }
+  for (Anchor& anchor : keyframes_) carry(anchor);
+  carry(*previous_);
+  carry(frame);  // nothing where it is the previous one itself
 }
 
 void Tracker::HideMoved(Anchor& frame) const {

@@ -79,6 +79,9 @@ class Tracker {
   void AddKeyframe(Anchor& frame, const FrameAlignment* direct);
   void AddSkipEdge(Anchor& frame, const FrameAlignment& direct);
   void RejoinPiece(Anchor& frame);
+  [[nodiscard]] bool PassedBy(const Anchor& frame, int earlier_piece) const;
+  void GiveUpPieceBefore(const Anchor& frame, FrameIdx keyframe);
+  void CarryPiece(Anchor& frame, const Pose3& moved, int joined);
   // Nothing is to be aligned to what walks about.
   void HideMoved(Anchor& frame) const;
   void PushKeyframe(const Anchor& frame);
