@@ -11,7 +11,6 @@ namespace {
 constexpr int kSteps = 20;
 constexpr double kFirstRadius_m = 0.30;
 constexpr double kShrink = 0.85;
-constexpr std::size_t kMinPoints = 30;
 
 // How many points have a neighbour.
 std::size_t AddNeighbours(const Belonging& cloud,

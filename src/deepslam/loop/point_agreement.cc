@@ -3,13 +3,17 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <set>
 
 #include <nanoflann.hpp>
 
+#include "deepslam/core/order_statistics.h"
+
 namespace deepslam::loop {
 namespace {
 
+constexpr double kFeet_m = 0.1;      // above an object's lowest points
 constexpr float kFarthest_m = 1e5F;  // beyond, cell numbers would overflow; no room is that large
 
 struct Cloud {
@@ -77,6 +81,15 @@ std::vector<Eigen::Vector3f> Thinned(std::span<const Eigen::Vector3f> points, do
     if (taken.insert(cell).second) thinned.push_back(p);
   }
   return thinned;
+}
+
+double GroundTop_m(std::span<const Eigen::Vector3f> object_world, const Eigen::Vector3d& up_world) {
+  std::vector<double> heights_m;
+  for (const Eigen::Vector3f& p : object_world) {
+    if (p.allFinite()) heights_m.push_back(up_world.dot(p.cast<double>()));
+  }
+  if (heights_m.empty()) return -std::numeric_limits<double>::infinity();
+  return OrderStatistic(heights_m, heights_m.size() / 50) + kFeet_m;
 }
 
 double AgreeingShare(std::span<const Eigen::Vector3f> points_a,

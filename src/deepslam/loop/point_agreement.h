@@ -1,6 +1,7 @@
 // How well two point sets agree: nearest neighbours through a kd-tree.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
@@ -10,6 +11,11 @@
 #include "deepslam/geometry/pose.h"
 
 namespace deepslam::loop {
+
+// What clouds are thinned to before they are compared.
+inline constexpr double kCell_m = 0.03;
+// Fewer say nothing.
+inline constexpr std::size_t kMinPoints = 30;
 
 class PointIndex {
  public:
@@ -32,6 +38,11 @@ class PointIndex {
 // out. The result does not depend on anything but the input.
 [[nodiscard]] std::vector<Eigen::Vector3f> Thinned(std::span<const Eigen::Vector3f> points,
                                                    double cell_m);
+
+// Height up to which what stands around an object counts as ground: its feet (the lowest points but
+// 2 %) and 0.1 m. Below everything for no points.
+[[nodiscard]] double GroundTop_m(std::span<const Eigen::Vector3f> object_world,
+                                 const Eigen::Vector3d& up_world);
 
 // Share of b_from_a * points_a within `radius_m` of the index; 0 for no points.
 [[nodiscard]] double AgreeingShare(std::span<const Eigen::Vector3f> points_a,

@@ -1,26 +1,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <numbers>
 #include <optional>
 
-#include "deepslam/core/order_statistics.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/level_icp.h"
 #include "deepslam/loop/point_agreement.h"
-#include "deepslam/loop/visits.h"
 
 namespace deepslam::loop {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-constexpr double kCell_m = 0.03;  // thinning
-constexpr std::size_t kMinObjectPoints = 30;
-constexpr double kGroundBand_m = 0.10;  // above the objects' feet: counted as ground
 constexpr double kBoxShrink = 0.8;
 constexpr double kMaxRefineMove_m =
     0.30;  // farther than registration errors explain: not a refinement
@@ -55,22 +49,17 @@ struct Visit {
   Points room;                         // without ground, without the pairs' objects
 };
 
-// Height below which points are ground: the objects' lowest points and a little.
-double GroundHeight(const LoopEvidence& evidence,
-                    const std::vector<ObjectId>& ids,
-                    const Eigen::Vector3d& up) {
-  std::vector<double> heights;
+double GroundTopOf(const LoopEvidence& evidence,
+                   const std::vector<ObjectId>& ids,
+                   const Eigen::Vector3d& up) {
+  Points objects;
   for (const ObjectId id : ids) {
     const auto it = evidence.find(id);
     if (it == evidence.end()) continue;
-    for (const Points* points : {&it->second.model_points_world, &it->second.depth_points_world}) {
-      for (const Eigen::Vector3f& p : *points) {
-        if (p.allFinite()) heights.push_back(up.dot(p.cast<double>()));
-      }
-    }
+    for (const Points* points : {&it->second.model_points_world, &it->second.depth_points_world})
+      objects.insert(objects.end(), points->begin(), points->end());
   }
-  if (heights.empty()) return -std::numeric_limits<double>::infinity();
-  return OrderStatistic(heights, heights.size() / 50) + kGroundBand_m;
+  return GroundTop_m(objects, up);
 }
 
 Visit MakeVisit(const ObjectMap& map,
@@ -87,9 +76,9 @@ Visit MakeVisit(const ObjectMap& map,
     around.insert(
         around.end(), it->second.surroundings_world.begin(), it->second.surroundings_world.end());
   }
-  const double ground = GroundHeight(evidence, ids, up);
+  const double ground_top_m = GroundTopOf(evidence, ids, up);
   for (const Eigen::Vector3f& p : Thinned(around, kCell_m)) {
-    if (up.dot(p.cast<double>()) < ground) continue;
+    if (up.dot(p.cast<double>()) < ground_top_m) continue;
     const bool near = std::any_of(ids.begin(), ids.end(), [&](ObjectId id) {
       const MapObject* object = Find(map, id);
       return object != nullptr &&
@@ -126,7 +115,7 @@ std::optional<double> ObjectAgreement(const VisitedObject& old_object,
                                       const LoopOptions& options) {
   std::optional<double> worse;
   const auto add = [&](const VisitedObject& a, const VisitedObject& b, const Pose3& b_from_a) {
-    if (a.depth.size() < kMinObjectPoints || b.surface.size() < kMinObjectPoints) return;
+    if (a.depth.size() < kMinPoints || b.surface.size() < kMinPoints) return;
     const double share = AgreeingShare(a.depth, b_from_a, b.surface, options.verify_distance_m);
     worse = worse ? std::min(*worse, share) : share;
   };
@@ -148,7 +137,7 @@ double ShareInside(const ObjectEvidence& a,
                    const LoopOptions& options) {
   const Points points = Thinned(a.model_points_world, kCell_m);
   const Points surface = Thinned(b.model_points_world, kCell_m);
-  if (points.size() < kMinObjectPoints || surface.size() < kMinObjectPoints) return 0;
+  if (points.size() < kMinPoints || surface.size() < kMinPoints) return 0;
   const Pose3 b_from_world = world_from_b.Inverse();
   Box3 box;
   for (const Eigen::Vector3f& p : surface) box.Extend(b_from_world * p.cast<double>());

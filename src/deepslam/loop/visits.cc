@@ -5,7 +5,6 @@
 #include <iterator>
 #include <optional>
 
-#include "deepslam/core/order_statistics.h"
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/level_icp.h"
 #include "deepslam/loop/point_agreement.h"
@@ -14,10 +13,6 @@ namespace deepslam::loop {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
-
-constexpr double kCell_m = 0.03;  // thinning
-constexpr std::size_t kMinPoints = 30;
-constexpr double kGroundBand_m = 0.10;  // above the object's feet: counted as ground
 
 Eigen::Vector3d Mean(const Points& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -29,15 +24,11 @@ Eigen::Vector3d Mean(const Points& points) {
 Points Surroundings(const ObjectEvidence& visit,
                     const Points& object,
                     const Eigen::Vector3d& up_world) {
-  const auto height_m = [&](const Eigen::Vector3f& p) { return up_world.dot(p.cast<double>()); };
-  std::vector<double> heights_m;
-  std::ranges::transform(object, std::back_inserter(heights_m), height_m);
-  Points around;
-  if (heights_m.empty()) return around;
-  const double ground_m = OrderStatistic(heights_m, heights_m.size() / 50) + kGroundBand_m;
-  std::ranges::copy_if(Thinned(visit.surroundings_world, kCell_m),
-                       std::back_inserter(around),
-                       [&](const Eigen::Vector3f& p) { return height_m(p) >= ground_m; });
+  const double ground_top_m = GroundTop_m(object, up_world);
+  Points around = Thinned(visit.surroundings_world, kCell_m);
+  std::erase_if(around, [&](const Eigen::Vector3f& p) {
+    return up_world.dot(p.cast<double>()) < ground_top_m;
+  });
   return around;
 }
 

@@ -59,13 +59,6 @@ struct PartedObjects {
                                                            const ObjectMap& map,
                                                            std::vector<Constellation>& proposed);
 
-// As VerifyConstellation verifies more pairs: by the depth of the object and of what stands around,
-// which has to be known here.
-[[nodiscard]] Constellation VerifyKnownAgain(const Constellation& single,
-                                             const ObjectMap& map,
-                                             const LoopEvidence& evidence,
-                                             const LoopOptions& options);
-
 // What becomes of the visits when nothing more is found among them.
 struct RejoinedVisits {
   std::set<ObjectId> whole;  // objects none of whose visits is in a merge
