@@ -1,10 +1,42 @@
 #include "deepslam/stages/keyframe_graph.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
 #include <utility>
+
+#include "deepslam/core/check.h"
 
 #include "deepslam/scene/loop.h"
 
 namespace deepslam::stages {
+namespace {
+
+// Keyframes from `begin` to before `end` and the edges among them; frames keep their numbers.
+Odometry Stretch(const Odometry& odometry, std::ptrdiff_t begin, std::ptrdiff_t end) {
+  Odometry stretch;
+  stretch.frames = odometry.frames;
+  stretch.keyframes.assign(odometry.keyframes.begin() + begin, odometry.keyframes.begin() + end);
+  const auto inside = [&](FrameIdx keyframe) {
+    return stretch.keyframes.front() <= keyframe && keyframe <= stretch.keyframes.back();
+  };
+  std::ranges::copy_if(odometry.edges,
+                       std::back_inserter(stretch.edges),
+                       [&](const RelativePose& edge) { return inside(edge.i) && inside(edge.j); });
+  return stretch;
+}
+
+// Everything from `seam` on goes to where the solved frames lie about it.
+void LayOn(FrameIdx seam,
+           const std::vector<TrackedFrame>& solved,
+           std::vector<TrackedFrame>& frames) {
+  const auto first = static_cast<std::size_t>(seam.value);
+  const Pose3 moved = frames[first].world_from_camera * solved[first].world_from_camera.Inverse();
+  for (std::size_t k = first; k < frames.size(); ++k)
+    frames[k].world_from_camera = moved * solved[k].world_from_camera;
+}
+
+}  // namespace
 
 Result<SolvedPath> SolvePath(const Odometry& odometry,
                              const Ground& ground,
@@ -34,6 +66,30 @@ Result<SolvedPath> SolvePath(const Odometry& odometry,
   for (const MapObject& object : solved->map.objects)
     path.world_from_object.push_back(tracking_from_level * object.world_from_object);
   return path;
+}
+
+Result<std::vector<TrackedFrame>> SolveStretches(const Odometry& odometry,
+                                                 const graph::GraphOptions& options,
+                                                 const Stretches& stretches) {
+  DEEPSLAM_CHECK(0 <= stretches.overlap && stretches.overlap < stretches.num_keyframes,
+                 "stretches have to go on");
+  const auto num_keyframes = static_cast<std::ptrdiff_t>(odometry.keyframes.size());
+  if (num_keyframes <= stretches.num_keyframes) {
+    Result<SolvedPath> whole = SolvePath(odometry, Ground{}, {}, options);
+    if (!whole.ok()) return whole.error();
+    return std::move(whole->frames);
+  }
+  std::vector<TrackedFrame> frames = odometry.frames;
+  std::ptrdiff_t begin = 0;
+  for (std::ptrdiff_t end = 0; end < num_keyframes; begin = end - stretches.overlap) {
+    end = std::min<std::ptrdiff_t>(begin + stretches.num_keyframes, num_keyframes);
+    const Result<SolvedPath> solved =
+        SolvePath(Stretch(odometry, begin, end), Ground{}, {}, options);
+    if (!solved.ok()) return solved.error();
+    const std::ptrdiff_t seam = begin == 0 ? 0 : begin + stretches.overlap / 2;
+    LayOn(odometry.keyframes[static_cast<std::size_t>(seam)], solved->frames, frames);
+  }
+  return frames;
 }
 
 }  // namespace deepslam::stages

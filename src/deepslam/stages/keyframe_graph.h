@@ -25,4 +25,18 @@ struct SolvedPath {
                                            const graph::GraphOptions& options,
                                            const ObjectMap& map = {});
 
+// Of a path whose edges join keyframes near each other in time, keyframes that are solved at a
+// time.
+struct Stretches {
+  int num_keyframes = 600;
+  int overlap = 120;  // below num_keyframes; at least the keyframes between the two of any edge
+};
+
+// The frames of a path without loops, in memory that does not grow with its length: stretch by
+// stretch, each laid on the one before in the middle of what they share. Poses apart from a graph
+// of the whole by what edges say that are half an overlap away. The first keyframe stays.
+[[nodiscard]] Result<std::vector<TrackedFrame>> SolveStretches(const Odometry& odometry,
+                                                               const graph::GraphOptions& options,
+                                                               const Stretches& stretches);
+
 }  // namespace deepslam::stages

@@ -121,6 +121,14 @@ std::vector<loop::KeyframeRegistration> RegisterAll(const RunInputs& inputs,
   return registrations;
 }
 
+// Edges of tracking's own join neighbours nearer than these.
+Stretches StretchesFor(const loop::CovisibleOptions& options) {
+  Stretches stretches;
+  stretches.overlap = std::max(stretches.overlap, 2 * options.max_gap_keyframes);
+  stretches.num_keyframes = std::max(stretches.num_keyframes, 4 * stretches.overlap);
+  return stretches;
+}
+
 // Edges that tracking has not: of keyframes that see the same.
 std::vector<RelativePose> MeasureCovisible(const RunInputs& inputs,
                                            const Odometry& odometry,
@@ -139,22 +147,22 @@ Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& od
   const auto num_tracked = static_cast<std::ptrdiff_t>(odometry.edges.size());
   std::ranges::move(MeasureCovisible(inputs, odometry, progress),
                     std::back_inserter(odometry.edges));
-  // The pyramids' memory goes back to the system: the graph below grows with the capture.
-  ::malloc_trim(0);
+  ::malloc_trim(0);  // the pyramids' memory
   if (progress.StopRequested()) return Interrupted();
   const auto begin = [&] { return odometry.edges.begin() + num_tracked; };
   if (begin() == odometry.edges.end()) return 0;
   // The options of `optimize` are that stage's own: they must not change what tracking is.
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
-  Result<SolvedPath> solved = SolvePath(odometry, Ground{}, {}, robust);
+  Result<std::vector<TrackedFrame>> solved =
+      SolveStretches(odometry, robust, StretchesFor(options));
   std::vector<RelativePose> measured(begin(), odometry.edges.end());
   odometry.edges.erase(begin(), odometry.edges.end());
   if (!solved.ok()) {
     progress.Warn("the path stays as tracked: " + solved.error().message);
     return 0;
   }
-  odometry.frames = std::move(solved->frames);
+  odometry.frames = std::move(solved).value();
   measured = loop::Consistent(std::move(measured), odometry, options);
   odometry.edges.insert(odometry.edges.end(), measured.begin(), measured.end());
   return static_cast<int>(measured.size());

@@ -1,0 +1,109 @@
+// A path solved in stretches against the graph of the whole.
+#include "deepslam/stages/keyframe_graph.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/random.h"
+#include "support/pose_matchers.h"
+
+namespace deepslam::stages {
+namespace {
+
+using ::deepslam::testing_support::PoseNear;
+
+constexpr double kNoiseM = 0.004;
+constexpr double kNoiseRad = 0.002;
+
+Pose3 Disturbed(const Pose3& pose, Random& random, double times) {
+  Vector6d error;
+  for (int k = 0; k < 6; ++k) error[k] = times * (k < 3 ? kNoiseM : kNoiseRad) * random.Normal();
+  return pose * V2t(error);
+}
+
+// Every second frame is a keyframe, measured against the five keyframes before it. The camera goes
+// on by 5 cm and turns by 2 degrees a keyframe.
+Odometry LongPath(int num_keyframes) {
+  Random random(7, "long path", 0);
+  Vector6d half_step;
+  half_step << 0.025, 0, 0, 0, 0, 0.0175;
+  std::vector<Pose3> truth(1);
+  while (static_cast<int>(truth.size()) < 2 * num_keyframes)
+    truth.push_back(truth.back() * V2t(half_step));
+  Odometry odometry;
+  Pose3 tracked;
+  for (int k = 0; k < 2 * num_keyframes; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if (k > 0) tracked = tracked * Disturbed(truth[at - 1].Inverse() * truth[at], random, 3);
+    const FrameIdx keyframe{k - k % 2};
+    odometry.frames.push_back(
+        {FrameIdx{k}, 0.1 * k, tracked, TrackingStatus::kTracked, keyframe, 0, 1});
+    if (k % 2 != 0) continue;
+    odometry.keyframes.push_back(keyframe);
+    for (int i = std::max(0, k - 10); i < k; i += 2) {
+      RelativePose edge{FrameIdx{i}, FrameIdx{k}, {}, Matrix6d::Identity(), false};
+      edge.i_from_j =
+          Disturbed(truth[static_cast<std::size_t>(i)].Inverse() * truth[at], random, 1);
+      edge.information.diagonal().head<3>().setConstant(1 / (kNoiseM * kNoiseM));
+      edge.information.diagonal().tail<3>().setConstant(1 / (kNoiseRad * kNoiseRad));
+      odometry.edges.push_back(edge);
+    }
+  }
+  return odometry;
+}
+
+std::vector<TrackedFrame> Solved(const Odometry& odometry, const Stretches& stretches) {
+  graph::GraphOptions robust;
+  robust.odometry_loss = "cauchy";
+  const Result<std::vector<TrackedFrame>> frames = SolveStretches(odometry, robust, stretches);
+  EXPECT_TRUE(frames.ok());
+  return frames.ok() ? *frames : std::vector<TrackedFrame>{};
+}
+
+Pose3 From(const std::vector<TrackedFrame>& frames, std::size_t i, std::size_t j) {
+  return frames[i].world_from_camera.Inverse() * frames[j].world_from_camera;
+}
+
+class SolveStretchesOfAPath : public ::testing::TestWithParam<int> {};
+
+// Also where the last stretch is hardly longer than what it shares with the one before.
+TEST_P(SolveStretchesOfAPath, MakesThePathOfTheWhole) {
+  const Odometry odometry = LongPath(GetParam());
+  const std::vector<TrackedFrame> whole = Solved(odometry, {1000, 40});
+  const std::vector<TrackedFrame> stretched = Solved(odometry, {100, 40});
+  ASSERT_EQ(stretched.size(), odometry.frames.size());
+  EXPECT_THAT(stretched.front().world_from_camera,
+              PoseNear(odometry.frames.front().world_from_camera, 1e-12, 1e-9));
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    if (k >= 20) {
+      EXPECT_THAT(From(stretched, k - 20, k), PoseNear(From(whole, k - 20, k), 1e-4, 0.005)) << k;
+    }
+    EXPECT_THAT(stretched[k].world_from_camera, PoseNear(whole[k].world_from_camera, 2e-3, 0.05))
+        << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Keyframes, SolveStretchesOfAPath, ::testing::Values(101, 160, 161, 300));
+
+TEST(SolveStretches, OfAShortPathIsTheGraphOfTheWhole) {
+  const Odometry odometry = LongPath(60);
+  const std::vector<TrackedFrame> whole = Solved(odometry, {1000, 40});
+  const std::vector<TrackedFrame> one = Solved(odometry, {60, 40});
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    EXPECT_EQ(T2v(one[k].world_from_camera), T2v(whole[k].world_from_camera));
+}
+
+// A measured path has less error than a tracked one, whichever way it is solved.
+TEST(SolveStretches, MovesThePath) {
+  const Odometry odometry = LongPath(160);
+  const std::vector<TrackedFrame> stretched = Solved(odometry, {100, 40});
+  const Pose3 moved =
+      odometry.frames.back().world_from_camera.Inverse() * stretched.back().world_from_camera;
+  EXPECT_GT(moved.translation_m.norm(), 0.01);
+}
+
+}  // namespace
+}  // namespace deepslam::stages
