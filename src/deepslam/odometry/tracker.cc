@@ -52,8 +52,8 @@ constexpr StartSigma kFarthestPrediction;
 // underrated makes as much. Placed right, captures without motion leave less than half of it.
 constexpr double kMaxContradicted = 0.02;
 constexpr double kMaxContradictedFar = 0.01;
-// Frames that are placed right reach this: real captures 0.7 and more. At wrong places, also where
-// the same chair stands, it is 0.6 at most.
+// Frames that are placed right reach this: real captures 0.7 and more. At wrong places it is seldom
+// above 0.6, also where the same chair stands.
 constexpr double kLikeDetails = 0.65;
 
 // A camera whose motion nothing shows may be anywhere after a while, also where it would see
