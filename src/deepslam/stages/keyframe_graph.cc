@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "deepslam/core/check.h"
-
 #include "deepslam/scene/loop.h"
 
 namespace deepslam::stages {

@@ -121,10 +121,12 @@ std::vector<loop::KeyframeRegistration> RegisterAll(const RunInputs& inputs,
   return registrations;
 }
 
-// Edges of tracking's own join neighbours nearer than these.
-Stretches StretchesFor(const loop::CovisibleOptions& options) {
+// No edge is longer than what stretches share: a dropped one would be a tie that is lost.
+Stretches StretchesFor(const Config& config) {
   Stretches stretches;
-  stretches.overlap = std::max(stretches.overlap, 2 * options.max_gap_keyframes);
+  stretches.overlap = std::max({stretches.overlap,
+                                2 * config.covisible.max_gap_keyframes,
+                                config.track.num_relocalisation_keyframes});
   stretches.num_keyframes = std::max(stretches.num_keyframes, 4 * stretches.overlap);
   return stretches;
 }
@@ -155,7 +157,7 @@ Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& od
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
   Result<std::vector<TrackedFrame>> solved =
-      SolveStretches(odometry, robust, StretchesFor(options));
+      SolveStretches(odometry, robust, StretchesFor(inputs.config));
   std::vector<RelativePose> measured(begin(), odometry.edges.end());
   odometry.edges.erase(begin(), odometry.edges.end());
   if (!solved.ok()) {
