@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 
 namespace deepslam {
 namespace {
@@ -42,6 +43,27 @@ void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body
   for (std::size_t n = 1; n < num_threads; ++n) others.emplace_back(work, n);
   if (count > 0) work(0);
   for (std::thread& other : others) other.join();
+}
+
+// In batches: one is used by the first body while the others prepare the next.
+void ParallelAhead(std::size_t count,
+                   std::size_t ahead,
+                   const std::function<void(std::size_t)>& prepare,
+                   const std::function<bool(std::size_t)>& use) {
+  const std::size_t batch = std::max<std::size_t>(1, ahead / 2);
+  bool stopped = false;
+  const auto use_all = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !stopped; ++i) stopped = !use(i);
+  };
+  for (std::size_t begin = 0; begin < count + batch && !stopped; begin += batch) {
+    const std::size_t next = std::min(begin, count), end = std::min(begin + batch, count);
+    const auto use_batch = [&] { use_all(begin < batch ? 0 : begin - batch, next); };
+    if (ahead < 2) use_batch();
+    ParallelFor(end - next + 1, [&](std::size_t task) {
+      if (task > 0) return prepare(next + task - 1);
+      if (ahead >= 2) use_batch();
+    });
+  }
 }
 
 void OnOneThread(const std::function<void()>& body) {

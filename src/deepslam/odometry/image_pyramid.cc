@@ -108,7 +108,7 @@ float BlockDepth(std::span<float> values, const DepthNoise& noise) {
 }
 
 // What BlockDepth makes of the four pixels of which `upper` and `lower` are the first ones, where
-// all are valid and of one surface, as nearly everywhere; else 0.
+// all are valid and of one surface or none is valid, as nearly everywhere; else below 0.
 float SimpleBlock(
     const float* upper, const float* lower, float min_depth, float max_depth, float tolerance) {
   const float least = std::min(std::min(upper[0], upper[1]), std::min(lower[0], lower[1]));
@@ -116,7 +116,8 @@ float SimpleBlock(
   const float sum = upper[0] + upper[1] + lower[0] + lower[1];  // NaN where one is
   const bool simple = (least >= min_depth) & (most <= max_depth) & (sum == sum) &
                       (most - least <= tolerance + 0.01F * least);
-  return simple ? sum / 4.0F : 0.0F;
+  const bool none = ((most < min_depth) | (least > max_depth)) & (sum == sum);
+  return simple ? sum / 4.0F : none ? 0.0F : -1.0F;
 }
 
 // Valid depths of a block of factor x factor pixels are gathered and reduced to one.
@@ -129,7 +130,7 @@ std::vector<float> ReduceDepth(const float* depth,
   const DepthNoise noise = options.noise.Scaled(noise_scale);
   const float min_depth = static_cast<float>(options.min_depth_m);
   const float max_depth = static_cast<float>(options.max_depth_m);
-  std::vector<float> result(NumTexels(reduced));
+  std::vector<float> result(NumTexels(reduced), -1.0F);
   std::vector<float> block(static_cast<std::size_t>(factor) * static_cast<std::size_t>(factor));
   const float tolerance = kSameSurfaceSigmas * noise.SigmaM(0.4F);
   for (int v = 0; v < reduced.height; ++v) {
@@ -140,14 +141,14 @@ std::vector<float> ReduceDepth(const float* depth,
         out[u] = SimpleBlock(upper + 2 * u, upper + width + 2 * u, min_depth, max_depth, tolerance);
     }
     for (int u = 0; u < reduced.width; ++u) {
-      if (result[Offset(reduced, u, v)] > 0) continue;
+      if (result[Offset(reduced, u, v)] >= 0) continue;
       std::size_t count = 0;
       for (int dv = 0; dv < factor; ++dv) {
         const float* row =
             depth + static_cast<std::ptrdiff_t>(v * factor + dv) * width + u * factor;
         for (int du = 0; du < factor; ++du) {
-          // NaN fails both comparisons.
-          if (row[du] >= min_depth && row[du] <= max_depth) block[count++] = row[du];
+          block[count] = row[du];  // NaN fails both comparisons
+          count += (row[du] >= min_depth) & (row[du] <= max_depth) ? 1 : 0;
         }
       }
       result[Offset(reduced, u, v)] = BlockDepth({block.data(), count}, noise);
@@ -326,51 +327,69 @@ void ComputeRow(const PyramidLevel& level, int v, const DepthNoise& noise, Surfa
   }
 }
 
-void ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
-  level.surface.assign(NumTexels(level.camera), {});
+// Row by row, so that each texel is written once. Gives the number of texels with a normal.
+int ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
+  const std::size_t width = static_cast<std::size_t>(level.camera.width);
+  level.surface.clear();
+  level.surface.reserve(NumTexels(level.camera));
   SurfaceRow row(level.camera.width);
+  std::vector<SurfaceTexel> texels(width);
+  const auto append = [&] {
+    level.surface.insert(level.surface.end(), texels.begin(), texels.end());
+  };
+  append();  // the first row has no neighbour above, the last none below
+  int num_normals = 0;
   for (int v = 1; v + 1 < level.camera.height; ++v) {
     ComputeRow(level, v, noise, row);
-    SurfaceTexel* const texel = level.surface.data() + Offset(level.camera, 0, v);
-    for (int u = 1; u + 1 < level.camera.width; ++u) {
-      const std::size_t k = static_cast<std::size_t>(u);
-      texel[u] = {row.nx[k], row.ny[k], row.nz[k], row.offset_m[k]};
+    for (std::size_t u = 1; u + 1 < width; ++u) {
+      texels[u] = {row.nx[u], row.ny[u], row.nz[u], row.offset_m[u]};
+      num_normals += row.offset_m[u] < 0 ? 1 : 0;
     }
+    append();
   }
+  if (level.camera.height > 1) {
+    texels.assign(width, {});
+    append();
+  }
+  return num_normals;
 }
 
-void ComputeGradients(PyramidLevel& level) {
-  const PinholeCamera& camera = level.camera;
-  for (int v = 1; v + 1 < camera.height; ++v) {
-    IntensityTexel* row = level.intensity.data() + Offset(camera, 0, v);
-    for (int u = 1; u + 1 < camera.width; ++u) {
-      row[u].du = 0.5F * (row[u + 1].value - row[u - 1].value);
-      row[u].dv = 0.5F * (row[u + camera.width].value - row[u - camera.width].value);
+// The image and its derivatives, which are 0 at the border.
+std::vector<IntensityTexel> WithGradients(const BrightnessImage& image) {
+  const int width = image.width(), height = image.height();
+  std::vector<IntensityTexel> result;
+  result.reserve(image.size());
+  std::vector<IntensityTexel> texels(static_cast<std::size_t>(width));
+  std::vector<float> du(texels.size()), dv(texels.size());
+  for (int v = 0; v < height; ++v) {
+    const float* const row = image.data() + static_cast<std::ptrdiff_t>(v) * width;
+    const bool inside = v > 0 && v + 1 < height;
+    const float *const above = inside ? row - width : row, *const below =
+                                                               inside ? row + width : row;
+    for (std::size_t u = 1; u + 1 < texels.size(); ++u) {
+      du[u] = inside ? 0.5F * (row[u + 1] - row[u - 1]) : 0.0F;
+      dv[u] = 0.5F * (below[u] - above[u]);
     }
-  }
-}
-
-std::vector<IntensityTexel> HalveIntensity(const PyramidLevel& fine, const PinholeCamera& reduced) {
-  std::vector<IntensityTexel> result(NumTexels(reduced));
-  const std::ptrdiff_t width = fine.camera.width;
-  for (int v = 0; v < reduced.height; ++v) {
-    for (int u = 0; u < reduced.width; ++u) {
-      const IntensityTexel* block = fine.intensity.data() + Offset(fine.camera, 2 * u, 2 * v);
-      result[Offset(reduced, u, v)].value =
-          0.25F * (block[0].value + block[1].value + block[width].value + block[width + 1].value);
-    }
+    for (std::size_t u = 0; u < texels.size(); ++u) texels[u] = {row[u], du[u], dv[u]};
+    result.insert(result.end(), texels.begin(), texels.end());
   }
   return result;
 }
 
-std::vector<IntensityTexel> Intensity(const BrightnessImage& brightness) {
-  std::vector<IntensityTexel> result(brightness.size());
-  for (std::size_t k = 0; k < result.size(); ++k) result[k].value = brightness.data()[k];
+BrightnessImage Halved(const BrightnessImage& fine, const PinholeCamera& reduced) {
+  BrightnessImage result(reduced.width, reduced.height);
+  const std::ptrdiff_t width = fine.width();
+  for (int v = 0; v < reduced.height; ++v) {
+    const float* const upper = fine.data() + 2 * v * width;
+    const float* const lower = upper + width;
+    float* const out = result.data() + Offset(reduced, 0, v);
+    for (int u = 0; u < reduced.width; ++u)
+      out[u] = 0.25F * (upper[2 * u] + upper[2 * u + 1] + lower[2 * u] + lower[2 * u + 1]);
+  }
   return result;
 }
 
 PyramidLevel FinestLevel(const DepthImage& depth_m,
-                         const BrightnessImage& brightness,
                          const PinholeCamera& camera,
                          const PyramidOptions& options) {
   const int factor = WorkReduction(camera, options);
@@ -390,8 +409,6 @@ PyramidLevel FinestLevel(const DepthImage& depth_m,
     }
     level.depth_m = SmoothDepth(level.depth_m, level.camera, options.noise, 1);
   }
-  if (brightness.width() == level.camera.width && brightness.height() == level.camera.height)
-    level.intensity = Intensity(brightness);
   return level;
 }
 
@@ -400,8 +417,19 @@ PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, dou
   level.camera = fine.camera.Reduced(2);
   level.depth_m =
       ReduceDepth(fine.depth_m.data(), fine.camera.width, level.camera, 2, options, noise_scale);
-  if (!fine.intensity.empty()) level.intensity = HalveIntensity(fine, level.camera);
   return level;
+}
+
+// Nothing where the finest level has another size.
+void AddIntensity(const BrightnessImage& finest, std::vector<PyramidLevel>& levels) {
+  const PinholeCamera& camera = levels.front().camera;
+  if (finest.width() != camera.width || finest.height() != camera.height) return;
+  levels.front().intensity = WithGradients(finest);
+  BrightnessImage halved;
+  for (std::size_t k = 1; k < levels.size(); ++k) {
+    halved = Halved(k == 1 ? finest : halved, levels[k].camera);
+    levels[k].intensity = WithGradients(halved);
+  }
 }
 
 // Of some hundred pixels, but for a few strays; without depth there is nothing to tell.
@@ -443,7 +471,7 @@ DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const DepthImage& depth_m,
     return {};
   FramePyramid pyramid;
   pyramid.one_depth = HasOneDepth(depth_m);
-  pyramid.levels.push_back(FinestLevel(depth_m, brightness, camera, options));
+  pyramid.levels.push_back(FinestLevel(depth_m, camera, options));
   // Beyond the window, so that what smoothing shared between neighbours is seen.
   pyramid.noise_scale = NoiseScale(pyramid.levels.front(), kFarLag, options.noise);
   while (static_cast<int>(pyramid.levels.size()) < options.num_levels &&
@@ -451,15 +479,13 @@ DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const DepthImage& depth_m,
          pyramid.levels.back().camera.height >= 2 * kMinLevelWidth / 2) {
     pyramid.levels.push_back(Halved(pyramid.levels.back(), options, pyramid.noise_scale));
   }
-  for (PyramidLevel& level : pyramid.levels) {
-    ComputeSurface(level, options.noise.Scaled(pyramid.noise_scale));
-    if (!level.intensity.empty()) ComputeGradients(level);
-  }
-  const std::vector<SurfaceTexel>& surface = pyramid.levels.front().surface;
-  const auto num_valid = std::count_if(
-      surface.begin(), surface.end(), [](const SurfaceTexel& s) { return s.offset_m < 0; });
-  pyramid.valid_share =
-      surface.empty() ? 0 : static_cast<double>(num_valid) / static_cast<double>(surface.size());
+  std::vector<int> num_normals;
+  for (PyramidLevel& level : pyramid.levels)
+    num_normals.push_back(ComputeSurface(level, options.noise.Scaled(pyramid.noise_scale)));
+  AddIntensity(brightness, pyramid.levels);
+  const PyramidLevel& finest = pyramid.levels.front();
+  if (!finest.surface.empty())
+    pyramid.valid_share = num_normals.front() / static_cast<double>(finest.surface.size());
   return pyramid;
 }
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/odometry/read_pyramid.h"
 #include "deepslam/odometry/tracker.h"
 
@@ -18,7 +18,7 @@ namespace deepslam::odometry {
 namespace {
 
 // Frames decoded ahead of the alignment; bounds the memory.
-constexpr std::size_t kBatchFrames = 8;
+constexpr std::size_t kFramesAhead = 8;
 constexpr int kMaxWarnings = 10;
 
 struct PreparedFrame {
@@ -51,7 +51,7 @@ class FaultCount {
   std::string first_;
 };
 
-// Aligns one batch while the next is decoded: task 0 of the parallel loop is the sequential part.
+// Aligns frames in their order while the next ones are decoded.
 class Pipeline {
  public:
   Pipeline(const FrameSource& frames, const OdometryOptions& options, Progress& progress)
@@ -59,33 +59,29 @@ class Pipeline {
 
   Result<Odometry> Run() {
     const std::size_t num_frames = static_cast<std::size_t>(frames_.num_frames());
-    for (std::size_t begin = 0; begin < num_frames + kBatchFrames; begin += kBatchFrames) {
-      if (progress_.StopRequested()) return Interrupted();
-      const std::size_t count = begin < num_frames ? std::min(kBatchFrames, num_frames - begin) : 0;
-      std::vector<PreparedFrame> next(count);
-      ParallelFor(count + 1, [&](std::size_t task) {
-        if (task == 0) {
-          AlignBatch();
-        } else {
-          const auto idx = static_cast<std::int32_t>(begin + task - 1);
-          next[task - 1] = Prepare(frames_, FrameIdx{idx}, options_);
-        }
-      });
-      batch_ = std::move(next);
-      batch_begin_ = begin;
-      progress_.Report(std::min(begin, num_frames), num_frames);
-    }
+    std::array<PreparedFrame, kFramesAhead> prepared;
+    bool interrupted = false;
+    ParallelAhead(
+        num_frames,
+        kFramesAhead,
+        [&](std::size_t k) { prepared[k % kFramesAhead] = Prepare(frames_, IdxOf(k), options_); },
+        [&](std::size_t k) {
+          Align(IdxOf(k), std::exchange(prepared[k % kFramesAhead], {}));
+          if (k % kFramesAhead == 0) progress_.Report(k, num_frames);
+          interrupted = progress_.StopRequested();
+          return !interrupted;
+        });
+    if (interrupted) return Interrupted();
+    progress_.Report(num_frames, num_frames);
     return Conclude(num_frames);
   }
 
  private:
-  void AlignBatch() {
-    for (std::size_t k = 0; k < batch_.size(); ++k) {
-      const FrameIdx idx{static_cast<std::int32_t>(batch_begin_ + k)};
-      if (batch_[k].pyramid == nullptr) faults_.Add(idx, batch_[k].fault, progress_);
-      tracker_.Add(idx, frames_.time_s(idx), std::move(batch_[k].pyramid));
-    }
-    batch_.clear();
+  static FrameIdx IdxOf(std::size_t k) { return FrameIdx{static_cast<std::int32_t>(k)}; }
+
+  void Align(FrameIdx frame, PreparedFrame prepared) {
+    if (prepared.pyramid == nullptr) faults_.Add(frame, prepared.fault, progress_);
+    tracker_.Add(frame, frames_.time_s(frame), std::move(prepared.pyramid));
   }
 
   Result<Odometry> Conclude(std::size_t num_frames) {
@@ -109,8 +105,6 @@ class Pipeline {
   Progress& progress_;
   Tracker tracker_;
   FaultCount faults_;
-  std::vector<PreparedFrame> batch_;
-  std::size_t batch_begin_ = 0;
 };
 
 }  // namespace

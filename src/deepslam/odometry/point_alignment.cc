@@ -32,25 +32,42 @@ struct alignas(32) Column : std::array<float, kBatch> {};
 
 float StudentWeight(float normalised) { return (kNu + 1) / (kNu + normalised * normalised); }
 
-// `size` is a multiple of kLanes, here and below.
-double Sum(const Column& x, std::size_t size) {
-  std::array<float, kLanes> lanes{};
-  for (std::size_t k = 0; k < size; k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] += x[k + lane];
-  }
+// One number in each lane, computed on at once.
+using Lanes [[gnu::vector_size(kLanes * sizeof(float)), gnu::may_alias]] = float;
+
+const Lanes& LanesAt(const Column& x, std::size_t k) {
+  return reinterpret_cast<const Lanes&>(x[k]);
+}
+
+double SumOf(const Lanes& lanes) {
   double sum = 0;
-  for (const float lane : lanes) sum += static_cast<double>(lane);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) sum += static_cast<double>(lanes[lane]);
   return sum;
 }
 
+// `size` is a multiple of kLanes, here and below.
+double Sum(const Column& x, std::size_t size) {
+  Lanes lanes{};
+  for (std::size_t k = 0; k < size; k += kLanes) lanes += LanesAt(x, k);
+  return SumOf(lanes);
+}
+
 double Dot(const Column& x, const Column& y, std::size_t size) {
-  std::array<float, kLanes> lanes{};
+  Lanes lanes{};
+  for (std::size_t k = 0; k < size; k += kLanes) lanes += LanesAt(x, k) * LanesAt(y, k);
+  return SumOf(lanes);
+}
+
+// sums[n] += sum of weight * x * y[n]: all at once, so that none waits for its own last addition.
+template <std::size_t kCount>
+void AddDots(
+    const Column& weight, const Column& x, const Column* y, std::size_t size, double* sums) {
+  Lanes lanes[kCount] = {};
   for (std::size_t k = 0; k < size; k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] += x[k + lane] * y[k + lane];
+    const Lanes weighted = LanesAt(weight, k) * LanesAt(x, k);
+    for (std::size_t n = 0; n < kCount; ++n) lanes[n] += weighted * LanesAt(y[n], k);
   }
-  double sum = 0;
-  for (const float lane : lanes) sum += static_cast<double>(lane);
-  return sum;
+  for (std::size_t n = 0; n < kCount; ++n) sums[n] += SumOf(lanes[n]);
 }
 
 // Where a residual falls; one bin past the last for what does not count (0).
@@ -106,12 +123,7 @@ struct Rows {
 class NormalSums {
  public:
   void Add(const Rows& rows, const Column& weight, std::size_t size) {
-    std::size_t pair = 0;
-    Column weighted;
-    for (std::size_t a = 0; a < 6; ++a) {
-      for (std::size_t k = 0; k < size; ++k) weighted[k] = weight[k] * rows.column[a][k];
-      for (std::size_t b = a; b < 7; ++b) sums_[pair++] += Dot(weighted, rows.column[b], size);
-    }
+    AddFrom<0>(rows, weight, size, sums_.data());
   }
 
   void Finish(Matrix6d& hessian, Vector6d& gradient) const {
@@ -123,6 +135,14 @@ class NormalSums {
   }
 
  private:
+  template <std::size_t kFirst>
+  static void AddFrom(const Rows& rows, const Column& weight, std::size_t size, double* sums) {
+    const Column* const first = &rows.column[kFirst];
+    constexpr std::size_t kCount = 7 - kFirst;
+    AddDots<kCount>(weight, *first, first, size, sums);
+    if constexpr (kFirst < 5) AddFrom<kFirst + 1>(rows, weight, size, sums + kCount);
+  }
+
   std::array<double, kNumPairs> sums_{};
 };
 
@@ -130,12 +150,8 @@ class NormalSums {
 class CrossSums {
  public:
   void Add(const Rows& rows_a, const Rows& rows_b, const Column& weight, std::size_t size) {
-    std::size_t entry = 0;
-    Column weighted;
-    for (std::size_t a = 0; a < 6; ++a) {
-      for (std::size_t k = 0; k < size; ++k) weighted[k] = weight[k] * rows_a.column[a][k];
-      for (std::size_t b = 0; b < 6; ++b) sums_[entry++] += Dot(weighted, rows_b.column[b], size);
-    }
+    for (std::size_t a = 0; a < 6; ++a)
+      AddDots<6>(weight, rows_a.column[a], rows_b.column.data(), size, &sums_[6 * a]);
   }
 
   void Finish(Matrix6d& hessian) const {
@@ -152,17 +168,24 @@ class BrightnessFit {
  public:
   // Grey levels less kMiddleGrey, so that little is lost when means are subtracted.
   void Add(const Column& source, const Column& target, const Column& weight, std::size_t size) {
-    Column weighted_source, weighted_target;
-    for (std::size_t k = 0; k < size; ++k) {
-      weighted_source[k] = weight[k] * source[k];
-      weighted_target[k] = weight[k] * target[k];
+    Lanes all{}, s{}, t{}, ss{}, st{}, tt{};
+    for (std::size_t k = 0; k < size; k += kLanes) {
+      const Lanes &w = LanesAt(weight, k), &of_source = LanesAt(source, k),
+                  &of_target = LanesAt(target, k);
+      const Lanes weighted_source = w * of_source, weighted_target = w * of_target;
+      all += w;
+      s += weighted_source;
+      t += weighted_target;
+      ss += weighted_source * of_source;
+      st += weighted_source * of_target;
+      tt += weighted_target * of_target;
     }
-    sum_ += Sum(weight, size);
-    sum_s_ += Sum(weighted_source, size);
-    sum_t_ += Sum(weighted_target, size);
-    sum_ss_ += Dot(weighted_source, source, size);
-    sum_st_ += Dot(weighted_source, target, size);
-    sum_tt_ += Dot(weighted_target, target, size);
+    sum_ += SumOf(all);
+    sum_s_ += SumOf(s);
+    sum_t_ += SumOf(t);
+    sum_ss_ += SumOf(ss);
+    sum_st_ += SumOf(st);
+    sum_tt_ += SumOf(tt);
   }
   [[nodiscard]] double Correlation() const {
     const double product = (sum_ss_ * sum_ - sum_s_ * sum_s_) * (sum_tt_ * sum_ - sum_t_ * sum_t_);
@@ -309,6 +332,10 @@ struct Match {
   float normalised = 0;
 };
 
+// Four numbers from `first` on, wherever they lie.
+using FourFloats [[gnu::vector_size(4 * sizeof(float)), gnu::may_alias]] = float;
+using FourAnywhere [[gnu::aligned(alignof(float))]] = FourFloats;
+
 // Bilinear, between texel (u, v) rounded down and its neighbours.
 IntensityTexel Interpolate(const PyramidLevel& level, float u, float v) {
   const std::size_t u0 = static_cast<std::size_t>(static_cast<int>(u));
@@ -316,12 +343,17 @@ IntensityTexel Interpolate(const PyramidLevel& level, float u, float v) {
   const float a = u - static_cast<float>(static_cast<int>(u));
   const float b = v - static_cast<float>(static_cast<int>(v));
   const std::size_t width = static_cast<std::size_t>(level.camera.width);
-  const IntensityTexel* const upper = level.intensity.data() + v0 * width + u0;
-  const IntensityTexel* const lower = upper + width;
+  const float* const upper = &level.intensity[v0 * width + u0].value;
+  const float* const lower = &level.intensity[v0 * width + width + u0].value;
+  const auto four = [](const float* first) -> const FourAnywhere& {
+    return reinterpret_cast<const FourAnywhere&>(*first);
+  };
   const float w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-  return {w00 * upper[0].value + w10 * upper[1].value + w01 * lower[0].value + w11 * lower[1].value,
-          w00 * upper[0].du + w10 * upper[1].du + w01 * lower[0].du + w11 * lower[1].du,
-          w00 * upper[0].dv + w10 * upper[1].dv + w01 * lower[0].dv + w11 * lower[1].dv};
+  // Of the image's last texel nothing follows: it is the end of the four before.
+  const FourFloats last = four(lower + 2);
+  const FourFloats sum = w00 * four(upper) + w10 * four(upper + 3) + w01 * four(lower) +
+                         w11 * __builtin_shufflevector(last, last, 1, 2, 3, 3);
+  return {sum[0], sum[1], sum[2]};
 }
 
 class SystemBuilder {
