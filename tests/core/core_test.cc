@@ -12,6 +12,7 @@
 #include "deepslam/core/clock_stretches.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/core/random.h"
 #include "deepslam/core/result.h"
 #include "deepslam/core/sha256.h"
@@ -53,6 +54,47 @@ TEST(Base64, AgreesWithRfc4648) {
   EXPECT_EQ(EncodeBase64("f"), "Zg==");
   EXPECT_EQ(EncodeBase64("fo"), "Zm8=");
   EXPECT_EQ(EncodeBase64("foobar"), "Zm9vYmFy");
+}
+
+TEST(ParallelAhead, UsesInOrderWhatWasPreparedAndNeverPreparesFartherAheadThanAsked) {
+  for (const std::size_t count :
+       {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{50}}) {
+    for (const std::size_t ahead : {std::size_t{1}, std::size_t{2}, std::size_t{7}}) {
+      std::vector<std::size_t> slots(ahead), used;
+      std::atomic<std::size_t> num_used = 0;
+      std::atomic<bool> too_far = false;
+      ParallelAhead(
+          count,
+          ahead,
+          [&](std::size_t i) {
+            if (i >= num_used + ahead) too_far = true;
+            slots[i % ahead] = i + 1000;
+          },
+          [&](std::size_t i) {
+            used.push_back(slots[i % ahead] - 1000);
+            EXPECT_EQ(used.back(), i);
+            ++num_used;
+            return true;
+          });
+      EXPECT_EQ(used.size(), count);
+      EXPECT_FALSE(too_far) << count << " ahead " << ahead;
+    }
+  }
+}
+
+TEST(ParallelAhead, UsesNothingAfterAStop) {
+  std::atomic<int> num_prepared = 0;
+  std::size_t last = 0;
+  ParallelAhead(
+      1000,
+      4,
+      [&](std::size_t) { ++num_prepared; },
+      [&](std::size_t i) {
+        last = i;
+        return i < 10;
+      });
+  EXPECT_EQ(last, 10U);
+  EXPECT_LE(num_prepared, 10 + 1 + 4);
 }
 
 TEST(ParallelFor, VisitsEveryIndexOnceForAnyThreadCount) {

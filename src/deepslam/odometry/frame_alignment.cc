@@ -31,8 +31,9 @@ constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the c
 constexpr StartSigma kPrior;
 // Convergence: steps that move points at this distance by less than this share of a pixel of the
 // level.
-constexpr double kConvergedPx = 0.03;
-constexpr double kConvergedFarPx = 0.015;  // at the coarsest level
+constexpr double kConvergedPx = 0.02;
+constexpr double kConvergedMiddlePx = 0.04;  // at levels that a finer one follows
+constexpr double kConvergedFarPx = 0.015;    // at the coarsest level
 constexpr double kConvergedDistanceM = 2.0;
 // Steps that shrink by the same share each time are taken further at once, by at most this many
 // times the last one.
@@ -41,13 +42,13 @@ constexpr double kMostFurther = 2;
 constexpr double kSamePlaceM = 0.005;
 constexpr double kSamePlaceRad = 0.005;
 // Depth errors are shared between neighbouring texels (see `correlation_length_px`): at levels of
-// this width little is lost by leaving out every second row and column.
+// this width nothing is lost by taking every third row and column.
 constexpr int kWideLevel = 240;
-// ... and nothing at levels of this width that a finer one follows.
+constexpr int kWideStride = 3;
+// ... and at levels that finer ones follow, of this width, by every second one.
 constexpr int kWideMiddleLevel = 120;
-constexpr int kWideStride = 2;
-// Places along open directions are compared on every second row and column of the coarsest level.
-constexpr int kSearchStride = 2;
+constexpr int kWideCoarsestLevel = 60;
+constexpr int kMiddleStride = 2;
 // Scale at which competing starts are compared.
 constexpr float kJudgeScale = 3.0F;
 // Share of the strongest direction's information below which depth leaves a direction open: along a
@@ -80,8 +81,14 @@ double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int
   return std::max(1.0, length_px * length_px);
 }
 
-int Stride(const PyramidLevel& level, int wide_px = kWideLevel) {
-  return level.camera.width >= wide_px ? kWideStride : 1;
+int Stride(const PyramidLevel& level) { return level.camera.width >= kWideLevel ? kWideStride : 1; }
+
+int MiddleStride(const PyramidLevel& level) {
+  return level.camera.width >= kWideMiddleLevel ? kMiddleStride : 1;
+}
+
+int CoarsestStride(const PyramidLevel& level) {
+  return level.camera.width >= kWideCoarsestLevel ? kMiddleStride : 1;
 }
 
 // Factors that turn a perturbation into metres: rotations count by their arc at the mean distance.
@@ -156,11 +163,18 @@ struct Descent {
   Pose3 i_from_j;
   Pose3 start_i_from_j;
   AlignmentGates gates;
-  AlignmentSystem system;              // at i_from_j, of the last level visited
-  Unseen held;                         // no steps along these
+  AlignmentSystem system;  // at i_from_j, of the last level visited
+  Unseen held;             // no steps along these
+  double converged_px = kConvergedFarPx;
   bool near = false;                   // beyond the coarsest level: Balance
   std::optional<Matrix6d> structural;  // StructuralShare at the level's first step, for all of them
 };
+
+Descent DescentFrom(const Pose3& start_i_from_j) {
+  Descent descent;
+  descent.i_from_j = descent.start_i_from_j = start_i_from_j;
+  return descent;
+}
 
 void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
   // Scales only shrink: a step that makes things worse must not open the gates again.
@@ -281,7 +295,7 @@ bool Descend(const PyramidLevel& i,
              const AlignmentOptions& options,
              Descent& descent,
              std::span<const Pose3> known = {}) {
-  const double converged_rad = (descent.near ? kConvergedPx : kConvergedFarPx) / j.camera.fx;
+  const double converged_rad = descent.converged_px / j.camera.fx;
   const double converged_m = kConvergedDistanceM * converged_rad;
   descent.structural.reset();
   Mixing mixing;
@@ -391,12 +405,12 @@ Descent SearchOpenDirections(const PyramidLevel& i,
     const double step_m = kOpenStepPx * MeanDepthM(j) / j.camera.fx;
     const Descent centre = best;
     Descent tried = centre;
-    const Likeness here = JudgeLikeness(i, j, centre.i_from_j, options, kSearchStride);
+    const Likeness here = JudgeLikeness(i, j, centre.i_from_j, options, CoarsestStride(j));
     double best_value = here.value + here.resolution;
     for (int n = -kNumOpenSteps; n <= kNumOpenSteps; ++n) {
       if (n == 0) continue;
       const Pose3 moved = V2t(n * step_m * direction) * centre.i_from_j;
-      const Likeness there = JudgeLikeness(i, j, moved, options, kSearchStride);
+      const Likeness there = JudgeLikeness(i, j, moved, options, CoarsestStride(j));
       if (there.value <= best_value) continue;
       tried.i_from_j = moved;
       best_value = there.value;
@@ -411,6 +425,7 @@ Descent SearchOpenDirections(const PyramidLevel& i,
   return best;
 }
 
+// Descents that compete go by every second row and column, the best one goes on by all.
 Descent BestCoarseDescent(const PyramidLevel& i,
                           const PyramidLevel& j,
                           std::span<const Pose3> starts,
@@ -420,7 +435,9 @@ Descent BestCoarseDescent(const PyramidLevel& i,
   std::vector<Pose3> ends;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     if (AmongThem(starts.first(k), starts[k])) continue;
-    Descent descent{starts[k], starts[k], LevelGates(options, 0), {}, {}, false, {}};
+    Descent descent = DescentFrom(starts[k]);
+    descent.gates = LevelGates(options, 0);
+    descent.gates.stride = CoarsestStride(j);
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
     if (!Descend(i, j, options, descent, ends)) continue;
@@ -430,6 +447,10 @@ Descent BestCoarseDescent(const PyramidLevel& i,
       best = descent;
       best_support = support;
     }
+  }
+  if (best->gates.stride > 1) {
+    best->gates.stride = 1;
+    Descend(i, j, options, *best);
   }
   return *best;
 }
@@ -480,10 +501,10 @@ double InformationOfStart(const Vector6d& direction,
 
 JudgedHessian Judge(const AlignmentSystem& system,
                     const PyramidLevel& finest,
+                    int stride,
                     const StartSigma& start_sigma,
                     const AlignmentOptions& options) {
   const Matrix6d& photometric = system.photometric_hessian;
-  const int stride = Stride(finest);
   const Matrix6d raw =
       (system.hessian - photometric) /
           CorrelationFactor(finest, options.correlation_length_px, stride) +
@@ -530,7 +551,7 @@ FrameAlignment Conclude(const Descent& descent,
   const AlignmentSystem& system = descent.system;
   FrameAlignment result;
   result.i_from_j = descent.i_from_j;
-  const JudgedHessian judged = Judge(system, finest, start_sigma, options);
+  const JudgedHessian judged = Judge(system, finest, descent.gates.stride, start_sigma, options);
   result.information = Information(judged.left, descent.i_from_j, start_sigma, options);
   const double num_source = std::max(1, system.num_source);
   result.rmse_m =
@@ -585,8 +606,9 @@ void DescendToFinest(const FramePyramid& i,
     gates.gain = descent.gates.gain;
     gates.bias = descent.gates.bias;
     const bool is_last = level == 0;
-    gates.stride = Stride(j.levels[level], is_last ? kWideLevel : kWideMiddleLevel);
+    gates.stride = is_last ? Stride(j.levels[level]) : MiddleStride(j.levels[level]);
     descent.gates = gates;
+    descent.converged_px = is_last ? kConvergedPx : kConvergedMiddlePx;
     Descend(i.levels[level], j.levels[level], options, descent);
   }
   JudgeEnd(i.levels.front(), j.levels.front(), options, descent);
@@ -632,7 +654,7 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
   if (!Comparable(i, j)) return Failed(i_from_j);
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
   if (!SeesTheSame(i, j, i_from_j, options)) return Failed(i_from_j);
-  Descent descent{i_from_j, i_from_j, {}, {}, {}, false, {}};
+  Descent descent = DescentFrom(i_from_j);
   descent.gates.geometric_scale = kNearScale;
   descent.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));

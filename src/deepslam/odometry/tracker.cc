@@ -462,7 +462,11 @@ void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
   if (!options_.skip_edges || keyframes_.size() < 2) return;
   const Anchor& before_last = keyframes_[keyframes_.size() - 2];
   if (before_last.piece != frame.piece || keyframes_.back().held) return;
-  const FrameAlignment skip = AlignTo(before_last, frame, {frame.world_from_camera});
+  const FrameAlignment skip =
+      RefineAlignment(*before_last.pyramid,
+                      *frame.pyramid,
+                      before_last.world_from_camera.Inverse() * frame.world_from_camera,
+                      options_.alignment);
   if (!skip.ok || skip.inside < kSkipEdgeOverlap || skip.agreement < kSureAgreement) return;
   const Pose3 by_last = keyframes_.back().world_from_camera * direct.i_from_j;
   const Pose3 by_skip = before_last.world_from_camera * skip.i_from_j;
