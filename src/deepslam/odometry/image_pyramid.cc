@@ -117,7 +117,8 @@ float SimpleBlock(
   const bool simple = (least >= min_depth) & (most <= max_depth) & (sum == sum) &
                       (most - least <= tolerance + 0.01F * least);
   const bool none = ((most < min_depth) | (least > max_depth)) & (sum == sum);
-  return simple ? sum / 4.0F : none ? 0.0F : -1.0F;
+  if (none) return 0;
+  return simple ? sum / 4.0F : -1.0F;
 }
 
 // Valid depths of a block of factor x factor pixels are gathered and reduced to one.
@@ -148,7 +149,8 @@ std::vector<float> ReduceDepth(const float* depth,
             depth + static_cast<std::ptrdiff_t>(v * factor + dv) * width + u * factor;
         for (int du = 0; du < factor; ++du) {
           block[count] = row[du];  // NaN fails both comparisons
-          count += (row[du] >= min_depth) & (row[du] <= max_depth) ? 1 : 0;
+          const bool valid = (row[du] >= min_depth) & (row[du] <= max_depth);
+          count += valid ? 1 : 0;
         }
       }
       result[Offset(reduced, u, v)] = BlockDepth({block.data(), count}, noise);
