@@ -208,6 +208,10 @@ void Describe(OptionsVisitor& visitor, RefineOptions& options) {
   visitor.Field("complete",
                 options.complete,
                 "let measured depth complete the best whole model; it competes with the others");
+  visitor.Field(
+      "pose",
+      options.pose,
+      "refine the winner's scale and pose over all views at once, where agreement improves");
   visitor.Field("reach",
                 options.reach_m,
                 {0, 10},

@@ -8,6 +8,7 @@ namespace deepslam::refine {
 struct RefineOptions {
   bool enabled = true;
   bool complete = true;         // the best model by what was measured of the object
+  bool pose = false;            // the winner's similarity, jointly over all views
   double reach_m = 0.15;        // of the model, for what completes it
   int max_views = 24;           // of an object, evenly over its frames
   int max_evaluations = 20;     // of loss and derivative

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "deepslam/registration/information.h"
+#include "deepslam/registration/refine_pose.h"
 #include "deepslam/registration/similarity_icp.h"
 #include "deepslam/registration/world_hypotheses.h"
 #include "deepslam/scene/voxel_grid.h"
@@ -227,6 +228,27 @@ CandidateRegistration NotRegistered(const ShapeCandidate& candidate,
   return result;
 }
 
+// Every view registered from the joint pose.
+CandidateRegistration RegisteredAt(const ShapeCandidate& candidate,
+                                   const shape::ShapeModel& model,
+                                   VisibleSurface& visible,
+                                   std::span<const MeasuredView> views,
+                                   const Similarity3& joint,
+                                   const SimilarityIcpOptions& icp,
+                                   const RegisterOptions& options) {
+  const bool is_round = IsRound(model, options.symmetry_share);
+  CandidateRegistration result;
+  result.candidate = candidate.id;
+  result.scale_m = joint.scale;
+  result.world_from_object = joint.RigidPart();
+  for (const MeasuredView& view : views) {
+    result.views.push_back(RegisterView(model, visible, view, joint, icp, is_round, options));
+    result.ok = result.ok || result.views.back().ok;
+  }
+  if (!result.ok) result.reason = "no view agrees with the model";
+  return result;
+}
+
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, RegisterOptions& options) {
@@ -330,19 +352,25 @@ CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
   const std::optional<JointPlacement> placement =
       PlaceJointly(model, visible, usable, PriorOf(candidate), candidate.source, options);
   if (!placement) return NotRegistered(candidate, views, "the views' points have no extent");
-  const Similarity3& joint = placement->world_from_object;
-  const bool is_round = IsRound(model, options.symmetry_share);
-  CandidateRegistration result;
-  result.candidate = candidate.id;
-  result.scale_m = joint.scale;
-  result.world_from_object = joint.RigidPart();
-  for (const MeasuredView& view : views) {
-    result.views.push_back(
-        RegisterView(model, visible, view, joint, placement->icp, is_round, options));
-    result.ok = result.ok || result.views.back().ok;
-  }
-  if (!result.ok) result.reason = "no view agrees with the model";
-  return result;
+  return RegisteredAt(
+      candidate, model, visible, views, placement->world_from_object, placement->icp, options);
+}
+
+CandidateRegistration RegisterCandidateNear(const ShapeCandidate& candidate,
+                                            const shape::ShapeModel& model,
+                                            const Similarity3& world_from_object,
+                                            std::span<const MeasuredView> views,
+                                            const RegisterOptions& options) {
+  if (model.empty()) return NotRegistered(candidate, views, "the model is empty");
+  const ViewPointers usable = ViewsForJointPose(views, options);
+  if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
+  VisibleSurface visible(model);
+  PlacementPrior prior = PriorOf(candidate);
+  prior.stands = candidate.source != CandidateSource::kFused;
+  const SimilarityIcpOptions icp =
+      JointOptions(prior, usable.front()->ground_world.has_value(), options);
+  const Similarity3 joint = RefinePose(model, visible, usable, world_from_object, icp);
+  return RegisteredAt(candidate, model, visible, views, joint, icp, options);
 }
 
 }  // namespace deepslam::registration

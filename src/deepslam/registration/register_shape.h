@@ -60,4 +60,12 @@ void Describe(OptionsVisitor& visitor, RegisterOptions& options);
                                                       std::span<const MeasuredView> views,
                                                       const RegisterOptions& options);
 
+// The same, once its place is nearly known: similarity refined jointly over all views
+// (refine_pose.h), and every view registered from there.
+[[nodiscard]] CandidateRegistration RegisterCandidateNear(const ShapeCandidate& candidate,
+                                                          const shape::ShapeModel& model,
+                                                          const Similarity3& world_from_object,
+                                                          std::span<const MeasuredView> views,
+                                                          const RegisterOptions& options);
+
 }  // namespace deepslam::registration

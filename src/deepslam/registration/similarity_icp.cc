@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -46,6 +47,13 @@ double PointSigma(double depth_sigma_m, double scale_m) {
                    voxel_sigma * voxel_sigma);
 }
 
+// d(n . x)/d(motion) of a point x that moves with the object (metric object frame).
+Vector7d MotionJacobian(const Eigen::Vector3d& n_object, const Eigen::Vector3d& x_object_m) {
+  Vector7d jacobian;
+  jacobian << n_object, x_object_m.cross(n_object), n_object.dot(x_object_m);
+  return jacobian;
+}
+
 // The normal equations of a small motion of the object in its own metric frame: (translation;
 // rotation; log scale). Summed column by column with the residual as an eighth row, so that a row
 // of the Jacobian is whole vectors.
@@ -63,6 +71,12 @@ class Equations {
     }
   }
 
+  void Add(const MotionResidual& residual) {
+    Add(MotionJacobian(residual.direction_object, residual.x_object_m),
+        residual.residual_m,
+        residual.weight);
+  }
+
   [[nodiscard]] Matrix7d Hessian() const { return Sums().topRows<7>(); }
   [[nodiscard]] Vector7d Gradient() const { return Sums().row(7); }
   [[nodiscard]] bool empty() const { return num_residuals_ == 0; }
@@ -77,13 +91,6 @@ class Equations {
   alignas(32) std::array<double, kRows * kColumns> sums_{};
   int num_residuals_ = 0;
 };
-
-// d(n . x)/d(motion) of a point x that moves with the object (metric object frame).
-Vector7d MotionJacobian(const Eigen::Vector3d& n_object, const Eigen::Vector3d& x_object_m) {
-  Vector7d jacobian;
-  jacobian << n_object, x_object_m.cross(n_object), n_object.dot(x_object_m);
-  return jacobian;
-}
 
 // A visible model point against the measurement in the pixel it falls into.
 struct BackMatch {
@@ -155,12 +162,14 @@ struct PlacedView {
   SimilarityMatrix object_from_camera;
 };
 
+// `Residuals` has Add(MotionResidual): equations, or a list.
+template <typename Residuals>
 void AddForward(const shape::ShapeModel& model,
                 const MeasuredView& view,
                 const PlacedView& placed,
                 double radius_m,
                 const SimilarityIcpOptions& options,
-                Equations& equations) {
+                Residuals& residuals) {
   const double scale_m = placed.scale_m;
   const double share = std::min(1.0, view.patch_share * options.point_stride);
   const std::size_t stride = static_cast<std::size_t>(options.point_stride);
@@ -175,24 +184,24 @@ void AddForward(const shape::ShapeModel& model,
     const bool beside = options.both_directions && match.beside;
     if (match.facing >= kMinFacing && !beside) {
       const double weight = information * TukeyWeight(match.distance_m, radius_m);
-      equations.Add(-MotionJacobian(normal, x_m), match.plane_residual_m, weight * match.facing);
+      residuals.Add({-normal, x_m, match.plane_residual_m, weight * match.facing});
     } else if (beside) {
       // A flat surface that goes on past the model's edge: Eq. (1) is zero there wherever the edge
       // lies, and a table top would slide in its own plane.
       const double weight =
           information * TukeyWeight(match.distance_m, std::max(radius_m, options.edge_radius_m));
-      equations.Add(
-          -MotionJacobian(match.outward_object, x_m), match.distance_m, kSilhouetteWeight * weight);
+      residuals.Add({-match.outward_object, x_m, match.distance_m, kSilhouetteWeight * weight});
     }
   }
 }
 
+template <typename Residuals>
 void AddBackward(VisibleSurface& visible,
                  const MeasuredView& view,
                  const PlacedView& placed,
                  double radius_m,
                  int point_stride,
-                 Equations& equations) {
+                 Residuals& residuals) {
   const double scale_m = placed.scale_m;
   const double cell_m = VisibleSurface::kCellVoxels * kVoxelSize * scale_m;
   // Each point speaks for those that are left out.
@@ -211,14 +220,33 @@ void AddBackward(VisibleSurface& visible,
       const Eigen::Vector3d normal = object_from_camera * match.normal_camera;
       const double facing = normal.dot(surface.normal);
       if (facing < kMinFacing) continue;
-      equations.Add(MotionJacobian(normal, q_m), match.residual_m, weight * facing);
+      residuals.Add({normal, q_m, match.residual_m, weight * facing});
     } else {
       for (int axis = 0; axis < 2; ++axis) {
-        equations.Add(MotionJacobian(object_from_camera.col(axis), q_m),
-                      match.sideways_m[axis],
-                      kSilhouetteWeight * weight);
+        residuals.Add({object_from_camera.col(axis),
+                       q_m,
+                       match.sideways_m[axis],
+                       kSilhouetteWeight * weight});
       }
     }
+  }
+}
+
+// Of all views, for the pose they are placed at.
+template <typename Residuals>
+void AddViews(const shape::ShapeModel& model,
+              VisibleSurface& visible,
+              std::span<const MeasuredView* const> views,
+              const Similarity3& world_from_object,
+              double radius_m,
+              const SimilarityIcpOptions& options,
+              Residuals& residuals) {
+  for (const MeasuredView* view : views) {
+    if (view->empty()) continue;
+    const PlacedView placed(*view, world_from_object);
+    AddForward(model, *view, placed, radius_m, options, residuals);
+    if (options.both_directions)
+      AddBackward(visible, *view, placed, radius_m, options.point_stride, residuals);
   }
 }
 
@@ -359,14 +387,7 @@ DEEPSLAM_WIDE_VECTORS Similarity3 AlignShape(const shape::ShapeModel& model,
     const double radius_m =
         options.start_radius_m * std::pow(options.end_radius_m / options.start_radius_m, progress);
     Equations equations;
-    for (const MeasuredView* view : views) {
-      if (view->empty()) continue;
-      const PlacedView placed(*view, current);
-      AddForward(model, *view, placed, radius_m, options, equations);
-      if (options.both_directions) {
-        AddBackward(visible, *view, placed, radius_m, options.point_stride, equations);
-      }
-    }
+    AddViews(model, visible, views, current, radius_m, options, equations);
     if (equations.empty()) break;
     AddPriors(model,
               *any_view,
@@ -380,6 +401,22 @@ DEEPSLAM_WIDE_VECTORS Similarity3 AlignShape(const shape::ShapeModel& model,
     if (progress >= 1.0 && step.cwiseAbs().maxCoeff() < 1e-4) break;
   }
   return current;
+}
+
+std::vector<MotionResidual> ResidualsAt(const shape::ShapeModel& model,
+                                        VisibleSurface& visible,
+                                        std::span<const MeasuredView* const> views,
+                                        const Similarity3& world_from_object,
+                                        double radius_m,
+                                        const SimilarityIcpOptions& options) {
+  struct List {
+    void Add(const MotionResidual& residual) {
+      if (residual.weight > 0) residuals.push_back(residual);
+    }
+    std::vector<MotionResidual> residuals;
+  } list;
+  AddViews(model, visible, views, world_from_object, radius_m, options, list);
+  return std::move(list.residuals);
 }
 
 DEEPSLAM_WIDE_VECTORS double Disagreement(const shape::ShapeModel& model,

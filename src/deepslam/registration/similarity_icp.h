@@ -57,6 +57,25 @@ struct SimilarityIcpOptions {
                                      const Similarity3& world_from_object,
                                      const SimilarityIcpOptions& options);
 
+// What one measured point, or one visible point of the model, says of a small motion of the object
+// in its own metric frame: that `residual_m`, which grows by direction . displacement of x, shall
+// vanish. Weight: information, with robust weight on the distance, in 1 / m^2.
+struct MotionResidual {
+  Eigen::Vector3d direction_object = Eigen::Vector3d::Zero();  // unit
+  Eigen::Vector3d x_object_m = Eigen::Vector3d::Zero();
+  double residual_m = 0;
+  double weight = 0;
+};
+
+// What AlignShape brings to vanish at a pose, its priors left out: both directions, all views.
+// Residuals without weight are left out.
+[[nodiscard]] std::vector<MotionResidual> ResidualsAt(const shape::ShapeModel& model,
+                                                      VisibleSurface& visible,
+                                                      std::span<const MeasuredView* const> views,
+                                                      const Similarity3& world_from_object,
+                                                      double radius_m,
+                                                      const SimilarityIcpOptions& options);
+
 // How badly a placed model disagrees with the views, in [0, 2]: mean truncated squared distance of
 // the points to the model, plus that of the model's visible surface to the measurement, each
 // relative to `radius_m`. 1 for a part that could not be judged at all.

@@ -150,6 +150,7 @@ Status JudgeAnew(const StageContext& context,
     Proposals completed = CompleteBest(contest, views, NextName(change, object.id, world), inputs);
     Enter(std::move(completed), views, inputs, NextId(world.proposals), contest, world.made);
   }
+  RefineWinner(views, inputs, contest);
   std::vector<std::string> applied;  // told by stage select already
   Result<MapObject> selected = SelectOrChoose(contest, views, inputs, applied);
   if (!selected.ok()) return selected.error();

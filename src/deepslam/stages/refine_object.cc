@@ -13,6 +13,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/refine/complete.h"
 #include "deepslam/refine/refine_latents.h"
+#include "deepslam/registration/register_shape.h"
 #include "deepslam/select/select.h"
 
 namespace deepslam::stages {
@@ -190,6 +191,39 @@ Proposals CompleteBest(const Contest& contest,
   candidate.size_m = registration.scale_m * model->extent;
   candidate.max_size_m = std::max(candidate.max_size_m, candidate.size_m);
   return completed;
+}
+
+std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
+                                        const RunInputs& inputs,
+                                        Contest& contest) {
+  if (!inputs.config.shape_refinement.pose) return std::nullopt;
+  const MapObject best = select::SelectShape(contest.object,
+                                             contest.class_name,
+                                             contest.candidates,
+                                             contest.registrations,
+                                             contest.scores,
+                                             views,
+                                             inputs.config.select);
+  const auto winner = std::ranges::find(contest.candidates, best.chosen, &ShapeCandidate::id);
+  if (winner == contest.candidates.end()) return std::nullopt;
+  const auto n = static_cast<std::size_t>(winner - contest.candidates.begin());
+  CandidateRegistration& registration = contest.registrations[n];
+  const shape::ShapeModel& model = contest.models.at(winner->model);
+  CandidateRegistration refined = registration::RegisterCandidateNear(
+      *winner,
+      model,
+      Similarity3::From(registration.world_from_object, registration.scale_m),
+      registration::PrepareForRegistration(views, inputs.config.registration),
+      inputs.config.registration);
+  CandidateScore score = select::ScoreCandidate(*winner,
+                                                model,
+                                                refined,
+                                                std::span(std::as_const(contest.judged_views)),
+                                                inputs.config.select);
+  if (!refined.ok || score.score <= contest.scores[n].score) return std::nullopt;
+  registration = std::move(refined);
+  contest.scores[n] = std::move(score);
+  return n;
 }
 
 }  // namespace deepslam::stages

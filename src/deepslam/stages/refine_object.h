@@ -3,6 +3,8 @@
 // those they came from.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -28,5 +30,12 @@ namespace deepslam::stages {
                                      std::span<const ObjectView> views,
                                      std::string_view change,
                                      const RunInputs& inputs);
+
+// With select.refine.pose: the similarity of what would be selected, refined jointly over all
+// views; its registration and score are replaced where the score improves. Index of what was
+// replaced.
+std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
+                                        const RunInputs& inputs,
+                                        Contest& contest);
 
 }  // namespace deepslam::stages

@@ -1,6 +1,8 @@
 // select: which candidate is the object's shape.
 #include <algorithm>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -50,9 +52,9 @@ void Place(MapObject object, ObjectMap& map) {
 // What the stage makes.
 struct Selection {
   ObjectMap map;
-  Proposals made;  // candidates added here
-  std::vector<CandidateRegistration> made_registrations;
-  std::vector<std::string> applied;  // of a person's choices
+  Proposals made;                                         // candidates added here
+  std::vector<CandidateRegistration> made_registrations;  // and what replaces those of register
+  std::vector<std::string> applied;                       // of a person's choices
 };
 
 // The shape networks, where some candidate is theirs and may be refined.
@@ -106,6 +108,9 @@ Result<Selection> SelectAll(const StageContext& context,
       enter(RefineShapes(contest, of_track.views, *prior, inputs));
     if (inputs.config.shape_refinement.complete)
       enter(CompleteBest(contest, of_track.views, "filled", inputs));
+    const std::optional<std::size_t> replaced = RefineWinner(of_track.views, inputs, contest);
+    if (replaced && *replaced < num_proposed)
+      selection.made_registrations.push_back(contest.registrations[*replaced]);
     const auto made = std::span(contest.registrations).subspan(num_proposed);
     selection.made_registrations.insert(
         selection.made_registrations.end(), made.begin(), made.end());
