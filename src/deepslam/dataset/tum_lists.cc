@@ -145,8 +145,8 @@ void SortByTime(std::vector<T>& entries,
     warnings.push_back(
         fmt::format("{}: times are not ascending; lines were sorted", list.string()));
   }
-  const auto repeated = std::ranges::unique(entries, {}, place);
-  entries.erase(repeated.begin(), repeated.end());
+  const auto same_place = [&](const T& a, const T& b) { return place(a) == place(b); };
+  entries.erase(std::unique(entries.begin(), entries.end(), same_place), entries.end());
   if (entries.size() < count) {
     warnings.push_back(fmt::format(
         "{}: {} lines repeat a time and were left out", list.string(), count - entries.size()));

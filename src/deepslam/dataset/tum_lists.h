@@ -69,9 +69,9 @@ int NumStretches(const std::vector<T>& entries) {
 // The entries of one stretch; empty where there is none of the number.
 template <typename T>
 std::span<const T> Stretch(const std::vector<T>& entries, int number) {
-  const auto found = std::ranges::equal_range(
-      entries, number, {}, [](const T& entry) { return StretchOf(entry); });
-  return {found.begin(), found.end()};
+  const auto stretch = [](const T& entry) { return StretchOf(entry); };
+  return {std::ranges::lower_bound(entries, number, {}, stretch),
+          std::ranges::upper_bound(entries, number, {}, stretch)};
 }
 
 // Pairs of images that are each other's nearest in time and at most `tolerance_s` apart, of

@@ -233,8 +233,8 @@ class GroundSearch {
   }
 
   [[nodiscard]] std::span<const PlaneSighting> SightingsOf(std::size_t k) const {
-    const auto range = std::ranges::equal_range(sightings_, k, {}, &PlaneSighting::keyframe);
-    return {range.begin(), range.end()};
+    return {std::ranges::lower_bound(sightings_, k, {}, &PlaneSighting::keyframe),
+            std::ranges::upper_bound(sightings_, k, {}, &PlaneSighting::keyframe)};
   }
 
   [[nodiscard]] std::span<const KeyframeSample> SamplesAbout(std::size_t k) const {
