@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
 
+#include <draco/compression/encode.h>
+#include <draco/core/encoder_buffer.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
@@ -95,6 +99,33 @@ TEST(DracoMesh, DecodesNothingOutOfDamagedBytesButNeverDies) {
   }
   EXPECT_FALSE(DracoDecode("").ok());
   EXPECT_FALSE(DracoDecode("DRACO").ok());
+}
+
+// One triangle whose corners are (1, 1, 1), (1, 0, 1) and (0, 0, 1), of whatever type.
+template <typename Number>
+std::string TriangleOf(draco::DataType type) {
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(1);
+  const int id = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, type);
+  const std::array<std::array<Number, 3>, 3> corners = {{{1, 1, 1}, {1, 0, 1}, {0, 0, 1}}};
+  builder.SetAttributeValuesForFace(
+      id, draco::FaceIndex(0), corners[0].data(), corners[1].data(), corners[2].data());
+  draco::EncoderBuffer buffer;
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*builder.Finalize(), &buffer).ok());
+  return {buffer.data(), buffer.size()};
+}
+
+// Furniture may hold numbers of any type, but no truth values: their bytes may be neither of the
+// two.
+TEST(DracoMesh, RefusesTruthValuesAsPositions) {
+  const DracoAttributeIds ids = {.position = 0, .place = -1, .colour = -1};
+  const auto floats = DracoDecodeModel(TriangleOf<float>(draco::DT_FLOAT32), ids);
+  ASSERT_TRUE(floats.ok()) << floats.error().message;
+  EXPECT_EQ(floats->positions.size(), 3U);
+  EXPECT_TRUE(DracoDecodeModel(TriangleOf<double>(draco::DT_FLOAT64), ids).ok());
+  EXPECT_FALSE(DracoDecodeModel(TriangleOf<bool>(draco::DT_BOOL), ids).ok());
 }
 
 }  // namespace

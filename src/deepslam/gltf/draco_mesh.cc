@@ -96,11 +96,13 @@ Result<std::unique_ptr<draco::Mesh>> DecodeMesh(std::string_view bytes) {
   return mesh;
 }
 
-// Converted values of an attribute for every point, with bounds checked.
+// Converted values of an attribute for every point, with bounds checked. Draco reads truth values
+// as they lie in the file, where any byte may stand for one; glTF knows none.
 template <typename T, std::size_t N>
 bool ReadAttribute(const draco::Mesh& mesh,
                    const draco::PointAttribute& attribute,
                    std::vector<std::array<T, N>>& values) {
+  if (attribute.data_type() == draco::DT_BOOL) return false;
   values.reserve(mesh.num_points());
   for (draco::PointIndex p(0); p < mesh.num_points(); ++p) {
     const draco::AttributeValueIndex index = attribute.mapped_index(p);
