@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "deepslam/core/check.h"
 #include "deepslam/core/sha256.h"
@@ -16,17 +17,6 @@ constexpr std::size_t kChecksumBytes = 4;
 constexpr int kFlushBytes = 5;
 // No grid takes more: the model never pays much over one bit a voxel.
 constexpr std::size_t kMaxBytes = 2 * kGridSize * kGridSize * kGridSize / 8;
-
-// Places before a voxel in the order of coding that say most about it: faces, then edges.
-constexpr std::array<std::array<int, 3>, 9> kContext = {{{-1, 0, 0},
-                                                         {0, -1, 0},
-                                                         {0, 0, -1},
-                                                         {-1, -1, 0},
-                                                         {-1, 0, -1},
-                                                         {0, -1, -1},
-                                                         {-1, 1, 0},
-                                                         {-1, 0, 1},
-                                                         {0, -1, 1}}};
 
 // The chance that the next voxel of a pattern is free, learnt as voxels come: fast at first.
 class Chance {
@@ -51,26 +41,65 @@ class Chance {
   int count_ = 0;
 };
 
-class Model {
+// Rows of voxels along k as far as they are coded, bit k for voxel k; free ones lie all around.
+class Rows {
  public:
-  explicit Model(const VoxelGrid& grid) : grid_(grid) {}
+  std::uint64_t& At(int i, int j) { return bits_[Index(i, j)]; }
+  [[nodiscard]] std::uint64_t At(int i, int j) const { return bits_[Index(i, j)]; }
 
-  Chance& At(int i, int j, int k) {
-    std::size_t pattern = 0;
-    for (const auto& step : kContext) {
-      const int x = i + step[0];
-      const int y = j + step[1];
-      const int z = k + step[2];
-      const bool occupied = VoxelGrid::Contains(x, y, z) && grid_.At(x, y, z);
-      pattern = 2 * pattern + (occupied ? 1 : 0);
-    }
-    return chances_[pattern];
+ private:
+  static constexpr std::size_t kSide = kGridSize + 2;
+  static_assert(kGridSize == 64, "a row fits a word");
+
+  static std::size_t Index(int i, int j) {
+    return static_cast<std::size_t>(i + 1) * kSide + static_cast<std::size_t>(j + 1);
+  }
+
+  std::vector<std::uint64_t> bits_ = std::vector<std::uint64_t>(kSide * kSide, 0);
+};
+
+// The nine places before a voxel that say most about it, faces and edges, along a row: of the rows
+// (i - 1, j) and (i, j - 1) at k - 1, k and k + 1, of (i - 1, j - 1) and (i - 1, j + 1) at k, and
+// (i, j, k - 1).
+class Patterns {
+ public:
+  static constexpr std::size_t kCount = 1 << 9;
+
+  Patterns(const Rows& rows, int i, int j)
+      : back_(rows.At(i - 1, j)),
+        below_(rows.At(i, j - 1)),
+        back_below_(rows.At(i - 1, j - 1)),
+        back_above_(rows.At(i - 1, j + 1)) {
+    Move(back_, back_window_);
+    Move(below_, below_window_);
+  }
+
+  // Of the next voxel; `before`: whether the one before it in the row is occupied.
+  std::size_t Next(bool before) {
+    Move(back_, back_window_);
+    Move(below_, below_window_);
+    const std::uint64_t pattern = back_window_ | below_window_ << 3 | (back_below_ & 1) << 6 |
+                                  (back_above_ & 1) << 7 | static_cast<std::uint64_t>(before) << 8;
+    back_below_ >>= 1;
+    back_above_ >>= 1;
+    return pattern;
   }
 
  private:
-  const VoxelGrid& grid_;  // as far as it is coded
-  std::array<Chance, std::size_t{1} << kContext.size()> chances_;
+  static void Move(std::uint64_t& row, std::uint64_t& window) {
+    window = window >> 1 | (row & 1) << 2;
+    row >>= 1;
+  }
+
+  std::uint64_t back_;
+  std::uint64_t below_;
+  std::uint64_t back_below_;
+  std::uint64_t back_above_;
+  std::uint64_t back_window_ = 0;
+  std::uint64_t below_window_ = 0;
 };
+
+using Chances = std::array<Chance, Patterns::kCount>;
 
 constexpr std::uint32_t kTop = 1U << 24;
 
@@ -143,7 +172,9 @@ class Decoder {
   [[nodiscard]] bool AtEnd() const { return at_ >= bytes_.size(); }
 
  private:
-  std::uint32_t Next() { return at_ < bytes_.size() ? static_cast<std::uint8_t>(bytes_[at_++]) : 0; }
+  std::uint32_t Next() {
+    return at_ < bytes_.size() ? static_cast<std::uint8_t>(bytes_[at_++]) : 0;
+  }
 
   std::string_view bytes_;
   std::size_t at_ = 0;
@@ -151,9 +182,36 @@ class Decoder {
   std::uint32_t code_ = 0;
 };
 
+std::uint64_t DecodeRow(Patterns patterns, Chances& chances, Decoder& decoder) {
+  std::uint64_t row = 0;
+  bool before = false;
+  for (int k = 0; k < kGridSize; ++k) {
+    Chance& chance = chances[patterns.Next(before)];
+    before = decoder.Decode(chance.free());
+    row |= static_cast<std::uint64_t>(before) << k;
+    chance.Learn(before);
+  }
+  return row;
+}
+
+VoxelGrid DecodeGrid(Decoder& decoder) {
+  VoxelGrid grid;
+  Rows rows;
+  Chances chances;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      const std::uint64_t row = DecodeRow(Patterns(rows, i, j), chances, decoder);
+      rows.At(i, j) = row;
+      for (int k = 0; row != 0 && k < kGridSize; ++k)
+        grid.occupied[VoxelGrid::Index(i, j, k)] = static_cast<std::uint8_t>(row >> k & 1);
+    }
+  }
+  return grid;
+}
+
 std::string Checksum(const VoxelGrid& grid) {
-  const std::string hex = Sha256Hex(
-      {reinterpret_cast<const char*>(grid.occupied.data()), grid.occupied.size()});
+  const std::string hex =
+      Sha256Hex({reinterpret_cast<const char*>(grid.occupied.data()), grid.occupied.size()});
   std::string bytes;
   for (std::size_t n = 0; n < kChecksumBytes; ++n)
     bytes += static_cast<char>(std::stoi(hex.substr(2 * n, 2), nullptr, 16));
@@ -164,15 +222,19 @@ std::string Checksum(const VoxelGrid& grid) {
 
 std::string EncodeVoxels(const VoxelGrid& grid) {
   DEEPSLAM_CHECK(grid.occupied.size() == VoxelGrid().occupied.size(), "a grid of another size");
-  Model model(grid);
+  Rows rows;
+  Chances chances;
   Encoder encoder;
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
+      Patterns patterns(rows, i, j);
+      bool before = false;
       for (int k = 0; k < kGridSize; ++k) {
-        const bool occupied = grid.At(i, j, k);
-        Chance& chance = model.At(i, j, k);
-        encoder.Encode(occupied, chance.free());
-        chance.Learn(occupied);
+        Chance& chance = chances[patterns.Next(before)];
+        before = grid.At(i, j, k);
+        rows.At(i, j) |= static_cast<std::uint64_t>(before) << k;
+        encoder.Encode(before, chance.free());
+        chance.Learn(before);
       }
     }
   }
@@ -184,19 +246,8 @@ Result<VoxelGrid> DecodeVoxels(std::string_view bytes) {
     return InvalidInput("voxel code: " + std::to_string(bytes.size()) + " bytes, must be " +
                         std::to_string(kChecksumBytes) + " to " + std::to_string(kMaxBytes));
   }
-  VoxelGrid grid;
-  Model model(grid);
   Decoder decoder(bytes.substr(kChecksumBytes));
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        Chance& chance = model.At(i, j, k);
-        const bool occupied = decoder.Decode(chance.free());
-        grid.occupied[VoxelGrid::Index(i, j, k)] = occupied ? 1 : 0;
-        chance.Learn(occupied);
-      }
-    }
-  }
+  VoxelGrid grid = DecodeGrid(decoder);
   if (!decoder.AtEnd()) return InvalidInput("voxel code: bytes behind its end");
   if (bytes.substr(0, kChecksumBytes) != Checksum(grid))
     return InvalidInput("voxel code: damaged, its checksum does not fit");
