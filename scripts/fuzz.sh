@@ -4,7 +4,7 @@
 #     --executions N  per parser; default: 2,000,000 for texts, 200,000 for containers
 #     --seconds S     at most so long per parser
 #     --built         builds nothing, runs what is there
-#     --list          names all parsers, and whether each is a text or a container
+#     --list          names all parsers, whether each is a text or a container, and its longest input in bytes
 # Without PARSER all run. One line per parser: executions, seconds, findings; ends with 1 where something was found.
 # What a fuzzer keeps goes to build/fuzz/corpus/PARSER, what it finds to build/fuzz/findings/PARSER: mend the parser and
 # copy the case to tests/fuzz/corpus/PARSER/found_WHAT, where every test run replays it.
@@ -64,20 +64,20 @@ for parser in "${parsers[@]}"; do
   rm -rf "$findings"
   mkdir -p "$corpus" "$findings"
   runs="$executions"
-  longest=4096
-  if grep -q "^$parser container$" "$table"; then
-    runs="${runs:-200000}"
-    longest=16384
-  fi
+  read -r _ kind longest < <(grep "^$parser " "$table")
+  [ "$kind" = text ] || runs="${runs:-200000}"
   options=(-runs="${runs:-2000000}" -max_len="$longest" -max_total_time="$seconds" -timeout=20
-    -rss_limit_mb=2048 -malloc_limit_mb=256 -print_final_stats=1 -verbosity=1 -artifact_prefix="$findings/")
+    -reload=0 -detect_leaks=0 -rss_limit_mb=2048 -malloc_limit_mb=256 -print_final_stats=1 -verbosity=1 -artifact_prefix="$findings/")
   [ ! -f "tests/fuzz/dictionaries/$parser.dict" ] || options+=(-dict="tests/fuzz/dictionaries/$parser.dict")
+  # Leaks are looked for once, at the end: a search costs as much as thousands of executions. Freed memory is kept as
+  # long as the processor's cache holds it, and where it was taken is one line; ASAN_OPTIONS overrules both.
   leaks=1
   # ONNX Runtime keeps some bytes for itself, and its allocator asks for chunks.
   case "$parser" in onnx | shape_prior) leaks=0 ;; esac
   begin="$SECONDS"
   code=0
-  ASAN_OPTIONS="detect_leaks=$leaks:allocator_may_return_null=1:quarantine_size_mb=8:malloc_context_size=4:${ASAN_OPTIONS:-}" UBSAN_OPTIONS="print_stacktrace=1:${UBSAN_OPTIONS:-}" \
+  ASAN_OPTIONS="detect_leaks=$leaks:allocator_may_return_null=1:quarantine_size_mb=1:malloc_context_size=1:${ASAN_OPTIONS:-}" \
+    UBSAN_OPTIONS="print_stacktrace=1:${UBSAN_OPTIONS:-}" \
     "build/fuzz/tests/fuzz/deepslam_fuzz_$parser" "${options[@]}" "$@" "$corpus" "tests/fuzz/corpus/$parser" >"$log" 2>&1 || code=$?
   done="$(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | tail -1)"
   found="$(find "$findings" -type f | wc -l)"
