@@ -67,7 +67,8 @@ for parser in "${parsers[@]}"; do
   read -r _ kind longest < <(grep "^$parser " "$table")
   [ "$kind" = text ] || runs="${runs:-200000}"
   options=(-runs="${runs:-2000000}" -max_len="$longest" -max_total_time="$seconds" -timeout=20
-    -reload=0 -detect_leaks=0 -rss_limit_mb=2048 -malloc_limit_mb=256 -print_final_stats=1 -verbosity=1 -artifact_prefix="$findings/")
+    -report_slow_units=20 -reload=0 -detect_leaks=0 -rss_limit_mb=2048 -malloc_limit_mb=256 -print_final_stats=1
+    -verbosity=1 -artifact_prefix="$findings/")
   [ ! -f "tests/fuzz/dictionaries/$parser.dict" ] || options+=(-dict="tests/fuzz/dictionaries/$parser.dict")
   # Leaks are looked for once, at the end: a search costs as much as thousands of executions. Freed memory is kept as
   # long as the processor's cache holds it, and where it was taken is one line; ASAN_OPTIONS overrules both.

@@ -6,7 +6,11 @@
 
 DEEPSLAM_FUZZ(scene_yaml) {
   const std::string text(bytes);
-  if (const auto rung = synth::ParseScene(text, kFile, "noise"); !rung.ok()) Refused(rung.error());
+  // Where there are none this would read the same YAML twice.
+  if (text.find("rungs") != std::string::npos) {
+    const auto rung = synth::ParseScene(text, kFile, "noise");
+    if (!rung.ok()) Refused(rung.error());
+  }
   const auto scene = synth::ParseScene(text, kFile);
   if (!scene.ok()) return Refused(scene.error());
   DEEPSLAM_CHECK(scene->num_frames > 0 && scene->camera.width > 0, "a scene can be rendered");
