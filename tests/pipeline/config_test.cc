@@ -8,6 +8,7 @@ namespace deepslam::pipeline {
 namespace {
 
 using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 
 struct Options {
@@ -103,6 +104,26 @@ TEST(Config, RefusesBrokenYaml) {
   Options b;
   EXPECT_TRUE(ApplyYaml(Sections(a, b), "", "empty.yaml").ok());
   EXPECT_TRUE(ApplyYaml(Sections(a, b), "# nothing\nfirst:\n", "empty.yaml").ok());
+}
+
+TEST(Config, SaysOfManyAndOfLongFaultsNoMoreThanCanBeRead) {
+  std::string many = "second:\n";
+  for (int n = 0; n < 5000; ++n) many += "  x" + std::to_string(n) + ": 1\n";
+  std::string places;  // of two bytes each, so that half of all cuts would split one
+  for (int n = 0; n < 5000; ++n) places += "\xC3\xA9";
+  Options a;
+  Options b;
+  const Status unknown = ApplyYaml(Sections(a, b), many, "f.yaml");
+  ASSERT_FALSE(unknown.ok());
+  EXPECT_THAT(unknown.error().message, AllOf(HasSubstr("f.yaml:2: "), HasSubstr("and more")));
+  EXPECT_LT(unknown.error().message.size(), 10'000U);
+  for (const std::string& mode : {places, "x" + places}) {
+    const Status wrong = ApplyYaml(Sections(a, b), "first:\n  mode: " + mode + "\n", "f.yaml");
+    ASSERT_FALSE(wrong.ok());
+    EXPECT_THAT(wrong.error().message,
+                AllOf(HasSubstr("f.yaml:2: first.mode is"), EndsWith("\xC3\xA9...")));
+    EXPECT_LT(wrong.error().message.size(), 2000U);
+  }
 }
 
 TEST(Config, DumpReadsBackToTheSameValues) {

@@ -15,6 +15,10 @@ namespace {
 
 using artifact::ShortestDecimal;
 
+// More than anyone mends at a time; aliases make thousands of a small file.
+constexpr std::size_t kMaxFaults = 50;
+constexpr std::size_t kMaxFaultBytes = 1000;
+
 std::string Bool(bool value) { return value ? "true" : "false"; }
 
 class Lister final : public OptionsVisitor {
@@ -144,8 +148,21 @@ class Setter final : public OptionsVisitor {
   AssignedValue taken_;
 };
 
-Status Faults(const std::vector<std::string>& faults) {
+// Cut before a character of UTF-8, not within.
+std::string Shortened(std::string fault) {
+  if (fault.size() <= kMaxFaultBytes) return fault;
+  std::size_t end = kMaxFaultBytes;
+  while (end > 0 && (static_cast<unsigned char>(fault[end]) & 0xC0) == 0x80) --end;
+  fault.resize(end);
+  return fault + "...";
+}
+
+Status Faults(std::vector<std::string> faults) {
   if (faults.empty()) return Ok();
+  const bool more = faults.size() > kMaxFaults;
+  if (more) faults.resize(kMaxFaults);
+  for (std::string& fault : faults) fault = Shortened(std::move(fault));
+  if (more) faults.emplace_back("and more; mend these first");
   return InvalidConfig(fmt::format("{}", fmt::join(faults, "\n")));
 }
 
@@ -159,6 +176,7 @@ void Apply(std::span<const OptionSection> sections,
     section.describe(setter);
   }
   for (const auto& [name, value] : values) {
+    if (faults.size() > kMaxFaults) return;
     const std::string nearest = NearestWord(name, known);
     faults.push_back(
         fmt::format("{}: unknown option {}{}; `deepslam config dump` lists all",
@@ -230,7 +248,7 @@ Status ApplyYaml(std::span<const OptionSection> sections,
   std::vector<std::string> faults;
   AssignedValues values = ReadYamlValues(text, name, faults);
   Apply(sections, std::move(values), faults);
-  return Faults(faults);
+  return Faults(std::move(faults));
 }
 
 Status ApplySettings(std::span<const OptionSection> sections,
@@ -247,7 +265,7 @@ Status ApplySettings(std::span<const OptionSection> sections,
     values[setting.substr(0, equals)] = {setting.substr(equals + 1), "--set " + setting};
   }
   Apply(sections, std::move(values), faults);
-  return Faults(faults);
+  return Faults(std::move(faults));
 }
 
 Status ApplyValues(std::span<const OptionSection> sections,
@@ -257,7 +275,7 @@ Status ApplyValues(std::span<const OptionSection> sections,
   AssignedValues assigned;
   for (const auto& [option, value] : values) assigned[option] = {value, std::string(name)};
   Apply(sections, std::move(assigned), faults);
-  return Faults(faults);
+  return Faults(std::move(faults));
 }
 
 std::string DumpConfig(std::span<const OptionSection> sections) {
