@@ -282,6 +282,62 @@ TEST(AlignFrames, ChangedExposureDoesNotMatter) {
   EXPECT_THAT(darkened.i_from_j, PoseNear(plain.i_from_j, 0.003, 0.1));
 }
 
+// As a lens does: by a share of the squared tangent of the angle with the optical axis.
+Frame DarkenedTowardsTheCorners(Frame frame, double share) {
+  for (int v = 0; v < kSmallCamera.height; ++v) {
+    for (int u = 0; u < kSmallCamera.width; ++u) {
+      const double rho2 = kSmallCamera.Ray(u, v).head<2>().squaredNorm();
+      Rgb8& pixel = frame.colour(u, v);
+      const auto grey = static_cast<std::uint8_t>(std::lround(pixel.r * (1 - share * rho2)));
+      pixel = {grey, grey, grey};
+    }
+  }
+  return frame;
+}
+
+// The darkening stays with the camera as it moves, and would hold it back along a wall.
+TEST(AlignFrames, ADarkeningLensDoesNotMatter) {
+  BoxWorld wall = BoxWorld::Wall();
+  wall.texture = 0.15;
+  for (const double aside_m : {-0.15, 0.15}) {
+    const Pose3 aside{Eigen::Quaterniond::Identity(), Eigen::Vector3d(aside_m, 0, 0)};
+    const Pair pair = RenderPair(wall, Pose3{}, aside, 0.3);
+    const FrameAlignment alignment = AlignFrames(DarkenedTowardsTheCorners(pair.i, 0.4),
+                                                 DarkenedTowardsTheCorners(pair.j, 0.4),
+                                                 kSmallCamera,
+                                                 aside);
+    EXPECT_TRUE(alignment.ok) << aside_m;
+    EXPECT_THAT(alignment.i_from_j, PoseNear(aside, 0.004, 0.2)) << aside_m;
+  }
+}
+
+// Where what is in front is beside it, the picture of what is behind is blurred with it and moves
+// as it does: here to where its neighbour on the left was.
+Frame DraggedBehindOutlines(Frame frame) {
+  const Frame before = frame;
+  for (int v = 1; v + 1 < kSmallCamera.height; ++v) {
+    for (int u = 1; u + 1 < kSmallCamera.width; ++u) {
+      const float in_front_m = before.depth_m(u, v) - 0.3F;
+      if (before.depth_m(u - 1, v) < in_front_m || before.depth_m(u + 1, v) < in_front_m)
+        frame.colour(u, v) = before.colour(u - 1, v);
+    }
+  }
+  return frame;
+}
+
+TEST(AlignFrames, WhatIsBehindAnOutlineDoesNotCount) {
+  BoxWorld posts;
+  posts.room = {{-20, -20, 0}, {20, 3, 20}};
+  posts.texture = 0.4;
+  for (double x = -1.5; x < 1.6; x += 0.15)
+    posts.boxes.push_back({{x - 0.02, 1.4, 0}, {x + 0.02, 1.5, 20}});
+  const Frame frame = RenderFrame(posts, LookAt({0, -0.6, 1.2}, {0, 3, 1.0}));
+  const FrameAlignment alignment =
+      AlignFrames(frame, DraggedBehindOutlines(frame), kSmallCamera, Pose3{});
+  EXPECT_TRUE(alignment.ok);
+  EXPECT_THAT(alignment.i_from_j, PoseNear(Pose3{}, 0.002, 0.05));
+}
+
 TEST(AlignFrames, UnrelatedViewsAreRefused) {
   BoxWorld other;
   other.texture_phase = 2;

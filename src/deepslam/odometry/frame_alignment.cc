@@ -166,7 +166,6 @@ struct Descent {
   AlignmentSystem system;  // at i_from_j, of the last level visited
   Unseen held;             // no steps along these
   double converged_px = kConvergedFarPx;
-  bool near = false;                   // beyond the coarsest level: Balance
   std::optional<Matrix6d> structural;  // StructuralShare at the level's first step, for all of them
 };
 
@@ -183,6 +182,7 @@ void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
       std::max(kMinPhotometricScale, std::min(gates.photometric_scale, system.photometric_scale));
   gates.gain = system.gain;
   gates.bias = system.bias;
+  gates.falloff = gates.near ? system.falloff : 0;
 }
 
 // Of a direction's information about a left perturbation, what depth tells and what its noise does
@@ -228,7 +228,7 @@ NormalEquations Balance(const PyramidLevel& level,
 NormalEquations Measured(const PyramidLevel& level,
                          const AlignmentOptions& options,
                          Descent& descent) {
-  if (descent.near) return Balance(level, options, descent);
+  if (descent.gates.near) return Balance(level, options, descent);
   const double share =
       1 / CorrelationFactor(level, options.correlation_length_px, descent.gates.stride);
   return {share * descent.system.hessian, share * descent.system.gradient};
@@ -306,7 +306,7 @@ bool Descend(const PyramidLevel& i,
     const Vector6d free = Step(descent, Measured(j, options, descent));
     const Vector6d step = free - descent.held.Part(free);
     // Far off the next stripe or tile may lie where the steps seem to lead.
-    const Vector6d move = descent.near ? mixing.Move(step) : step;
+    const Vector6d move = descent.gates.near ? mixing.Move(step) : step;
     descent.i_from_j = V2t(move) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
     if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
@@ -598,13 +598,14 @@ void DescendToFinest(const FramePyramid& i,
                      const AlignmentOptions& options,
                      Descent& descent) {
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
-  descent.near = true;
   for (std::size_t level = num_levels; level-- > 0;) {
     AlignmentGates gates = LevelGates(options, coarsest - level);
     gates.geometric_scale = 2 * descent.gates.geometric_scale;
     gates.photometric_scale = 2 * descent.gates.photometric_scale;
     gates.gain = descent.gates.gain;
     gates.bias = descent.gates.bias;
+    gates.falloff = descent.gates.falloff;
+    gates.near = true;
     const bool is_last = level == 0;
     gates.stride = is_last ? Stride(j.levels[level]) : MiddleStride(j.levels[level]);
     descent.gates = gates;

@@ -2,9 +2,9 @@
 // fine, joined with a photometric term where colour is there and asked for.
 //
 // Geometric residual of source point p_j: n_i . (T p_j - q_i), q_i the point of frame i seen at the
-// pixel of T p_j. Photometric residual: I_i(pixel of T p_j) - (gain * I_j + bias). Both are divided
-// by their standard deviations (depth noise model times the larger FramePyramid::noise_scale of the
-// two; spread of the residuals themselves) and weighted as Student-t, nu = 5 (Kerl et al. 2013).
+// pixel of T p_j. Photometric residual: I_i(pixel of T p_j) - (gain * I_j + bias + lens's falloff).
+// Both are divided by their standard deviations (depth noise model times the larger noise_scale of
+// the two pyramids; spread of the residuals themselves), weighted as Student-t, nu = 5 (Kerl 2013).
 // Each term counts by its independent measurements (see FrameAlignment::information), and where
 // both are there, depth by what its directions have beyond the noise of the normals: brightness
 // fills the directions that depth leaves weak, and does not outvote depth where it is strong.

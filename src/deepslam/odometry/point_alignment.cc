@@ -24,6 +24,11 @@ constexpr float kMinGradient =
     1.5F;  // grey levels per pixel: below, the intensity says nothing about motion
 constexpr float kMinPointZM = 0.05F;
 constexpr float kMiddleGrey = 128.0F;
+// Holds the falloff near 0, give or take 1, where the frames see alike: squared grey levels, those
+// of a residual of 5 that some 20 texels share.
+constexpr double kFalloffPrior = 500;
+// What is nearer by less than this share of the depth is the same surface.
+constexpr float kSameSurface = 0.03F;
 constexpr float kBinsPerSigma = 16.0F;  // histogram of geometric residuals
 constexpr float kBinsPerGrey = 4.0F;    // histogram of photometric residuals
 constexpr int kNumBins = 512;
@@ -163,7 +168,7 @@ class CrossSums {
   std::array<double, 36> sums_{};
 };
 
-// Weighted line I_i = gain * I_j + bias.
+// Weighted I_i = gain * I_j + bias + falloff * darker, `darker` being I_j * (rho_i^2 - rho_j^2).
 class BrightnessFit {
  public:
   // Grey levels less kMiddleGrey, so that little is lost when means are subtracted.
@@ -187,22 +192,47 @@ class BrightnessFit {
     sum_st_ += SumOf(st);
     sum_tt_ += SumOf(tt);
   }
+  void AddFalloff(const Column& source,
+                  const Column& target,
+                  const Column& darker,
+                  const Column& weight,
+                  std::size_t size) {
+    Lanes d{}, sd{}, td{}, dd{};
+    for (std::size_t k = 0; k < size; k += kLanes) {
+      const Lanes weighted = LanesAt(weight, k) * LanesAt(darker, k);
+      d += weighted;
+      sd += weighted * LanesAt(source, k);
+      td += weighted * LanesAt(target, k);
+      dd += weighted * LanesAt(darker, k);
+    }
+    sum_d_ += SumOf(d);
+    sum_sd_ += SumOf(sd);
+    sum_td_ += SumOf(td);
+    sum_dd_ += SumOf(dd);
+  }
   [[nodiscard]] double Correlation() const {
     const double product = (sum_ss_ * sum_ - sum_s_ * sum_s_) * (sum_tt_ * sum_ - sum_t_ * sum_t_);
     return product > 0 ? (sum_st_ * sum_ - sum_s_ * sum_t_) / std::sqrt(product) : 0;
   }
-  void Solve(float& gain, float& bias) const {
-    const double variance = sum_ss_ * sum_ - sum_s_ * sum_s_;
-    if (sum_ < 50 || variance <= 25 * sum_ * sum_) return;  // too few, or all of one brightness
+  void Solve(float& gain, float& bias, float& falloff) const {
+    const double ss = sum_ss_ * sum_ - sum_s_ * sum_s_;
+    if (sum_ < 50 || ss <= 25 * sum_ * sum_) return;  // too few, or all of one brightness
+    const double st = sum_st_ * sum_ - sum_s_ * sum_t_, sd = sum_sd_ * sum_ - sum_s_ * sum_d_;
+    const double td = sum_td_ * sum_ - sum_t_ * sum_d_;
+    const double dd = (sum_dd_ + kFalloffPrior) * sum_ - sum_d_ * sum_d_;
+    const double of_darker = (td * ss - st * sd) / (dd * ss - sd * sd);
     // Exposure changes within a factor of two between aligned frames; a fit beyond that is a wrong
     // alignment.
-    const double slope = std::clamp((sum_st_ * sum_ - sum_s_ * sum_t_) / variance, 0.5, 2.0);
+    const double slope = std::clamp((st - of_darker * sd) / ss, 0.5, 2.0);
     gain = static_cast<float>(slope);
-    bias = static_cast<float>((sum_t_ - slope * sum_s_) / sum_) + (1 - gain) * kMiddleGrey;
+    falloff = static_cast<float>(of_darker);
+    bias = static_cast<float>((sum_t_ - slope * sum_s_ - of_darker * sum_d_) / sum_) +
+           (1 - gain) * kMiddleGrey;
   }
 
  private:
   double sum_ = 0, sum_s_ = 0, sum_t_ = 0, sum_ss_ = 0, sum_st_ = 0, sum_tt_ = 0;
+  double sum_d_ = 0, sum_sd_ = 0, sum_td_ = 0, sum_dd_ = 0;
 };
 
 // Every stride-th point of a source row in frame i, and where it falls in its image: texel -1 where
@@ -217,10 +247,12 @@ struct MovedRow {
         z(x.size()),
         u(x.size()),
         v(x.size()),
+        rho2(x.size()),
         texel(x.size()) {}
   [[nodiscard]] int SourceColumn(int k) const { return first + k * stride; }
   int stride, first;
   std::vector<float> depth_m, x, y, z, u, v;
+  std::vector<float> rho2;  // squared tangent of the ray's angle with the optical axis of frame j
   std::vector<std::int32_t> texel;
 };
 
@@ -268,16 +300,17 @@ struct PhotometricPairs {
   std::size_t size = 0;
   Column x, y, z;
   Column source, source_du, source_dv, value, du, dv;
+  Column source_rho2;
   Column counts;
 
   void Add(const MovedRow& row,
            std::size_t k,
            const IntensityTexel& source_texel,
            const IntensityTexel& target) {
-    Set(row.x[k], row.y[k], row.z[k], source_texel, target, 1.0F);
+    Set(row.x[k], row.y[k], row.z[k], source_texel, row.rho2[k], target, 1.0F);
   }
   void Fill() {
-    while (size % kLanes != 0) Set(0, 0, 1, {}, {}, 0);
+    while (size % kLanes != 0) Set(0, 0, 1, {}, 0, {}, 0);
   }
 
  private:
@@ -285,6 +318,7 @@ struct PhotometricPairs {
            float py,
            float pz,
            const IntensityTexel& source_texel,
+           float rho2,
            const IntensityTexel& target,
            float count) {
     x[size] = px;
@@ -296,6 +330,7 @@ struct PhotometricPairs {
     value[size] = target.value;
     du[size] = target.du;
     dv[size] = target.dv;
+    source_rho2[size] = rho2;
     counts[size++] = count;
   }
 };
@@ -356,6 +391,24 @@ IntensityTexel Interpolate(const PyramidLevel& level, float u, float v) {
   return {sum[0], sum[1], sum[2]};
 }
 
+// Whether what a texel without a normal shows is its own surface's brightness. Behind an outline
+// the image is blurred with what is in front and moves with it; beside a gap of the depth it is not
+// known who is in front.
+bool ShowsItself(const PyramidLevel& level, std::ptrdiff_t texel) {
+  const std::ptrdiff_t width = level.camera.width, height = level.camera.height;
+  const std::ptrdiff_t u = texel % width, v = texel / width;
+  const std::ptrdiff_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
+  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(texel)];
+  for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - 1); y <= std::min(height - 1, v + 1);
+       ++y) {
+    const float* const row_m = level.depth_m.data() + y * width + u;
+    for (std::ptrdiff_t x = left; x <= right; ++x) {
+      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;
+    }
+  }
+  return true;
+}
+
 class SystemBuilder {
  public:
   SystemBuilder(const PyramidLevel& i,
@@ -402,16 +455,22 @@ class SystemBuilder {
     const float last_v = static_cast<float>(i_.camera.height - 1);
     const std::int32_t width = i_.camera.width;
     const int stride = row.stride, first = row.first;
+    const Eigen::Vector2f ray = camera.Ray(0, v).head<2>().cast<float>();
+    const float ray_x = ray.x(), ray_y2 = ray.y() * ray.y();
+    const float ray_step = 1.0F / static_cast<float>(camera.fx);
     const float* const depth = row.depth_m.data();
     float* const x = row.x.data();
     float* const y = row.y.data();
     float* const z = row.z.data();
     float* const to_u = row.u.data();
     float* const to_v = row.v.data();
+    float* const rho2 = row.rho2.data();
     std::int32_t* const texel = row.texel.data();
 #pragma GCC ivdep
     for (int k = 0; k < num_points; ++k) {
       const float column = static_cast<float>(first + k * stride);
+      const float tangent = ray_x + column * ray_step;
+      rho2[k] = tangent * tangent + ray_y2;
       x[k] = depth[k] * (x0 + column * x1) + tx;
       y[k] = depth[k] * (y0 + column * y1) + ty;
       z[k] = depth[k] * (z0 + column * z1) + tz;
@@ -453,7 +512,10 @@ class SystemBuilder {
       if (std::abs(row.z[k] - target_depth_m[texel]) > max_distance_m) continue;
       if (both_have_normals) AddGeometric(row, k, target, source);
       // Outlines of objects have depth but no normal; their brightness still says where they are.
-      if (source_intensity != nullptr) AddPhotometric(row, k, source_intensity[u]);
+      if (source_intensity == nullptr || IsFlat(source_intensity[u])) continue;
+      if (gates_.near && !source_has_normal && !ShowsItself(j_, row_start + u)) continue;
+      if (gates_.near && !(target.offset_m < 0) && !ShowsItself(i_, row.texel[k])) continue;
+      AddPhotometric(row, k, source_intensity[u]);
     }
     system_.num_source += num_source;
     system_.num_inside += num_inside;
@@ -468,8 +530,11 @@ class SystemBuilder {
     if (geometric_.size == kBatch) FlushGeometric();
   }
 
+  static bool IsFlat(const IntensityTexel& texel) {
+    return std::abs(texel.du) + std::abs(texel.dv) < kMinGradient;
+  }
+
   void AddPhotometric(const MovedRow& row, std::size_t k, const IntensityTexel& source) {
-    if (std::abs(source.du) + std::abs(source.dv) < kMinGradient) return;
     photometric_pairs_.Add(row, k, source, Interpolate(i_, row.u[k], row.v[k]));
     if (photometric_pairs_.size == kBatch) FlushPhotometric();
   }
@@ -610,8 +675,10 @@ class SystemBuilder {
       pairs.value[k] -= kMiddleGrey;
     }
     system_.num_photometric += static_cast<int>(Sum(pairs.counts, pairs.size));
-    if (!gates_.judge_only)
+    if (!gates_.judge_only) {
       brightness_.Add(pairs.source, pairs.value, photometric_weights_, pairs.size);
+      brightness_.AddFalloff(pairs.source, pairs.value, darker_, photometric_weights_, pairs.size);
+    }
     all_brightness_.Add(pairs.source, pairs.value, pairs.counts, pairs.size);
     pairs.size = 0;
   }
@@ -620,7 +687,7 @@ class SystemBuilder {
     const PhotometricPairs& pairs = photometric_pairs_;
     const std::size_t size = pairs.size;
     const auto gradient = BrightnessGradient(i_.camera);
-    const float gain = gates_.gain, bias = gates_.bias;
+    const float gain = gates_.gain, bias = gates_.bias, falloff = gates_.falloff;
     const float inverse_scale = 1.0F / gates_.photometric_scale;
     Column& weights = photometric_weights_;
     Column informations;
@@ -628,7 +695,10 @@ class SystemBuilder {
 #pragma GCC ivdep
     for (std::size_t k = 0; k < size; ++k) {
       const Triple p{pairs.x[k], pairs.y[k], pairs.z[k]};
-      const float residual = pairs.value[k] - (gain * pairs.source[k] + bias);
+      const float rho2 = (p.x * p.x + p.y * p.y) / (p.z * p.z);
+      darker_[k] = pairs.source[k] * (rho2 - pairs.source_rho2[k]);
+      const float residual =
+          pairs.value[k] - (gain * pairs.source[k] + bias + falloff * darker_[k]);
       bins[k] = Bin(std::abs(residual), kBinsPerGrey, pairs.counts[k]);
       weights[k] = pairs.counts[k] * StudentWeight(residual * inverse_scale);
       informations[k] = weights[k] * inverse_scale * inverse_scale;
@@ -657,10 +727,11 @@ class SystemBuilder {
                                   : gates_.geometric_scale;
     system_.gain = gates_.gain;
     system_.bias = gates_.bias;
+    system_.falloff = gates_.falloff;
     system_.photometric_scale = gates_.photometric_scale;
     if (system_.num_photometric > 0) {
       system_.photometric_scale = kMadToSigma * photometric_histogram_.Median(kBinsPerGrey);
-      brightness_.Solve(system_.gain, system_.bias);
+      brightness_.Solve(system_.gain, system_.bias, system_.falloff);
       system_.brightness_correlation = all_brightness_.Correlation();
     }
     return system_;
@@ -679,6 +750,7 @@ class SystemBuilder {
   Rows rows_;
   Rows source_rows_;  // of what frame j sees
   Column photometric_weights_;
+  Column darker_;  // BrightnessFit
   NormalSums geometric_sums_;
   NormalSums photometric_sums_;
   CrossSums geometric_cross_;

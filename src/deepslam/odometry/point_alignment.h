@@ -12,9 +12,16 @@ struct AlignmentGates {
   float min_normal_cosine = 0.64F;
   float geometric_scale = 1.0F;     // standard deviation of residual / noise(z)
   float photometric_scale = 10.0F;  // grey levels
-  float gain = 1.0F;                // I_i = gain * I_j + bias
-  float bias = 0.0F;                // grey levels
+  // I_i = gain * I_j + bias + falloff * I_j * (rho_i^2 - rho_j^2), rho being the tangent of the
+  // angle between the ray and the optical axis: lenses darken towards the corners, and what stays
+  // with the camera as it moves would hold it back.
+  float gain = 1.0F;
+  float bias = 0.0F;  // grey levels
+  float falloff = 0.0F;
   bool photometric = true;
+  // Beyond the coarsest level, within a pixel or two of the place: brightness counts where a texel
+  // surely shows its own surface, and the lens's falloff is fitted. Far off all that pulls counts.
+  bool near = false;
   // Hessians from the products of the two frames' normals and brightness gradients in place of the
   // squares of one: noise is independent between frames and averages away, where squares take it
   // for structure; and texture that lies beside its like, as at a wrong place, counts for nothing.
@@ -46,6 +53,7 @@ struct AlignmentSystem {
   float photometric_scale = 10.0F;
   float gain = 1.0F;
   float bias = 0.0F;
+  float falloff = 0.0F;
 };
 
 [[nodiscard]] AlignmentSystem BuildAlignmentSystem(const PyramidLevel& i,

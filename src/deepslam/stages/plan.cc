@@ -137,7 +137,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 14, {}, {"track", "track.covisible"}, kFrames, RunTrack);
+  add("track", 15, {}, {"track", "track.covisible"}, kFrames, RunTrack);
   add("ground", 3, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       4,
