@@ -7,15 +7,12 @@
 #include <cstdint>
 
 #include "deepslam/core/wide_vectors.h"
+#include "deepslam/odometry/batch_columns.h"
+#include "deepslam/odometry/brightness_fit.h"
 
 namespace deepslam::odometry {
 namespace {
 
-// Pairs are gathered and then computed on in batches, one array per quantity, so that the loops are
-// vectorised; the arrays of a batch stay in the L1 cache.
-constexpr std::size_t kBatch = 256;
-constexpr std::size_t kLanes =
-    8;  // partial sums per entry: one order of summation whatever the vector width
 constexpr std::size_t kNumPairs = 27;  // upper triangle of a 6 x 6 matrix and a gradient of 6
 constexpr float kNu = 5.0F;            // degrees of freedom of Student's t (Kerl et al. 2013)
 constexpr float kInlierSigmas = 3.0F;
@@ -23,57 +20,13 @@ constexpr float kMadToSigma = 1.4826F;
 constexpr float kMinGradient =
     1.5F;  // grey levels per pixel: below, the intensity says nothing about motion
 constexpr float kMinPointZM = 0.05F;
-constexpr float kMiddleGrey = 128.0F;
-// Holds the falloff near 0, give or take 1, where the frames see alike: squared grey levels, those
-// of a residual of 5 that some 20 texels share.
-constexpr double kFalloffPrior = 500;
 // What is nearer by less than this share of the depth is the same surface.
 constexpr float kSameSurface = 0.03F;
 constexpr float kBinsPerSigma = 16.0F;  // histogram of geometric residuals
 constexpr float kBinsPerGrey = 4.0F;    // histogram of photometric residuals
 constexpr int kNumBins = 512;
 
-struct alignas(32) Column : std::array<float, kBatch> {};
-
 float StudentWeight(float normalised) { return (kNu + 1) / (kNu + normalised * normalised); }
-
-// One number in each lane, computed on at once.
-using Lanes [[gnu::vector_size(kLanes * sizeof(float)), gnu::may_alias]] = float;
-
-const Lanes& LanesAt(const Column& x, std::size_t k) {
-  return reinterpret_cast<const Lanes&>(x[k]);
-}
-
-double SumOf(const Lanes& lanes) {
-  double sum = 0;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) sum += static_cast<double>(lanes[lane]);
-  return sum;
-}
-
-// `size` is a multiple of kLanes, here and below.
-double Sum(const Column& x, std::size_t size) {
-  Lanes lanes{};
-  for (std::size_t k = 0; k < size; k += kLanes) lanes += LanesAt(x, k);
-  return SumOf(lanes);
-}
-
-double Dot(const Column& x, const Column& y, std::size_t size) {
-  Lanes lanes{};
-  for (std::size_t k = 0; k < size; k += kLanes) lanes += LanesAt(x, k) * LanesAt(y, k);
-  return SumOf(lanes);
-}
-
-// sums[n] += sum of weight * x * y[n]: all at once, so that none waits for its own last addition.
-template <std::size_t kCount>
-void AddDots(
-    const Column& weight, const Column& x, const Column* y, std::size_t size, double* sums) {
-  Lanes lanes[kCount] = {};
-  for (std::size_t k = 0; k < size; k += kLanes) {
-    const Lanes weighted = LanesAt(weight, k) * LanesAt(x, k);
-    for (std::size_t n = 0; n < kCount; ++n) lanes[n] += weighted * LanesAt(y[n], k);
-  }
-  for (std::size_t n = 0; n < kCount; ++n) sums[n] += SumOf(lanes[n]);
-}
 
 // Where a residual falls; one bin past the last for what does not count (0).
 std::int32_t Bin(float absolute, float bins_per_unit, float counts) {
@@ -166,73 +119,6 @@ class CrossSums {
 
  private:
   std::array<double, 36> sums_{};
-};
-
-// Weighted I_i = gain * I_j + bias + falloff * darker, `darker` being I_j * (rho_i^2 - rho_j^2).
-class BrightnessFit {
- public:
-  // Grey levels less kMiddleGrey, so that little is lost when means are subtracted.
-  void Add(const Column& source, const Column& target, const Column& weight, std::size_t size) {
-    Lanes all{}, s{}, t{}, ss{}, st{}, tt{};
-    for (std::size_t k = 0; k < size; k += kLanes) {
-      const Lanes &w = LanesAt(weight, k), &of_source = LanesAt(source, k),
-                  &of_target = LanesAt(target, k);
-      const Lanes weighted_source = w * of_source, weighted_target = w * of_target;
-      all += w;
-      s += weighted_source;
-      t += weighted_target;
-      ss += weighted_source * of_source;
-      st += weighted_source * of_target;
-      tt += weighted_target * of_target;
-    }
-    sum_ += SumOf(all);
-    sum_s_ += SumOf(s);
-    sum_t_ += SumOf(t);
-    sum_ss_ += SumOf(ss);
-    sum_st_ += SumOf(st);
-    sum_tt_ += SumOf(tt);
-  }
-  void AddFalloff(const Column& source,
-                  const Column& target,
-                  const Column& darker,
-                  const Column& weight,
-                  std::size_t size) {
-    Lanes d{}, sd{}, td{}, dd{};
-    for (std::size_t k = 0; k < size; k += kLanes) {
-      const Lanes weighted = LanesAt(weight, k) * LanesAt(darker, k);
-      d += weighted;
-      sd += weighted * LanesAt(source, k);
-      td += weighted * LanesAt(target, k);
-      dd += weighted * LanesAt(darker, k);
-    }
-    sum_d_ += SumOf(d);
-    sum_sd_ += SumOf(sd);
-    sum_td_ += SumOf(td);
-    sum_dd_ += SumOf(dd);
-  }
-  [[nodiscard]] double Correlation() const {
-    const double product = (sum_ss_ * sum_ - sum_s_ * sum_s_) * (sum_tt_ * sum_ - sum_t_ * sum_t_);
-    return product > 0 ? (sum_st_ * sum_ - sum_s_ * sum_t_) / std::sqrt(product) : 0;
-  }
-  void Solve(float& gain, float& bias, float& falloff) const {
-    const double ss = sum_ss_ * sum_ - sum_s_ * sum_s_;
-    if (sum_ < 50 || ss <= 25 * sum_ * sum_) return;  // too few, or all of one brightness
-    const double st = sum_st_ * sum_ - sum_s_ * sum_t_, sd = sum_sd_ * sum_ - sum_s_ * sum_d_;
-    const double td = sum_td_ * sum_ - sum_t_ * sum_d_;
-    const double dd = (sum_dd_ + kFalloffPrior) * sum_ - sum_d_ * sum_d_;
-    const double of_darker = (td * ss - st * sd) / (dd * ss - sd * sd);
-    // Exposure changes within a factor of two between aligned frames; a fit beyond that is a wrong
-    // alignment.
-    const double slope = std::clamp((st - of_darker * sd) / ss, 0.5, 2.0);
-    gain = static_cast<float>(slope);
-    falloff = static_cast<float>(of_darker);
-    bias = static_cast<float>((sum_t_ - slope * sum_s_ - of_darker * sum_d_) / sum_) +
-           (1 - gain) * kMiddleGrey;
-  }
-
- private:
-  double sum_ = 0, sum_s_ = 0, sum_t_ = 0, sum_ss_ = 0, sum_st_ = 0, sum_tt_ = 0;
-  double sum_d_ = 0, sum_sd_ = 0, sum_td_ = 0, sum_dd_ = 0;
 };
 
 // Every stride-th point of a source row in frame i, and where it falls in its image: texel -1 where
