@@ -16,6 +16,7 @@ namespace {
 
 using testing_support::CandidateFor;
 using testing_support::FurnitureWorld;
+using testing_support::Perturbed;
 using testing_support::PoseNear;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -45,16 +46,6 @@ Similarity3 Refined(const shape::ShapeModel& model,
                     const SimilarityIcpOptions& options) {
   VisibleSurface visible(model);
   return RefinePose(model, visible, Pointers(views), start, options);
-}
-
-// 5 cm beside, 5 deg turned, and larger or smaller; the bottom leaves the ground with the scale.
-Similarity3 Perturbed(Similarity3 world_from_object, double scale_factor, double towards) {
-  world_from_object.scale *= scale_factor;
-  world_from_object.translation_m +=
-      0.05 * Eigen::Vector3d(std::cos(towards), std::sin(towards), 0);
-  world_from_object.rotation =
-      Eigen::AngleAxisd(5 * kDegree, Eigen::Vector3d::UnitZ()) * world_from_object.rotation;
-  return world_from_object;
 }
 
 bool IsFinite(const Similarity3& pose) {

@@ -17,26 +17,8 @@ namespace {
 
 using testing_support::CandidateFor;
 using testing_support::FurnitureWorld;
+using testing_support::PlacedAt;
 using testing_support::ViewSettings;
-
-// A registration that places the model alike in all views.
-CandidateRegistration PlacedAt(const Similarity3& world_from_object,
-                               const std::vector<ObjectView>& views,
-                               int candidate = 0) {
-  CandidateRegistration registration;
-  registration.candidate = CandidateId{candidate};
-  registration.ok = true;
-  registration.scale_m = world_from_object.scale;
-  registration.world_from_object = world_from_object.RigidPart();
-  for (const ObjectView& view : views) {
-    ViewRegistration& entry = registration.views.emplace_back();
-    entry.view = view.detection;
-    entry.frame = view.frame;
-    entry.ok = true;
-    entry.camera_from_object = view.world_from_camera.Inverse() * world_from_object.RigidPart();
-  }
-  return registration;
-}
 
 // The same bottom, another scale.
 Similarity3 Scaled(Similarity3 world_from_object, double factor) {
@@ -283,6 +265,16 @@ TEST_F(SelectAChair, WhatMostViewsPullAwayLosesToWhatTheyConfirm) {
   ASSERT_EQ(Select().chosen, CandidateId{1});
   for (std::size_t i = 0; i + 1 < views_.size(); ++i) registrations_[1].views[i].ok = false;
   EXPECT_EQ(Select().chosen, CandidateId{0});
+  options_.mode = "greedy";
+  EXPECT_EQ(Select().chosen, CandidateId{0});
+  EXPECT_EQ(Select().history.size(), 1U);
+}
+
+TEST_F(SelectAChair, SaysWhyWherePlacedCandidatesAgreeWithNothing) {
+  for (CandidateScore& score : scores_) score.score = 0;
+  const MapObject object = Select();
+  EXPECT_FALSE(object.chosen.valid());
+  EXPECT_THAT(object.note, testing::HasSubstr("none agrees with the depth"));
 }
 
 TEST_F(SelectAChair, OfTwoThatAgreeAlikeTheOneThatFacesTheCamerasWins) {

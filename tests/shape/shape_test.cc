@@ -249,6 +249,26 @@ TEST(RenderDepth, AgreesWithTheRaysOfABox) {
   EXPECT_LT(rim, hits / 50);
 }
 
+// Far from the camera a voxel's face is less than the last digit of a float beyond the point that
+// lies on it.
+TEST(RenderDepth, EndsHoweverFarAndSmall) {
+  const ShapeModel model(BoxGrid({0.5, 0.25, 0.75}));
+  for (const double distance_m : {2.0, 8.0, 20.0, 60.0, 1000.0}) {
+    for (int turn = 0; turn < 60; ++turn) {
+      Similarity3 camera_from_object;
+      camera_from_object.scale = 0.1;
+      camera_from_object.rotation = Eigen::Quaterniond(
+          Eigen::AngleAxisd(0.1 * turn, Eigen::Vector3d(0.6, -0.5, 0.3).normalized()));
+      camera_from_object.translation_m.z() = distance_m;
+      const double focal = 300 * distance_m;
+      const PinholeCamera camera = {32, 32, focal, focal, 15.5, 15.5};
+      const float depth_m = RenderDepth(model, camera_from_object, camera)(16, 16);
+      if (distance_m > 60) continue;
+      EXPECT_NEAR(depth_m, distance_m, 0.05) << distance_m << ", " << turn;
+    }
+  }
+}
+
 TEST(RenderDepth, OfNothingOrBehindTheCameraIsInvalid) {
   const PinholeCamera camera = {32, 24, 30, 30, 15.5, 11.5};
   Similarity3 behind;

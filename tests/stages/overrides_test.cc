@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/plan.h"
 
 namespace deepslam::stages {
@@ -158,6 +159,30 @@ TEST(ChosenByHand, TakesNumbersAndModelsAndNamesTheKnown) {
   const std::vector<ObjectId> objects = {ObjectId{0}, ObjectId{4}};
   EXPECT_THAT(CheckChoices(Parsed("choose: {1: 8}"), objects).error().message,
               HasSubstr("known are 0, 4"));
+}
+
+TEST(SelectOrChoose, SaysWhyWhatWasChosenFitsNowhere) {
+  Contest contest = {ObjectId{1}, "chair", {}, {}, {}, {}, {}};
+  contest.candidates.resize(1);
+  contest.candidates[0].id = CandidateId{8};
+  contest.registrations.resize(1);
+  contest.scores.resize(1);
+  contest.scores[0].candidate = CandidateId{8};
+  RunInputs inputs;
+  inputs.overrides = Parsed("choose: {1: 8}");
+  std::vector<std::string> applied;
+  const auto why = [&](bool ok, const std::string& note) {
+    contest.registrations[0].ok = ok;
+    contest.scores[0].note = note;
+    const Result<MapObject> chosen = SelectOrChoose(contest, {}, inputs, applied);
+    return chosen.ok() ? "" : chosen.error().message;
+  };
+  EXPECT_EQ(
+      why(false, "no view has enough points"),
+      "overrides.yaml: choose: candidate 8 of object 1 fits nowhere: no view has enough points; "
+      "choose another one, or none");
+  EXPECT_THAT(why(true, ""), HasSubstr("fits nowhere: it agrees with none of the depth; choose"));
+  EXPECT_THAT(applied, IsEmpty());
 }
 
 TEST(ApplyToGround, LeavesPartsAloneThatWereNotMeasuredAgainstTheFirstCamera) {

@@ -13,6 +13,7 @@
 #include "deepslam/core/random.h"
 #include "deepslam/geometry/similarity.h"
 #include "deepslam/scene/object_view.h"
+#include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/render_voxels.h"
@@ -251,6 +252,36 @@ inline ShapeCandidate CandidateFor(double min_size_m,
   candidate.min_size_m = min_size_m;
   candidate.max_size_m = max_size_m;
   return candidate;
+}
+
+// 5 cm beside, 5 deg turned, and larger or smaller; the bottom leaves the ground with the scale.
+inline Similarity3 Perturbed(Similarity3 world_from_object, double scale_factor, double towards) {
+  world_from_object.scale *= scale_factor;
+  world_from_object.translation_m +=
+      0.05 * Eigen::Vector3d(std::cos(towards), std::sin(towards), 0);
+  world_from_object.rotation =
+      Eigen::AngleAxisd(5 * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()) *
+      world_from_object.rotation;
+  return world_from_object;
+}
+
+// A registration that places the model alike in all views.
+inline CandidateRegistration PlacedAt(const Similarity3& world_from_object,
+                                      const std::vector<ObjectView>& views,
+                                      int candidate = 0) {
+  CandidateRegistration registration;
+  registration.candidate = CandidateId{candidate};
+  registration.ok = true;
+  registration.scale_m = world_from_object.scale;
+  registration.world_from_object = world_from_object.RigidPart();
+  for (const ObjectView& view : views) {
+    ViewRegistration& entry = registration.views.emplace_back();
+    entry.view = view.detection;
+    entry.frame = view.frame;
+    entry.ok = true;
+    entry.camera_from_object = view.world_from_camera.Inverse() * world_from_object.RigidPart();
+  }
+  return registration;
 }
 
 }  // namespace deepslam::testing_support

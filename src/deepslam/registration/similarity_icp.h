@@ -49,8 +49,8 @@ struct SimilarityIcpOptions {
 };
 
 // Starts at `world_from_object` and returns the refined similarity. Views that are empty are
-// skipped; where nothing can be matched the start comes back unchanged. Always finite for a finite
-// start and finite views.
+// skipped; where nothing can be matched the start comes back, a free scale brought within its
+// bounds. Always finite for a finite start and finite views.
 [[nodiscard]] Similarity3 AlignShape(const shape::ShapeModel& model,
                                      VisibleSurface& visible,
                                      std::span<const MeasuredView* const> views,

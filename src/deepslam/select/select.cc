@@ -202,12 +202,13 @@ std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidate
                                        std::span<const ObjectView> views,
                                        std::span<const double> handicaps) {
   const Arrival arrival(views);
+  const std::vector<bool> placed = Placed(registrations);
   std::vector<Replacement> history;
   for (std::size_t step = 0; step < arrival.order().size(); ++step) {
     std::optional<std::size_t> best;
     double best_score = 0;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (!registrations[i].ok || arrival.StepOf(candidates[i]) > step) continue;
+      if (!placed[i] || arrival.StepOf(candidates[i]) > step) continue;
       const double score =
           std::max(0.0, ScoreSoFar(scores[i], arrival.order(), step + 1) - handicaps[i]);
       const bool holds = !history.empty() && history.back().candidate == candidates[i].id;
@@ -260,6 +261,12 @@ std::string Doubts(const MapObject& object,
   }
   if (score.score < options.good_score) AppendNote(note, "agrees poorly with the depth");
   return note;
+}
+
+// Of the best of candidates none of which won.
+std::string WhyNotPlaced(const CandidateScore& score) {
+  return "no candidate could be placed: " +
+         (score.note.empty() ? "none agrees with the depth" : score.note);
 }
 
 // The winner's size at a bound of its class: the true one may lie beyond.
@@ -431,9 +438,7 @@ MapObject SelectShape(ObjectId id,
   for (const Ranked& entry : ranked) object.scores.push_back(scores[entry.index]);
   object.history = GreedyHistory(candidates, registrations, scores, views, handicaps);
   if (ranked.empty() || !ranked.front().placed) {
-    object.note = candidates.empty()
-                      ? "no candidate"
-                      : "no candidate could be placed: " + scores[ranked.front().index].note;
+    object.note = candidates.empty() ? "no candidate" : WhyNotPlaced(scores[ranked.front().index]);
     return object;
   }
   std::size_t winner = ranked.front().index;

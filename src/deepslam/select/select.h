@@ -35,10 +35,10 @@ namespace deepslam::select {
 
 // The winner and why. The three spans run in parallel: one registration and one score per
 // candidate. `history` is the paper's greedy replacement: after each view, in order of frames, the
-// best candidate among those proposed so far by the evidence so far. mode "offline": best over all
-// evidence wins; mode "greedy": the last of the history does. Without a candidate that could be
-// placed the object comes back with an invalid `chosen` and a note. How sure it is, confidence.h
-// says.
+// best candidate among those proposed so far that are placed (placed.h), by the evidence so far.
+// mode "offline": best over all evidence wins; mode "greedy": the last of the history does. Without
+// a candidate that could be placed the object comes back with an invalid `chosen` and a note. How
+// sure it is, confidence.h says.
 [[nodiscard]] MapObject SelectShape(ObjectId id,
                                     const std::string& class_name,
                                     std::span<const ShapeCandidate> candidates,

@@ -46,6 +46,12 @@ float Refined(const ShapeModel& model, const Ray& ray, float t_face) {
   return t;
 }
 
+// A step along a ray; far away small steps are less than the last digit of t.
+float Beyond(float t, float step) {
+  const float beyond = t + step;
+  return beyond > t ? beyond : std::nextafter(t, std::numeric_limits<float>::infinity());
+}
+
 // t of the first solid met, 0 when there is none.
 float March(const ShapeModel& model, const Ray& ray, float t_in, float t_out) {
   const Eigen::Vector3f inverse = ray.direction.cwiseInverse();
@@ -62,7 +68,7 @@ float March(const ShapeModel& model, const Ray& ray, float t_in, float t_out) {
     // say.
     const float safe = distance - 1.25F * kVoxel;
     if (safe > kVoxel) {
-      t += safe / ray.length;
+      t = Beyond(t, safe / ray.length);
       continue;
     }
     float exit = std::numeric_limits<float>::max();
@@ -71,7 +77,7 @@ float March(const ShapeModel& model, const Ray& ray, float t_in, float t_out) {
       const float face = static_cast<float>(voxel[axis]) + (ray.direction[axis] > 0 ? 1.0F : 0.0F);
       exit = std::min(exit, (face - scaled[axis]) * kVoxel * inverse[axis]);
     }
-    t += std::max(exit, 0.0F) + nudge;
+    t = Beyond(t, std::max(exit, 0.0F) + nudge);
   }
   return 0;
 }

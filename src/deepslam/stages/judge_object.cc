@@ -140,11 +140,13 @@ Result<MapObject> SelectOrChoose(const Contest& contest,
   while (contest.candidates[n].id != *wanted) ++n;
   MapObject chosen = select(n, 1);
   if (!chosen.chosen.valid()) {
-    return InvalidConfig(fmt::format("{}: candidate {} of object {} fits nowhere: {}",
-                                     inputs.overrides.file,
-                                     wanted->value,
-                                     contest.object.value,
-                                     contest.registrations[n].reason));
+    const std::string& why = contest.scores[n].note;
+    return InvalidConfig(fmt::format(
+        "{}: choose: candidate {} of object {} fits nowhere: {}; choose another one, or none",
+        inputs.overrides.file,
+        wanted->value,
+        contest.object.value,
+        why.empty() ? "it agrees with none of the depth" : why));
   }
   chosen.note += chosen.note.empty() ? "chosen by hand" : "; chosen by hand";
   chosen.scores = std::move(best.scores);

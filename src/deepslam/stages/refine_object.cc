@@ -40,6 +40,22 @@ std::vector<std::size_t> Starts(const Contest& contest) {
   return starts;
 }
 
+// Index of what would be selected.
+std::optional<std::size_t> WinnerOf(const Contest& contest,
+                                    std::span<const ObjectView> views,
+                                    const select::SelectOptions& options) {
+  const MapObject best = select::SelectShape(contest.object,
+                                             contest.class_name,
+                                             contest.candidates,
+                                             contest.registrations,
+                                             contest.scores,
+                                             views,
+                                             options);
+  const auto winner = std::ranges::find(contest.candidates, best.chosen, &ShapeCandidate::id);
+  if (winner == contest.candidates.end()) return std::nullopt;
+  return static_cast<std::size_t>(winner - contest.candidates.begin());
+}
+
 // Index of the whole model that would be selected.
 std::optional<std::size_t> ToComplete(const Contest& contest,
                                       std::span<const ObjectView> views,
@@ -189,6 +205,8 @@ Proposals CompleteBest(const Contest& contest,
   Add(start, CandidateSource::kCompleted, change, {}, std::move(model->grid), completed);
   ShapeCandidate& candidate = completed.candidates.back();
   candidate.size_m = registration.scale_m * model->extent;
+  // Its size was measured, whatever its class and its design say.
+  candidate.min_size_m = std::min(candidate.min_size_m, candidate.size_m);
   candidate.max_size_m = std::max(candidate.max_size_m, candidate.size_m);
   return completed;
 }
@@ -197,33 +215,32 @@ std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
                                         const RunInputs& inputs,
                                         Contest& contest) {
   if (!inputs.config.shape_refinement.pose) return std::nullopt;
-  const MapObject best = select::SelectShape(contest.object,
-                                             contest.class_name,
-                                             contest.candidates,
-                                             contest.registrations,
-                                             contest.scores,
-                                             views,
-                                             inputs.config.select);
-  const auto winner = std::ranges::find(contest.candidates, best.chosen, &ShapeCandidate::id);
-  if (winner == contest.candidates.end()) return std::nullopt;
-  const auto n = static_cast<std::size_t>(winner - contest.candidates.begin());
-  CandidateRegistration& registration = contest.registrations[n];
-  const shape::ShapeModel& model = contest.models.at(winner->model);
-  CandidateRegistration refined = registration::RegisterCandidateNear(
-      *winner,
+  const std::optional<std::size_t> winner = WinnerOf(contest, views, inputs.config.select);
+  if (!winner) return std::nullopt;
+  const ShapeCandidate& candidate = contest.candidates[*winner];
+  const shape::ShapeModel& model = contest.models.at(candidate.model);
+  CandidateRegistration& registration = contest.registrations[*winner];
+  CandidateScore& score = contest.scores[*winner];
+  CandidateRegistration other_registration = registration::RegisterCandidateNear(
+      candidate,
       model,
       Similarity3::From(registration.world_from_object, registration.scale_m),
       registration::PrepareForRegistration(views, inputs.config.registration),
       inputs.config.registration);
-  CandidateScore score = select::ScoreCandidate(*winner,
-                                                model,
-                                                refined,
-                                                std::span(std::as_const(contest.judged_views)),
-                                                inputs.config.select);
-  if (!refined.ok || score.score <= contest.scores[n].score) return std::nullopt;
-  registration = std::move(refined);
-  contest.scores[n] = std::move(score);
-  return n;
+  CandidateScore other_score =
+      select::ScoreCandidate(candidate,
+                             model,
+                             other_registration,
+                             std::span(std::as_const(contest.judged_views)),
+                             inputs.config.select);
+  if (!other_registration.ok || other_score.score <= score.score) return std::nullopt;
+  std::swap(registration, other_registration);
+  std::swap(score, other_score);
+  if (WinnerOf(contest, views, inputs.config.select) == winner) return winner;
+  // Fewer views hold it there, or it turns its back: something that agrees less would win now.
+  std::swap(registration, other_registration);
+  std::swap(score, other_score);
+  return std::nullopt;
 }
 
 }  // namespace deepslam::stages

@@ -25,15 +25,16 @@ namespace deepslam::stages {
                                      const RunInputs& inputs);
 
 // The whole model that would be selected, completed by what was measured, under a name that begins
-// with `change`; nothing where there is none.
+// with `change`; its size is what was measured, and its bounds reach to it. Nothing where there is
+// none.
 [[nodiscard]] Proposals CompleteBest(const Contest& contest,
                                      std::span<const ObjectView> views,
                                      std::string_view change,
                                      const RunInputs& inputs);
 
 // With select.refine.pose: the similarity of what would be selected, refined jointly over all
-// views; its registration and score are replaced where the score improves. Index of what was
-// replaced.
+// views. Its registration and score are replaced where the score improves and it still wins; else
+// nothing changes. Index of what was replaced. `contest` is scored.
 std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
                                         const RunInputs& inputs,
                                         Contest& contest);

@@ -33,7 +33,9 @@ Result<std::vector<CandidateRegistration>> RegistrationsOf(
         });
     if (it == all.end()) {
       return InvalidInput(
-          fmt::format("register/registrations.json: candidate {} is missing", candidate.id.value));
+          fmt::format("register/registrations.json: candidate {} of propose is missing; remove the "
+                      "folder of stage register, and run again",
+                      candidate.id.value));
     }
     found.push_back(*it);
   }
