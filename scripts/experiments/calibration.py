@@ -3,10 +3,10 @@
 
     scripts/experiments/calibration.py WORKSPACE CAPTURE [WORKSPACE CAPTURE]... [--deepslam PROGRAM]
 
-Of every object of the maps, all as one set: `confidence`, and whether it stands within 20 cm, 20 deg and 20 % of size of a
-true one of its class (`deepslam eval objects`). An object that is none of the true ones is wrong. Prints the share that is
-right among those said to be about as sure, the log loss of what was said, and that of saying the mean of all. Workspaces
-need stage `mesh`, captures their truth. Needs nothing beyond Python 3.
+Of every object of the maps, all as one set: `confidence`, and whether it stands within 20 cm, 20 deg and 20 % of size
+of a true one of its class (`deepslam eval objects`). An object that is none of the true ones is wrong. Prints the
+share that is right among those said to be about as sure, the log loss of what was said, and that of saying the mean
+of all. Workspaces need stage `mesh`, captures their truth. Needs nothing beyond Python 3.
 """
 import argparse
 import json
@@ -61,9 +61,10 @@ def main():
              for pair in judged(args.deepslam.absolute(), workspace, capture)]
     if not pairs:
         sys.exit("the maps hold no object")
-    mean = sum(right for _, right in pairs) / len(pairs)
-    print(f"{table(pairs)}\n\n{len(pairs)} objects, {sum(right for _, right in pairs)} right; log loss {log_loss(pairs):.3f}, "
-          f"of the mean {log_loss([(mean, right) for _, right in pairs]):.3f}")
+    num_right = sum(right for _, right in pairs)
+    of_mean = log_loss([(num_right / len(pairs), right) for _, right in pairs])
+    print(f"{table(pairs)}\n")
+    print(f"{len(pairs)} objects, {num_right} right; log loss {log_loss(pairs):.3f}, of the mean {of_mean:.3f}")
 
 
 if __name__ == "__main__":
