@@ -127,17 +127,20 @@ TEST(Config, SaysOfManyAndOfLongFaultsNoMoreThanCanBeRead) {
 }
 
 TEST(Config, DumpReadsBackToTheSameValues) {
-  Options a{1.0 / 3.0, 7, false, "slow", "with \"quotes\": and # more"};
-  Options b;
-  const std::string dump = DumpConfig(Sections(a, b));
-  EXPECT_THAT(
-      dump,
-      AllOf(HasSubstr("# how far it reaches [0 .. 10 m]"), HasSubstr("how fast [fast | slow]")));
-  Options c;
-  Options d;
-  const Status status = ApplyYaml(Sections(c, d), dump, "dump");
-  ASSERT_TRUE(status.ok()) << status.error().message;
-  EXPECT_EQ(DumpConfig(Sections(c, d)), dump);
+  for (const std::string text :
+       {"with \"quotes\": and # more", "", "null", "NULL", "~", "-", "true"}) {
+    Options a{1.0 / 3.0, 7, false, "slow", text};
+    Options b;
+    const std::string dump = DumpConfig(Sections(a, b));
+    EXPECT_THAT(
+        dump,
+        AllOf(HasSubstr("# how far it reaches [0 .. 10 m]"), HasSubstr("how fast [fast | slow]")));
+    Options c;
+    Options d;
+    const Status status = ApplyYaml(Sections(c, d), dump, "dump");
+    ASSERT_TRUE(status.ok()) << status.error().message;
+    EXPECT_EQ(DumpConfig(Sections(c, d)), dump);
+  }
 }
 
 TEST(Config, CommandLineSettings) {

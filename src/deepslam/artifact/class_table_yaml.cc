@@ -36,8 +36,7 @@ bool IsClassName(const std::string& name) {
 
 // A scalar of a YAML list that reads back as the same text.
 std::string Quoted(const std::string& text) {
-  const bool plain = !text.empty() && text.back() != ' ' && text != "null" && text != "Null" &&
-                     text != "NULL" &&
+  const bool plain = !IsNullYaml(text) && text.back() != ' ' &&
                      std::isalpha(static_cast<unsigned char>(text.front())) != 0 &&
                      std::all_of(text.begin(), text.end(), [](unsigned char c) {
                        return std::isalnum(c) != 0 || c == '_' || c == ' ' || c == '-';

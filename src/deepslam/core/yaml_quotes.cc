@@ -20,4 +20,8 @@ std::string DoubleQuotedYaml(std::string_view text) {
   return quoted + '"';
 }
 
+bool IsNullYaml(std::string_view text) {
+  return text.empty() || text == "~" || text == "null" || text == "Null" || text == "NULL";
+}
+
 }  // namespace deepslam

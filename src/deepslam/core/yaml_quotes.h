@@ -9,4 +9,7 @@ namespace deepslam {
 // Reads back as the same text, line breaks and other control characters included.
 [[nodiscard]] std::string DoubleQuotedYaml(std::string_view text);
 
+// Bare, YAML reads it as no value at all.
+[[nodiscard]] bool IsNullYaml(std::string_view text);
+
 }  // namespace deepslam

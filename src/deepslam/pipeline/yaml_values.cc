@@ -89,7 +89,7 @@ AssignedValues ReadYamlValues(std::string_view text,
 }
 
 std::string YamlString(const std::string& text) {
-  const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+  const bool plain = !IsNullYaml(text) && std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '-' || c == '/' || c == '.';
   });
