@@ -288,6 +288,13 @@ TEST(Json, RefusesNumbersThatAreNotFinite) {
               testing::AllOf(HasSubstr("objects.json"), HasSubstr("objects[0].scale_m")));
 }
 
+TEST(Json, MinusZeroIsWrittenAsItIsReadAgain) {
+  for (const char* const text : {"[-0.0]", "[-0]", "[0]", "[-1e-400]"}) {
+    const std::string once = *DumpJson(*ParseJson(text, "f"), "f");
+    EXPECT_EQ(*DumpJson(*ParseJson(once, "f"), "f"), once) << text;
+  }
+}
+
 TEST(Json, RefusesDeepNesting) {
   EXPECT_FALSE(ParseJson(std::string(100'000, '[') + std::string(100'000, ']'), "deep.json").ok());
 }

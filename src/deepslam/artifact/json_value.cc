@@ -158,6 +158,8 @@ class Writer {
 }  // namespace
 
 std::string ShortestDecimal(double value) {
+  // "-0" would be read as the whole number 0, and written as another text then.
+  if (value == 0) return "0";
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   return {buffer.data(), end};

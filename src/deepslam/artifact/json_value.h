@@ -62,7 +62,7 @@ class JsonValue {
 [[nodiscard]] Result<std::string> DumpJson(const JsonValue& value, std::string_view name);
 
 // Shortest decimal form that reads back as the same double ("0.1", "1e-07"); "nan" and "inf" for
-// those.
+// those, "0" for minus zero.
 [[nodiscard]] std::string ShortestDecimal(double value);
 
 }  // namespace deepslam::artifact
