@@ -99,6 +99,17 @@ TEST(ParseScene, RungsReplaceFieldByField) {
   EXPECT_THAT(ParseScene(text, "room.yaml", "bad").error().message, HasSubstr("room.yaml:7"));
 }
 
+// It replaces the table of rungs while it is gone through itself.
+TEST(ParseScene, ARungThatHoldsRungsChangesTheRestAsItSays) {
+  const std::string text =
+      "frames: 40\nrungs: {few: {frames: 10, rungs: {few}, frames_per_s: 7, seed: 3}}\n";
+  const Result<SceneDescription> few = ParseScene(text, "room.yaml", "few");
+  ASSERT_TRUE(few.ok()) << few.error().message;
+  EXPECT_EQ(few->num_frames, 10);
+  EXPECT_EQ(few->frames_per_s, 7);
+  EXPECT_EQ(few->seed, 3U);
+}
+
 TEST(ParseScene, RefusesByFileLineAndField) {
   EXPECT_THAT(Refusal(""), HasSubstr("room.yaml: holds no scene"));
   EXPECT_THAT(Refusal("frames: [1"), AllOf(HasSubstr("room.yaml:"), HasSubstr("not valid YAML")));

@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -393,13 +394,15 @@ void Overlay(YAML::Node base, const YAML::Node& over, int depth) {
   if (base.is(over)) return;
   if (depth > kMaxRungDepth)
     throw YAML::RepresentationException(over.Mark(), "a rung's tables are nested too deeply");
-  for (const auto& entry : over) {
-    const std::string name = entry.first.Scalar();
+  // Listed first: a rung that holds rungs may replace the very table that is gone through.
+  std::vector<std::pair<std::string, YAML::Node>> fields;
+  for (const auto& entry : over) fields.emplace_back(entry.first.Scalar(), entry.second);
+  for (const auto& [name, field] : fields) {
     const YAML::Node old = std::as_const(base)[name];
-    if (old.IsDefined() && old.IsMap() && entry.second.IsMap()) {
-      Overlay(old, entry.second, depth + 1);
+    if (old.IsDefined() && old.IsMap() && field.IsMap()) {
+      Overlay(old, field, depth + 1);
     } else {
-      base[name] = entry.second;
+      base[name] = field;
     }
   }
 }
