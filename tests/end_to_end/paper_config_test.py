@@ -82,14 +82,15 @@ class PaperConfig(unittest.TestCase):
     def test_a_step_is_that_of_two_frames_whatever_frame_was_first(self):
         """But for where descents end that begin elsewhere: there is no motion before the first frame to predict from.
 
-        Aligned to keyframes, which are others then, steps differ by millimetres.
+        By 0.1 to 0.2 mm, by the processor that renders the room. Aligned to keyframes, which are others then, steps
+        differ by millimetres.
         """
         late = captures.copy_capture(self.room, DIR / "late", first=1)
         mine, whole = steps(poses(self.tracked(late))), steps(poses(self.whole))[1:]
         self.assertEqual(len(mine), FRAMES - 2)
         for a, b in zip(mine, whole):
             off = [rigid.subtract(a[1], b[1])] + [rigid.subtract(row, other) for row, other in zip(a[0], b[0])]
-            self.assertLess(max(abs(x) for row in off for x in row), 1e-4)
+            self.assertLess(max(abs(x) for row in off for x in row), 5e-4)
 
     def test_keyframes_are_joined_to_the_next_alone(self):
         lines = [line.split() for line in (self.whole / "track" / "odometry.g2o").read_text().splitlines()]
