@@ -108,6 +108,66 @@ TEST(EstimateGround, TakesATiltedCamera) {
   ExpectFloor(capture, Estimate(capture));
 }
 
+// Looking about in the middle of the room, through `range_deg`.
+std::vector<Pose3> LookAbout(double target_height, double roll_rad, double range_deg) {
+  constexpr int kFrames = 10;
+  std::vector<Pose3> poses;
+  for (int k = 0; k < kFrames; ++k) {
+    const double angle = range_deg / kDegPerRad * k / kFrames;
+    const Eigen::Vector3d eye(0.1 * k - 1, -0.2, 1.4);
+    poses.push_back(
+        LookAt(eye,
+               {eye.x() + 2 * std::cos(angle), eye.y() + 2 * std::sin(angle), target_height},
+               roll_rad));
+  }
+  return poses;
+}
+
+class HeldCamera : public testing::TestWithParam<int> {
+ protected:
+  [[nodiscard]] static double RollRad() { return GetParam() / kDegPerRad; }
+};
+
+TEST_P(HeldCamera, FindsTheFloorHoweverItIsHeld) {
+  const TrueCapture capture = Capture(BoxWorld::Furnished(), LookAbout(0.3, RollRad(), 200));
+  const Ground ground = Estimate(capture);
+  ExpectFloor(capture, ground);
+  EXPECT_EQ(ground.observations.size(), capture.frames.size());
+}
+
+// In a passage the walls are beside the camera all the way, as near as a floor.
+TEST_P(HeldCamera, FindsTheFloorOfAPassage) {
+  BoxWorld passage;
+  passage.room = {{-6, -0.9, 0}, {6, 0.9, 2.4}};
+  passage.boxes = {{{1, -0.9, 0}, {1.6, -0.5, 0.8}}, {{-2, 0.4, 0}, {-1.2, 0.9, 0.5}}};
+  std::vector<Pose3> poses;
+  for (int k = 0; k < 10; ++k)
+    poses.push_back(LookAt({-4 + 0.5 * k, 0.1, 1.4}, {0.5 * k, 0, 0.2}, RollRad()));
+  for (int k = 0; k < 4; ++k)
+    poses.push_back(LookAt({1.5, 0, 1.4}, {1.5 + k - 2.0, 0.5 * k, 0.2}, RollRad()));
+  const TrueCapture capture = Capture(passage, poses);
+  ExpectFloor(capture, Estimate(capture), 0.02);
+}
+
+TEST_P(HeldCamera, TakesNoWallForTheFloorWhereNoFloorIsInView) {
+  BoxWorld high;
+  high.room = {{-2, -2, -4}, {2, 2, 7}};
+  for (const double range_deg : {120.0, 300.0}) {
+    const TrueCapture capture = Capture(high, LookAbout(1.5, RollRad(), range_deg));
+    EXPECT_FALSE(Estimate(capture).plane_world.has_value()) << range_deg;
+  }
+}
+
+TEST_P(HeldCamera, IsWhatTheUserSays) {
+  // Too little is seen from too few sides to tell.
+  const TrueCapture capture = Capture(BoxWorld::Furnished(), LookAbout(0.3, RollRad(), 30));
+  GroundOptions options;
+  options.upright_deg = std::to_string((GetParam() + 405) / 90 % 4 * 90);
+  ExpectFloor(capture, Estimate(capture, options));
+}
+
+INSTANTIATE_TEST_SUITE_P(Rolls, HeldCamera, testing::Values(0, 90, 180, -90, 75, -110));
+
 TEST(EstimateGround, ATableTopDoesNotPoseAsTheFloor) {
   BoxWorld world;
   world.boxes = {{{-1.4, -1.2, 0.70}, {0.9, 1.2, 0.74}}};

@@ -13,6 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "deepslam/geometry/upright.h"
 #include "deepslam/propose/network_crop.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/propose/shape_prior.h"
@@ -355,6 +356,35 @@ TEST_F(CropTest, WhiteOutsideAndSquare) {
   EXPECT_NEAR(planes[4 * kPixels + at], 0, 1e-6F);
   EXPECT_NEAR(planes[5 * kPixels + at], 1.2F, 0.03F);
   EXPECT_EQ(planes[6 * kPixels + at], 1.0F);
+}
+
+TEST_F(CropTest, StandsUprightHoweverTheCameraIsHeld) {
+  ObjectView view = View(60, 100);
+  for (int v = 0; v < 100; ++v) {
+    for (int u = 0; u < 60; ++u) {
+      view.mask_crop(u, v) = u >= 20 && u < 40 + v / 10 && v >= 10 && v < 90 ? 1 : 0;
+      view.colour_crop(u, v) = {
+          static_cast<std::uint8_t>(2 * u), static_cast<std::uint8_t>(2 * v), 9};
+      view.depth_crop_m(u, v) = 2.0F + 0.001F * static_cast<float>(u + 3 * v);
+    }
+  }
+  const Result<NetworkCrop> upright = MakeNetworkCrop(view, true);
+  ASSERT_TRUE(upright);
+  for (const QuarterTurn held :
+       {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
+    ObjectView lying = view;
+    lying.colour_crop = Turned(view.colour_crop, held);
+    lying.depth_crop_m = Turned(view.depth_crop_m, held);
+    lying.mask_crop = Turned(view.mask_crop, held);
+    lying.camera = Turned(view.camera, held);
+    lying.ground_camera = Turned(*view.ground_camera, held);
+    const Result<NetworkCrop> crop = MakeNetworkCrop(lying, true);
+    ASSERT_TRUE(crop);
+    EXPECT_EQ(crop->colour, upright->colour);
+    EXPECT_EQ(crop->silhouette, upright->silhouette);
+    EXPECT_EQ(crop->depth, upright->depth);
+    EXPECT_EQ(crop->height, upright->height);
+  }
 }
 
 TEST_F(CropTest, ByColourAloneTheDepthPlanesAreEmpty) {

@@ -1,12 +1,14 @@
 #include "deepslam/ground/ground_plane.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
 #include "deepslam/ground/ground_points.h"
+#include "deepslam/ground/held_camera.h"
 #include "deepslam/ground/level_search.h"
 #include "deepslam/ground/plane_fit.h"
 #include "deepslam/ground/reidentify.h"
@@ -41,6 +44,12 @@ constexpr double kStepDistanceM = 0.01;
 // plane.
 constexpr double kDriftAngleRad = 1.0 * kRadPerDeg;
 constexpr double kDriftDistanceM = 0.02;
+
+constexpr std::array<std::string_view, 5> kTurnsDeg = {"auto", "0", "90", "180", "270"};
+constexpr std::array kTurns = {QuarterTurn::kNone,
+                               QuarterTurn::kClockwise,
+                               QuarterTurn::kHalf,
+                               QuarterTurn::kAnticlockwise};  // behind `auto`
 
 // A camera in a hand is higher above the floor: lower ones are on a robot, or above a table top.
 constexpr double kLowCameraM = 0.9;
@@ -78,15 +87,17 @@ struct Done {
   std::size_t total = 0;
 };
 
-// In keyframes that tracking measured against each other.
+// In keyframes that tracking measured against each other, by pictures turned upright so.
 class GroundSearch {
  public:
   GroundSearch(const FrameSource& frames,
                std::vector<TrackedFrame> keyframes,
+               QuarterTurn upright,
                const GroundOptions& options,
                const Done& done,
                Progress& progress)
       : frames_(frames),
+        upright_(upright),
         options_(options),
         done_(done),
         progress_(progress),
@@ -136,7 +147,7 @@ class GroundSearch {
     const Pose3& world_from_camera = keyframes_[k].world_from_camera;
     const GroundPoints points = ReadPoints(k);
     Random random(0, "ground", static_cast<std::uint64_t>(keyframes_[k].frame.value));
-    for (const PlaneCandidate& candidate : FindPlanes(points, options_, random)) {
+    for (const PlaneCandidate& candidate : FindPlanes(points, upright_, options_, random)) {
       found.push_back({k,
                        candidate.plane_camera,
                        Transformed(world_from_camera, candidate.plane_camera),
@@ -275,6 +286,7 @@ class GroundSearch {
   }
 
   const FrameSource& frames_;
+  const QuarterTurn upright_;
   const GroundOptions& options_;
   Done done_;
   Progress& progress_;
@@ -318,6 +330,44 @@ std::vector<GroundApart> Apart(const Odometry& odometry,
   return apart;
 }
 
+// The turn that the user gives; nothing where the ground is to tell it.
+std::optional<QuarterTurn> GivenTurn(const GroundOptions& options) {
+  const auto at = std::ranges::find(kTurnsDeg, options.upright_deg);
+  if (at == kTurnsDeg.begin() || at == kTurnsDeg.end()) return std::nullopt;
+  return kTurns[static_cast<std::size_t>(at - kTurnsDeg.begin() - 1)];
+}
+
+// Of one part: with pictures turned by `habit`, and where that does not convince, as what they show
+// asks for; `habit` is what it was in the end.
+Result<Ground> SearchPart(const FrameSource& frames,
+                          const Part& part,
+                          const GroundOptions& options,
+                          const Done& done,
+                          Progress& progress,
+                          QuarterTurn& habit) {
+  const auto search = [&](QuarterTurn upright) {
+    return GroundSearch(frames, part, upright, options, done, progress).Run();
+  };
+  const QuarterTurn as_is = habit;
+  Result<Ground> found = search(as_is);
+  if (!found.ok() || GivenTurn(options)) return found;
+  const Holding before = JudgeHolding(*found, part, as_is, options);
+  if (Convinces(before)) return found;
+  if (!IsPossible(before)) found = Ground{};
+  double most = 0;
+  for (const QuarterTurn upright : kTurns) {
+    if (upright == as_is) continue;
+    Result<Ground> turned = search(upright);
+    if (!turned.ok()) return turned;
+    const Holding holding = JudgeHolding(*turned, part, upright, options);
+    if (!Outweighs(holding, upright, before) || Evidence(holding) <= most) continue;
+    most = Evidence(holding);
+    habit = upright;
+    found = std::move(turned);
+  }
+  return found;
+}
+
 // What looks like the floor may be a table top where the floor never came into view.
 void WarnOfLowCamera(const Ground& ground, Progress& progress) {
   if (ground.observations.empty()) return;
@@ -345,8 +395,9 @@ Result<Ground> EstimateGround(const FrameSource& frames,
   for (const Part& part : parts) done.total += 2 * part.size();
   Ground ground;
   std::vector<std::optional<Plane>> planes_world;
+  QuarterTurn upright = GivenTurn(options).value_or(QuarterTurn::kNone);
   for (const Part& part : parts) {
-    Result<Ground> own = GroundSearch(frames, part, options, done, progress).Run();
+    Result<Ground> own = SearchPart(frames, part, options, done, progress, upright);
     if (!own.ok()) return own.error();
     done.before += 2 * part.size();
     planes_world.push_back(own->plane_world);
@@ -373,6 +424,10 @@ void Describe(OptionsVisitor& visitor, GroundOptions& options) {
                 {0, 90},
                 "deg",
                 "camera may be tilted sideways this far");
+  visitor.Choice("upright_deg",
+                 options.upright_deg,
+                 kTurnsDeg,
+                 "clockwise turn that sets the pictures upright; auto: as the ground asks for");
   visitor.Field(
       "min_height_m", options.min_height_m, {0, 100}, "m", "lowest camera above the ground");
   visitor.Field(

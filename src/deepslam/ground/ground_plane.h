@@ -6,8 +6,11 @@
 // points below it somewhere in the capture, the floor has nothing substantial below it. After long
 // stretches without floor it is looked for as far as tracking may have drifted (reidentify.h).
 //
-// Parts that tracking did not measure against each other are searched each for themselves.
+// Parts that tracking did not measure against each other are searched each for themselves. Cameras
+// held on their side or upside down are told by the ground itself (held_camera.h).
 #pragma once
+
+#include <string>
 
 #include "deepslam/core/options.h"
 #include "deepslam/core/progress.h"
@@ -23,7 +26,9 @@ struct GroundOptions {
       70;  // permissible orientation of the camera against the ground: looking down ...
   double max_pitch_up_deg = 25;  // ... looking up ...
   double max_roll_deg = 30;      // ... tilted sideways
-  double min_height_m = 0.3;     // permissible height of the camera above the ground
+  // Clockwise turn that sets the pictures upright: auto | 0 | 90 | 180 | 270.
+  std::string upright_deg = "auto";
+  double min_height_m = 0.3;  // permissible height of the camera above the ground
   double max_height_m = 2.5;
   double max_depth_m = 5.0;          // farther points are left out
   double min_inlier_share = 0.02;    // of the frame's points on the plane, for an observation

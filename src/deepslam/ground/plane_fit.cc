@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/geometry/upright.h"
+
 namespace deepslam::ground {
 namespace {
 
@@ -102,6 +104,7 @@ double CoveredArea(const GroundPoints& points, const PinholeCamera& camera, cons
 // The point whose normal makes the plane with the most support among every judge_step-th of the
 // points left.
 std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
+                               QuarterTurn upright,
                                const GroundOptions& options,
                                Random& random) {
   const std::size_t judge_step = std::max<std::size_t>(1, left.size() / kJudgedPoints);
@@ -111,7 +114,7 @@ std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
     const GroundPoint& point = left[random.Index(left.size())];
     const Plane plane{point.normal_camera.cast<double>(),
                       -static_cast<double>(point.normal_camera.dot(point.p_camera))};
-    if (!PermissibleOrientation(plane, options) || plane.d_m <= 0) continue;
+    if (!PermissibleOrientation(plane, upright, options) || plane.d_m <= 0) continue;
     int count = 0;
     for (std::size_t k = 0; k < left.size(); k += judge_step) {
       count += OnPlane(left[k],
@@ -139,8 +142,10 @@ Plane Perturbed(const Plane& plane, const Eigen::Vector3d& tangent_and_distance)
   return {normal, plane.d_m + tangent_and_distance.z()};
 }
 
-bool PermissibleOrientation(const Plane& plane_camera, const GroundOptions& options) {
-  const Eigen::Vector3d& up = plane_camera.normal;
+bool PermissibleOrientation(const Plane& plane_camera,
+                            QuarterTurn upright,
+                            const GroundOptions& options) {
+  const Eigen::Vector3d up = Turned(plane_camera.normal, upright);
   if (up.y() >= 0) return false;
   const double roll = std::asin(std::min(1.0, std::abs(up.x())));
   const double pitch_down = std::asin(std::clamp(-up.z(), -1.0, 1.0));
@@ -150,16 +155,17 @@ bool PermissibleOrientation(const Plane& plane_camera, const GroundOptions& opti
 }
 
 std::vector<PlaneCandidate> FindPlanes(const GroundPoints& points,
+                                       QuarterTurn upright,
                                        const GroundOptions& options,
                                        Random& random) {
   std::vector<PlaneCandidate> planes;
   std::vector<GroundPoint> left = points.points;
   const double num_points = static_cast<double>(left.size());
   while (static_cast<int>(planes.size()) < kMaxPlanes && left.size() >= 200) {
-    std::optional<Plane> plane = DrawPlane(left, options, random);
+    std::optional<Plane> plane = DrawPlane(left, upright, options, random);
     for (int n = 0; plane && n < 4; ++n)
       plane = FitStep(BuildFit(left, *plane, 2 * kFlatnessM), *plane);
-    if (!plane || !PermissibleOrientation(*plane, options)) break;
+    if (!plane || !PermissibleOrientation(*plane, upright, options)) break;
     const Eigen::Vector3f normal = plane->normal.cast<float>();
     PlaneCandidate candidate{*plane, Eigen::Vector3d::Zero(), 0};
     int count = 0;

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/core/quarter_turn.h"
 #include "deepslam/core/random.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/ground/ground_plane.h"
@@ -26,11 +27,15 @@ struct PlaneCandidate {
   double share = 0;                                           // inliers of all points of the frame
 };
 
-// True when a camera that sees the plane so could see the ground so: orientation only.
-[[nodiscard]] bool PermissibleOrientation(const Plane& plane_camera, const GroundOptions& options);
+// True when a camera that sees the plane so could see the ground so: orientation only. `upright` is
+// the turn that sets the camera's pictures upright.
+[[nodiscard]] bool PermissibleOrientation(const Plane& plane_camera,
+                                          QuarterTurn upright,
+                                          const GroundOptions& options);
 
 // The largest planes of permissible orientation, largest first, by sequential RANSAC.
 [[nodiscard]] std::vector<PlaneCandidate> FindPlanes(const GroundPoints& points,
+                                                     QuarterTurn upright,
                                                      const GroundOptions& options,
                                                      Random& random);
 

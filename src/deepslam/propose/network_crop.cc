@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/geometry/upright.h"
 
 namespace deepslam::propose {
 namespace {
@@ -130,14 +131,24 @@ void FillDepth(const ObjectView& view, NetworkCrop& crop) {
   }
 }
 
-}  // namespace
+QuarterTurn UprightTurnOf(const ObjectView& view) {
+  if (!view.ground_camera) return QuarterTurn::kNone;
+  return UprightTurn(view.ground_camera->normal).value_or(QuarterTurn::kNone);
+}
 
-Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
+// Pictures, camera and ground; the crop's place in its frame is given up.
+ObjectView TurnedView(const ObjectView& view, QuarterTurn turn) {
+  ObjectView turned;
+  turned.colour_crop = Turned(view.colour_crop, turn);
+  turned.depth_crop_m = Turned(view.depth_crop_m, turn);
+  turned.mask_crop = Turned(view.mask_crop, turn);
+  turned.camera = Turned(view.camera, turn);
+  turned.ground_camera = Turned(*view.ground_camera, turn);
+  return turned;
+}
+
+Result<NetworkCrop> CropUpright(const ObjectView& view, bool use_depth) {
   const Mask& mask = view.mask_crop;
-  if (view.colour_crop.width() != mask.width() || view.colour_crop.height() != mask.height() ||
-      view.depth_crop_m.width() != mask.width() || view.depth_crop_m.height() != mask.height()) {
-    return InvalidInput("colour, depth and silhouette of the view differ in size");
-  }
   const MaskBox box = BoxOf(mask);
   if (box.count < kFewestPixels) {
     return InvalidInput("the silhouette has " + std::to_string(box.count) +
@@ -159,6 +170,19 @@ Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
   crop.side_m = crop.side_px * crop.reference_m / focal_px;
   FillDepth(view, crop);
   return crop;
+}
+
+}  // namespace
+
+Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
+  const Mask& mask = view.mask_crop;
+  if (view.colour_crop.width() != mask.width() || view.colour_crop.height() != mask.height() ||
+      view.depth_crop_m.width() != mask.width() || view.depth_crop_m.height() != mask.height()) {
+    return InvalidInput("colour, depth and silhouette of the view differ in size");
+  }
+  const QuarterTurn upright = UprightTurnOf(view);
+  if (upright == QuarterTurn::kNone) return CropUpright(view, use_depth);
+  return CropUpright(TurnedView(view, upright), use_depth);
 }
 
 void FillPlanes(const NetworkCrop& crop, std::span<float> values) {

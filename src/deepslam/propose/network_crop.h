@@ -31,7 +31,8 @@ struct NetworkCrop {
   // Above the ground: 0 ... 255 for -0.1 m ... 2.45 m in steps of 1 cm; 0 where depth or ground is
   // not known.
   Image<std::uint8_t> height;
-  // The square in the view's crop: its corner, which may lie outside, and side, pixels of the view.
+  // The square in the view's crop, set upright: its corner, which may lie outside, and side, pixels
+  // of the view.
   double u0 = 0;
   double v0 = 0;
   double side_px = 0;
@@ -39,8 +40,9 @@ struct NetworkCrop {
   double side_m = 0;       // the square's side at that depth; 0 = no depth
 };
 
-// The square is the silhouette's box made square and widened by a tenth. Errors: no silhouette,
-// one too small to show a shape, images of different sizes.
+// The square is the silhouette's box made square and widened by a tenth. Where the ground of the
+// view says that it lies on its side or upside down, it is turned by quarters until it stands.
+// Errors: no silhouette, one too small to show a shape, images of different sizes.
 [[nodiscard]] Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth);
 
 // The planes; `values` has kCropValues.

@@ -12,6 +12,8 @@
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
+#include "deepslam/detect/turned_detections.h"
+#include "deepslam/scene/upright_turns.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -115,13 +117,15 @@ FrameDetections DetectOne(const RunInputs& inputs,
                           const detect::Detector* detector,
                           const Ground& ground,
                           const TrackedFrame& tracked,
+                          QuarterTurn upright,
                           std::vector<Detection> given) {
   FrameDetections found{std::move(given), {}, {}};
   const Result<Frame> frame = inputs.capture->frames->Read(tracked.frame);
   if (!frame.ok())
     return {{}, fmt::format("frame {} skipped: {}", tracked.frame.value, frame.error().message)};
   if (detector != nullptr) {
-    const Result<std::vector<detect::RawDetection>> raw = detector->Detect(frame->colour);
+    const Result<std::vector<detect::RawDetection>> raw =
+        detect::DetectTurned(*detector, frame->colour, upright);
     if (raw.ok()) {
       found.detections = detect::MapDetections(*raw, *frame, inputs.classes, inputs.config.detect);
       found.contains_person = SeesPerson(*raw);
@@ -158,6 +162,7 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
 
   const std::vector<FrameIdx> wanted =
       FramesToLookAt(*odometry, inputs.config.detect_stage, from_file->detections);
+  const std::vector<QuarterTurn> upright = UprightTurns(odometry->frames, *ground);
   artifact::DetectionTable table;
   for (std::size_t begin = 0; begin < wanted.size(); begin += kBatch) {
     if (context.progress().StopRequested()) return Interrupted();
@@ -170,8 +175,12 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
                    from_file->detections.end(),
                    std::back_inserter(given),
                    [&](const Detection& d) { return d.frame == wanted[begin + i]; });
-      found[i] = DetectOne(
-          inputs, detector->get(), *ground, odometry->at(wanted[begin + i]), std::move(given));
+      found[i] = DetectOne(inputs,
+                           detector->get(),
+                           *ground,
+                           odometry->at(wanted[begin + i]),
+                           upright[static_cast<std::size_t>(wanted[begin + i].value)],
+                           std::move(given));
     });
     if (context.progress().StopRequested()) return Interrupted();
     for (std::size_t i = 0; i < size; ++i) {

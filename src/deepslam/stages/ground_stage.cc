@@ -1,11 +1,14 @@
 // ground: the floor, per keyframe and once for the world.
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/scene/upright_turns.h"
 #include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -17,7 +20,18 @@ using pipeline::StageSummary;
 
 namespace {
 
-StageSummary Summarise(const Ground& ground, std::size_t num_keyframes) {
+// The turn that most pictures need; empty where they stand.
+std::string_view HowTurned(const Ground& ground, const Odometry& odometry) {
+  constexpr std::array<std::string_view, 4> kHow = {
+      "", "a quarter clockwise", "half round", "a quarter anticlockwise"};
+  std::array<int, 4> counts{};
+  for (const QuarterTurn turn : UprightTurns(odometry.frames, ground))
+    ++counts[static_cast<std::size_t>(turn)];
+  return kHow[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
+}
+
+StageSummary Summarise(const Ground& ground, const Odometry& odometry) {
+  const std::size_t num_keyframes = odometry.keyframes.size();
   const std::size_t seen = ground.observations.size();
   StageSummary summary{"no ground found", {{"num_observations", static_cast<double>(seen)}}};
   if (seen > 0) summary.line = fmt::format("seen in {} of {} keyframes", seen, num_keyframes);
@@ -25,6 +39,8 @@ StageSummary Summarise(const Ground& ground, std::size_t num_keyframes) {
     summary.line += fmt::format(", {:.3f} m below the first camera", ground.plane_world->d_m);
     summary.figures["first_height_m"] = ground.plane_world->d_m;
   }
+  if (const std::string_view how = HowTurned(ground, odometry); !how.empty())
+    summary.line += fmt::format("; pictures stand when turned {}", how);
   if (!ground.apart.empty()) {
     const auto known = std::ranges::count_if(
         ground.apart, [](const GroundApart& apart) { return apart.plane_world.has_value(); });
@@ -52,7 +68,7 @@ Result<StageSummary> RunGround(StageContext& context, const RunInputs& inputs) {
       !status.ok()) {
     return status.error();
   }
-  return Summarise(*ground, odometry->keyframes.size());
+  return Summarise(*ground, *odometry);
 }
 
 }  // namespace deepslam::stages

@@ -138,9 +138,9 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   };
   // Versions rise whenever results may differ with equal options.
   add("track", 15, {}, {"track", "track.covisible"}, kFrames, RunTrack);
-  add("ground", 3, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
+  add("ground", 4, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
-      4,
+      5,
       {"track", "ground"},
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
@@ -153,7 +153,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kTrackOverrides,
       RunAssociate);
   add("propose",
-      3,
+      4,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
       kFrames | kClasses | kLibrary | kPriors,
@@ -192,7 +192,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunMesh);
   add("fuse", 3, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      8,
+      9,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/eval/silhouette.h"
+#include "deepslam/geometry/upright.h"
 #include "deepslam/render/shaded_view.h"
 #include "deepslam/report/draw.h"
 #include "deepslam/shape/render_voxels.h"
@@ -121,6 +122,15 @@ Mask ModelMask(const PicturedObject& object,
   Mask mask(depth.width(), depth.height());
   std::transform(depth.begin(), depth.end(), mask.begin(), [](float d) { return d > 0 ? 1 : 0; });
   return mask;
+}
+
+// Pictures are shown standing, however the camera was held.
+QuarterTurn UprightTurnOf(const OptimizedMap& map, FrameIdx frame) {
+  if (!map.has_ground) return QuarterTurn::kNone;
+  const Pose3& world_from_camera =
+      map.frames[static_cast<std::size_t>(frame.value)].world_from_camera;
+  return UprightTurn(world_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ())
+      .value_or(QuarterTurn::kNone);
 }
 
 // The box widened to show the surroundings, clipped to the image.
@@ -271,12 +281,14 @@ std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> obj
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
     const Pose3& pose = map.frames[static_cast<std::size_t>(keyframe.value)].world_from_camera;
+    const QuarterTurn upright = UprightTurnOf(map, keyframe);
     std::vector<report::Picture> both;
     AddPicture(both,
-               report::DrawOverlays(frame->colour, {}, 640),
+               report::DrawOverlays(Turned(frame->colour, upright), {}, 640),
                fmt::format("Frame {}, as the camera saw it", keyframe.value));
+    const ColourImage drawn = render::ShadeView(with_room, frames.camera(), pose);
     AddPicture(both,
-               report::EncodeJpeg(render::ShadeView(with_room, frames.camera(), pose)),
+               report::EncodeJpeg(Turned(drawn, upright)),
                "The map from there, objects in class colours in the measured room");
     if (both.size() == 2) pairs.push_back({std::move(both[0]), std::move(both[1])});
   }
@@ -306,9 +318,11 @@ std::vector<report::Picture> ObjectPictures(const PicturedObject& object,
         ModelMask(object,
                   camera,
                   map.frames[static_cast<std::size_t>(segment->frame.value)].world_from_camera);
-    AddPicture(pictures,
-               report::DrawOutline(crop, mask, object.colour, 340),
-               fmt::format("frame {}", segment->frame.value));
+    const QuarterTurn upright = UprightTurnOf(map, segment->frame);
+    AddPicture(
+        pictures,
+        report::DrawOutline(Turned(crop, upright), Turned(mask, upright), object.colour, 340),
+        fmt::format("frame {}", segment->frame.value));
   }
   return pictures;
 }
@@ -375,10 +389,11 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
   }
   std::map<FrameIdx, std::vector<const Segment*>> in_frame;
   for (const Segment& segment : segments) in_frame[segment.frame].push_back(&segment);
-  const auto overlay_of = [&](const Segment& s) {
+  const PinholeCamera& camera = frames.camera();
+  const auto overlay_of = [&](const Segment& s, QuarterTurn upright) {
     const auto object = object_of.find(s.detection);
-    report::Overlay overlay{s.box_px,
-                            s.mask.Unpacked(),
+    report::Overlay overlay{Turned(s.box_px, camera.width, camera.height, upright),
+                            Turned(s.mask.Unpacked(), upright),
                             fmt::format("{} {:.2f}", s.class_name, s.score),
                             Rgb8{150, 150, 150}};
     if (object != object_of.end()) {
@@ -398,10 +413,12 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
     const FrameIdx keyframe = with_detections[(2 * n + 1) * with_detections.size() / (2 * count)];
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
+    const QuarterTurn upright = UprightTurnOf(map, keyframe);
     std::vector<report::Overlay> overlays;
-    for (const Segment* segment : in_frame[keyframe]) overlays.push_back(overlay_of(*segment));
+    for (const Segment* segment : in_frame[keyframe])
+      overlays.push_back(overlay_of(*segment, upright));
     AddPicture(pictures,
-               report::DrawOverlays(frame->colour, overlays, 520),
+               report::DrawOverlays(Turned(frame->colour, upright), overlays, 520),
                fmt::format("frame {}", keyframe.value));
   }
   return pictures;

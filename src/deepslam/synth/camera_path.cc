@@ -151,6 +151,8 @@ std::vector<Pose3> CameraPath(const SceneDescription& description) {
   for (std::uint64_t i = 0; i < 6; ++i) sways.emplace_back(Random(description.seed, "sway", i));
   std::optional<Curve> curve;
   if (walks) curve.emplace(walk.points_m, walk.closed);
+  const Eigen::Quaterniond held =
+      RotationFromVector(description.roll_deg * kPi / 180.0 * Eigen::Vector3d::UnitZ());
   std::vector<Pose3> path;
   for (int i = 0; i < description.num_frames; ++i) {
     const double time_s = i / description.frames_per_s;
@@ -163,8 +165,9 @@ std::vector<Pose3> CameraPath(const SceneDescription& description) {
     const Eigen::Vector3d sway_rad =
         shake_deg * kPi / 180.0 *
         Eigen::Vector3d(sways[3].At(time_s), sways[4].At(time_s), sways[5].At(time_s));
-    path.push_back({(LookAt(look.place, look.target) * RotationFromVector(sway_rad)).normalized(),
-                    look.place + sway_m});
+    path.push_back(
+        {(LookAt(look.place, look.target) * RotationFromVector(sway_rad) * held).normalized(),
+         look.place + sway_m});
   }
   return path;
 }

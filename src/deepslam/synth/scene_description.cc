@@ -229,6 +229,7 @@ void ReadCamera(Table camera, SceneDescription& scene) {
   camera.Number("fy", value.fy, 0.05 * value.height, 50.0 * value.height);
   camera.Number("cx", value.cx, 0, value.width - 1);
   camera.Number("cy", value.cy, 0, value.height - 1);
+  camera.Number("roll_deg", scene.roll_deg, -180, 180);
   camera.RefuseOthers();
   scene.sensor = SeenByWidth(scene.sensor, value.width);
 }

@@ -106,6 +106,8 @@ struct SceneDescription {
   int num_frames = 120;
   double frames_per_s = 30;
   PinholeCamera camera;
+  double roll_deg =
+      0;  // how it is held: clockwise, seen from behind; 90 lays pictures on their side
   DepthSensor sensor = *DepthSensorPreset("kinect_v1");  // its pixels brought to the camera's
   double depth_units_per_m = 1000;
   Eigen::Vector3d room_size_m = {5, 5, 2.6};

@@ -1,0 +1,20 @@
+// How pictures have to be turned to stand upright: phones and tablets record them lying on their
+// side, and detectors know furniture that stands.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "deepslam/core/quarter_turn.h"
+#include "deepslam/scene/ground.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam {
+
+// One per frame, by where the ground lies from its camera. Pictures that look steeply up or down
+// are turned as the ones before, the first ones as most are. Nothing is turned where no ground is
+// known.
+[[nodiscard]] std::vector<QuarterTurn> UprightTurns(std::span<const TrackedFrame> frames,
+                                                    const Ground& ground);
+
+}  // namespace deepslam
