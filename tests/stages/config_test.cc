@@ -272,5 +272,15 @@ TEST(Verdict, FollowsWhatWentWrong) {
   EXPECT_EQ(JudgeRun(map, {}).verdict, artifact::Verdict::kBad);
 }
 
+TEST(Verdict, BeginsWithWhatIsDoubtedOfTheCapture) {
+  const std::vector<std::string> doubts = {"half of the depth is nearer than 0.20 m"};
+  const RunVerdict doubted = JudgeRun(MapWithFrames(100, 0), {}, doubts);
+  EXPECT_EQ(doubted.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_THAT(doubted.reasons, testing::ElementsAreArray(doubts));
+  const RunVerdict lost = JudgeRun(MapWithFrames(40, 60), {}, doubts);
+  EXPECT_EQ(lost.verdict, artifact::Verdict::kBad);
+  EXPECT_THAT(lost.reasons, testing::ElementsAre(doubts[0], HasSubstr("could not be tracked")));
+}
+
 }  // namespace
 }  // namespace deepslam::stages

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/dataset/capture_frame_source.h"
+#include "deepslam/dataset/doubts.h"
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
 
@@ -17,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kNumProbedFrames = 8;
+constexpr int kNumDoubtedFrames = 5;
 
 // Refuses captures of which no looked-at frame can be used: wrong camera, wrong units, wrong files.
 Status Probe(const FrameSource& frames, const fs::path& folder) {
@@ -47,6 +50,28 @@ Status Probe(const FrameSource& frames, const fs::path& folder) {
                                   folder.string(),
                                   num_probes,
                                   first_error->message));
+}
+
+// Of what is not wrong for sure.
+std::vector<std::string> AllDoubts(const Capture& capture) {
+  std::vector<std::string> doubts = CameraDoubts(capture.frames->camera());
+  const auto add = [&](std::vector<std::string> more) {
+    std::ranges::move(more, std::back_inserter(doubts));
+  };
+  if (capture.has_times) {
+    std::vector<double> times_s;
+    for (const StoredFrame& frame : capture.stored->frames()) times_s.push_back(frame.depth_time_s);
+    add(TimeDoubts(times_s));
+  }
+  std::vector<DepthImage> depths_m;
+  const int num_frames = capture.frames->num_frames();
+  const int num_looks = std::min(kNumDoubtedFrames, num_frames);
+  for (int i = 0; i < num_looks; ++i) {
+    Result<Frame> frame = capture.frames->ReadDepth(FrameIdx{i * (num_frames / num_looks)});
+    if (frame) depths_m.push_back(std::move(frame->depth_m));
+  }
+  add(DepthDoubts(depths_m));
+  return doubts;
 }
 
 // "capture/" and "." have no file name of their own.
@@ -109,6 +134,8 @@ Result<Capture> OpenCapture(const fs::path& path) {
     capture.has_poses = capture.has_poses || frame.world_from_colour.has_value();
   }
   const Status usable = Probe(*capture.frames, path);
+  capture.doubts = AllDoubts(capture);
+  std::ranges::copy(capture.doubts, std::back_inserter(capture.warnings));
   if (const std::optional<Error> fault = faults->first()) return *fault;
   if (!usable) return usable.error();
   return capture;

@@ -26,6 +26,7 @@ struct Capture {
   // they lie.
   std::string content_hash;
   std::vector<std::string> warnings;  // what was repaired or left out, for the user
+  std::vector<std::string> doubts;    // those of the warnings that doubts.h tells
   std::vector<std::string>
       colour_files;  // of each frame, relative to the folder: the names foreign annotations use
   bool has_poses = false;  // at least one frame has a pose

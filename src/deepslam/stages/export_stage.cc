@@ -226,7 +226,7 @@ Result<artifact::MapFile> MakeMap(const StageContext& context,
   map.capture_name = inputs.capture->name;
   map.capture_hash = inputs.capture->content_hash;
   if (content.map.has_ground) map.ground_world = content.map.ground_world;
-  const RunVerdict verdict = JudgeRun(content.map, content.edges);
+  const RunVerdict verdict = JudgeRun(content.map, content.edges, inputs.capture->doubts);
   if (scene.ground) map.ground_outline_m = mesh::OutlineOf(*scene.ground);
   for (const gltf::GltfObject& object : scene.objects) {
     map.class_colours[object.class_name] = object.class_colour;

@@ -137,12 +137,15 @@ std::string InWords(const Adrift& adrift) {
 
 }  // namespace
 
-RunVerdict JudgeRun(const OptimizedMap& map, std::span<const RelativePose> edges) {
+RunVerdict JudgeRun(const OptimizedMap& map,
+                    std::span<const RelativePose> edges,
+                    std::span<const std::string> capture_doubts) {
   RunVerdict verdict;
   const auto note = [&](artifact::Verdict level, std::string reason) {
     verdict.verdict = std::max(verdict.verdict, level);
     verdict.reasons.push_back(std::move(reason));
   };
+  for (const std::string& doubt : capture_doubts) note(artifact::Verdict::kDoubtful, doubt);
   const auto share = [&](auto... statuses) {
     const auto count =
         std::count_if(map.frames.begin(), map.frames.end(), [&](const TrackedFrame& frame) {

@@ -19,8 +19,11 @@ struct RunVerdict {
 // Bad: more than half of the frames lost, more than a fifth without a measured place relative to
 // the rest, or no object. Doubtful: more than 5 % lost, any frames without a measured place, more
 // than a quarter weakly constrained, a camera that jumps, few keyframes, no ground, a graph that
-// did not converge, objects of little confidence. `edges`: all measurements between keyframes, of
-// tracking and of the loops.
-[[nodiscard]] RunVerdict JudgeRun(const OptimizedMap& map, std::span<const RelativePose> edges);
+// did not converge, objects of little confidence, and whatever is doubted of the capture itself
+// (`capture_doubts`: dataset/doubts.h), which stands first. `edges`: all measurements between
+// keyframes, of tracking and of the loops.
+[[nodiscard]] RunVerdict JudgeRun(const OptimizedMap& map,
+                                  std::span<const RelativePose> edges,
+                                  std::span<const std::string> capture_doubts = {});
 
 }  // namespace deepslam::stages

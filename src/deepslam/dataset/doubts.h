@@ -1,0 +1,25 @@
+// What of a capture is hardly as it was meant: units, clocks and intrinsics of another image are
+// wrong without being invalid, and give maps ten times too large, or none.
+//
+// Only what no room and no camera for rooms has is doubted. The capture is taken as it is.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/image.h"
+#include "deepslam/geometry/camera.h"
+
+namespace deepslam::dataset {
+
+// Principal point and angle of view.
+[[nodiscard]] std::vector<std::string> CameraDoubts(const PinholeCamera& camera);
+
+// Times of the frames in their order, s.
+[[nodiscard]] std::vector<std::string> TimeDoubts(std::span<const double> times_s);
+
+// Depth of some frames, m, invalid 0.
+[[nodiscard]] std::vector<std::string> DepthDoubts(std::span<const DepthImage> depths_m);
+
+}  // namespace deepslam::dataset
