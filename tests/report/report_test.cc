@@ -155,6 +155,23 @@ TEST(RenderReport, WithoutASceneThePageSaysSoInPlaceOfTheView) {
   EXPECT_THAT(page, Not(HasSubstr("id=viewer>")));
 }
 
+TEST(Facts, SayWhereTheCameraWasNotHeldUpright) {
+  ReportContent content = SmallContent();
+  content.map.has_ground = true;
+  const auto finding = [&](double roll_rad) {
+    Eigen::Matrix3d level;  // world z up, looking along x
+    level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    for (TrackedFrame& frame : content.map.frames) {
+      frame.world_from_camera.rotation =
+          level * Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    }
+    return Facts(content)[1].finding;
+  };
+  EXPECT_THAT(finding(0.2), Not(HasSubstr("turned")));
+  EXPECT_THAT(finding(1.6), HasSubstr("turned"));
+  EXPECT_THAT(finding(-3.0), HasSubstr("turned"));
+}
+
 TEST(Facts, EveryFaultHasARemedyAndNothingFineHasOne) {
   ReportContent content = SmallContent();
   content.objects[0].note = "seen from one side only";

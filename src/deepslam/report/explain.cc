@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
+
+#include "deepslam/geometry/upright.h"
 
 namespace deepslam::report {
 namespace {
@@ -30,8 +33,23 @@ Fact CameraFact(const ReportContent& content) {
   return fact;
 }
 
+// Whether most pictures lie on their side or upside down.
+bool MostPicturesLie(const OptimizedMap& map) {
+  const auto lies = [](const TrackedFrame& frame) {
+    const Eigen::Vector3d up_camera =
+        frame.world_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
+    return UprightTurn(up_camera).value_or(QuarterTurn::kNone) != QuarterTurn::kNone;
+  };
+  return 2 * std::ranges::count_if(map.frames, lies) > std::ssize(map.frames);
+}
+
 Fact FloorFact(const ReportContent& content) {
-  if (content.map.has_ground) return {true, "Floor", "found; heights are measured from it", {}};
+  if (content.map.has_ground) {
+    std::string finding = "found; heights are measured from it";
+    if (MostPicturesLie(content.map))
+      finding += "; the camera was not held upright, so pictures are shown turned";
+    return {true, "Floor", finding, {}};
+  }
   return {false,
           "Floor",
           "not found; heights are relative to the first camera and objects may float or tilt",
