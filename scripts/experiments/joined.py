@@ -9,7 +9,7 @@ ties have to be right within 10 cm and 5 deg. Each from three places of the way.
 edge of its graph across the join that was measured. One JSON a capture goes to stderr, the table to stdout. Needs
 nothing beyond Python 3.
 """
-import json
+import itertools
 import os
 import shutil
 import sys
@@ -96,15 +96,6 @@ def one(args, seed, kind, offset):
     return {"name": name, "kind": kind, "ties": len(found), "wrong": wrong, "lost": lost}
 
 
-def render(args, seed):
-    capture = args.work / "captures" / f"{seed:03d}"
-    if (capture / "groundtruth.txt").exists():
-        return True
-    file = args.work / "scenes" / f"{seed:03d}.yaml"
-    file.write_text(loops.scene(seed))
-    return seeded.call(args, f"{seed:03d}", "synth", file, "-o", capture)
-
-
 def table(rows, kinds):
     lines = ["| pieces | captures | tied | wrongly | no frame lost |", "|---|---|---|---|---|"]
     for kind in kinds:
@@ -116,17 +107,10 @@ def table(rows, kinds):
 
 def main():
     args = seeded.arguments(__doc__, "out/loops", "0-49", "kinds", KINDS)
-    if not all([render(args, seed) for seed in args.seeds]):
+    if None in [loops.rendered(args, seed) for seed in args.seeds]:
         return 1
-    rows, failed = [], 0
-    for seed in args.seeds:
-        for kind in args.kinds:
-            for offset in OFFSETS:
-                row = one(args, seed, kind, offset)
-                failed += row is None
-                if row is not None:
-                    rows.append(row)
-                    print(json.dumps(row), file=sys.stderr, flush=True)
+    cases = itertools.product(args.seeds, args.kinds, OFFSETS)
+    rows, failed = seeded.collect(args, lambda *case: one(args, *case), cases)
     print(table(rows, args.kinds))
     return 1 if failed else 0
 

@@ -13,6 +13,7 @@ two, duplicates left (two objects of the map that are one), and ATE of tracking 
 (which closes rooms of few keyframes already), and at the end. Results lie in --work as one JSON per seed and mode and
 are used again; the table goes to stdout. Needs nothing beyond Python 3.
 """
+import itertools
 import json
 import math
 import os
@@ -249,6 +250,16 @@ def score(capture, workspace, ate):
     }
 
 
+def rendered(args, seed):
+    """The capture of the seed's room; None where it cannot be rendered (its log says why)."""
+    capture = args.work / "captures" / f"{seed:03d}"
+    if (capture / "groundtruth.txt").exists():
+        return capture
+    file = args.work / "scenes" / f"{seed:03d}.yaml"
+    file.write_text(scene(seed))
+    return capture if seeded.call(args, f"{seed:03d}", "synth", file, "-o", capture) else None
+
+
 class Driver:
     def __init__(self, args):
         self.args = args
@@ -268,12 +279,9 @@ class Driver:
         result = self.args.work / "results" / f"{name}.json"
         if result.exists():
             return read_json(result)
-        capture = self.args.work / "captures" / f"{seed:03d}"
-        if not (capture / "groundtruth.txt").exists():
-            file = self.args.work / "scenes" / f"{seed:03d}.yaml"
-            file.write_text(scene(seed))
-            if not self.call(name, "synth", file, "-o", capture):
-                return None
+        capture = rendered(self.args, seed)
+        if capture is None:
+            return None
         workspace = self.args.work / "workspaces" / name
         shown = drifted_copy(seed, capture, self.args.work / "captures" / name) if mode == "drifted" else capture
         if not self.call(name, "run", shown, "-o", workspace, "--progress", "none", "--threads", self.args.threads,
@@ -320,16 +328,7 @@ def table(rows, modes):
 def main():
     args = seeded.arguments(__doc__, "out/loops", "0-49", "modes", MODES)
     driver = Driver(args)
-    rows, failed = [], 0
-    for seed in args.seeds:
-        for mode in args.modes:
-            figures = driver.seed(seed, mode)
-            if figures is None:
-                failed += 1
-                print(f"seed {seed} {mode} failed; see {args.work / 'logs'}", file=sys.stderr)
-                continue
-            rows.append(figures)
-            print(json.dumps(figures), file=sys.stderr, flush=True)
+    rows, failed = seeded.collect(args, driver.seed, itertools.product(args.seeds, args.modes))
     print(table(rows, args.modes))
     return 1 if failed else 0
 

@@ -1,5 +1,6 @@
 """What drivers of seeded rooms have in common: their command line, their folders, and calls of the program with a log."""
 import argparse
+import json
 import os
 import pathlib
 import subprocess
@@ -41,3 +42,17 @@ def call(args, name, *command):
     if code != 0:
         print(f"{name}: {command[0]} failed with exit {code}; see {log}", file=sys.stderr)
     return code == 0
+
+
+def collect(args, figures_of, cases):
+    """The figures of every case that has some, each said as JSON on stderr, and the number of those that failed."""
+    rows, failed = [], 0
+    for case in cases:
+        figures = figures_of(*case)
+        if figures is None:
+            failed += 1
+            print(f"{' '.join(map(str, case))} failed; see {args.work / 'logs'}", file=sys.stderr)
+            continue
+        rows.append(figures)
+        print(json.dumps(figures), file=sys.stderr, flush=True)
+    return rows, failed

@@ -134,7 +134,7 @@ Result<Capture> OpenCapture(const fs::path& path) {
     capture.has_poses = capture.has_poses || frame.world_from_colour.has_value();
   }
   const Status usable = Probe(*capture.frames, path);
-  capture.doubts = AllDoubts(capture);
+  if (usable) capture.doubts = AllDoubts(capture);
   std::ranges::copy(capture.doubts, std::back_inserter(capture.warnings));
   if (const std::optional<Error> fault = faults->first()) return *fault;
   if (!usable) return usable.error();

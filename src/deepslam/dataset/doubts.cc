@@ -1,5 +1,6 @@
 #include "deepslam/dataset/doubts.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "deepslam/geometry/upright.h"
+#include "deepslam/scene/upright_turns.h"
 
 namespace deepslam::report {
 namespace {
@@ -35,12 +35,9 @@ Fact CameraFact(const ReportContent& content) {
 
 // Whether most pictures lie on their side or upside down.
 bool MostPicturesLie(const OptimizedMap& map) {
-  const auto lies = [](const TrackedFrame& frame) {
-    const Eigen::Vector3d up_camera =
-        frame.world_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
-    return UprightTurn(up_camera).value_or(QuarterTurn::kNone) != QuarterTurn::kNone;
-  };
-  return 2 * std::ranges::count_if(map.frames, lies) > std::ssize(map.frames);
+  std::vector<QuarterTurn> turns;
+  for (const TrackedFrame& frame : map.frames) turns.push_back(UprightTurnIn(map, frame.frame));
+  return MostCommon(turns) != QuarterTurn::kNone;
 }
 
 Fact FloorFact(const ReportContent& content) {

@@ -15,26 +15,36 @@ std::optional<QuarterTurn> TurnOf(const TrackedFrame& frame, const Ground& groun
   return plane ? UprightTurn(plane->normal) : QuarterTurn::kNone;
 }
 
-QuarterTurn MostCommon(std::span<const std::optional<QuarterTurn>> turns) {
+}  // namespace
+
+QuarterTurn MostCommon(std::span<const QuarterTurn> turns) {
   std::array<std::size_t, 4> counts{};
-  for (const std::optional<QuarterTurn>& turn : turns) {
-    if (turn) ++counts[static_cast<std::size_t>(*turn)];
-  }
+  for (const QuarterTurn turn : turns) ++counts[static_cast<std::size_t>(turn)];
   return static_cast<QuarterTurn>(std::ranges::max_element(counts) - counts.begin());
 }
 
-}  // namespace
-
 std::vector<QuarterTurn> UprightTurns(std::span<const TrackedFrame> frames, const Ground& ground) {
-  std::vector<std::optional<QuarterTurn>> told;
-  for (const TrackedFrame& frame : frames) told.push_back(TurnOf(frame, ground));
-  std::vector<QuarterTurn> turns;
-  QuarterTurn last = MostCommon(told);
-  for (const std::optional<QuarterTurn>& turn : told) {
-    last = turn.value_or(last);
-    turns.push_back(last);
+  std::vector<std::optional<QuarterTurn>> turns;
+  std::vector<QuarterTurn> told;
+  for (const TrackedFrame& frame : frames) {
+    turns.push_back(TurnOf(frame, ground));
+    if (turns.back()) told.push_back(*turns.back());
   }
-  return turns;
+  std::vector<QuarterTurn> filled;
+  QuarterTurn last = MostCommon(told);
+  for (const std::optional<QuarterTurn>& turn : turns) {
+    last = turn.value_or(last);
+    filled.push_back(last);
+  }
+  return filled;
+}
+
+QuarterTurn UprightTurnIn(const OptimizedMap& map, FrameIdx frame) {
+  if (!map.has_ground) return QuarterTurn::kNone;
+  const Pose3& world_from_camera =
+      map.frames[static_cast<std::size_t>(frame.value)].world_from_camera;
+  return UprightTurn(world_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ())
+      .value_or(QuarterTurn::kNone);
 }
 
 }  // namespace deepslam

@@ -7,6 +7,7 @@
 
 #include "deepslam/core/quarter_turn.h"
 #include "deepslam/scene/ground.h"
+#include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam {
@@ -16,5 +17,11 @@ namespace deepslam {
 // known.
 [[nodiscard]] std::vector<QuarterTurn> UprightTurns(std::span<const TrackedFrame> frames,
                                                     const Ground& ground);
+
+// The same of one frame in the final world. Nothing is turned that looks steeply up or down.
+[[nodiscard]] QuarterTurn UprightTurnIn(const OptimizedMap& map, FrameIdx frame);
+
+// The first of those that are as many; nothing is turned where there are none.
+[[nodiscard]] QuarterTurn MostCommon(std::span<const QuarterTurn> turns);
 
 }  // namespace deepslam

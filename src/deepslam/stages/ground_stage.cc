@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,10 +25,8 @@ namespace {
 std::string_view HowTurned(const Ground& ground, const Odometry& odometry) {
   constexpr std::array<std::string_view, 4> kHow = {
       "", "a quarter clockwise", "half round", "a quarter anticlockwise"};
-  std::array<int, 4> counts{};
-  for (const QuarterTurn turn : UprightTurns(odometry.frames, ground))
-    ++counts[static_cast<std::size_t>(turn)];
-  return kHow[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
+  const std::vector<QuarterTurn> turns = UprightTurns(odometry.frames, ground);
+  return kHow[static_cast<std::size_t>(MostCommon(turns))];
 }
 
 StageSummary Summarise(const Ground& ground, const Odometry& odometry) {

@@ -12,6 +12,7 @@
 #include "deepslam/geometry/upright.h"
 #include "deepslam/render/shaded_view.h"
 #include "deepslam/report/draw.h"
+#include "deepslam/scene/upright_turns.h"
 #include "deepslam/shape/render_voxels.h"
 #include "deepslam/shape/shape_model.h"
 
@@ -122,15 +123,6 @@ Mask ModelMask(const PicturedObject& object,
   Mask mask(depth.width(), depth.height());
   std::transform(depth.begin(), depth.end(), mask.begin(), [](float d) { return d > 0 ? 1 : 0; });
   return mask;
-}
-
-// Pictures are shown standing, however the camera was held.
-QuarterTurn UprightTurnOf(const OptimizedMap& map, FrameIdx frame) {
-  if (!map.has_ground) return QuarterTurn::kNone;
-  const Pose3& world_from_camera =
-      map.frames[static_cast<std::size_t>(frame.value)].world_from_camera;
-  return UprightTurn(world_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ())
-      .value_or(QuarterTurn::kNone);
 }
 
 // The box widened to show the surroundings, clipped to the image.
@@ -281,7 +273,7 @@ std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> obj
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
     const Pose3& pose = map.frames[static_cast<std::size_t>(keyframe.value)].world_from_camera;
-    const QuarterTurn upright = UprightTurnOf(map, keyframe);
+    const QuarterTurn upright = UprightTurnIn(map, keyframe);
     std::vector<report::Picture> both;
     AddPicture(both,
                report::DrawOverlays(Turned(frame->colour, upright), {}, 640),
@@ -318,7 +310,7 @@ std::vector<report::Picture> ObjectPictures(const PicturedObject& object,
         ModelMask(object,
                   camera,
                   map.frames[static_cast<std::size_t>(segment->frame.value)].world_from_camera);
-    const QuarterTurn upright = UprightTurnOf(map, segment->frame);
+    const QuarterTurn upright = UprightTurnIn(map, segment->frame);
     AddPicture(
         pictures,
         report::DrawOutline(Turned(crop, upright), Turned(mask, upright), object.colour, 340),
@@ -413,7 +405,7 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
     const FrameIdx keyframe = with_detections[(2 * n + 1) * with_detections.size() / (2 * count)];
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
-    const QuarterTurn upright = UprightTurnOf(map, keyframe);
+    const QuarterTurn upright = UprightTurnIn(map, keyframe);
     std::vector<report::Overlay> overlays;
     for (const Segment* segment : in_frame[keyframe])
       overlays.push_back(overlay_of(*segment, upright));
