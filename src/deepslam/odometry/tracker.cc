@@ -55,6 +55,9 @@ constexpr double kMaxContradictedFar = 0.01;
 // Frames that are placed right reach this: real captures 0.7 and more. At wrong places it is seldom
 // above 0.6, also where the same chair stands.
 constexpr double kLikeDetails = 0.65;
+// Where no hand would have carried the camera, wrong places are as many as there are keyframes:
+// the same furniture on a like floor reaches 0.68.
+constexpr double kLikeDetailsFar = 0.72;
 
 // A camera whose motion nothing shows may be anywhere after a while, also where it would see
 // something again: it is compared with what it saw lately.
@@ -285,9 +288,8 @@ bool Tracker::Believable(const Anchor& anchor,
   const Pose3 placed = anchor.world_from_camera * alignment.i_from_j;
   const DepthNoise& noise = options_.alignment.pyramid.noise;
   const auto sure = [&] { return !Doubtful(alignment); };
-  const auto looks_like_it = [&] {
-    return DetailCorrelation(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, noise) >=
-           kLikeDetails;
+  const auto looks_like_it = [&](double least = kLikeDetails) {
+    return DetailCorrelation(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, noise) >= least;
   };
   const auto contradicted = [&](double most) {
     const PlacedPyramid seen{frame.pyramid, placed};
@@ -304,7 +306,7 @@ bool Tracker::Believable(const Anchor& anchor,
     case Motion::kUnlikely:
       break;
   }
-  return sure() && looks_like_it() && !contradicted(kMaxContradictedFar);
+  return sure() && looks_like_it(kLikeDetailsFar) && !contradicted(kMaxContradictedFar);
 }
 
 std::vector<PlacedPyramid> Tracker::KeyframesOf(int piece) const {
