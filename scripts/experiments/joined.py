@@ -6,8 +6,9 @@
 Made of the captures of loops.py (same seeds, same --work; rendered where they are missing), by links. `other`: 60 frames
 of one room, then 60 of the next; nothing may tie them. `leap`: 60 frames of a room, then the last 60 of its second lap;
 ties have to be right within 10 cm and 5 deg. Each from three places of the way. Stage `track` alone is run; a tie is an
-edge of its graph across the join that was measured. One JSON a capture goes to stderr, the table to stdout. Needs
-nothing beyond Python 3.
+edge of its graph across the join that was measured. With `-- --until loops` (half a minute a capture) objects are counted
+too: those with views of either piece where nothing ties the pieces together, tracking or loops, are of two rooms. One JSON a
+capture goes to stderr, the table to stdout. Needs nothing beyond Python 3.
 """
 import itertools
 import os
@@ -74,6 +75,18 @@ def ties(capture, workspace, join):
     return found, [row["frame"] for row in table["frames"] if row["status"] == "lost"]
 
 
+def mixed(workspace, join, tied):
+    """Objects seen in both pieces though nothing ties these together; None where no objects were looked for."""
+    objects, loops_found = workspace / "loops/objects.json", workspace / "loops/loops.json"
+    if not objects.exists():
+        return None
+    edges_found = [(edge["i"], edge["j"]) for edge in loops.read_json(loops_found)["edges"]]
+    if tied or any((i < join) != (j < join) for i, j in edges_found):
+        return 0
+    views = [[view["frame"] < join for view in row["views"]] for row in loops.read_json(objects)["objects"]]
+    return sum(len(set(sides)) > 1 for sides in views)
+
+
 def is_wrong(tie, kind):
     return kind == "other" or tie[2][0] > loops.WRONG_M or tie[2][1] > loops.WRONG_DEG
 
@@ -89,19 +102,21 @@ def one(args, seed, kind, offset):
     capture = joined(pieces, args.work / "joined" / name)
     workspace = args.work / "workspaces" / name
     if not seeded.call(args, name, "run", capture, "-o", workspace, "--progress", "none", "--threads", args.threads,
-                       *args.run_options, "--until", "track"):
+                       *([] if "--until" in args.run_options else ["--until", "track"]), *args.run_options):
         return None
     found, lost = ties(capture, workspace, LENGTH)
     wrong = [tie for tie in found if is_wrong(tie, kind)]
-    return {"name": name, "kind": kind, "ties": len(found), "wrong": wrong, "lost": lost}
+    return {"name": name, "kind": kind, "ties": len(found), "wrong": wrong, "lost": lost,
+            "mixed": mixed(workspace, LENGTH, bool(found))}
 
 
 def table(rows, kinds):
-    lines = ["| pieces | captures | tied | wrongly | no frame lost |", "|---|---|---|---|---|"]
+    lines = ["| pieces | captures | tied | wrongly | no frame lost | with objects of two rooms |", "|---|---|---|---|---|---|"]
     for kind in kinds:
         group = [row for row in rows if row["kind"] == kind]
         lines.append(f"| {kind} | {len(group)} | {sum(row['ties'] > 0 for row in group)} | "
-                     f"{sum(bool(row['wrong']) for row in group)} | {sum(not row['lost'] for row in group)} |")
+                     f"{sum(bool(row['wrong']) for row in group)} | {sum(not row['lost'] for row in group)} | "
+                     + (f"{sum(row['mixed'] > 0 for row in group)} |" if group and group[0]["mixed"] is not None else "not asked |"))
     return "\n".join(lines)
 
 

@@ -151,6 +151,27 @@ TEST(Associate, FindsAnObjectAgainAfterManyFramesWithoutIt) {
   EXPECT_TRUE(refound);
 }
 
+// Two captures in one: tracking lost itself at a frame and went on where it was.
+TEST(Associate, HoldsNothingAgainstWhatStandsWhereNobodyMeasured) {
+  const BoxWorldSource source = Round(16, 4);
+  const auto segments = TrueSegments(source, 3);
+  const FrameIdx before{7}, cut{8};
+  Odometry odometry = source.TrueOdometry();
+  odometry.frames[8].status = TrackingStatus::kLost;
+  odometry.edges.push_back({before, cut, Pose3{}, Matrix6d::Identity(), true});
+  const Association apart = AssociateAll(source, odometry, segments);
+  ExpectEachDetectionOnce(apart, segments);
+  ASSERT_THAT(apart.tracks, SizeIs(6));
+  for (const ObjectTrack& track : apart.tracks) {
+    EXPECT_EQ(track.id.value, &track - apart.tracks.data());
+    for (const TrackMember& member : track.members)
+      EXPECT_EQ(member.frame < cut, track.members.front().frame < cut);
+  }
+  // Tracking met an earlier keyframe again.
+  odometry.edges.push_back({FrameIdx{2}, FrameIdx{10}, Pose3{}, Matrix6d::Identity(), false});
+  EXPECT_THAT(AssociateAll(source, odometry, segments).tracks, SizeIs(3));
+}
+
 TEST(Associate, StartsNothingAtTheBorderButMatchesThere) {
   const BoxWorldSource source = Round(6, 4);
   auto segments = TrueSegments(source, 1);

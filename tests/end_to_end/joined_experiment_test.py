@@ -59,6 +59,17 @@ class Joined(unittest.TestCase):
         self.assertEqual([joined.is_wrong(tie, "leap") for tie in found], [False, True])
         self.assertEqual([joined.is_wrong(tie, "other") for tie in found], [True, True])
 
+    def test_objects_of_both_pieces_are_of_two_rooms_unless_something_ties_them(self):
+        self.assertIsNone(joined.mixed(self.dir / "map", 3, False))
+        loops = self.dir / "map" / "loops"
+        loops.mkdir(parents=True)
+        rows = [{"views": [{"frame": frame} for frame in frames]} for frames in ((0, 2), (1, 3), (3, 4), (2, 4, 3))]
+        (loops / "objects.json").write_text(json.dumps({"objects": rows}))
+        for edges, count in (([], 2), ([{"i": 0, "j": 2}], 2), ([{"i": 2, "j": 4}], 0)):
+            (loops / "loops.json").write_text(json.dumps({"edges": edges}))
+            self.assertEqual(joined.mixed(self.dir / "map", 3, False), count)
+        self.assertEqual(joined.mixed(self.dir / "map", 3, True), 0)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -194,6 +194,19 @@ TEST(Loops, ADuplicateInItsPlaceIsMergedWithoutASecondPair) {
   EXPECT_TRUE(Detect(scene, options).merges.empty());
 }
 
+TEST(Loops, WhatStandsInOnePlaceMayBeInTwoRoomsWhereNothingTiesThePathTogether) {
+  Scene scene;
+  scene.odometry = Walk(100, 1);
+  AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, {});
+  AddVisit(scene, {{"chair", 0, 0, 0}}, 50, Yawed(0.05, 0.04, 0, 0.02), {});
+  EXPECT_EQ(Merged(Detect(scene)), (Merges{{0, 1}}));
+  scene.odometry.frames[40].status = TrackingStatus::kLost;
+  scene.odometry.edges.push_back({FrameIdx{30}, FrameIdx{40}, {}, Matrix6d::Identity(), true});
+  EXPECT_TRUE(Detect(scene).merges.empty());
+  scene.odometry.edges.push_back({FrameIdx{10}, FrameIdx{60}, {}, Matrix6d::Identity(), false});
+  EXPECT_EQ(Merged(Detect(scene)), (Merges{{0, 1}}));
+}
+
 // A top on four legs, about its middle.
 std::vector<Eigen::Vector3f> TablePoints() {
   std::vector<Eigen::Vector3f> points;

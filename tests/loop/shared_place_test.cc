@@ -40,6 +40,24 @@ TEST(SharedPlace, IntrudersStandInASurerOneOfTheirClass) {
   EXPECT_EQ(found.front().host, ObjectId(0));
 }
 
+TEST(SharedPlace, NobodyIntrudesFromAPartOfThePathThatNothingTies) {
+  ObjectMap map{{Chair(0, 0, 0.7), Chair(1, 0.1, 0.2)}, {}};
+  for (const int k : {0, 1}) {
+    ViewRegistration view;
+    view.frame = FrameIdx{k};
+    map.objects[static_cast<std::size_t>(k)].views = {view};
+  }
+  Odometry odometry;
+  for (const int k : {0, 1}) {
+    odometry.frames.emplace_back().frame = odometry.frames.back().keyframe = FrameIdx{k};
+    odometry.keyframes.push_back(FrameIdx{k});
+  }
+  EXPECT_EQ(SuspectIntruders(map, {}, odometry).size(), 1U);
+  odometry.frames[1].status = TrackingStatus::kLost;
+  odometry.edges.push_back({FrameIdx{0}, FrameIdx{1}, {}, Matrix6d::Identity(), true});
+  EXPECT_TRUE(SuspectIntruders(map, {}, odometry).empty());
+}
+
 TEST(SharedPlace, TheSurestIsTheHostWhateverTheOrder) {
   for (const bool reversed : {false, true}) {
     ObjectMap map{{Chair(0, 0, 0.5), Chair(1, 0.1, 0.2), Chair(2, 0.2, 0.9)}, {}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include "deepslam/associate/object_hypothesis.h"
 #include "deepslam/associate/review_objects.h"
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/scene/measured_parts.h"
 
 namespace deepslam::associate {
 namespace {
@@ -25,11 +27,15 @@ double Span(const Segment& segment) {
 
 class Matcher {
  public:
-  Matcher(const FrameSource& frames, const Odometry& odometry, const AssociateOptions& options)
-      : frames_(frames), odometry_(odometry), options_(options) {}
+  // `num_started`: objects, of all matchers that share it.
+  Matcher(const FrameSource& frames,
+          const Odometry& odometry,
+          const AssociateOptions& options,
+          int& num_started)
+      : frames_(frames), odometry_(odometry), options_(options), num_started_(num_started) {}
 
   void AddFrame(FrameIdx frame, std::span<const Segment* const> segments);
-  Association Finish();
+  void Finish(Association& association);
 
  private:
   std::vector<int> MakeObservations(FrameIdx frame,
@@ -55,7 +61,7 @@ class Matcher {
   std::vector<int> orphans_;  // usable, but could start nothing
   Sights sights_;
   std::vector<Rejection> rejections_;
-  int num_started_ = 0;
+  int& num_started_;
 };
 
 ObjectHypothesis& Matcher::Object(ObjectId id) {
@@ -231,27 +237,24 @@ void Matcher::StartObjectsAtBorder() {
   }
 }
 
-Association Matcher::Finish() {
+void Matcher::Finish(Association& association) {
   MergeDuplicates(objects_, all_, options_, rejections_);
   AdoptOrphans();
   StartObjectsAtBorder();
   MergeDuplicates(objects_, all_, options_, rejections_);
   RejectNoise(objects_, all_, sights_, frames_.camera(), options_, rejections_);
-  std::sort(objects_.begin(),
-            objects_.end(),
-            [](const ObjectHypothesis& a, const ObjectHypothesis& b) { return a.id < b.id; });
-  Association association;
   for (ObjectHypothesis& object : objects_) {
     association.tracks.push_back(
         {object.id, object.class_name, std::move(object.members), object.reason});
   }
-  association.rejections = std::move(rejections_);
-  std::stable_sort(association.rejections.begin(),
-                   association.rejections.end(),
-                   [](const Rejection& a, const Rejection& b) {
-                     return a.frame != b.frame ? a.frame < b.frame : a.detection < b.detection;
-                   });
-  return association;
+  std::ranges::move(rejections_, std::back_inserter(association.rejections));
+}
+
+void Sort(Association& association) {
+  std::ranges::sort(association.tracks, {}, &ObjectTrack::id);
+  std::ranges::stable_sort(association.rejections, [](const Rejection& a, const Rejection& b) {
+    return a.frame != b.frame ? a.frame < b.frame : a.detection < b.detection;
+  });
 }
 
 }  // namespace
@@ -329,7 +332,9 @@ Result<Association> Associate(const FrameSource& frames,
                               Progress& progress) {
   std::map<FrameIdx, std::vector<const Segment*>> by_frame;
   for (const Segment& segment : segments) by_frame[segment.frame].push_back(&segment);
-  Matcher matcher(frames, odometry, options);
+  const std::vector<int> parts = PartsOfFrames(odometry);
+  int num_started = 0;
+  std::map<int, Matcher> matchers;  // by part
   std::vector<Rejection> unknown;
   std::size_t done = 0;
   for (const auto& [frame, of_frame] : by_frame) {
@@ -337,11 +342,16 @@ Result<Association> Associate(const FrameSource& frames,
     if (frame.value < 0 || frame.value >= static_cast<int>(odometry.frames.size())) {
       for (const Segment* s : of_frame) unknown.push_back({s->detection, frame, "frame unknown"});
     } else {
+      const int part = parts[static_cast<std::size_t>(frame.value)];
+      Matcher& matcher =
+          matchers.try_emplace(part, frames, odometry, options, num_started).first->second;
       matcher.AddFrame(frame, of_frame);
     }
     progress.Report(++done, by_frame.size());
   }
-  Association association = matcher.Finish();
+  Association association;
+  for (auto& [part, matcher] : matchers) matcher.Finish(association);
+  Sort(association);
   association.rejections.insert(association.rejections.begin(), unknown.begin(), unknown.end());
   return association;
 }

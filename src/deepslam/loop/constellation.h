@@ -19,7 +19,8 @@
 // first, as long as all agree after a refit.
 // Besides, a single pair is proposed where two models stand in each other, of whatever classes:
 // distance of centres below overlap_share * half the smaller one's longest side (a duplicate left
-// by association or by a path that has been closed; no gap needed).
+// by association or by a path that has been closed; no gap needed), and it was measured how they lie
+// to each other: in parts of the path that nothing ties together one place may be in two rooms.
 //
 // Verification. The correction is refined by 4-DoF ICP over objects and surroundings; then the
 // depth of either visit has to lie on the other visit's models, and the surroundings have to agree.

@@ -252,7 +252,7 @@ class ConstellationFinder {
     for (std::size_t a = 0; a < map_.objects.size(); ++a) {
       for (std::size_t b = a + 1; b < map_.objects.size(); ++b) {
         if (!SharePlace(map_.objects[a], map_.objects[b], options_) || !Usable(a) || !Usable(b) ||
-            sightings_.SeenTogether(a, b)) {
+            sightings_.SeenTogether(a, b) || !sightings_.Tied(a, b)) {
           continue;
         }
         const bool a_first = sightings_.frames(a).front() <= sightings_.frames(b).front();

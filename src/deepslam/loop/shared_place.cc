@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "deepslam/loop/point_agreement.h"
+#include "deepslam/loop/sightings.h"
 
 namespace deepslam::loop {
 namespace {
@@ -39,13 +40,18 @@ bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& optio
   return Apart_m(a, b) < options.overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
 }
 
-std::vector<Intruder> SuspectIntruders(const ObjectMap& map, const LoopOptions& options) {
+std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
+                                       const LoopOptions& options,
+                                       const Odometry& odometry) {
   std::vector<Intruder> suspects;
   if (!options.merge_overlapping) return suspects;
-  for (const MapObject& object : map.objects) {
-    for (const MapObject& host : map.objects) {
-      if (host.id != object.id && object.confidence < kAsSure * host.confidence &&
-          Apart_m(object, host) < 0.5 * (object.scale_m + host.scale_m)) {
+  const Sightings sightings(map, {}, odometry);
+  for (std::size_t k = 0; k < map.objects.size(); ++k) {
+    const MapObject& object = map.objects[k];
+    for (std::size_t h = 0; h < map.objects.size(); ++h) {
+      const MapObject& host = map.objects[h];
+      if (h != k && object.confidence < kAsSure * host.confidence &&
+          Apart_m(object, host) < 0.5 * (object.scale_m + host.scale_m) && sightings.Tied(k, h)) {
         suspects.push_back({object.id, host.id});
       }
     }

@@ -22,9 +22,11 @@ struct Intruder {
 };
 
 // Those less than half as sure as another one that they may touch, with every such one, in the
-// order of the map. None without merge_overlapping.
+// order of the map. None without merge_overlapping; none of two that were seen in parts of the path
+// which nothing ties together (Sightings::Tied).
 [[nodiscard]] std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
-                                                     const LoopOptions& options);
+                                                     const LoopOptions& options,
+                                                     const Odometry& odometry = {});
 
 // The suspects that share the place of a host of their class, or that are no more than a piece of
 // the host, whatever their class: four fifths of what was measured of them lie within

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <map>
 
+#include "deepslam/scene/measured_parts.h"
+
 namespace deepslam::loop {
 
-Sightings::Sightings(const ObjectMap& map,
-                     const Association& association,
-                     const Odometry& odometry) {
+Sightings::Sightings(const ObjectMap& map, const Association& association, const Odometry& odometry)
+    : part_of_frame_(PartsOfFrames(odometry)) {
   std::map<ObjectId, const ObjectTrack*> tracks;
   for (const ObjectTrack& track : association.tracks) tracks.emplace(track.id, &track);
   for (const MapObject& object : map.objects) {
@@ -45,6 +46,14 @@ bool Sightings::SeenTogether(std::size_t a, std::size_t b) const {
     return std::binary_search(other.begin(), other.end(), frame);
   });
 }
+
+int Sightings::PartOf(std::size_t object) const {
+  const int first = frames_[object].empty() ? -1 : frames_[object].front();
+  const bool known = 0 <= first && first < static_cast<int>(part_of_frame_.size());
+  return known ? part_of_frame_[static_cast<std::size_t>(first)] : 0;
+}
+
+bool Sightings::Tied(std::size_t a, std::size_t b) const { return PartOf(a) == PartOf(b); }
 
 double Sightings::PathUntil_m(int frame) const {
   const auto after = std::upper_bound(path_frames_.begin(), path_frames_.end(), frame);

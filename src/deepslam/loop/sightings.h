@@ -17,13 +17,18 @@ class Sightings {
   // Ascending, without repetition; `object` is an index into ObjectMap::objects.
   [[nodiscard]] const std::vector<int>& frames(std::size_t object) const { return frames_[object]; }
   [[nodiscard]] bool SeenTogether(std::size_t a, std::size_t b) const;
+  // Whether it was measured how they lie to each other (scene/measured_parts.h): first seen in one
+  // part of the path. Without a trajectory all are.
+  [[nodiscard]] bool Tied(std::size_t a, std::size_t b) const;
   // Path along the keyframes between two frames; 0 without a trajectory.
   [[nodiscard]] double PathBetween_m(int frame_a, int frame_b) const;
 
  private:
   [[nodiscard]] double PathUntil_m(int frame) const;
+  [[nodiscard]] int PartOf(std::size_t object) const;
 
   std::vector<std::vector<int>> frames_;
+  std::vector<int> part_of_frame_;
   std::vector<int> path_frames_;
   std::vector<double> path_m_;  // travelled until path_frames_[k]
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -99,6 +100,21 @@ std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> fra
     stretches.back().end_keyframe = position + 1;
   }
   return stretches;
+}
+
+std::vector<int> PartsOfFrames(const Odometry& odometry) {
+  std::vector<int> parts(odometry.frames.size(), 0);
+  std::vector<FrameIdx> keyframes;
+  std::ranges::copy_if(odometry.keyframes, std::back_inserter(keyframes), [&](FrameIdx keyframe) {
+    return keyframe.valid() && static_cast<std::size_t>(keyframe.value) < parts.size();
+  });
+  for (const MeasuredStretch& stretch :
+       MeasuredStretches(odometry.frames, keyframes, odometry.edges)) {
+    const FrameIdx first = keyframes[static_cast<std::size_t>(stretch.first_keyframe)];
+    if (stretch.first_keyframe > 0)
+      std::fill(parts.begin() + first.value, parts.end(), stretch.part);
+  }
+  return parts;
 }
 
 }  // namespace deepslam

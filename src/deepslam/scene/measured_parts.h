@@ -28,4 +28,8 @@ struct MeasuredStretch {
                                                              std::span<const FrameIdx> keyframes,
                                                              std::span<const RelativePose> edges);
 
+// The part of each frame. A stretch reaches from its first keyframe to before the next one's; what
+// comes before all keyframes is the first stretch's. All 0 without keyframes.
+[[nodiscard]] std::vector<int> PartsOfFrames(const Odometry& odometry);
+
 }  // namespace deepslam

@@ -140,13 +140,20 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   return evidence;
 }
 
+// With what loops have measured so far among the edges.
+Odometry Measured(const LoopWorld& world) {
+  Odometry measured = world.odometry;
+  measured.edges.insert(measured.edges.end(), world.edges.begin(), world.edges.end());
+  return measured;
+}
+
 Result<Loops> DetectLoops(const StageContext& context,
                           const RunInputs& inputs,
                           const std::vector<PartedVisit>& visits,
                           const LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
   std::vector<Constellation> proposed =
-      loop::FindConstellations(world.map, world.association, options, world.odometry);
+      loop::FindConstellations(world.map, world.association, options, Measured(world));
   const std::vector<Constellation> known_again =
       loop::ProposeKnownAgain(visits, world.map, proposed);
   std::vector<Constellation> verified(proposed.size() + known_again.size());
@@ -278,7 +285,8 @@ Result<Loops> CloseByObjects(const StageContext& context,
 Status DropIntruders(const StageContext& context, const RunInputs& inputs, LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
   ObjectMap& map = world.map;
-  const std::vector<loop::Intruder> suspects = loop::SuspectIntruders(map, options);
+  const std::vector<loop::Intruder> suspects =
+      loop::SuspectIntruders(map, options, Measured(world));
   if (suspects.empty()) return Ok();
   const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world);
   if (!evidence.ok()) return evidence.error();

@@ -137,7 +137,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 15, {}, {"track", "track.covisible"}, kFrames, RunTrack);
+  add("track", 16, {}, {"track", "track.covisible"}, kFrames, RunTrack);
   add("ground", 4, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       5,
@@ -147,7 +147,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunDetect);
   add("segment", 6, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
-      6,
+      7,
       {"track", "ground", "segment"},
       {"associate"},
       kFrames | kTrackOverrides,
@@ -171,7 +171,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      17,
+      18,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
