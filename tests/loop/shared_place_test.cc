@@ -49,7 +49,8 @@ TEST(SharedPlace, NobodyIntrudesFromAPartOfThePathThatNothingTies) {
   }
   Odometry odometry;
   for (const int k : {0, 1}) {
-    odometry.frames.emplace_back().frame = odometry.frames.back().keyframe = FrameIdx{k};
+    TrackedFrame& frame = odometry.frames.emplace_back();
+    frame.frame = frame.keyframe = FrameIdx{k};
     odometry.keyframes.push_back(FrameIdx{k});
   }
   EXPECT_EQ(SuspectIntruders(map, {}, odometry).size(), 1U);
