@@ -10,6 +10,8 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core features2d imgproc imgcodecs videoio)
 find_package(ZLIB REQUIRED)
+find_package(JPEG REQUIRED)
+find_package(PNG REQUIRED)
 find_package(Ceres REQUIRED)
 # CGAL brings a FindOpenMesh of its own that fails here: look for the package's own configuration, first.
 find_package(OpenMesh CONFIG REQUIRED)
@@ -42,10 +44,17 @@ set_target_properties(deepslam::onnxruntime PROPERTIES
   IMPORTED_LOCATION "${ONNXRUNTIME_LIBRARY}"
   INTERFACE_INCLUDE_DIRECTORIES "${ONNXRUNTIME_INCLUDE_DIR}")
 
-# Debian's libzip-config.cmake asks for the command line tools of another package: find the library itself.
-find_path(LIBZIP_INCLUDE_DIR zip.h REQUIRED)
-find_library(LIBZIP_LIBRARY zip REQUIRED)
-add_library(deepslam::libzip UNKNOWN IMPORTED)
-set_target_properties(deepslam::libzip PROPERTIES
-  IMPORTED_LOCATION "${LIBZIP_LIBRARY}"
-  INTERFACE_INCLUDE_DIRECTORIES "${LIBZIP_INCLUDE_DIR}")
+# Found by their files: libwebp's package has no configuration for CMake, and Debian's libzip-config.cmake asks for the
+# command line tools of another package.
+#   deepslam_find_library(<name> <header> <library>)
+function(deepslam_find_library name header library)
+  string(TOUPPER "${name}" upper)
+  find_path(${upper}_INCLUDE_DIR ${header} REQUIRED)
+  find_library(${upper}_LIBRARY ${library} REQUIRED)
+  add_library(deepslam::${name} UNKNOWN IMPORTED GLOBAL)
+  set_target_properties(deepslam::${name} PROPERTIES
+    IMPORTED_LOCATION "${${upper}_LIBRARY}"
+    INTERFACE_INCLUDE_DIRECTORIES "${${upper}_INCLUDE_DIR}")
+endfunction()
+deepslam_find_library(libzip zip.h zip)
+deepslam_find_library(webp webp/decode.h webp)

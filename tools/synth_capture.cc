@@ -276,6 +276,10 @@ Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& pr
   if (!world) return Error{world.error().code, scene_file.string() + ": " + world.error().message};
 
   SynthSummary summary;
+  for (const auto& [name, model] : *models) {
+    for (const std::string& warning : model.warnings)
+      summary.warnings.push_back(scene_file.string() + ": model '" + name + "': " + warning);
+  }
   for (const std::string& warning : world->warnings)
     summary.warnings.push_back(scene_file.string() + ": " + warning);
   const synth::CaptureRenderer renderer(*std::move(world));

@@ -160,6 +160,8 @@ void PutCaptures(Corpus& corpus) {
   corpus.Put("image", "colour.jpg", dataset::foreign::Encoded(".jpg", picture));
   corpus.Put("image", "colour.bmp", dataset::foreign::Encoded(".bmp", picture));
   corpus.Put("image", "other_size.png", dataset::foreign::ColourFile(0));
+  for (const char* const end : {".png", ".jpg", ".webp"})
+    corpus.Put("texture", std::string("colour") + end, dataset::foreign::Encoded(end, picture));
 }
 
 void PutNetworks(Corpus& corpus) {

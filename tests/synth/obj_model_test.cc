@@ -5,11 +5,16 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/geometry/box.h"
+#include "deepslam/image_codec/jpeg.h"
+#include "deepslam/image_codec/png.h"
 
 namespace deepslam::synth {
 namespace {
 
+using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 const char* const kWedge =
     "mtllib wedge.mtl\nv 0 0 0\nv 2 0 0\nv 0 4 0\nv 0 0 1\nusemtl red\nf 1 2 3\nf 1 2 4\nusemtl "
@@ -68,6 +73,28 @@ TEST(ParseObjModel, BrokenTexturesAreLeftOut) {
       ParseObjModel(kWedge, beside, Eigen::Matrix3d::Identity(), CatalogueSize{1, 1, 1});
   ASSERT_TRUE(model.ok());
   EXPECT_EQ(model->mesh.colours[0], (Rgb8{255, 0, 0}));
+  EXPECT_THAT(model->warnings,
+              ElementsAre(AllOf(HasSubstr("texture 1 of 1 is left out"),
+                                HasSubstr("no PNG, JPEG or WebP"),
+                                HasSubstr("convert it"))));
+}
+
+TEST(ParseObjModel, TexturesPaintCorners) {
+  for (const std::string& picture :
+       {*image_codec::EncodePng(ColourImage(4, 4, Rgb8{9, 80, 200})),
+        *image_codec::EncodeJpeg(ColourImage(8, 8, Rgb8{9, 80, 200}), 98)}) {
+    const auto beside = [&](const std::string& name) -> std::optional<std::string> {
+      if (name == "wedge.mtl") return "newmtl red\nKd 1 0 0\nmap_Kd wood\n";
+      return picture;
+    };
+    const Result<FurnitureModel> model =
+        ParseObjModel(kWedge, beside, Eigen::Matrix3d::Identity(), CatalogueSize{1, 1, 1});
+    ASSERT_TRUE(model.ok()) << model.error().message;
+    EXPECT_THAT(model->warnings, IsEmpty());
+    EXPECT_NEAR(model->mesh.colours[0].r, 9, 2);
+    EXPECT_NEAR(model->mesh.colours[0].g, 80, 2);
+    EXPECT_NEAR(model->mesh.colours[0].b, 200, 2);
+  }
 }
 
 TEST(ParseObjModel, KeepsTheFilesOwnSizeWhenNoneIsGiven) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/image_codec/png.h"
+
 namespace deepslam::dataset {
 namespace {
 
@@ -60,7 +62,7 @@ Status MakeFolder(const std::filesystem::path& folder) {
 }
 
 Result<std::string> ColourBytes(const StoredColour& colour) {
-  if (colour.codec == ImageCodec::kOther) return EncodePng(colour.pixels);
+  if (colour.codec == ImageCodec::kOther) return image_codec::EncodePng(colour.pixels);
   return colour.bytes;
 }
 

@@ -49,10 +49,7 @@ Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width
 // Decodes an image of one channel of 8 bits (a confidence map).
 Result<Image<std::uint8_t>> ReadGreyFile(const std::filesystem::path& file, int width, int height);
 
-// PNG files in memory, without loss.
-Result<std::string> EncodePng(const ColourImage& image);
-Result<std::string> EncodePng(const RawDepthImage& image);
-
+// As PNG or, by a name that ends so, as JPEG.
 Status WriteColourFile(const std::filesystem::path& file,
                        const ColourImage& image,
                        int jpeg_quality = 95);

@@ -6,10 +6,9 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "deepslam/geometry/box.h"
+#include "deepslam/image_codec/decode.h"
 
 namespace deepslam::synth {
 namespace {
@@ -26,28 +25,36 @@ struct Corner {
 
 struct Material {
   Eigen::Vector3f colour = SurfaceMaterial().diffuse;
-  cv::Mat texture;  // CV_8UC3, times the colour; empty: none
+  const ColourImage* texture = nullptr;  // times the colour; null: none
   bool shiny = false;
 };
 
-cv::Mat DecodeTexture(const std::string& bytes) {
-  try {
-    const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    return bytes.empty() ? cv::Mat() : cv::imdecode(raw, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
-    return {};
+// Empty where one cannot be decoded, which `warnings` say.
+std::vector<ColourImage> DecodeTextures(const TexturedMesh& mesh,
+                                        std::vector<std::string>& warnings) {
+  std::vector<ColourImage> textures;
+  for (const std::string& bytes : mesh.textures) {
+    Result<ColourImage> texture = image_codec::DecodeColour(bytes);
+    if (!texture) {
+      warnings.push_back(fmt::format("texture {} of {} is left out: {}",
+                                     textures.size() + 1,
+                                     mesh.textures.size(),
+                                     texture.error().message));
+    }
+    textures.push_back(texture ? *std::move(texture) : ColourImage());
   }
+  return textures;
 }
 
-std::vector<Material> DecodeMaterials(const TexturedMesh& mesh) {
-  std::vector<cv::Mat> textures;
-  for (const std::string& bytes : mesh.textures) textures.push_back(DecodeTexture(bytes));
+std::vector<Material> DecodeMaterials(const TexturedMesh& mesh,
+                                      const std::vector<ColourImage>& textures) {
   std::vector<Material> materials;
   for (const SurfaceMaterial& from : mesh.materials) {
     Material material;
-    if (from.texture >= 0 && static_cast<std::size_t>(from.texture) < textures.size())
-      material.texture = textures[static_cast<std::size_t>(from.texture)];
-    const Eigen::Vector3f& colour = material.texture.empty() ? from.diffuse : from.tint;
+    const auto number = static_cast<std::size_t>(from.texture);
+    if (from.texture >= 0 && number < textures.size() && !textures[number].empty())
+      material.texture = &textures[number];
+    const Eigen::Vector3f& colour = material.texture == nullptr ? from.diffuse : from.tint;
     if (colour.allFinite()) material.colour = colour.cwiseMax(0.0f).cwiseMin(1.0f);
     material.shiny = from.shiny;
     materials.push_back(std::move(material));
@@ -57,15 +64,17 @@ std::vector<Material> DecodeMaterials(const TexturedMesh& mesh) {
 
 Rgb8 ColourAt(const Material& material, const Corner& corner) {
   Eigen::Vector3f colour = material.colour.cwiseProduct(corner.colour);
-  if (!material.texture.empty() && corner.uv.allFinite()) {
+  if (material.texture != nullptr && corner.uv.allFinite()) {
     const auto wrapped = [](float x) { return x - std::floor(x); };
-    const cv::Mat& t = material.texture;
+    const ColourImage& t = *material.texture;
     const int u = std::clamp(
-        static_cast<int>(wrapped(corner.uv.x()) * static_cast<float>(t.cols)), 0, t.cols - 1);
-    const int v = std::clamp(
-        static_cast<int>((1 - wrapped(corner.uv.y())) * static_cast<float>(t.rows)), 0, t.rows - 1);
-    const cv::Vec3b bgr = t.at<cv::Vec3b>(v, u);
-    colour = colour.cwiseProduct(Eigen::Vector3f(bgr[2], bgr[1], bgr[0]) / 255.0f);
+        static_cast<int>(wrapped(corner.uv.x()) * static_cast<float>(t.width())), 0, t.width() - 1);
+    const int v =
+        std::clamp(static_cast<int>((1 - wrapped(corner.uv.y())) * static_cast<float>(t.height())),
+                   0,
+                   t.height() - 1);
+    const Rgb8 texel = t(u, v);
+    colour = colour.cwiseProduct(Eigen::Vector3f(texel.r, texel.g, texel.b) / 255.0f);
   }
   const auto byte = [](float c) {
     return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(c, 0.0f, 1.0f)));
@@ -81,7 +90,7 @@ void AddFace(const std::array<Corner, 3>& face,
   const float longest = std::max({(face[0].p - face[1].p).norm(),
                                   (face[1].p - face[2].p).norm(),
                                   (face[2].p - face[0].p).norm()});
-  if (!material.texture.empty() && longest > kTexturedEdgeM && divisions < kMaxDivisions &&
+  if (material.texture != nullptr && longest > kTexturedEdgeM && divisions < kMaxDivisions &&
       mesh.faces.size() < kMaxModelFaces / 4) {
     std::array<Corner, 3> middle;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -161,10 +170,11 @@ Result<FurnitureModel> MakeFurnitureModel(const TexturedMesh& mesh,
   if (mesh.faces.size() > kMaxModelFaces) return TooManyFaces(mesh.faces.size());
   const Result<ObjectFromFile> object_from_file = FitToSize(mesh, rotation, size);
   if (!object_from_file) return object_from_file.error();
-  const std::vector<Material> materials = DecodeMaterials(mesh);
+  FurnitureModel model;
+  const std::vector<ColourImage> textures = DecodeTextures(mesh, model.warnings);
+  const std::vector<Material> materials = DecodeMaterials(mesh, textures);
   const Material grey;
   const bool has_colours = mesh.colours.size() == mesh.vertices.size();
-  FurnitureModel model;
   for (const TexturedMesh::Face& from : mesh.faces) {
     std::array<Corner, 3> face;
     for (std::size_t c = 0; c < 3; ++c) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,7 +21,8 @@ namespace deepslam::synth {
 struct FurnitureModel {
   TriangleMesh mesh;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // along x (front), y, z
-  std::vector<std::uint8_t> shiny;  // per face: 1 where depth cameras see nothing (glass, chrome)
+  std::vector<std::uint8_t> shiny;    // per face: 1 where depth cameras see nothing (glass, chrome)
+  std::vector<std::string> warnings;  // textures that are left out, and why
 };
 
 // More would cost gigabytes of memory: some 500 bytes a face, in each place where the model stands.
@@ -37,10 +39,10 @@ struct CatalogueSize {
 };
 
 // The mesh is turned by `rotation` (the catalogue's modelRotation), then its box scaled to `size`.
-// Textures that cannot be decoded are left out. Large textured faces are divided, so that corners
-// carry the texture's detail. Without a size the file's own is kept, in metres. It need not be
-// closed, oriented or manifold. Errors: no faces, too many, a vertex that is not there or not
-// finite, a flat model, sizes that are not positive.
+// Textures are PNG, JPEG and WebP; what cannot be decoded is left out with a warning. Large
+// textured faces are divided, so that corners carry the texture's detail. Without a size the file's
+// own is kept, in metres. It need not be closed, oriented or manifold. Errors: no faces, too many,
+// a vertex that is not there or not finite, a flat model, sizes that are not positive.
 Result<FurnitureModel> MakeFurnitureModel(const TexturedMesh& mesh,
                                           const Eigen::Matrix3d& rotation,
                                           const std::optional<CatalogueSize>& size);

@@ -7,6 +7,7 @@
 
 #include "deepslam/dataset/capture.h"
 #include "deepslam/dataset/image_files.h"
+#include "deepslam/image_codec/png.h"
 #include "fuzz/entry.h"
 
 namespace deepslam::fuzz {
@@ -20,8 +21,9 @@ constexpr int kMaxFiles = 16;
 
 const std::string& Image(bool depth) {
   static const std::string colour =
-      *dataset::EncodePng(ColourImage(kWidth, kHeight, Rgb8{9, 8, 7}));
-  static const std::string raw = *dataset::EncodePng(dataset::RawDepthImage(kWidth, kHeight, 1500));
+      *image_codec::EncodePng(ColourImage(kWidth, kHeight, Rgb8{9, 8, 7}));
+  static const std::string raw =
+      *image_codec::EncodePng(dataset::RawDepthImage(kWidth, kHeight, 1500));
   return depth ? raw : colour;
 }
 
