@@ -1,7 +1,8 @@
 # What `cmake --install` puts where. All places are relative to the prefix, so that an installed tree can be moved:
 #
 #   bin/deepslam, deepslam-demo, deepslam-fetch-weights
-#   lib/deepslam/libonnxruntime.so.1        ours alone; the program finds it by its run path $ORIGIN/../lib/deepslam
+#   lib/deepslam/libonnxruntime.so.1        ours alone; the program finds both by its run path $ORIGIN/../lib/deepslam
+#   lib/deepslam/libdeepslam_video.so       loaded when a video is opened
 #   share/deepslam/configs, scripts         the same two folders as in the source tree
 #   share/man, share/bash-completion, ...   written by the program itself (DeepslamPackages.cmake)
 #   share/doc/deepslam
@@ -12,6 +13,9 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME runtime)
 set(DEEPSLAM_PRIVATE_LIBDIR lib/deepslam)
 set(DEEPSLAM_CMAKEDIR lib/cmake/deepslam)
+# What is loaded, not linked, lies in the build tree as where it is installed; every program there finds it by its run path.
+set(DEEPSLAM_BUILD_MODULES "${PROJECT_BINARY_DIR}/${DEEPSLAM_PRIVATE_LIBDIR}")
+set(CMAKE_BUILD_RPATH "${DEEPSLAM_BUILD_MODULES}")
 
 # The packages that give the targets which rooms link.
 set(deepslam_package_of_fmt fmt)
@@ -22,7 +26,6 @@ set(deepslam_package_of_nlohmann_json nlohmann_json)
 set(deepslam_package_of_opencv_core OpenCV)
 set(deepslam_package_of_opencv_features2d OpenCV)
 set(deepslam_package_of_opencv_imgproc OpenCV)
-set(deepslam_package_of_opencv_videoio OpenCV)
 set(deepslam_package_of_ZLIB ZLIB)
 set(deepslam_package_of_JPEG JPEG)
 set(deepslam_package_of_PNG PNG)

@@ -5,6 +5,11 @@
 # DEPS are rooms and appear in headers; FENCED are third-party libraries that stay in the .cc files. scripts/check_layers.py
 # holds the allowed arrows between rooms; ctest runs it.
 
+# Sanitizers load libraries in the program's stead, and a RUNPATH is that of its owner alone: a plain RPATH is heeded.
+function(deepslam_run_path_for_all target)
+  target_link_options(${target} PUBLIC LINKER:--disable-new-dtags)
+endfunction()
+
 function(deepslam_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
   if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
@@ -20,6 +25,7 @@ function(deepslam_compile_options target)
     # Instrumented code confuses gcc 12 about what is initialised.
     target_compile_options(${target} PRIVATE -Wno-error=maybe-uninitialized)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+    deepslam_run_path_for_all(${target})
     if(NOT ARGV1 STREQUAL "NO_UBSAN")
       target_compile_options(${target} PRIVATE -fsanitize=undefined -fno-sanitize-recover=undefined)
     endif()
@@ -29,6 +35,7 @@ function(deepslam_compile_options target)
     # Fences, which the headers of oneTBB have and ThreadSanitizer does not know.
     target_compile_options(${target} PRIVATE -Wno-tsan -Wno-error=maybe-uninitialized)
     target_link_options(${target} PUBLIC -fsanitize=thread)
+    deepslam_run_path_for_all(${target})
   endif()
   if(DEEPSLAM_FUZZ)
     target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)

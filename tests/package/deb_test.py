@@ -46,8 +46,11 @@ class Packages(unittest.TestCase):
 
     def test_every_library_that_is_linked_is_a_dependency_or_comes_along(self):
         depends = re.split(r"[ ,|()]+", self.field(self.program, "Depends"))
-        needed = re.findall(r"NEEDED.*\[(.*)\]", output("readelf", "-d", self.root / "usr/bin/deepslam"))
+        needed = []
+        for name in ("bin/deepslam", "lib/deepslam/libdeepslam_video.so"):
+            needed += re.findall(r"NEEDED.*\[(.*)\]", output("readelf", "-d", self.root / "usr" / name))
         self.assertGreater(len(needed), 15)
+        self.assertIn("libopencv_videoio", " ".join(needed))
         for name in needed:
             if (self.root / "usr/lib/deepslam" / name).is_file():
                 continue

@@ -75,6 +75,24 @@ class Installed(unittest.TestCase):
                      cwd=self.folder, env=self.environment)
         self.assertIn("not a network that can be run", broken.stderr)
 
+    def test_videos_are_read_by_the_module_that_came_along(self):
+        capture = self.folder / "phone"
+        (capture / "depth").mkdir(parents=True)
+        (capture / "rgb.mp4").write_text("no video")
+        captures.write_depth(capture / "depth" / "000000.png", 64, 48, 1500)
+        (capture / "odometry.csv").write_text("timestamp, frame, x, y, z, qx, qy, qz, qw\n0.1, 000000, 0, 0, 0, 0, 0, 0, 1\n")
+        (capture / "camera_matrix.csv").write_text("60, 0, 31.5\n0, 60, 23.5\n0, 0, 1\n")
+        call = ("deepslam", "run", capture, "-o", self.folder / "phone_workspace", "--until", "track")
+        self.assertIn("not a video", run(*call, code=3, env=self.environment).stderr)
+        module = self.prefix / "lib/deepslam/libdeepslam_video.so"
+        aside = module.rename(self.folder / "module")
+        try:
+            told = run(*call, code=1, env=self.environment).stderr
+        finally:
+            aside.rename(module)
+        for part in ("rgb.mp4", "videos need libdeepslam_video.so", "No such file", "install deepslam anew"):
+            self.assertIn(part, told)
+
     def test_data_folder_beside_the_program(self):
         def data_folder():
             told = subprocess.run(["deepslam", "doctor"], capture_output=True, text=True, env=self.environment, cwd=self.folder)

@@ -6,8 +6,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
+
+#include "deepslam/dataset/load_video_module.h"
+#include "deepslam/video/video_module.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -15,54 +16,47 @@ namespace {
 constexpr int kMaxSidePx = 16384;
 constexpr std::size_t kMaxKeptBytes = std::size_t{96} << 20;
 
-ColourImage ToImage(const cv::Mat& bgr) {
-  ColourImage image(bgr.cols, bgr.rows);
-  for (int v = 0; v < bgr.rows; ++v) {
-    const unsigned char* from = bgr.ptr<unsigned char>(v);
-    Rgb8* to = image.row(v);
-    for (int u = 0; u < bgr.cols; ++u, from += 3) to[u] = {from[2], from[1], from[0]};
-  }
-  return image;
+struct CloseDecoder {
+  const video::VideoModule* module = nullptr;
+  void operator()(video::Decoder* decoder) const { module->close(decoder); }
+};
+using DecoderPtr = std::unique_ptr<video::Decoder, CloseDecoder>;
+
+// Loaded once; asked for by several threads, of which one loads.
+Result<const video::VideoModule*> Module() {
+  static const Result<const video::VideoModule*> kModule = LoadVideoModule(video::kModuleFile);
+  return kModule;
 }
 
 }  // namespace
 
 struct VideoFile::Impl {
   std::filesystem::path file;
+  const video::VideoModule* module = nullptr;
   int width = 0;
   int height = 0;
   std::size_t max_kept = 0;
 
   std::mutex mutex;
-  cv::VideoCapture capture;
+  DecoderPtr decoder;
   int next = 0;  // index of the frame that the decoder gives next
   std::map<int, ColourImage> kept;
 
   bool Start() {
-    try {
-      if (!capture.open(file.string(), cv::CAP_FFMPEG)) return false;
-      capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
-    } catch (const cv::Exception&) {
-      return false;
-    }
+    decoder = DecoderPtr(module->open(file.c_str()), CloseDecoder{module});
     next = 0;
-    return true;
+    return decoder != nullptr;
   }
 
   // The frame `next`, kept when `wanted`; false at the end of what can be decoded.
   bool Step(bool wanted) {
-    try {
-      if (!capture.grab()) return false;
-      if (wanted) {
-        cv::Mat bgr;
-        if (!capture.retrieve(bgr) || bgr.type() != CV_8UC3 || bgr.cols != width ||
-            bgr.rows != height) {
-          return false;
-        }
-        kept[next] = ToImage(bgr);
-        while (kept.size() > max_kept) kept.erase(kept.begin());
-      }
-    } catch (const cv::Exception&) {
+    if (wanted) {
+      ColourImage frame(width, height);
+      if (!module->next(decoder.get(), reinterpret_cast<unsigned char*>(frame.data())))
+        return false;
+      kept[next] = std::move(frame);
+      while (kept.size() > max_kept) kept.erase(kept.begin());
+    } else if (!module->next(decoder.get(), nullptr)) {
       return false;
     }
     ++next;
@@ -74,12 +68,15 @@ VideoFile::VideoFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VideoFile::~VideoFile() = default;
 
 Result<std::unique_ptr<VideoFile>> VideoFile::Open(const std::filesystem::path& file) {
+  const Result<const video::VideoModule*> module = Module();
+  if (!module) return Error{module.error().code, file.string() + ": " + module.error().message};
   auto impl = std::make_unique<Impl>();
   impl->file = file;
+  impl->module = *module;
   if (!impl->Start())
     return InvalidInput(fmt::format("{}: not a video that can be decoded here", file.string()));
-  impl->width = static_cast<int>(impl->capture.get(cv::CAP_PROP_FRAME_WIDTH));
-  impl->height = static_cast<int>(impl->capture.get(cv::CAP_PROP_FRAME_HEIGHT));
+  impl->width = impl->module->width(impl->decoder.get());
+  impl->height = impl->module->height(impl->decoder.get());
   if (impl->width < 1 || impl->height < 1 || impl->width > kMaxSidePx ||
       impl->height > kMaxSidePx) {
     return InvalidInput(
