@@ -36,10 +36,25 @@ class CompleteModelTest : public testing::Test {
 
   // Completes `model` by views of `thing`, from all round or the front alone.
   std::optional<CompletedModel> Complete(const Shape& model, const Shape& thing, int num_views) {
+    return CompleteFrom(model, thing, num_views, 0);
+  }
+  std::optional<CompletedModel> CompleteFrom(const Shape& model,
+                                             const Shape& thing,
+                                             int num_views,
+                                             double elevation_rad) {
+    std::vector<double> azimuths_rad;
+    for (int n = 0; n < num_views; ++n)
+      azimuths_rad.push_back(2 * std::numbers::pi * n / num_views);
+    return CompleteFrom(model, thing, azimuths_rad, elevation_rad);
+  }
+  std::optional<CompletedModel> CompleteFrom(const Shape& model,
+                                             const Shape& thing,
+                                             const std::vector<double>& azimuths_rad,
+                                             double elevation_rad) {
     const shape::ShapeModel seen(testing_support::FillGrid(thing));
     std::vector<testing_support::Staged> staged;
-    for (int n = 0; n < num_views; ++n)
-      staged.push_back(testing_support::LookAt(seen, 2 * std::numbers::pi * n / num_views));
+    for (const double azimuth_rad : azimuths_rad)
+      staged.push_back(testing_support::LookAt(seen, azimuth_rad, elevation_rad));
     std::vector<PlacedView> placed;
     for (const auto& view : staged) placed.push_back({&view.view, view.camera_from_grid});
     return CompleteModel(shape::ShapeModel(testing_support::FillGrid(model)), placed, options_);
@@ -189,6 +204,52 @@ TEST_F(CompleteModelTest, ThingsALittleLargerComeInAGridOfTheirOwn) {
     EXPECT_EQ(OccupiedBox(completed->grid)->sides().maxCoeff(), 62);
     EXPECT_NEAR(completed->extent / kVoxelSize, 60 * factor, 1.6) << "half a voxel at either end";
   }
+}
+
+TEST_F(CompleteModelTest, AThickTopBecomesAsThinAsItsEdgeShows) {
+  const auto table = [](double thickness) {
+    return [=](double x, double y, double z) {
+      const bool leg = std::abs(std::abs(x) - 28) < 2 && std::abs(std::abs(y) - 18) < 2;
+      const bool top = std::abs(x) < 30 && std::abs(y) < 20 && z > 15 - thickness && z < 15;
+      return top || (leg && z < 15 && z > -15);
+    };
+  };
+  // No view from below: nobody sees the underside.
+  const auto completed = CompleteFrom(table(10), table(3), 12, 0.5);
+  ASSERT_TRUE(completed);
+  EXPECT_TRUE(At(*completed, 0, 0, 13));
+  EXPECT_FALSE(At(*completed, 0, 0, 8)) << "the model's, which rays passed below";
+  EXPECT_GT(Likeness(*completed, table(3)), 0.65) << "a layer of voxels is a third of it";
+}
+
+TEST_F(CompleteModelTest, ABodyThatIsTooWideIsNoHollowOne) {
+  const auto chest = [](double half_width) {
+    return [=](double x, double y, double z) {
+      return std::abs(x) < 14 && std::abs(y) < half_width && std::abs(z) < 31;
+    };
+  };
+  const auto completed = CompleteFrom(chest(26), chest(20), 12, 0.5);
+  ASSERT_TRUE(completed);
+  for (const int z : {-25, -10, 0, 10, 25}) EXPECT_TRUE(At(*completed, 0, 0, z)) << z;
+  EXPECT_GT(Likeness(*completed, chest(20)), 0.85);
+}
+
+TEST_F(CompleteModelTest, ASideThatNobodySawIsLikeTheOtherOne) {
+  // A bench; the views show its front, its top and one end, of which the model has no arm rest.
+  const auto bench = [](bool has_arms) {
+    return [=](double x, double y, double z) {
+      const bool seat = std::abs(x) < 12 && std::abs(y) < 31 && z > -15 && z < 0;
+      const bool back = x > -12 && x < -8 && std::abs(y) < 31 && z > -15 && z < 15;
+      const bool arm = std::abs(x) < 12 && std::abs(y) > 26 && std::abs(y) < 31 && z > -15 && z < 8;
+      return seat || back || (has_arms && arm);
+    };
+  };
+  const std::vector<double> from_front_right = {-0.2, 0, 0.2, 0.5, 0.8, 1.1};
+  const auto completed = CompleteFrom(bench(false), bench(true), from_front_right, 0.5);
+  ASSERT_TRUE(completed);
+  // The arm's inner side shows, its outer one is hidden.
+  EXPECT_TRUE(At(*completed, 0, 28, 4));
+  EXPECT_TRUE(At(*completed, 0, -28, 4));
 }
 
 TEST_F(CompleteModelTest, NothingWithoutModelOrViews) {

@@ -18,13 +18,19 @@ struct Staged {
   Similarity3 camera_from_grid;
 };
 
-// A camera level with the model's middle, `azimuth_rad` about its vertical.
-inline Staged LookAt(const shape::ShapeModel& model, double azimuth_rad) {
+// A camera that looks at the model's middle from `azimuth_rad` about its vertical and
+// `elevation_rad` above it.
+inline Staged LookAt(const shape::ShapeModel& model,
+                     double azimuth_rad,
+                     double elevation_rad = 0) {
   Staged staged;
   Eigen::Matrix3d rotation;  // rows: right, down, forward of the camera in the object's axes
-  const Eigen::Vector3d forward(-std::cos(azimuth_rad), -std::sin(azimuth_rad), 0);
-  rotation << forward.cross(Eigen::Vector3d::UnitZ()).transpose(), -Eigen::RowVector3d::UnitZ(),
-      forward.transpose();
+  const double level = std::cos(elevation_rad);
+  const Eigen::Vector3d forward(-level * std::cos(azimuth_rad),
+                                -level * std::sin(azimuth_rad),
+                                -std::sin(elevation_rad));
+  const Eigen::Vector3d right(-std::sin(azimuth_rad), std::cos(azimuth_rad), 0);
+  rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
   staged.camera_from_grid = {kStagedSizeM, Eigen::Quaterniond(rotation), {0, 0, 2}};
   ObjectView& view = staged.view;
   view.camera = {240, 240, 400, 400, 119.5, 119.5};

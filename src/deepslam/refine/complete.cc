@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "deepslam/refine/grid_around.h"
 #include "deepslam/refine/links.h"
+#include "deepslam/refine/mirrored.h"
+#include "deepslam/refine/passed_layers.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/stand.h"
@@ -64,13 +67,22 @@ struct Claims {
   double reach = 0;              // of the model, object units: what is farther is of something else
   std::size_t num_views = 0;
 
-  [[nodiscard]] bool IsFree(std::size_t n) const {
-    return votes[n].free > votes[n].object + votes[n].other;
-  }
+  [[nodiscard]] bool IsFree(std::size_t n) const { return votes[n].IsFree(); }
   [[nodiscard]] bool IsMeasured(std::size_t n) const {
     return distances[n] <= reach && votes[n].IsMeasured(num_views);
   }
 };
+
+// Across y the left and right, across x the front and back.
+std::vector<Votes> WithMirrorImages(std::vector<Votes> votes,
+                                    std::size_t num_views,
+                                    const VoxelBox& model) {
+  for (const int axis : {1, 0}) {
+    const std::optional<MirrorPlane> plane = FindMirrorPlane(votes, num_views, model, axis);
+    if (plane) votes = WithMirrored(*plane, votes, num_views);
+  }
+  return votes;
+}
 
 VoxelGrid Measured(const Claims& claims) {
   VoxelGrid grid;
@@ -172,9 +184,11 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   claims.votes = CountVotes(InGrid(views, object_from_grid), asked, options);
   claims.num_views = views.size();
 
-  const VoxelGrid whole = Inside(claims.distances, voxel);
-  const std::optional<VoxelBox> stands_in = OccupiedBox(whole);
+  const VoxelGrid inside = Inside(claims.distances, voxel);
+  const std::optional<VoxelBox> stands_in = OccupiedBox(inside);
   if (!stands_in) return {};
+  const VoxelGrid whole = WithoutPassedLayers(inside, claims.votes, claims.num_views);
+  claims.votes = WithMirrorImages(std::move(claims.votes), claims.num_views, *stands_in);
   const int ground_k = stands_in->low.z();
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
   VoxelGrid measured = Measured(claims);

@@ -36,9 +36,21 @@ struct Votes {
   int object = 0;  // surface of the object's segment
   int other = 0;   // surface outside it: of something else, or of what segmentation has missed
 
-  // As the object's surface: by two of several views at least, and no fewer than went through.
+  // More views went on behind it than found any surface in it.
+  [[nodiscard]] bool IsFree() const { return free > object + other; }
+  // The object's: by two of several views at least.
+  [[nodiscard]] bool HasSurface(std::size_t num_views) const {
+    return object >= (num_views > 1 ? 2 : 1);
+  }
+  // Likewise, and by no fewer than went through.
   [[nodiscard]] bool IsMeasured(std::size_t num_views) const {
-    return object >= (num_views > 1 ? 2 : 1) && object >= free;
+    return HasSurface(num_views) && object >= free;
+  }
+  Votes& operator+=(const Votes& others) {
+    free += others.free;
+    object += others.object;
+    other += others.other;
+    return *this;
   }
 };
 
