@@ -165,13 +165,13 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames,
       RunRegister);
   add("select",
-      14,
+      15,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      18,
+      19,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
