@@ -20,15 +20,12 @@ struct Staged {
 
 // A camera that looks at the model's middle from `azimuth_rad` about its vertical and
 // `elevation_rad` above it.
-inline Staged LookAt(const shape::ShapeModel& model,
-                     double azimuth_rad,
-                     double elevation_rad = 0) {
+inline Staged LookAt(const shape::ShapeModel& model, double azimuth_rad, double elevation_rad = 0) {
   Staged staged;
   Eigen::Matrix3d rotation;  // rows: right, down, forward of the camera in the object's axes
   const double level = std::cos(elevation_rad);
-  const Eigen::Vector3d forward(-level * std::cos(azimuth_rad),
-                                -level * std::sin(azimuth_rad),
-                                -std::sin(elevation_rad));
+  const Eigen::Vector3d forward(
+      -level * std::cos(azimuth_rad), -level * std::sin(azimuth_rad), -std::sin(elevation_rad));
   const Eigen::Vector3d right(-std::sin(azimuth_rad), std::cos(azimuth_rad), 0);
   rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
   staged.camera_from_grid = {kStagedSizeM, Eigen::Quaterniond(rotation), {0, 0, 2}};

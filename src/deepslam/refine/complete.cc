@@ -23,7 +23,7 @@ constexpr double kCrumb = 0.02;
 constexpr double kLongestLinkM = 0.3;  // through the model
 constexpr std::uint8_t kCostOfModel = 2;
 constexpr std::uint8_t kCostOfUnknown = 3;
-constexpr int kMaxInside = 3;   // voxels from the side of a shell to what nobody can see in it
+constexpr int kMaxInside = 5;   // voxels between two sides of a shell that nobody can see
 constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
 constexpr float kInside = 0.49F;
@@ -100,17 +100,27 @@ VoxelGrid Filled(const VoxelGrid& model, const Claims& claims, const VoxelGrid& 
   return filled;
 }
 
-// Whether walking from a voxel by `step` along `axis` meets a solid one before a free one.
-bool MeetsSolid(
+// Steps from a voxel along `axis` to a solid one; none where a free one comes first.
+std::optional<int> StepsToSolid(
     const VoxelGrid& grid, const Claims& claims, Eigen::Array3i at, int axis, int step) {
-  for (int n = 0; n < kMaxInside; ++n) {
+  for (int n = 1; n <= kMaxInside; ++n) {
     at[axis] += step;
-    if (!VoxelGrid::Contains(at.x(), at.y(), at.z())) return false;
+    if (!VoxelGrid::Contains(at.x(), at.y(), at.z())) return std::nullopt;
     const std::size_t index = VoxelGrid::Index(at.x(), at.y(), at.z());
-    if (grid.occupied[index] != 0) return true;
-    if (claims.IsFree(index)) return false;
+    if (grid.occupied[index] != 0) return n;
+    if (claims.IsFree(index)) return std::nullopt;
   }
-  return false;
+  return std::nullopt;
+}
+
+// Whether a voxel lies in a gap of at most kMaxInside voxels: all of it is filled, or nothing.
+bool IsBetweenSides(const VoxelGrid& grid,
+                    const Claims& claims,
+                    const Eigen::Array3i& at,
+                    int axis) {
+  const std::optional<int> up = StepsToSolid(grid, claims, at, axis, 1);
+  const std::optional<int> down = up ? StepsToSolid(grid, claims, at, axis, -1) : std::nullopt;
+  return down && *up + *down - 1 <= kMaxInside;
 }
 
 // Legs and boards were measured as shells: what nobody can see between two of their sides is
@@ -123,9 +133,7 @@ VoxelGrid WithInsides(const VoxelGrid& shells, const Claims& claims) {
         const std::size_t n = VoxelGrid::Index(i, j, k);
         if (shells.occupied[n] != 0 || claims.IsFree(n)) continue;
         for (int axis = 0; axis < 3 && grid.occupied[n] == 0; ++axis) {
-          if (MeetsSolid(shells, claims, {i, j, k}, axis, 1) &&
-              MeetsSolid(shells, claims, {i, j, k}, axis, -1))
-            grid.occupied[n] = 1;
+          if (IsBetweenSides(shells, claims, {i, j, k}, axis)) grid.occupied[n] = 1;
         }
       }
     }

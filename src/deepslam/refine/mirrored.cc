@@ -6,9 +6,9 @@
 namespace deepslam::refine {
 namespace {
 
-constexpr int kMaxShift = 4;         // of the plane from the model's middle, half voxels
-constexpr double kLikeShare = 0.9;   // of what was measured and whose opposite was seen
-constexpr double kSeenShare = 0.3;   // of what was measured, its opposite seen
+constexpr int kMaxShift = 4;        // of the plane from the model's middle, half voxels
+constexpr double kLikeShare = 0.9;  // of what was measured and whose opposite was seen
+constexpr double kSeenShare = 0.3;  // of what was measured, its opposite seen
 
 bool IsSurelyFree(const Votes& votes, std::size_t num_views) {
   return votes.IsFree() && votes.free >= (num_views > 1 ? 2 : 1);

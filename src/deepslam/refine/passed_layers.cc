@@ -78,12 +78,13 @@ struct Edge {
   }
 };
 
-// A hidden part of layer k, and its edge; marks it in `done`.
+// Of a layer.
 struct Part {
   std::vector<std::size_t> voxels;
   Edge edge;
 };
 
+// The hidden part of layer k that holds `first`; marks its voxels in `done`.
 Part PartAround(const Cell& first, int k, const Layers& layers, Cells& done) {
   Part part;
   std::vector<Cell> open = {first};
