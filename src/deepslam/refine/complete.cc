@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "deepslam/refine/grid_around.h"
 #include "deepslam/refine/links.h"
@@ -62,21 +61,25 @@ VoxelGrid Inside(std::span<const float> distances, double voxel) {
 
 // What the views and the model say of a grid's voxels; index order of VoxelGrid.
 struct Claims {
-  std::vector<Votes> votes;
+  std::vector<Votes> seen;
+  std::vector<Votes> votes;      // what was seen, and on the other side where nothing was
   std::vector<float> distances;  // to the model's surface, object units
   double reach = 0;              // of the model, object units: what is farther is of something else
+  double voxel = 0;              // object units
   std::size_t num_views = 0;
 
   [[nodiscard]] bool IsFree(std::size_t n) const { return votes[n].IsFree(); }
+  // The other side adds parts that the model lacks; its noise makes no surface of the model uneven.
   [[nodiscard]] bool IsMeasured(std::size_t n) const {
-    return distances[n] <= reach && votes[n].IsMeasured(num_views);
+    return distances[n] <= reach && (distances[n] > voxel ? votes : seen)[n].IsMeasured(num_views);
   }
 };
 
 // Across y the left and right, across x the front and back.
-std::vector<Votes> WithMirrorImages(std::vector<Votes> votes,
+std::vector<Votes> WithMirrorImages(const std::vector<Votes>& seen,
                                     std::size_t num_views,
                                     const VoxelBox& model) {
+  std::vector<Votes> votes = seen;
   for (const int axis : {1, 0}) {
     const std::optional<MirrorPlane> plane = FindMirrorPlane(votes, num_views, model, axis);
     if (plane) votes = WithMirrored(*plane, votes, num_views);
@@ -189,14 +192,15 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   claims.reach = options.reach_m / scale_m;
   const std::vector<std::uint8_t> asked =
       Within(claims.reach + kMaxInside * voxel, claims.distances);
-  claims.votes = CountVotes(InGrid(views, object_from_grid), asked, options);
+  claims.seen = CountVotes(InGrid(views, object_from_grid), asked, options);
+  claims.voxel = voxel;
   claims.num_views = views.size();
 
   const VoxelGrid inside = Inside(claims.distances, voxel);
   const std::optional<VoxelBox> stands_in = OccupiedBox(inside);
   if (!stands_in) return {};
-  const VoxelGrid whole = WithoutPassedLayers(inside, claims.votes, claims.num_views);
-  claims.votes = WithMirrorImages(std::move(claims.votes), claims.num_views, *stands_in);
+  const VoxelGrid whole = WithoutPassedLayers(inside, claims.seen, claims.num_views);
+  claims.votes = WithMirrorImages(claims.seen, claims.num_views, *stands_in);
   const int ground_k = stands_in->low.z();
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
   VoxelGrid measured = Measured(claims);

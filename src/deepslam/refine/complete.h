@@ -22,8 +22,9 @@ struct CompletedModel {
 // shape::StandOnGround has it, shells are filled where nobody can see between their sides, small
 // loose parts are left out, and what would hang in the air keeps the model's legs. What nobody saw
 // is the model's only where no rays passed below (passed_layers.h), and like the other side where
-// the thing is like its mirror image (mirrored.h). `views` say where the model stands (grid =
-// object frame). Nothing where no view is usable or nothing is left.
+// the thing is like its mirror image (mirrored.h): what that side adds begins a voxel off the
+// model. `views` say where the model stands (grid = object frame). Nothing where no view is usable
+// or nothing is left.
 [[nodiscard]] std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                                           std::span<const PlacedView> views,
                                                           const RefineOptions& options);
