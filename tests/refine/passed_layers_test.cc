@@ -101,6 +101,16 @@ TEST_F(WithoutPassedLayersTest, AnEdgeThatMostLookPastIsNoSide) {
   EXPECT_TRUE(Has(Thinner(), 31)) << "and eight measured it";
 }
 
+TEST_F(WithoutPassedLayersTest, LegsThatSegmentationMissedStay) {
+  SayRim(33, 35, kSurface);
+  Say({10, 10, 30}, {50, 40, 33}, kPassed);
+  Say({20, 20, 30}, {23, 23, 33}, {.free = 1, .other = 5});
+  Say({40, 20, 30}, {43, 23, 33}, {.free = 1, .object = 5});
+  const VoxelGrid thinner = Thinner();
+  EXPECT_TRUE(thinner.At(21, 21, 31));
+  EXPECT_TRUE(thinner.At(41, 21, 31));
+}
+
 TEST_F(WithoutPassedLayersTest, NothingIsKnownWithoutViews) {
   votes_.assign(votes_.size(), kHidden);
   EXPECT_EQ(WithoutPassedLayers(model_, votes_, 0), model_);

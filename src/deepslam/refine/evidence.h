@@ -38,13 +38,13 @@ struct Votes {
 
   // More views went on behind it than found any surface in it.
   [[nodiscard]] bool IsFree() const { return free > object + other; }
-  // The object's: by two of several views at least.
+  // Anything's: found by two of several views at least.
   [[nodiscard]] bool HasSurface(std::size_t num_views) const {
-    return object >= (num_views > 1 ? 2 : 1);
+    return object + other >= (num_views > 1 ? 2 : 1);
   }
-  // Likewise, and by no fewer than went through.
+  // The object's: likewise, and by no fewer than went through.
   [[nodiscard]] bool IsMeasured(std::size_t num_views) const {
-    return HasSurface(num_views) && object >= free;
+    return object >= (num_views > 1 ? 2 : 1) && object >= free;
   }
   Votes& operator+=(const Votes& others) {
     free += others.free;

@@ -58,7 +58,7 @@ class Layers {
   [[nodiscard]] bool IsGrazed(std::size_t n, const Cell& outer, int k) const {
     if (!VoxelGrid::Contains(outer.x(), outer.y(), k)) return false;
     const Votes& beyond = votes_[VoxelGrid::Index(outer.x(), outer.y(), k)];
-    return beyond.IsFree() && beyond.free > kGrazed * votes_[n].object;
+    return beyond.IsFree() && beyond.free > kGrazed * (votes_[n].object + votes_[n].other);
   }
 
   const VoxelGrid& model_;
