@@ -108,5 +108,52 @@ TEST_F(MirroredTest, OppositesOutsideTheGridSayNothing) {
   EXPECT_FALSE(At(mirrored, 5, 60, 5).HasSurface(kViews));
 }
 
+class InWholeRunsTest : public MirroredTest {
+ protected:
+  // Of the leg [20, 24) x [15, 19) x [10, 40) that nobody saw.
+  [[nodiscard]] bool IsFreed(int k, const std::vector<Votes>& mirrored) const {
+    VoxelGrid leg;
+    for (int n = 10; n < 40; ++n) {
+      for (int i = 20; i < 24; ++i) {
+        for (int j = 15; j < 19; ++j) leg.occupied[VoxelGrid::Index(i, j, n)] = 1;
+      }
+    }
+    return At(InWholeRuns(leg, votes_, mirrored, kViews), 22, 17, k).IsFree();
+  }
+  // The leg's opposite is free from layer `low` up.
+  [[nodiscard]] std::vector<Votes> FreeFrom(int low) {
+    Say({20, 42, low}, {24, 46, 50}, {.free = 4});
+    return WithMirrored({kY, 60}, votes_, kViews);
+  }
+};
+
+TEST_F(InWholeRunsTest, ALegGoesAsAWhole) {
+  const std::vector<Votes> mirrored = FreeFrom(20);
+  ASSERT_FALSE(At(mirrored, 22, 17, 12).IsFree()) << "nobody saw either";
+  for (const int k : {10, 12, 25, 39}) EXPECT_TRUE(IsFreed(k, mirrored)) << k;
+}
+
+TEST_F(InWholeRunsTest, OrStaysAsAWhole) {
+  const std::vector<Votes> mirrored = FreeFrom(30);
+  ASSERT_TRUE(At(mirrored, 22, 17, 35).IsFree());
+  for (const int k : {10, 12, 35, 39}) EXPECT_FALSE(IsFreed(k, mirrored)) << k;
+}
+
+TEST_F(InWholeRunsTest, WhatWasMeasuredOnEitherSideStays) {
+  Say({20, 42, 20}, {24, 46, 50}, {.free = 4});
+  Say({20, 42, 32}, {24, 46, 34}, {.object = 4});
+  Say({20, 15, 36}, {24, 19, 37}, {.object = 4});
+  const std::vector<Votes> mirrored = WithMirrored({kY, 60}, votes_, kViews);
+  EXPECT_TRUE(IsFreed(31, mirrored));
+  EXPECT_FALSE(IsFreed(33, mirrored));
+  EXPECT_FALSE(IsFreed(36, mirrored));
+  EXPECT_TRUE(IsFreed(38, mirrored)) << "a run of its own";
+}
+
+TEST_F(InWholeRunsTest, WhatWasSeenToBeFreeIs) {
+  Say({20, 15, 10}, {24, 19, 40}, {.free = 4});
+  EXPECT_TRUE(IsFreed(12, votes_));
+}
+
 }  // namespace
 }  // namespace deepslam::refine

@@ -76,15 +76,16 @@ struct Claims {
 };
 
 // Across y the left and right, across x the front and back.
-std::vector<Votes> WithMirrorImages(const std::vector<Votes>& seen,
-                                    std::size_t num_views,
-                                    const VoxelBox& model) {
+std::vector<Votes> WithMirrorImages(const VoxelGrid& model,
+                                    const VoxelBox& box,
+                                    const std::vector<Votes>& seen,
+                                    std::size_t num_views) {
   std::vector<Votes> votes = seen;
   for (const int axis : {1, 0}) {
-    const std::optional<MirrorPlane> plane = FindMirrorPlane(votes, num_views, model, axis);
+    const std::optional<MirrorPlane> plane = FindMirrorPlane(votes, num_views, box, axis);
     if (plane) votes = WithMirrored(*plane, votes, num_views);
   }
-  return votes;
+  return InWholeRuns(model, seen, votes, num_views);
 }
 
 VoxelGrid Measured(const Claims& claims) {
@@ -200,7 +201,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   const std::optional<VoxelBox> stands_in = OccupiedBox(inside);
   if (!stands_in) return {};
   const VoxelGrid whole = WithoutPassedLayers(inside, claims.seen, claims.num_views);
-  claims.votes = WithMirrorImages(claims.seen, claims.num_views, *stands_in);
+  claims.votes = WithMirrorImages(whole, *stands_in, claims.seen, claims.num_views);
   const int ground_k = stands_in->low.z();
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
   VoxelGrid measured = Measured(claims);

@@ -1,7 +1,6 @@
 #include "deepslam/refine/mirrored.h"
 
-#include <array>
-#include <cstdlib>
+#include <algorithm>
 
 namespace deepslam::refine {
 namespace {
@@ -36,6 +35,31 @@ struct Likeness {
     return seen > 0 && like >= kLikeShare * seen && seen >= kSeenShare * measured;
   }
 };
+
+// A run of voxels in a column, `first` to before `last`.
+struct Run {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+// Frees the run where the other side does along half of it at least, else nothing of it.
+void FreeWholeOrNot(const Run& run,
+                    std::span<const Votes> seen,
+                    std::size_t num_views,
+                    std::vector<Votes>& votes) {
+  const auto begin = votes.begin() + static_cast<std::ptrdiff_t>(run.first);
+  const auto end = votes.begin() + static_cast<std::ptrdiff_t>(run.last);
+  const auto num_free = std::count_if(begin, end, [](const Votes& of) { return of.IsFree(); });
+  const bool is_free = 2 * num_free >= end - begin;
+  for (std::size_t n = run.first; n < run.last; ++n) {
+    if (votes[n].IsMeasured(num_views)) continue;
+    if (is_free) {
+      votes[n].free = votes[n].object + votes[n].other + 1;
+    } else {
+      votes[n] = seen[n];
+    }
+  }
+}
 
 Likeness LikenessAcross(const MirrorPlane& plane,
                         std::span<const Votes> votes,
@@ -96,6 +120,28 @@ std::vector<Votes> WithMirrored(const MirrorPlane& plane,
     }
   }
   return mirrored;
+}
+
+std::vector<Votes> InWholeRuns(const VoxelGrid& model,
+                               std::span<const Votes> seen,
+                               std::span<const Votes> mirrored,
+                               std::size_t num_views) {
+  std::vector<Votes> votes(mirrored.begin(), mirrored.end());
+  const auto is_open = [&](std::size_t n) {
+    return model.occupied[n] != 0 && !seen[n].IsFree() && !seen[n].HasSurface(num_views);
+  };
+  for (std::size_t column = 0; column < votes.size(); column += kGridSize) {
+    for (Run run = {column, column}; run.last < column + kGridSize;) {
+      run.first = run.last;
+      while (run.last < column + kGridSize && is_open(run.last)) ++run.last;
+      if (run.last > run.first) {
+        FreeWholeOrNot(run, seen, num_views, votes);
+      } else {
+        ++run.last;
+      }
+    }
+  }
+  return votes;
 }
 
 }  // namespace deepslam::refine

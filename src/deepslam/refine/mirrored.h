@@ -31,4 +31,13 @@ struct MirrorPlane {
                                               std::span<const Votes> votes,
                                               std::size_t num_views);
 
+// `mirrored` as far as it frees whole upright runs of the model's voxels that tell neither free nor
+// surface in `seen`: all of a run where the other side is free along half of it at least, else
+// nothing. A leg of which a part has an opposite would else be left in pieces. What the other side
+// measured stays.
+[[nodiscard]] std::vector<Votes> InWholeRuns(const VoxelGrid& model,
+                                             std::span<const Votes> seen,
+                                             std::span<const Votes> mirrored,
+                                             std::size_t num_views);
+
 }  // namespace deepslam::refine
