@@ -111,6 +111,23 @@ TEST_F(WithoutPassedLayersTest, LegsThatSegmentationMissedStay) {
   EXPECT_TRUE(thinner.At(41, 21, 31));
 }
 
+TEST_F(WithoutPassedLayersTest, ALegStaysWhereFewRaysPassedIt) {
+  for (int i = 20; i < 24; ++i) {
+    for (int j = 20; j < 24; ++j) {
+      for (int k = 5; k < 30; ++k) model_.occupied[VoxelGrid::Index(i, j, k)] = 1;
+    }
+  }
+  SayRim(33, 35, kSurface);
+  Say({10, 10, 5}, {50, 40, 33}, kHidden);
+  SayRim(30, 33, kPassed);
+  Say({20, 24, 15}, {24, 25, 30}, kPassed);
+  EXPECT_TRUE(Thinner().At(21, 21, 20)) << "on one side of four";
+  EXPECT_FALSE(Has(Thinner(), 31)) << "the top above it is as thin as before";
+  Say({24, 19, 15}, {25, 25, 30}, kPassed);
+  Say({20, 19, 15}, {24, 20, 30}, kPassed);
+  EXPECT_FALSE(Thinner().At(21, 21, 20)) << "on three";
+}
+
 TEST_F(WithoutPassedLayersTest, NothingIsKnownWithoutViews) {
   votes_.assign(votes_.size(), kHidden);
   EXPECT_EQ(WithoutPassedLayers(model_, votes_, 0), model_);

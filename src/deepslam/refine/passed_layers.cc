@@ -1,7 +1,10 @@
 #include "deepslam/refine/passed_layers.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <vector>
 
 namespace deepslam::refine {
@@ -9,6 +12,8 @@ namespace {
 
 constexpr double kPassedShare = 0.65;  // of a part's edge that was seen
 constexpr double kSeenShare = 0.1;     // of its whole edge, passed; less may be a gap of its own
+constexpr double kSeenOfLeg = 0.5;     // likewise, of a leg
+constexpr double kLegShare = 0.1;      // of the model's box from above; what is wider is no leg
 // Rays past the outer side of a voxel, for each one that found surface in it: at an edge that
 // rays graze, a misplaced view or two measure what all others look past.
 constexpr double kGrazed = 2.5;
@@ -72,8 +77,8 @@ struct Edge {
   int passed = 0;  // below a surface
   int surface = 0;
 
-  [[nodiscard]] bool IsPassed() const {
-    return passed >= kPassedShare * (passed + surface) && passed >= kSeenShare * whole &&
+  [[nodiscard]] bool IsPassed(double seen_share) const {
+    return passed >= kPassedShare * (passed + surface) && passed >= seen_share * whole &&
            passed > 0;
   }
 };
@@ -116,21 +121,35 @@ Part PartAround(const Cell& first, int k, const Layers& layers, Cells& done) {
   return part;
 }
 
+// Whether a part is small and half of its voxels at least have one of `grid` right below.
+bool IsOfLeg(const Part& part, const VoxelGrid& grid, const VoxelBox& model) {
+  const Eigen::Array3i sides = model.sides();
+  const auto size = static_cast<double>(part.voxels.size());
+  if (size > kLegShare * sides.x() * sides.y()) return false;
+  const auto num_standing =
+      std::count_if(part.voxels.begin(), part.voxels.end(), [&](std::size_t n) {
+        return n % kGridSize > 0 && grid.occupied[n - 1] != 0;
+      });
+  return 2 * static_cast<double>(num_standing) >= size;
+}
+
 }  // namespace
 
 VoxelGrid WithoutPassedLayers(const VoxelGrid& model,
                               std::span<const Votes> votes,
                               std::size_t num_views) {
+  const std::optional<VoxelBox> box = OccupiedBox(model);
+  if (!box) return model;
   const Layers layers(model, votes, num_views);
   VoxelGrid thinner = model;
   Cells done(votes.size(), 0);
-  for (int k = 0; k < kGridSize; ++k) {
+  for (int k = 0; k < kGridSize; ++k) {  // upwards: what is kept below may bear what is above
     for (int i = 0; i < kGridSize; ++i) {
       for (int j = 0; j < kGridSize; ++j) {
         const std::size_t n = VoxelGrid::Index(i, j, k);
         if (done[n] != 0 || !layers.IsHidden(n)) continue;
         const Part part = PartAround({i, j}, k, layers, done);
-        if (!part.edge.IsPassed()) continue;
+        if (!part.edge.IsPassed(IsOfLeg(part, thinner, *box) ? kSeenOfLeg : kSeenShare)) continue;
         for (const std::size_t voxel : part.voxels) thinner.occupied[voxel] = 0;
       }
     }
