@@ -153,6 +153,26 @@ TEST(Loops, SurroundingsTellEqualFurnitureApart) {
   }
 }
 
+TEST(Loops, SurroundingsThatAreRightAsTheyStandRefuseACorrection) {
+  const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
+  const Pose3 drift = Yawed(0.5, 0.2, 0, 0.02);
+  const auto room = Clutter(1, 4);
+  // Six tenths of the room stand where the correction puts them, and all of it as it was.
+  const auto most = static_cast<std::ptrdiff_t>(room.size() * 6 / 10);
+  std::vector<Eigen::Vector3f> seen_again(room.begin(), room.begin() + most);
+  for (const bool stands_still : {false, true}) {
+    if (stands_still) {
+      for (const Eigen::Vector3f& p : testing_support::Moved(room, drift.Inverse()))
+        seen_again.push_back(p);
+    }
+    Scene scene;
+    scene.odometry = Walk(400, 30);
+    AddVisit(scene, pair, 0, {}, room);
+    AddVisit(scene, pair, 300, drift, seen_again);
+    EXPECT_EQ(Detect(scene).merges.size(), stands_still ? 0U : 2U);
+  }
+}
+
 TEST(Loops, WithoutSurroundingsDistantTwinsStayApart) {
   const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
   Scene scene;

@@ -19,8 +19,8 @@
 // first, as long as all agree after a refit.
 // Besides, a single pair is proposed where two models stand in each other, of whatever classes:
 // distance of centres below overlap_share * half the smaller one's longest side (a duplicate left
-// by association or by a path that has been closed; no gap needed), and it was measured how they lie
-// to each other: in parts of the path that nothing ties together one place may be in two rooms.
+// by association or by a path that has been closed; no gap needed), and it was measured how they
+// lie to each other: in parts of the path that nothing ties together one place may be in two rooms.
 //
 // Verification. The correction is refined by 4-DoF ICP over objects and surroundings; then the
 // depth of either visit has to lie on the other visit's models, and the surroundings have to agree.
@@ -110,10 +110,11 @@ using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
 // verify_distance_m of the other's; the better direction counts, since one visit may have seen
 // more; it must reach min_room_agreement. Where a visit has fewer than min_room_points of them,
 // objects alone are believed only if the correction moves them by no more than drift_base_m: equal
-// furniture in an equal arrangement may stand elsewhere. A single pair of one class: it is enough
-// if without any correction min_single_overlap of both models' points lie within verify_distance_m
-// of the other model or inside its box shrunk to 80 %. Else, and of two classes, depth decides as
-// above.
+// furniture in an equal arrangement may stand elsewhere. A correction that moves them further is
+// refused where the surroundings agree better without it: two ends of a table look alike. A single
+// pair of one class: it is enough if without any correction min_single_overlap of both models'
+// points lie within verify_distance_m of the other model or inside its box shrunk to 80 %. Else,
+// and of two classes, depth decides as above.
 [[nodiscard]] Constellation VerifyConstellation(const Constellation& constellation,
                                                 const ObjectMap& map,
                                                 const LoopEvidence& evidence,

@@ -234,6 +234,17 @@ void TakeRefinement(const Pose3& refined, const ObjectMap& map, Constellation& c
   constellation.position_error_m = std::sqrt(squared / count);
 }
 
+// The better of both directions.
+double RoomAgreement(const Visit& old_visit,
+                     const Visit& new_visit,
+                     const Pose3& old_from_new,
+                     const LoopOptions& options) {
+  const double radius_m = 1.5 * options.verify_distance_m;
+  return std::max(
+      AgreeingShare(new_visit.room, old_from_new, PointIndex(old_visit.room), radius_m),
+      AgreeingShare(old_visit.room, old_from_new.Inverse(), PointIndex(new_visit.room), radius_m));
+}
+
 // By the depth of both visits: objects, then surroundings. Where too little is known of these,
 // objects alone are believed as far as `believed_m`: equal furniture may stand elsewhere in an
 // equal arrangement, but not within a foot of the first.
@@ -253,10 +264,9 @@ Constellation VerifyDepth(const Constellation& constellation,
   const Eigen::Vector3d up = UpDirection(map);
   const Visit old_visit = MakeVisit(map, evidence, old_ids, up, options);
   const Visit new_visit = MakeVisit(map, evidence, new_ids, up, options);
-  const PointIndex old_room(old_visit.room);
   TakeRefinement(Refined(old_visit,
                          new_visit,
-                         old_room,
+                         PointIndex(old_visit.room),
                          result.old_world_from_new_world,
                          LevelFromWorld(up),
                          options),
@@ -278,13 +288,14 @@ Constellation VerifyDepth(const Constellation& constellation,
     result.accepted = result.accepted && near;
     return result;
   }
-  const double radius_m = 1.5 * options.verify_distance_m;
-  const Pose3& correction = result.old_world_from_new_world;
-  const double room = std::max(
-      AgreeingShare(new_visit.room, correction, old_room, radius_m),
-      AgreeingShare(old_visit.room, correction.Inverse(), PointIndex(new_visit.room), radius_m));
+  const double room = RoomAgreement(old_visit, new_visit, result.old_world_from_new_world, options);
   result.reason += ", surroundings by " + Percent(room);
   result.accepted = result.accepted && room >= options.min_room_agreement;
+  const double room_as_is = RoomAgreement(old_visit, new_visit, {}, options);
+  if (LargestMove(result, map) > options.drift_base_m && room_as_is > room) {
+    result.reason += ", as they stand by " + Percent(room_as_is);
+    result.accepted = false;
+  }
   return result;
 }
 
