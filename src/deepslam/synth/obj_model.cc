@@ -111,7 +111,7 @@ TexturedMesh::Face FaceAt(const tinyobj::attrib_t& attributes,
     const tinyobj::index_t& index = mesh.indices[3 * f + c];
     // Wrong ones become numbers that no mesh has.
     face.vertices[c] = static_cast<std::uint32_t>(index.vertex_index);
-    const auto t = static_cast<std::size_t>(2 * std::max(index.texcoord_index, 0));
+    const std::size_t t = 2 * static_cast<std::size_t>(std::max(index.texcoord_index, 0));
     if (index.texcoord_index >= 0 && t + 1 < attributes.texcoords.size()) {
       face.places[c] =
           Eigen::Vector2d(attributes.texcoords[t], attributes.texcoords[t + 1]).cast<float>();
