@@ -47,6 +47,7 @@ VisitedObject Visited(const LoopEvidence& evidence, ObjectId id) {
 struct Visit {
   std::vector<VisitedObject> objects;  // one per pair
   Points room;                         // without ground, without the pairs' objects
+  PointIndex room_index{{}};
 };
 
 double GroundTopOf(const LoopEvidence& evidence,
@@ -91,20 +92,20 @@ Visit MakeVisit(const ObjectMap& map,
         });
     if (near && !own) visit.room.push_back(p);
   }
+  visit.room_index = PointIndex(visit.room);
   return visit;
 }
 
 // ICP of four degrees of freedom over objects and surroundings.
 Pose3 Refined(const Visit& old_visit,
               const Visit& new_visit,
-              const PointIndex& old_room,
               const Pose3& start,
               const Eigen::Quaterniond& level_from_world,
               const LoopOptions& options) {
   std::vector<Belonging> clouds;
   for (std::size_t k = 0; k < new_visit.objects.size(); ++k)
     clouds.push_back({new_visit.objects[k].depth, &old_visit.objects[k].surface});
-  clouds.push_back({new_visit.room, &old_room});
+  clouds.push_back({new_visit.room, &old_visit.room_index});
   return AlignLevel(clouds, start, level_from_world, options.verify_distance_m).value_or(start);
 }
 
@@ -241,8 +242,8 @@ double RoomAgreement(const Visit& old_visit,
                      const LoopOptions& options) {
   const double radius_m = 1.5 * options.verify_distance_m;
   return std::max(
-      AgreeingShare(new_visit.room, old_from_new, PointIndex(old_visit.room), radius_m),
-      AgreeingShare(old_visit.room, old_from_new.Inverse(), PointIndex(new_visit.room), radius_m));
+      AgreeingShare(new_visit.room, old_from_new, old_visit.room_index, radius_m),
+      AgreeingShare(old_visit.room, old_from_new.Inverse(), new_visit.room_index, radius_m));
 }
 
 // By the depth of both visits: objects, then surroundings. Where too little is known of these,
@@ -264,14 +265,10 @@ Constellation VerifyDepth(const Constellation& constellation,
   const Eigen::Vector3d up = UpDirection(map);
   const Visit old_visit = MakeVisit(map, evidence, old_ids, up, options);
   const Visit new_visit = MakeVisit(map, evidence, new_ids, up, options);
-  TakeRefinement(Refined(old_visit,
-                         new_visit,
-                         PointIndex(old_visit.room),
-                         result.old_world_from_new_world,
-                         LevelFromWorld(up),
-                         options),
-                 map,
-                 result);
+  TakeRefinement(
+      Refined(old_visit, new_visit, result.old_world_from_new_world, LevelFromWorld(up), options),
+      map,
+      result);
 
   const std::optional<double> objects = KeepAgreeingPairs(old_visit, new_visit, options, result);
   if (result.pairs.size() < min_pairs || !objects) {
@@ -291,8 +288,9 @@ Constellation VerifyDepth(const Constellation& constellation,
   const double room = RoomAgreement(old_visit, new_visit, result.old_world_from_new_world, options);
   result.reason += ", surroundings by " + Percent(room);
   result.accepted = result.accepted && room >= options.min_room_agreement;
+  if (LargestMove(result, map) <= options.drift_base_m) return result;
   const double room_as_is = RoomAgreement(old_visit, new_visit, {}, options);
-  if (LargestMove(result, map) > options.drift_base_m && room_as_is > room) {
+  if (room_as_is > room) {
     result.reason += ", as they stand by " + Percent(room_as_is);
     result.accepted = false;
   }
