@@ -147,11 +147,15 @@ TEST_P(FrontTest, FacesPlusX) {
   }
   EXPECT_GE(clear, kDesigns / 2) << "most have a back that tells";
 }
-INSTANTIATE_TEST_SUITE_P(
-    Seats,
-    FrontTest,
-    testing::Values(Kind::kChair, Kind::kOfficeChair, Kind::kArmchair, Kind::kSofa),
-    NameOf);
+INSTANTIATE_TEST_SUITE_P(Seats,
+                         FrontTest,
+                         testing::Values(Kind::kChair,
+                                         Kind::kOfficeChair,
+                                         Kind::kArmchair,
+                                         Kind::kShellChair,
+                                         Kind::kSofa,
+                                         Kind::kSettee),
+                         NameOf);
 
 TEST(KindsTest, SharesOfAClassAreItsKinds) {
   std::map<std::string_view, double> sum;

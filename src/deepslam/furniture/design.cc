@@ -29,6 +29,11 @@ const std::array<KindEntry, kKinds.size()>& Table() {
        "chair",
        {{0.55, 0.55, 0.6}, {1.05, 1.05, 1.15}},
        BuildArmchair},
+      {Kind::kShellChair,
+       "shell_chair",
+       "chair",
+       {{0.4, 0.38, 0.6}, {1.15, 0.85, 1.15}},
+       BuildShellChair},
       {Kind::kTable, "table", "table", {{0.34, 0.4, 0.3}, {1.2, 2.1, 0.82}}, BuildTable},
       {Kind::kRoundTable,
        "round_table",
@@ -36,7 +41,13 @@ const std::array<KindEntry, kKinds.size()>& Table() {
        {{0.36, 0.38, 0.3}, {1.5, 1.5, 0.82}},
        BuildRoundTable},
       {Kind::kDesk, "desk", "table", {{0.42, 0.85, 0.6}, {1.0, 2.0, 1.25}}, BuildDesk},
-      {Kind::kSofa, "sofa", "sofa", {{0.7, 0.7, 0.58}, {1.9, 3.5, 1.15}}, BuildSofa},
+      {Kind::kSofa, "sofa", "sofa", {{0.7, 0.7, 0.58}, {2.1, 3.5, 1.15}}, BuildSofa},
+      {Kind::kCornerSofa,
+       "corner_sofa",
+       "sofa",
+       {{1.05, 1.2, 0.58}, {3.2, 3.6, 1.15}},
+       BuildCornerSofa},
+      {Kind::kSettee, "settee", "sofa", {{0.42, 0.9, 0.5}, {1.2, 2.5, 1.15}}, BuildSettee},
       {Kind::kBed, "bed", "bed", {{1.7, 0.78, 0.28}, {2.45, 2.15, 1.6}}, BuildBed},
       {Kind::kCabinet, "cabinet", "cabinet", {{0.28, 0.3, 0.34}, {0.75, 2.1, 2.4}}, BuildCabinet},
       {Kind::kShelf, "shelf", "shelf", {{0.18, 0.38, 0.5}, {0.5, 1.9, 2.25}}, BuildShelf},
@@ -63,13 +74,16 @@ void Settle(const SizeRange& range, Design& design) {
     vertex = (vertex - middle).cwiseProduct(factor);
 }
 
-constexpr std::array kChairKinds = {KindShare{Kind::kChair, 0.58},
-                                    KindShare{Kind::kOfficeChair, 0.16},
-                                    KindShare{Kind::kArmchair, 0.14},
-                                    KindShare{Kind::kStool, 0.12}};
+constexpr std::array kChairKinds = {KindShare{Kind::kChair, 0.52},
+                                    KindShare{Kind::kOfficeChair, 0.14},
+                                    KindShare{Kind::kArmchair, 0.12},
+                                    KindShare{Kind::kShellChair, 0.12},
+                                    KindShare{Kind::kStool, 0.10}};
 constexpr std::array kTableKinds = {
     KindShare{Kind::kTable, 0.55}, KindShare{Kind::kRoundTable, 0.25}, KindShare{Kind::kDesk, 0.2}};
-constexpr std::array kSofaKinds = {KindShare{Kind::kSofa, 1.0}};
+constexpr std::array kSofaKinds = {KindShare{Kind::kSofa, 0.55},
+                                   KindShare{Kind::kCornerSofa, 0.17},
+                                   KindShare{Kind::kSettee, 0.28}};
 constexpr std::array kBedKinds = {KindShare{Kind::kBed, 1.0}};
 constexpr std::array kCabinetKinds = {KindShare{Kind::kCabinet, 1.0}};
 constexpr std::array kShelfKinds = {KindShare{Kind::kShelf, 1.0}};

@@ -23,10 +23,13 @@ enum class Kind {
   kStool,
   kOfficeChair,
   kArmchair,
+  kShellChair,
   kTable,
   kRoundTable,
   kDesk,
   kSofa,
+  kCornerSofa,
+  kSettee,
   kBed,
   kCabinet,
   kShelf,
@@ -36,17 +39,20 @@ inline constexpr std::array kKinds = {Kind::kChair,
                                       Kind::kStool,
                                       Kind::kOfficeChair,
                                       Kind::kArmchair,
+                                      Kind::kShellChair,
                                       Kind::kTable,
                                       Kind::kRoundTable,
                                       Kind::kDesk,
                                       Kind::kSofa,
+                                      Kind::kCornerSofa,
+                                      Kind::kSettee,
                                       Kind::kBed,
                                       Kind::kCabinet,
                                       Kind::kShelf};
 
 [[nodiscard]] std::string_view KindName(Kind kind);  // "office_chair"
-// The class of the map that it belongs to: stools, office chairs and armchairs are chairs, round
-// tables and desks are tables.
+// The class of the map that it belongs to: stools, office chairs, armchairs and shells are chairs,
+// round tables and desks are tables, settees are sofas.
 [[nodiscard]] std::string_view ClassName(Kind kind);
 // Kinds of a class with the share that each has of its designs; empty for a class without any.
 struct KindShare {

@@ -5,20 +5,13 @@
 
 #include "deepslam/furniture/draw.h"
 #include "deepslam/furniture/kinds.h"
+#include "deepslam/furniture/seats.h"
 #include "deepslam/furniture/supports.h"
 
 namespace deepslam::furniture {
 namespace {
 
 constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
-struct Seat {
-  double depth = 0;   // along x
-  double width = 0;   // along y
-  double height = 0;  // of its upper side
-  double thickness = 0;
-  double corner = 1;  // where its rim crosses the diagonal, as a share of the corner's distance
-};
 
 Seat DrawSeat(Random& random) {
   Seat seat;
@@ -28,6 +21,8 @@ Seat DrawSeat(Random& random) {
   seat.thickness = random.Uniform(0.018, 0.06);
   return seat;
 }
+
+}  // namespace
 
 void SeatBoard(Random& random, Seat& seat, Solids& solids) {
   const std::size_t kind = Pick(random, std::array{1.0, 1.0, 1.0, 0.5});
@@ -69,6 +64,8 @@ void SeatBoard(Random& random, Seat& seat, Solids& solids) {
     solids.Loft(Material::kTop, rings);
   }
 }
+
+namespace {
 
 // The surface of a back: from height `low` to `high`, leaning and curved.
 struct Back {
@@ -258,7 +255,9 @@ void PaddedBack(Random& random, const Back& back, double low, Solids& solids) {
 
 enum BackStyle : std::size_t { kSolid, kSlats, kUpright, kPadded, kFrameBack, kCrossed, kHoop };
 
-void BuildBack(Random& random, const Seat& seat, bool on_column, Solids& solids) {
+}  // namespace
+
+void SeatBack(Random& random, const Seat& seat, bool on_column, Solids& solids) {
   Back back = DrawBack(random, seat);
   const auto style = static_cast<BackStyle>(
       on_column ? Pick(random, std::array{1.0, 0.15, 0.1, 1.2, 0.3})
@@ -313,7 +312,7 @@ void BuildBack(Random& random, const Seat& seat, bool on_column, Solids& solids)
   }
 }
 
-void Arms(Random& random, const Seat& seat, double back_lean, Solids& solids) {
+void SeatArms(Random& random, const Seat& seat, double back_lean, Solids& solids) {
   const double height = seat.height + random.Uniform(0.15, 0.27);
   const double width = random.Uniform(0.03, 0.075);
   const double y = 0.5 * seat.width + 0.5 * width - 0.012;
@@ -350,8 +349,6 @@ void Arms(Random& random, const Seat& seat, double back_lean, Solids& solids) {
   }
 }
 
-}  // namespace
-
 void BuildChair(Random& random, Solids& solids) {
   Seat seat = DrawSeat(random);
   SeatBoard(random, seat, solids);
@@ -366,8 +363,8 @@ void BuildChair(Random& random, Solids& solids) {
   } else {
     Pedestal(random, underside, random.Uniform(0.18, 0.27), solids);
   }
-  BuildBack(random, seat, false, solids);
-  if (Chance(random, 0.25)) Arms(random, seat, 0.1, solids);
+  SeatBack(random, seat, false, solids);
+  if (Chance(random, 0.25)) SeatArms(random, seat, 0.1, solids);
 }
 
 void BuildStool(Random& random, Solids& solids) {
@@ -405,8 +402,8 @@ void BuildOfficeChair(Random& random, Solids& solids) {
   SeatBoard(random, seat, solids);
   solids.Box(Material::kDetail, {0, 0, seat.height - seat.thickness - 0.015}, {0.22, 0.16, 0.05});
   Star(random, seat.height - seat.thickness, random.Uniform(0.25, 0.34), solids);
-  BuildBack(random, seat, true, solids);
-  if (Chance(random, 0.6)) Arms(random, seat, 0.1, solids);
+  SeatBack(random, seat, true, solids);
+  if (Chance(random, 0.6)) SeatArms(random, seat, 0.1, solids);
 }
 
 void BuildArmchair(Random& random, Solids& solids) {
