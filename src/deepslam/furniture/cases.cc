@@ -1,4 +1,4 @@
-// Cabinets and shelves. Doors, drawers and open sides are at the front, +x.
+// Cabinets. Doors, drawers and open sides are at the front, +x.
 #include <algorithm>
 #include <array>
 
@@ -114,53 +114,6 @@ void BuildCabinet(Random& random, Solids& solids) {
   }
   if (body.low > 0)
     Feet(random, {body.size.head<2>(), body.low, random.Uniform(0.0, 0.05)}, solids);
-}
-
-void BuildShelf(Random& random, Solids& solids) {
-  const bool low_one = Chance(random, 0.3);
-  const double depth = random.Uniform(0.2, 0.45);
-  const double width = random.Uniform(0.4, 1.8);
-  const double height = low_one ? random.Uniform(0.55, 1.0) : random.Uniform(1.1, 2.2);
-  const double board = random.Uniform(0.014, 0.04);
-  const int levels = std::max(2, static_cast<int>(height / random.Uniform(0.28, 0.45)) + 1);
-  const bool posts = Chance(random, 0.3);
-  const double foot = Chance(random, 0.5) ? random.Uniform(0.03, 0.12) : 0.0;
-  for (int n = 0; n < levels; ++n) {
-    const double z = foot + 0.5 * board + (height - foot - board) * n / (levels - 1);
-    solids.Box(Material::kTop, {0, 0, z}, {depth, width, board});
-  }
-  if (posts) {
-    const double thickness = random.Uniform(0.02, 0.045);
-    for (const double x : kSides)
-      for (const double y : kSides)
-        solids.Box(Material::kFrame,
-                   {x * 0.5 * (depth - thickness), y * 0.5 * (width - thickness), 0.5 * height},
-                   {thickness, thickness, height});
-  } else {
-    const int uprights = 2 + (width > 0.9 ? Count(random, 0, 2) : 0);
-    for (int n = 0; n < uprights; ++n) {
-      const double y = (width - board) * (static_cast<double>(n) / (uprights - 1) - 0.5);
-      solids.Box(Material::kBody, {0, y, 0.5 * height}, {depth, board, height});
-    }
-  }
-  if (Chance(random, 0.55))
-    solids.Box(Material::kBody,
-               {-0.5 * depth + 0.006, 0, 0.5 * (foot + height)},
-               {0.012, width - 0.004, height - foot});
-  if (Chance(random, 0.3)) {  // things that stand in it
-    const int count = Count(random, 1, 5);
-    for (int n = 0; n < count; ++n) {
-      const int level = Count(random, 0, levels - 2);
-      const double pitch = (height - foot - board) / (levels - 1);
-      const double z = foot + board + pitch * level;
-      const double tall = (pitch - board) * random.Uniform(0.4, 0.95);
-      const double wide = width * random.Uniform(0.1, 0.35);
-      const double y = random.Uniform(-0.5, 0.5) * (width - wide - 0.06);
-      solids.Box(Material::kDetail,
-                 {-0.05 * depth, y, z + 0.5 * tall - 0.003},
-                 {depth * random.Uniform(0.5, 0.8), wide, tall});
-    }
-  }
 }
 
 }  // namespace deepslam::furniture

@@ -50,7 +50,7 @@ const std::array<KindEntry, kKinds.size()>& Table() {
       {Kind::kSettee, "settee", "sofa", {{0.42, 0.9, 0.5}, {1.2, 2.5, 1.15}}, BuildSettee},
       {Kind::kBed, "bed", "bed", {{1.7, 0.78, 0.28}, {2.45, 2.15, 1.6}}, BuildBed},
       {Kind::kCabinet, "cabinet", "cabinet", {{0.28, 0.3, 0.34}, {0.75, 2.1, 2.4}}, BuildCabinet},
-      {Kind::kShelf, "shelf", "shelf", {{0.18, 0.38, 0.5}, {0.5, 1.9, 2.25}}, BuildShelf},
+      {Kind::kShelf, "shelf", "shelf", {{0.18, 0.28, 0.45}, {0.65, 2.9, 2.4}}, BuildShelf},
   }};
   return table;
 }
