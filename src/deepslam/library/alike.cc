@@ -17,6 +17,10 @@ constexpr double kAlike = 0.9;
 // are alike as well when nearly all of each lies within a voxel of the other.
 constexpr double kNearlyAll = 0.97;
 constexpr float kNearSquared = 2.0F;  // diagonal neighbours in a plane
+// A look at some voxels comes first; it passes whatever the whole comparison could.
+constexpr std::size_t kSome = 400;
+constexpr double kMost = 0.88;
+constexpr double kRoughlyNear = 2.5;  // voxels: kNearSquared and the rounding of a stretched grid
 
 // Sides of the occupied voxels' box, object units; zero when there are none.
 Eigen::Vector3d Extent(const VoxelGrid& grid) {
@@ -44,6 +48,36 @@ ComparableShape::ComparableShape(const VoxelGrid& grid) : grid_(&grid), extent_(
   const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
   fullness_ = static_cast<double>(count) * kVoxelSize * kVoxelSize * kVoxelSize / extent_.prod();
   squared_distance_ = shape::SquaredDistanceTo(grid, true);
+  const VoxelBox box = *OccupiedBox(grid);
+  middle_ = box.low.cast<double>() + 0.5 * (box.sides().cast<double>() - 1);
+  const std::size_t stride = 1 + static_cast<std::size_t>(count) / kSome;
+  std::size_t seen = 0;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        if (!grid.At(i, j, k) || seen++ % stride != 0) continue;
+        some_.push_back((Eigen::Array3d(i, j, k) - middle_) / box.sides().cast<double>());
+      }
+    }
+  }
+}
+
+bool ComparableShape::LiesNear(const ComparableShape& b,
+                               int quarter_turns,
+                               const ComparableShape& a) {
+  const Eigen::Array3d sides = a.extent_.array() / kVoxelSize;
+  Eigen::Array3d sides_b = b.extent_.array() / kVoxelSize;
+  if (quarter_turns % 2 != 0) std::swap(sides_b.x(), sides_b.y());
+  // A voxel of b may be several of a.
+  const double reach = kRoughlyNear * std::max(1.0, (sides / sides_b).maxCoeff());
+  std::size_t near = 0;
+  for (Eigen::Array3d p : b.some_) {
+    for (int n = 0; n < quarter_turns; ++n) p = {-p.y(), p.x(), p.z()};
+    const Eigen::Array3i at = (a.middle_ + p * sides).round().cast<int>().max(0).min(kGridSize - 1);
+    const float squared = a.squared_distance_[VoxelGrid::Index(at.x(), at.y(), at.z())];
+    near += squared <= reach * reach ? 1U : 0U;
+  }
+  return static_cast<double>(near) >= kMost * static_cast<double>(b.some_.size());
 }
 
 bool Alike(const ComparableShape& a, const ComparableShape& b) {
@@ -53,6 +87,10 @@ bool Alike(const ComparableShape& a, const ComparableShape& b) {
   const double ratio = a.fullness_ / b.fullness_;
   if (ratio > kOtherFullness || ratio < 1.0 / kOtherFullness) return false;
   for (int turns = 0; turns < 4; ++turns) {
+    if (!ComparableShape::LiesNear(b, turns, a) ||
+        !ComparableShape::LiesNear(a, (4 - turns) % 4, b)) {
+      continue;
+    }
     Eigen::Vector3d extent_turned = b.extent_;
     if (turns % 2 != 0) std::swap(extent_turned.x(), extent_turned.y());
     const VoxelGrid fitted = shape::StretchGrid(shape::TurnGrid(*b.grid_, turns),

@@ -20,10 +20,15 @@ class ComparableShape {
   friend bool Alike(const ComparableShape& a, const ComparableShape& b);
 
  private:
+  // Whether most of some of b's points, turned and stretched to a's box, lie on or beside a.
+  static bool LiesNear(const ComparableShape& b, int quarter_turns, const ComparableShape& a);
+
   const VoxelGrid* grid_;
   Eigen::Vector3d extent_ = Eigen::Vector3d::Zero();  // of the occupied box, object units
   double fullness_ = 0;                               // occupied share of that box
   std::vector<float> squared_distance_;               // voxels, to the nearest occupied one
+  Eigen::Array3d middle_ = Eigen::Array3d::Zero();    // of that box, voxels
+  std::vector<Eigen::Array3d> some_;                  // occupied, in the box as in [-0.5, 0.5]^3
 };
 
 [[nodiscard]] bool Alike(const ComparableShape& a, const ComparableShape& b);
