@@ -222,10 +222,14 @@ Status AddFolder(const TrainingModelRequest& request,
                  const KnownShapes& withheld,
                  ShapeGroups& groups,
                  std::vector<TrainingModelSource>& sources,
-                 std::vector<std::string>& dropped) {
+                 std::vector<std::string>& dropped,
+                 Progress& progress) {
   const Result<std::vector<fs::path>> files = MeshFiles(folder);
   if (!files) return files.error();
+  std::size_t number = 0;
   for (const fs::path& file : *files) {
+    if (progress.StopRequested()) return Interrupted();
+    progress.Report(++number, files->size());
     const std::optional<std::string> class_name =
         ClassOfFolder(file.parent_path().filename().string());
     if (!class_name || !Wanted(request, *class_name)) continue;
@@ -316,7 +320,7 @@ Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
   }
   for (const fs::path& folder : request.mesh_folders) {
     if (const Status status =
-            AddFolder(request, folder, hidden, groups, models.sources_, models.dropped_);
+            AddFolder(request, folder, hidden, groups, models.sources_, models.dropped_, progress);
         !status)
       return status.error();
   }

@@ -396,6 +396,21 @@ TEST(ShapesAlike, SeesThroughSizeStretchAndTurn) {
   EXPECT_FALSE(ShapesAlike(chair, VoxelGrid()));
 }
 
+TEST(ShapesAlike, SeesThroughEveryTurnOfEveryStretchedShape) {
+  const VoxelGrid table = *shape::Voxelize(TableMesh(1.4F, 0.8F, 0.74F, 0.12F));
+  const VoxelGrid chair = *shape::Voxelize(ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.08F));
+  for (const VoxelGrid* const shape : {&table, &chair}) {
+    for (const Eigen::Vector3d& factors :
+         {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1.6, 0.7, 1), Eigen::Vector3d(0.6, 1.2, 1.5)}) {
+      for (int turns = 0; turns < 4; ++turns) {
+        const VoxelGrid other = shape::TurnGrid(shape::StretchGrid(*shape, factors), turns);
+        EXPECT_TRUE(ShapesAlike(*shape, other)) << factors.transpose() << " turned " << turns;
+        EXPECT_TRUE(ShapesAlike(other, *shape)) << factors.transpose() << " turned " << turns;
+      }
+    }
+  }
+}
+
 TEST(WithheldModels, AreReadFromTheList) {
   TempDir dir;
   const fs::path file = dir.path() / "withheld.yaml";
