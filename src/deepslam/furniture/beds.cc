@@ -7,12 +7,6 @@
 #include "deepslam/furniture/supports.h"
 
 namespace deepslam::furniture {
-namespace {
-
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
-}  // namespace
-
 void BuildBed(Random& random, Solids& solids) {
   const double length = random.Uniform(1.75, 2.12);
   const double width = Chance(random, 0.5) ? random.Uniform(0.8, 1.2) : random.Uniform(1.3, 2.0);

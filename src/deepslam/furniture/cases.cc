@@ -9,8 +9,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 struct Case {
   Eigen::Vector3d size;  // of the body
   double low = 0;        // its underside

@@ -1,4 +1,4 @@
-// Draws for designs.
+// Draws for designs, and the sides they are made for.
 #pragma once
 
 #include <array>
@@ -7,6 +7,9 @@
 #include "deepslam/core/random.h"
 
 namespace deepslam::furniture {
+
+// What comes in pairs: right and left, behind and in front.
+inline constexpr std::array<double, 2> kSides = {-1.0, 1.0};
 
 inline bool Chance(Random& random, double probability) { return random.Uniform() < probability; }
 

@@ -11,8 +11,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 Seat DrawSeat(Random& random) {
   Seat seat;
   seat.width = random.Uniform(0.36, 0.56);

@@ -10,8 +10,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 Seat DrawBench(Random& random) {
   Seat seat;
   seat.width = random.Uniform(0.95, 2.1);

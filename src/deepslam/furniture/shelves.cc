@@ -10,8 +10,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 // What all columns of one shelf share.
 struct Style {
   double depth = 0;

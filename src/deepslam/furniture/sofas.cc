@@ -9,8 +9,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 struct SofaPlan {
   double width = 0;  // between the arms
   double depth = 0;  // with the back

@@ -10,8 +10,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 struct LegStyle {
   std::size_t kind = 0;  // square, tapered, round, splayed round, turned, splayed square
   double top = 0;        // thickness

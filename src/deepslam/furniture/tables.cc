@@ -10,8 +10,6 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr std::array<double, 2> kSides = {-1.0, 1.0};
-
 struct Top {
   double depth = 0;  // along x
   double width = 0;  // along y
