@@ -194,14 +194,26 @@ void ShadowBesideEdges(Random& random, Raster& raster) {
   }
 }
 
-bool HasNeighbour(const Mask& mask, int u, int v, int reach, bool inside) {
-  for (int b = -reach; b <= reach; ++b) {
-    for (int a = -reach; a <= reach; ++a) {
-      const bool in = mask.Contains(u + a, v + b) && mask(u + a, v + b) != 0;
-      if (in == inside) return true;
+// Pixels with one that is `inside` the mask within `reach` along rows and columns. Beyond the
+// border nothing is inside.
+Mask Near(const Mask& mask, int reach, bool inside) {
+  const auto spread = [reach](const Mask& from, bool along_rows, bool border) {
+    Mask to(from.width(), from.height());
+    for (int v = 0; v < from.height(); ++v) {
+      for (int u = 0; u < from.width(); ++u) {
+        for (int step = -reach; step <= reach && to(u, v) == 0; ++step) {
+          const int a = along_rows ? u + step : u;
+          const int b = along_rows ? v : v + step;
+          if (from.Contains(a, b) ? from(a, b) != 0 : border) to(u, v) = 1;
+        }
+      }
     }
-  }
-  return false;
+    return to;
+  };
+  Mask wanted(mask.width(), mask.height());
+  for (std::size_t n = 0; n < mask.size(); ++n)
+    wanted.data()[n] = (mask.data()[n] != 0) == inside ? 1 : 0;
+  return spread(spread(wanted, true, !inside), false, !inside);
 }
 
 // The mask is too wide by a rim of background, or too narrow, in places.
@@ -213,14 +225,13 @@ void ShiftRim(Random& random, Raster& raster) {
   const Eigen::Vector3f paint(Draw(random, 0.1, 1), Draw(random, 0.1, 1), Draw(random, 0.1, 1));
   const float phase = Draw(random, 0, 100);
   const float often = Draw(random, 0.25, 0.7);
-  const Mask before = raster.mask;
+  const Mask near = Near(raster.mask, reach, wider);
   for (int v = 0; v < raster.height(); ++v) {
     for (int u = 0; u < raster.width(); ++u) {
-      if ((before(u, v) != 0) == wider) continue;
+      if (near(u, v) == 0 || (raster.mask(u, v) != 0) == wider) continue;
       if (ValueNoise(
               {static_cast<float>(u) * 0.08F + phase, static_cast<float>(v) * 0.08F, phase}) <
-              often ||
-          !HasNeighbour(before, u, v, reach, wider)) {
+          often) {
         continue;
       }
       raster.mask(u, v) = wider ? 1 : 0;

@@ -120,6 +120,7 @@ ObjectView ToObjectView(const Raster& raster) {
   ObjectView view;
   view.colour_crop = ColourImage(raster.width(), raster.height());
   for (std::size_t n = 0; n < view.colour_crop.size(); ++n) {
+    if (raster.mask.data()[n] == 0) continue;  // the crop is white there
     const Eigen::Vector3f shade = 255.0F * raster.colour.data()[n];
     view.colour_crop.data()[n] = {static_cast<std::uint8_t>(std::lround(shade.x())),
                                   static_cast<std::uint8_t>(std::lround(shade.y())),

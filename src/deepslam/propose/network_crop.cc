@@ -67,41 +67,62 @@ void AddPixel(const ObjectView& view, int u, int v, float weight, Mixed& mixed) 
   mixed.share += weight;
 }
 
-void AddBetween(const ObjectView& view, double u, double v, float weight, Mixed& mixed) {
-  const double fu = std::floor(u);
-  const double fv = std::floor(v);
-  const auto a = static_cast<float>(u - fu);
-  const auto b = static_cast<float>(v - fv);
-  const int iu = static_cast<int>(fu);
-  const int iv = static_cast<int>(fv);
-  AddPixel(view, iu, iv, weight * (1 - a) * (1 - b), mixed);
-  AddPixel(view, iu + 1, iv, weight * a * (1 - b), mixed);
-  AddPixel(view, iu, iv + 1, weight * (1 - a) * b, mixed);
-  AddPixel(view, iu + 1, iv + 1, weight * a * b, mixed);
+// Where the samples of the square lie along one of its sides: between the pixel `at` and the next,
+// `next` of the way.
+struct Between {
+  int at = 0;
+  float next = 0;
+};
+
+std::vector<Between> SamplesAlong(double first, double step, int samples) {
+  std::vector<Between> along;
+  along.reserve(static_cast<std::size_t>(kCropSide * samples));
+  for (int x = 0; x < kCropSide; ++x) {
+    for (int a = 0; a < samples; ++a) {
+      const double u = first + (x + (a + 0.5) / samples) * step - 0.5;
+      const double whole = std::floor(u);
+      along.push_back({static_cast<int>(whole), static_cast<float>(u - whole)});
+    }
+  }
+  return along;
+}
+
+void AddBetween(
+    const ObjectView& view, const Between& u, const Between& v, float weight, Mixed& mixed) {
+  AddPixel(view, u.at, v.at, weight * (1 - u.next) * (1 - v.next), mixed);
+  AddPixel(view, u.at + 1, v.at, weight * u.next * (1 - v.next), mixed);
+  AddPixel(view, u.at, v.at + 1, weight * (1 - u.next) * v.next, mixed);
+  AddPixel(view, u.at + 1, v.at + 1, weight * u.next * v.next, mixed);
 }
 
 std::uint8_t OnWhite(float colour, float share) {
   return static_cast<std::uint8_t>(std::lround(std::min(255.0F, colour + (1 - share) * 255.0F)));
 }
 
-void FillColour(const ObjectView& view, NetworkCrop& crop) {
+// The square is white from the start, and stays so where none of its samples is near the box.
+void FillColour(const ObjectView& view, const MaskBox& box, NetworkCrop& crop) {
   const double step = crop.side_px / kCropSide;
   constexpr int kMostSamples = 4;
   // Values between pixels need no second sample before a step leaves pixels out.
   const int samples = std::clamp(static_cast<int>(std::lround(step)), 1, kMostSamples);
   const float weight = 1.0F / static_cast<float>(samples * samples);
+  const std::vector<Between> columns = SamplesAlong(crop.u0, step, samples);
+  const std::vector<Between> rows = SamplesAlong(crop.v0, step, samples);
+  const auto of_pixel = [samples](const std::vector<Between>& along, int x) {
+    return std::span(along).subspan(static_cast<std::size_t>(x * samples),
+                                    static_cast<std::size_t>(samples));
+  };
   for (int y = 0; y < kCropSide; ++y) {
+    const std::span<const Between> down = of_pixel(rows, y);
+    if (down.back().at + 1 < box.min_v || down.front().at > box.max_v) continue;
     for (int x = 0; x < kCropSide; ++x) {
+      const std::span<const Between> across = of_pixel(columns, x);
+      if (across.back().at + 1 < box.min_u || across.front().at > box.max_u) continue;
       Mixed mixed;
-      for (int b = 0; b < samples; ++b) {
-        for (int a = 0; a < samples; ++a) {
-          AddBetween(view,
-                     crop.u0 + (x + (a + 0.5) / samples) * step - 0.5,
-                     crop.v0 + (y + (b + 0.5) / samples) * step - 0.5,
-                     weight,
-                     mixed);
-        }
+      for (const Between& v : down) {
+        for (const Between& u : across) AddBetween(view, u, v, weight, mixed);
       }
+      if (mixed.share == 0) continue;
       crop.colour(x, y) = {OnWhite(mixed.colour[0], mixed.share),
                            OnWhite(mixed.colour[1], mixed.share),
                            OnWhite(mixed.colour[2], mixed.share)};
@@ -162,7 +183,7 @@ Result<NetworkCrop> CropUpright(const ObjectView& view, bool use_depth) {
   crop.side_px = kMargin * std::max(box.max_u - box.min_u + 1, box.max_v - box.min_v + 1);
   crop.u0 = 0.5 * (box.min_u + box.max_u + 1) - 0.5 * crop.side_px;
   crop.v0 = 0.5 * (box.min_v + box.max_v + 1) - 0.5 * crop.side_px;
-  FillColour(view, crop);
+  FillColour(view, box, crop);
   if (!use_depth) return crop;
   crop.reference_m = MedianDepth(view);
   const double focal_px = 0.5 * (view.camera.fx + view.camera.fy);
