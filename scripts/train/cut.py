@@ -5,13 +5,13 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-KEPT_OF_EXPECTED, LEAST_SHARE, REACH, CRUMB = 0.5, 0.05, 2, 0.003
+LEAST_SHARE, REACH, CRUMB = 0.05, 2, 0.003
 
 
-def levels(shares, threshold):
+def levels(shares, threshold, kept_of_expected):
     """[N, 64, 64, 64] -> [N, 64]: the value above which the voxels of each layer along z are solid."""
     layers = shares.permute(0, 3, 1, 2).flatten(2)
-    kept = (KEPT_OF_EXPECTED * layers.double().sum(2) + 0.5).long().clamp(max=layers.shape[2] - 1)
+    kept = (kept_of_expected * layers.double().sum(2) + 0.5).long().clamp(max=layers.shape[2] - 1)
     ranked = layers.sort(2, descending=True).values
     return ranked.gather(2, kept[..., None])[..., 0].clamp(min=LEAST_SHARE).clamp(max=threshold)
 
@@ -28,7 +28,7 @@ def without_crumbs(solid):
     return kept
 
 
-def cut(shares, threshold):
+def cut(shares, threshold, kept_of_expected):
     """[N, 64, 64, 64] values in [0, 1] -> bool."""
-    solid = shares > levels(shares, threshold)[:, None, None, :]
+    solid = shares > levels(shares, threshold, kept_of_expected)[:, None, None, :]
     return torch.stack([without_crumbs(one) if bool(one.any()) else one for one in solid])

@@ -136,13 +136,14 @@ def main():
     out = pathlib.Path(arguments.out)
     out.mkdir(parents=True, exist_ok=True)
     common = {"format": "deepslam/prior", "version": 1, "class": config["class"]}
-    thresholds = {"threshold": scores["colour_and_depth"]["threshold"], "threshold_colour": scores["colour"]["threshold"]}
+    cuts = {name + suffix: scores[key][name] for key, suffix in (("colour_and_depth", ""), ("colour", "_colour"))
+            for name in ("threshold", "kept_of_expected")}
     worst = max(
         export(model.sketch, (crop,), ["crop"], ["sketch"], out / "sketch.onnx", dict(common, role="sketch")),
         export(model.encoder, (crop, sketch), ["crop", "sketch"], ["latents", "azimuth", "elevation"],
                out / "encoder.onnx", dict(common, role="encoder")),
         export(model.decoder, (latents,), ["latents"], ["logits"], out / "decoder.onnx",
-               dict(common, role="decoder", **thresholds)))
+               dict(common, role="decoder", **cuts)))
     decoder_gradient.add_to(out / "decoder.onnx")
     weights = ", ".join(f"{name} {sum(p.numel() for p in getattr(model, name).parameters()) / 1e6:.2f} M"
                         for name in ("sketch", "encoder", "decoder"))

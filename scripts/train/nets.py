@@ -1,7 +1,8 @@
 """The networks of a shape prior, in the manner of Pix3D (Sun et al. 2018).
 
   sketch    crop [N, 7, 128, 128] -> sketch [N, 5, 64, 64]: depth, normal (3), silhouette (logit)
-  encoder   crop, sketch -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]
+  encoder   crop, sketch -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the latents also from the
+            sketch as it lies in the model's frame by that azimuth and elevation (unproject.py)
   decoder   latents -> logits [N, 64, 64, 64], index order x (front), y, z as the program's voxel grids
 
 The planes of a crop are those of src/deepslam/propose/network_crop.h. The decoder is 2-D with the 64 places along x as
@@ -12,7 +13,11 @@ import math
 import torch
 from torch import nn
 
+from unproject import PLACES, Unproject
+
 CROP, SKETCH, GRID, LATENTS, BINS = 128, 64, 64, 100, 24
+LEAK = 0.1  # behind the encoder's narrow layers: of plain units more than half died, all of those behind a zero last layer
+SPREAD = 10  # about that of latents: a layer that begins at zero gets there ten times sooner
 
 
 def scaled(channels, width):
@@ -54,14 +59,29 @@ class Encoder(nn.Module):
         a, b, c, d, features = (scaled(n, width) for n in (64, 128, 192, 256, 144))
         self.body = nn.Sequential(
             down(5 + 4 * planes, a), down(a, b), down(b, c), down(c, d), nn.Flatten(),
-            nn.Linear(d * 16, features), nn.ReLU(True))
+            nn.Linear(d * 16, features), nn.LeakyReLU(LEAK))
         self.latents = nn.Linear(features, LATENTS)
         self.azimuth = nn.Linear(features, BINS)
         self.elevation = nn.Linear(features, 1)
+        self.unproject = Unproject()
+        e, f, g, turned = (scaled(n, width) for n in (40, 64, 96, 96))
+        self.turned = nn.Sequential(
+            down(2 * PLACES, e), down(e, f), down(f, g), nn.Flatten(), nn.Linear(g * 16, turned),
+            nn.LeakyReLU(LEAK))
+        self.more_latents = nn.Linear(turned, LATENTS)
+        nn.init.zeros_(self.more_latents.weight)  # begins as the networks without
+        nn.init.zeros_(self.more_latents.bias)
+
+    @staticmethod
+    def planes(crop, sketch):
+        return torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1)
 
     def forward(self, crop, sketch):
-        features = self.body(torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1))
-        return self.latents(features), self.azimuth(features), self.elevation(features)
+        features = self.body(self.planes(crop, sketch))
+        azimuth, elevation = self.azimuth(features), self.elevation(features)
+        with torch.no_grad(), torch.autocast(crop.device.type, enabled=False):
+            places = self.unproject(sketch.float(), azimuth.float(), elevation.float())
+        return self.latents(features) + SPREAD * self.more_latents(self.turned(places)), azimuth, elevation
 
 
 class Decoder(nn.Module):

@@ -60,8 +60,21 @@ def respread(norm, values):
     norm.running_var.copy_(spread)
 
 
+@torch.no_grad()
+def revive(encoder, crops, sketches):
+    """Units of the narrow layer that are silent on all crops begin anew, and nothing listens to them yet."""
+    *_, narrow, active = encoder.body
+    fed = encoder.body[:-2](encoder.planes(crops, sketches))
+    silent = (active(narrow(fed)) > 0).float().mean(0) < 0.005
+    fresh = nn.Linear(narrow.in_features, narrow.out_features)
+    narrow.weight[silent], narrow.bias[silent] = fresh.weight[silent], fresh.bias[silent]
+    for head in (encoder.latents, encoder.azimuth, encoder.elevation):
+        head.weight[:, silent] = 0
+
+
 def begin(model, source, crops):
-    """`model` (nets.Prior) with the weights of `source`; `crops` are some hundred of the training's."""
+    """`model` (nets.Prior) with the weights of `source`; `crops` are some hundred of the training's. Parts that networks of
+    before do not have stay as they were made, which adds nothing to what these compute."""
     source = pathlib.Path(source)
     if source.is_file():
         model.load_state_dict(torch.load(source, map_location="cpu", weights_only=True))
@@ -79,4 +92,6 @@ def begin(model, source, crops):
         hook.remove()
     for norm in norms:
         respread(norm, seen[norm])
+    with torch.no_grad():
+        revive(model.encoder, crops, model.sketch(crops))
     return model.train(learning)

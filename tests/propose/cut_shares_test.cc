@@ -9,7 +9,7 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr double kThreshold = 0.4;
+constexpr SolidCut kCut = {.threshold = 0.4, .kept_of_expected = 0.5};
 
 std::vector<float> Nothing() { return std::vector<float>(VoxelGrid().occupied.size(), 0.01F); }
 
@@ -41,7 +41,7 @@ TEST(CutSharesTest, ALegWhosePlaceIsUnsureStaysWhereItIsLikeliest) {
       for (int k = 0; k < 30; ++k) shares[VoxelGrid::Index(i, j, k)] = is_middle ? 0.3F : 0.1F;
     }
   }
-  const VoxelGrid solid = CutShares(shares, kThreshold);
+  const VoxelGrid solid = CutShares(shares, kCut);
   for (int k = 0; k < 30; ++k) {
     EXPECT_TRUE(solid.At(12, 13, k)) << k;
     EXPECT_LE(InLayer(solid, k), 22) << "half of what is expected, in all of the layer";
@@ -50,21 +50,29 @@ TEST(CutSharesTest, ALegWhosePlaceIsUnsureStaysWhereItIsLikeliest) {
   EXPECT_EQ(InLayer(solid, 32), 1600);
 }
 
+TEST(CutSharesTest, WithoutExpectationTheThresholdAloneCuts) {
+  std::vector<float> shares = Seat();
+  for (int k = 0; k < 30; ++k) shares[VoxelGrid::Index(12, 12, k)] = 0.39F;
+  EXPECT_TRUE(CutShares(shares, {.threshold = 0.4, .kept_of_expected = 1}).At(12, 12, 5));
+  EXPECT_EQ(CutShares(shares, {.threshold = 0.4, .kept_of_expected = 0}),
+            CutShares(Seat(), {.threshold = 0.4, .kept_of_expected = 0}));
+}
+
 TEST(CutSharesTest, WhatIsNowhereLikelyStaysEmpty) {
-  const VoxelGrid solid = CutShares(Seat(), kThreshold);
+  const VoxelGrid solid = CutShares(Seat(), kCut);
   EXPECT_EQ(std::count(solid.occupied.begin(), solid.occupied.end(), std::uint8_t{1}), 4 * 1600);
-  EXPECT_EQ(CutShares(Nothing(), kThreshold), VoxelGrid());
+  EXPECT_EQ(CutShares(Nothing(), kCut), VoxelGrid());
 }
 
 TEST(CutSharesTest, OfEquallyLikelyVoxelsNoneIsPicked) {
   const std::vector<float> even(VoxelGrid().occupied.size(), 0.1F);
-  EXPECT_EQ(CutShares(even, kThreshold), VoxelGrid());
+  EXPECT_EQ(CutShares(even, kCut), VoxelGrid());
 }
 
 TEST(CutSharesTest, SureLayersAreCutAtTheThreshold) {
   std::vector<float> shares = Seat();
   for (int k = 30; k < 34; ++k) shares[VoxelGrid::Index(52, 30, k)] = 0.3F;
-  EXPECT_FALSE(CutShares(shares, kThreshold).At(52, 30, 31));
+  EXPECT_FALSE(CutShares(shares, kCut).At(52, 30, 31));
 }
 
 TEST(CutSharesTest, DropsCrumbsAndKeepsWhatLiesAVoxelApart) {
@@ -73,7 +81,7 @@ TEST(CutSharesTest, DropsCrumbsAndKeepsWhatLiesAVoxelApart) {
     for (int j = 20; j < 40; ++j) shares[VoxelGrid::Index(i, j, 35)] = 0.9F;
   }
   shares[VoxelGrid::Index(20, 20, 60)] = 0.9F;
-  const VoxelGrid solid = CutShares(shares, kThreshold);
+  const VoxelGrid solid = CutShares(shares, kCut);
   EXPECT_EQ(InLayer(solid, 35), 400);
   EXPECT_EQ(InLayer(solid, 60), 0);
 }

@@ -161,6 +161,12 @@ TEST(ShapePriorTest, RefusesWhatIsNoPrior) {
       {"threshold beyond",
        [](TinyPrior& p) { p.decoder.metadata["threshold_colour"] = "7"; },
        "threshold"},
+      {"kept beyond",
+       [](TinyPrior& p) { p.decoder.metadata["kept_of_expected_colour"] = "1.5"; },
+       "kept_of_expected_colour"},
+      {"kept in words",
+       [](TinyPrior& p) { p.decoder.metadata["kept_of_expected"] = "half"; },
+       "'half'"},
       {"smaller crop", [](TinyPrior& p) { p.sketch.inputs[0].shape[2] = 64; }, "`crop`"},
       {"fewer latents",
        [](TinyPrior& p) {

@@ -11,14 +11,13 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr double kKeptOfExpected = 0.5;
 constexpr float kLeastShare = 0.05F;
 // Parts of a leg may lie a voxel apart.
 constexpr int kReach = 2;
 constexpr double kCrumb = 0.003;
 
 // The value above which the voxels of a layer are solid.
-float LevelOfLayer(std::span<const float> shares, int k, float threshold) {
+float LevelOfLayer(std::span<const float> shares, int k, const SolidCut& cut) {
   std::array<float, std::size_t{kGridSize} * kGridSize> layer{};
   double expected = 0;
   for (std::size_t n = 0; n < layer.size(); ++n) {
@@ -26,19 +25,19 @@ float LevelOfLayer(std::span<const float> shares, int k, float threshold) {
     expected += static_cast<double>(layer.at(n));
   }
   const auto kept =
-      std::min(layer.size() - 1, static_cast<std::size_t>(kKeptOfExpected * expected + 0.5));
+      std::min(layer.size() - 1, static_cast<std::size_t>(cut.kept_of_expected * expected + 0.5));
   const auto first_left_out = layer.begin() + static_cast<std::ptrdiff_t>(kept);
   std::nth_element(layer.begin(), first_left_out, layer.end(), std::greater<>());
-  return std::min(threshold, std::max(kLeastShare, *first_left_out));
+  return std::min(static_cast<float>(cut.threshold), std::max(kLeastShare, *first_left_out));
 }
 
 }  // namespace
 
-VoxelGrid CutShares(std::span<const float> shares, double threshold) {
+VoxelGrid CutShares(std::span<const float> shares, const SolidCut& cut) {
   VoxelGrid solid;
   DEEPSLAM_CHECK(shares.size() == solid.occupied.size(), "a share for each voxel");
   for (int k = 0; k < kGridSize; ++k) {
-    const float level = LevelOfLayer(shares, k, static_cast<float>(threshold));
+    const float level = LevelOfLayer(shares, k, cut);
     for (std::size_t n = static_cast<std::size_t>(k); n < shares.size(); n += kGridSize)
       solid.occupied[n] = shares[n] > level ? 1 : 0;
   }

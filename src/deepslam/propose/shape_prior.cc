@@ -58,7 +58,9 @@ class Network {
         outputs_(std::move(outputs)) {}
 
   [[nodiscard]] Status Check(std::string_view class_name) const;
-  [[nodiscard]] std::string MetadataOf(const char* key) const { return Metadata(session_, key); }
+  [[nodiscard]] std::string MetadataOf(const std::string& key) const {
+    return Metadata(session_, key.c_str());
+  }
   // Inputs in the order of the ports, one item each; a single value stands for "not given". Errors:
   // what is not finite.
   [[nodiscard]] Result<std::vector<std::vector<float>>> Run(
@@ -159,9 +161,25 @@ Result<std::vector<std::vector<float>>> Network::Run(std::span<std::vector<float
   return values;
 }
 
-double Threshold(const Network& decoder, const char* key) {
-  const double value = std::strtod(decoder.MetadataOf(key).c_str(), nullptr);
-  return value > 0 && value < 1 ? value : 0;
+// As calibrated for crops with depth (`input` empty) or by colour alone ("_colour").
+Result<SolidCut> CutOf(const Network& decoder, const std::string& input) {
+  SolidCut cut;
+  cut.threshold = std::strtod(decoder.MetadataOf("threshold" + input).c_str(), nullptr);
+  if (!(cut.threshold > 0 && cut.threshold < 1)) {
+    return InvalidInput(
+        "decoder.onnx: its metadata hold no `threshold` and `threshold_colour` in (0, 1); make the "
+        "networks by scripts/train/train.sh");
+  }
+  const std::string key = "kept_of_expected" + input;
+  const std::string kept = decoder.MetadataOf(key);
+  if (kept.empty()) return cut;  // of networks from before
+  char* end = nullptr;
+  cut.kept_of_expected = std::strtod(kept.c_str(), &end);
+  if (*end != '\0' || !(cut.kept_of_expected >= 0 && cut.kept_of_expected <= 1)) {
+    return InvalidInput("decoder.onnx: its metadata `" + key + "` is '" + kept +
+                        "', not a number in [0, 1]; make the networks by scripts/train/train.sh");
+  }
+  return cut;
 }
 
 void ReadViewpoint(const std::vector<float>& azimuth, PriorEncoding& encoding) {
@@ -200,8 +218,8 @@ struct ShapePrior::Impl {
   Network encoder;
   Network decoder;
   bool has_gradient = false;
-  double threshold_depth = 0;
-  double threshold_colour = 0;
+  SolidCut cut_by_depth;
+  SolidCut cut_by_colour;
 
   // Of the decoder: logits, and the derivative by the latents where there is one.
   [[nodiscard]] Result<std::vector<std::vector<float>>> RunDecoder(
@@ -231,7 +249,7 @@ Result<VoxelGrid> ShapePrior::Impl::SolidOf(std::span<const float> logits, bool 
   std::transform(logits.begin(), logits.end(), shares.begin(), [](float logit) {
     return 1.0F / (1.0F + std::exp(-logit));
   });
-  VoxelGrid solid = CutShares(shares, by_depth ? threshold_depth : threshold_colour);
+  VoxelGrid solid = CutShares(shares, by_depth ? cut_by_depth : cut_by_colour);
   if (std::count(solid.occupied.begin(), solid.occupied.end(), std::uint8_t{1}) < kFewestVoxels)
     return InvalidInput("the latents decode to no solid");
   return solid;
@@ -279,21 +297,17 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
     for (const Network* network : {&sketch_network, &encoder, &decoder}) {
       if (Status status = network->Check(class_name); !status.ok()) return status.error();
     }
-    const double by_depth = Threshold(decoder, "threshold");
-    const double by_colour = Threshold(decoder, "threshold_colour");
-    if (by_depth == 0 || by_colour == 0) {
-      return InvalidInput(
-          "decoder.onnx: its metadata hold no `threshold` and `threshold_colour` in (0, 1); make "
-          "the "
-          "networks by scripts/train/train.sh");
-    }
+    const Result<SolidCut> by_depth = CutOf(decoder, "");
+    if (!by_depth) return by_depth.error();
+    const Result<SolidCut> by_colour = CutOf(decoder, "_colour");
+    if (!by_colour) return by_colour.error();
     auto impl = std::unique_ptr<Impl>(new Impl{std::move(env),
                                                std::move(sketch_network),
                                                std::move(encoder),
                                                std::move(decoder),
                                                has_gradient,
-                                               by_depth,
-                                               by_colour});
+                                               *by_depth,
+                                               *by_colour});
     return std::unique_ptr<ShapePrior>(new ShapePrior(std::move(impl)));
   } catch (const std::exception& failure) {
     return InvalidInput(std::string(reading) +
