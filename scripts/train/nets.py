@@ -8,14 +8,12 @@
 The planes of a crop are those of src/deepslam/propose/network_crop.h. The decoder is 2-D with the 64 places along x as
 channels: as good as a 3-D one and an order of magnitude faster.
 """
-import math
-
 import torch
 from torch import nn
 
-from unproject import PLACES, Unproject
+from unproject import GRID, PLACES, Unproject, direction_of
 
-CROP, SKETCH, GRID, LATENTS, BINS = 128, 64, 64, 100, 24
+LATENTS, BINS = 100, 24
 LEAK = 0.1  # behind the encoder's narrow layers: of plain units more than half died, all of those behind a zero last layer
 SPREAD = 10  # about that of latents: a layer that begins at zero gets there ten times sooner
 
@@ -126,9 +124,5 @@ def calibrate(model, scale, offset):
 
 def azimuth_of(logits):
     """Angle (rad) of the bins' strongest neighbourhood; bin k has its middle at k * 360 / 24 degrees."""
-    share = torch.softmax(logits, 1)
-    best = share.argmax(1, keepdim=True)
-    near = (best + torch.arange(-1, 2, device=logits.device)) % BINS
-    weight = share.gather(1, near)
-    angle = near * (2 * math.pi / BINS)
-    return torch.atan2((weight * angle.sin()).sum(1), (weight * angle.cos()).sum(1))
+    cosine, sine = direction_of(logits)
+    return torch.atan2(sine, cosine)
