@@ -204,7 +204,10 @@ void AddPriors(CLI::App& app, Command& chosen) {
   render->add_option("--product-views", arguments->product_views, "Views of each product and mesh")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
-  render->add_option("--variants", models.num_variants, "Stretched variants of products and meshes")
+  render
+      ->add_option("--variants",
+                   models.num_variants,
+                   "Variants of products and meshes: other proportions, other backs")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   render->add_flag_callback(

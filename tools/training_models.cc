@@ -16,6 +16,7 @@
 #include "deepslam/core/random.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/furniture/design.h"
+#include "deepslam/furniture/proportions.h"
 #include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/zip_archive.h"
@@ -24,6 +25,7 @@
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/symmetry.h"
 #include "deepslam/shape/voxelize.h"
+#include "exchanged_back.h"
 #include "furniture_files.h"
 
 namespace deepslam::tools {
@@ -48,6 +50,8 @@ struct TrainingModelSource {
   fs::path file;
   int quarter_turns = 0;
   double scale = 1;
+  // variants: whose back it has, if not its own
+  std::shared_ptr<const TrainingModelSource> upper;
 };
 
 namespace {
@@ -183,6 +187,26 @@ Status AddCatalogue(const TrainingModelRequest& request,
   return Ok();
 }
 
+bool HasBack(const std::string& class_name) {
+  return class_name == "chair" || class_name == "sofa" || class_name == "bed";
+}
+
+// Every other variant of what one sits on gets the back of another product of the training.
+void ExchangeBacks(std::uint64_t seed, std::vector<TrainingModelSource>& sources) {
+  std::map<std::string, std::vector<std::shared_ptr<const TrainingModelSource>>> seats;
+  for (const TrainingModelSource& source : sources) {
+    const bool seat = source.class_name == "chair" || source.class_name == "sofa";
+    if (seat && source.source != "generated" && source.split == "train" && source.variant == 0)
+      seats[source.class_name].push_back(std::make_shared<TrainingModelSource>(source));
+  }
+  for (TrainingModelSource& source : sources) {
+    const auto others = seats.find(source.class_name);
+    if (source.variant % 2 == 0 || source.split != "train" || others == seats.end()) continue;
+    Random random(seed, source.id, 0);
+    source.upper = others->second[random.Index(others->second.size())];
+  }
+}
+
 std::optional<std::string> ClassOfFolder(const std::string& folder) {
   for (const furniture::Kind kind : furniture::kKinds) {
     if (folder == furniture::KindName(kind) || folder == furniture::ClassName(kind))
@@ -241,8 +265,7 @@ Status AddFolder(const TrainingModelRequest& request,
       dropped.push_back(id + ": " + shape.error().message);
       continue;
     }
-    const bool has_back = *class_name == "chair" || *class_name == "sofa" || *class_name == "bed";
-    const int quarter_turns = has_back ? shape::QuarterTurnsToFront(*shape) : 0;
+    const int quarter_turns = HasBack(*class_name) ? shape::QuarterTurnsToFront(*shape) : 0;
     auto known = std::make_unique<KnownShape>(*shape);
     if (FindAlike(withheld, *known) != nullptr) {
       dropped.push_back(id + ": shape like a withheld product");
@@ -268,21 +291,29 @@ Result<synth::FurnitureModel> ReadMesh(const TrainingModelSource& source) {
   return ReadCatalogueModel(*source.archive, source.item);
 }
 
-Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint64_t seed) {
+// In the canonical frame, at real size.
+Result<TriangleMesh> ReadCanonical(const TrainingModelSource& source) {
   Result<synth::FurnitureModel> read = ReadMesh(source);
   if (!read) return read.error();
+  Turn(source.quarter_turns, read->mesh);
+  for (Eigen::Vector3f& p : read->mesh.vertices) p *= static_cast<float>(source.scale);
+  return std::move(read->mesh);
+}
+
+Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint64_t seed) {
+  Result<TriangleMesh> mesh = ReadCanonical(source);
+  if (!mesh) return mesh.error();
   TrainingModel model;
   model.kind = source.class_name;
-  model.furniture.mesh = std::move(read->mesh);
-  TriangleMesh& mesh = model.furniture.mesh;
-  Turn(source.quarter_turns, mesh);
-  Eigen::Vector3f factor = Eigen::Vector3f::Constant(static_cast<float>(source.scale));
-  if (source.variant > 0) {
-    Random random(seed, source.id, static_cast<std::uint64_t>(source.variant));
-    for (int axis = 0; axis < 3; ++axis)
-      factor[axis] *= static_cast<float>(random.Uniform(0.87, 1.15));
+  model.furniture.mesh = std::move(*mesh);
+  if (source.variant == 0) return model;
+  if (source.upper) {
+    const Result<TriangleMesh> upper = ReadCanonical(*source.upper);
+    if (upper) model.furniture.mesh = WithBackOf(model.furniture.mesh, *upper);
   }
-  for (Eigen::Vector3f& p : mesh.vertices) p = p.cwiseProduct(factor);
+  Random random(seed, source.id, static_cast<std::uint64_t>(source.variant));
+  model.furniture.mesh = furniture::Reproportion(
+      model.furniture.mesh, furniture::DrawProportions(HasBack(source.class_name), random));
   return model;
 }
 
@@ -324,6 +355,7 @@ Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
         !status)
       return status.error();
   }
+  ExchangeBacks(request.seed, models.sources_);
   return models;
 }
 

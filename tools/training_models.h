@@ -17,7 +17,7 @@ namespace deepslam::tools {
 
 struct TrainingModel {
   std::string id;          // "generated/chair/000012", "scopia/chair", "meshes/a/chair/b", with
-                           // "~2" for the second stretched variant
+                           // "~2" for the second variant
   std::string class_name;  // of the map
   std::string kind;        // generated: "office_chair"; else the class
   std::string source;      // "generated", "catalogue" or "folder"
@@ -36,7 +36,7 @@ struct TrainingModelRequest {
   int num_designs = 0;    // generated, of each class
   bool catalogue = true;  // with its products
   bool withheld = false;  // the withheld products instead of those for training, and nothing else
-  int num_variants = 0;   // of each product and mesh, stretched by up to 15 % along each axis
+  int num_variants = 0;   // of each product and mesh: other proportions, other backs
   std::filesystem::path catalogues;
   std::filesystem::path withheld_list;
   std::vector<std::filesystem::path> mesh_folders;  // with .../CLASS/name.obj (or .glb, .gltf)

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Variants of meshes that networks learn from: other proportions, and backs of other chairs of the training."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import zipfile
+
+PROGRAM = sys.argv[1]
+GRID, LAYERS = 64, 32768
+QUADS = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
+
+
+def boxes_as_obj(boxes):
+    """Boxes ((low), (high)) in the frame of files: x right to left, y up, z front; metres."""
+    lines = []
+    for n, (low, high) in enumerate(boxes):
+        lines += ["v {} {} {}".format(*(side[k] for side, k in zip(zip(low, high), (x, y, z))))
+                  for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        lines += ["f " + " ".join(str(8 * n + corner) for corner in quad) for quad in QUADS]
+    return "\n".join(lines) + "\n"
+
+
+def chair(number, full_back):
+    """Of its own height and width; the back is a board, or two posts and a rail."""
+    wide, deep, seat, top = 0.40 + 0.03 * number, 0.42 + 0.02 * (number % 3), 0.44, 0.8 + 0.05 * number
+    legs = [((x, 0, z), (x + 0.05, seat, z + 0.05)) for x in (0, wide - 0.05) for z in (0, deep - 0.05)]
+    plate = [((0, seat - 0.05, 0), (wide, seat, deep))]
+    posts = [((x, seat, 0), (x + 0.05, top, 0.05)) for x in (0, wide - 0.05)]
+    rail = [((0, top - 0.05, 0), (wide, top, 0.05))]
+    board = [((0, seat, 0), (wide, top, 0.05))]
+    return boxes_as_obj(legs + plate + (board if full_back else posts + rail))
+
+
+def catalogue_of_a_cabinet(file):
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("m/1.obj", boxes_as_obj([((0, 0, 0), (0.8, 0.9, 0.4))]))
+        archive.writestr("PluginFurnitureCatalog.properties", "name=Boxes\nlicense=free\nid#1=B#cabinet\nname#1=Cabinet\n"
+                         "model#1=/m/1.obj\ncreator#1=nobody\nwidth#1=80\ndepth#1=40\nheight#1=90\n")
+
+
+def filled_back(voxels):
+    """Share of the back's square between its rims that is solid: seen from the front, above the seat's middle."""
+    bits = [(voxels[i // 8] >> (7 - i % 8)) & 1 for i in range(GRID ** 3)]
+    shown = {(y, z) for x in range(GRID) for y in range(GRID) for z in range(GRID) if bits[(x * GRID + y) * GRID + z]}
+    high = max(z for _, z in shown)
+    low = min(z for _, z in shown)
+    layers = range(low + int(0.7 * (high - low)), low + int(0.85 * (high - low)))
+    rows = [sorted(y for y, z in shown if z == layer) for layer in layers]
+    return sum(len(row) / (row[-1] - row[0] + 1) for row in rows if row) / len(rows)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "catalogues").mkdir()
+        catalogue_of_a_cabinet(folder / "catalogues" / "boxes.sh3f")
+        (folder / "withheld.yaml").write_text("withheld:\n", encoding="utf-8")
+        meshes = folder / "meshes" / "chair"
+        meshes.mkdir(parents=True)
+        for n in range(6):
+            (meshes / f"{'board' if n % 2 else 'posts'}{n}.obj").write_text(chair(n, n % 2 == 1), encoding="utf-8")
+
+        def render(out, *arguments):
+            made = subprocess.run([PROGRAM, "priors", "render", "--class", "chair", "--designs", "0", "--product-views", "1",
+                                   "--catalogues", folder / "catalogues", "--withheld-list", folder / "withheld.yaml",
+                                   "--meshes", folder / "meshes", "-o", folder / out, *map(str, arguments)],
+                                  capture_output=True, text=True, check=False)
+            assert made.returncode == 0, made.stderr
+            models = json.loads((folder / out / "training_views.json").read_text(encoding="utf-8"))["models"]
+            packed = (folder / out / "voxels.npy").read_bytes()[-LAYERS * len(models):]
+            return models, {m["id"]: packed[n * LAYERS:(n + 1) * LAYERS] for n, m in enumerate(models)}
+
+        models, one = render("one", "--variants", 4, "--threads", 1)
+        again = render("two", "--variants", 4, "--threads", 2)
+        assert (models, one) == again, "variants depend on the number of threads"
+        _, plain = render("plain", "--variants", 0)
+        assert len(plain) == 6 and len(one) == 30, (len(plain), len(one))
+        assert all(one[key] == shape for key, shape in plain.items()), "the meshes themselves are no longer among them"
+        assert len(set(one.values())) == 30, "variants are alike"
+        for entry in models:
+            own = entry["id"].split("~")[0]
+            assert entry["split"] == next(m["split"] for m in models if m["id"] == own), "a variant validates its own design"
+
+        trained = {m["id"] for m in models if m["split"] == "train"}
+        assert any("board" in key for key in trained), "nothing to exchange backs with"
+        other_backs = 0
+        for key in sorted(k for k in trained if "posts" in k):
+            filled = filled_back(one[key])
+            variant = int(key.split("~")[1]) if "~" in key else 0
+            assert variant % 2 == 1 or filled < 0.6, f"{key} keeps its own back, which is open: {filled}"
+            other_backs += filled > 0.8
+        assert other_backs >= 1, "no chair got the back of another"
+    print("variants: fine")
+
+
+if __name__ == "__main__":
+    main()
