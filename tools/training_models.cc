@@ -20,12 +20,12 @@
 #include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/zip_archive.h"
+#include "deepslam/priors/exchanged_back.h"
 #include "deepslam/scene/mesh_box.h"
 #include "deepslam/shape/front.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/symmetry.h"
 #include "deepslam/shape/voxelize.h"
-#include "exchanged_back.h"
 #include "furniture_files.h"
 
 namespace deepslam::tools {
@@ -187,16 +187,16 @@ Status AddCatalogue(const TrainingModelRequest& request,
   return Ok();
 }
 
-bool HasBack(const std::string& class_name) {
-  return class_name == "chair" || class_name == "sofa" || class_name == "bed";
-}
+bool IsSeat(const std::string& class_name) { return class_name == "chair" || class_name == "sofa"; }
+
+bool HasBack(const std::string& class_name) { return IsSeat(class_name) || class_name == "bed"; }
 
 // Every other variant of what one sits on gets the back of another product of the training.
 void ExchangeBacks(std::uint64_t seed, std::vector<TrainingModelSource>& sources) {
   std::map<std::string, std::vector<std::shared_ptr<const TrainingModelSource>>> seats;
   for (const TrainingModelSource& source : sources) {
-    const bool seat = source.class_name == "chair" || source.class_name == "sofa";
-    if (seat && source.source != "generated" && source.split == "train" && source.variant == 0)
+    if (IsSeat(source.class_name) && source.source != "generated" && source.split == "train" &&
+        source.variant == 0)
       seats[source.class_name].push_back(std::make_shared<TrainingModelSource>(source));
   }
   for (TrainingModelSource& source : sources) {
@@ -309,7 +309,7 @@ Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint6
   if (source.variant == 0) return model;
   if (source.upper) {
     const Result<TriangleMesh> upper = ReadCanonical(*source.upper);
-    if (upper) model.furniture.mesh = WithBackOf(model.furniture.mesh, *upper);
+    if (upper) model.furniture.mesh = priors::WithBackOf(model.furniture.mesh, *upper);
   }
   Random random(seed, source.id, static_cast<std::uint64_t>(source.variant));
   model.furniture.mesh = furniture::Reproportion(

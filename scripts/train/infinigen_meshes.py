@@ -26,6 +26,10 @@ KINDS = {
     "CellShelfFactory": ("shelves.cell_shelf", "shelf"),
     "LargeShelfFactory": ("shelves.large_shelf", "shelf"),
     "TriangleShelfFactory": ("shelves.triangle_shelf", "shelf"),
+    "TableDiningFactory": ("tables.dining_table", "table"),
+    "CoffeeTableFactory": ("tables.dining_table", "table"),
+    "SideTableFactory": ("tables.dining_table", "table"),
+    "TableCocktailFactory": ("tables.cocktail_table", "table"),
 }
 
 
@@ -68,6 +72,12 @@ def thinned(vertices, faces, most):
     return surface([one])
 
 
+def wide(vertices):
+    """Turned about z so that the longer side runs across (y), as that of tables does in the canonical frame."""
+    deep, broad, _ = np.ptp(vertices, axis=0)
+    return vertices[:, [1, 0, 2]] * [1, -1, 1] if deep > broad else vertices
+
+
 def write(path, vertices, faces):
     middle = 0.5 * (vertices.min(0) + vertices.max(0))
     placed = (vertices - [middle[0], middle[1], vertices[:, 2].min()])[:, [1, 2, 0]]
@@ -84,6 +94,8 @@ def make(kind, seed, most):
     module = importlib.import_module("infinigen.assets.objects." + KINDS[kind][0])
     spawned = getattr(module, kind)(seed).spawn_asset(i=0)
     vertices, faces = surface([spawned, *spawned.children_recursive])
+    if KINDS[kind][1] == "table":
+        vertices = wide(vertices)
     return thinned(vertices, faces, most)
 
 

@@ -21,6 +21,8 @@ struct Seat {
   TriangleMesh mesh;
   VoxelGrid shape;
   std::optional<float> height;
+
+  [[nodiscard]] SeatMesh Part() const { return {mesh, shape, height.value_or(0)}; }
 };
 
 Seat MakeSeat(Kind kind, std::uint64_t number) {
@@ -72,7 +74,7 @@ TEST(JoinAtSeat, WithItselfIsItself) {
   for (std::uint64_t n = 0; n < 8; ++n) {
     const Seat seat = MakeSeat(Kind::kChair, n);
     if (!seat.height) continue;
-    const TriangleMesh joined = JoinAtSeat({seat.mesh, *seat.height}, {seat.mesh, *seat.height});
+    const TriangleMesh joined = JoinAtSeat(seat.Part(), seat.Part());
     const Result<VoxelGrid> shape = shape::Voxelize(joined);
     ASSERT_TRUE(shape);
     EXPECT_GE(shape::GridIntersectionOverUnion(*shape, seat.shape), 0.9) << n;
@@ -86,8 +88,7 @@ TEST(JoinAtSeat, HasTheLegsOfOneAndTheBackOfTheOther) {
     const Seat upper = MakeSeat(Kind::kChair, n + 50);
     if (!lower.height || !upper.height) continue;
     ++joins;
-    const TriangleMesh joined =
-        JoinAtSeat({lower.mesh, *lower.height}, {upper.mesh, *upper.height});
+    const TriangleMesh joined = JoinAtSeat(lower.Part(), upper.Part());
     const float seat_m = *lower.height * Height(lower.mesh);
     const float back_m = (1 - *upper.height) * Height(upper.mesh);
     EXPECT_NEAR(Height(joined), seat_m + back_m, 1e-4F) << n;
@@ -106,8 +107,9 @@ TEST(JoinAtSeat, OfNothingIsWhatTheOtherGives) {
   const Seat seat = MakeSeat(Kind::kChair, 1);
   ASSERT_TRUE(seat.height);
   const TriangleMesh nothing;
-  EXPECT_TRUE(JoinAtSeat({nothing, 0.5F}, {nothing, 0.5F}).empty());
-  const TriangleMesh legs = JoinAtSeat({seat.mesh, *seat.height}, {nothing, 0.5F});
+  const VoxelGrid empty;
+  EXPECT_TRUE(JoinAtSeat({nothing, empty, 0.5F}, {nothing, empty, 0.5F}).empty());
+  const TriangleMesh legs = JoinAtSeat(seat.Part(), {nothing, empty, 0.5F});
   EXPECT_NEAR(Height(legs), *seat.height * Height(seat.mesh), 1e-4F);
 }
 

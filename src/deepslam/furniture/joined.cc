@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "deepslam/furniture/face_corners.h"
 #include "deepslam/scene/mesh_box.h"
 
 namespace deepslam::furniture {
@@ -17,11 +19,6 @@ constexpr double kHighestSeat = 0.67;
 constexpr double kLeastOpen = 0.25;  // share of the ground plan's voxels
 constexpr int kThickness = 3;        // voxels: cushions are not flat
 
-struct Corner {
-  Eigen::Vector3f place;
-  Rgb8 colour;
-};
-
 // Where the edge meets the plane; the colour of the nearer end.
 Corner CrossingAt(const Corner& a, const Corner& b, float z) {
   const float share = (z - a.place.z()) / (b.place.z() - a.place.z());
@@ -31,7 +28,7 @@ Corner CrossingAt(const Corner& a, const Corner& b, float z) {
 }
 
 // The part of a face above the plane (or below it): up to four corners (Sutherland, Hodgman 1974).
-std::vector<Corner> Cut(const std::array<Corner, 3>& face, float z, bool above) {
+std::vector<Corner> Cut(const Face& face, float z, bool above) {
   std::vector<Corner> kept;
   for (std::size_t c = 0; c < 3; ++c) {
     const Corner& here = face[c];
@@ -44,25 +41,53 @@ std::vector<Corner> Cut(const std::array<Corner, 3>& face, float z, bool above) 
   return kept;
 }
 
-template <typename Move>
-void AddPart(
-    const TriangleMesh& mesh, float z, bool above, const Move& move, TriangleMesh& joined) {
+void AddPart(const TriangleMesh& mesh, float z, bool above, TriangleMesh& joined) {
   for (const auto& face : mesh.faces) {
-    std::array<Corner, 3> whole;
-    for (std::size_t c = 0; c < 3; ++c) {
-      whole[c] = {mesh.vertices[face[c]],
-                  mesh.colours.empty() ? Rgb8{200, 200, 200} : mesh.colours[face[c]]};
-    }
-    const std::vector<Corner> part = Cut(whole, z, above);
-    for (std::size_t c = 2; c < part.size(); ++c) {
-      const auto first = static_cast<std::uint32_t>(joined.vertices.size());
-      joined.faces.push_back({first, first + 1, first + 2});
-      for (const Corner& corner : {part[0], part[c - 1], part[c]}) {
-        joined.vertices.push_back(move(corner.place));
-        joined.colours.push_back(corner.colour);
-      }
+    const std::vector<Corner> part = Cut(CornersOf(mesh, face), z, above);
+    for (std::size_t c = 2; c < part.size(); ++c) AddFace({part[0], part[c - 1], part[c]}, joined);
+  }
+}
+
+// Level faces over what is solid at height z, a strip for each run of voxels along y.
+void AddCap(const SeatMesh& seat, float z, TriangleMesh& joined) {
+  const Eigen::AlignedBox3f box = BoxOfFaces(seat.mesh);
+  const float voxel = box.sizes().maxCoeff() / (static_cast<float>(kModelExtent) * kGridSize);
+  const auto edge = [&](int axis, int n) {
+    const float at = box.center()[axis] + voxel * static_cast<float>(n - kGridSize / 2);
+    return std::clamp(at, box.min()[axis], box.max()[axis]);
+  };
+  const int k = kGridSize / 2 + static_cast<int>(std::floor((z - box.center().z()) / voxel));
+  const auto is_solid = [&](int i, int j) {
+    return VoxelGrid::Contains(i, j, k) && seat.shape.At(i, j, k);
+  };
+  const Rgb8 colour = CornersOf(seat.mesh, seat.mesh.faces.front())[0].colour;
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int from = 0; from < kGridSize; ++from) {
+      if (!is_solid(i, from)) continue;
+      int to = from;
+      while (is_solid(i, to)) ++to;
+      const std::array corners = {Corner{{edge(0, i), edge(1, from), z}, colour},
+                                  Corner{{edge(0, i + 1), edge(1, from), z}, colour},
+                                  Corner{{edge(0, i + 1), edge(1, to), z}, colour},
+                                  Corner{{edge(0, i), edge(1, to), z}, colour}};
+      AddFace({corners[0], corners[1], corners[2]}, joined);
+      AddFace({corners[0], corners[2], corners[3]}, joined);
+      from = to;
     }
   }
+}
+
+// One side of the cut, closed.
+TriangleMesh PartOf(const SeatMesh& seat, float z, bool above) {
+  TriangleMesh part;
+  if (seat.mesh.empty()) return part;
+  AddPart(seat.mesh, z, above, part);
+  AddCap(seat, z, part);
+  return part;
+}
+
+float SeatOf(const SeatMesh& seat, const Eigen::AlignedBox3f& box) {
+  return box.min().z() + seat.seat_height * box.sizes().z();
 }
 
 }  // namespace
@@ -99,25 +124,21 @@ std::optional<float> SeatHeight(const VoxelGrid& shape) {
 }
 
 TriangleMesh JoinAtSeat(const SeatMesh& lower, const SeatMesh& upper) {
-  TriangleMesh joined;
   const Eigen::AlignedBox3f below = BoxOfFaces(lower.mesh);
   const Eigen::AlignedBox3f above = BoxOfFaces(upper.mesh);
-  const float lower_seat = below.min().z() + lower.seat_height * below.sizes().z();
-  const float upper_seat = above.min().z() + upper.seat_height * above.sizes().z();
+  const float lower_seat = SeatOf(lower, below);
+  const float upper_seat = SeatOf(upper, above);
   Eigen::Vector3f scale = below.sizes().cwiseQuotient(above.sizes().cwiseMax(1e-6F));
   scale.z() = 1;
   const Eigen::Vector3f from(above.center().x(), above.center().y(), upper_seat);
   const Eigen::Vector3f to(below.center().x(), below.center().y(), lower_seat);
-  AddPart(
-      lower.mesh, lower_seat, false, [](const Eigen::Vector3f& p) { return p; }, joined);
-  AddPart(
-      upper.mesh,
-      upper_seat,
-      true,
-      [&](const Eigen::Vector3f& p) -> Eigen::Vector3f {
-        return to + scale.cwiseProduct(p - from);
-      },
-      joined);
+  TriangleMesh joined = PartOf(lower, lower_seat, false);
+  const TriangleMesh back = PartOf(upper, upper_seat, true);
+  for (const auto& face : back.faces) {
+    Face moved = CornersOf(back, face);
+    for (Corner& corner : moved) corner.place = to + scale.cwiseProduct(corner.place - from);
+    AddFace(moved, joined);
+  }
   return joined;
 }
 

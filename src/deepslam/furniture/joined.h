@@ -15,12 +15,13 @@ namespace deepslam::furniture {
 
 struct SeatMesh {
   const TriangleMesh& mesh;  // z up, x front
+  const VoxelGrid& shape;    // its solid form
   float seat_height = 0;     // share of its height, (0, 1)
 };
 
 // What lies below the seat's top of `lower`, and above it of `upper`, whose box is scaled to that
-// of `lower` in ground plan; heights of both stay. Faces across the cut are cut; the seat of
-// `lower` closes it.
+// of `lower` in ground plan; heights of both stay. Faces across the cut are cut, and what was solid
+// there is closed by level faces.
 [[nodiscard]] TriangleMesh JoinAtSeat(const SeatMesh& lower, const SeatMesh& upper);
 
 }  // namespace deepslam::furniture

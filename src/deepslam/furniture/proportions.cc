@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deepslam/furniture/draw.h"
+#include "deepslam/furniture/face_corners.h"
 #include "deepslam/scene/mesh_box.h"
 
 namespace deepslam::furniture {
@@ -14,12 +15,6 @@ namespace deepslam::furniture {
 namespace {
 
 constexpr float kLongestEdge = 0.08F;  // of the box's longest side
-
-struct Corner {
-  Eigen::Vector3f place;
-  Rgb8 colour;
-};
-using Face = std::array<Corner, 3>;
 
 std::uint8_t Middle(std::uint8_t a, std::uint8_t b) {
   return static_cast<std::uint8_t>((static_cast<int>(a) + static_cast<int>(b)) / 2);
@@ -57,6 +52,16 @@ Bend DrawBend(Random& random, double from_low, double from_high, double most) {
   return {static_cast<float>(from), static_cast<float>(to)};
 }
 
+// `at` within the box, 0 to 1; as a share of its sides, the box's middle above the origin.
+Eigen::Vector3f Bent(const Proportions& proportions, const Eigen::Vector3f& at) {
+  const float aside = 2 * at.y() - 1;
+  const float up = proportions.height(at.z());
+  const float swell = 1 + proportions.taper * (2 * up - 1);
+  return {swell * (proportions.depth(at.x()) - 0.5F),
+          swell * 0.5F * std::copysign(proportions.width(std::abs(aside)), aside),
+          up};
+}
+
 }  // namespace
 
 Proportions DrawProportions(bool has_back, Random& random) {
@@ -73,36 +78,25 @@ Proportions DrawProportions(bool has_back, Random& random) {
 }
 
 TriangleMesh Reproportion(const TriangleMesh& mesh, const Proportions& proportions) {
-  TriangleMesh remade;
-  if (mesh.empty()) return remade;
+  if (mesh.empty()) return {};
   const Eigen::AlignedBox3f box = BoxOfFaces(mesh);
   const Eigen::Vector3f size = box.sizes().cwiseMax(1e-6F);
-  const bool coloured = !mesh.colours.empty();
   std::vector<Face> faces;
-  for (const auto& face : mesh.faces) {
-    Face whole;
-    for (std::size_t c = 0; c < 3; ++c)
-      whole[c] = {mesh.vertices[face[c]], coloured ? mesh.colours[face[c]] : Rgb8{}};
-    Divide(whole, kLongestEdge * size.maxCoeff(), faces);
-  }
-  for (const Face& face : faces) {
-    const auto first = static_cast<std::uint32_t>(remade.vertices.size());
-    remade.faces.push_back({first, first + 1, first + 2});
-    for (const Corner& corner : face) {
-      const Eigen::Vector3f at = (corner.place - box.min()).cwiseQuotient(size);
-      const float aside = 2 * at.y() - 1;
-      const float up = proportions.height(at.z());
-      const float swell = 1 + proportions.taper * (2 * up - 1);
-      Eigen::Vector3f place(swell * (proportions.depth(at.x()) - 0.5F),
-                            swell * 0.5F * std::copysign(proportions.width(std::abs(aside)), aside),
-                            up);
-      place = place.cwiseProduct(size).cwiseProduct(proportions.stretch);
-      const float above = std::max(0.0F, up - proportions.height.to) * size.z();
-      place.x() -= proportions.lean * above * proportions.stretch.z();
-      remade.vertices.push_back(place);
-      if (coloured) remade.colours.push_back(corner.colour);
+  for (const auto& face : mesh.faces)
+    Divide(CornersOf(mesh, face), kLongestEdge * size.maxCoeff(), faces);
+  const Eigen::Vector3f scale = size.cwiseProduct(proportions.stretch);
+  TriangleMesh remade;
+  for (Face& face : faces) {
+    for (Corner& corner : face) {
+      const Eigen::Vector3f bent =
+          Bent(proportions, (corner.place - box.min()).cwiseQuotient(size));
+      corner.place = bent.cwiseProduct(scale);
+      corner.place.x() -=
+          proportions.lean * std::max(0.0F, bent.z() - proportions.height.to) * scale.z();
     }
+    AddFace(face, remade);
   }
+  if (mesh.colours.empty()) remade.colours.clear();
   return remade;
 }
 

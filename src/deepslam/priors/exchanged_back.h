@@ -3,10 +3,10 @@
 
 #include "deepslam/scene/triangle_mesh.h"
 
-namespace deepslam::tools {
+namespace deepslam::priors {
 
 // Both in the canonical frame (z up, x front), metres. `mesh` as it is where one of them has
 // nothing to sit on, where the two do not touch, or where what was solid is open now.
 [[nodiscard]] TriangleMesh WithBackOf(const TriangleMesh& mesh, const TriangleMesh& other);
 
-}  // namespace deepslam::tools
+}  // namespace deepslam::priors

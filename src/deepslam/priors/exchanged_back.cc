@@ -1,4 +1,4 @@
-#include "exchanged_back.h"
+#include "deepslam/priors/exchanged_back.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/voxelize.h"
 
-namespace deepslam::tools {
+namespace deepslam::priors {
 
 namespace {
 
@@ -67,7 +67,8 @@ TriangleMesh WithBackOf(const TriangleMesh& mesh, const TriangleMesh& other) {
   const std::optional<Seat> seat = SeatOf(mesh);
   const std::optional<Seat> other_seat = SeatOf(other);
   if (!seat || !other_seat) return mesh;
-  TriangleMesh joined = furniture::JoinAtSeat({mesh, seat->height}, {other, other_seat->height});
+  TriangleMesh joined = furniture::JoinAtSeat({mesh, seat->shape, seat->height},
+                                              {other, other_seat->shape, other_seat->height});
   const Result<VoxelGrid> shape = shape::Voxelize(joined);
   if (!shape || !HangsTogether(*shape)) return mesh;
   const Eigen::Vector3f scale =
@@ -79,4 +80,4 @@ TriangleMesh WithBackOf(const TriangleMesh& mesh, const TriangleMesh& other) {
   return solid_m3 >= kLeastSolid * expected_m3 ? joined : mesh;
 }
 
-}  // namespace deepslam::tools
+}  // namespace deepslam::priors
