@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/priors/value_noise.h"
 
 namespace deepslam::priors {
@@ -154,16 +155,15 @@ void LoseDepth(Random& random, Raster& raster) {
   const float frequency = Draw(random, 0.06, 0.3);
   const float phase = Draw(random, 0, 100);
   const bool stays = Chance(random, 0.5);
-  const Eigen::Matrix3f turn = raster.object_from_camera.rotation.toRotationMatrix().cast<float>();
   for (int v = 0; v < raster.height(); ++v) {
     for (int u = 0; u < raster.width(); ++u) {
       const render::RayHit& hit = raster.hits(u, v);
       if (raster.mask(u, v) == 0 || hit.instance < 0) continue;
-      const Eigen::Vector3f sight = (turn * raster.camera.Ray(u, v).cast<float>()).normalized();
-      const bool lost = -hit.normal_world.dot(sight) < grazing * Draw(random, 0.3, 1.2) ||
-                        (spots < 1 && ValueNoise({static_cast<float>(u) * frequency,
-                                                  static_cast<float>(v) * frequency,
-                                                  phase}) > spots);
+      const bool lost =
+          -hit.normal_world.dot(raster.sights(u, v)) < grazing * Draw(random, 0.3, 1.2) ||
+          (spots < 1 && ValueNoise({static_cast<float>(u) * frequency,
+                                    static_cast<float>(v) * frequency,
+                                    phase}) > spots);
       if (!lost) continue;
       raster.depth_m(u, v) = 0;
       if (!stays) raster.mask(u, v) = 0;
@@ -194,26 +194,35 @@ void ShadowBesideEdges(Random& random, Raster& raster) {
   }
 }
 
+// Pixels with a one within `reach` along rows (or columns); beyond the border lies `border`.
+Mask Spread(const Mask& from, int reach, bool along_rows, std::uint8_t border) {
+  Mask to = from;
+  const int w = from.width();
+  const int h = from.height();
+  for (int step = -reach; step <= reach; ++step) {
+    const int du = along_rows ? step : 0;
+    const int dv = along_rows ? 0 : step;
+    for (int v = 0; v < h; ++v) {
+      std::uint8_t* const out = to.row(v);
+      const bool within = v + dv >= 0 && v + dv < h;
+      const int first = within ? std::min(w, std::max(0, -du)) : w;
+      const int last = std::max(first, std::min(w, w - du));
+      for (int u = 0; u < first; ++u) out[u] |= border;
+      for (int u = first; u < last; ++u) out[u] |= from(u + du, v + dv);
+      for (int u = last; u < w; ++u) out[u] |= border;
+    }
+  }
+  return to;
+}
+
 // Pixels with one that is `inside` the mask within `reach` along rows and columns. Beyond the
 // border nothing is inside.
 Mask Near(const Mask& mask, int reach, bool inside) {
-  const auto spread = [reach](const Mask& from, bool along_rows, bool border) {
-    Mask to(from.width(), from.height());
-    for (int v = 0; v < from.height(); ++v) {
-      for (int u = 0; u < from.width(); ++u) {
-        for (int step = -reach; step <= reach && to(u, v) == 0; ++step) {
-          const int a = along_rows ? u + step : u;
-          const int b = along_rows ? v : v + step;
-          if (from.Contains(a, b) ? from(a, b) != 0 : border) to(u, v) = 1;
-        }
-      }
-    }
-    return to;
-  };
   Mask wanted(mask.width(), mask.height());
   for (std::size_t n = 0; n < mask.size(); ++n)
     wanted.data()[n] = (mask.data()[n] != 0) == inside ? 1 : 0;
-  return spread(spread(wanted, true, !inside), false, !inside);
+  const std::uint8_t border = inside ? 0 : 1;
+  return Spread(Spread(wanted, reach, true, border), reach, false, border);
 }
 
 // The mask is too wide by a rim of background, or too narrow, in places.
@@ -270,24 +279,27 @@ void AddDepthNoise(Random& random, Raster& raster) {
 
 // Along rows, then along columns; pixels outside the mask do not take part.
 void BlurColour(float sigma_px, Raster& raster) {
+  constexpr int kReach = 2;
   const std::array weights = {
       1.0F, std::exp(-0.5F / (sigma_px * sigma_px)), std::exp(-2.0F / (sigma_px * sigma_px))};
+  // Colour and one, or four zeros outside the mask; with a rim of zeros.
+  Image<Eigen::Vector4f> before(
+      raster.width() + 2 * kReach, raster.height() + 2 * kReach, Eigen::Vector4f::Zero());
   for (const bool along_rows : {true, false}) {
-    const Image<Eigen::Vector3f> before = raster.colour;
     for (int v = 0; v < raster.height(); ++v) {
       for (int u = 0; u < raster.width(); ++u) {
         if (raster.mask(u, v) == 0) continue;
-        Eigen::Vector3f sum = before(u, v);
-        float total = 1;
-        for (int step = -2; step <= 2; ++step) {
-          const int a = along_rows ? u + step : u;
-          const int b = along_rows ? v : v + step;
-          if (step == 0 || !raster.mask.Contains(a, b) || raster.mask(a, b) == 0) continue;
-          const float weight = weights.at(static_cast<std::size_t>(std::abs(step)));
-          sum += weight * before(a, b);
-          total += weight;
-        }
-        raster.colour(u, v) = sum / total;
+        before(u + kReach, v + kReach) << raster.colour(u, v), 1.0F;
+      }
+    }
+    const std::ptrdiff_t next = along_rows ? 1 : before.width();
+    for (int v = 0; v < raster.height(); ++v) {
+      for (int u = 0; u < raster.width(); ++u) {
+        if (raster.mask(u, v) == 0) continue;
+        const Eigen::Vector4f* const at = &before(u + kReach, v + kReach);
+        const Eigen::Vector4f sum = at[0] + weights[2] * at[-2 * next] + weights[1] * at[-next] +
+                                    weights[1] * at[next] + weights[2] * at[2 * next];
+        raster.colour(u, v) = sum.head<3>() / sum.w();
       }
     }
   }
@@ -316,14 +328,15 @@ void KeepView(Raster& raster) {
   }
 }
 
-void SpoilView(Random& random, Raster& raster) {
+DEEPSLAM_WIDE_VECTORS
+void SpoilView(Random& random, bool part, Raster& raster) {
   KeepView(raster);
   const PixelBox box = BoxOf(raster.mask);
   if (box.max_u < 0) return;
   if (Chance(random, 0.3)) Truncate(random, box, raster);
   if (Chance(random, 0.35)) Occlude(random, box, Chance(random, 0.3), raster);
   if (Chance(random, 0.12)) Occlude(random, box, false, raster);
-  if (Chance(random, 0.15)) HideMost(random, box, raster);
+  if (part) HideMost(random, box, raster);
   if (Chance(random, 0.85)) CutNearGround(random, raster);
   if (Chance(random, 0.7)) LoseDepth(random, raster);
   if (Chance(random, 0.6)) ShadowBesideEdges(random, raster);

@@ -12,7 +12,8 @@ namespace deepslam::priors {
 // takes for ground, missing depth (grazing sight, shadows beside edges, spots), parts without
 // depth, rims of background and pieces of neighbours taken for the object, noise of depth (Nguyen,
 // Izadi, Lovell 2012) shared between neighbours, blur and noise of colour.
-void SpoilView(Random& random, Raster& raster);
+// `part`: most of it is hidden.
+void SpoilView(Random& random, bool part, Raster& raster);
 
 // The truth itself: mask where something is hit, its depth.
 void KeepView(Raster& raster);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/priors/value_noise.h"
 
 namespace deepslam::priors {
@@ -132,8 +133,33 @@ Light DrawLight(Random& random) {
   return light;
 }
 
+// x^20.
+float Gloss(float x) {
+  const float x4 = x * x * x * x;
+  return x4 * x4 * x4 * x4 * x4;
+}
+
+// x^gamma for x in [0, 1], by a table over the root of x, along which it is nearly straight.
+class GammaCurve {
+ public:
+  explicit GammaCurve(float gamma) {
+    for (std::size_t n = 0; n < values_.size(); ++n)
+      values_[n] = std::pow(static_cast<float>(n) / kSteps, 2 * gamma);
+  }
+  float operator()(float x) const {
+    const float at = kSteps * std::sqrt(x);
+    const auto n = std::min(static_cast<std::size_t>(at), values_.size() - 2);
+    return values_[n] + (at - static_cast<float>(n)) * (values_[n + 1] - values_[n]);
+  }
+
+ private:
+  static constexpr int kSteps = 128;
+  std::array<float, kSteps + 1> values_{};
+};
+
 }  // namespace
 
+DEEPSLAM_WIDE_VECTORS
 void PaintSurfaces(const FurnitureMesh& furniture,
                    const render::RayScene& scene,
                    Random& random,
@@ -142,16 +168,15 @@ void PaintSurfaces(const FurnitureMesh& furniture,
   const Light light = DrawLight(random);
   const bool own = !furniture.mesh.colours.empty() && random.Uniform() < 0.7;
   const Eigen::Vector3f camera = raster.object_from_camera.translation_m.cast<float>();
-  const Eigen::Matrix3f turn = raster.object_from_camera.rotation.toRotationMatrix().cast<float>();
   // One shadow ray stands for a block of pixels.
   constexpr int kBlock = 2;
   Image<std::int8_t> lit(raster.width() / kBlock + 1, raster.height() / kBlock + 1, -1);
-  const float gamma = Draw(random, 0.45, 0.75);
+  const GammaCurve curve(Draw(random, 0.45, 0.75));
   for (int v = 0; v < raster.height(); ++v) {
     for (int u = 0; u < raster.width(); ++u) {
       const render::RayHit& hit = raster.hits(u, v);
       if (hit.instance < 0) continue;
-      const Eigen::Vector3f sight = (turn * raster.camera.Ray(u, v).cast<float>()).normalized();
+      const Eigen::Vector3f& sight = raster.sights(u, v);
       const Eigen::Vector3f p = camera + static_cast<float>(hit.distance_m) * sight;
       const Eigen::Vector3f& normal = hit.normal_world;
       const std::size_t material =
@@ -172,13 +197,11 @@ void PaintSurfaces(const FurnitureMesh& furniture,
           (light.sky * (0.75F + 0.25F * normal.z()) + light.lamp * lamp) * light.exposure;
       const float gloss =
           lamp > 0.3F * facing && look.gloss > 0 && facing > 0
-              ? look.gloss *
-                    std::pow(std::max(0.0F, normal.dot((light.towards - sight).normalized())),
-                             20.0F)
+              ? look.gloss * Gloss(std::max(0.0F, normal.dot((light.towards - sight).normalized())))
               : 0.0F;
       Eigen::Vector3f& colour = raster.colour(u, v);
       colour = surface.cwiseProduct(light.tint) * bright + Eigen::Vector3f::Constant(gloss);
-      colour = colour.array().max(0.0F).min(1.0F).pow(gamma);
+      for (float& c : colour) c = curve(std::clamp(c, 0.0F, 1.0F));
     }
   }
 }

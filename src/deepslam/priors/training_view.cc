@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/priors/raster.h"
 #include "deepslam/priors/segment_faults.h"
 #include "deepslam/priors/surface_look.h"
@@ -18,8 +19,12 @@ namespace deepslam::priors {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFocal_px = 525;       // of a 640 x 480 camera
-constexpr double kMostPixels = 150;     // along the longer side: more detail than the crop keeps
+constexpr double kFocal_px = 525;  // of a 640 x 480 camera
+// Along the longer side, more detail than the crop keeps: of the whole object, and where a part of
+// it will fill the crop.
+constexpr double kMostPixels = 128;
+constexpr double kMostPixelsForPart = 190;
+constexpr double kPartShare = 0.15;     // of the views with faults
 constexpr double kLeastVisible = 0.12;  // of the object, or another view is drawn
 constexpr int kMostTries = 12;
 
@@ -58,7 +63,8 @@ Sight DrawSight(Random& random, const Eigen::Vector3d& size_m, bool faults) {
 // The camera cut to the object's box on the image, and made coarser where that holds more pixels
 // than are of use.
 PinholeCamera FrameObject(const std::vector<Eigen::Vector3f>& outline,
-                          const Pose3& camera_from_object) {
+                          const Pose3& camera_from_object,
+                          double most_pixels) {
   Eigen::Vector2d low(1e9, 1e9);
   Eigen::Vector2d high(-1e9, -1e9);
   for (const Eigen::Vector3f& vertex : outline) {
@@ -67,7 +73,7 @@ PinholeCamera FrameObject(const std::vector<Eigen::Vector3f>& outline,
     low = low.cwiseMin(at);
     high = high.cwiseMax(at);
   }
-  const double focal_px = std::min(kFocal_px, kMostPixels / (high - low).maxCoeff());
+  const double focal_px = std::min(kFocal_px, most_pixels / (high - low).maxCoeff());
   constexpr double kRim_px = 4;
   const Eigen::Vector2d size = (focal_px * (high - low)).array().ceil() + 2 * kRim_px;
   PinholeCamera camera;
@@ -79,21 +85,38 @@ PinholeCamera FrameObject(const std::vector<Eigen::Vector3f>& outline,
   return camera;
 }
 
+// Unit, object frame.
+DEEPSLAM_WIDE_VECTORS
+void FillSights(const PinholeCamera& camera,
+                const Eigen::Matrix3f& object_from_camera,
+                Image<Eigen::Vector3f>& sights) {
+  const auto per_u = static_cast<float>(1 / camera.fx);
+  const auto cx = static_cast<float>(camera.cx);
+  const Eigen::Vector3f across = object_from_camera.col(0);
+  for (int v = 0; v < sights.height(); ++v) {
+    const auto y = static_cast<float>((v - camera.cy) / camera.fy);
+    const Eigen::Vector3f row = object_from_camera.col(2) + y * object_from_camera.col(1);
+    for (int u = 0; u < sights.width(); ++u) {
+      const float x = (static_cast<float>(u) - cx) * per_u;
+      const float scale = 1 / std::sqrt(1 + x * x + y * y);
+      sights(u, v) = scale * (row + x * across);
+    }
+  }
+}
+
 void CastRays(const render::RayScene& scene, Raster& raster) {
   const Eigen::Vector3f origin = raster.object_from_camera.translation_m.cast<float>();
   const Eigen::Matrix3f turn = raster.object_from_camera.rotation.toRotationMatrix().cast<float>();
-  std::vector<Eigen::Vector3f> directions(static_cast<std::size_t>(raster.width()));
+  FillSights(raster.camera, turn, raster.sights);
+  const Eigen::Vector3f axis = turn.col(2);
+  const auto width = static_cast<std::size_t>(raster.width());
   for (int v = 0; v < raster.height(); ++v) {
-    for (int u = 0; u < raster.width(); ++u) {
-      directions[static_cast<std::size_t>(u)] =
-          (turn * raster.camera.Ray(u, v).cast<float>()).normalized();
-    }
-    scene.CastFan(origin, directions, {raster.hits.row(v), directions.size()});
+    scene.CastFan(origin, {raster.sights.row(v), width}, {raster.hits.row(v), width});
     for (int u = 0; u < raster.width(); ++u) {
       const render::RayHit& hit = raster.hits(u, v);
       if (hit.instance < 0) continue;
       raster.true_depth_m(u, v) =
-          static_cast<float>(hit.distance_m / raster.camera.Ray(u, v).norm());
+          static_cast<float>(hit.distance_m) * axis.dot(raster.sights(u, v));
     }
   }
 }
@@ -101,14 +124,16 @@ void CastRays(const render::RayScene& scene, Raster& raster) {
 Raster MakeRaster(const render::RayScene& scene,
                   const std::vector<Eigen::Vector3f>& outline,
                   const Sight& sight,
-                  double bottom_m) {
+                  double bottom_m,
+                  double most_pixels) {
   Raster raster;
   raster.object_from_camera = sight.object_from_camera;
   const Pose3 camera_from_object = sight.object_from_camera.Inverse();
-  raster.camera = FrameObject(outline, camera_from_object);
+  raster.camera = FrameObject(outline, camera_from_object, most_pixels);
   raster.ground_camera = Transformed(camera_from_object, {Eigen::Vector3d::UnitZ(), -bottom_m});
   const int w = raster.camera.width;
   const int h = raster.camera.height;
+  raster.sights = Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Zero());
   raster.hits = Image<render::RayHit>(w, h);
   raster.true_depth_m = DepthImage(w, h);
   raster.colour = Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Ones());
@@ -116,15 +141,16 @@ Raster MakeRaster(const render::RayScene& scene,
   return raster;
 }
 
+// Of a value that is not negative, as lround but a call less.
+std::uint8_t Rounded(float value) { return static_cast<std::uint8_t>(value + 0.5F); }
+
 ObjectView ToObjectView(const Raster& raster) {
   ObjectView view;
   view.colour_crop = ColourImage(raster.width(), raster.height());
   for (std::size_t n = 0; n < view.colour_crop.size(); ++n) {
     if (raster.mask.data()[n] == 0) continue;  // the crop is white there
     const Eigen::Vector3f shade = 255.0F * raster.colour.data()[n];
-    view.colour_crop.data()[n] = {static_cast<std::uint8_t>(std::lround(shade.x())),
-                                  static_cast<std::uint8_t>(std::lround(shade.y())),
-                                  static_cast<std::uint8_t>(std::lround(shade.z()))};
+    view.colour_crop.data()[n] = {Rounded(shade.x()), Rounded(shade.y()), Rounded(shade.z())};
   }
   view.depth_crop_m = raster.depth_m;
   view.mask_crop = raster.mask;
@@ -133,21 +159,22 @@ ObjectView ToObjectView(const Raster& raster) {
   return view;
 }
 
-std::uint8_t NormalByte(float n) {
-  return static_cast<std::uint8_t>(std::lround(128.0F + 127.0F * n));
-}
+std::uint8_t NormalByte(float n) { return Rounded(128.0F + 127.0F * n); }
 
 Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
   Sketch sketch{Image<std::uint8_t>(kSketchSide, kSketchSide),
                 ColourImage(kSketchSide, kSketchSide, {128, 128, 128}),
                 Image<std::uint8_t>(kSketchSide, kSketchSide)};
   const double step = crop.side_px / kSketchSide;
+  const auto pixel = [step](double first, int n) {
+    return static_cast<int>(std::floor(first + (n + 0.5) * step));
+  };
   const Eigen::Matrix3f camera_from_object =
       raster.object_from_camera.rotation.toRotationMatrix().transpose().cast<float>();
   for (int y = 0; y < kSketchSide; ++y) {
-    const int v = static_cast<int>(std::floor(crop.v0 + (y + 0.5) * step));
+    const int v = pixel(crop.v0, y);
     for (int x = 0; x < kSketchSide; ++x) {
-      const int u = static_cast<int>(std::floor(crop.u0 + (x + 0.5) * step));
+      const int u = pixel(crop.u0, x);
       if (!raster.hits.Contains(u, v) || raster.hits(u, v).instance < 0) continue;
       const Eigen::Vector3f n = camera_from_object * raster.hits(u, v).normal_world;
       sketch.normal(x, y) = {NormalByte(n.x()), NormalByte(n.y()), NormalByte(n.z())};
@@ -155,7 +182,7 @@ Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
       if (crop.side_m <= 0) continue;
       const double relative = (raster.true_depth_m(u, v) - crop.reference_m) / crop.side_m;
       sketch.depth(x, y) =
-          static_cast<std::uint8_t>(std::clamp(std::lround(128 + 127 * relative), 1L, 255L));
+          Rounded(std::clamp(static_cast<float>(128 + 127 * relative), 1.0F, 255.0F));
     }
   }
   return sketch;
@@ -216,9 +243,14 @@ TrainingView ViewRenderer::Render(Random random, const ViewOptions& options) con
     // The last attempt always shows something.
     const bool faults = options.faults && attempt + 1 < kMostTries;
     const Sight sight = DrawSight(random, impl_->size_m, options.faults);
-    Raster raster = MakeRaster(impl_->scene, impl_->outline, sight, impl_->bottom_m);
+    const bool part = faults && random.Uniform() < kPartShare;
+    Raster raster = MakeRaster(impl_->scene,
+                               impl_->outline,
+                               sight,
+                               impl_->bottom_m,
+                               part ? kMostPixelsForPart : kMostPixels);
     PaintSurfaces(impl_->furniture, impl_->scene, random, raster);
-    faults ? SpoilView(random, raster) : KeepView(raster);
+    faults ? SpoilView(random, part, raster) : KeepView(raster);
     const double visible = VisibleShare(raster);
     Result<propose::NetworkCrop> crop = propose::MakeNetworkCrop(ToObjectView(raster), true);
     if ((visible < kLeastVisible || !crop || crop->side_m <= 0) && attempt + 1 < kMostTries)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/upright.h"
 
 namespace deepslam::propose {
@@ -52,20 +53,36 @@ double MedianDepth(const ObjectView& view) {
   return Median(depths);
 }
 
-// Colour on white and silhouette between pixels.
-struct Mixed {
-  std::array<float, 3> colour = {0, 0, 0};  // of the silhouette's share
-  float share = 0;
-};
+// Red, green, blue (0 to 255) and silhouette (0 or 1) of the box's pixels and a rim around them;
+// all 0 where there is no silhouette.
+class Cutout {
+ public:
+  Cutout(const ObjectView& view, const MaskBox& box)
+      : u0_(box.min_u - 1),
+        v0_(box.min_v - 1),
+        values_(box.max_u - u0_ + 3, box.max_v - v0_ + 3, Eigen::Vector4f::Zero()) {
+    for (int v = box.min_v; v <= box.max_v; ++v) {
+      for (int u = box.min_u; u <= box.max_u; ++u) {
+        if (view.mask_crop(u, v) == 0) continue;
+        const Rgb8& colour = view.colour_crop(u, v);
+        values_(u - u0_, v - v0_) = {static_cast<float>(colour.r),
+                                     static_cast<float>(colour.g),
+                                     static_cast<float>(colour.b),
+                                     1.0F};
+      }
+    }
+  }
+  // Any pixel.
+  [[nodiscard]] Eigen::Vector4f At(int u, int v) const {
+    return values_(std::clamp(u - u0_, 0, values_.width() - 1),
+                   std::clamp(v - v0_, 0, values_.height() - 1));
+  }
 
-void AddPixel(const ObjectView& view, int u, int v, float weight, Mixed& mixed) {
-  if (!view.mask_crop.Contains(u, v) || view.mask_crop(u, v) == 0) return;
-  const Rgb8& colour = view.colour_crop(u, v);
-  mixed.colour[0] += weight * static_cast<float>(colour.r);
-  mixed.colour[1] += weight * static_cast<float>(colour.g);
-  mixed.colour[2] += weight * static_cast<float>(colour.b);
-  mixed.share += weight;
-}
+ private:
+  int u0_;
+  int v0_;
+  Image<Eigen::Vector4f> values_;
+};
 
 // Where the samples of the square lie along one of its sides: between the pixel `at` and the next,
 // `next` of the way.
@@ -88,18 +105,20 @@ std::vector<Between> SamplesAlong(double first, double step, int samples) {
 }
 
 void AddBetween(
-    const ObjectView& view, const Between& u, const Between& v, float weight, Mixed& mixed) {
-  AddPixel(view, u.at, v.at, weight * (1 - u.next) * (1 - v.next), mixed);
-  AddPixel(view, u.at + 1, v.at, weight * u.next * (1 - v.next), mixed);
-  AddPixel(view, u.at, v.at + 1, weight * (1 - u.next) * v.next, mixed);
-  AddPixel(view, u.at + 1, v.at + 1, weight * u.next * v.next, mixed);
+    const Cutout& cutout, const Between& u, const Between& v, float weight, Eigen::Vector4f& sum) {
+  sum += weight * (1 - u.next) * (1 - v.next) * cutout.At(u.at, v.at);
+  sum += weight * u.next * (1 - v.next) * cutout.At(u.at + 1, v.at);
+  sum += weight * (1 - u.next) * v.next * cutout.At(u.at, v.at + 1);
+  sum += weight * u.next * v.next * cutout.At(u.at + 1, v.at + 1);
 }
 
+// Not negative.
 std::uint8_t OnWhite(float colour, float share) {
-  return static_cast<std::uint8_t>(std::lround(std::min(255.0F, colour + (1 - share) * 255.0F)));
+  return static_cast<std::uint8_t>(std::min(255.0F, colour + (1 - share) * 255.0F) + 0.5F);
 }
 
 // The square is white from the start, and stays so where none of its samples is near the box.
+DEEPSLAM_WIDE_VECTORS
 void FillColour(const ObjectView& view, const MaskBox& box, NetworkCrop& crop) {
   const double step = crop.side_px / kCropSide;
   constexpr int kMostSamples = 4;
@@ -108,6 +127,7 @@ void FillColour(const ObjectView& view, const MaskBox& box, NetworkCrop& crop) {
   const float weight = 1.0F / static_cast<float>(samples * samples);
   const std::vector<Between> columns = SamplesAlong(crop.u0, step, samples);
   const std::vector<Between> rows = SamplesAlong(crop.v0, step, samples);
+  const Cutout cutout(view, box);
   const auto of_pixel = [samples](const std::vector<Between>& along, int x) {
     return std::span(along).subspan(static_cast<std::size_t>(x * samples),
                                     static_cast<std::size_t>(samples));
@@ -118,36 +138,43 @@ void FillColour(const ObjectView& view, const MaskBox& box, NetworkCrop& crop) {
     for (int x = 0; x < kCropSide; ++x) {
       const std::span<const Between> across = of_pixel(columns, x);
       if (across.back().at + 1 < box.min_u || across.front().at > box.max_u) continue;
-      Mixed mixed;
+      Eigen::Vector4f mixed = Eigen::Vector4f::Zero();
       for (const Between& v : down) {
-        for (const Between& u : across) AddBetween(view, u, v, weight, mixed);
+        for (const Between& u : across) AddBetween(cutout, u, v, weight, mixed);
       }
-      if (mixed.share == 0) continue;
-      crop.colour(x, y) = {OnWhite(mixed.colour[0], mixed.share),
-                           OnWhite(mixed.colour[1], mixed.share),
-                           OnWhite(mixed.colour[2], mixed.share)};
-      crop.silhouette(x, y) =
-          static_cast<std::uint8_t>(std::lround(255.0F * std::min(1.0F, mixed.share)));
+      const float share = mixed.w();
+      if (share == 0) continue;
+      crop.colour(x, y) = {
+          OnWhite(mixed.x(), share), OnWhite(mixed.y(), share), OnWhite(mixed.z(), share)};
+      crop.silhouette(x, y) = static_cast<std::uint8_t>(255.0F * std::min(1.0F, share) + 0.5F);
     }
   }
 }
 
+// Rounded to the nearest of 0, ..., 255.
+std::uint8_t ToByte(double value, double lowest) {
+  return static_cast<std::uint8_t>(std::clamp(value, lowest, 255.0) + 0.5);
+}
+
+DEEPSLAM_WIDE_VECTORS
 void FillDepth(const ObjectView& view, NetworkCrop& crop) {
   const double step = crop.side_px / kCropSide;
+  const auto pixel = [step](double first, int n) {
+    return static_cast<int>(std::floor(first + (n + 0.5) * step));
+  };
+  std::array<int, kCropSide> columns{};
+  for (int x = 0; x < kCropSide; ++x) columns[static_cast<std::size_t>(x)] = pixel(crop.u0, x);
   for (int y = 0; y < kCropSide; ++y) {
-    const int v = static_cast<int>(std::floor(crop.v0 + (y + 0.5) * step));
+    const int v = pixel(crop.v0, y);
     for (int x = 0; x < kCropSide; ++x) {
-      const int u = static_cast<int>(std::floor(crop.u0 + (x + 0.5) * step));
+      const int u = columns[static_cast<std::size_t>(x)];
       if (!view.mask_crop.Contains(u, v) || view.mask_crop(u, v) == 0) continue;
       const double z = view.depth_crop_m(u, v);
       if (!(z > 0)) continue;
-      const double relative = (z - crop.reference_m) / crop.side_m;
-      crop.depth(x, y) =
-          static_cast<std::uint8_t>(std::clamp(std::lround(128 + 127 * relative), 1L, 255L));
+      crop.depth(x, y) = ToByte(128 + 127 * (z - crop.reference_m) / crop.side_m, 1);
       if (!view.ground_camera) continue;
       const double height_m = view.ground_camera->SignedDistance(view.camera.Unproject(u, v, z));
-      crop.height(x, y) = static_cast<std::uint8_t>(
-          std::clamp(std::lround((height_m - kLowestHeight_m) / kHeightStep_m), 0L, 255L));
+      crop.height(x, y) = ToByte((height_m - kLowestHeight_m) / kHeightStep_m, 0);
     }
   }
 }

@@ -2,31 +2,32 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/shape/stretch.h"
 
 namespace deepslam::shape {
 namespace {
 
-// Fine raster: kFine cells per voxel edge.
+// Each voxel is divided into kFine^3 cells, one bit each: (a * 4 + b) * 4 + c along x, y, z.
 constexpr int kFine = 4;
 constexpr int kFineSize = kGridSize * kFine;
-using Cells = std::vector<std::uint8_t>;
+using Block = std::uint64_t;
+using Blocks = std::vector<Block>;  // a block for each voxel
 
-constexpr std::uint8_t kFree = 0;
-constexpr std::uint8_t kShell = 1;
-constexpr std::uint8_t kOutside = 2;
-
-std::size_t FineIndex(int i, int j, int k) {
-  return (static_cast<std::size_t>(i) * kFineSize + static_cast<std::size_t>(j)) * kFineSize +
-         static_cast<std::size_t>(k);
-}
+constexpr std::size_t kVoxels = std::size_t{kGridSize} * kGridSize * kGridSize;
+constexpr Block kLowX = 0x000000000000FFFF;  // the cells at the voxel's lower side along x, ...
+constexpr Block kLowY = 0x000F000F000F000F;
+constexpr Block kLowZ = 0x1111111111111111;
+constexpr int kStepX = 16;  // bits from a cell to the next along x, ...
+constexpr int kStepY = 4;
+constexpr int kStepZ = 1;
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
@@ -45,141 +46,184 @@ std::vector<Triangle> UsableTriangles(const TriangleMesh& mesh) {
   return triangles;
 }
 
-void MarkPoint(const Eigen::Vector3d& p_fine, Cells& cells) {
-  // The box's own faces lie on the rim of the outermost voxels: the last one is theirs.
-  constexpr int kLow = kFine;
-  constexpr int kHigh = kFineSize - kFine - 1;
-  // What is below zero is below kLow either way, so that cutting off does what floor would.
-  const auto cell = [&](double x) { return std::clamp(static_cast<int>(x), kLow, kHigh); };
-  cells[FineIndex(cell(p_fine.x()), cell(p_fine.y()), cell(p_fine.z()))] = kShell;
+// The box's own faces lie on the rim of the outermost voxels: the last one is theirs.
+constexpr int kLowestCell = kFine;
+constexpr int kHighestCell = kFineSize - kFine - 1;
+
+// What is below zero is below the lowest cell either way, so that cutting off does what floor
+// would.
+std::uint32_t CellAt(double fine) {
+  return static_cast<std::uint32_t>(
+      std::min(std::max(static_cast<int>(fine), kLowestCell), kHighestCell));
+}
+
+// The cells of `count` points along a row: begin, begin + step, ...
+void MarkRow(const Eigen::Vector3d& begin, const Eigen::Vector3d& step, int count, Blocks& shell) {
+  constexpr int kAtOnce = 16;
+  std::array<std::uint32_t, kAtOnce> voxels;
+  std::array<std::uint32_t, kAtOnce> bits;
+  for (int first = 0; first < count; first += kAtOnce) {
+    for (int n = 0; n < kAtOnce; ++n) {
+      const double at = first + n;
+      const std::uint32_t i = CellAt(begin.x() + at * step.x());
+      const std::uint32_t j = CellAt(begin.y() + at * step.y());
+      const std::uint32_t k = CellAt(begin.z() + at * step.z());
+      voxels[static_cast<std::size_t>(n)] =
+          (i / kFine * kGridSize + j / kFine) * kGridSize + k / kFine;
+      bits[static_cast<std::size_t>(n)] =
+          i % kFine * kStepX + j % kFine * kStepY + k % kFine * kStepZ;
+    }
+    const auto used = static_cast<std::size_t>(std::min(kAtOnce, count - first));
+    for (std::size_t n = 0; n < used; ++n) shell[voxels[n]] |= Block{1} << bits[n];
+  }
+}
+
+// Corners in turn, such that the shortest side lies between the last two.
+Triangle ShortestSideLast(const Triangle& triangle) {
+  const auto length = [&](std::size_t n) {
+    return (triangle[(n + 1) % 3] - triangle[(n + 2) % 3]).squaredNorm();
+  };
+  std::size_t first = 0;
+  for (std::size_t n = 1; n < 3; ++n) first = length(n) < length(first) ? n : first;
+  return {triangle[first], triangle[(first + 1) % 3], triangle[(first + 2) % 3]};
 }
 
 // Samples at most 0.7 cells apart leave no hole between 6-neighbours of the shell that a
 // 6-connected flood could pass.
-void MarkTriangle(const Triangle& triangle, Cells& cells) {
+DEEPSLAM_WIDE_VECTORS
+void MarkTriangle(const Triangle& any, Blocks& shell) {
   constexpr double kSpacing = 0.45;
+  const Triangle triangle = ShortestSideLast(any);
   const Eigen::Vector3d ab = triangle[1] - triangle[0];
   const Eigen::Vector3d ac = triangle[2] - triangle[0];
-  const double longest = std::max({ab.norm(), ac.norm(), (triangle[2] - triangle[1]).norm()});
+  const double longest = std::max(ab.norm(), ac.norm());
   const int steps = std::max(1, static_cast<int>(std::ceil(longest / kSpacing)));
   for (int a = 0; a <= steps; ++a) {
-    // Rows parallel to the side from corner 1 to corner 2, each as dense as it is long.
+    // Rows parallel to the shortest side, each as dense as it is long.
     const double t = static_cast<double>(a) / steps;
     const Eigen::Vector3d begin = triangle[0] + t * ab;
     const Eigen::Vector3d along = t * (ac - ab);
     const int row = std::max(1, static_cast<int>(std::ceil(along.norm() / kSpacing)));
-    const Eigen::Vector3d step = along / row;
-    for (int b = 0; b <= row; ++b) MarkPoint(begin + static_cast<double>(b) * step, cells);
+    MarkRow(begin, along / row, row + 1, shell);
   }
 }
 
-constexpr std::array<std::array<int, 3>, 6> kFaces = {
-    {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+// The voxels along z of every (i, j), a bit each.
+using Rows = std::array<std::uint64_t, std::size_t{kGridSize} * kGridSize>;
+static_assert(kGridSize == 64);
 
-// Voxels with any shell in them. Cells are free or shell yet: a row of them is looked at as one
-// number.
-VoxelGrid ShellVoxels(const Cells& cells) {
-  static_assert(kFine == sizeof(std::uint32_t));
-  VoxelGrid shell;
-  for (int i = 0; i < kFineSize; ++i) {
-    for (int j = 0; j < kFineSize; ++j) {
-      const std::uint8_t* line = cells.data() + FineIndex(i, j, 0);
-      std::uint8_t* out = shell.occupied.data() + VoxelGrid::Index(i / kFine, j / kFine, 0);
-      for (int k = 0; k < kGridSize; ++k, line += kFine, ++out) {
-        std::uint32_t row = 0;
-        std::memcpy(&row, line, sizeof(row));
-        if (row != 0) *out = 1;
-      }
-    }
+// All of `within` that `from` reaches along the row (Kogge, Stone 1973: in steps of 1, 2, 4, ...).
+std::uint64_t ReachAlong(std::uint64_t from, std::uint64_t within) {
+  std::uint64_t up = from;
+  std::uint64_t down = from;
+  std::uint64_t open_up = within;
+  std::uint64_t open_down = within;
+  for (int step = 1; step < kGridSize; step *= 2) {
+    up |= open_up & (up << step);
+    open_up &= open_up << step;
+    down |= open_down & (down >> step);
+    open_down &= open_down >> step;
   }
-  return shell;
+  return up | down;
 }
 
 // Voxels that the rim of the cube reaches without crossing a shell voxel: gaps narrower than a
 // voxel let nothing in.
-VoxelGrid OutsideVoxels(const VoxelGrid& shell) {
-  VoxelGrid outside;
-  std::vector<std::array<int, 3>> stack = {{0, 0, 0}};
-  outside.occupied[0] = 1;
-  while (!stack.empty()) {
-    const std::array<int, 3> at = stack.back();
-    stack.pop_back();
-    for (const auto& face : kFaces) {
-      const std::array<int, 3> next = {at[0] + face[0], at[1] + face[1], at[2] + face[2]};
-      if (!VoxelGrid::Contains(next[0], next[1], next[2])) continue;
-      const std::size_t n = VoxelGrid::Index(next[0], next[1], next[2]);
-      if (shell.occupied[n] != 0 || outside.occupied[n] != 0) continue;
-      outside.occupied[n] = 1;
-      stack.push_back(next);
-    }
+Rows OutsideVoxels(const Blocks& shell) {
+  Rows free{};
+  for (std::size_t n = 0; n < kVoxels; ++n) {
+    if (shell[n] == 0) free[n / kGridSize] |= std::uint64_t{1} << n % kGridSize;
+  }
+  Rows outside{};
+  outside[0] = ReachAlong(1, free[0]);
+  const auto grow = [&](std::size_t row) {
+    const std::size_t i = row / kGridSize;
+    const std::size_t j = row % kGridSize;
+    std::uint64_t reached = outside[row];
+    if (i > 0) reached |= outside[row - kGridSize];
+    if (i + 1 < kGridSize) reached |= outside[row + kGridSize];
+    if (j > 0) reached |= outside[row - 1];
+    if (j + 1 < kGridSize) reached |= outside[row + 1];
+    reached &= free[row];
+    if (reached == outside[row]) return false;
+    outside[row] = ReachAlong(reached, free[row]);
+    return true;
+  };
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (std::size_t row = 0; row < outside.size(); ++row) grown = grow(row) || grown;
+    for (std::size_t row = outside.size(); row-- > 0;) grown = grow(row) || grown;
   }
   return outside;
 }
 
-// Within the shell voxels, marks the cells that the outside reaches.
-void FloodShellVoxels(const VoxelGrid& shell, const VoxelGrid& outside, Cells& cells) {
-  std::vector<std::array<int, 3>> stack;
-  const auto enter = [&](int i, int j, int k) {
-    std::uint8_t& cell = cells[FineIndex(i, j, k)];
-    if (cell != kFree || shell.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] == 0)
-      return;
-    cell = kOutside;
-    stack.push_back({i, j, k});
+// All free cells of a voxel that those in `from` reach within it.
+Block Flood(Block from, Block free) {
+  constexpr Block kHighY = kLowY << 3 * kStepY;
+  constexpr Block kHighZ = kLowZ << 3 * kStepZ;
+  Block reached = from & free;
+  for (Block before = 0; before != reached;) {
+    before = reached;
+    reached |= (reached << kStepX | reached >> kStepX) & free;
+    reached |= ((reached & ~kHighY) << kStepY | (reached & ~kLowY) >> kStepY) & free;
+    reached |= ((reached & ~kHighZ) << kStepZ | (reached & ~kLowZ) >> kStepZ) & free;
+  }
+  return reached;
+}
+
+// A neighbouring voxel, and how cells on this side of it go over into it.
+struct Side {
+  std::ptrdiff_t to = 0;  // in voxels
+  Block low = 0;          // cells at the lower side along this axis
+  int step = 0;           // bits from a cell to the next along this axis
+};
+
+constexpr std::array<Side, 3> kAxes = {{{std::ptrdiff_t{kGridSize} * kGridSize, kLowX, kStepX},
+                                        {kGridSize, kLowY, kStepY},
+                                        {1, kLowZ, kStepZ}}};
+
+// Of each shell voxel, the cells that the outside reaches through the free ones.
+Blocks ReachedCells(const Blocks& shell, const Rows& outside) {
+  Blocks reached(kVoxels, 0);
+  std::vector<std::size_t> waiting;
+  const auto is_outside = [&](std::size_t n) {
+    return (outside[n / kGridSize] >> n % kGridSize & 1) != 0;
   };
-  const auto is_outside = [&](int i, int j, int k) {
-    return outside.occupied[VoxelGrid::Index(i / kFine, j / kFine, k / kFine)] != 0;
-  };
-  const auto enter_from_outside = [&](int i, int j, int k) {
-    const bool seed =
-        std::any_of(kFaces.begin(), kFaces.end(), [&](const std::array<int, 3>& face) {
-          return is_outside(i + face[0], j + face[1], k + face[2]);
-        });
-    if (seed) enter(i, j, k);
+  const auto enter = [&](std::size_t n, Block cells) {
+    if (shell[n] == 0 || (cells & ~shell[n] & ~reached[n]) == 0) return;
+    reached[n] = Flood(reached[n] | cells, ~shell[n]);
+    waiting.push_back(n);
   };
   // The rim of the cube holds no shell, so neighbours are within it.
-  for (int n = 0; n < kGridSize * kGridSize * kGridSize; ++n) {
-    if (shell.occupied[static_cast<std::size_t>(n)] == 0) continue;
-    const int i = n / (kGridSize * kGridSize) * kFine;
-    const int j = n / kGridSize % kGridSize * kFine;
-    const int k = n % kGridSize * kFine;
-    for (int a = 0; a < kFine; ++a) {
-      for (int b = 0; b < kFine; ++b) {
-        for (int c = 0; c < kFine; ++c) enter_from_outside(i + a, j + b, k + c);
-      }
+  for (std::size_t n = 0; n < kVoxels; ++n) {
+    if (shell[n] == 0) continue;
+    Block seeds = 0;
+    for (const Side& side : kAxes) {
+      if (is_outside(n - static_cast<std::size_t>(side.to))) seeds |= side.low;
+      if (is_outside(n + static_cast<std::size_t>(side.to))) seeds |= side.low << 3 * side.step;
+    }
+    enter(n, seeds);
+  }
+  while (!waiting.empty()) {
+    const std::size_t n = waiting.back();
+    waiting.pop_back();
+    for (const Side& side : kAxes) {
+      enter(n + static_cast<std::size_t>(side.to), reached[n] >> 3 * side.step & side.low);
+      enter(n - static_cast<std::size_t>(side.to), (reached[n] & side.low) << 3 * side.step);
     }
   }
-  while (!stack.empty()) {
-    const std::array<int, 3> at = stack.back();
-    stack.pop_back();
-    for (const auto& face : kFaces) enter(at[0] + face[0], at[1] + face[1], at[2] + face[2]);
-  }
+  return reached;
 }
 
-float SolidShare(const Cells& cells, int i, int j, int k) {
-  int solid = 0;
-  for (int a = 0; a < kFine; ++a) {
-    for (int b = 0; b < kFine; ++b) {
-      for (int c = 0; c < kFine; ++c) {
-        solid += cells[FineIndex(i * kFine + a, j * kFine + b, k * kFine + c)] != kOutside ? 1 : 0;
-      }
-    }
-  }
-  return static_cast<float>(solid) / (kFine * kFine * kFine);
-}
-
-VoxelGrid SolidWithin(Cells& cells) {
-  const VoxelGrid shell = ShellVoxels(cells);
-  const VoxelGrid outside = OutsideVoxels(shell);
-  FloodShellVoxels(shell, outside, cells);
-  std::vector<float> shares(shell.occupied.size());
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        const std::size_t n = VoxelGrid::Index(i, j, k);
-        shares[n] = outside.occupied[n] != 0 ? 0.0F : 1.0F;
-        if (shell.occupied[n] != 0) shares[n] = SolidShare(cells, i, j, k);
-      }
-    }
+VoxelGrid SolidWithin(const Blocks& shell) {
+  const Rows outside = OutsideVoxels(shell);
+  const Blocks reached = ReachedCells(shell, outside);
+  std::vector<float> shares(kVoxels, 1.0F);
+  for (std::size_t n = 0; n < kVoxels; ++n) {
+    if (shell[n] != 0)
+      shares[n] = static_cast<float>(std::popcount(~reached[n])) / (kFine * kFine * kFine);
+    else if ((outside[n / kGridSize] >> n % kGridSize & 1) != 0)
+      shares[n] = 0;
   }
   return SolidFromShares(shares);
 }
@@ -199,14 +243,14 @@ Result<VoxelGrid> Voxelize(const TriangleMesh& mesh) {
     return InvalidInput("mesh has no extent");
   }
   const double scale = kModelExtent * kFineSize / longest;
-  Cells cells(static_cast<std::size_t>(kFineSize) * kFineSize * kFineSize, kFree);
+  Blocks shell(kVoxels, 0);
   for (Triangle& triangle : triangles) {
     for (Eigen::Vector3d& corner : triangle) {
       corner = (scale * (corner - box.Center())).array() + 0.5 * kFineSize;
     }
-    MarkTriangle(triangle, cells);
+    MarkTriangle(triangle, shell);
   }
-  return SolidWithin(cells);
+  return SolidWithin(shell);
 }
 
 }  // namespace deepslam::shape
