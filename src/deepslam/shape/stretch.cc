@@ -2,74 +2,98 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <utility>
 
 namespace deepslam::shape {
 namespace {
 
-// 26-neighbourhood of a voxel as 27 flags, index (di + 1) * 9 + (dj + 1) * 3 + (dk + 1).
-using Neighbourhood = std::array<bool, 27>;
+// A voxel and its 26 neighbours, a bit each: (di + 1) * 9 + (dj + 1) * 3 + (dk + 1).
+using Neighbourhood = std::uint32_t;
+constexpr int kNeighbours = 27;
+constexpr Neighbourhood kCentre = 1U << 13;
+
+// How many coordinates of two cells differ, and by how much at most.
+struct Apart {
+  int sum = 0;
+  int most = 0;
+};
+
+constexpr Apart ApartOf(int m, int n) {
+  Apart apart;
+  for (const int place : {1, 3, 9}) {
+    const int d = m / place % 3 - n / place % 3;
+    apart.sum += d < 0 ? -d : d;
+    apart.most = std::max(apart.most, d < 0 ? -d : d);
+  }
+  return apart;
+}
+
+// Of each cell, those that share a face with it; with `corners`, also an edge or a corner.
+constexpr std::array<Neighbourhood, kNeighbours> Touching(bool corners) {
+  std::array<Neighbourhood, kNeighbours> touching{};
+  for (int m = 0; m < kNeighbours; ++m) {
+    for (int n = 0; n < kNeighbours; ++n) {
+      const Apart apart = ApartOf(m, n);
+      if (corners ? apart.most == 1 : apart.sum == 1)
+        touching[static_cast<std::size_t>(m)] |= 1U << n;
+    }
+  }
+  return touching;
+}
+
+constexpr std::array<Neighbourhood, kNeighbours> kTouching26 = Touching(true);
+constexpr std::array<Neighbourhood, kNeighbours> kTouching6 = Touching(false);
+constexpr Neighbourhood kFaceNeighbours = kTouching6[13];
+constexpr Neighbourhood kEdgeNeighbours = [] {
+  Neighbourhood near = 0;
+  for (int n = 0; n < kNeighbours; ++n) near |= ApartOf(n, 13).sum <= 2 ? 1U << n : 0U;
+  return near & ~kCentre;
+}();
 
 Neighbourhood Around(const VoxelGrid& grid, int i, int j, int k) {
-  Neighbourhood flags{};
-  std::size_t n = 0;
+  Neighbourhood solid = 0;
+  int n = 0;
   for (int di = -1; di <= 1; ++di) {
     for (int dj = -1; dj <= 1; ++dj) {
-      for (int dk = -1; dk <= 1; ++dk) {
-        flags[n++] = VoxelGrid::Contains(i + di, j + dj, k + dk) && grid.At(i + di, j + dj, k + dk);
+      for (int dk = -1; dk <= 1; ++dk, ++n) {
+        if (VoxelGrid::Contains(i + di, j + dj, k + dk) && grid.At(i + di, j + dj, k + dk))
+          solid |= 1U << n;
       }
     }
   }
-  return flags;
+  return solid;
 }
 
-// Connected components among the flagged cells (26-connected for solid) or unflagged cells
-// (6-connected, within the 18-neighbourhood, touching the centre by a face for free space), the
-// centre left out.
-int NumComponents(const Neighbourhood& flags, bool solid) {
-  std::array<bool, 27> visited{};
-  std::array<int, 27> stack{};
+// Connected components of `cells` that hold one of `seeds`.
+int NumComponents(Neighbourhood cells,
+                  Neighbourhood seeds,
+                  const std::array<Neighbourhood, kNeighbours>& touching) {
   int count = 0;
-  const auto coordinates = [](int n) { return std::array<int, 3>{n / 9, n / 3 % 3, n % 3}; };
-  const auto usable = [&](int n) {
-    if (n == 13 || flags[static_cast<std::size_t>(n)] != solid) return false;
-    const auto [x, y, z] = coordinates(n);
-    const int off = std::abs(x - 1) + std::abs(y - 1) + std::abs(z - 1);
-    return solid || off <= 2;
-  };
-  for (int seed = 0; seed < 27; ++seed) {
-    if (!usable(seed) || visited[static_cast<std::size_t>(seed)]) continue;
-    const auto [sx, sy, sz] = coordinates(seed);
-    if (!solid && std::abs(sx - 1) + std::abs(sy - 1) + std::abs(sz - 1) != 1) continue;
+  for (seeds &= cells; seeds != 0; seeds &= cells) {
     ++count;
-    std::size_t top = 0;
-    stack[top++] = seed;
-    visited[static_cast<std::size_t>(seed)] = true;
-    while (top > 0) {
-      const auto [x, y, z] = coordinates(stack[--top]);
-      for (int n = 0; n < 27; ++n) {
-        if (!usable(n) || visited[static_cast<std::size_t>(n)]) continue;
-        const auto [a, b, c] = coordinates(n);
-        const int off = std::abs(a - x) + std::abs(b - y) + std::abs(c - z);
-        const bool touches = std::max({std::abs(a - x), std::abs(b - y), std::abs(c - z)}) == 1;
-        if (!(solid ? touches : off == 1)) continue;
-        visited[static_cast<std::size_t>(n)] = true;
-        stack[top++] = n;
-      }
+    Neighbourhood waiting = seeds & (~seeds + 1);  // the lowest bit
+    while (waiting != 0) {
+      cells &= ~waiting;
+      Neighbourhood next = 0;
+      for (; waiting != 0; waiting &= waiting - 1)
+        next |= touching[static_cast<std::size_t>(std::countr_zero(waiting))];
+      waiting = next & cells;
     }
   }
   return count;
 }
 
-// Whether taking the voxel away changes no connection of solid or of free space (a simple point).
+// Whether taking the voxel away changes no connection of solid (by faces, edges and corners) or of
+// free space (by faces, among those that share a face or an edge with it): a simple point.
 bool IsSimple(const VoxelGrid& grid, int i, int j, int k) {
-  const Neighbourhood flags = Around(grid, i, j, k);
-  return NumComponents(flags, true) == 1 && NumComponents(flags, false) == 1;
+  const Neighbourhood solid = Around(grid, i, j, k);
+  return NumComponents(solid & ~kCentre, ~kCentre, kTouching26) == 1 &&
+         NumComponents(~solid & kEdgeNeighbours, kFaceNeighbours, kTouching6) == 1;
 }
 
 struct Voxel {
