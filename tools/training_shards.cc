@@ -54,7 +54,10 @@ Result<TrainingShards> TrainingShards::Create(const fs::path& folder,
       {"sketch_depth", "|u1", {n, kSketch, kSketch}, "of the whole object, as depth"},
       {"sketch_normal", "|u1", {n, kSketch, kSketch, 3}, "128 + 127 n, camera axes"},
       {"sketch_silhouette", "|u1", {n, kSketch, kSketch}, "of the whole object, 0 or 255"},
-      {"camera", "<f4", {n, 5}, "azimuth, elevation, distance, longest side, visible share"},
+      {"camera",
+       "<f4",
+       {n, 6},
+       "azimuth, elevation, distance, longest side, visible share, crop's side over focal length"},
       {"model", "<i4", {n}, "row of voxels"},
       {"voxels", "|u1", {num_models, kGridSize * kGridSize * kGridSize / 8}, "packed bits"},
   }};
@@ -114,11 +117,12 @@ Status TrainingShards::AddModel(const TrainingModel& model) {
 Status TrainingShards::AddView(const priors::TrainingView& view) {
   static_assert(sizeof(Rgb8) == 3);
   const auto model = static_cast<std::int32_t>(models_.size()) - 1;
-  const std::array<float, 5> camera = {static_cast<float>(view.azimuth_rad),
+  const std::array<float, 6> camera = {static_cast<float>(view.azimuth_rad),
                                        static_cast<float>(view.elevation_rad),
                                        static_cast<float>(view.distance_m),
                                        static_cast<float>(view.longest_side_m),
-                                       static_cast<float>(view.visible)};
+                                       static_cast<float>(view.visible),
+                                       static_cast<float>(view.crop.spread)};
   const std::array<Status, 9> outcomes = {
       Append("colour", view.crop.colour.data(), 3 * view.crop.colour.size()),
       Append("silhouette", view.crop.silhouette.data(), view.crop.silhouette.size()),

@@ -28,6 +28,8 @@ class Views:
             for view in np.flatnonzero(np.isin(model_of, rows)):
                 index.append((number, view))
                 owner.append(place[int(model_of[view])])
+        # How far lines of sight run apart is told of views since unprojection knows of it; of others they are parallel.
+        self.perspective = all(part["camera"].shape[1] > 5 for part in self.parts)
         self.index, self.owner = np.array(index, np.int64).reshape(-1, 2), np.array(owner, np.int64)
         self.packed = np.stack([self.parts[m["part"]]["voxels"][m["row"]] for m in self.models])
 
@@ -70,7 +72,14 @@ class Views:
         return torch.tensor([self.models[m]["symmetry"] for m in self.owner[numbers]])
 
     def camera(self, numbers):
-        return torch.from_numpy(self.rows("camera", numbers).astype(np.float32))
+        pairs = self.index[numbers]
+        return torch.from_numpy(np.stack([self.parts[part]["camera"][view, :5] for part, view in pairs]).astype(np.float32))
+
+    def spread(self, numbers):
+        """[n, 1]: the crop's side over the focal length; 0 where lines of sight are taken for parallel."""
+        if not self.perspective:
+            return torch.zeros(len(numbers), 1)
+        return torch.from_numpy(self.rows("camera", numbers)[:, 5:6].astype(np.float32))
 
 
 def drop_depth(crops, rows):
@@ -90,5 +99,5 @@ def batch(views, numbers, random, depth_dropped):
     voxels[flip] = voxels[flip].flip(2)
     azimuth[flip] *= -1
     drop_depth(crops, torch.from_numpy(random.random(len(numbers)) < depth_dropped))
-    return {"crop": crops, "sketch": sketch, "known": known, "voxels": voxels, "azimuth": azimuth,
+    return {"crop": crops, "spread": views.spread(numbers), "sketch": sketch, "known": known, "voxels": voxels, "azimuth": azimuth,
             "elevation": camera[:, 1], "symmetry": views.symmetry(numbers)}

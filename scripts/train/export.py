@@ -19,6 +19,7 @@ import torch
 import yaml
 from onnx import TensorProto, helper, numpy_helper
 
+import data
 import decoder_gradient
 import nets
 
@@ -133,6 +134,7 @@ def main():
     round_weights(model)
     torch.manual_seed(1)
     crop, sketch, latents = torch.rand(2, 7, 128, 128), torch.rand(2, 5, 64, 64), torch.randn(2, nets.LATENTS)
+    spread = [torch.rand(2, 1)] if data.Views(arguments.data).perspective else []
     out = pathlib.Path(arguments.out)
     out.mkdir(parents=True, exist_ok=True)
     common = {"format": "deepslam/prior", "version": 1, "class": config["class"]}
@@ -140,8 +142,8 @@ def main():
             for name in ("threshold", "kept_of_expected")}
     worst = max(
         export(model.sketch, (crop,), ["crop"], ["sketch"], out / "sketch.onnx", dict(common, role="sketch")),
-        export(model.encoder, (crop, sketch), ["crop", "sketch"], ["latents", "azimuth", "elevation"],
-               out / "encoder.onnx", dict(common, role="encoder")),
+        export(model.encoder, (crop, sketch, *spread), ["crop", "sketch", "spread"][:2 + len(spread)],
+               ["latents", "azimuth", "elevation"], out / "encoder.onnx", dict(common, role="encoder")),
         export(model.decoder, (latents,), ["latents"], ["logits"], out / "decoder.onnx",
                dict(common, role="decoder", **cuts)))
     decoder_gradient.add_to(out / "decoder.onnx")

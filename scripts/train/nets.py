@@ -1,8 +1,9 @@
 """The networks of a shape prior, in the manner of Pix3D (Sun et al. 2018).
 
   sketch    crop [N, 7, 128, 128] -> sketch [N, 5, 64, 64]: depth, normal (3), silhouette (logit)
-  encoder   crop, sketch -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the latents also from the
-            sketch as it lies in the model's frame by that azimuth and elevation (unproject.py)
+  encoder   crop, sketch, spread [N, 1] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
+            latents also from the sketch as it lies in the model's frame by that azimuth and elevation (unproject.py).
+            The spread, the crop's side over the focal length, is left out of networks whose lines of sight are parallel
   decoder   latents -> logits [N, 64, 64, 64], index order x (front), y, z as the program's voxel grids
 
 The planes of a crop are those of src/deepslam/propose/network_crop.h. The decoder is 2-D with the 64 places along x as
@@ -74,11 +75,11 @@ class Encoder(nn.Module):
     def planes(crop, sketch):
         return torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1)
 
-    def forward(self, crop, sketch):
+    def forward(self, crop, sketch, spread=None):
         features = self.body(self.planes(crop, sketch))
         azimuth, elevation = self.azimuth(features), self.elevation(features)
         with torch.no_grad(), torch.autocast(crop.device.type, enabled=False):
-            places = self.unproject(sketch.float(), azimuth.float(), elevation.float())
+            places = self.unproject(sketch.float(), azimuth.float(), elevation.float(), spread)
         return self.latents(features) + SPREAD * self.more_latents(self.turned(places)), azimuth, elevation
 
 
@@ -100,9 +101,9 @@ class Prior(nn.Module):
         super().__init__()
         self.sketch, self.encoder, self.decoder = Sketch(width), Encoder(width), Decoder(width)
 
-    def forward(self, crop):
+    def forward(self, crop, spread=None):
         sketch = self.sketch(crop)
-        latents, azimuth, elevation = self.encoder(crop, sketch)
+        latents, azimuth, elevation = self.encoder(crop, sketch, spread)
         return self.decoder(latents), latents, azimuth, elevation, sketch
 
 

@@ -72,8 +72,8 @@ def revive(encoder, crops, sketches):
         head.weight[:, silent] = 0
 
 
-def begin(model, source, crops):
-    """`model` (nets.Prior) with the weights of `source`; `crops` are some hundred of the training's. Parts that networks of
+def begin(model, source, crops, spread):
+    """`model` (nets.Prior) with the weights of `source`; `crops` are some hundred of the training's, `spread` theirs. Parts that networks of
     before do not have stay as they were made, which adds nothing to what these compute."""
     source = pathlib.Path(source)
     if source.is_file():
@@ -87,7 +87,7 @@ def begin(model, source, crops):
     seen = {}
     hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
     with torch.no_grad():
-        model(crops)
+        model(crops, spread)
     for hook in hooks:
         hook.remove()
     for norm in norms:

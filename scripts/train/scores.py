@@ -102,10 +102,9 @@ def run(model, views, use_depth, numbers=None, decode=True):
     shares, latents, azimuths = [], [], []
     numbers = np.arange(len(views)) if numbers is None else numbers
     for start in range(0, len(numbers), 64):
-        crops = views.crops(numbers[start:start + 64])
-        if not use_depth:
-            crops = data.drop_depth(crops, slice(None))
-        z, azimuth, _ = model.encoder(crops, model.sketch(crops))
+        some = numbers[start:start + 64]
+        crops = views.crops(some) if use_depth else data.drop_depth(views.crops(some), slice(None))
+        z, azimuth, _ = model.encoder(crops, model.sketch(crops), views.spread(some))
         latents.append(z)
         azimuths.append(nets.azimuth_of(azimuth))
         if decode:
@@ -125,7 +124,7 @@ def fit_calibration(model, check, most=256, voxels=4096):
         for start in range(0, len(numbers), 64):
             some = numbers[start:start + 64]
             crops = check.crops(some) if use_depth else data.drop_depth(check.crops(some), slice(None))
-            latents, _, _ = model.encoder(crops, model.sketch(crops))
+            latents, _, _ = model.encoder(crops, model.sketch(crops), check.spread(some))
             chosen = torch.randint(64 ** 3, (len(some), voxels), generator=random)
             logits.append(model.decoder(latents).reshape(len(some), -1).gather(1, chosen).reshape(-1))
             truth.append(check.voxels(check.owner[some]).reshape(len(some), -1).gather(1, chosen).reshape(-1))
@@ -243,6 +242,9 @@ def main():
     model = nets.load(arguments.weights, config["width"])
     train, check = data.Views(arguments.train, "train"), data.Views(arguments.train, "validate")
     test = data.Views(arguments.test)
+    if train.perspective and not test.perspective:
+        raise SystemExit("the test views do not tell how far lines of sight run apart, those of the training do; render them anew")
+    test.perspective = train.perspective
     if {m["id"] for m in test.models} & {m["id"] for m in train.models + check.models}:
         raise SystemExit("a test model is among those of training")
     truth = test.voxels(np.arange(len(test.models))).bool()

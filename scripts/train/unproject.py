@@ -9,6 +9,7 @@ import torch
 from torch import nn
 
 PLACES, GRID, LONGEST, SKETCH = 32, 64, 62, 64
+NEAREST = 0.25  # of the object's distance
 REACH = 8 / LONGEST  # of the longest side: how far in front of a surface and behind it places are told apart
 
 
@@ -35,11 +36,12 @@ def camera_axes(azimuth, elevation):
 
 
 class Unproject(nn.Module):
-    """sketch [N, 5, 64, 64], azimuth (logits), elevation -> [N, 2 * 32, 32, 32]: for each place of the model's cube, its x as
-    channels, whether it lies within the silhouette, and how far behind the seen surface, in [-1, 1].
+    """sketch [N, 5, 64, 64], azimuth (logits), elevation, spread [N, 1] -> [N, 2 * 32, 32, 32]: for each place of the
+    model's cube, its x as channels, whether it lies within the silhouette, and how far behind the seen surface, in [-1, 1].
 
     The cube is the box of what the sketch shows, as wide as its longest side: parts out of sight move it, which is left
-    to the networks. Lines of sight are taken for parallel, as the crop holds one object."""
+    to the networks. `spread` is the crop's side over the focal length, none or 0 for parallel lines of sight: of a sofa two metres
+    wide and seen from two metres, the far end is half as large as the near one."""
 
     def __init__(self):
         super().__init__()
@@ -50,16 +52,19 @@ class Unproject(nn.Module):
         places = torch.stack(torch.meshgrid(place, place, place, indexing="ij")).reshape(3, -1)
         self.register_buffer("places", places, persistent=False)
 
-    def forward(self, sketch, azimuth, elevation):
+    def forward(self, sketch, azimuth, elevation, spread=None):
         inside, depth = torch.sigmoid(sketch[:, 4:5]), sketch[:, :1]
         axes = camera_axes(azimuth, elevation)
-        seen = axes[:, :2].transpose(1, 2) @ self.pixels + axes[:, 2:].transpose(1, 2) * depth.flatten(2)
+        spread = (torch.zeros_like(elevation) if spread is None else spread)[:, :, None]
+        ray = self.pixels * (1 + spread * depth.flatten(2)).clamp(min=NEAREST)
+        seen = axes[:, :2].transpose(1, 2) @ ray + axes[:, 2:].transpose(1, 2) * depth.flatten(2)
         shown = inside.flatten(2) > 0.5
         low = torch.where(shown, seen, torch.full_like(seen, 2.0)).amin(2)
         high = torch.where(shown, seen, torch.full_like(seen, -2.0)).amax(2)
         side = (high - low).amax(1).clamp(min=0.1)[:, None, None]
         at = axes @ (0.5 * (low + high)[:, :, None] + side * self.places)
-        grid = (2 * at[:, :2]).transpose(1, 2)[:, :, None]
+        pixel = at[:, :2] / (1 + spread * at[:, 2:]).clamp(min=NEAREST)
+        grid = (2 * pixel).transpose(1, 2)[:, :, None]
         found = nn.functional.grid_sample(torch.cat([inside, inside * depth], 1), grid, mode="bilinear",
                                           padding_mode="zeros", align_corners=False)[..., 0]
         within, surface = found[:, :1], found[:, 1:] / found[:, :1].clamp(min=1e-3)

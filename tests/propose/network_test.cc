@@ -142,6 +142,23 @@ TEST(ShapePriorTest, SaysWhereTheCameraStands) {
   EXPECT_GT(encoding->confidence, 0.9);
 }
 
+// How far lines of sight run apart is known of every crop; networks may ask for it.
+TEST(ShapePriorTest, TellsTheEncoderHowFarLinesOfSightRunApart) {
+  const std::vector<ObjectView> views = StagedViews(Chair(), {});
+  const Result<NetworkCrop> crop = MakeNetworkCrop(views[0], true);
+  const Result<NetworkCrop> by_colour = MakeNetworkCrop(views[0], false);
+  ASSERT_TRUE(crop && by_colour);
+  EXPECT_NEAR(crop->spread, crop->side_m / crop->reference_m, 1e-9);
+  EXPECT_NEAR(by_colour->spread, crop->spread, 1e-12);
+  TinyPrior asks = PriorOf(Chair());
+  asks.encoder.inputs.push_back({"spread", {1, 1}});
+  const Result<std::unique_ptr<ShapePrior>> prior = asks.Load();
+  ASSERT_TRUE(prior) << prior.error().message;
+  EXPECT_TRUE((*prior)->Encode(*crop));
+  asks.encoder.inputs.back().name = "width";
+  EXPECT_THAT(asks.Load().error().message, HasSubstr("`spread`"));
+}
+
 TEST(ShapePriorTest, RefusesWhatIsNoPrior) {
   const VoxelGrid chair = Chair();
   struct Case {

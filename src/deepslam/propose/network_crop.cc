@@ -211,11 +211,12 @@ Result<NetworkCrop> CropUpright(const ObjectView& view, bool use_depth) {
   crop.u0 = 0.5 * (box.min_u + box.max_u + 1) - 0.5 * crop.side_px;
   crop.v0 = 0.5 * (box.min_v + box.max_v + 1) - 0.5 * crop.side_px;
   FillColour(view, box, crop);
+  const double focal_px = 0.5 * (view.camera.fx + view.camera.fy);
+  if (focal_px > 0) crop.spread = crop.side_px / focal_px;
   if (!use_depth) return crop;
   crop.reference_m = MedianDepth(view);
-  const double focal_px = 0.5 * (view.camera.fx + view.camera.fy);
   if (!(crop.reference_m > 0) || !(focal_px > 0)) return crop;
-  crop.side_m = crop.side_px * crop.reference_m / focal_px;
+  crop.side_m = crop.spread * crop.reference_m;
   FillDepth(view, crop);
   return crop;
 }

@@ -36,6 +36,7 @@ struct NetworkCrop {
   double u0 = 0;
   double v0 = 0;
   double side_px = 0;
+  double spread = 0;       // side_px over the focal length: how far lines of sight run apart
   double reference_m = 0;  // median depth of the silhouette; 0 = no depth
   double side_m = 0;       // the square's side at that depth; 0 = no depth
 };

@@ -217,6 +217,7 @@ struct ShapePrior::Impl {
   Network sketch;
   Network encoder;
   Network decoder;
+  bool has_spread = false;  // else the encoder takes lines of sight for parallel
   bool has_gradient = false;
   SolidCut cut_by_depth;
   SolidCut cut_by_colour;
@@ -276,9 +277,13 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
     const Port sketch = {"sketch", {kSketchPlanes, kSketchPixels, kSketchPixels}};
     const Port latents = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
     Network sketch_network("sketch", open("sketch", sketch_onnx), {crop}, {sketch});
+    Ort::Session encoder_session = open("encoder", encoder_onnx);
+    const bool has_spread = encoder_session.GetInputCount() > 2;
+    std::vector<Port> encoder_inputs = {crop, sketch};
+    if (has_spread) encoder_inputs.push_back({"spread", {1}});
     Network encoder("encoder",
-                    open("encoder", encoder_onnx),
-                    {crop, sketch},
+                    std::move(encoder_session),
+                    std::move(encoder_inputs),
                     {latents, {"azimuth", {kBins}}, {"elevation", {1}}});
     const Port cotangent = {"cotangent", {kGridSize, kGridSize, kGridSize}};
     const Port logits = {"logits", cotangent.shape};
@@ -305,6 +310,7 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
                                                std::move(sketch_network),
                                                std::move(encoder),
                                                std::move(decoder),
+                                               has_spread,
                                                has_gradient,
                                                *by_depth,
                                                *by_colour});
@@ -321,6 +327,7 @@ Result<PriorEncoding> ShapePrior::Encode(const NetworkCrop& crop) const try {
   Result<std::vector<std::vector<float>>> sketch = impl_->sketch.Run(inputs);
   if (!sketch.ok()) return sketch.error();
   inputs.push_back(std::move((*sketch)[0]));
+  if (impl_->has_spread) inputs.push_back({static_cast<float>(crop.spread)});
   const Result<std::vector<std::vector<float>>> outputs = impl_->encoder.Run(inputs);
   if (!outputs.ok()) return outputs.error();
   PriorEncoding encoding;
