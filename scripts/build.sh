@@ -10,6 +10,8 @@ preset="${1:-release}"
 if command -v ccache >/dev/null && [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ]; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache
 fi
+# What was compiled in one checkout serves every other one.
+export CCACHE_BASEDIR="${CCACHE_BASEDIR:-$PWD}"
 
 # The largest files take 2 GB each to compile, 4 GB with sanitizers: more jobs than memory would not be faster.
 gib_per_job=2

@@ -41,6 +41,8 @@ fi
 if command -v ccache >/dev/null && [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ]; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache
 fi
+# What was compiled in one checkout serves every other one.
+export CCACHE_BASEDIR="${CCACHE_BASEDIR:-$PWD}"
 [ "$build" = no ] || cmake --preset fuzz >build/fuzz/configure.log 2>&1 || { cat build/fuzz/configure.log >&2; exit 1; }
 table=build/fuzz/tests/fuzz/parsers.txt
 [ -f "$table" ] || fail "nothing is built: leave --built out"

@@ -1,4 +1,12 @@
-"""Pictures of a training and of its scores."""
+#!/usr/bin/env python3
+"""Pictures of a training and of its scores.
+
+    plots.py configs/priors/*/scores.json --out docs/evaluation/priors.svg      histograms of the IoU, a class each
+"""
+import argparse
+import json
+import pathlib
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -23,13 +31,58 @@ def draw_curves(curve, file):
     plt.close(figure)
 
 
+HISTOGRAM_BINS = 25
+
+
+def histogram(ious):
+    """How many lie in each twenty-fifth of [0, 1]."""
+    counts = [0] * HISTOGRAM_BINS
+    for value in ious:
+        counts[min(HISTOGRAM_BINS - 1, int(value * HISTOGRAM_BINS))] += 1
+    return counts
+
+
+def draw_rows(axis, rows):
+    """`rows`: name -> counts of `histogram`."""
+    edges = [n / HISTOGRAM_BINS for n in range(HISTOGRAM_BINS + 1)]
+    for name, counts in rows.items():
+        axis.stairs(counts, edges, label=name, linewidth=1.5, fill=name == "network", alpha=0.45 if name == "network" else 1)
+
+
 def draw_histogram(rows, file):
-    """`rows`: name -> IoUs."""
     figure, axis = plt.subplots(figsize=(7, 4))
-    for name, values in rows.items():
-        axis.hist(values, bins=[n / 25 for n in range(26)], histtype="step", label=name, linewidth=1.5)
+    draw_rows(axis, rows)
     axis.set(xlabel="IoU at 64^3", ylabel="views", title="withheld models, views with faults")
     axis.legend(fontsize=8)
     figure.tight_layout()
     figure.savefig(file, dpi=90)
     plt.close(figure)
+
+
+def draw_classes(files, file):
+    """One histogram for each scores.json, in rows of three."""
+    matplotlib.rcParams["svg.hashsalt"] = "deepslam"  # the same bytes each time
+    figure, axes = plt.subplots((len(files) + 2) // 3, 3, figsize=(12, 3 * ((len(files) + 2) // 3)), squeeze=False)
+    for axis in axes.flat[len(files):]:
+        axis.set_axis_off()
+    for axis, path in zip(axes.flat, files):
+        scores = json.loads(path.read_text(encoding="utf-8"))
+        draw_rows(axis, scores["histograms"])
+        axis.set(xlabel="IoU at 64^3", ylabel="views", xlim=(0, 1),
+                 title=f"{path.parent.name}: {scores['test_views']} views of {scores['test_models']}")
+    axes.flat[0].legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scores", nargs="+", type=pathlib.Path)
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    arguments = parser.parse_args()
+    draw_classes(arguments.scores, arguments.out)
+
+
+if __name__ == "__main__":
+    main()

@@ -27,18 +27,29 @@ def parameters_of(model):
     return dict(stored, **{name: stored[half] for name, half in halves.items() if half in stored})
 
 
+def place_of(node):
+    """The convolution a node was exported from: /turned/turned.1/inner/inner.0/Conv_output_0 -> turned.1.inner.0."""
+    name = ""
+    for part in node.output[0].split("/")[1:-1]:
+        base, _, number = part.rpartition(".")
+        name = f"{name}.{number}" if base and name.endswith(base) else ".".join(filter(None, (name, part)))
+    return name
+
+
 def unfold(network, model):
-    """Fills `network`; returns the normalisations that are ones by now."""
+    """Fills `network`; returns the normalisations that are ones by now. What has another shape there stays as it was made."""
     values, state, ones = parameters_of(model), network.state_dict(), []
     for name in state:
-        if name in values:
+        if name in values and values[name].shape == tuple(state[name].shape):
             state[name] = torch.from_numpy(values[name].copy())
     for node in model.graph.node:
         if node.op_type != "Conv" or len(node.input) < 3 or not node.input[1].startswith("onnx::"):
             continue
-        place = node.output[0].split("/")[-2]  # ".../e1.0/Conv_output_0"
+        place = place_of(node)
         block, number = place.rsplit(".", 1)
         after = f"{block}.{int(number) + 1}"
+        if f"{place}.weight" not in state or state[f"{place}.weight"].shape != values[node.input[1]].shape:
+            continue
         norm = network.get_submodule(after)
         state[f"{place}.weight"] = torch.from_numpy(values[node.input[1]].copy())
         state[f"{after}.weight"] = torch.ones(norm.num_features)
@@ -72,19 +83,23 @@ def revive(encoder, crops, sketches):
         head.weight[:, silent] = 0
 
 
-def begin(model, source, crops, spread):
-    """`model` (nets.Prior) with the weights of `source`; `crops` are some hundred of the training's, `spread` theirs. Parts that networks of
-    before do not have stay as they were made, which adds nothing to what these compute."""
+def read(model, source):
+    """`model` (nets.Prior) with the weights of `source`, computing what they compute. Parts that networks of before do not have stay as
+    they were made, which adds nothing. Returns the normalisations that are ones by now: none of those of a file of weights."""
     source = pathlib.Path(source)
     if source.is_file():
         model.load_state_dict(torch.load(source, map_location="cpu", weights_only=True))
-        return model
+        return []
+    return [norm for name in ("sketch", "encoder", "decoder")
+            for norm in unfold(getattr(model, name), onnx.load(str(source / f"{name}.onnx")))]
+
+
+def begin(model, source, crops, spread):
+    """`model` with the weights of `source`, ready to learn; `crops` are some hundred of the training's, `spread` theirs."""
     learning = model.training
-    model.eval()
-    norms = []
-    for name in ("sketch", "encoder", "decoder"):
-        norms += unfold(getattr(model, name), onnx.load(str(source / f"{name}.onnx")))
-    seen = {}
+    norms, seen = read(model.eval(), source), {}
+    if not norms:
+        return model.train(learning)
     hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
     with torch.no_grad():
         model(crops, spread)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How good a prior is on models that no training touched, beside three baselines.
 
-    scores.py --config CLASS.yaml --weights WEIGHTS.pt --train VIEWS --test VIEWS --out FOLDER
+    scores.py --config CLASS.yaml --weights WEIGHTS.pt|configs/priors/CLASS --train VIEWS --test VIEWS --out FOLDER
 
 The decoder's values are calibrated on the validation designs first (fit_calibration), as the export does it too.
 IoU at 64^3 of the solid that the program makes of the values (cut.py), at one threshold, calibrated like the share that layers keep on the training's
@@ -24,6 +24,7 @@ import cut
 import data
 import nets
 import plots
+import restart
 
 
 def iou(ours, truth):
@@ -161,7 +162,7 @@ def best_kept(shares, truth, threshold):
 
 
 def nearest_shapes(train, truth):
-    """For each test model the IoU of the nearest training shape."""
+    """For each test model the IoU of the nearest training shape [models]."""
     best = np.zeros(len(truth))
     flat = truth.reshape(len(truth), -1).float()
     size = flat.sum(1)
@@ -239,8 +240,9 @@ def main():
     torch.set_num_threads(arguments.threads)
     random = np.random.default_rng(1)
     config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
-    model = nets.load(arguments.weights, config["width"])
     train, check = data.Views(arguments.train, "train"), data.Views(arguments.train, "validate")
+    model = nets.Prior.of(config).eval()
+    restart.read(model, arguments.weights)
     test = data.Views(arguments.test)
     if train.perspective and not test.perspective:
         raise SystemExit("the test views do not tell how far lines of sight run apart, those of the training do; render them anew")
@@ -254,26 +256,31 @@ def main():
     # The best of its thresholds on the very test: no other baseline is favoured so.
     level = best_threshold(mean[None].expand(len(truth), -1, -1, -1), truth)
     mean_solid = cut.cut(mean[None], level, 0.5)[0]
+    mean_ious = max((iou(shape[None].expand_as(truth), truth) for shape in (mean > level, mean_solid)), key=np.mean)
+    nearest_ious = nearest_shapes(train, truth)
     scores = {"calibration": {"scale": scale, "offset": offset}, "test_models": len(test.models), "test_views": len(test), "train_models": len(train.models),
-              "mean_shape": {"iou64": max(float(iou(shape[None].expand_as(truth), truth).mean()) for shape in (mean > level, mean_solid)),
+              "mean_shape": {"iou64": float(mean_ious.mean()),
                              "iou32": max(set_iou_32(shape[None].expand(len(truth), -1, -1, -1), truth.float())[0]
                                           for shape in (mean, mean_solid.float())),
                              "threshold": level},
-              "oracle": {"iou64": float(nearest_shapes(train, truth).mean())}}
+              "oracle": {"iou64": float(nearest_ious.mean())}}
     numbers = np.sort(random.choice(len(train), min(len(train), 6000), replace=False))
     bank = {depth: (run(model, train, depth, numbers, decode=False)[1], train.owner[numbers]) for depth in (True, False)}
     rows = {}
-    for depth, name in ((True, "colour_and_depth"), (False, "colour")):
+    for depth, name, row in ((True, "colour_and_depth", "network"), (False, "colour", "network, colour alone")):
         scores[name], each, found = score_input(model, train, check, test, depth, bank, random)
-        rows[name.replace("_", " ")] = each
+        rows[row] = each
         if depth:
             rows["retrieval by latent"] = found
+    # Each view of a model has the same baseline.
+    rows.update({"mean shape": mean_ious[test.owner], "nearest training shape": nearest_ious[test.owner]})
+    scores["histograms"] = {name: plots.histogram(ious) for name, ious in rows.items()}
     out = pathlib.Path(arguments.out)
     out.mkdir(parents=True, exist_ok=True)
     (out / "scores.json").write_text(json.dumps(scores, indent=1), encoding="utf-8")
-    plots.draw_histogram(rows, out / "scores.png")
+    plots.draw_histogram(scores["histograms"], out / "scores.png")
     short = {k: ({a: b for a, b in v.items() if a not in ("models", "azimuth_residual_deg")} if isinstance(v, dict) else v)
-             for k, v in scores.items()}
+             for k, v in scores.items() if k != "histograms"}
     print(json.dumps(short, indent=1))
 
 
