@@ -162,34 +162,42 @@ struct Choice {
   CandidateId candidate;
 };
 
+std::optional<CandidateSource> SourceOf(const Inputs& inputs, CandidateId candidate) {
+  const auto registered = inputs.files.registrations.find(candidate);
+  if (registered == inputs.files.registrations.end() || !registered->second.ok) return std::nullopt;
+  const auto proposed = inputs.files.candidates.find(candidate);
+  if (proposed == inputs.files.candidates.end()) return std::nullopt;
+  return proposed->second.source;
+}
+
+// What selection judged, the best first; of each row the best that belongs to it, if there is one.
 std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
+  const auto best = [&](const auto& belongs) {
+    for (const CandidateScore& score : object.scores) {
+      const std::optional<CandidateSource> source = SourceOf(inputs, score.candidate);
+      if (source && belongs(*source)) return score.candidate;
+    }
+    return CandidateId();
+  };
+  const auto of = [&](CandidateSource wanted) {
+    return best([&](CandidateSource source) { return source == wanted; });
+  };
   CandidateId first;
-  CandidateId as_proposed;  // the best that was not refined
-  CandidateId fused;
-  CandidateId refined;
-  CandidateId completed;
   for (const CandidateScore& score : object.scores) {
-    const auto found = inputs.files.registrations.find(score.candidate);
-    if (found == inputs.files.registrations.end() || !found->second.ok) continue;
-    if (!first.valid() || score.candidate < first) first = score.candidate;
-    const auto candidate = inputs.files.candidates.find(score.candidate);
-    if (candidate == inputs.files.candidates.end()) continue;
-    const CandidateSource source = candidate->second.source;
-    const bool is_refined = source == CandidateSource::kRefined;
-    const bool is_completed = source == CandidateSource::kCompleted;
-    if (source == CandidateSource::kFused && !fused.valid()) fused = score.candidate;
-    if (is_refined && !refined.valid()) refined = score.candidate;
-    if (is_completed && !completed.valid()) completed = score.candidate;
-    if (!is_refined && !is_completed && !as_proposed.valid()) as_proposed = score.candidate;
+    const bool earlier = !first.valid() || score.candidate < first;
+    if (earlier && SourceOf(inputs, score.candidate)) first = score.candidate;
   }
   const CandidateId greedy =
       object.history.empty() ? object.chosen : object.history.back().candidate;
   return {{"initial", first},
           {"greedy", greedy},
-          {"as proposed", as_proposed},
-          {"fused", fused},
-          {"refined", refined},
-          {"completed", completed},
+          {"as proposed", best([](CandidateSource source) { return !IsRefined(source); })},
+          {"retrieval", of(CandidateSource::kRetrieval)},
+          {"network", of(CandidateSource::kNetwork)},
+          {"mean latent", of(CandidateSource::kMeanLatent)},
+          {"fused", of(CandidateSource::kFused)},
+          {"refined", of(CandidateSource::kRefined)},
+          {"completed", of(CandidateSource::kCompleted)},
           {"selected", object.chosen}};
 }
 

@@ -192,6 +192,14 @@ class RealCapture(unittest.TestCase):
         for chair in chairs.values():
             judged = {s["candidate"] for s in chair["scores"]}
             self.assertEqual({c["id"] for c in made if c["object"] == chair["id"]} - judged, set())
+        judged = json.loads(subprocess.run([PROGRAM, "eval", "selection", "--held-out", run.workspace, DATA / "redkitchen"],
+                                           check=True, capture_output=True, text=True).stdout)
+        for row in judged["objects"]:
+            by_source = [row[source] for source in ("retrieval", "network", "mean latent", "fused")]
+            self.assertIn(row["as proposed"], by_source, "the best that was proposed is some source's best")
+            if row["mapped"].startswith("chair"):
+                self.assertGreater(row["network"]["agreement"], 0.5, row["mapped"])
+                self.assertGreater(row["selected"]["agreement"], row["network"]["agreement"], row["mapped"])
         one = Run("redkitchen", "one", *options, "--threads", "1")
         for stage in ("propose", "select", "loops"):
             for file in (run.workspace / stage).rglob("*"):
