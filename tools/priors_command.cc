@@ -32,6 +32,7 @@ struct RenderArguments {
   int product_views = 48;
   int threads = 0;
   bool clean = false;
+  double tops = 0;
   int sheet_rows = 24;
 };
 
@@ -64,7 +65,7 @@ std::vector<Rendered> RenderSome(const RenderArguments& arguments,
     if (!some[n].renderer || !some[n].renderer->ok()) continue;
     for (std::size_t v = 0; v < some[n].views.size(); ++v) work.emplace_back(n, v);
   }
-  const priors::ViewOptions options{!arguments.clean};
+  const priors::ViewOptions options{!arguments.clean, arguments.tops};
   ParallelFor(work.size(), [&](std::size_t w) {
     const auto [n, v] = work[w];
     Rendered& rendered = some[n];
@@ -232,6 +233,13 @@ void AddPriors(CLI::App& app, Command& chosen) {
           "be given again")
       ->allow_extra_args(false);
   render->add_flag("--clean", arguments->clean, "Whole objects, without faults of sensor and mask");
+  render
+      ->add_option("--tops",
+                   arguments->tops,
+                   "Share of the views of which only what lies above some height is left, cut by the "
+                   "image: tables seen from close by")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   render->add_option("--seed", models.seed, "Of designs and views")->capture_default_str();
   render->add_option("--threads", arguments->threads, "0: all cores; views do not depend on it")
       ->check(CLI::Range(0, 1024))

@@ -146,6 +146,28 @@ TEST(TrainingViewTest, FaultsHideAndEnoughStays) {
   EXPECT_GE(spoilt, 10);
 }
 
+TEST(TrainingViewTest, TopsShowWhatLiesAboveSomeHeight) {
+  const Result<ViewRenderer> renderer = ViewRenderer::Make(Chair(4));
+  ASSERT_TRUE(renderer);
+  const auto lowest = [](const TrainingView& view) {
+    int least = 255;
+    for (std::size_t p = 0; p < view.crop.depth.size(); ++p) {
+      if (view.crop.depth.data()[p] != 0)
+        least = std::min(least, static_cast<int>(view.crop.height.data()[p]));
+    }
+    return least;  // 10 for the ground, a step for each centimetre
+  };
+  constexpr int kViews = 20;
+  int low = 0;
+  for (std::uint64_t n = 0; n < kViews; ++n) {
+    const TrainingView top = renderer->Render(Random(8, "tops", n), {true, 1.0});
+    EXPECT_GE(lowest(top), 10 + 25) << n << ": half of a chair's height is more than that";
+    EXPECT_LT(top.visible, 0.9) << n;
+    low += lowest(renderer->Render(Random(8, "tops", n), {})) < 10 + 25 ? 1 : 0;
+  }
+  EXPECT_GT(low, kViews / 2) << "others reach down";
+}
+
 TEST(TrainingViewTest, RefusesWhatIsNoMesh) {
   EXPECT_FALSE(ViewRenderer::Make({}));
   FurnitureMesh wrong = SignedBox();

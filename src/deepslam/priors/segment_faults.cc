@@ -131,6 +131,32 @@ void HideMost(Random& random, const PixelBox& box, Raster& raster) {
   }
 }
 
+float HeightAt(const Raster& raster, int u, int v) {
+  const float z = raster.true_depth_m(u, v);
+  return static_cast<float>(raster.ground_camera.SignedDistance(raster.camera.Unproject(u, v, z)));
+}
+
+// A table seen from close by, whose legs are hidden by chairs: what lies above some height, of which
+// the image's borders cut some.
+void KeepTop(Random& random, Raster& raster) {
+  float highest_m = 0;
+  for (int v = 0; v < raster.height(); ++v) {
+    for (int u = 0; u < raster.width(); ++u) {
+      if (raster.mask(u, v) != 0) highest_m = std::max(highest_m, HeightAt(raster, u, v));
+    }
+  }
+  const float least_m = highest_m * Draw(random, 0.5, 0.96);
+  for (int v = 0; v < raster.height(); ++v) {
+    for (int u = 0; u < raster.width(); ++u) {
+      if (raster.mask(u, v) != 0 && HeightAt(raster, u, v) < least_m) raster.mask(u, v) = 0;
+    }
+  }
+  for (const double often : {0.7, 0.4}) {
+    const PixelBox box = BoxOf(raster.mask);
+    if (box.max_u >= 0 && Chance(random, often)) Truncate(random, box, raster);
+  }
+}
+
 // What lies near the ground is taken for ground, with the limit that segmentation has
 // (segment/segment_objects.h); now and then legs are lost to greater height.
 void CutNearGround(Random& random, Raster& raster) {
@@ -140,7 +166,7 @@ void CutNearGround(Random& random, Raster& raster) {
     for (int u = 0; u < raster.width(); ++u) {
       if (raster.mask(u, v) == 0) continue;
       const float z = raster.true_depth_m(u, v);
-      const double height_m = raster.ground_camera.SignedDistance(raster.camera.Unproject(u, v, z));
+      const double height_m = HeightAt(raster, u, v);
       const double limit_m = std::max(factor * (0.03F + 0.006F * z * z), lost_m);
       if (height_m < limit_m) raster.mask(u, v) = 0;
     }
@@ -329,14 +355,15 @@ void KeepView(Raster& raster) {
 }
 
 DEEPSLAM_WIDE_VECTORS
-void SpoilView(Random& random, bool part, Raster& raster) {
+void SpoilView(Random& random, Left left, Raster& raster) {
   KeepView(raster);
   const PixelBox box = BoxOf(raster.mask);
   if (box.max_u < 0) return;
   if (Chance(random, 0.3)) Truncate(random, box, raster);
   if (Chance(random, 0.35)) Occlude(random, box, Chance(random, 0.3), raster);
   if (Chance(random, 0.12)) Occlude(random, box, false, raster);
-  if (part) HideMost(random, box, raster);
+  if (left == Left::kPart) HideMost(random, box, raster);
+  if (left == Left::kTop) KeepTop(random, raster);
   if (Chance(random, 0.85)) CutNearGround(random, raster);
   if (Chance(random, 0.7)) LoseDepth(random, raster);
   if (Chance(random, 0.6)) ShadowBesideEdges(random, raster);

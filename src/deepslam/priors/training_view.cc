@@ -188,6 +188,11 @@ Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
   return sketch;
 }
 
+Left DrawLeft(Random& random, const ViewOptions& options) {
+  if (options.top_share > 0 && random.Uniform() < options.top_share) return Left::kTop;
+  return random.Uniform() < kPartShare ? Left::kPart : Left::kWhole;
+}
+
 double VisibleShare(const Raster& raster) {
   std::size_t kept = 0;
   std::size_t all = 0;
@@ -243,14 +248,14 @@ TrainingView ViewRenderer::Render(Random random, const ViewOptions& options) con
     // The last attempt always shows something.
     const bool faults = options.faults && attempt + 1 < kMostTries;
     const Sight sight = DrawSight(random, impl_->size_m, options.faults);
-    const bool part = faults && random.Uniform() < kPartShare;
+    const Left left = faults ? DrawLeft(random, options) : Left::kWhole;
     Raster raster = MakeRaster(impl_->scene,
                                impl_->outline,
                                sight,
                                impl_->bottom_m,
-                               part ? kMostPixelsForPart : kMostPixels);
+                               left == Left::kWhole ? kMostPixels : kMostPixelsForPart);
     PaintSurfaces(impl_->furniture, impl_->scene, random, raster);
-    faults ? SpoilView(random, part, raster) : KeepView(raster);
+    faults ? SpoilView(random, left, raster) : KeepView(raster);
     const double visible = VisibleShare(raster);
     Result<propose::NetworkCrop> crop = propose::MakeNetworkCrop(ToObjectView(raster), true);
     if ((visible < kLeastVisible || !crop || crop->side_m <= 0) && attempt + 1 < kMostTries)

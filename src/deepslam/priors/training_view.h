@@ -47,7 +47,8 @@ struct TrainingView {
 };
 
 struct ViewOptions {
-  bool faults = true;  // of camera and segmentation; without: the whole object, as it is
+  bool faults = true;    // of camera and segmentation; without: the whole object, as it is
+  double top_share = 0;  // of the views with faults: only what lies above some height is left
 };
 
 class ViewRenderer {
