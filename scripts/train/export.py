@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Weights become what the program runs: sketch.onnx, encoder.onnx, decoder.onnx and MODEL_CARD.md.
+"""Weights become what the program runs: sketch.onnx, encoder.onnx, decoder.onnx; beside them MODEL_CARD.md and scores.json.
 
     export.py --config CLASS.yaml --weights WEIGHTS.pt --scores SCORES.json --curve CURVE.json --data VIEWS [--credit TEXT] --out FOLDER
 
@@ -150,6 +150,7 @@ def main():
     weights = ", ".join(f"{name} {sum(p.numel() for p in getattr(model, name).parameters()) / 1e6:.2f} M"
                         for name in ("sketch", "encoder", "decoder"))
     (out / "MODEL_CARD.md").write_text(card(config, scores, curve, heads, arguments.credit, worst, weights), encoding="utf-8")
+    (out / "scores.json").write_text(json.dumps(scores, indent=1) + "\n", encoding="utf-8")
     print(f"{out}: {sum(f.stat().st_size for f in out.glob('*.onnx')) / 1e6:.1f} MB, largest difference {worst:.1e}")
 
 
