@@ -9,6 +9,7 @@
 #include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture.h"
+#include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/tsdf.h"
 #include "eval_commands.h"
 #include "eval_data.h"
@@ -108,12 +109,9 @@ Result<std::int64_t> CountCloudPoints(const fs::path& workspace, const fs::path&
   options.truncation_m *= kCloudVoxelM / options.voxel_m;
   options.voxel_m = kCloudVoxelM;
   fuse::TsdfFusion fusion(options);
-  const int step = stages::FuseStageOptions().frame_step;
-  for (const TrackedFrame& tracked : table->frames) {
-    const bool placed =
-        tracked.status == TrackingStatus::kTracked || tracked.status == TrackingStatus::kDegenerate;
-    if (!placed || tracked.frame.value % step != 0) continue;
-    const Result<Frame> frame = capture->frames->Read(tracked.frame);
+  for (const FrameIdx idx : fuse::FramesToFuse(table->frames, fuse::FrameChoice())) {
+    const TrackedFrame& tracked = table->frames[static_cast<std::size_t>(idx.value)];
+    const Result<Frame> frame = capture->frames->Read(idx);
     if (!frame.ok()) continue;  // unusable for the fusion of the run as well
     if (Status status =
             fusion.Integrate(*frame, capture->frames->camera(), tracked.world_from_camera, nullptr);

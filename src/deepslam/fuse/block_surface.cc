@@ -108,7 +108,7 @@ class SurfaceBuilder {
     std::array<std::uint8_t, 3> colour{};
     for (std::size_t c = 0; c < 3; ++c) {
       const double mean =
-          (1 - t) * low.block->colour[low.voxel][c] + t * high.block->colour[high.voxel][c];
+          (1 - t) * low.block->colour[c][low.voxel] + t * high.block->colour[c][high.voxel];
       colour[c] = static_cast<std::uint8_t>(
           std::clamp(std::lround(mean / VoxelBlock::kColourSteps), 0L, 255L));
     }

@@ -1,11 +1,14 @@
 #include "deepslam/fuse/voxel_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <unordered_set>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::fuse {
 namespace {
@@ -26,6 +29,123 @@ Image<float> RayLengths(const PinholeCamera& camera) {
     }
   }
   return lengths;
+}
+
+// Voxels along z, one behind the other: what a processor works on side by side.
+using Row = std::array<float, kSide>;
+
+// Where the voxels of a row lie in an image, and how far the surface measured there is ahead.
+struct RowPlaces {
+  std::array<std::int32_t, kSide> pixel;  // -1: not in the image, or nothing was measured
+  Row ahead_m;                            // along the ray
+};
+
+// The row begins at `begin_camera` and goes on by `step_camera`.
+inline void PlacePixels(const PinholeCamera& camera,
+                        const Eigen::Vector3f& begin_camera,
+                        const Eigen::Vector3f& step_camera,
+                        RowPlaces& places,
+                        Row& depth_voxel_m) {
+  const auto fx = static_cast<float>(camera.fx);
+  const auto fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx);
+  const auto cy = static_cast<float>(camera.cy);
+  const float safe_width = static_cast<float>(camera.width) - 0.0001F;
+  const float safe_height = static_cast<float>(camera.height) - 0.0001F;
+  const std::int32_t width = camera.width;
+  // Step by step, as Open3D does: where a voxel falls on the border of two pixels, the last digit
+  // decides which it takes.
+  Row xs;
+  Row ys;
+  Eigen::Vector3f p_camera = begin_camera;
+  for (std::size_t n = 0; n < kSide; ++n, p_camera += step_camera) {
+    xs[n] = p_camera.x();
+    ys[n] = p_camera.y();
+    depth_voxel_m[n] = p_camera.z();
+  }
+  for (std::size_t n = 0; n < kSide; ++n) {
+    const float z = depth_voxel_m[n];
+    const float u = xs[n] * fx / z + cx + 0.5F;
+    const float v = ys[n] * fy / z + cy + 0.5F;
+    // Without a branch, or the loop would not be one of whole vectors.
+    const bool inside = (z > 0) & (u >= 0.0001F) & (u < safe_width) & (v >= 0.0001F) &
+                        (v < safe_height);
+    const auto column = static_cast<std::int32_t>(inside ? u : 0.0F);
+    const auto row = static_cast<std::int32_t>(inside ? v : 0.0F);
+    places.pixel[n] = inside ? row * width + column : -1;
+  }
+}
+
+// False where no voxel of the row is seen: where nothing was measured, or before it by no more than
+// the truncation.
+inline bool Measure(const DepthImage& depth_m,
+                    const Image<float>& ray_lengths,
+                    float truncation_m,
+                    const Row& depth_voxel_m,
+                    RowPlaces& places) {
+  Row measured_m{};
+  Row length{};
+  bool any = false;
+  for (std::size_t n = 0; n < kSide; ++n) {
+    if (places.pixel[n] < 0) continue;
+    measured_m[n] = depth_m.data()[places.pixel[n]];
+    length[n] = ray_lengths.data()[places.pixel[n]];
+    any = true;
+  }
+  if (!any) return false;
+  std::int32_t num_seen = 0;
+  for (std::size_t n = 0; n < kSide; ++n) {
+    const float ahead = (measured_m[n] - depth_voxel_m[n]) * length[n];
+    const bool seen = (measured_m[n] > 0) & (ahead > -truncation_m);
+    places.ahead_m[n] = ahead;
+    places.pixel[n] = seen ? places.pixel[n] : -1;
+    num_seen += seen ? 1 : 0;
+  }
+  return num_seen > 0;
+}
+
+// The means of the row's voxels, from `first` on, with what is seen of them.
+inline void AddToMeans(const ColourImage& colour,
+                       float inverse_truncation,
+                       const RowPlaces& places,
+                       std::size_t first,
+                       VoxelBlock& block) {
+  constexpr auto kSteps = static_cast<float>(VoxelBlock::kColourSteps);
+  constexpr std::int32_t kMaxWeight = std::numeric_limits<std::uint16_t>::max();
+  std::array<Row, 3> seen_colour;
+  for (std::size_t n = 0; n < kSide; ++n) {
+    const Rgb8 seen = places.pixel[n] < 0 ? Rgb8{} : colour.data()[places.pixel[n]];
+    seen_colour[0][n] = static_cast<float>(seen.r);
+    seen_colour[1][n] = static_cast<float>(seen.g);
+    seen_colour[2][n] = static_cast<float>(seen.b);
+  }
+  Row before;
+  Row share;
+  Row is_seen;  // 1 or 0: without branches the loops are ones of whole vectors
+  std::uint16_t* const weight = block.weight.data() + first;
+  float* const distance = block.distance.data() + first;
+  for (std::size_t n = 0; n < kSide; ++n) {
+    const std::int32_t one = places.pixel[n] < 0 ? 0 : 1;
+    const std::int32_t was = weight[n];
+    is_seen[n] = static_cast<float>(one);
+    before[n] = static_cast<float>(was);
+    share[n] = 1.0F / (before[n] + 1.0F);
+    weight[n] = static_cast<std::uint16_t>(std::min(was + one, kMaxWeight));
+  }
+  for (std::size_t n = 0; n < kSide; ++n) {
+    const float ahead = std::min(1.0F, places.ahead_m[n] * inverse_truncation);
+    const float mean = (distance[n] * before[n] + ahead) * share[n];
+    distance[n] += is_seen[n] * (mean - distance[n]);
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::uint16_t* const means = block.colour[c].data() + first;
+    for (std::size_t n = 0; n < kSide; ++n) {
+      const auto was = static_cast<float>(static_cast<std::int32_t>(means[n]));
+      const float mean = (was * before[n] + kSteps * seen_colour[c][n]) * share[n] + 0.5F;
+      means[n] = static_cast<std::uint16_t>(
+          static_cast<std::int32_t>(was + is_seen[n] * (mean - was)));
+    }
+  }
 }
 
 }  // namespace
@@ -90,57 +210,25 @@ std::vector<Eigen::Vector3i> VoxelBlocks::Reached(const DepthImage& depth_m,
   return reached;
 }
 
-void VoxelBlocks::Add(const View& view, VoxelBlock& block) const {
+DEEPSLAM_WIDE_VECTORS void VoxelBlocks::Add(const View& view, VoxelBlock& block) const {
   const auto voxel = static_cast<float>(voxel_m_);
   const float half = 0.5F * voxel;
-  constexpr auto kSteps = static_cast<float>(VoxelBlock::kColourSteps);
   const auto truncation = static_cast<float>(truncation_m_);
-  const float inverse_truncation = 1.0F / truncation;
-  const auto fx = static_cast<float>(view.camera.fx);
-  const auto fy = static_cast<float>(view.camera.fy);
-  const auto cx = static_cast<float>(view.camera.cx);
-  const auto cy = static_cast<float>(view.camera.cy);
-  const float safe_width = static_cast<float>(view.camera.width) - 0.0001F;
-  const float safe_height = static_cast<float>(view.camera.height) - 0.0001F;
   const Eigen::Vector3f origin = (block.index.cast<double>() * (voxel_m_ * kSide)).cast<float>();
   const Eigen::Vector3f step_z = view.camera_from_world.topRows<3>().col(2) * voxel;
-  std::size_t n = 0;
+  RowPlaces places;
+  Row depth_voxel_m;
+  std::size_t first = 0;
   for (int x = 0; x < kSide; ++x) {
-    for (int y = 0; y < kSide; ++y) {
+    for (int y = 0; y < kSide; ++y, first += kSide) {
       const Eigen::Vector4f p_world(half + voxel * static_cast<float>(x) + origin.x(),
                                     half + voxel * static_cast<float>(y) + origin.y(),
                                     half + origin.z(),
                                     1.0F);
-      Eigen::Vector3f p_camera = view.camera_from_world.topRows<3>() * p_world;
-      for (int z = 0; z < kSide; ++z, ++n, p_camera += step_z) {
-        if (!(p_camera.z() > 0)) continue;
-        const float u_place = p_camera.x() * fx / p_camera.z() + cx + 0.5F;
-        const float v_place = p_camera.y() * fy / p_camera.z() + cy + 0.5F;
-        const bool inside = u_place >= 0.0001F && u_place < safe_width && v_place >= 0.0001F &&
-                            v_place < safe_height;
-        if (!inside) continue;
-        const int u = static_cast<int>(u_place);
-        const int v = static_cast<int>(v_place);
-        const float depth = view.depth_m(u, v);
-        if (!(depth > 0)) continue;
-        const float ahead = (depth - p_camera.z()) * view.ray_lengths(u, v);
-        if (!(ahead > -truncation)) continue;
-        std::uint16_t& weight = block.weight[n];
-        const auto before = static_cast<float>(weight);
-        const float share = 1.0F / (before + 1.0F);
-        float& distance = block.distance[n];
-        distance = (distance * before + std::min(1.0F, ahead * inverse_truncation)) * share;
-        const Rgb8 seen = view.colour(u, v);
-        const std::array<std::uint8_t, 3> channels = {seen.r, seen.g, seen.b};
-        for (std::size_t c = 0; c < 3; ++c) {
-          std::uint16_t& mean = block.colour[n][c];
-          mean = static_cast<std::uint16_t>(
-              (static_cast<float>(mean) * before + kSteps * static_cast<float>(channels[c])) *
-                  share +
-              0.5F);
-        }
-        if (weight < std::numeric_limits<std::uint16_t>::max()) ++weight;
-      }
+      const Eigen::Vector3f p_camera = view.camera_from_world.topRows<3>() * p_world;
+      PlacePixels(view.camera, p_camera, step_z, places, depth_voxel_m);
+      if (Measure(view.depth_m, view.ray_lengths, truncation, depth_voxel_m, places))
+        AddToMeans(view.colour, 1.0F / truncation, places, first, block);
     }
   }
 }
@@ -165,9 +253,12 @@ bool VoxelBlocks::Integrate(const DepthImage& depth_m,
     }
     touched.push_back(blocks_[found->second].get());
   }
-  const Image<float> ray_lengths = RayLengths(camera);
+  if (ray_lengths_.empty() || !(camera == camera_)) {
+    camera_ = camera;
+    ray_lengths_ = RayLengths(camera);
+  }
   const View view{
-      depth_m, colour, camera, ray_lengths, world_from_camera.Inverse().Matrix().cast<float>()};
+      depth_m, colour, camera, ray_lengths_, world_from_camera.Inverse().Matrix().cast<float>()};
   constexpr std::size_t kChunk = 8;
   ParallelForChunks(touched.size(), kChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) Add(view, *touched[n]);

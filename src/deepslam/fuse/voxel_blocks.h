@@ -27,10 +27,10 @@ struct VoxelBlock {
   static constexpr double kColourSteps = 256;  // of a grey value
 
   Eigen::Vector3i index;
-  // Per voxel, z running fastest.
+  // Per voxel, z running fastest; colours channel by channel.
   std::array<float, kVoxels> distance{};        // share of the truncation, [-1, 1]
   std::array<std::uint16_t, kVoxels> weight{};  // how many images saw it; 0: nothing is known
-  std::array<std::array<std::uint16_t, 3>, kVoxels> colour{};
+  std::array<std::array<std::uint16_t, kVoxels>, 3> colour{};
 };
 
 class VoxelBlocks {
@@ -67,6 +67,8 @@ class VoxelBlocks {
 
   double voxel_m_;
   double truncation_m_;
+  PinholeCamera camera_;  // of the last image
+  Image<float> ray_lengths_;
   std::vector<std::unique_ptr<VoxelBlock>> blocks_;
   std::unordered_map<Eigen::Vector3i, std::size_t, Hash> numbers_;
 };

@@ -46,7 +46,6 @@ void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
 }
 
 void Describe(OptionsVisitor& visitor, FuseStageOptions& options) {
-  visitor.Field("frame_step", options.frame_step, {1, 1000}, "1", "every which frame is fused");
   visitor.Field("leave_objects_out",
                 options.leave_objects_out,
                 "fuse detected frames only, without the pixels of mapped objects");
@@ -114,7 +113,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("mesh.surface", "Surface of the chosen shapes", c.surface),
       Section("mesh.refine", "Smoothing and decimation", c.refine),
       Section("mesh.colour", "Colours from the frames", c.colour),
-      Section("fuse", "The room's measured surface", c.fuse_stage, c.fuse),
+      Section("fuse", "The room's measured surface", c.fuse_frames, c.fuse_stage, c.fuse),
       Section("export", "The scene file", c.export_stage),
       Section("export.ground", "The seen piece of floor", c.ground_polygon),
       Section("export.gltf", "glTF and Draco", c.gltf),

@@ -10,6 +10,7 @@
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
+#include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/graph/object_graph.h"
@@ -55,7 +56,6 @@ struct ProposeStageOptions {
 };
 
 struct FuseStageOptions {
-  int frame_step = 2;  // every which frame is fused
   bool leave_objects_out = false;
 };
 
@@ -95,6 +95,7 @@ struct Config {
   mesh::RefineOptions refine;
   mesh::ColourOptions colour;
   FuseStageOptions fuse_stage;
+  fuse::FrameChoice fuse_frames;
   fuse::FuseOptions fuse;
   ExportStageOptions export_stage;
   mesh::GroundPolygonOptions ground_polygon;

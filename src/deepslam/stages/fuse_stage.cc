@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/ply.h"
+#include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -51,15 +52,14 @@ Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& m
 
 std::vector<FrameIdx> FramesToFuse(const OptimizedMap& map,
                                    const ObjectMasks& masks,
-                                   const FuseStageOptions& options) {
+                                   const Config& config) {
+  if (!config.fuse_stage.leave_objects_out)
+    return fuse::FramesToFuse(map.frames, config.fuse_frames);
   std::vector<FrameIdx> wanted;
   for (const TrackedFrame& frame : map.frames) {
     const bool placed =
         frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
-    if (!placed) continue;
-    const bool chosen = options.leave_objects_out ? masks.contains(frame.frame)
-                                                  : frame.frame.value % options.frame_step == 0;
-    if (chosen) wanted.push_back(frame.frame);
+    if (placed && masks.contains(frame.frame)) wanted.push_back(frame.frame);
   }
   return wanted;
 }
@@ -76,7 +76,7 @@ Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
     masks = std::move(read).value();
   }
   const FrameSource& frames = *inputs.capture->frames;
-  const std::vector<FrameIdx> wanted = FramesToFuse(*map, masks, inputs.config.fuse_stage);
+  const std::vector<FrameIdx> wanted = FramesToFuse(*map, masks, inputs.config);
   fuse::TsdfFusion fusion(inputs.config.fuse);
   const auto integrate = [&](const Frame& frame) -> Status {
     const auto mask = masks.find(frame.idx);

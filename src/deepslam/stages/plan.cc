@@ -153,25 +153,25 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kTrackOverrides,
       RunAssociate);
   add("propose",
-      4,
+      5,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
       kFrames | kClasses | kLibrary | kPriors,
       RunPropose);
   add("register",
-      5,
+      6,
       {"track", "ground", "segment", "associate", "propose"},
       {"views", "register"},
       kFrames,
       RunRegister);
   add("select",
-      15,
+      16,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      20,
+      21,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
@@ -190,7 +190,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"views", "mesh.surface", "mesh.refine", "mesh.colour"},
       kFrames | kClasses,
       RunMesh);
-  add("fuse", 3, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
+  add("fuse", 4, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
       9,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
@@ -198,7 +198,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      9,
+      10,
       {"track",
        "ground",
        "detect",

@@ -1,0 +1,52 @@
+#include "deepslam/fuse/choose_frames.h"
+
+#include <numbers>
+
+#include "deepslam/geometry/pose.h"
+
+namespace deepslam::fuse {
+namespace {
+
+bool IsPlaced(const TrackedFrame& frame) {
+  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
+}
+
+bool IsNew(const TrackedFrame& frame, const TrackedFrame& last, const FrameChoice& options) {
+  if (frame.frame.value - last.frame.value >= options.frame_step) return true;
+  const Pose3 moved = last.world_from_camera.Inverse() * frame.world_from_camera;
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const double share = frame.keyframe == frame.frame ? 0.5 : 1.0;
+  return moved.translation_m.norm() >= share * options.move_m ||
+         RotationAngle(moved.rotation) >= share * options.turn_deg * kDegree;
+}
+
+}  // namespace
+
+std::vector<FrameIdx> FramesToFuse(std::span<const TrackedFrame> frames,
+                                   const FrameChoice& options) {
+  std::vector<FrameIdx> chosen;
+  const TrackedFrame* last = nullptr;
+  for (const TrackedFrame& frame : frames) {
+    if (!IsPlaced(frame) || (last != nullptr && !IsNew(frame, *last, options))) continue;
+    chosen.push_back(frame.frame);
+    last = &frame;
+  }
+  return chosen;
+}
+
+void Describe(OptionsVisitor& visitor, FrameChoice& options) {
+  visitor.Field("move_m",
+                options.move_m,
+                {0, 10},
+                "m",
+                "a frame is fused when the camera moved this far since the last one");
+  visitor.Field(
+      "turn_deg", options.turn_deg, {0, 180}, "deg", "or turned this far since the last one");
+  visitor.Field("frame_step",
+                options.frame_step,
+                {1, 1000},
+                "1",
+                "or after so many frames; 1 fuses every frame");
+}
+
+}  // namespace deepslam::fuse
