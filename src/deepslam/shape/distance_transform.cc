@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "deepslam/core/wide_vectors.h"
+
 namespace deepslam::shape {
 namespace {
 
@@ -64,7 +66,7 @@ void TransformAcross(const Slab& slab, Slab& result) {
 
 }  // namespace
 
-std::vector<float> SquaredDistanceTo(const VoxelGrid& grid, bool occupied) {
+DEEPSLAM_WIDE_VECTORS std::vector<float> SquaredDistanceTo(const VoxelGrid& grid, bool occupied) {
   std::vector<Row> rows(static_cast<std::size_t>(kSize) * kSize);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     for (std::size_t n = 0; n < kSize; ++n) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "deepslam/geometry/trilinear.h"
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/shape/distance_transform.h"
 
 namespace deepslam::shape {
@@ -33,27 +33,45 @@ std::vector<float> SignedField(const VoxelGrid& grid) {
   return field;
 }
 
-// Binomial blur (1 4 6 4 1)/16 along each axis; voxels beyond the cube are free.
-std::vector<float> Blurred(const VoxelGrid& grid) {
-  std::vector<float> values(grid.occupied.begin(), grid.occupied.end());
+// Binomial blur (1 4 6 4 1)/16 along each axis; voxels beyond the cube are free. Rows along k are
+// worked on side by side.
+DEEPSLAM_WIDE_VECTORS std::vector<float> Blurred(const VoxelGrid& grid) {
   constexpr std::array<float, 5> kWeights = {1 / 16.0F, 4 / 16.0F, 6 / 16.0F, 4 / 16.0F, 1 / 16.0F};
-  constexpr std::array<std::size_t, 3> kStride = {1, kGridSize, kGridSize * kGridSize};
+  std::vector<float> values(grid.occupied.begin(), grid.occupied.end());
   std::array<float, kGridSize + 4> line{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
+  for (std::size_t r = 0; r < kGridSize * kGridSize; ++r) {
+    float* const row = values.data() + r * kGridSize;
+    for (std::size_t n = 0; n < kGridSize; ++n) line[n + 2] = row[n];
+    for (std::size_t n = 0; n < kGridSize; ++n) {
+      float sum = 0;
+      for (std::size_t w = 0; w < 5; ++w) sum += kWeights[w] * line[n + w];
+      row[n] = sum;
+    }
+  }
+  std::array<std::array<float, kGridSize>, kGridSize + 4> rows{};
+  for (const std::size_t stride : {std::size_t{kGridSize}, std::size_t{kGridSize} * kGridSize}) {
+    const std::size_t other_stride = stride == kGridSize ? kGridSize * kGridSize : kGridSize;
     for (std::size_t a = 0; a < kGridSize; ++a) {
-      for (std::size_t b = 0; b < kGridSize; ++b) {
-        float* const first =
-            values.data() + a * kStride[(axis + 1) % 3] + b * kStride[(axis + 2) % 3];
-        for (std::size_t n = 0; n < kGridSize; ++n) line[n + 2] = first[n * kStride[axis]];
+      float* const first = values.data() + a * other_stride;
+      for (std::size_t r = 0; r < kGridSize; ++r)
+        std::copy_n(first + r * stride, kGridSize, rows[r + 2].begin());
+      for (std::size_t r = 0; r < kGridSize; ++r) {
         for (std::size_t n = 0; n < kGridSize; ++n) {
           float sum = 0;
-          for (std::size_t w = 0; w < 5; ++w) sum += kWeights[w] * line[n + w];
-          first[n * kStride[axis]] = sum;
+          for (std::size_t w = 0; w < 5; ++w) sum += kWeights[w] * rows[r + w][n];
+          first[r * stride + n] = sum;
         }
       }
     }
   }
   return values;
+}
+
+// Whether one of the six neighbours is free.
+bool IsExposed(const VoxelGrid& grid, int i, int j, int k) {
+  return std::any_of(kFaceNeighbours.begin(), kFaceNeighbours.end(), [&](const auto& d) {
+    return !Occupied(grid, i + d[0], j + d[1], k + d[2]);
+  });
 }
 
 Eigen::Vector3f OutwardGradient(const std::vector<float>& blurred, int i, int j, int k) {
@@ -75,21 +93,19 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
-        if (!grid.At(i, j, k)) continue;
+        if (!grid.At(i, j, k) || !IsExposed(grid, i, j, k)) continue;
         const Eigen::Vector3f center = VoxelGrid::Center(i, j, k).cast<float>();
         const Eigen::Vector3f outward = OutwardGradient(blurred, i, j, k);
-        bool exposed = false;
+        if (outward.norm() >= kClearGradient) {
+          points_.emplace_back(center + 0.5F * kVoxel * outward.normalized());
+          normals_.push_back(outward.normalized());
+          continue;
+        }
         for (const auto& [di, dj, dk] : kFaceNeighbours) {
           if (Occupied(grid, i + di, j + dj, k + dk)) continue;
-          exposed = true;
-          if (outward.norm() >= kClearGradient) break;
           const Eigen::Vector3f side = Eigen::Vector3i(di, dj, dk).cast<float>();
           points_.emplace_back(center + 0.5F * kVoxel * side);
           normals_.push_back(side);
-        }
-        if (exposed && outward.norm() >= kClearGradient) {
-          points_.emplace_back(center + 0.5F * kVoxel * outward.normalized());
-          normals_.push_back(outward.normalized());
         }
       }
     }
@@ -100,28 +116,11 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
   box_max_ = (box->high + 1).cast<float>() * kVoxel - 0.5F;
 }
 
-ShapeModel::Sample ShapeModel::SampleInside(const Eigen::Vector3f& p_object) const {
-  const Eigen::Array3f voxel = (p_object.array() + 0.5F) * static_cast<float>(kGridSize) - 0.5F;
-  // Rounded down by the cast, as nothing inside is negative by more than rounding.
-  const Eigen::Array3i base = voxel.cast<int>().max(0).min(kGridSize - 2);
-  const Eigen::Array3f t = voxel - base.cast<float>();
-  const TrilinearSample sample =
-      SampleTrilinear(field_.data() + VoxelGrid::Index(base.x(), base.y(), base.z()),
-                      std::size_t{kGridSize} * kGridSize,
-                      kGridSize,
-                      t);
-  return {sample.value, sample.gradient * static_cast<float>(kGridSize)};
-}
-
-ShapeModel::Sample ShapeModel::At(const Eigen::Vector3f& p_object) const {
-  constexpr float kLimit = 0.5F - 0.5F * kVoxel;  // centres of the outermost voxels
-  const bool is_inside = std::abs(p_object.x()) <= kLimit && std::abs(p_object.y()) <= kLimit &&
-                         std::abs(p_object.z()) <= kLimit;  // false for NaN
-  if (is_inside) return SampleInside(p_object);
+ShapeModel::Sample ShapeModel::BeyondCube(const Eigen::Vector3f& p_object) const {
   if (empty() || !p_object.allFinite()) return {kEmptyDistance, Eigen::Vector3f::Zero()};
-  const Eigen::Vector3f inside = p_object.cwiseMax(-kLimit).cwiseMin(kLimit);
+  const Eigen::Vector3f inside = p_object.cwiseMax(-kInside).cwiseMin(kInside);
   const Sample sample = SampleInside(inside);
-  // Beyond the cube: distance to the surface point nearest to the cube's rim.
+  // Distance to the surface point nearest to the cube's rim.
   const float length = std::max(sample.gradient.norm(), 1e-6F);
   const Eigen::Vector3f nearest = inside - sample.distance / length * sample.gradient;
   const Eigen::Vector3f away = p_object - nearest;

@@ -6,11 +6,14 @@
 // the centres of the surface voxels.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "deepslam/geometry/trilinear.h"
 #include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam::shape {
@@ -34,7 +37,11 @@ class ShapeModel {
     float distance;
     Eigen::Vector3f gradient;
   };
-  [[nodiscard]] Sample At(const Eigen::Vector3f& p_object) const;
+  [[nodiscard]] Sample At(const Eigen::Vector3f& p_object) const {
+    const bool is_inside = std::abs(p_object.x()) <= kInside && std::abs(p_object.y()) <= kInside &&
+                           std::abs(p_object.z()) <= kInside;  // false for NaN
+    return is_inside ? SampleInside(p_object) : BeyondCube(p_object);
+  }
   [[nodiscard]] float Distance(const Eigen::Vector3f& p_object) const {
     return At(p_object).distance;
   }
@@ -55,7 +62,22 @@ class ShapeModel {
   [[nodiscard]] bool empty() const { return points_.empty(); }
 
  private:
-  [[nodiscard]] Sample SampleInside(const Eigen::Vector3f& p_object) const;
+  // Centres of the outermost voxels.
+  static constexpr auto kInside = static_cast<float>(0.5 - 0.5 * kVoxelSize);
+
+  [[nodiscard]] Sample SampleInside(const Eigen::Vector3f& p_object) const {
+    const Eigen::Array3f voxel = (p_object.array() + 0.5F) * static_cast<float>(kGridSize) - 0.5F;
+    // Rounded down by the cast, as nothing inside is negative by more than rounding.
+    const Eigen::Array3i base = voxel.cast<int>().max(0).min(kGridSize - 2);
+    const Eigen::Array3f t = voxel - base.cast<float>();
+    const TrilinearSample sample =
+        SampleTrilinear(field_.data() + VoxelGrid::Index(base.x(), base.y(), base.z()),
+                        std::size_t{kGridSize} * kGridSize,
+                        kGridSize,
+                        t);
+    return {sample.value, sample.gradient * static_cast<float>(kGridSize)};
+  }
+  [[nodiscard]] Sample BeyondCube(const Eigen::Vector3f& p_object) const;
 
   VoxelGrid grid_;
   std::vector<float> field_;

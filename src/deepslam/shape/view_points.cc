@@ -6,10 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
+
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::shape {
 namespace {
@@ -22,65 +25,148 @@ constexpr int kMaxPatchRadius_px = 6;
 
 bool IsUsable(float depth_m) { return depth_m > 0 && depth_m < kMaxDepth_m; }
 
-// Depth difference between pixels `steps` apart that a real surface can have: 1 cm of noise, and
-// slopes up to 80 degrees against the image plane.
-float JumpLimit(const PinholeCamera& camera, float depth_m, int steps) {
+// Depth difference between neighbouring pixels that a real surface can have, per metre of depth and
+// pixel between them, and beyond that: slopes up to 80 degrees against the image plane, and 1 cm of
+// noise.
+float SteepestPerPixel(const PinholeCamera& camera) {
   constexpr float kSteepest = 5.7F;  // tan 80 deg
-  return 0.01F + kSteepest * depth_m * static_cast<float>(steps) / static_cast<float>(camera.fx);
+  return kSteepest / static_cast<float>(camera.fx);
 }
+constexpr float kNoise_m = 0.01F;
 
-// A pixel whose neighbours mostly agree with it: no edge, no flying pixel.
-bool IsCoherent(const ObjectView& view, int u, int v) {
-  const DepthImage& depth_m = view.depth_crop_m;
-  constexpr int kMinAgreeing = 6;
-  const float center = depth_m(u, v);
-  const float limit = JumpLimit(view.camera, center, 1);
-  int agreeing = -1;  // the pixel itself agrees
-  for (int y = std::max(0, v - 1); y <= std::min(depth_m.height() - 1, v + 1); ++y) {
-    for (int x = std::max(0, u - 1); x <= std::min(depth_m.width() - 1, u + 1); ++x) {
-      const float other = depth_m(x, y);
-      agreeing += IsUsable(other) && std::abs(other - center) <= limit ? 1 : 0;
+// The depth of a view with so much of nothing around it that no patch leaves the image, unusable
+// depth being 0.
+class PaddedDepth {
+ public:
+  static constexpr int kRows = kMaxPatchRadius_px;
+  static constexpr int kColumns = 16;
+
+  explicit PaddedDepth(const DepthImage& depth_m)
+      : padded_m_(depth_m.width() + 2 * kColumns, depth_m.height() + 2 * kRows, 0.0F) {
+    for (int v = 0; v < depth_m.height(); ++v) {
+      std::transform(depth_m.row(v),
+                     depth_m.row(v) + depth_m.width(),
+                     padded_m_.row(v + kRows) + kColumns,
+                     [](float depth) { return IsUsable(depth) ? depth : 0.0F; });
     }
   }
-  return agreeing >= kMinAgreeing;
+
+  // Of the image: pixel 0 of the row, with kColumns before it and behind its last.
+  [[nodiscard]] const float* Row(int v) const { return padded_m_.row(v + kRows) + kColumns; }
+  [[nodiscard]] int width() const { return padded_m_.width() - 2 * kColumns; }
+  [[nodiscard]] int height() const { return padded_m_.height() - 2 * kRows; }
+
+ private:
+  DepthImage padded_m_;
+};
+
+// Which pixels of a row have neighbours that mostly agree with them: no edges, no flying pixels.
+DEEPSLAM_WIDE_VECTORS void FindCoherent(const PaddedDepth& depth_m,
+                                        float steepest,
+                                        int v,
+                                        std::vector<std::int32_t>& is_coherent) {
+  constexpr std::int32_t kMinAgreeing = 6;
+  const float* const above = depth_m.Row(v - 1);
+  const float* const row = depth_m.Row(v);
+  const float* const below = depth_m.Row(v + 1);
+  std::int32_t* const coherent = is_coherent.data();
+  const int width = depth_m.width();
+  for (int u = 0; u < width; ++u) {
+    const float center = row[u];
+    const float limit = kNoise_m + steepest * center;
+    const auto agrees = [&](float other) -> std::int32_t {
+      return (other > 0) & (std::abs(other - center) <= limit);
+    };
+    const std::int32_t agreeing = agrees(above[u - 1]) + agrees(above[u]) + agrees(above[u + 1]) +
+                                  agrees(row[u - 1]) + agrees(row[u + 1]) + agrees(below[u - 1]) +
+                                  agrees(below[u]) + agrees(below[u + 1]);
+    coherent[u] = (center > 0) & (agreeing >= kMinAgreeing);
+  }
 }
 
-std::optional<Eigen::Vector3f> PatchNormal(const ObjectView& view, int u, int v) {
-  const DepthImage& depth_m = view.depth_crop_m;
-  const float center_m = depth_m(u, v);
-  const Eigen::Vector3d center = view.camera.Unproject(u, v, center_m);
+// Sums over the pixels of a patch that belong to its middle's surface, of their offsets from it.
+struct PatchSums {
+  int count = 0;
+  Eigen::Vector3d sum;
+  Eigen::Matrix3d squares;
+};
+
+// Offsets are taken from differences of depth and pixels, which single precision holds well.
+DEEPSLAM_WIDE_VECTORS PatchSums SumPatch(
+    const PaddedDepth& depth_m, const PinholeCamera& camera, int radius, int u, int v) {
+  constexpr int kLanes = 16;  // columns, from `radius` before the middle on
+  static_assert(kLanes > 2 * kMaxPatchRadius_px && kLanes <= PaddedDepth::kColumns);
+  const float center = depth_m.Row(v)[u];
+  const float steepest = SteepestPerPixel(camera) * center;
+  const auto ray_u = static_cast<float>(u - camera.cx);
+  const auto ray_v = static_cast<float>(v - camera.cy);
+  const auto per_fx = static_cast<float>(1.0 / camera.fx);
+  const auto per_fy = static_cast<float>(1.0 / camera.fy);
+  std::array<float, kLanes> du;
+  std::array<float, kLanes> noise;  // nothing agrees beyond the patch
+  for (int n = 0; n < kLanes; ++n) {
+    du[static_cast<std::size_t>(n)] = static_cast<float>(n - radius);
+    noise[static_cast<std::size_t>(n)] =
+        n > 2 * radius ? -std::numeric_limits<float>::infinity() : kNoise_m;
+  }
+  std::array<std::array<float, kLanes>, 10> sums{};
+  for (int dv = -radius; dv <= radius; ++dv) {
+    const float* const row = depth_m.Row(v + dv) + u - radius;
+    const auto down = static_cast<float>(dv);
+    const float down_steps = std::abs(down);
+    for (std::size_t n = 0; n < kLanes; ++n) {
+      const float other = row[n];
+      const float z = other - center;
+      const float num_steps = std::max(std::abs(du[n]), down_steps);
+      const bool counts = (other > 0) & (std::abs(z) <= noise[n] + steepest * num_steps);
+      const float one = counts ? 1.0F : 0.0F;
+      const float dz = one * z;
+      const float dx = one * (du[n] * other + ray_u * z) * per_fx;
+      const float dy = one * (down * other + ray_v * z) * per_fy;
+      sums[0][n] += one;
+      sums[1][n] += dx;
+      sums[2][n] += dy;
+      sums[3][n] += dz;
+      sums[4][n] += dx * dx;
+      sums[5][n] += dx * dy;
+      sums[6][n] += dx * dz;
+      sums[7][n] += dy * dy;
+      sums[8][n] += dy * dz;
+      sums[9][n] += dz * dz;
+    }
+  }
+  std::array<double, 10> total{};
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    for (const float part : sums[k]) total[k] += static_cast<double>(part);
+  }
+  PatchSums patch;
+  patch.count = static_cast<int>(total[0]);
+  patch.sum << total[1], total[2], total[3];
+  patch.squares << total[4], total[5], total[6], total[5], total[7], total[8], total[6], total[8],
+      total[9];
+  return patch;
+}
+
+std::optional<Eigen::Vector3f> PatchNormal(
+    const PaddedDepth& depth_m, const PinholeCamera& camera, int u, int v) {
+  const double center_m = static_cast<double>(depth_m.Row(v)[u]);
   const int radius =
-      std::clamp(static_cast<int>(std::lround(kPatchRadius_m * view.camera.fx / center_m)),
+      std::clamp(static_cast<int>(std::lround(kPatchRadius_m * camera.fx / center_m)),
                  kMinPatchRadius_px,
                  kMaxPatchRadius_px);
-  std::array<float, kMaxPatchRadius_px + 1> limits;
-  for (int steps = 0; steps <= radius; ++steps)
-    limits[static_cast<std::size_t>(steps)] = JumpLimit(view.camera, center_m, steps);
-  const int left = std::max(-radius, -u), right = std::min(radius, depth_m.width() - 1 - u);
-  const int top = std::max(-radius, -v), bottom = std::min(radius, depth_m.height() - 1 - v);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  int count = 0;
-  for (int dv = top; dv <= bottom; ++dv) {
-    for (int du = left; du <= right; ++du) {
-      const float other = depth_m(u + du, v + dv);
-      const int steps = std::max(std::abs(du), std::abs(dv));
-      if (!IsUsable(other) || std::abs(other - center_m) > limits[static_cast<std::size_t>(steps)])
-        continue;
-      const Eigen::Vector3d offset = view.camera.Unproject(u + du, v + dv, other) - center;
-      sum += offset;
-      squares += offset * offset.transpose();
-      ++count;
-    }
-  }
+  const PatchSums patch = SumPatch(depth_m, camera, radius, u, v);
   constexpr int kMinPatch = 8;
-  if (count < kMinPatch) return std::nullopt;
-  const Eigen::Matrix3d covariance = squares / count - sum * sum.transpose() / (count * count);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  if (patch.count < kMinPatch) return std::nullopt;
+  const double count = patch.count;
+  const Eigen::Matrix3d covariance =
+      patch.squares / count - patch.sum * patch.sum.transpose() / (count * count);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
   // Neither a line of pixels nor a corner has a normal.
   const Eigen::Vector3d spread = solver.eigenvalues();
   if (!(spread[1] > 0) || spread[0] > 0.5 * spread[1]) return std::nullopt;
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  const Eigen::Vector3d center = camera.Unproject(u, v, center_m);
   return (normal.dot(center) > 0 ? -normal : normal).cast<float>();
 }
 
@@ -90,15 +176,19 @@ struct Pixel {
   Eigen::Vector3f point;
 };
 
-std::vector<Pixel> CoherentPixels(const ObjectView& view) {
+std::vector<Pixel> CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
   std::vector<Pixel> pixels;
+  const float steepest = SteepestPerPixel(view.camera);
+  std::vector<std::int32_t> is_coherent(static_cast<std::size_t>(depth_m.width()));
   for (int v = 0; v < view.mask_crop.height(); ++v) {
+    FindCoherent(depth_m, steepest, v, is_coherent);
+    const std::uint8_t* const in_mask = view.mask_crop.row(v);
     for (int u = 0; u < view.mask_crop.width(); ++u) {
-      if (view.mask_crop(u, v) == 0 || !IsUsable(view.depth_crop_m(u, v))) continue;
-      if (!IsCoherent(view, u, v)) continue;
-      pixels.push_back({static_cast<std::int16_t>(u),
-                        static_cast<std::int16_t>(v),
-                        view.camera.Unproject(u, v, view.depth_crop_m(u, v)).cast<float>()});
+      if (in_mask[u] == 0 || is_coherent[static_cast<std::size_t>(u)] == 0) continue;
+      pixels.push_back(
+          {static_cast<std::int16_t>(u),
+           static_cast<std::int16_t>(v),
+           view.camera.Unproject(u, v, static_cast<double>(depth_m.Row(v)[u])).cast<float>()});
     }
   }
   return pixels;
@@ -129,9 +219,12 @@ class CellNumbers {
   std::uint32_t count_ = 0;
 };
 
-// One pixel per cell of a cubic raster, the middle one in scan order.
-std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels, float cell_m) {
-  CellNumbers numbers(pixels.size());
+// One pixel per cell of a cubic raster, the middle one in scan order; nothing where there are more
+// than `max_cells`.
+std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels,
+                                    float cell_m,
+                                    std::size_t max_cells) {
+  CellNumbers numbers(max_cells + 1);
   std::vector<std::uint32_t> cell_of(pixels.size());
   for (std::size_t n = 0; n < pixels.size(); ++n) {
     std::uint64_t key = 0;
@@ -140,6 +233,7 @@ std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels, float cell
       key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
     }
     cell_of[n] = numbers.NumberOf(key);
+    if (numbers.count() > max_cells) return {};
   }
   std::vector<std::uint32_t> until_middle(numbers.count(), 0);
   for (const std::uint32_t cell : cell_of) ++until_middle[cell];
@@ -165,12 +259,12 @@ std::vector<std::size_t> Thinned(const ObjectView& view,
   constexpr float kCoarser = 1.15F;
   auto cell_m = static_cast<float>(std::sqrt(area_m2 / static_cast<double>(max_points)));
   cell_m = std::max(cell_m, 1e-4F);
-  // Cells around the origin never merge, so a tiny `max_points` needs the cut below.
-  while (chosen.size() > max_points && cell_m < kMaxDepth_m) {
-    chosen = OnePerCell(pixels, cell_m);
-    cell_m *= kCoarser;
+  // Cells around the origin never merge: a tiny `max_points` takes the first pixels.
+  for (; cell_m < kMaxDepth_m; cell_m *= kCoarser) {
+    std::vector<std::size_t> thinned = OnePerCell(pixels, cell_m, max_points);
+    if (!thinned.empty()) return thinned;
   }
-  chosen.resize(std::min(chosen.size(), max_points));
+  chosen.resize(max_points);
   return chosen;
 }
 
@@ -183,9 +277,10 @@ ViewPoints ExtractViewPoints(const ObjectView& view, int max_points) {
   const bool has_camera = view.camera.fx > 0 && view.camera.fy > 0;
   if (!same_size || !has_camera || max_points <= 0) return result;
   if (view.mask_crop.width() > INT16_MAX || view.mask_crop.height() > INT16_MAX) return result;
-  const std::vector<Pixel> pixels = CoherentPixels(view);
+  const PaddedDepth depth_m(view.depth_crop_m);
+  const std::vector<Pixel> pixels = CoherentPixels(view, depth_m);
   for (const std::size_t n : Thinned(view, pixels, static_cast<std::size_t>(max_points))) {
-    const std::optional<Eigen::Vector3f> normal = PatchNormal(view, pixels[n].u, pixels[n].v);
+    const std::optional<Eigen::Vector3f> normal = PatchNormal(depth_m, view.camera, pixels[n].u, pixels[n].v);
     if (!normal) continue;
     result.points_camera.push_back(pixels[n].point);
     result.normals_camera.push_back(*normal);
