@@ -162,6 +162,24 @@ struct PlacedView {
   SimilarityMatrix object_from_camera;
 };
 
+// MatchPoint(), which is not taken into its callers here, as others may call it.
+inline PointMatch Match(const shape::ShapeModel& model,
+                        const Eigen::Vector3d& point_object,
+                        const Eigen::Vector3d& normal_object,
+                        double scale_m) {
+  const auto [distance, gradient] = model.At(point_object.cast<float>());
+  const double length = gradient.norm();
+  const double distance_m = distance * scale_m;
+  PointMatch match{.distance_m = std::abs(distance_m), .plane_residual_m = distance_m};
+  if (length < 1e-3) return match;
+  match.facing = normal_object.dot(gradient.cast<double>()) / length;
+  match.outward_object = gradient.cast<double>() / length;
+  match.beside = distance_m > 0 && std::abs(match.facing) < kEdgeFacing;
+  match.plane_residual_m =
+      distance_m * match.facing;  // n . (x - eta(x)), eta = x - distance * gradient
+  return match;
+}
+
 // `Residuals` has Add(MotionResidual): equations, or a list.
 template <typename Residuals>
 void AddForward(const shape::ShapeModel& model,
@@ -177,7 +195,7 @@ void AddForward(const shape::ShapeModel& model,
     const Eigen::Vector3d x = placed.object_from_camera * view.points_camera[i].cast<double>();
     const Eigen::Vector3d normal =
         placed.object_from_camera.rotation * view.normals_camera[i].cast<double>();
-    const PointMatch match = MatchPoint(model, x, normal, scale_m);
+    const PointMatch match = Match(model, x, normal, scale_m);
     const Eigen::Vector3d x_m = scale_m * x;
     const double sigma = PointSigma(view.sigmas_m[i], scale_m);
     const double information = share / (sigma * sigma);
@@ -357,17 +375,7 @@ PointMatch MatchPoint(const shape::ShapeModel& model,
                       const Eigen::Vector3d& point_object,
                       const Eigen::Vector3d& normal_object,
                       double scale_m) {
-  const auto [distance, gradient] = model.At(point_object.cast<float>());
-  const double length = gradient.norm();
-  const double distance_m = distance * scale_m;
-  PointMatch match{.distance_m = std::abs(distance_m), .plane_residual_m = distance_m};
-  if (length < 1e-3) return match;
-  match.facing = normal_object.dot(gradient.cast<double>()) / length;
-  match.outward_object = gradient.cast<double>() / length;
-  match.beside = distance_m > 0 && std::abs(match.facing) < kEdgeFacing;
-  match.plane_residual_m =
-      distance_m * match.facing;  // n . (x - eta(x)), eta = x - distance * gradient
-  return match;
+  return Match(model, point_object, normal_object, scale_m);
 }
 
 DEEPSLAM_WIDE_VECTORS Similarity3 AlignShape(const shape::ShapeModel& model,
@@ -435,10 +443,10 @@ DEEPSLAM_WIDE_VECTORS double Disagreement(const shape::ShapeModel& model,
     const std::size_t stride = static_cast<std::size_t>(std::max(1, point_stride));
     for (std::size_t i = 0; i < view->points_camera.size(); i += stride) {
       const PointMatch match =
-          MatchPoint(model,
-                     placed.object_from_camera * view->points_camera[i].cast<double>(),
-                     placed.object_from_camera.rotation * view->normals_camera[i].cast<double>(),
-                     placed.scale_m);
+          Match(model,
+                placed.object_from_camera * view->points_camera[i].cast<double>(),
+                placed.object_from_camera.rotation * view->normals_camera[i].cast<double>(),
+                placed.scale_m);
       forward += match.facing < 0 ? 1.0 : Truncated(match.distance_m, radius_m);
       ++num_forward;
     }

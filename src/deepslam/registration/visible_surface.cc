@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
+#include <span>
 
 #include "deepslam/shape/partial_view.h"
 
@@ -14,10 +16,11 @@ constexpr int kAzimuths = 24;
 
 // Cells along an axis, with one beyond either end for points on the cube's very rim.
 constexpr int kCells = kGridSize / VisibleSurface::kCellVoxels + 2;
+static_assert(kCells * kCells * kCells * 3 <= std::numeric_limits<std::uint16_t>::max());
 
 // A cell keeps one point per main direction of the normals in it, so that a thin plate keeps its
 // edges.
-std::size_t CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+std::uint16_t CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
   const Eigen::Array3i cell = ((point.array() + 0.5f) * static_cast<float>(kGridSize) /
                                static_cast<float>(VisibleSurface::kCellVoxels))
                                   .floor()
@@ -25,29 +28,33 @@ std::size_t CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) 
                               1;
   Eigen::Index axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
-  return static_cast<std::size_t>(((cell.x() * kCells + cell.y()) * kCells + cell.z()) * 3 +
+  return static_cast<std::uint16_t>(((cell.x() * kCells + cell.y()) * kCells + cell.z()) * 3 +
                                   static_cast<int>(axis));
 }
 
 // The first visible point of each cell.
 std::vector<SurfacePoint> ThinnedView(const shape::ShapeModel& model,
-                                      double azimuth_rad,
-                                      double elevation_rad) {
-  const shape::PartialView camera(model, azimuth_rad, elevation_rad);
+                                      const shape::PartialView& camera,
+                                      std::span<const std::uint16_t> cell_of_point) {
   std::vector<SurfacePoint> view;
-  std::vector<bool> taken(std::size_t{kCells} * kCells * kCells * 3, false);
-  for (std::size_t n = 0; n < model.surface_points().size(); ++n) {
-    const Eigen::Vector3f& point = model.surface_points()[n];
-    const Eigen::Vector3f& normal = model.surface_normals()[n];
-    const std::size_t cell = CellOf(point, normal);
-    if (taken[cell] || !camera.Shows(n)) continue;
-    taken[cell] = true;
-    view.push_back({point.cast<double>(), normal.cast<double>()});
+  std::vector<std::uint8_t> taken(std::size_t{kCells} * kCells * kCells * 3, 0);
+  for (std::size_t n = 0; n < cell_of_point.size(); ++n) {
+    const std::size_t cell = cell_of_point[n];
+    if (taken[cell] != 0 || !camera.Shows(n)) continue;
+    taken[cell] = 1;
+    view.push_back({model.surface_points()[n].cast<double>(),
+                    model.surface_normals()[n].cast<double>()});
   }
   return view;
 }
 
 }  // namespace
+
+void VisibleSurface::Prepare() {
+  solid_ = std::make_shared<const shape::SolidBits>(model_.grid());
+  for (std::size_t n = 0; n < model_.surface_points().size(); ++n)
+    cell_of_point_.push_back(CellOf(model_.surface_points()[n], model_.surface_normals()[n]));
+}
 
 const std::vector<SurfacePoint>& VisibleSurface::From(const Eigen::Vector3d& direction_object) {
   const double azimuth = std::atan2(direction_object.y(), direction_object.x());
@@ -59,7 +66,10 @@ const std::vector<SurfacePoint>& VisibleSurface::From(const Eigen::Vector3d& dir
   const auto [entry, is_new] =
       views_.try_emplace({azimuth_step, elevation_step}, std::vector<SurfacePoint>());
   if (is_new) {
-    entry->second = ThinnedView(model_, azimuth_step * kStepRad, elevation_step * kStepRad);
+    if (!solid_) Prepare();
+    const shape::PartialView camera(
+        model_, solid_, azimuth_step * kStepRad, elevation_step * kStepRad);
+    entry->second = ThinnedView(model_, camera, cell_of_point_);
   }
   return entry->second;
 }

@@ -2,13 +2,16 @@
 // point per patch.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "deepslam/shape/shape_model.h"
+#include "deepslam/shape/solid_bits.h"
 
 namespace deepslam::registration {
 
@@ -30,7 +33,12 @@ class VisibleSurface {
   const std::vector<SurfacePoint>& From(const Eigen::Vector3d& direction_object);
 
  private:
+  void Prepare();
+
   const shape::ShapeModel& model_;
+  // Of the model, made with the first view.
+  std::shared_ptr<const shape::SolidBits> solid_;
+  std::vector<std::uint16_t> cell_of_point_;
   std::map<std::pair<int, int>, std::vector<SurfacePoint>> views_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace deepslam::shape {
 namespace {
@@ -10,7 +11,7 @@ constexpr auto kVoxel = static_cast<float>(kVoxelSize);
 
 // Whether solid lies between a place just above the surface and a camera far away along
 // `direction`.
-bool Occluded(const VoxelGrid& grid,
+bool Occluded(const SolidBits& solid,
               const Eigen::Vector3f& start,
               const Eigen::Vector3f& direction) {
   constexpr float kBlind = 1.2F;  // voxels: the stairs of a slanted face do not hide one another
@@ -22,7 +23,7 @@ bool Occluded(const VoxelGrid& grid,
       start / kVoxel + Eigen::Vector3f::Constant(0.5F * kGrid) + kBlind * direction;
   while (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < kGrid && at.y() < kGrid &&
          at.z() < kGrid) {
-    if (grid.At(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())))
+    if (solid.At(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())))
       return true;
     at += step;
   }
@@ -31,7 +32,7 @@ bool Occluded(const VoxelGrid& grid,
 
 // Whether the camera sees one of the free faces of the surface point's voxel. The voxel's own faces
 // decide, not the normal, which is smoothed over a few voxels and leans at rims.
-bool IsSeen(const VoxelGrid& grid,
+bool IsSeen(const SolidBits& solid,
             const Eigen::Vector3f& point,
             const Eigen::Vector3f& normal,
             const Eigen::Vector3f& direction) {
@@ -48,10 +49,10 @@ bool IsSeen(const VoxelGrid& grid,
     Eigen::Array3i next = voxel;
     next[axis] += side;
     const bool inside = VoxelGrid::Contains(next.x(), next.y(), next.z());
-    if (inside && grid.At(next.x(), next.y(), next.z())) continue;
+    if (inside && solid.At(next.x(), next.y(), next.z())) continue;
     Eigen::Vector3f start = center;
     start[axis] += static_cast<float>(side) * kLift;
-    if (!Occluded(grid, start, direction)) return true;
+    if (!Occluded(solid, start, direction)) return true;
   }
   return false;
 }
@@ -59,14 +60,22 @@ bool IsSeen(const VoxelGrid& grid,
 }  // namespace
 
 PartialView::PartialView(const ShapeModel& model, double azimuth_rad, double elevation_rad)
+    : PartialView(
+          model, std::make_shared<const SolidBits>(model.grid()), azimuth_rad, elevation_rad) {}
+
+PartialView::PartialView(const ShapeModel& model,
+                         std::shared_ptr<const SolidBits> solid,
+                         double azimuth_rad,
+                         double elevation_rad)
     : model_(model),
+      solid_(std::move(solid)),
       direction_(Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
                                  std::cos(elevation_rad) * std::sin(azimuth_rad),
                                  std::sin(elevation_rad))
                      .cast<float>()) {}
 
 bool PartialView::Shows(std::size_t n) const {
-  return IsSeen(model_.grid(), model_.surface_points()[n], model_.surface_normals()[n], direction_);
+  return IsSeen(*solid_, model_.surface_points()[n], model_.surface_normals()[n], direction_);
 }
 
 }  // namespace deepslam::shape

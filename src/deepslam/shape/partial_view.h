@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include <Eigen/Core>
 
 #include "deepslam/shape/shape_model.h"
+#include "deepslam/shape/solid_bits.h"
 
 namespace deepslam::shape {
 
@@ -16,6 +18,11 @@ class PartialView {
  public:
   // Keeps a reference to the model.
   explicit PartialView(const ShapeModel& model, double azimuth_rad, double elevation_rad = 0);
+  // For many views of one model: `solid` is its grid.
+  PartialView(const ShapeModel& model,
+              std::shared_ptr<const SolidBits> solid,
+              double azimuth_rad,
+              double elevation_rad);
 
   // Whether the n-th of the model's surface points (ShapeModel::surface_points) is visible: a ray
   // through the voxels, so ask only of points that matter.
@@ -23,6 +30,7 @@ class PartialView {
 
  private:
   const ShapeModel& model_;
+  std::shared_ptr<const SolidBits> solid_;
   Eigen::Vector3f direction_;  // to the camera
 };
 
