@@ -4,13 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "deepslam/geometry/trilinear.h"
 #include "deepslam/shape/shape_model.h"
 
 namespace deepslam::propose {
 namespace {
 
-constexpr int kSize = kGridSize / 2;
+constexpr int kSize = CoarseShape::kSize;
 constexpr std::size_t kSurfaceSample = 400;
 
 std::size_t Index(int i, int j, int k) {
@@ -72,24 +71,6 @@ CoarseShape::CoarseShape(const VoxelGrid& grid) {
   const auto points = model.surface_points();
   const std::size_t count = std::min(kSurfaceSample, points.size());
   for (std::size_t n = 0; n < count; ++n) surface_.push_back(points[n * points.size() / count]);
-}
-
-CoarseShape::Sample CoarseShape::At(const Eigen::Vector3f& p_object) const {
-  constexpr float kLimit = 0.5F - 0.5F / kSize;
-  const Eigen::Vector3f inside = p_object.cwiseMax(-kLimit).cwiseMin(kLimit);
-  const Eigen::Array3f cell = (inside.array() + 0.5F) * kSize - 0.5F;
-  const Eigen::Array3i base = cell.floor().cast<int>().max(0).min(kSize - 2);
-  const Eigen::Array3f t = cell - base.cast<float>();
-  const TrilinearSample sample = SampleTrilinear(
-      field_.data() + Index(base.x(), base.y(), base.z()), std::size_t{kSize} * kSize, kSize, t);
-  Eigen::Vector3f gradient = sample.gradient * kSize;
-  float distance = sample.value;
-  if (inside != p_object) {
-    const Eigen::Vector3f nearest = inside - distance / std::max(gradient.norm(), 1e-6F) * gradient;
-    gradient = (p_object - nearest).normalized();
-    distance = (p_object - nearest).norm();
-  }
-  return {distance, gradient};
 }
 
 }  // namespace deepslam::propose

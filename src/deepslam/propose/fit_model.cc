@@ -1,10 +1,13 @@
 #include "deepslam/propose/fit_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/propose/depth_evidence.h"
 
 namespace deepslam::propose {
@@ -40,6 +43,32 @@ struct Frame {
   }
 };
 
+// Sums of the normal equations, column by column with the residual as an eighth row, so that a row
+// of the Jacobian is whole vectors.
+class Equations {
+ public:
+  void Add(const std::array<double, 7>& jacobian, double residual, double weight) {
+    std::array<double, kRows> row;
+    for (std::size_t k = 0; k < kColumns; ++k) row[k] = jacobian[k];
+    row[kColumns] = residual;
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      const double weighted = weight * row[column];
+      for (std::size_t k = 0; k < kRows; ++k) sums_[column * kRows + k] += weighted * row[k];
+    }
+  }
+  [[nodiscard]] Matrix7 Hessian() const { return Sums().topRows<7>(); }
+  [[nodiscard]] Vector7 Gradient() const { return Sums().row(7); }
+
+ private:
+  static constexpr std::size_t kColumns = 7;
+  static constexpr std::size_t kRows = 8;
+  [[nodiscard]] Eigen::Map<const Eigen::Matrix<double, 8, 7>> Sums() const {
+    return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(sums_.data());
+  }
+
+  alignas(32) std::array<double, kRows * kColumns> sums_{};
+};
+
 // Distance in metres and its gradient in the box frame. The field is that of the unit model: to
 // first order the distance after an uneven stretch is the unit distance over the length of its
 // stretched gradient.
@@ -55,6 +84,8 @@ MetricSample MetricAt(const CoarseShape& shape, const Frame& frame, const Eigen:
   return {static_cast<double>(sample.distance / steepness), (slope / steepness).cast<double>()};
 }
 
+double HarmonicMean(double a, double b) { return 2.0 * a * b / std::max(a + b, 1e-9); }
+
 void AddPrior(double deviation, double sigma, int n, Matrix7& h, Vector7& g) {
   h(n, n) += 1.0 / (sigma * sigma);
   g[n] += deviation / (sigma * sigma);
@@ -62,7 +93,7 @@ void AddPrior(double deviation, double sigma, int n, Matrix7& h, Vector7& g) {
 
 }  // namespace
 
-Placement RefinePlacement(const CoarseShape& shape,
+DEEPSLAM_WIDE_VECTORS Placement RefinePlacement(const CoarseShape& shape,
                           const Placement& start,
                           const Eigen::Vector3d& prior_size_m,
                           std::span<const Eigen::Vector3f> points_level,
@@ -80,26 +111,28 @@ Placement RefinePlacement(const CoarseShape& shape,
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Frame frame(shape, now);
     const Eigen::Matrix2d turn = frame.turn.cast<double>();
-    Matrix7 h = Matrix7::Zero();
-    Vector7 g = Vector7::Zero();
+    Equations equations;
     for (const Eigen::Vector3f& p_level : points_level) {
       const Eigen::Vector3f q_box = frame.ToBox(p_level);
       const MetricSample at = MetricAt(shape, frame, q_box);
       const Eigen::Vector3d q = q_box.cast<double>();
-      Vector7 jacobian;
-      jacobian.head<2>() = -(turn * at.direction.head<2>());
-      jacobian[2] = -at.direction.z();
-      jacobian[3] = at.direction.x() * q.y() - at.direction.y() * q.x();
-      jacobian[4] = -at.direction.x() * q.x();
-      jacobian[5] = -at.direction.y() * q.y();
-      // Growing in height moves the box's centre up as well, since its bottom stays.
-      jacobian[6] = -at.direction.z() * (q.z() + 0.5 * now.size_m.z());
+      const Eigen::Vector2d level = turn * at.direction.head<2>();
+      const std::array<double, 7> jacobian = {
+          -level.x(),
+          -level.y(),
+          -at.direction.z(),
+          at.direction.x() * q.y() - at.direction.y() * q.x(),
+          -at.direction.x() * q.x(),
+          -at.direction.y() * q.y(),
+          // Growing in height moves the box's centre up as well, since its bottom stays.
+          -at.direction.z() * (q.z() + 0.5 * now.size_m.z())};
       const double scaled = at.distance_m / (2.0 * terms.point_sigma_m);
       const double robust = 1.0 / (1.0 + scaled * scaled);  // Cauchy
       const double weight = share * robust * robust / (terms.point_sigma_m * terms.point_sigma_m);
-      h += weight * jacobian * jacobian.transpose();
-      g += weight * at.distance_m * jacobian;
+      equations.Add(jacobian, at.distance_m, weight);
     }
+    Matrix7 h = equations.Hessian();
+    Vector7 g = equations.Gradient();
     for (int n = 0; n < 2; ++n)
       AddPrior(now.center_m[n] - start.center_m[n], kPoseSigma_m, n, h, g);
     AddPrior(now.bottom_m - start.bottom_m, terms.bottom_sigma_m, 2, h, g);
@@ -117,11 +150,12 @@ Placement RefinePlacement(const CoarseShape& shape,
   return now;
 }
 
-double ScorePlacement(const CoarseShape& shape,
-                      const Placement& placement,
-                      std::span<const Eigen::Vector3f> points_level,
-                      std::span<const shape::DepthView> views,
-                      double tolerance_m) {
+DEEPSLAM_WIDE_VECTORS double ScorePlacement(const CoarseShape& shape,
+                                            const Placement& placement,
+                                            std::span<const Eigen::Vector3f> points_level,
+                                            std::span<const shape::DepthView> views,
+                                            double tolerance_m,
+                                            double to_beat) {
   if (points_level.empty() || shape.empty()) return 0;
   const Frame frame(shape, placement);
   double on_surface = 0;
@@ -132,7 +166,12 @@ double ScorePlacement(const CoarseShape& shape,
   const double point_share = on_surface / static_cast<double>(points_level.size());
   double confirmed = 0;
   double known = 0;
+  double left = static_cast<double>(shape.surface().size());
   for (const Eigen::Vector3f& p_object : shape.surface()) {
+    // If all that is left were confirmed.
+    const double at_most = HarmonicMean(point_share, (confirmed + left) / (known + left));
+    if (at_most <= to_beat) return at_most;
+    left -= 1;
     const Eigen::Vector3f p_level = frame.ToLevel(p_object);
     int free = 0;
     int seen = 0;
@@ -147,8 +186,7 @@ double ScorePlacement(const CoarseShape& shape,
     confirmed += static_cast<double>(seen) / (free + seen);
   }
   if (known == 0) return 0;
-  const double model_share = confirmed / known;
-  return 2.0 * point_share * model_share / std::max(point_share + model_share, 1e-9);
+  return HarmonicMean(point_share, confirmed / known);
 }
 
 }  // namespace deepslam::propose

@@ -36,11 +36,14 @@ struct FitTerms {
                                         const FitTerms& terms);
 
 // Agreement in [0, 1]: harmonic mean of the share of points that lie on the model's surface and the
-// share of the model's surface that the views confirm, of what they could see.
+// share of the model's surface that the views confirm, of what they could see. Where that turns out
+// to be no more than `to_beat`, some number that is no more either: the placement is not looked at
+// to the end.
 [[nodiscard]] double ScorePlacement(const CoarseShape& shape,
                                     const Placement& placement,
                                     std::span<const Eigen::Vector3f> points_level,
                                     std::span<const shape::DepthView> views,
-                                    double tolerance_m);
+                                    double tolerance_m,
+                                    double to_beat = 0);
 
 }  // namespace deepslam::propose

@@ -53,7 +53,10 @@ bool IsSolid(const Eigen::Vector3f& p_level,
   int surface = 0;
   bool behind = false;
   bool shell = false;
+  int left = static_cast<int>(views.size());
   for (const shape::DepthView& view : views) {
+    if (free > surface + left) return false;  // whatever the others say
+    --left;
     const EvidenceReading reading = EvidenceAt(view, p_level, slack_m);
     free += reading.evidence == Evidence::kFree ? 1 : 0;
     surface += reading.evidence == Evidence::kSurface ? 1 : 0;

@@ -141,8 +141,9 @@ class RetrievalProposer final : public Proposer {
                                                    const Measured& measured) const;
   [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
   [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
-  void Refine(const Measured& measured, const FitTerms& terms, Match& match) const;
-  [[nodiscard]] double Score(const Measured& measured, const Match& match) const;
+  // A score that is no more than `to_beat` may be any that is no more.
+  void Refine(const Measured& measured, const FitTerms& terms, double to_beat, Match& match) const;
+  [[nodiscard]] double Score(const Measured& measured, const Match& match, double to_beat) const;
   void AddCandidate(const ObjectObservations& object,
                     const Match& match,
                     Proposals& proposals) const;
@@ -205,6 +206,7 @@ std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_n
 
 void RetrievalProposer::Refine(const Measured& measured,
                                const FitTerms& terms,
+                               double to_beat,
                                Match& match) const {
   const CoarseShape& shape = Coarse(match.model);
   const Eigen::Vector3d& real_m = library_->models[match.model].size_m;
@@ -212,14 +214,16 @@ void RetrievalProposer::Refine(const Measured& measured,
   placement.size_m = placement.size_m.cwiseMax(options_.stretch_min * real_m)
                          .cwiseMin(options_.stretch_max * real_m);
   match.placement = placement;
-  match.score = Score(measured, match);
+  match.score = Score(measured, match, to_beat);
 }
 
-double RetrievalProposer::Score(const Measured& measured, const Match& match) const {
+double RetrievalProposer::Score(const Measured& measured,
+                                const Match& match,
+                                double to_beat) const {
   const CoarseShape& shape = Coarse(match.model);
   if (measured.silhouettes.empty()) {
     return ScorePlacement(
-        shape, match.placement, measured.fit_points, measured.views, kTolerance_m);
+        shape, match.placement, measured.fit_points, measured.views, kTolerance_m, to_beat);
   }
   return ScoreSilhouettes(
       shape, match.placement, library_->models[match.model].size_m, measured.silhouettes);
@@ -244,7 +248,7 @@ Match RetrievalProposer::BestPlacement(std::size_t model, const Measured& measur
         box.size_m.cwiseMax(options_.stretch_min * real_m).cwiseMin(options_.stretch_max * real_m);
     for (const Eigen::Vector3d& size_m : {real_m, stretched_m}) {
       Match match = {model, 0, {size_m, box.center_m, 0, box.yaw_rad}};
-      Refine(measured, terms, match);
+      Refine(measured, terms, best.score, match);
       if (match.score > best.score) best = match;
     }
   }
@@ -256,7 +260,7 @@ Match RetrievalProposer::Unstretched(const Match& match, const Measured& measure
   const double factor = std::cbrt((match.placement.size_m.array() / real_m.array()).prod());
   Match even = match;
   even.placement.size_m = factor * real_m;
-  even.score = Score(measured, even);
+  even.score = Score(measured, even, 0);
   return even;
 }
 
