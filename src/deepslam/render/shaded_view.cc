@@ -6,7 +6,6 @@
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/render/ray_scene.h"
-#include "deepslam/render/render_view.h"
 
 namespace deepslam::render {
 namespace {
@@ -68,57 +67,136 @@ PinholeCamera Supersampled(const PinholeCamera& camera) {
   return fine;
 }
 
-// Colours of row v; white where nothing is hit.
-std::vector<Eigen::Vector3f> ShadedRow(const RayScene& scene,
-                                       std::span<const ShadedMesh* const> placed,
-                                       const PinholeCamera& camera,
-                                       const Pose3& world_from_camera,
-                                       int v) {
-  const auto width = static_cast<std::size_t>(camera.width);
-  std::vector<RayHit> hits(width);
-  std::vector<float> depth_m(width);
-  RenderRow(scene, camera, world_from_camera, v, hits, depth_m);
-  std::vector<Eigen::Vector3f> colours(width, Eigen::Vector3f::Constant(255.0f));
-  for (std::size_t n = 0; n < width; ++n) {
+// Pixels that differ this much from one beside them, of 255, lie at an edge.
+constexpr float kEdge = 6;
+
+bool Differs(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return (a - b).cwiseAbs().maxCoeff() > kEdge;
+}
+
+bool IsAtEdge(const Image<Eigen::Vector3f>& colours, int u, int v) {
+  const Eigen::Vector3f& middle = colours(u, v);
+  return (u > 0 && Differs(middle, colours(u - 1, v))) ||
+         (u + 1 < colours.width() && Differs(middle, colours(u + 1, v))) ||
+         (v > 0 && Differs(middle, colours(u, v - 1))) ||
+         (v + 1 < colours.height() && Differs(middle, colours(u, v + 1)));
+}
+
+// Looks through a camera.
+class Eye {
+ public:
+  Eye(const PinholeCamera& camera, const Pose3& world_from_camera)
+      : camera_(camera),
+        rotation_(world_from_camera.rotation.toRotationMatrix()),
+        position_(world_from_camera.translation_m.cast<float>()) {}
+
+  [[nodiscard]] Eigen::Vector3f Direction(int u, int v) const {
+    return (rotation_ * camera_.Ray(u, v).normalized()).cast<float>();
+  }
+  [[nodiscard]] const Eigen::Vector3f& position() const { return position_; }
+
+ private:
+  PinholeCamera camera_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3f position_;
+};
+
+// Colours of rays from the eye; white where nothing is hit.
+std::vector<Eigen::Vector3f> ShadedRays(const RayScene& scene,
+                                        std::span<const ShadedMesh* const> placed,
+                                        const Eye& eye,
+                                        std::span<const Eigen::Vector3f> directions) {
+  std::vector<RayHit> hits(directions.size());
+  scene.CastFan(eye.position(), directions, hits);
+  std::vector<Eigen::Vector3f> colours(directions.size(), Eigen::Vector3f::Constant(255.0f));
+  for (std::size_t n = 0; n < directions.size(); ++n) {
     if (hits[n].instance < 0) continue;
-    const Eigen::Vector3d p_camera =
-        camera.Unproject(static_cast<int>(n), v, static_cast<double>(depth_m[n]));
-    const Eigen::Vector3d point = world_from_camera * p_camera;
-    const Eigen::Vector3d to_eye = (world_from_camera.translation_m - point).normalized();
-    colours[n] = ShadePixel(scene, placed, hits[n], point.cast<float>(), to_eye.cast<float>());
+    const Eigen::Vector3f point =
+        eye.position() + static_cast<float>(hits[n].distance_m) * directions[n];
+    colours[n] = ShadePixel(scene, placed, hits[n], point, -directions[n]);
   }
   return colours;
 }
 
+// One ray through each pixel's middle.
+Image<Eigen::Vector3f> ShadedOnce(const RayScene& scene,
+                                  std::span<const ShadedMesh* const> placed,
+                                  const PinholeCamera& camera,
+                                  const Pose3& world_from_camera) {
+  const Eye eye(camera, world_from_camera);
+  Image<Eigen::Vector3f> colours(camera.width, camera.height, Eigen::Vector3f::Zero());
+  ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
+    const int v = static_cast<int>(row);
+    std::vector<Eigen::Vector3f> directions;
+    for (int u = 0; u < camera.width; ++u) directions.push_back(eye.Direction(u, v));
+    std::ranges::copy(ShadedRays(scene, placed, eye, directions), colours.row(v));
+  });
+  return colours;
+}
+
+// Row v, with several rays through the pixels at edges.
+std::vector<Eigen::Vector3f> SmoothRow(const RayScene& scene,
+                                       std::span<const ShadedMesh* const> placed,
+                                       const Eye& fine_eye,
+                                       const Image<Eigen::Vector3f>& colours,
+                                       int v) {
+  std::vector<Eigen::Vector3f> row(colours.row(v), colours.row(v) + colours.width());
+  std::vector<std::size_t> at_edge;
+  std::vector<Eigen::Vector3f> directions;
+  for (int u = 0; u < colours.width(); ++u) {
+    if (!IsAtEdge(colours, u, v)) continue;
+    at_edge.push_back(static_cast<std::size_t>(u));
+    for (int n = 0; n < kSupersampling * kSupersampling; ++n) {
+      directions.push_back(fine_eye.Direction(u * kSupersampling + n % kSupersampling,
+                                              v * kSupersampling + n / kSupersampling));
+    }
+  }
+  const std::vector<Eigen::Vector3f> fine = ShadedRays(scene, placed, fine_eye, directions);
+  constexpr std::size_t kRays = kSupersampling * kSupersampling;
+  for (std::size_t n = 0; n < at_edge.size(); ++n) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (std::size_t k = 0; k < kRays; ++k) sum += fine[n * kRays + k];
+    row[at_edge[n]] = sum / static_cast<float>(kRays);
+  }
+  return row;
+}
+
 }  // namespace
 
-ColourImage ShadeView(std::span<const ShadedMesh> meshes,
-                      const PinholeCamera& camera,
-                      const Pose3& world_from_camera) {
+struct ShadedScene::Impl {
   RayScene scene;
   std::vector<const ShadedMesh*> placed;
+};
+
+ShadedScene::ShadedScene(std::span<const ShadedMesh> meshes) : impl_(std::make_unique<Impl>()) {
   for (const ShadedMesh& mesh : meshes) {
-    if (scene.AddMesh(mesh.mesh, mesh.world_from_mesh).ok()) placed.push_back(&mesh);
+    if (impl_->scene.AddMesh(mesh.mesh, mesh.world_from_mesh).ok()) impl_->placed.push_back(&mesh);
   }
-  scene.Commit();
-  const PinholeCamera fine = Supersampled(camera);
+  impl_->scene.Commit();
+}
+ShadedScene::~ShadedScene() = default;
+
+ColourImage ShadedScene::View(const PinholeCamera& camera, const Pose3& world_from_camera) const {
+  const Image<Eigen::Vector3f> colours =
+      ShadedOnce(impl_->scene, impl_->placed, camera, world_from_camera);
+  const Eye fine_eye(Supersampled(camera), world_from_camera);
   ColourImage picture(camera.width, camera.height);
   ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
-    std::vector<Eigen::Vector3f> sums(static_cast<std::size_t>(camera.width),
-                                      Eigen::Vector3f::Zero());
-    for (int fine_v = v * kSupersampling; fine_v < (v + 1) * kSupersampling; ++fine_v) {
-      const std::vector<Eigen::Vector3f> colours =
-          ShadedRow(scene, placed, fine, world_from_camera, fine_v);
-      for (std::size_t n = 0; n < colours.size(); ++n) sums[n / kSupersampling] += colours[n];
-    }
-    constexpr float kShare = 1.0f / (kSupersampling * kSupersampling);
+    const std::vector<Eigen::Vector3f> smooth =
+        SmoothRow(impl_->scene, impl_->placed, fine_eye, colours, v);
     for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3f mean = kShare * sums[static_cast<std::size_t>(u)];
+      const Eigen::Vector3f& mean = smooth[static_cast<std::size_t>(u)];
       picture(u, v) = {Byte(mean.x()), Byte(mean.y()), Byte(mean.z())};
     }
   });
   return picture;
+}
+
+ColourImage ShadeView(std::span<const ShadedMesh> meshes,
+                      const PinholeCamera& camera,
+                      const Pose3& world_from_camera) {
+  return ShadedScene(meshes).View(camera, world_from_camera);
 }
 
 Pose3 LookAt(const Eigen::Vector3d& position_world, const Eigen::Vector3d& target_world) {

@@ -1,6 +1,7 @@
 // Pictures of meshes for people: the report's views of a map.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "deepslam/core/image.h"
@@ -20,8 +21,25 @@ struct ShadedMesh {
 };
 
 // The meshes on white, lit by the sky and a lamp high above the world's origin side, with its
-// shadow; world z up. Same result for any number of threads. Meshes that cannot be rendered (empty,
-// not finite) are left out.
+// shadow; world z up. Meshes that cannot be rendered (empty, not finite) are left out.
+class ShadedScene {
+ public:
+  // The meshes must live as long as the scene.
+  explicit ShadedScene(std::span<const ShadedMesh> meshes);
+  ~ShadedScene();
+  ShadedScene(const ShadedScene&) = delete;
+  ShadedScene& operator=(const ShadedScene&) = delete;
+
+  // One ray through each pixel's middle, four through those at edges. Same result for any number of
+  // threads.
+  [[nodiscard]] ColourImage View(const PinholeCamera& camera, const Pose3& world_from_camera) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// A single view.
 [[nodiscard]] ColourImage ShadeView(std::span<const ShadedMesh> meshes,
                                     const PinholeCamera& camera,
                                     const Pose3& world_from_camera);

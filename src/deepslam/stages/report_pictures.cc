@@ -219,12 +219,13 @@ std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objec
   const auto floor = Floor(bounds);
   meshes.push_back({floor[0], Pose3{}, Rgb8{225, 225, 225}, false});
   meshes.push_back({floor[1], Pose3{}, Rgb8{205, 205, 205}, false});
+  const render::ShadedScene scene(meshes);
   const double azimuth = CameraAzimuth(map, bounds);
   constexpr double kElevation_rad = 0.6;
   for (const double turn : {0.0, std::numbers::pi * 0.75}) {
     const Pose3 pose = render::Overlook(bounds, camera, azimuth + turn, kElevation_rad);
     AddPicture(pictures,
-               report::EncodeJpeg(render::ShadeView(meshes, camera, pose)),
+               report::EncodeJpeg(scene.View(camera, pose)),
                turn == 0.0 ? "The map from the camera's side; floor tiles are 0.5 m"
                            : "The map from behind");
   }
@@ -269,6 +270,7 @@ std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> obj
   std::vector<report::PicturePair> pairs;
   std::vector<render::ShadedMesh> with_room = ObjectMeshes(objects);
   with_room.push_back({room_world, Pose3{}, Rgb8{200, 200, 200}, true});
+  const render::ShadedScene scene(with_room);
   for (const FrameIdx keyframe : BestKeyframes(objects, map, frames.camera(), shown)) {
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
@@ -278,7 +280,7 @@ std::vector<report::PicturePair> Photographs(std::span<const PicturedObject> obj
     AddPicture(both,
                report::DrawOverlays(Turned(frame->colour, upright), {}, 640),
                fmt::format("Frame {}, as the camera saw it", keyframe.value));
-    const ColourImage drawn = render::ShadeView(with_room, frames.camera(), pose);
+    const ColourImage drawn = scene.View(frames.camera(), pose);
     AddPicture(both,
                report::EncodeJpeg(Turned(drawn, upright)),
                "The map from there, objects in class colours in the measured room");
