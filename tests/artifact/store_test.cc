@@ -1,6 +1,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <filesystem>
+#include <vector>
+
 #include <gmock/gmock.h>
 
 #include "deepslam/artifact/store.h"
@@ -39,6 +42,17 @@ TEST(Store, NamesAFullDisk) {
   ASSERT_FALSE(status.ok());
   EXPECT_THAT(status.error().message,
               testing::AllOf(HasSubstr("No space left"), HasSubstr("free some space")));
+}
+
+TEST(Store, SyncsFilesThatWereWrittenBefore) {
+  const TempDir dir;
+  const std::vector<std::filesystem::path> files = {dir.path() / "a", dir.path() / "b"};
+  for (const std::filesystem::path& file : files) EXPECT_TRUE(WriteFileUnsynced(file, "x").ok());
+  EXPECT_TRUE(SyncFiles(files).ok());
+  EXPECT_EQ(*ReadFile(files[1]), "x");
+  std::filesystem::remove(files[1]);
+  EXPECT_THAT(SyncFiles(files).error().message,
+              testing::AllOf(HasSubstr("b: cannot open"), HasSubstr("No such file")));
 }
 
 TEST(Store, RefusesFoldersAndMissingFiles) {

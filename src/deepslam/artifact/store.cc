@@ -62,7 +62,9 @@ Error WriteError(const fs::path& file, std::string_view what, int error) {
       fmt::format("{}: cannot {}: {}{}", file.string(), what, std::strerror(error), Remedy(error)));
 }
 
-Status WriteAll(const fs::path& file, std::string_view bytes) {
+enum class Sync { kNow, kLater };
+
+Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync) {
   FileDescriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (fd.get() < 0) return WriteError(file, "create", errno);
   while (!bytes.empty()) {
@@ -72,7 +74,8 @@ Status WriteAll(const fs::path& file, std::string_view bytes) {
     if (written < 0) return WriteError(file, "write", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (::fsync(fd.get()) != 0) return WriteError(file, "write to disk", errno);
+  if (sync == Sync::kNow && ::fsync(fd.get()) != 0)
+    return WriteError(file, "write to disk", errno);
   if (fd.Close() != 0) return WriteError(file, "close", errno);
   return Ok();
 }
@@ -123,7 +126,7 @@ Result<std::string> ReadFile(const fs::path& file) {
 
 Status WriteFileAtomically(const fs::path& file, std::string_view bytes) {
   const fs::path aside = fmt::format("{}.tmp-{}", file.string(), ::getpid());
-  if (Status status = WriteAll(aside, bytes); !status.ok()) {
+  if (Status status = WriteAll(aside, bytes, Sync::kNow); !status.ok()) {
     ::unlink(aside.c_str());
     return status;
   }
@@ -136,7 +139,20 @@ Status WriteFileAtomically(const fs::path& file, std::string_view bytes) {
 }
 
 Status WriteFileSynced(const fs::path& file, std::string_view bytes) {
-  return WriteAll(file, bytes);
+  return WriteAll(file, bytes, Sync::kNow);
+}
+
+Status WriteFileUnsynced(const fs::path& file, std::string_view bytes) {
+  return WriteAll(file, bytes, Sync::kLater);
+}
+
+Status SyncFiles(std::span<const fs::path> files) {
+  for (const fs::path& file : files) {
+    const FileDescriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    if (fd.get() < 0) return WriteError(file, "open", errno);
+    if (::fsync(fd.get()) != 0) return WriteError(file, "write to disk", errno);
+  }
+  return Ok();
 }
 
 Status SyncFolder(const fs::path& folder) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,6 +26,10 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 // Writes and syncs in place: for files of a folder that is itself renamed as a whole.
 [[nodiscard]] Status WriteFileSynced(const std::filesystem::path& file, std::string_view bytes);
 
+// Many of them: written first, synced together. Syncing all takes hardly longer than syncing one,
+// as the file system writes down what they have in common.
+[[nodiscard]] Status WriteFileUnsynced(const std::filesystem::path& file, std::string_view bytes);
+[[nodiscard]] Status SyncFiles(std::span<const std::filesystem::path> files);
 [[nodiscard]] Status SyncFolder(const std::filesystem::path& folder);
 // Takes away what killed processes left of WriteFileAtomically in a folder (not in folders in it):
 // NAME.json.tmp-<pid>, NAME.html.tmp-<pid>, where no such process runs on this machine; so the

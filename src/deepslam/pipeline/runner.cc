@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -221,6 +222,7 @@ class Run {
     // What the stage let go goes back to the system: the next one's peak is its own then.
     ::malloc_trim(0);
     if (!summary.ok()) return summary.error();
+    if (Status status = context.Sync(); !status.ok()) return status.error();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     const Timing timing{wall.count(), CpuSeconds() - start_cpu_s, PeakMemoryMib()};
     manifest.outputs = context.outputs();
@@ -231,9 +233,11 @@ class Run {
     if (!manifest_text.ok()) return manifest_text.error();
     for (const auto& [file, text] :
          {std::pair(kTimingFile, &*timing_text), std::pair(kManifestFile, &*manifest_text)}) {
-      if (Status status = artifact::WriteFileSynced(partial / file, *text); !status.ok())
+      if (Status status = artifact::WriteFileUnsynced(partial / file, *text); !status.ok())
         return status.error();
     }
+    const std::array records = {partial / kTimingFile, partial / kManifestFile};
+    if (Status status = artifact::SyncFiles(records); !status.ok()) return status.error();
     if (Status status = artifact::SyncFolder(partial); !status.ok()) return status.error();
     if (Status status = PutInPlace(partial, request_.workspace / stage.name); !status.ok())
       return status.error();

@@ -28,9 +28,15 @@ Result<std::string> StageContext::Read(std::string_view stage, std::string_view 
 Status StageContext::Write(std::string_view file, std::string_view bytes) {
   const std::filesystem::path path = folder_ / file;
   if (Status status = artifact::MakeFolders(path.parent_path()); !status.ok()) return status;
-  if (Status status = artifact::WriteFileSynced(path, bytes); !status.ok()) return status;
+  if (Status status = artifact::WriteFileUnsynced(path, bytes); !status.ok()) return status;
   outputs_[std::string(file)] = {Sha256Hex(bytes), bytes.size()};
   return Ok();
+}
+
+Status StageContext::Sync() const {
+  std::vector<std::filesystem::path> files;
+  for (const auto& [file, output] : outputs_) files.push_back(folder_ / file);
+  return artifact::SyncFiles(files);
 }
 
 std::string StageContext::DisplayName(std::string_view stage, std::string_view file) {
