@@ -121,12 +121,14 @@ void GrowPieces(const Image<Eigen::Vector3f>& normals,
         open.pop_back();
         ++pieces.num_pixels[static_cast<std::size_t>(id)];
         const float z = points(at.u, at.v).z();
+        const double jump = JumpAt(z, options);
+        const Eigen::Vector3f normal = normals(at.u, at.v);
         for (const Pixel& step : kSteps) {
           const Pixel to = {at.u + step.u, at.v + step.v};
           if (!points.Contains(to.u, to.v) || pieces.piece(to.u, to.v) >= 0) continue;
           if (normals(to.u, to.v).isZero()) continue;
-          const bool near = std::abs(points(to.u, to.v).z() - z) < JumpAt(z, options);
-          const bool smooth = normals(at.u, at.v).dot(normals(to.u, to.v)) > kSameSurfaceCos &&
+          const bool near = std::abs(points(to.u, to.v).z() - z) < jump;
+          const bool smooth = normal.dot(normals(to.u, to.v)) > kSameSurfaceCos &&
                               pieces.horizontal(at.u, at.v) == pieces.horizontal(to.u, to.v);
           if (!near || !smooth) continue;
           pieces.piece(to.u, to.v) = id;
@@ -159,11 +161,12 @@ void AttachRest(const SegmentOptions& options, ImagePieces& pieces) {
     for (; head < open.size(); ++head) {
       const Pixel at = open[head];
       const float z = points(at.u, at.v).z();
+      const double jump = JumpAt(z, options);
       for (const Pixel& step : kSteps) {
         const Pixel to = {at.u + step.u, at.v + step.v};
         if (!points.Contains(to.u, to.v) || pieces.piece(to.u, to.v) >= 0) continue;
         const float z_to = points(to.u, to.v).z();
-        if (!(z_to > 0) || std::abs(z_to - z) >= JumpAt(z, options)) continue;
+        if (!(z_to > 0) || std::abs(z_to - z) >= jump) continue;
         const std::int32_t id = pieces.piece(at.u, at.v);
         pieces.piece(to.u, to.v) = id;
         ++pieces.num_pixels[static_cast<std::size_t>(id)];

@@ -256,12 +256,15 @@ std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
 
 namespace {
 
-bool IsUnder(const LevelTop& top, const Plane& ground_camera, const Eigen::Vector3d& p_camera) {
+// `p_ground_m`: the point in the ground's axes.
+bool IsUnder(const LevelTop& top,
+             const Plane& ground_camera,
+             const Eigen::Vector3d& p_camera,
+             const Eigen::Vector2d& p_ground_m) {
   if (ground_camera.SignedDistance(p_camera) > top.height_m + ThicknessAt(p_camera.z())) {
     return false;
   }
-  const Eigen::Vector2d p = GroundTangentBasis(ground_camera.normal).transpose() * p_camera;
-  return Inside(top.hull_ground_m, p, kEdge_m);
+  return Inside(top.hull_ground_m, p_ground_m, kEdge_m);
 }
 
 // A piece of the image beside a top above it.
@@ -295,8 +298,9 @@ std::vector<Support> SurveySupports(const ImagePieces& pieces,
       ++support.all;
       support.above += over_m > ThicknessAt(p.z()) ? 1 : 0;
       support.reaching += over_m > -kReach_m && over_m <= ThicknessAt(p.z()) ? 1 : 0;
-      support.on_ground_m.extend(basis.transpose() * p);
-      if (!IsUnder(top, ground_camera, p)) continue;
+      const Eigen::Vector2d p_ground_m = basis.transpose() * p;
+      support.on_ground_m.extend(p_ground_m);
+      if (!IsUnder(top, ground_camera, p, p_ground_m)) continue;
       under(u, v) = 1;
       ++support.under;
       support.level += pieces.horizontal(u, v);

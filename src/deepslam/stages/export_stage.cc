@@ -1,6 +1,8 @@
 // export: the labelled scene, the compact map, the object list.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <utility>
@@ -11,6 +13,7 @@
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/objects_csv.h"
 #include "deepslam/artifact/scene_json.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
@@ -243,15 +246,35 @@ Result<artifact::MapFile> MakeMap(const StageContext& context,
   return Rounded(std::move(map));
 }
 
+// The scene as files: itself, without Draco (empty where nobody wants it), and its objects alone.
+struct SceneFiles {
+  Result<std::string> scene = std::string();
+  Result<std::string> uncompressed = std::string();
+  Result<std::string> objects = std::string();
+};
+
+SceneFiles EncodeScene(const gltf::GltfScene& scene, const Config& config) {
+  SceneFiles files;
+  gltf::GltfOptions uncompressed = config.gltf;
+  uncompressed.draco = false;
+  const std::array<std::function<void()>, 3> encoders = {
+      [&] { files.scene = gltf::WriteGlb(scene, config.gltf); },
+      [&] {
+        if (config.export_stage.uncompressed_twin)
+          files.uncompressed = gltf::WriteGlb(scene, uncompressed);
+      },
+      [&] { files.objects = gltf::WriteGlb(ObjectsOnly(scene), config.gltf); }};
+  ParallelFor(encoders.size(), [&](std::size_t n) { encoders[n](); });
+  return files;
+}
+
 Status WriteOnRequest(StageContext& context,
                       const gltf::GltfScene& scene,
+                      const SceneFiles& files,
                       const RunInputs& inputs) {
   const ExportStageOptions& wanted = inputs.config.export_stage;
   if (wanted.uncompressed_twin) {
-    gltf::GltfOptions options = inputs.config.gltf;
-    options.draco = false;
-    if (Status status =
-            WriteEncoded(context, "scene.uncompressed.glb", gltf::WriteGlb(scene, options));
+    if (Status status = WriteEncoded(context, "scene.uncompressed.glb", files.uncompressed);
         !status.ok()) {
       return status;
     }
@@ -273,11 +296,12 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   const Result<Content> content = ReadContent(context);
   if (!content.ok()) return content.error();
   const gltf::GltfScene scene = MakeScene(*content, inputs);
-  const Result<std::string> glb = gltf::WriteGlb(scene, inputs.config.gltf);
-  if (Status status = WriteEncoded(context, "scene.glb", glb); !status.ok()) return status.error();
-  if (Status status = WriteOnRequest(context, scene, inputs); !status.ok()) return status.error();
-  const Result<std::string> objects_glb = gltf::WriteGlb(ObjectsOnly(scene), inputs.config.gltf);
-  if (!objects_glb.ok()) return objects_glb.error();
+  const SceneFiles files = EncodeScene(scene, inputs.config);
+  if (Status status = WriteEncoded(context, "scene.glb", files.scene); !status.ok())
+    return status.error();
+  if (Status status = WriteOnRequest(context, scene, files, inputs); !status.ok())
+    return status.error();
+  if (!files.objects.ok()) return files.objects.error();
   const Result<artifact::MapFile> map = MakeMap(context, *content, scene, inputs);
   if (!map.ok()) return map.error();
   const Result<std::string> map_json = artifact::EncodeMap(*map, "map.json");
@@ -294,13 +318,13 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   return StageSummary{
       fmt::format("{} objects, scene {} bytes (objects {}), map {} bytes, verdict {}",
                   map->objects.size(),
-                  glb->size(),
-                  objects_glb->size(),
+                  files.scene->size(),
+                  files.objects->size(),
                   map_json->size(),
                   artifact::NameOf(map->verdict)),
       {{"num_objects", static_cast<double>(map->objects.size())},
-       {"scene_bytes", static_cast<double>(glb->size())},
-       {"objects_glb_bytes", static_cast<double>(objects_glb->size())},
+       {"scene_bytes", static_cast<double>(files.scene->size())},
+       {"objects_glb_bytes", static_cast<double>(files.objects->size())},
        {"map_bytes", static_cast<double>(map_json->size())}}};
 }
 

@@ -110,11 +110,13 @@ void AddMeasured(std::span<const TrackViews> batch, const Of& of) {
   ParallelFor(batch.size(), [&](std::size_t n) { Append(batch[n].views, *own[n]); });
 }
 
+// Of these objects of the map.
 Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
                                            const RunInputs& inputs,
-                                           const LoopWorld& world) {
+                                           const LoopWorld& world,
+                                           const std::set<ObjectId>& wanted) {
   loop::LoopEvidence evidence;
-  for (const MapObject& object : world.map.objects) evidence[object.id];
+  for (const ObjectId id : wanted) evidence[id];
   std::vector<ObjectTrack> tracks;
   std::ranges::copy_if(world.association.tracks,
                        std::back_inserter(tracks),
@@ -127,6 +129,7 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   const Status measured = ForDepthViews(context, inputs, world, tracks, add);
   if (!measured.ok()) return measured.error();
   for (const MapObject& object : world.map.objects) {
+    if (!wanted.contains(object.id)) continue;
     loop::ObjectEvidence& own = evidence[object.id];
     const Result<VoxelGrid> grid = ReadChosenModel(context, world, object);
     if (!grid.ok()) return grid.error();
@@ -158,7 +161,9 @@ Result<Loops> DetectLoops(const StageContext& context,
       loop::ProposeKnownAgain(visits, world.map, proposed);
   std::vector<Constellation> verified(proposed.size() + known_again.size());
   if (!verified.empty()) {  // most captures propose nothing, and evidence takes all views
-    const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world);
+    std::set<ObjectId> all;
+    for (const MapObject& object : world.map.objects) all.insert(object.id);
+    const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world, all);
     if (!evidence.ok()) return evidence.error();
     ParallelFor(proposed.size(), [&](std::size_t i) {
       verified[i] = loop::VerifyConstellation(proposed[i], world.map, *evidence, options);
@@ -288,7 +293,9 @@ Status DropIntruders(const StageContext& context, const RunInputs& inputs, LoopW
   const std::vector<loop::Intruder> suspects =
       loop::SuspectIntruders(map, options, Measured(world));
   if (suspects.empty()) return Ok();
-  const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world);
+  std::set<ObjectId> wanted;
+  for (const loop::Intruder& suspect : suspects) wanted.insert({suspect.id, suspect.host});
+  const Result<loop::LoopEvidence> evidence = CollectEvidence(context, inputs, world, wanted);
   if (!evidence.ok()) return evidence.error();
   const std::vector<loop::Intruder> intruders =
       loop::FindIntruders(suspects, map, *evidence, options);
