@@ -226,13 +226,16 @@ std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels,
                                     std::size_t max_cells) {
   CellNumbers numbers(max_cells + 1);
   std::vector<std::uint32_t> cell_of(pixels.size());
+  std::uint64_t last_key = ~std::uint64_t{0};  // no cell's
   for (std::size_t n = 0; n < pixels.size(); ++n) {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const auto cell = static_cast<std::int64_t>(std::floor(pixels[n].point[axis] / cell_m));
       key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
     }
-    cell_of[n] = numbers.NumberOf(key);
+    // Most pixels fall into the cell of the one beside them.
+    cell_of[n] = key == last_key ? cell_of[n - 1] : numbers.NumberOf(key);
+    last_key = key;
     if (numbers.count() > max_cells) return {};
   }
   std::vector<std::uint32_t> until_middle(numbers.count(), 0);
@@ -280,7 +283,8 @@ ViewPoints ExtractViewPoints(const ObjectView& view, int max_points) {
   const PaddedDepth depth_m(view.depth_crop_m);
   const std::vector<Pixel> pixels = CoherentPixels(view, depth_m);
   for (const std::size_t n : Thinned(view, pixels, static_cast<std::size_t>(max_points))) {
-    const std::optional<Eigen::Vector3f> normal = PatchNormal(depth_m, view.camera, pixels[n].u, pixels[n].v);
+    const std::optional<Eigen::Vector3f> normal =
+        PatchNormal(depth_m, view.camera, pixels[n].u, pixels[n].v);
     if (!normal) continue;
     result.points_camera.push_back(pixels[n].point);
     result.normals_camera.push_back(*normal);
