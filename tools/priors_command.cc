@@ -234,10 +234,11 @@ void AddPriors(CLI::App& app, Command& chosen) {
       ->allow_extra_args(false);
   render->add_flag("--clean", arguments->clean, "Whole objects, without faults of sensor and mask");
   render
-      ->add_option("--tops",
-                   arguments->tops,
-                   "Share of the views of which only what lies above some height is left, cut by the "
-                   "image: tables seen from close by")
+      ->add_option(
+          "--tops",
+          arguments->tops,
+          "Share of the views of which only what lies above some height is left, cut by the "
+          "image: tables seen from close by")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   render->add_option("--seed", models.seed, "Of designs and views")->capture_default_str();

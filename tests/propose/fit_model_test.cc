@@ -62,8 +62,7 @@ Pose3 CameraFromLevel(int n) {
   const Eigen::Vector3d forward(std::cos(turn), std::sin(turn), 0);
   const Eigen::Vector3d down(0, 0, -1);
   level_from_camera << down.cross(forward), down, forward;
-  const Pose3 pose{Eigen::Quaterniond(level_from_camera),
-                   Eigen::Vector3d(0, 0, 0.3) - forward};
+  const Pose3 pose{Eigen::Quaterniond(level_from_camera), Eigen::Vector3d(0, 0, 0.3) - forward};
   return pose.Inverse();
 }
 

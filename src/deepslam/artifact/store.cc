@@ -74,8 +74,7 @@ Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync) {
     if (written < 0) return WriteError(file, "write", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (sync == Sync::kNow && ::fsync(fd.get()) != 0)
-    return WriteError(file, "write to disk", errno);
+  if (sync == Sync::kNow && ::fsync(fd.get()) != 0) return WriteError(file, "write to disk", errno);
   if (fd.Close() != 0) return WriteError(file, "close", errno);
   return Ok();
 }

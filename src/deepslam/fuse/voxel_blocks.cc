@@ -68,8 +68,8 @@ inline void PlacePixels(const PinholeCamera& camera,
     const float u = xs[n] * fx / z + cx + 0.5F;
     const float v = ys[n] * fy / z + cy + 0.5F;
     // Without a branch, or the loop would not be one of whole vectors.
-    const bool inside = (z > 0) & (u >= 0.0001F) & (u < safe_width) & (v >= 0.0001F) &
-                        (v < safe_height);
+    const bool inside =
+        (z > 0) & (u >= 0.0001F) & (u < safe_width) & (v >= 0.0001F) & (v < safe_height);
     const auto column = static_cast<std::int32_t>(inside ? u : 0.0F);
     const auto row = static_cast<std::int32_t>(inside ? v : 0.0F);
     places.pixel[n] = inside ? row * width + column : -1;
@@ -142,8 +142,8 @@ inline void AddToMeans(const ColourImage& colour,
     for (std::size_t n = 0; n < kSide; ++n) {
       const auto was = static_cast<float>(static_cast<std::int32_t>(means[n]));
       const float mean = (was * before[n] + kSteps * seen_colour[c][n]) * share[n] + 0.5F;
-      means[n] = static_cast<std::uint16_t>(
-          static_cast<std::int32_t>(was + is_seen[n] * (mean - was)));
+      means[n] =
+          static_cast<std::uint16_t>(static_cast<std::int32_t>(was + is_seen[n] * (mean - was)));
     }
   }
 }

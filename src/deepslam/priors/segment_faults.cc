@@ -136,8 +136,8 @@ float HeightAt(const Raster& raster, int u, int v) {
   return static_cast<float>(raster.ground_camera.SignedDistance(raster.camera.Unproject(u, v, z)));
 }
 
-// A table seen from close by, whose legs are hidden by chairs: what lies above some height, of which
-// the image's borders cut some.
+// A table seen from close by, whose legs are hidden by chairs: what lies above some height, of
+// which the image's borders cut some.
 void KeepTop(Random& random, Raster& raster) {
   float highest_m = 0;
   for (int v = 0; v < raster.height(); ++v) {

@@ -28,7 +28,7 @@ class CoarseShape {
   // Centres of the outer solid cells of the half resolution, object units: what outlines are drawn
   // with.
   [[nodiscard]] const std::vector<Eigen::Vector3f>& solid() const { return solid_; }
-  static constexpr int kSize = kGridSize / 2;            // cells along an axis
+  static constexpr int kSize = kGridSize / 2;           // cells along an axis
   static constexpr float kCellSide = 2.0F / kGridSize;  // object units
   [[nodiscard]] const Eigen::Vector3f& extent() const { return extent_; }
   [[nodiscard]] bool empty() const { return surface_.empty(); }

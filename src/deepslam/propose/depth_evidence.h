@@ -37,8 +37,8 @@ struct EvidenceReading {
 // `slack_m` widens the tolerance across the surface (size of what is asked about): along a grazing
 // ray it grows.
 [[nodiscard]] inline EvidenceReading EvidenceAt(const shape::DepthView& view,
-                           const Eigen::Vector3f& p_level,
-                           float slack_m) {
+                                                const Eigen::Vector3f& p_level,
+                                                float slack_m) {
   const std::optional<shape::DepthView::Reading> reading = view.At(p_level);
   if (!reading) return {};
   const float tolerance = DepthTolerance_m(reading->depth_m) + slack_m / reading->cosine;

@@ -94,10 +94,10 @@ void AddPrior(double deviation, double sigma, int n, Matrix7& h, Vector7& g) {
 }  // namespace
 
 DEEPSLAM_WIDE_VECTORS Placement RefinePlacement(const CoarseShape& shape,
-                          const Placement& start,
-                          const Eigen::Vector3d& prior_size_m,
-                          std::span<const Eigen::Vector3f> points_level,
-                          const FitTerms& terms) {
+                                                const Placement& start,
+                                                const Eigen::Vector3d& prior_size_m,
+                                                std::span<const Eigen::Vector3f> points_level,
+                                                const FitTerms& terms) {
   constexpr int kIterations = 6;
   constexpr double kPoseSigma_m = 0.3;  // keeps directions without evidence still
   constexpr double kYawSigma_rad = 0.3;

@@ -27,9 +27,6 @@ constexpr double kHoldSigmaRad = 5 * kDegree;
 // A placement in the air must disagree this much less than one on the ground.
 constexpr double kClearlyBetter = 0.7;
 constexpr std::size_t kPointsPerCoarseView = 150;
-// Which hypothesis is the best shows in a few of many views, and in a few steps.
-constexpr std::size_t kMaxCoarseViews = 1000;
-constexpr int kCoarseIterations = 12;
 // A single view starts where all views together have come to.
 constexpr int kViewIterations = 8;
 
@@ -94,15 +91,6 @@ Similarity3 TurnedRound(const Similarity3& world_from_object, const ViewPointers
   return turned;
 }
 
-// Evenly over all.
-ViewPointers CoarseViews(const ViewPointers& views) {
-  if (views.size() <= kMaxCoarseViews) return views;
-  ViewPointers some;
-  for (std::size_t n = 0; n < kMaxCoarseViews; ++n)
-    some.push_back(views[n * views.size() / kMaxCoarseViews]);
-  return some;
-}
-
 // The best world hypothesis, or the same turned round, refined over all views with its scale.
 Similarity3 JointPose(const shape::ShapeModel& model,
                       VisibleSurface& visible,
@@ -112,20 +100,18 @@ Similarity3 JointPose(const shape::ShapeModel& model,
   SimilarityIcpOptions coarse = options;
   coarse.ground_firm = options.ground_sigma_m > 0;
   coarse.edge_radius_m = options.start_radius_m;
-  coarse.num_iterations = kCoarseIterations;
-  const ViewPointers some = CoarseViews(views);
   std::size_t most_points = 0;
-  for (const MeasuredView* view : some) {
+  for (const MeasuredView* view : views) {
     most_points = std::max(most_points, view->points_camera.size());
   }
   coarse.point_stride = static_cast<int>(most_points / kPointsPerCoarseView) + 1;
   Similarity3 best = hypotheses.front().world_from_object;
   double least = std::numeric_limits<double>::infinity();
   const auto attempt = [&](const Similarity3& world_from_object) {
-    const Similarity3 refined = AlignShape(model, visible, some, world_from_object, coarse);
+    const Similarity3 refined = AlignShape(model, visible, views, world_from_object, coarse);
     const double disagreement =
-        Disagreement(model, visible, some, refined, options.end_radius_m, coarse.point_stride) +
-        BackShownCost(refined, some);
+        Disagreement(model, visible, views, refined, options.end_radius_m, coarse.point_stride) +
+        BackShownCost(refined, views);
     if (disagreement >= least) return;
     least = disagreement;
     best = refined;

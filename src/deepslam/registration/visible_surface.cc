@@ -29,7 +29,7 @@ std::uint16_t CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal
   Eigen::Index axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
   return static_cast<std::uint16_t>(((cell.x() * kCells + cell.y()) * kCells + cell.z()) * 3 +
-                                  static_cast<int>(axis));
+                                    static_cast<int>(axis));
 }
 
 // The first visible point of each cell.
@@ -42,8 +42,8 @@ std::vector<SurfacePoint> ThinnedView(const shape::ShapeModel& model,
     const std::size_t cell = cell_of_point[n];
     if (taken[cell] != 0 || !camera.Shows(n)) continue;
     taken[cell] = 1;
-    view.push_back({model.surface_points()[n].cast<double>(),
-                    model.surface_normals()[n].cast<double>()});
+    view.push_back(
+        {model.surface_points()[n].cast<double>(), model.surface_normals()[n].cast<double>()});
   }
   return view;
 }

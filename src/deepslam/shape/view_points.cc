@@ -92,8 +92,8 @@ struct PatchSums {
 };
 
 // Offsets are taken from differences of depth and pixels, which single precision holds well.
-DEEPSLAM_WIDE_VECTORS PatchSums SumPatch(
-    const PaddedDepth& depth_m, const PinholeCamera& camera, int radius, int u, int v) {
+DEEPSLAM_WIDE_VECTORS PatchSums
+SumPatch(const PaddedDepth& depth_m, const PinholeCamera& camera, int radius, int u, int v) {
   constexpr int kLanes = 16;  // columns, from `radius` before the middle on
   static_assert(kLanes > 2 * kMaxPatchRadius_px && kLanes <= PaddedDepth::kColumns);
   const float center = depth_m.Row(v)[u];
@@ -147,8 +147,10 @@ DEEPSLAM_WIDE_VECTORS PatchSums SumPatch(
   return patch;
 }
 
-std::optional<Eigen::Vector3f> PatchNormal(
-    const PaddedDepth& depth_m, const PinholeCamera& camera, int u, int v) {
+std::optional<Eigen::Vector3f> PatchNormal(const PaddedDepth& depth_m,
+                                           const PinholeCamera& camera,
+                                           int u,
+                                           int v) {
   const double center_m = static_cast<double>(depth_m.Row(v)[u]);
   const int radius =
       std::clamp(static_cast<int>(std::lround(kPatchRadius_m * camera.fx / center_m)),
