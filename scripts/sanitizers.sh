@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Builds rooms and their tests with AddressSanitizer and UndefinedBehaviorSanitizer (asan) or ThreadSanitizer (tsan) and
+# runs them, one after another, as far as the time allows.
+#   scripts/sanitizers.sh [--minutes M] [PRESET:ROOM ...]      e.g. asan:fuzz tsan:core
+#     --minutes M    no room is begun, built or run beyond that; default: 240, which all of them fit in
+# Without PRESET:ROOM: all that are worth it, those first that read what strangers wrote, then those with threads. One line
+# each: passed, failed, or not reached. Ends with 1 where one failed; what was not reached is no failure.
+# Environment: JOBS (of the compiler, default 2).
+set -euo pipefail
+
+fail() { echo "sanitizers: $*" >&2; exit 2; }
+minutes=240
+rooms=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --minutes)
+      [[ "${2:-}" =~ ^[1-9][0-9]*$ ]] || fail "--minutes needs a whole number"
+      minutes="$2"
+      shift
+      ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    asan:* | tsan:*) rooms+=("$1") ;;
+    *) fail "unknown word '$1'; known: --minutes M, asan:ROOM, tsan:ROOM" ;;
+  esac
+  shift
+done
+cd "$(dirname "$0")/.."
+# asan:fuzz replays the corpora of all parsers.
+[ ${#rooms[@]} -gt 0 ] || rooms=(tsan:core asan:fuzz tsan:dataset asan:dataset asan:artifact asan:gltf
+  tsan:odometry tsan:associate tsan:registration tsan:select tsan:fuse tsan:observe asan:shape asan:mesh asan:graph
+  asan:loop asan:segment asan:detect tsan:propose tsan:render tsan:shape tsan:report asan:stages tsan:stages tsan:batch)
+for room in "${rooms[@]}"; do
+  [ -f "tests/${room#*:}/CMakeLists.txt" ] || fail "$room: no folder tests/${room#*:}"
+done
+
+ends=$((SECONDS + 60 * minutes))
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}" LSAN_OPTIONS="suppressions=$PWD/tests/leaks.txt:print_suppressions=0:${LSAN_OPTIONS:-}"
+export TSAN_OPTIONS="suppressions=$PWD/tests/races.txt:ignore_noninstrumented_modules=1:history_size=4:${TSAN_OPTIONS:-}"
+if command -v ccache >/dev/null && [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ]; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache
+fi
+# What was compiled in one checkout serves every other one.
+export CCACHE_BASEDIR="${CCACHE_BASEDIR:-$PWD}"
+
+# Runs a command within what is left of the time, its output in a file: 124 where that was not enough.
+in_time() {
+  local log="$1" left=$((ends - SECONDS))
+  shift
+  [ "$left" -gt 5 ] || return 124
+  timeout --kill-after=20 "$left" "$@" >"$log" 2>&1
+}
+
+check() {
+  local preset="${1%%:*}" room="${1#*:}" status=0
+  local build="build/$preset" target="deepslam_${1#*:}_test"
+  local log="$build/$room.log"
+  mkdir -p "$build"
+  [ -f "$build/build.ninja" ] || in_time "$log" cmake --preset "$preset" -DDEEPSLAM_TESTS=ON || status=$?
+  [ $status -ne 0 ] || in_time "$log" cmake --build "$build" -j "${JOBS:-2}" --target "$target" || status=$?
+  [ $status -ne 0 ] || in_time "$log" "$build/tests/$room/$target" --gtest_brief=1 || status=$?
+  case $status in
+    0) echo "sanitizers: $1: passed, $(sed -n 's/.*\] \([0-9]* tests\) from.*/\1/p' "$log" | head -1)" ;;
+    124) echo "sanitizers: $1: not reached in $minutes minutes" ;;
+    *) tail -60 "$log"; echo "sanitizers: $1: FAILED, its output is in $log" ;;
+  esac
+  [ $status -eq 124 ] || return $status
+}
+
+failed=0
+for room in "${rooms[@]}"; do
+  check "$room" || failed=1
+done
+exit $failed
