@@ -8,14 +8,15 @@
 #include <Eigen/Cholesky>
 
 #include "deepslam/core/wide_vectors.h"
+#include "deepslam/geometry/normal_equations.h"
 #include "deepslam/propose/depth_evidence.h"
 
 namespace deepslam::propose {
 namespace {
 
 // Unknowns: x, y, bottom z, yaw, log size along x, y, z.
-using Vector7 = Eigen::Matrix<double, 7, 1>;
-using Matrix7 = Eigen::Matrix<double, 7, 7>;
+using Vector7 = SevenEquations::Vector;
+using Matrix7 = SevenEquations::Matrix;
 
 // The placement's maps in float, for inner loops.
 struct Frame {
@@ -41,32 +42,6 @@ struct Frame {
     q.head<2>() = turn * q.head<2>();
     return q + center;
   }
-};
-
-// Sums of the normal equations, column by column with the residual as an eighth row, so that a row
-// of the Jacobian is whole vectors.
-class Equations {
- public:
-  void Add(const std::array<double, 7>& jacobian, double residual, double weight) {
-    std::array<double, kRows> row;
-    for (std::size_t k = 0; k < kColumns; ++k) row[k] = jacobian[k];
-    row[kColumns] = residual;
-    for (std::size_t column = 0; column < kColumns; ++column) {
-      const double weighted = weight * row[column];
-      for (std::size_t k = 0; k < kRows; ++k) sums_[column * kRows + k] += weighted * row[k];
-    }
-  }
-  [[nodiscard]] Matrix7 Hessian() const { return Sums().topRows<7>(); }
-  [[nodiscard]] Vector7 Gradient() const { return Sums().row(7); }
-
- private:
-  static constexpr std::size_t kColumns = 7;
-  static constexpr std::size_t kRows = 8;
-  [[nodiscard]] Eigen::Map<const Eigen::Matrix<double, 8, 7>> Sums() const {
-    return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(sums_.data());
-  }
-
-  alignas(32) std::array<double, kRows * kColumns> sums_{};
 };
 
 // Distance in metres and its gradient in the box frame. The field is that of the unit model: to
@@ -111,7 +86,7 @@ DEEPSLAM_WIDE_VECTORS Placement RefinePlacement(const CoarseShape& shape,
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Frame frame(shape, now);
     const Eigen::Matrix2d turn = frame.turn.cast<double>();
-    Equations equations;
+    SevenEquations equations;
     for (const Eigen::Vector3f& p_level : points_level) {
       const Eigen::Vector3f q_box = frame.ToBox(p_level);
       const MetricSample at = MetricAt(shape, frame, q_box);

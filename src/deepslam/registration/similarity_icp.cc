@@ -10,12 +10,13 @@
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/depth_noise.h"
+#include "deepslam/geometry/normal_equations.h"
 
 namespace deepslam::registration {
 namespace {
 
-using Vector7d = Eigen::Matrix<double, 7, 1>;
-using Matrix7d = Eigen::Matrix<double, 7, 7>;
+using Vector7d = SevenEquations::Vector;
+using Matrix7d = SevenEquations::Matrix;
 
 // A model of the right kind is still some centimetres beside the object; matching closer than this
 // means nothing.
@@ -55,20 +56,16 @@ Vector7d MotionJacobian(const Eigen::Vector3d& n_object, const Eigen::Vector3d& 
 }
 
 // The normal equations of a small motion of the object in its own metric frame: (translation;
-// rotation; log scale). Summed column by column with the residual as an eighth row, so that a row
-// of the Jacobian is whole vectors.
+// rotation; log scale).
 class Equations {
  public:
   void Add(const Vector7d& jacobian, double residual, double weight) {
     ++num_residuals_;
     if (weight == 0) return;
-    std::array<double, kRows> row;
-    for (std::size_t k = 0; k < kColumns; ++k) row[k] = jacobian[static_cast<Eigen::Index>(k)];
-    row[kColumns] = residual;
-    for (std::size_t column = 0; column < kColumns; ++column) {
-      const double weighted = weight * row[column];
-      for (std::size_t k = 0; k < kRows; ++k) sums_[column * kRows + k] += weighted * row[k];
-    }
+    std::array<double, 7> slopes;
+    for (std::size_t k = 0; k < slopes.size(); ++k)
+      slopes[k] = jacobian[static_cast<Eigen::Index>(k)];
+    sums_.Add(slopes, residual, weight);
   }
 
   void Add(const MotionResidual& residual) {
@@ -77,18 +74,12 @@ class Equations {
         residual.weight);
   }
 
-  [[nodiscard]] Matrix7d Hessian() const { return Sums().topRows<7>(); }
-  [[nodiscard]] Vector7d Gradient() const { return Sums().row(7); }
+  [[nodiscard]] Matrix7d Hessian() const { return sums_.Hessian(); }
+  [[nodiscard]] Vector7d Gradient() const { return sums_.Gradient(); }
   [[nodiscard]] bool empty() const { return num_residuals_ == 0; }
 
  private:
-  static constexpr std::size_t kColumns = 7;
-  static constexpr std::size_t kRows = 8;
-  [[nodiscard]] Eigen::Map<const Eigen::Matrix<double, 8, 7>> Sums() const {
-    return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(sums_.data());
-  }
-
-  alignas(32) std::array<double, kRows * kColumns> sums_{};
+  SevenEquations sums_;
   int num_residuals_ = 0;
 };
 

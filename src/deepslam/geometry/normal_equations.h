@@ -1,0 +1,43 @@
+// Normal equations of seven unknowns, as similarities and stretched placements have.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <Eigen/Core>
+
+namespace deepslam {
+
+// Sums over residuals r with derivatives J of weight * J J^T and weight * J r. Summed column by
+// column with the residual as an eighth row, so that a row of the Jacobian is whole vectors.
+class SevenEquations {
+ public:
+  using Vector = Eigen::Matrix<double, 7, 1>;
+  using Matrix = Eigen::Matrix<double, 7, 7>;
+
+  // Within the caller's loop, which is compiled for wide vectors: a call for each would not be.
+  [[gnu::always_inline]] inline void Add(const std::array<double, 7>& jacobian,
+                                         double residual,
+                                         double weight) {
+    std::array<double, kRows> row;
+    for (std::size_t k = 0; k < kColumns; ++k) row[k] = jacobian[k];
+    row[kColumns] = residual;
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      const double weighted = weight * row[column];
+      for (std::size_t k = 0; k < kRows; ++k) sums_[column * kRows + k] += weighted * row[k];
+    }
+  }
+  [[nodiscard]] Matrix Hessian() const { return Sums().topRows<7>(); }
+  [[nodiscard]] Vector Gradient() const { return Sums().row(7); }
+
+ private:
+  static constexpr std::size_t kColumns = 7;
+  static constexpr std::size_t kRows = 8;
+  [[nodiscard]] Eigen::Map<const Eigen::Matrix<double, 8, 7>> Sums() const {
+    return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(sums_.data());
+  }
+
+  alignas(32) std::array<double, kRows * kColumns> sums_{};
+};
+
+}  // namespace deepslam
