@@ -7,10 +7,6 @@
 namespace deepslam::fuse {
 namespace {
 
-bool IsPlaced(const TrackedFrame& frame) {
-  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
-}
-
 bool IsNew(const TrackedFrame& frame, const TrackedFrame& last, const FrameChoice& options) {
   if (frame.frame.value - last.frame.value >= options.frame_step) return true;
   const Pose3 moved = last.world_from_camera.Inverse() * frame.world_from_camera;
@@ -27,7 +23,7 @@ std::vector<FrameIdx> FramesToFuse(std::span<const TrackedFrame> frames,
   std::vector<FrameIdx> chosen;
   const TrackedFrame* last = nullptr;
   for (const TrackedFrame& frame : frames) {
-    if (!IsPlaced(frame) || (last != nullptr && !IsNew(frame, *last, options))) continue;
+    if (!IsAligned(frame) || (last != nullptr && !IsNew(frame, *last, options))) continue;
     chosen.push_back(frame.frame);
     last = &frame;
   }

@@ -54,9 +54,8 @@ constexpr std::array kTurns = {QuarterTurn::kNone,
 // A camera in a hand is higher above the floor: lower ones are on a robot, or above a table top.
 constexpr double kLowCameraM = 0.9;
 
-bool Aligned(const TrackedFrame& frame) {
-  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate ||
-         frame.keyframe == frame.frame;
+bool HasPose(const TrackedFrame& frame) {
+  return IsAligned(frame) || frame.keyframe == frame.frame;
 }
 
 Eigen::Matrix3d InformationOf(double angle_rad, double distance_m) {
@@ -305,7 +304,7 @@ std::vector<Part> PartsOf(const Odometry& odometry, std::span<const MeasuredStre
     if (part == parts.size()) parts.emplace_back();
     for (int k = stretch.first_keyframe; k < stretch.end_keyframe; ++k) {
       const TrackedFrame& frame = odometry.at(odometry.keyframes[static_cast<std::size_t>(k)]);
-      if (Aligned(frame)) parts[part].push_back(frame);
+      if (HasPose(frame)) parts[part].push_back(frame);
     }
   }
   return parts;

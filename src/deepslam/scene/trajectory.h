@@ -29,6 +29,11 @@ struct TrackedFrame {
   double inlier_share = 0;  // inliers / valid source points
 };
 
+// Whether the frame's pose was measured.
+[[nodiscard]] inline bool IsAligned(const TrackedFrame& frame) {
+  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
+}
+
 // A measurement i_from_j between two keyframes: T_ij maps points of camera j to camera i.
 struct RelativePose {
   FrameIdx i;

@@ -57,9 +57,7 @@ std::vector<FrameIdx> FramesToFuse(const OptimizedMap& map,
     return fuse::FramesToFuse(map.frames, config.fuse_frames);
   std::vector<FrameIdx> wanted;
   for (const TrackedFrame& frame : map.frames) {
-    const bool placed =
-        frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
-    if (placed && masks.contains(frame.frame)) wanted.push_back(frame.frame);
+    if (IsAligned(frame) && masks.contains(frame.frame)) wanted.push_back(frame.frame);
   }
   return wanted;
 }

@@ -29,10 +29,6 @@ constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twi
 constexpr double kJumpM = 0.2;
 constexpr double kJumpSpeeds = 4;
 
-bool Aligned(const TrackedFrame& frame) {
-  return frame.status == TrackingStatus::kTracked || frame.status == TrackingStatus::kDegenerate;
-}
-
 struct Step {
   std::size_t to_frame;
   double length_m;
@@ -55,7 +51,7 @@ std::vector<Step> Steps(const std::vector<TrackedFrame>& frames) {
   for (std::size_t k = 1; k < frames.size(); ++k) {
     double time_s = frames[k].time_s - frames[k - 1].time_s;
     if (time_s < 0) time_s = usual_s;  // the clock was set back
-    if (!Aligned(frames[k - 1]) || !Aligned(frames[k]) || !(time_s > 0)) continue;
+    if (!IsAligned(frames[k - 1]) || !IsAligned(frames[k]) || !(time_s > 0)) continue;
     const double length_m =
         (frames[k].world_from_camera.translation_m - frames[k - 1].world_from_camera.translation_m)
             .norm();
