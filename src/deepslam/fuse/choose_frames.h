@@ -18,8 +18,8 @@ struct FrameChoice {
 void Describe(OptionsVisitor& visitor, FrameChoice& options);
 
 // Of the aligned frames, in order: those that moved, turned or waited enough since the one chosen
-// before; of keyframes, which other stages have decoded, half the motion is asked. A recording of 30
-// frames a second shows each point tens of times within a hand's breadth: more of the same costs
+// before; of keyframes, which other stages have decoded, half the motion is asked. A recording of
+// 30 frames a second shows each point tens of times within a hand's breadth: more of the same costs
 // time and says little.
 [[nodiscard]] std::vector<FrameIdx> FramesToFuse(std::span<const TrackedFrame> frames,
                                                  const FrameChoice& options);
