@@ -129,7 +129,7 @@ def main():
              for folder in arguments.data]
     if not arguments.credit and any(m["source"] == "folder" for head in heads for m in head["models"]):
         raise SystemExit("--credit: meshes of a folder took part; say who made them and under which licence")
-    model = nets.load(arguments.weights, config)
+    model = nets.load(arguments.weights, config["width"])
     nets.calibrate(model, **scores["calibration"])
     round_weights(model)
     torch.manual_seed(1)

@@ -23,48 +23,14 @@ def scaled(channels, width):
     return max(8, int(round(channels * width / 8)) * 8)
 
 
-class Residual(nn.Module):
-    """Adds to what it is given what two 3 x 3 convolutions make of it."""
-
-    def __init__(self, channels):
-        super().__init__()
-        self.inner = nn.Sequential(
-            nn.Conv2d(channels, channels, 3, 1, 1, bias=False), nn.BatchNorm2d(channels), nn.ReLU(True),
-            nn.Conv2d(channels, channels, 3, 1, 1, bias=False), nn.BatchNorm2d(channels))
-        self.active = nn.ReLU(True)
-
-    def forward(self, given):
-        return self.active(given + self.inner(given))
-
-
 def down(channels_in, channels_out):
     return nn.Sequential(
         nn.Conv2d(channels_in, channels_out, 4, 2, 1, bias=False), nn.BatchNorm2d(channels_out), nn.ReLU(True))
 
 
-def level(channels_in, channels_out):
-    return nn.Sequential(
-        nn.Conv2d(channels_in, channels_out, 3, 1, 1, bias=False), nn.BatchNorm2d(channels_out), nn.ReLU(True))
-
-
 def up(channels_in, channels_out):
     return nn.Sequential(
         nn.ConvTranspose2d(channels_in, channels_out, 4, 2, 1, bias=False), nn.BatchNorm2d(channels_out), nn.ReLU(True))
-
-
-def reader_of_places(kind, width):
-    """What makes features of the unprojected view, and how many: "plain" for classes whose networks learned with that,
-    "deep" looks at it twice at full resolution and is as wide in all classes."""
-    if kind == "plain":
-        e, f, g, features = (scaled(n, width) for n in (40, 64, 96, 96))
-        layers = [down(2 * PLACES, e), down(e, f), down(f, g)]
-    elif kind == "deep":
-        e, f, g, features = 64, 96, 128, 128
-        layers = [level(2 * PLACES, e), Residual(e), down(e, f), Residual(f), down(f, g), down(g, g)]
-    else:
-        raise SystemExit(f"unprojection: {kind} is unknown; known are plain and deep")
-    at_end = PLACES >> sum(isinstance(layer, nn.Sequential) and layer[0].stride == (2, 2) for layer in layers)
-    return nn.Sequential(*layers, nn.Flatten(), nn.Linear(g * at_end ** 2, features), nn.LeakyReLU(LEAK)), features
 
 
 class Sketch(nn.Module):
@@ -87,7 +53,7 @@ class Sketch(nn.Module):
 
 
 class Encoder(nn.Module):
-    def __init__(self, width, unprojection, planes=7):
+    def __init__(self, width, planes=7):
         super().__init__()
         a, b, c, d, features = (scaled(n, width) for n in (64, 128, 192, 256, 144))
         self.body = nn.Sequential(
@@ -97,7 +63,10 @@ class Encoder(nn.Module):
         self.azimuth = nn.Linear(features, BINS)
         self.elevation = nn.Linear(features, 1)
         self.unproject = Unproject()
-        self.turned, turned = reader_of_places(unprojection, width)
+        e, f, g, turned = (scaled(n, width) for n in (40, 64, 96, 96))
+        self.turned = nn.Sequential(
+            down(2 * PLACES, e), down(e, f), down(f, g), nn.Flatten(), nn.Linear(g * 16, turned),
+            nn.LeakyReLU(LEAK))
         self.more_latents = nn.Linear(turned, LATENTS)
         nn.init.zeros_(self.more_latents.weight)  # begins as the networks without
         nn.init.zeros_(self.more_latents.bias)
@@ -126,17 +95,11 @@ class Decoder(nn.Module):
 
 
 class Prior(nn.Module):
-    """width: share of the channels that every layer has; 1 for chairs and tables, less for classes of simpler shapes.
-    unprojection: how the unprojected view is read (reader_of_places)."""
+    """width: share of the channels that every layer has; 1 for chairs and tables, less for classes of simpler shapes."""
 
-    def __init__(self, width=1.0, unprojection="plain"):
+    def __init__(self, width=1.0):
         super().__init__()
-        self.sketch, self.encoder, self.decoder = Sketch(width), Encoder(width, unprojection), Decoder(width)
-
-    @classmethod
-    def of(cls, config):
-        """As the configuration of a class says."""
-        return cls(config["width"], config.get("unprojection", "plain"))
+        self.sketch, self.encoder, self.decoder = Sketch(width), Encoder(width), Decoder(width)
 
     def forward(self, crop, spread=None):
         sketch = self.sketch(crop)
@@ -144,9 +107,9 @@ class Prior(nn.Module):
         return self.decoder(latents), latents, azimuth, elevation, sketch
 
 
-def load(weights, config):
+def load(weights, width):
     """The networks of a file of weights, as they are used: not learning."""
-    model = Prior.of(config)
+    model = Prior(width)
     model.load_state_dict(torch.load(weights, map_location="cpu", weights_only=True))
     return model.eval()
 

@@ -27,29 +27,18 @@ def parameters_of(model):
     return dict(stored, **{name: stored[half] for name, half in halves.items() if half in stored})
 
 
-def place_of(node):
-    """The convolution a node was exported from: /turned/turned.1/inner/inner.0/Conv_output_0 -> turned.1.inner.0."""
-    name = ""
-    for part in node.output[0].split("/")[1:-1]:
-        base, _, number = part.rpartition(".")
-        name = f"{name}.{number}" if base and name.endswith(base) else ".".join(filter(None, (name, part)))
-    return name
-
-
 def unfold(network, model):
-    """Fills `network`; returns the normalisations that are ones by now. What has another shape there stays as it was made."""
+    """Fills `network`; returns the normalisations that are ones by now."""
     values, state, ones = parameters_of(model), network.state_dict(), []
     for name in state:
-        if name in values and values[name].shape == tuple(state[name].shape):
+        if name in values:
             state[name] = torch.from_numpy(values[name].copy())
     for node in model.graph.node:
         if node.op_type != "Conv" or len(node.input) < 3 or not node.input[1].startswith("onnx::"):
             continue
-        place = place_of(node)
+        place = node.output[0].split("/")[-2]  # ".../e1.0/Conv_output_0"
         block, number = place.rsplit(".", 1)
         after = f"{block}.{int(number) + 1}"
-        if f"{place}.weight" not in state or state[f"{place}.weight"].shape != values[node.input[1]].shape:
-            continue
         norm = network.get_submodule(after)
         state[f"{place}.weight"] = torch.from_numpy(values[node.input[1]].copy())
         state[f"{after}.weight"] = torch.ones(norm.num_features)

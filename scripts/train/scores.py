@@ -241,7 +241,7 @@ def main():
     random = np.random.default_rng(1)
     config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
     train, check = data.Views(arguments.train, "train"), data.Views(arguments.train, "validate")
-    model = nets.Prior.of(config).eval()
+    model = nets.Prior(config["width"]).eval()
     restart.read(model, arguments.weights)
     test = data.Views(arguments.test)
     if train.perspective and not test.perspective:

@@ -175,7 +175,7 @@ def main():
     device = torch.device(arguments.device)
 
     train_views, check_views = data.Views(arguments.data, "train"), data.Views(arguments.data, "validate")
-    model = nets.Prior.of(config).to(device)
+    model = nets.Prior(config["width"]).to(device)
     optimizer = torch.optim.AdamW(model.parameters(), lr=config["rate"], weight_decay=config["weight_decay"], fused=True)
     mean = copy.deepcopy(model).eval()
     state = {"step": 0, "seconds": 0.0, "curve": []}
