@@ -56,8 +56,9 @@ Result<TrainingShards> TrainingShards::Create(const fs::path& folder,
       {"sketch_silhouette", "|u1", {n, kSketch, kSketch}, "of the whole object, 0 or 255"},
       {"camera",
        "<f4",
-       {n, 6},
-       "azimuth, elevation, distance, longest side, visible share, crop's side over focal length"},
+       {n, 7},
+       "azimuth, elevation, distance, longest side, visible share, crop's side over focal "
+       "length, elevation by the ground (-10: unknown)"},
       {"model", "<i4", {n}, "row of voxels"},
       {"voxels", "|u1", {num_models, kGridSize * kGridSize * kGridSize / 8}, "packed bits"},
   }};
@@ -117,12 +118,15 @@ Status TrainingShards::AddModel(const TrainingModel& model) {
 Status TrainingShards::AddView(const priors::TrainingView& view) {
   static_assert(sizeof(Rgb8) == 3);
   const auto model = static_cast<std::int32_t>(models_.size()) - 1;
-  const std::array<float, 6> camera = {static_cast<float>(view.azimuth_rad),
-                                       static_cast<float>(view.elevation_rad),
-                                       static_cast<float>(view.distance_m),
-                                       static_cast<float>(view.longest_side_m),
-                                       static_cast<float>(view.visible),
-                                       static_cast<float>(view.crop.spread)};
+  constexpr float kUnknown = -10;  // rad
+  const std::array<float, 7> camera = {
+      static_cast<float>(view.azimuth_rad),
+      static_cast<float>(view.elevation_rad),
+      static_cast<float>(view.distance_m),
+      static_cast<float>(view.longest_side_m),
+      static_cast<float>(view.visible),
+      static_cast<float>(view.crop.camera.side),
+      static_cast<float>(view.crop.elevation_rad.value_or(kUnknown))};
   const std::array<Status, 9> outcomes = {
       Append("colour", view.crop.colour.data(), 3 * view.crop.colour.size()),
       Append("silhouette", view.crop.silhouette.data(), view.crop.silhouette.size()),
@@ -146,7 +150,7 @@ Status TrainingShards::Finish(std::uint64_t seed, bool faults) {
   }
   artifact::JsonObject document;
   document.emplace("format", "deepslam/training_views");
-  document.emplace("version", 1);
+  document.emplace("version", 2);
   document.emplace("seed", static_cast<std::int64_t>(seed));
   document.emplace("faults", faults);
   document.emplace("arrays", std::move(arrays_));

@@ -1,13 +1,14 @@
 // Training views on disk: a folder of .npy arrays and one JSON file, for programs in any language.
 //
-// Layout of the folder (format `deepslam/training_views`, version 1); N views, M models:
+// Layout of the folder (format `deepslam/training_views`, version 2); N views, M models:
 //   training_views.json   seed, models in the order of voxels.npy, meaning and shape of every array
 //   colour.npy            u1 [N, 128, 128, 3]  crops on white (propose/network_crop.h)
 //   silhouette.npy, depth.npy, height.npy   u1 [N, 128, 128]
 //   sketch_depth.npy, sketch_silhouette.npy u1 [N, 64, 64]; sketch_normal.npy u1 [N, 64, 64, 3]
-//   camera.npy            f4 [N, 5]  azimuth and elevation (rad), distance (m), the object's
+//   camera.npy            f4 [N, 7]  azimuth and elevation (rad), distance (m), the object's
 //   longest
-//                         side (m), visible share
+//                         side (m), visible share; of the crop's camera: the square's side
+//                         (tangent), elevation by the ground (rad; -10: unknown)
 //   model.npy             i4 [N]     row of voxels.npy
 //   voxels.npy            u1 [M, 32768]  64^3 models, index (i * 64 + j) * 64 + k, eight to a byte,
 //                         the first in the highest bit (numpy.unpackbits)

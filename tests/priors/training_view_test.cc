@@ -68,7 +68,7 @@ TEST(TrainingViewTest, AzimuthIsThatOfTheCamera) {
     EXPECT_LE(view.azimuth_rad, std::numbers::pi + 1e-9);
     const double quarter = std::numbers::pi / 2;
     const double turn = view.azimuth_rad - quarter * std::round(view.azimuth_rad / quarter);
-    if (std::abs(turn) < 0.2 || std::abs(turn) > 0.6) continue;
+    if (std::abs(turn) < 0.3 || std::abs(turn) > 0.6) continue;
     // Standing before a side and then going counter-clockwise one comes to see the next side, on
     // the right: of the two its normal points more to the side.
     double farthest = 0;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -142,21 +143,31 @@ TEST(ShapePriorTest, SaysWhereTheCameraStands) {
   EXPECT_GT(encoding->confidence, 0.9);
 }
 
-// How far lines of sight run apart is known of every crop; networks may ask for it.
-TEST(ShapePriorTest, TellsTheEncoderHowFarLinesOfSightRunApart) {
+// How far lines of sight run apart is known of every crop, how far the camera looks down where the
+// ground is; networks may ask for the first or for both.
+TEST(ShapePriorTest, TellsTheEncoderOfTheCamera) {
   const std::vector<ObjectView> views = StagedViews(Chair(), {});
   const Result<NetworkCrop> crop = MakeNetworkCrop(views[0], true);
   const Result<NetworkCrop> by_colour = MakeNetworkCrop(views[0], false);
   ASSERT_TRUE(crop && by_colour);
-  EXPECT_NEAR(crop->spread, crop->side_m / crop->reference_m, 1e-9);
-  EXPECT_NEAR(by_colour->spread, crop->spread, 1e-12);
+  EXPECT_NEAR(crop->camera.side, crop->side_m / crop->reference_m, 1e-9);
+  EXPECT_NEAR(by_colour->camera.side, crop->camera.side, 1e-12);
+  EXPECT_TRUE(crop->elevation_rad);
+  EXPECT_FALSE(by_colour->elevation_rad);
   TinyPrior asks = PriorOf(Chair());
   asks.encoder.inputs.push_back({"spread", {1, 1}});
   const Result<std::unique_ptr<ShapePrior>> prior = asks.Load();
   ASSERT_TRUE(prior) << prior.error().message;
   EXPECT_TRUE((*prior)->Encode(*crop));
+  asks.encoder.inputs.back() = {"sight", {1, 3}};
+  const Result<std::unique_ptr<ShapePrior>> newer = asks.Load();
+  ASSERT_TRUE(newer) << newer.error().message;
+  EXPECT_TRUE((*newer)->Encode(*crop));
+  EXPECT_TRUE((*newer)->Encode(*by_colour));
   asks.encoder.inputs.back().name = "width";
   EXPECT_THAT(asks.Load().error().message, HasSubstr("`spread`"));
+  asks.encoder.inputs.back() = {"sight", {1, 1}};
+  EXPECT_THAT(asks.Load().error().message, HasSubstr("`sight`"));
 }
 
 TEST(ShapePriorTest, RefusesWhatIsNoPrior) {
@@ -362,13 +373,14 @@ TEST_F(CropTest, WhiteOutsideAndSquare) {
   }
   const Result<NetworkCrop> crop = MakeNetworkCrop(view, true);
   ASSERT_TRUE(crop);
-  EXPECT_DOUBLE_EQ(crop->side_px, 88);
+  EXPECT_NEAR(crop->camera.side, 88 / 500.0, 1e-3)
+      << "the square, a tenth wider than the silhouette";
   EXPECT_EQ(crop->colour(0, 0), (Rgb8{255, 255, 255}));
   EXPECT_EQ(crop->colour(64, 64), (Rgb8{10, 200, 30}));
   EXPECT_EQ(crop->silhouette(64, 64), 255);
   EXPECT_EQ(crop->depth(64, 64), 128) << "all of one depth: at the reference";
   EXPECT_EQ(crop->depth(0, 0), 0);
-  EXPECT_NEAR(crop->side_m, 88 * 2.0 / 500, 1e-6);
+  EXPECT_NEAR(crop->side_m, 88 * 2.0 / 500, 5e-3);
   EXPECT_NEAR(crop->height(64, 64), 130, 3) << "1.2 m above the ground, in cm from -10";
   EXPECT_GT(crop->height(64, 20), crop->height(64, 110)) << "higher above";
   std::vector<float> planes(kCropValues);
@@ -410,6 +422,62 @@ TEST_F(CropTest, StandsUprightHoweverTheCameraIsHeld) {
   }
 }
 
+// Where an object lies in the picture and how the camera was held say nothing of its shape: the
+// crop is that of a camera that looks at it and is level.
+TEST_F(CropTest, DoesNotDependOnWhereTheCameraLooks) {
+  testing_support::Stage stage;
+  stage.num_views = 1;
+  stage.distance_m = 3.5;
+  const auto crop_of = [&](const Eigen::Vector3d& turned_deg) {
+    stage.turned_rad = std::numbers::pi / 180 * turned_deg;
+    const Result<NetworkCrop> crop = MakeNetworkCrop(StagedViews(Chair(), stage)[0], true);
+    EXPECT_TRUE(crop);
+    return *crop;
+  };
+  const NetworkCrop straight = crop_of({0, 0, 0});
+  ASSERT_TRUE(straight.elevation_rad);
+  EXPECT_NEAR(*straight.elevation_rad, std::atan2(1.0, 3.5), 0.03);
+  for (const Eigen::Vector3d& turned_deg : {Eigen::Vector3d(16, 0, 0),
+                                            Eigen::Vector3d(-14, 10, 0),
+                                            Eigen::Vector3d(0, -12, 25),
+                                            Eigen::Vector3d(15, 5, -160)}) {
+    const NetworkCrop aside = crop_of(turned_deg);
+    EXPECT_NEAR(aside.camera.side, straight.camera.side, 0.04 * straight.camera.side);
+    EXPECT_NEAR(*aside.elevation_rad, *straight.elevation_rad, 0.01);
+    EXPECT_NEAR(aside.reference_m, straight.reference_m, 0.02);
+    int both = 0;
+    int either = 0;
+    double apart = 0;
+    for (int y = 0; y < kCropSide; ++y) {
+      for (int x = 0; x < kCropSide; ++x) {
+        const bool in_straight = straight.depth(x, y) != 0;
+        const bool in_aside = aside.depth(x, y) != 0;
+        either += in_straight || in_aside ? 1 : 0;
+        if (!in_straight || !in_aside) continue;
+        ++both;
+        apart += std::abs(straight.depth(x, y) - aside.depth(x, y));
+      }
+    }
+    EXPECT_GT(both, 0.8 * either) << turned_deg.transpose();
+    EXPECT_LT(apart / both, 3.0) << turned_deg.transpose();
+  }
+}
+
+TEST_F(CropTest, WithoutGroundTheCropIsHeldAsTheCamera) {
+  ObjectView view = View(80, 80);
+  const Result<NetworkCrop> level = MakeNetworkCrop(view, true);
+  view.ground_camera.reset();
+  const Result<NetworkCrop> held = MakeNetworkCrop(view, true);
+  ASSERT_TRUE(level && held);
+  EXPECT_EQ(held->colour, level->colour);
+  EXPECT_FALSE(held->elevation_rad);
+  view.ground_camera = Plane{{0, 0, -1}, 1.2};  // straight down
+  const Result<NetworkCrop> down = MakeNetworkCrop(view, true);
+  ASSERT_TRUE(down);
+  EXPECT_EQ(down->colour, level->colour) << "no way is up";
+  EXPECT_NEAR(*down->elevation_rad, std::numbers::pi / 2, 1e-6);
+}
+
 TEST_F(CropTest, ByColourAloneTheDepthPlanesAreEmpty) {
   const Result<NetworkCrop> crop = MakeNetworkCrop(View(80, 80), false);
   ASSERT_TRUE(crop);
@@ -424,6 +492,9 @@ TEST_F(CropTest, OddInputs) {
   EXPECT_FALSE(MakeNetworkCrop(empty, true));
   EXPECT_FALSE(MakeNetworkCrop(View(1, 1), true)) << "one pixel shows no shape";
   EXPECT_FALSE(MakeNetworkCrop(ObjectView(), true));
+  ObjectView blunt = View(50, 50);
+  blunt.camera.fx = 0;
+  EXPECT_FALSE(MakeNetworkCrop(blunt, true)) << "no focal length";
   ObjectView uneven = View(50, 50);
   uneven.depth_crop_m = DepthImage(20, 50, 1.0F);
   EXPECT_FALSE(MakeNetworkCrop(uneven, true));

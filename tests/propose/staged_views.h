@@ -23,6 +23,8 @@ struct Stage {
   double height_m = 1.4;
   double noise_m = 0;  // of the depth at 1 m, growing with the square
   bool has_ground = true;
+  // How the camera is turned out of looking at the model: about its y, its x, its own axis.
+  Eigen::Vector3d turned_rad = Eigen::Vector3d::Zero();
 };
 
 inline Pose3 LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
@@ -53,7 +55,11 @@ inline std::vector<ObjectView> StagedViews(const VoxelGrid& grid, const Stage& s
     const Eigen::Vector3d eye(stage.place_m.x() + stage.distance_m * std::cos(azimuth),
                               stage.place_m.y() + stage.distance_m * std::sin(azimuth),
                               stage.height_m);
-    const Pose3 level_from_camera = LookAt(eye, target);
+    Pose3 level_from_camera = LookAt(eye, target);
+    level_from_camera.rotation = level_from_camera.rotation *
+                                 Eigen::AngleAxisd(stage.turned_rad.x(), Eigen::Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(stage.turned_rad.y(), Eigen::Vector3d::UnitX()) *
+                                 Eigen::AngleAxisd(stage.turned_rad.z(), Eigen::Vector3d::UnitZ());
     ObjectView view;
     view.detection = DetectionId{n};
     view.frame = FrameIdx{n};

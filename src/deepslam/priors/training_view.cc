@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -159,28 +160,41 @@ ObjectView ToObjectView(const Raster& raster) {
   return view;
 }
 
+// The ground as a capture tells it.
+Plane MeasuredGround(Random& random, const Plane& ground_camera) {
+  constexpr double kTilt_rad = 0.7 * kPi / 180.0;
+  constexpr double kHeight_m = 0.01;
+  const auto off = [&random] { return std::clamp(random.Normal(), -2.5, 2.5); };
+  const Eigen::Vector3d tilt = kTilt_rad * Eigen::Vector3d(off(), off(), off());
+  return {(ground_camera.normal + tilt).normalized(), ground_camera.d_m + kHeight_m * off()};
+}
+
 std::uint8_t NormalByte(float n) { return Rounded(128.0F + 127.0F * n); }
 
 Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
   Sketch sketch{Image<std::uint8_t>(kSketchSide, kSketchSide),
                 ColourImage(kSketchSide, kSketchSide, {128, 128, 128}),
                 Image<std::uint8_t>(kSketchSide, kSketchSide)};
-  const double step = crop.side_px / kSketchSide;
-  const auto pixel = [step](double first, int n) {
-    return static_cast<int>(std::floor(first + (n + 0.5) * step));
-  };
-  const Eigen::Matrix3f camera_from_object =
-      raster.object_from_camera.rotation.toRotationMatrix().transpose().cast<float>();
+  const Eigen::Matrix3f crop_from_object =
+      (crop.camera.view_from_crop.transpose() *
+       raster.object_from_camera.rotation.toRotationMatrix().transpose())
+          .cast<float>();
   for (int y = 0; y < kSketchSide; ++y) {
-    const int v = pixel(crop.v0, y);
     for (int x = 0; x < kSketchSide; ++x) {
-      const int u = pixel(crop.u0, x);
+      const Eigen::Vector3d sight =
+          crop.camera.SightAt((x + 0.5) / kSketchSide, (y + 0.5) / kSketchSide);
+      const std::optional<Eigen::Vector2d> pixel = raster.camera.Project(sight);
+      if (!pixel) continue;
+      const auto u = static_cast<int>(std::floor(pixel->x() + 0.5));
+      const auto v = static_cast<int>(std::floor(pixel->y() + 0.5));
       if (!raster.hits.Contains(u, v) || raster.hits(u, v).instance < 0) continue;
-      const Eigen::Vector3f n = camera_from_object * raster.hits(u, v).normal_world;
+      const Eigen::Vector3f n = crop_from_object * raster.hits(u, v).normal_world;
       sketch.normal(x, y) = {NormalByte(n.x()), NormalByte(n.y()), NormalByte(n.z())};
       sketch.silhouette(x, y) = 255;
       if (crop.side_m <= 0) continue;
-      const double relative = (raster.true_depth_m(u, v) - crop.reference_m) / crop.side_m;
+      const double depth_m =
+          crop.camera.DepthOf(raster.camera.Unproject(u, v, raster.true_depth_m(u, v)));
+      const double relative = (depth_m - crop.reference_m) / crop.side_m;
       sketch.depth(x, y) =
           Rounded(std::clamp(static_cast<float>(128 + 127 * relative), 1.0F, 255.0F));
     }
@@ -257,6 +271,7 @@ TrainingView ViewRenderer::Render(Random random, const ViewOptions& options) con
     PaintSurfaces(impl_->furniture, impl_->scene, random, raster);
     faults ? SpoilView(random, left, raster) : KeepView(raster);
     const double visible = VisibleShare(raster);
+    if (options.faults) raster.ground_camera = MeasuredGround(random, raster.ground_camera);
     Result<propose::NetworkCrop> crop = propose::MakeNetworkCrop(ToObjectView(raster), true);
     if ((visible < kLeastVisible || !crop || crop->side_m <= 0) && attempt + 1 < kMostTries)
       continue;

@@ -31,8 +31,8 @@ inline constexpr int kSketchSide = 64;  // px
 
 // The whole object behind a crop, in the crop's square, at kSketchSide: as if nothing hid it.
 struct Sketch {
-  Image<std::uint8_t> depth;       // as NetworkCrop::depth, of the model without noise
-  ColourImage normal;              // 128 + 127 n in the camera's axes (x right, y down, z forward)
+  Image<std::uint8_t> depth;  // as NetworkCrop::depth, of the model without noise
+  ColourImage normal;         // 128 + 127 n in the crop camera's axes (x right, y down, z forward)
   Image<std::uint8_t> silhouette;  // 255 where the object is
 };
 

@@ -1,19 +1,16 @@
 #include "deepslam/propose/network_crop.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
-#include "deepslam/geometry/upright.h"
 
 namespace deepslam::propose {
 namespace {
 
-constexpr double kMargin = 1.1;
 constexpr int kFewestPixels = 40;
 constexpr double kLowestHeight_m = -0.1;
 constexpr double kHeightStep_m = 0.01;
@@ -42,12 +39,14 @@ MaskBox BoxOf(const Mask& mask) {
   return box;
 }
 
-double MedianDepth(const ObjectView& view) {
+double MedianDepth(const ObjectView& view, const CropCamera& camera) {
   std::vector<float> depths;
-  const auto* mask = view.mask_crop.data();
-  const float* depth_m = view.depth_crop_m.data();
-  for (std::size_t n = 0; n < view.depth_crop_m.size(); ++n) {
-    if (mask[n] != 0 && depth_m[n] > 0) depths.push_back(depth_m[n]);
+  for (int v = 0; v < view.mask_crop.height(); ++v) {
+    for (int u = 0; u < view.mask_crop.width(); ++u) {
+      if (view.mask_crop(u, v) == 0 || !(view.depth_crop_m(u, v) > 0)) continue;
+      const Eigen::Vector3d point = view.camera.Unproject(u, v, view.depth_crop_m(u, v));
+      depths.push_back(static_cast<float>(camera.DepthOf(point)));
+    }
   }
   if (depths.empty()) return 0;
   return Median(depths);
@@ -84,32 +83,41 @@ class Cutout {
   Image<Eigen::Vector4f> values_;
 };
 
-// Where the samples of the square lie along one of its sides: between the pixel `at` and the next,
-// `next` of the way.
-struct Between {
-  int at = 0;
-  float next = 0;
+// Pixels of the view at places of the square.
+class PixelsOfSquare {
+ public:
+  PixelsOfSquare(const CropCamera& crop, const PinholeCamera& camera) {
+    Eigen::Matrix3d pixel_from_sight;
+    pixel_from_sight << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+    Eigen::Matrix3d sight_from_place;
+    sight_from_place << crop.side, 0, crop.left, 0, crop.side, crop.top, 0, 0, 1;
+    pixel_from_place_ = (pixel_from_sight * crop.view_from_crop * sight_from_place).cast<float>();
+  }
+  // Where x, y in [0, 1] lies; far outside when that is behind the view's camera.
+  [[nodiscard]] Eigen::Vector2f At(float x, float y) const {
+    const Eigen::Vector3f pixel =
+        x * pixel_from_place_.col(0) + y * pixel_from_place_.col(1) + pixel_from_place_.col(2);
+    if (!(pixel.z() > 1e-3F)) return Eigen::Vector2f::Constant(kOutside);
+    return pixel.head<2>() / pixel.z();
+  }
+
+ private:
+  static constexpr float kOutside = -1e6F;
+  Eigen::Matrix3f pixel_from_place_;
 };
 
-std::vector<Between> SamplesAlong(double first, double step, int samples) {
-  std::vector<Between> along;
-  along.reserve(static_cast<std::size_t>(kCropSide * samples));
-  for (int x = 0; x < kCropSide; ++x) {
-    for (int a = 0; a < samples; ++a) {
-      const double u = first + (x + (a + 0.5) / samples) * step - 0.5;
-      const double whole = std::floor(u);
-      along.push_back({static_cast<int>(whole), static_cast<float>(u - whole)});
-    }
-  }
-  return along;
-}
-
-void AddBetween(
-    const Cutout& cutout, const Between& u, const Between& v, float weight, Eigen::Vector4f& sum) {
-  sum += weight * (1 - u.next) * (1 - v.next) * cutout.At(u.at, v.at);
-  sum += weight * u.next * (1 - v.next) * cutout.At(u.at + 1, v.at);
-  sum += weight * (1 - u.next) * v.next * cutout.At(u.at, v.at + 1);
-  sum += weight * u.next * v.next * cutout.At(u.at + 1, v.at + 1);
+void AddSample(const Cutout& cutout,
+               const Eigen::Vector2f& pixel,
+               float weight,
+               Eigen::Vector4f& sum) {
+  const Eigen::Vector2f whole = pixel.array().floor();
+  const Eigen::Vector2f next = pixel - whole;
+  const auto u = static_cast<int>(whole.x());
+  const auto v = static_cast<int>(whole.y());
+  sum += weight * (1 - next.x()) * (1 - next.y()) * cutout.At(u, v);
+  sum += weight * next.x() * (1 - next.y()) * cutout.At(u + 1, v);
+  sum += weight * (1 - next.x()) * next.y() * cutout.At(u, v + 1);
+  sum += weight * next.x() * next.y() * cutout.At(u + 1, v + 1);
 }
 
 // Not negative.
@@ -119,28 +127,35 @@ std::uint8_t OnWhite(float colour, float share) {
 
 // The square is white from the start, and stays so where none of its samples is near the box.
 DEEPSLAM_WIDE_VECTORS
-void FillColour(const ObjectView& view, const MaskBox& box, NetworkCrop& crop) {
-  const double step = crop.side_px / kCropSide;
+void FillColour(const ObjectView& view,
+                const MaskBox& box,
+                const PixelsOfSquare& pixels,
+                NetworkCrop& crop) {
+  const auto step =
+      static_cast<float>(crop.camera.side * std::max(view.camera.fx, view.camera.fy) / kCropSide);
   constexpr int kMostSamples = 4;
   // Values between pixels need no second sample before a step leaves pixels out.
   const int samples = std::clamp(static_cast<int>(std::lround(step)), 1, kMostSamples);
   const float weight = 1.0F / static_cast<float>(samples * samples);
-  const std::vector<Between> columns = SamplesAlong(crop.u0, step, samples);
-  const std::vector<Between> rows = SamplesAlong(crop.v0, step, samples);
+  const float between = 1.0F / static_cast<float>(samples);
+  const float rim = 2 * step + 1;
+  const Eigen::Array2f low(static_cast<float>(box.min_u) - rim,
+                           static_cast<float>(box.min_v) - rim);
+  const Eigen::Array2f high(static_cast<float>(box.max_u) + rim,
+                            static_cast<float>(box.max_v) + rim);
   const Cutout cutout(view, box);
-  const auto of_pixel = [samples](const std::vector<Between>& along, int x) {
-    return std::span(along).subspan(static_cast<std::size_t>(x * samples),
-                                    static_cast<std::size_t>(samples));
-  };
   for (int y = 0; y < kCropSide; ++y) {
-    const std::span<const Between> down = of_pixel(rows, y);
-    if (down.back().at + 1 < box.min_v || down.front().at > box.max_v) continue;
     for (int x = 0; x < kCropSide; ++x) {
-      const std::span<const Between> across = of_pixel(columns, x);
-      if (across.back().at + 1 < box.min_u || across.front().at > box.max_u) continue;
+      const auto sample = [&](int a, int b) {
+        return pixels.At(
+            (static_cast<float>(x) + (static_cast<float>(a) + 0.5F) * between) / kCropSide,
+            (static_cast<float>(y) + (static_cast<float>(b) + 0.5F) * between) / kCropSide);
+      };
+      const Eigen::Array2f first = sample(0, 0);
+      if ((first < low).any() || (first > high).any()) continue;
       Eigen::Vector4f mixed = Eigen::Vector4f::Zero();
-      for (const Between& v : down) {
-        for (const Between& u : across) AddBetween(cutout, u, v, weight, mixed);
+      for (int b = 0; b < samples; ++b) {
+        for (int a = 0; a < samples; ++a) AddSample(cutout, sample(a, b), weight, mixed);
       }
       const float share = mixed.w();
       if (share == 0) continue;
@@ -157,68 +172,23 @@ std::uint8_t ToByte(double value, double lowest) {
 }
 
 DEEPSLAM_WIDE_VECTORS
-void FillDepth(const ObjectView& view, NetworkCrop& crop) {
-  const double step = crop.side_px / kCropSide;
-  const auto pixel = [step](double first, int n) {
-    return static_cast<int>(std::floor(first + (n + 0.5) * step));
-  };
-  std::array<int, kCropSide> columns{};
-  for (int x = 0; x < kCropSide; ++x) columns[static_cast<std::size_t>(x)] = pixel(crop.u0, x);
+void FillDepth(const ObjectView& view, const PixelsOfSquare& pixels, NetworkCrop& crop) {
   for (int y = 0; y < kCropSide; ++y) {
-    const int v = pixel(crop.v0, y);
     for (int x = 0; x < kCropSide; ++x) {
-      const int u = columns[static_cast<std::size_t>(x)];
+      const Eigen::Vector2f pixel = pixels.At((static_cast<float>(x) + 0.5F) / kCropSide,
+                                              (static_cast<float>(y) + 0.5F) / kCropSide);
+      const auto u = static_cast<int>(std::floor(pixel.x() + 0.5F));
+      const auto v = static_cast<int>(std::floor(pixel.y() + 0.5F));
       if (!view.mask_crop.Contains(u, v) || view.mask_crop(u, v) == 0) continue;
-      const double z = view.depth_crop_m(u, v);
-      if (!(z > 0)) continue;
-      crop.depth(x, y) = ToByte(128 + 127 * (z - crop.reference_m) / crop.side_m, 1);
+      if (!(view.depth_crop_m(u, v) > 0)) continue;
+      const Eigen::Vector3d point = view.camera.Unproject(u, v, view.depth_crop_m(u, v));
+      const double beyond_m = crop.camera.DepthOf(point) - crop.reference_m;
+      crop.depth(x, y) = ToByte(128 + 127 * beyond_m / crop.side_m, 1);
       if (!view.ground_camera) continue;
-      const double height_m = view.ground_camera->SignedDistance(view.camera.Unproject(u, v, z));
+      const double height_m = view.ground_camera->SignedDistance(point);
       crop.height(x, y) = ToByte((height_m - kLowestHeight_m) / kHeightStep_m, 0);
     }
   }
-}
-
-QuarterTurn UprightTurnOf(const ObjectView& view) {
-  if (!view.ground_camera) return QuarterTurn::kNone;
-  return UprightTurn(view.ground_camera->normal).value_or(QuarterTurn::kNone);
-}
-
-// Pictures, camera and ground; the crop's place in its frame is given up.
-ObjectView TurnedView(const ObjectView& view, QuarterTurn turn) {
-  ObjectView turned;
-  turned.colour_crop = Turned(view.colour_crop, turn);
-  turned.depth_crop_m = Turned(view.depth_crop_m, turn);
-  turned.mask_crop = Turned(view.mask_crop, turn);
-  turned.camera = Turned(view.camera, turn);
-  turned.ground_camera = Turned(*view.ground_camera, turn);
-  return turned;
-}
-
-Result<NetworkCrop> CropUpright(const ObjectView& view, bool use_depth) {
-  const Mask& mask = view.mask_crop;
-  const MaskBox box = BoxOf(mask);
-  if (box.count < kFewestPixels) {
-    return InvalidInput("the silhouette has " + std::to_string(box.count) +
-                        " pixels; a network needs " + std::to_string(kFewestPixels));
-  }
-  NetworkCrop crop;
-  crop.colour = ColourImage(kCropSide, kCropSide, {255, 255, 255});
-  crop.silhouette = Image<std::uint8_t>(kCropSide, kCropSide);
-  crop.depth = crop.silhouette;
-  crop.height = crop.silhouette;
-  crop.side_px = kMargin * std::max(box.max_u - box.min_u + 1, box.max_v - box.min_v + 1);
-  crop.u0 = 0.5 * (box.min_u + box.max_u + 1) - 0.5 * crop.side_px;
-  crop.v0 = 0.5 * (box.min_v + box.max_v + 1) - 0.5 * crop.side_px;
-  FillColour(view, box, crop);
-  const double focal_px = 0.5 * (view.camera.fx + view.camera.fy);
-  if (focal_px > 0) crop.spread = crop.side_px / focal_px;
-  if (!use_depth) return crop;
-  crop.reference_m = MedianDepth(view);
-  if (!(crop.reference_m > 0) || !(focal_px > 0)) return crop;
-  crop.side_m = crop.spread * crop.reference_m;
-  FillDepth(view, crop);
-  return crop;
 }
 
 }  // namespace
@@ -229,9 +199,28 @@ Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
       view.depth_crop_m.width() != mask.width() || view.depth_crop_m.height() != mask.height()) {
     return InvalidInput("colour, depth and silhouette of the view differ in size");
   }
-  const QuarterTurn upright = UprightTurnOf(view);
-  if (upright == QuarterTurn::kNone) return CropUpright(view, use_depth);
-  return CropUpright(TurnedView(view, upright), use_depth);
+  if (!(view.camera.fx > 0) || !(view.camera.fy > 0))
+    return InvalidInput("the view's camera has no focal length");
+  const MaskBox box = BoxOf(mask);
+  if (box.count < kFewestPixels) {
+    return InvalidInput("the silhouette has " + std::to_string(box.count) +
+                        " pixels; a network needs " + std::to_string(kFewestPixels));
+  }
+  NetworkCrop crop;
+  crop.colour = ColourImage(kCropSide, kCropSide, {255, 255, 255});
+  crop.silhouette = Image<std::uint8_t>(kCropSide, kCropSide);
+  crop.depth = crop.silhouette;
+  crop.height = crop.silhouette;
+  crop.camera = *AimAt(mask, view.camera, view.ground_camera);
+  const PixelsOfSquare pixels(crop.camera, view.camera);
+  FillColour(view, box, pixels, crop);
+  if (!use_depth) return crop;
+  crop.elevation_rad = ElevationOf(crop.camera, view.ground_camera);
+  crop.reference_m = MedianDepth(view, crop.camera);
+  if (!(crop.reference_m > 0)) return crop;
+  crop.side_m = crop.camera.side * crop.reference_m;
+  FillDepth(view, pixels, crop);
+  return crop;
 }
 
 void FillPlanes(const NetworkCrop& crop, std::span<float> values) {

@@ -45,6 +45,18 @@ std::string Metadata(const Ort::Session& session, const char* key) {
   return text ? std::string(text.get()) : std::string();
 }
 
+std::string NameOfInput(const Ort::Session& session, std::size_t n) {
+  Ort::AllocatorWithDefaultOptions allocator;
+  return session.GetInputNameAllocated(n, allocator).get();
+}
+
+// Of the crop's camera: how far lines of sight run apart, elevation, whether that is known.
+std::vector<float> SightOf(const NetworkCrop& crop) {
+  return {static_cast<float>(crop.camera.side),
+          static_cast<float>(crop.elevation_rad.value_or(0)),
+          crop.elevation_rad ? 1.0F : 0.0F};
+}
+
 // One of the three, with the ports it must have.
 class Network {
  public:
@@ -217,7 +229,7 @@ struct ShapePrior::Impl {
   Network sketch;
   Network encoder;
   Network decoder;
-  bool has_spread = false;  // else the encoder takes lines of sight for parallel
+  std::size_t num_sight_values = 0;  // the first of SightOf() that the encoder asks for
   bool has_gradient = false;
   SolidCut cut_by_depth;
   SolidCut cut_by_colour;
@@ -278,9 +290,13 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
     const Port latents = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
     Network sketch_network("sketch", open("sketch", sketch_onnx), {crop}, {sketch});
     Ort::Session encoder_session = open("encoder", encoder_onnx);
-    const bool has_spread = encoder_session.GetInputCount() > 2;
     std::vector<Port> encoder_inputs = {crop, sketch};
-    if (has_spread) encoder_inputs.push_back({"spread", {1}});
+    std::size_t num_sight_values = 0;
+    if (encoder_session.GetInputCount() > 2) {
+      num_sight_values = NameOfInput(encoder_session, 2) == "sight" ? 3 : 1;
+      encoder_inputs.push_back({num_sight_values == 3 ? "sight" : "spread",
+                                {static_cast<std::int64_t>(num_sight_values)}});
+    }
     Network encoder("encoder",
                     std::move(encoder_session),
                     std::move(encoder_inputs),
@@ -310,7 +326,7 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
                                                std::move(sketch_network),
                                                std::move(encoder),
                                                std::move(decoder),
-                                               has_spread,
+                                               num_sight_values,
                                                has_gradient,
                                                *by_depth,
                                                *by_colour});
@@ -327,7 +343,10 @@ Result<PriorEncoding> ShapePrior::Encode(const NetworkCrop& crop) const try {
   Result<std::vector<std::vector<float>>> sketch = impl_->sketch.Run(inputs);
   if (!sketch.ok()) return sketch.error();
   inputs.push_back(std::move((*sketch)[0]));
-  if (impl_->has_spread) inputs.push_back({static_cast<float>(crop.spread)});
+  if (impl_->num_sight_values > 0) {
+    inputs.push_back(SightOf(crop));
+    inputs.back().resize(impl_->num_sight_values);
+  }
   const Result<std::vector<std::vector<float>>> outputs = impl_->encoder.Run(inputs);
   if (!outputs.ok()) return outputs.error();
   PriorEncoding encoding;
