@@ -1,6 +1,7 @@
 #include "deepslam/propose/network_crop.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -93,31 +94,44 @@ class PixelsOfSquare {
     sight_from_place << crop.side, 0, crop.left, 0, crop.side, crop.top, 0, 0, 1;
     pixel_from_place_ = (pixel_from_sight * crop.view_from_crop * sight_from_place).cast<float>();
   }
-  // Where x, y in [0, 1] lies; far outside when that is behind the view's camera.
-  [[nodiscard]] Eigen::Vector2f At(float x, float y) const {
-    const Eigen::Vector3f pixel =
-        x * pixel_from_place_.col(0) + y * pixel_from_place_.col(1) + pixel_from_place_.col(2);
-    if (!(pixel.z() > 1e-3F)) return Eigen::Vector2f::Constant(kOutside);
-    return pixel.head<2>() / pixel.z();
+  // Of row `y` of `count` by `count` places; far outside for what is behind the view's camera.
+  void FillRow(int y, int count, std::vector<float>& u, std::vector<float>& v) const {
+    u.resize(static_cast<std::size_t>(count));
+    v.resize(static_cast<std::size_t>(count));
+    FillRow(y, count, u.data(), v.data());
   }
 
  private:
-  static constexpr float kOutside = -1e6F;
+  DEEPSLAM_WIDE_VECTORS
+  void FillRow(int y, int count, float* u, float* v) const {
+    const float step = 1.0F / static_cast<float>(count);
+    const Eigen::Vector3f along = pixel_from_place_.col(0) * step;
+    const Eigen::Vector3f first =
+        0.5F * along + pixel_from_place_.col(1) * ((static_cast<float>(y) + 0.5F) * step) +
+        pixel_from_place_.col(2);
+    constexpr float kNearest = 1e-3F;
+    for (int n = 0; n < count; ++n) {
+      const auto x = static_cast<float>(n);
+      const float scale = 1 / std::max(kNearest, first.z() + x * along.z());
+      u[n] = (first.x() + x * along.x()) * scale;
+      v[n] = (first.y() + x * along.y()) * scale;
+    }
+  }
+
   Eigen::Matrix3f pixel_from_place_;
 };
 
-void AddSample(const Cutout& cutout,
-               const Eigen::Vector2f& pixel,
-               float weight,
-               Eigen::Vector4f& sum) {
-  const Eigen::Vector2f whole = pixel.array().floor();
-  const Eigen::Vector2f next = pixel - whole;
-  const auto u = static_cast<int>(whole.x());
-  const auto v = static_cast<int>(whole.y());
-  sum += weight * (1 - next.x()) * (1 - next.y()) * cutout.At(u, v);
-  sum += weight * next.x() * (1 - next.y()) * cutout.At(u + 1, v);
-  sum += weight * (1 - next.x()) * next.y() * cutout.At(u, v + 1);
-  sum += weight * next.x() * next.y() * cutout.At(u + 1, v + 1);
+void AddSample(const Cutout& cutout, float u, float v, float weight, Eigen::Vector4f& sum) {
+  const float whole_u = std::floor(u);
+  const float whole_v = std::floor(v);
+  const float right = u - whole_u;
+  const float below = v - whole_v;
+  const auto at_u = static_cast<int>(whole_u);
+  const auto at_v = static_cast<int>(whole_v);
+  sum += weight * (1 - right) * (1 - below) * cutout.At(at_u, at_v);
+  sum += weight * right * (1 - below) * cutout.At(at_u + 1, at_v);
+  sum += weight * (1 - right) * below * cutout.At(at_u, at_v + 1);
+  sum += weight * right * below * cutout.At(at_u + 1, at_v + 1);
 }
 
 // Not negative.
@@ -137,30 +151,29 @@ void FillColour(const ObjectView& view,
   // Values between pixels need no second sample before a step leaves pixels out.
   const int samples = std::clamp(static_cast<int>(std::lround(step)), 1, kMostSamples);
   const float weight = 1.0F / static_cast<float>(samples * samples);
-  const float between = 1.0F / static_cast<float>(samples);
-  const float rim = 2 * step + 1;
-  const Eigen::Array2f low(static_cast<float>(box.min_u) - rim,
-                           static_cast<float>(box.min_v) - rim);
-  const Eigen::Array2f high(static_cast<float>(box.max_u) + rim,
-                            static_cast<float>(box.max_v) + rim);
+  const auto left = static_cast<float>(box.min_u - 1);
+  const auto top = static_cast<float>(box.min_v - 1);
+  const auto right = static_cast<float>(box.max_u + 1);
+  const auto bottom = static_cast<float>(box.max_v + 1);
   const Cutout cutout(view, box);
+  std::vector<float> u;
+  std::vector<float> v;
+  std::array<Eigen::Vector4f, kCropSide> mixed;
   for (int y = 0; y < kCropSide; ++y) {
-    for (int x = 0; x < kCropSide; ++x) {
-      const auto sample = [&](int a, int b) {
-        return pixels.At(
-            (static_cast<float>(x) + (static_cast<float>(a) + 0.5F) * between) / kCropSide,
-            (static_cast<float>(y) + (static_cast<float>(b) + 0.5F) * between) / kCropSide);
-      };
-      const Eigen::Array2f first = sample(0, 0);
-      if ((first < low).any() || (first > high).any()) continue;
-      Eigen::Vector4f mixed = Eigen::Vector4f::Zero();
-      for (int b = 0; b < samples; ++b) {
-        for (int a = 0; a < samples; ++a) AddSample(cutout, sample(a, b), weight, mixed);
+    mixed.fill(Eigen::Vector4f::Zero());
+    for (int b = 0; b < samples; ++b) {
+      pixels.FillRow(y * samples + b, kCropSide * samples, u, v);
+      for (std::size_t n = 0; n < u.size(); ++n) {
+        if (u[n] <= left || u[n] >= right || v[n] <= top || v[n] >= bottom) continue;
+        AddSample(cutout, u[n], v[n], weight, mixed[n / static_cast<std::size_t>(samples)]);
       }
-      const float share = mixed.w();
+    }
+    for (int x = 0; x < kCropSide; ++x) {
+      const Eigen::Vector4f& pixel = mixed[static_cast<std::size_t>(x)];
+      const float share = pixel.w();
       if (share == 0) continue;
       crop.colour(x, y) = {
-          OnWhite(mixed.x(), share), OnWhite(mixed.y(), share), OnWhite(mixed.z(), share)};
+          OnWhite(pixel.x(), share), OnWhite(pixel.y(), share), OnWhite(pixel.z(), share)};
       crop.silhouette(x, y) = static_cast<std::uint8_t>(255.0F * std::min(1.0F, share) + 0.5F);
     }
   }
@@ -172,16 +185,21 @@ std::uint8_t ToByte(double value, double lowest) {
 }
 
 DEEPSLAM_WIDE_VECTORS
-void FillDepth(const ObjectView& view, const PixelsOfSquare& pixels, NetworkCrop& crop) {
+void FillDepth(const ObjectView& view,
+               const MaskBox& box,
+               const PixelsOfSquare& pixels,
+               NetworkCrop& crop) {
+  std::vector<float> row_u;
+  std::vector<float> row_v;
   for (int y = 0; y < kCropSide; ++y) {
+    pixels.FillRow(y, kCropSide, row_u, row_v);
     for (int x = 0; x < kCropSide; ++x) {
-      const Eigen::Vector2f pixel = pixels.At((static_cast<float>(x) + 0.5F) / kCropSide,
-                                              (static_cast<float>(y) + 0.5F) / kCropSide);
-      const auto u = static_cast<int>(std::floor(pixel.x() + 0.5F));
-      const auto v = static_cast<int>(std::floor(pixel.y() + 0.5F));
-      if (!view.mask_crop.Contains(u, v) || view.mask_crop(u, v) == 0) continue;
-      if (!(view.depth_crop_m(u, v) > 0)) continue;
-      const Eigen::Vector3d point = view.camera.Unproject(u, v, view.depth_crop_m(u, v));
+      const auto u = static_cast<int>(std::floor(row_u[static_cast<std::size_t>(x)] + 0.5F));
+      const auto v = static_cast<int>(std::floor(row_v[static_cast<std::size_t>(x)] + 0.5F));
+      if (u < box.min_u || u > box.max_u || v < box.min_v || v > box.max_v) continue;
+      const double z = view.depth_crop_m(u, v);
+      if (view.mask_crop(u, v) == 0 || !(z > 0)) continue;
+      const Eigen::Vector3d point = view.camera.Unproject(u, v, z);
       const double beyond_m = crop.camera.DepthOf(point) - crop.reference_m;
       crop.depth(x, y) = ToByte(128 + 127 * beyond_m / crop.side_m, 1);
       if (!view.ground_camera) continue;
@@ -219,7 +237,7 @@ Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
   crop.reference_m = MedianDepth(view, crop.camera);
   if (!(crop.reference_m > 0)) return crop;
   crop.side_m = crop.camera.side * crop.reference_m;
-  FillDepth(view, pixels, crop);
+  FillDepth(view, box, pixels, crop);
   return crop;
 }
 
