@@ -17,8 +17,8 @@ class Views:
         for number, folder in enumerate(folders):
             folder = pathlib.Path(folder)
             head = json.loads((folder / "training_views.json").read_text(encoding="utf-8"))
-            if head["format"] != "deepslam/training_views" or head["version"] != 1:
-                raise SystemExit(f"{folder}: not training views of version 1")
+            if head["format"] != "deepslam/training_views" or head["version"] != 2:
+                raise SystemExit(f"{folder}: not training views of version 2; render them anew")
             part = {name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in ARRAYS}
             rows = [m for m, model in enumerate(head["models"]) if split in (None, model["split"])]
             place = {m: len(self.models) + n for n, m in enumerate(rows)}
@@ -28,8 +28,6 @@ class Views:
             for view in np.flatnonzero(np.isin(model_of, rows)):
                 index.append((number, view))
                 owner.append(place[int(model_of[view])])
-        # How far lines of sight run apart is told of views since unprojection knows of it; of others they are parallel.
-        self.perspective = all(part["camera"].shape[1] > 5 for part in self.parts)
         self.index, self.owner = np.array(index, np.int64).reshape(-1, 2), np.array(owner, np.int64)
         self.packed = np.stack([self.parts[m["part"]]["voxels"][m["row"]] for m in self.models])
 
@@ -75,16 +73,24 @@ class Views:
         pairs = self.index[numbers]
         return torch.from_numpy(np.stack([self.parts[part]["camera"][view, :5] for part, view in pairs]).astype(np.float32))
 
-    def spread(self, numbers):
-        """[n, 1]: the crop's side over the focal length; 0 where lines of sight are taken for parallel."""
-        if not self.perspective:
-            return torch.zeros(len(numbers), 1)
-        return torch.from_numpy(self.rows("camera", numbers)[:, 5:6].astype(np.float32))
+    def sight(self, numbers):
+        """[n, 3] of the crop's camera: the square's side (tangent), elevation by the ground, and whether that is known."""
+        camera = self.rows("camera", numbers).astype(np.float32)
+        known = camera[:, 6:7] > -4
+        return torch.from_numpy(np.concatenate([camera[:, 5:6], np.where(known, camera[:, 6:7], 0), known], 1).astype(np.float32))
+
+    def inputs(self, numbers, use_depth):
+        """Crops and sight; by colour alone without depth and ground."""
+        crops, sight = self.crops(numbers), self.sight(numbers)
+        if not use_depth:
+            drop_depth(crops, sight, slice(None))
+        return crops, sight
 
 
-def drop_depth(crops, rows):
+def drop_depth(crops, sight, rows):
+    """Colour alone: neither depth nor ground."""
     crops[rows, 4:] = 0
-    return crops
+    sight[rows, 1:] = 0
 
 
 def batch(views, numbers, random, depth_dropped):
@@ -98,6 +104,7 @@ def batch(views, numbers, random, depth_dropped):
     sketch[flip, 1] *= -1
     voxels[flip] = voxels[flip].flip(2)
     azimuth[flip] *= -1
-    drop_depth(crops, torch.from_numpy(random.random(len(numbers)) < depth_dropped))
-    return {"crop": crops, "spread": views.spread(numbers), "sketch": sketch, "known": known, "voxels": voxels, "azimuth": azimuth,
+    sight = views.sight(numbers)
+    drop_depth(crops, sight, torch.from_numpy(random.random(len(numbers)) < depth_dropped))
+    return {"crop": crops, "sight": sight, "sketch": sketch, "known": known, "voxels": voxels, "azimuth": azimuth,
             "elevation": camera[:, 1], "symmetry": views.symmetry(numbers)}

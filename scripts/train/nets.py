@@ -1,9 +1,9 @@
 """The networks of a shape prior, in the manner of Pix3D (Sun et al. 2018).
 
   sketch    crop [N, 7, 128, 128] -> sketch [N, 5, 64, 64]: depth, normal (3), silhouette (logit)
-  encoder   crop, sketch, spread [N, 1] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
+  encoder   crop, sketch, sight [N, 3] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
             latents also from the sketch as it lies in the model's frame by that azimuth and elevation (unproject.py).
-            The spread, the crop's side over the focal length, is left out of networks whose lines of sight are parallel
+            Sight: the square's side over the focal length, the elevation by the ground, and 1 where that is known
   decoder   latents -> logits [N, 64, 64, 64], index order x (front), y, z as the program's voxel grids
 
 The planes of a crop are those of src/deepslam/propose/network_crop.h. The decoder is 2-D with the 64 places along x as
@@ -12,7 +12,7 @@ channels: as good as a 3-D one and an order of magnitude faster.
 import torch
 from torch import nn
 
-from unproject import GRID, PLACES, Unproject, direction_of
+from unproject import FACINGS, GRID, MEASURES, PLACES, Unproject, direction_of
 
 LATENTS, BINS = 100, 24
 LEAK = 0.1  # behind the encoder's narrow layers: of plain units more than half died, all of those behind a zero last layer
@@ -68,19 +68,24 @@ class Encoder(nn.Module):
             down(2 * PLACES, e), down(e, f), down(f, g), nn.Flatten(), nn.Linear(g * 16, turned),
             nn.LeakyReLU(LEAK))
         self.more_latents = nn.Linear(turned, LATENTS)
-        nn.init.zeros_(self.more_latents.weight)  # begins as the networks without
-        nn.init.zeros_(self.more_latents.bias)
+        self.profiles = nn.Sequential(
+            nn.Linear(3 * len(FACINGS) * GRID + MEASURES, 160), nn.LeakyReLU(LEAK), nn.Linear(160, 160), nn.LeakyReLU(LEAK),
+            nn.Linear(160, LATENTS))
+        for last in (self.more_latents, self.profiles[-1]):  # begins as the networks without
+            nn.init.zeros_(last.weight)
+            nn.init.zeros_(last.bias)
 
     @staticmethod
     def planes(crop, sketch):
         return torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1)
 
-    def forward(self, crop, sketch, spread=None):
+    def forward(self, crop, sketch, sight):
         features = self.body(self.planes(crop, sketch))
         azimuth, elevation = self.azimuth(features), self.elevation(features)
         with torch.no_grad(), torch.autocast(crop.device.type, enabled=False):
-            places = self.unproject(sketch.float(), azimuth.float(), elevation.float(), spread)
-        return self.latents(features) + SPREAD * self.more_latents(self.turned(places)), azimuth, elevation
+            places, profiles = self.unproject(crop.float(), sketch.float(), azimuth.float(), elevation.float(), sight.float())
+        more = self.more_latents(self.turned(places)) + self.profiles(profiles)
+        return self.latents(features) + SPREAD * more, azimuth, elevation
 
 
 class Decoder(nn.Module):
@@ -101,9 +106,9 @@ class Prior(nn.Module):
         super().__init__()
         self.sketch, self.encoder, self.decoder = Sketch(width), Encoder(width), Decoder(width)
 
-    def forward(self, crop, spread=None):
+    def forward(self, crop, sight):
         sketch = self.sketch(crop)
-        latents, azimuth, elevation = self.encoder(crop, sketch, spread)
+        latents, azimuth, elevation = self.encoder(crop, sketch, sight)
         return self.decoder(latents), latents, azimuth, elevation, sketch
 
 

@@ -5,11 +5,11 @@ compute what they computed, and that every unit's spread over real crops is the 
 """
 import pathlib
 
-import numpy as np
 import onnx
 import torch
-from onnx import numpy_helper
 from torch import nn
+
+import narrow_weights
 
 
 def trainings_of(source):
@@ -21,15 +21,9 @@ def trainings_of(source):
     return [line.removeprefix("Before that: ") for line in section.splitlines() if " steps of " in line]
 
 
-def parameters_of(model):
-    halves = {cast.output[0]: cast.input[0] for cast in model.graph.node if cast.op_type == "Cast"}
-    stored = {tensor.name: numpy_helper.to_array(tensor).astype(np.float32) for tensor in model.graph.initializer}
-    return dict(stored, **{name: stored[half] for name, half in halves.items() if half in stored})
-
-
 def unfold(network, model):
     """Fills `network`; returns the normalisations that are ones by now."""
-    values, state, ones = parameters_of(model), network.state_dict(), []
+    values, state, ones = narrow_weights.constants_of(model), network.state_dict(), []
     for name in state:
         if name in values:
             state[name] = torch.from_numpy(values[name].copy())
@@ -77,21 +71,23 @@ def read(model, source):
     they were made, which adds nothing. Returns the normalisations that are ones by now: none of those of a file of weights."""
     source = pathlib.Path(source)
     if source.is_file():
-        model.load_state_dict(torch.load(source, map_location="cpu", weights_only=True))
+        lacking = model.load_state_dict(torch.load(source, map_location="cpu", weights_only=True), strict=False)
+        if lacking.unexpected_keys:
+            raise SystemExit(f"{source}: weights of other networks: {lacking.unexpected_keys[0]}")
         return []
     return [norm for name in ("sketch", "encoder", "decoder")
             for norm in unfold(getattr(model, name), onnx.load(str(source / f"{name}.onnx")))]
 
 
-def begin(model, source, crops, spread):
-    """`model` with the weights of `source`, ready to learn; `crops` are some hundred of the training's, `spread` theirs."""
+def begin(model, source, crops, sight):
+    """`model` with the weights of `source`, ready to learn; `crops` are some hundred of the training's, `sight` theirs."""
     learning = model.training
     norms, seen = read(model.eval(), source), {}
     if not norms:
         return model.train(learning)
     hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
     with torch.no_grad():
-        model(crops, spread)
+        model(crops, sight)
     for hook in hooks:
         hook.remove()
     for norm in norms:

@@ -104,8 +104,8 @@ def run(model, views, use_depth, numbers=None, decode=True):
     numbers = np.arange(len(views)) if numbers is None else numbers
     for start in range(0, len(numbers), 64):
         some = numbers[start:start + 64]
-        crops = views.crops(some) if use_depth else data.drop_depth(views.crops(some), slice(None))
-        z, azimuth, _ = model.encoder(crops, model.sketch(crops), views.spread(some))
+        crops, sight = views.inputs(some, use_depth)
+        z, azimuth, _ = model.encoder(crops, model.sketch(crops), sight)
         latents.append(z)
         azimuths.append(nets.azimuth_of(azimuth))
         if decode:
@@ -124,8 +124,8 @@ def fit_calibration(model, check, most=256, voxels=4096):
     for use_depth in (True, False):
         for start in range(0, len(numbers), 64):
             some = numbers[start:start + 64]
-            crops = check.crops(some) if use_depth else data.drop_depth(check.crops(some), slice(None))
-            latents, _, _ = model.encoder(crops, model.sketch(crops), check.spread(some))
+            crops, sight = check.inputs(some, use_depth)
+            latents, _, _ = model.encoder(crops, model.sketch(crops), sight)
             chosen = torch.randint(64 ** 3, (len(some), voxels), generator=random)
             logits.append(model.decoder(latents).reshape(len(some), -1).gather(1, chosen).reshape(-1))
             truth.append(check.voxels(check.owner[some]).reshape(len(some), -1).gather(1, chosen).reshape(-1))
@@ -244,9 +244,6 @@ def main():
     model = nets.Prior(config["width"]).eval()
     restart.read(model, arguments.weights)
     test = data.Views(arguments.test)
-    if train.perspective and not test.perspective:
-        raise SystemExit("the test views do not tell how far lines of sight run apart, those of the training do; render them anew")
-    test.perspective = train.perspective
     if {m["id"] for m in test.models} & {m["id"] for m in train.models + check.models}:
         raise SystemExit("a test model is among those of training")
     truth = test.voxels(np.arange(len(test.models))).bool()

@@ -140,7 +140,7 @@ def validate(model, views, device, count=256):
     levels, ious, errors = torch.arange(0.1, 0.75, 0.05), [], []
     for start in range(0, len(numbers), 32):
         some = numbers[start:start + 32]
-        logits, _, azimuth, _, _ = model(views.crops(some).to(device), views.spread(some).to(device))
+        logits, _, azimuth, _, _ = model(views.crops(some).to(device), views.sight(some).to(device))
         share, truth = torch.sigmoid(logits).cpu(), views.voxels(views.owner[some]).bool()
         for level in levels:
             ours = share > level
@@ -188,7 +188,7 @@ def main():
         state = saved["state"]
     elif arguments.start_from:
         some = np.linspace(0, len(train_views) - 1, min(256, len(train_views))).astype(int)
-        restart.begin(model.cpu(), arguments.start_from, train_views.crops(some), train_views.spread(some)).to(device)
+        restart.begin(model.cpu(), arguments.start_from, train_views.crops(some), train_views.sight(some)).to(device)
         mean.load_state_dict(model.state_dict())
         state["before"] = restart.trainings_of(arguments.start_from)
     print(f"{len(train_views)} views of {len(train_views.models)} models, validated on {len(check_views)} of "
@@ -221,7 +221,7 @@ def main():
         for group in optimizer.param_groups:
             group["lr"] = rate
         with torch.autocast(device.type, dtype=torch.bfloat16, enabled=half):
-            output = model(item["crop"], item["spread"])
+            output = model(item["crop"], item["sight"])
         loss, parts = losses([value.float() for value in output], item, config.get("weights", {}))
         optimizer.zero_grad(set_to_none=True)
         loss.backward()
