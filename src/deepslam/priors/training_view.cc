@@ -180,10 +180,11 @@ Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
        raster.object_from_camera.rotation.toRotationMatrix().transpose())
           .cast<float>();
   for (int y = 0; y < kSketchSide; ++y) {
+    const double down = (y + 0.5) / kSketchSide;
+    const Eigen::Vector3d first = crop.camera.SightAt(0.5 / kSketchSide, down);
+    const Eigen::Vector3d step = crop.camera.SightAt(1.5 / kSketchSide, down) - first;
     for (int x = 0; x < kSketchSide; ++x) {
-      const Eigen::Vector3d sight =
-          crop.camera.SightAt((x + 0.5) / kSketchSide, (y + 0.5) / kSketchSide);
-      const std::optional<Eigen::Vector2d> pixel = raster.camera.Project(sight);
+      const std::optional<Eigen::Vector2d> pixel = raster.camera.Project(first + x * step);
       if (!pixel) continue;
       const auto u = static_cast<int>(std::floor(pixel->x() + 0.5));
       const auto v = static_cast<int>(std::floor(pixel->y() + 0.5));

@@ -40,10 +40,11 @@ MaskBox BoxOf(const Mask& mask) {
   return box;
 }
 
-double MedianDepth(const ObjectView& view, const CropCamera& camera) {
+double MedianDepth(const ObjectView& view, const MaskBox& box, const CropCamera& camera) {
   std::vector<float> depths;
-  for (int v = 0; v < view.mask_crop.height(); ++v) {
-    for (int u = 0; u < view.mask_crop.width(); ++u) {
+  depths.reserve(static_cast<std::size_t>(box.count));
+  for (int v = box.min_v; v <= box.max_v; ++v) {
+    for (int u = box.min_u; u <= box.max_u; ++u) {
       if (view.mask_crop(u, v) == 0 || !(view.depth_crop_m(u, v) > 0)) continue;
       const Eigen::Vector3d point = view.camera.Unproject(u, v, view.depth_crop_m(u, v));
       depths.push_back(static_cast<float>(camera.DepthOf(point)));
@@ -72,10 +73,17 @@ class Cutout {
       }
     }
   }
-  // Any pixel.
-  [[nodiscard]] Eigen::Vector4f At(int u, int v) const {
-    return values_(std::clamp(u - u0_, 0, values_.width() - 1),
-                   std::clamp(v - v0_, 0, values_.height() - 1));
+  // Between four pixels, for less than a pixel outside the box.
+  [[nodiscard]] Eigen::Vector4f Between(float u, float v) const {
+    const float whole_u = std::floor(u);
+    const float whole_v = std::floor(v);
+    const float right = u - whole_u;
+    const float below = v - whole_v;
+    const Eigen::Vector4f* const upper =
+        values_.row(static_cast<int>(whole_v) - v0_) + (static_cast<int>(whole_u) - u0_);
+    const Eigen::Vector4f* const lower = upper + values_.width();
+    return (1 - below) * ((1 - right) * upper[0] + right * upper[1]) +
+           below * ((1 - right) * lower[0] + right * lower[1]);
   }
 
  private:
@@ -121,19 +129,6 @@ class PixelsOfSquare {
   Eigen::Matrix3f pixel_from_place_;
 };
 
-void AddSample(const Cutout& cutout, float u, float v, float weight, Eigen::Vector4f& sum) {
-  const float whole_u = std::floor(u);
-  const float whole_v = std::floor(v);
-  const float right = u - whole_u;
-  const float below = v - whole_v;
-  const auto at_u = static_cast<int>(whole_u);
-  const auto at_v = static_cast<int>(whole_v);
-  sum += weight * (1 - right) * (1 - below) * cutout.At(at_u, at_v);
-  sum += weight * right * (1 - below) * cutout.At(at_u + 1, at_v);
-  sum += weight * (1 - right) * below * cutout.At(at_u, at_v + 1);
-  sum += weight * right * below * cutout.At(at_u + 1, at_v + 1);
-}
-
 // Not negative.
 std::uint8_t OnWhite(float colour, float share) {
   return static_cast<std::uint8_t>(std::min(255.0F, colour + (1 - share) * 255.0F) + 0.5F);
@@ -165,7 +160,7 @@ void FillColour(const ObjectView& view,
       pixels.FillRow(y * samples + b, kCropSide * samples, u, v);
       for (std::size_t n = 0; n < u.size(); ++n) {
         if (u[n] <= left || u[n] >= right || v[n] <= top || v[n] >= bottom) continue;
-        AddSample(cutout, u[n], v[n], weight, mixed[n / static_cast<std::size_t>(samples)]);
+        mixed[n / static_cast<std::size_t>(samples)] += weight * cutout.Between(u[n], v[n]);
       }
     }
     for (int x = 0; x < kCropSide; ++x) {
@@ -234,7 +229,7 @@ Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
   FillColour(view, box, pixels, crop);
   if (!use_depth) return crop;
   crop.elevation_rad = ElevationOf(crop.camera, view.ground_camera);
-  crop.reference_m = MedianDepth(view, crop.camera);
+  crop.reference_m = MedianDepth(view, box, crop.camera);
   if (!(crop.reference_m > 0)) return crop;
   crop.side_m = crop.camera.side * crop.reference_m;
   FillDepth(view, box, pixels, crop);
