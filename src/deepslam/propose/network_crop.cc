@@ -159,7 +159,7 @@ void FillColour(const ObjectView& view,
     for (int b = 0; b < samples; ++b) {
       pixels.FillRow(y * samples + b, kCropSide * samples, u, v);
       for (std::size_t n = 0; n < u.size(); ++n) {
-        if (u[n] <= left || u[n] >= right || v[n] <= top || v[n] >= bottom) continue;
+        if (!(u[n] > left && u[n] < right && v[n] > top && v[n] < bottom)) continue;
         mixed[n / static_cast<std::size_t>(samples)] += weight * cutout.Between(u[n], v[n]);
       }
     }
