@@ -7,6 +7,7 @@ import torch
 
 ARRAYS = ("colour", "silhouette", "depth", "height", "sketch_depth", "sketch_normal", "sketch_silhouette", "camera",
           "model", "voxels")
+UNKNOWN = -10  # stands for an elevation that is not known
 
 
 class Views:
@@ -76,7 +77,7 @@ class Views:
     def sight(self, numbers):
         """[n, 3] of the crop's camera: the square's side (tangent), elevation by the ground, and whether that is known."""
         camera = self.rows("camera", numbers).astype(np.float32)
-        known = camera[:, 6:7] > -4
+        known = camera[:, 6:7] != UNKNOWN
         return torch.from_numpy(np.concatenate([camera[:, 5:6], np.where(known, camera[:, 6:7], 0), known], 1).astype(np.float32))
 
     def inputs(self, numbers, use_depth):
