@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Weights of exported networks in few bytes: matrices and kernels as 8-bit integers with a factor for each output channel, the
-rest as 16-bit floats. They are computed with as 32-bit floats: ONNX Runtime multiplies them out once, when it loads.
+"""Weights of exported networks in few bytes: matrices and kernels as 8-bit integers with a factor for each output channel,
+small ones as 16-bit floats. They are computed with as 32-bit floats: ONNX Runtime multiplies them out once, when it loads.
 
     narrow_weights.py configs/priors/CLASS ...        (in place; export.py does the same)
 
@@ -67,9 +67,9 @@ def narrow(model):
     kept, unpack = [], []
     for tensor in model.graph.initializer:
         values = numpy_helper.to_array(tensor)
-        if values.dtype != np.float32 or values.size < FEWEST_HALVES:
+        if values.dtype != np.float32 or values.ndim < 2 or values.size < FEWEST_HALVES:  # a variance may be beyond 16 bits
             kept.append(tensor)
-        elif values.ndim < 2 or values.size < FEWEST_BYTES:
+        elif values.size < FEWEST_BYTES:
             kept.append(numpy_helper.from_array(values.astype(np.float16), tensor.name + "_half"))
             unpack.append(helper.make_node("Cast", [tensor.name + "_half"], [tensor.name], to=TensorProto.FLOAT))
         else:
