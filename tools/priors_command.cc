@@ -1,7 +1,10 @@
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -9,6 +12,7 @@
 #include "commands.h"
 #include "console.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/furniture/design.h"
@@ -46,40 +50,38 @@ int ViewsOf(const RenderArguments& arguments, const TrainingModels& models, std:
   return models.IsProduct(n) ? arguments.product_views : arguments.views;
 }
 
-// Models [first, first + count) with their views; a view depends on seed, model and its number
-// alone.
-std::vector<Rendered> RenderSome(const RenderArguments& arguments,
-                                 const TrainingModels& models,
-                                 std::size_t first,
-                                 std::size_t count) {
-  std::vector<Rendered> some(count);
-  ParallelFor(count, [&](std::size_t n) {
-    Rendered& rendered = some[n];
-    rendered.model = models.Make(first + n);
-    if (!rendered.model->ok()) return;
-    rendered.renderer = priors::ViewRenderer::Make((**rendered.model).furniture);
-    rendered.views.resize(static_cast<std::size_t>(ViewsOf(arguments, models, first + n)));
-  });
-  std::vector<std::pair<std::size_t, std::size_t>> work;
-  for (std::size_t n = 0; n < count; ++n) {
-    if (!some[n].renderer || !some[n].renderer->ok()) continue;
-    for (std::size_t v = 0; v < some[n].views.size(); ++v) work.emplace_back(n, v);
-  }
+// Model `n` with its views; a view depends on seed, model and its number alone.
+Rendered RenderModel(const RenderArguments& arguments,
+                     const TrainingModels& models,
+                     std::size_t n) {
+  Rendered rendered;
+  rendered.model = models.Make(n);
+  if (!rendered.model->ok()) return rendered;
+  const TrainingModel& model = **rendered.model;
+  rendered.renderer = priors::ViewRenderer::Make(model.furniture);
+  if (!rendered.renderer->ok()) return rendered;
+  rendered.views.resize(static_cast<std::size_t>(ViewsOf(arguments, models, n)));
   const priors::ViewOptions options{!arguments.clean, arguments.tops};
-  ParallelFor(work.size(), [&](std::size_t w) {
-    const auto [n, v] = work[w];
-    Rendered& rendered = some[n];
+  ParallelFor(rendered.views.size(), [&](std::size_t v) {
     rendered.views[v] =
-        (**rendered.renderer)
-            .Render(Random(arguments.models.seed, (**rendered.model).id + " view", v), options);
+        (**rendered.renderer).Render(Random(arguments.models.seed, model.id + " view", v), options);
   });
-  return some;
+  return rendered;
 }
 
 Status CheckRendered(const Rendered& rendered) {
   if (!rendered.model->ok()) return rendered.model->error();
   if (!rendered.renderer->ok()) {
     return InvalidInput((**rendered.model).id + ": " + rendered.renderer->error().message);
+  }
+  return Ok();
+}
+
+Status AddRendered(const Rendered& rendered, TrainingShards& shards) {
+  if (Status status = CheckRendered(rendered); !status.ok()) return status;
+  if (Status status = shards.AddModel(**rendered.model); !status.ok()) return status;
+  for (const priors::TrainingView& view : rendered.views) {
+    if (Status status = shards.AddView(view); !status.ok()) return status;
   }
   return Ok();
 }
@@ -98,21 +100,22 @@ Result<Totals> RenderShards(const RenderArguments& arguments,
   Result<TrainingShards> shards =
       TrainingShards::Create(arguments.out, totals.models, totals.views);
   if (!shards) return shards.error();
-  constexpr std::size_t kAtATime = 8;
-  for (std::size_t first = 0; first < models.size(); first += kAtATime) {
-    if (progress.StopRequested()) return Interrupted();
-    const std::size_t count = std::min(kAtATime, models.size() - first);
-    for (const Rendered& rendered : RenderSome(arguments, models, first, count)) {
-      if (const Status status = CheckRendered(rendered); !status) return status.error();
-      if (const Status status = shards->AddModel(**rendered.model); !status) return status.error();
-      for (const priors::TrainingView& view : rendered.views) {
-        if (const Status status = shards->AddView(view); !status) return status.error();
-      }
-    }
-    progress.Report(first + count, models.size());
-  }
-  if (const Status status = shards->Finish(arguments.models.seed, !arguments.clean); !status)
-    return status.error();
+  constexpr std::size_t kAhead = 8;
+  std::array<Rendered, kAhead> ahead;
+  Status status = Ok();
+  const auto prepare = [&](std::size_t n) {
+    ahead[n % kAhead] = RenderModel(arguments, models, n);
+  };
+  const auto write = [&](std::size_t n) {
+    const Rendered rendered = std::exchange(ahead[n % kAhead], {});
+    status = progress.StopRequested() ? Interrupted() : AddRendered(rendered, *shards);
+    progress.Report(n + 1, models.size());
+    return status.ok();
+  };
+  ParallelAhead(models.size(), kAhead, prepare, write);
+  if (!status) return status.error();
+  status = shards->Finish(arguments.models.seed, !arguments.clean);
+  if (!status) return status.error();
   return totals;
 }
 
@@ -123,9 +126,9 @@ Result<Totals> RenderSheet(const RenderArguments& arguments, const TrainingModel
   std::vector<priors::SheetRow> rows;
   const auto wanted = std::min(static_cast<std::size_t>(arguments.sheet_rows), models.size());
   for (std::size_t row = 0; row < wanted; ++row) {
-    std::vector<Rendered> one = RenderSome(few, models, row * models.size() / wanted, 1);
-    if (const Status status = CheckRendered(one[0]); !status) return status.error();
-    rows.push_back({std::move(one[0].views), (**one[0].model).shape});
+    Rendered one = RenderModel(few, models, row * models.size() / wanted);
+    if (const Status status = CheckRendered(one); !status) return status.error();
+    rows.push_back({std::move(one.views), (**one.model).shape});
   }
   const Status written = dataset::WriteColourFile(arguments.sheet, priors::DrawContactSheet(rows));
   if (!written) return written.error();
