@@ -75,6 +75,10 @@ def card(config, scores, curve, heads, given, worst, weights):
         lines.append(f"- Made canonical, as the program places them, {name}: IoU 64 {scores[key]['iou64_canonical']:.3f}; values above the "
                      f"threshold alone, as the network has them: {scores[key]['iou64_by_threshold']:.3f}.")
     for key, name in names.items():
+        if "median_latent_of_10" in scores[key]:
+            lines.append("- Ten views together by the geometric median of their latents, as the program takes it, "
+                         f"{name}: IoU 64 {scores[key]['median_latent_of_10']:.3f}.")
+    for key, name in names.items():
         a = scores[key]["azimuth"]
         if a:
             lines.append(f"- Azimuth, {name}: median {a['median_deg']:.1f} deg, within 22.5 deg {a['within_22_5']:.2f}, "

@@ -8,6 +8,7 @@
 
 #include "deepslam/propose/best_first.h"
 #include "deepslam/propose/candidate_size.h"
+#include "deepslam/propose/joined_encoding.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/network_crop.h"
 #include "deepslam/propose/proposer.h"
@@ -112,8 +113,7 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
   const ShapePrior& prior = *found->second;
   const bool by_depth = sight_ == Sight::kColourAndDepth;
   const Extent extent = MeasureExtent(object, by_depth);
-  PriorEncoding mean;
-  int count = 0;
+  std::vector<PriorEncoding> encodings;
   for (const std::size_t n : ChooseViews(object.views, extent.center_world, options_.max_views)) {
     const ObjectView& view = object.views[n];
     const Result<NetworkCrop> crop = MakeNetworkCrop(view, by_depth);
@@ -124,16 +124,11 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
     }
     const Result<PriorEncoding> encoding = prior.Encode(*crop);
     if (!encoding.ok()) return encoding.error();
-    for (std::size_t k = 0; k < kNumLatents; ++k) mean.latents[k] += encoding->latents[k];
-    mean.confidence += encoding->confidence;
-    ++count;
+    encodings.push_back(*encoding);
     Add(object, prior, *encoding, &view, extent.size_m, proposals);
   }
-  if (options_.mean_latent && count > 1) {
-    for (float& latent : mean.latents) latent /= static_cast<float>(count);
-    mean.confidence /= count;
-    Add(object, prior, mean, nullptr, extent.size_m, proposals);
-  }
+  if (options_.mean_latent && encodings.size() > 1)
+    Add(object, prior, JoinEncodings(encodings), nullptr, extent.size_m, proposals);
   if (proposals.candidates.empty() && proposals.notes.empty())
     proposals.notes.push_back(NoteStart(object) + "none of its views shows a silhouette");
   BestFirst(proposals.candidates);
@@ -148,8 +143,9 @@ void Describe(OptionsVisitor& visitor, NetworkOptions& options) {
                 {1, 1000},
                 "1",
                 "views of an object that propose a shape each");
-  visitor.Field(
-      "mean_latent", options.mean_latent, "also offer the shape of the mean of the views' latents");
+  visitor.Field("mean_latent",
+                options.mean_latent,
+                "also offer the shape of the views' latents together, their geometric median");
   visitor.Field("size_margin",
                 options.size_margin,
                 {0.01, 0.9},

@@ -153,7 +153,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kTrackOverrides,
       RunAssociate);
   add("propose",
-      6,
+      7,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
       kFrames | kClasses | kLibrary | kPriors,
