@@ -117,6 +117,39 @@ TEST(NetworkProposerTest, EveryViewProposesAndSoDoesTheirMean) {
   EXPECT_THAT(other->notes[0], HasSubstr("no prior"));
 }
 
+TEST(NetworkProposerTest, TheShapeOfAllViewsTakesTheProportionsThatDepthHas) {
+  const VoxelGrid chair = Chair();
+  for (const Eigen::Vector3d& misread : {Eigen::Vector3d(1, 1, 1.5), Eigen::Vector3d(1.3, 1, 1)}) {
+    ShapePriors priors;
+    priors.emplace("chair", std::move(*PriorOf(shape::StretchGrid(chair, misread)).Load()));
+    const std::vector<ObjectView> views = StagedViews(chair, {});
+    const auto proposer = MakeNetworkProposer(priors, Classes(), {});
+    const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, "chair", views});
+    ASSERT_TRUE(proposals) << proposals.error().message;
+    const ShapeCandidate* joined = nullptr;
+    const ShapeCandidate* fitted = nullptr;
+    for (const ShapeCandidate& candidate : proposals->candidates) {
+      if (candidate.source != CandidateSource::kMeanLatent) continue;
+      (candidate.latents.empty() ? fitted : joined) = &candidate;
+    }
+    ASSERT_NE(joined, nullptr);
+    ASSERT_NE(fitted, nullptr);
+    const double before =
+        shape::GridIntersectionOverUnion(proposals->models.at(joined->model), chair);
+    const double after =
+        shape::GridIntersectionOverUnion(proposals->models.at(fitted->model), chair);
+    EXPECT_GT(after, before + 0.1);
+    EXPECT_NEAR(fitted->size_m, 1, 0.1) << "a chair of 1 m";
+
+    NetworkOptions options;
+    options.fit_proportions = false;
+    const Result<Proposals> without =
+        MakeNetworkProposer(priors, Classes(), options)->Propose({ObjectId{3}, "chair", views});
+    ASSERT_TRUE(without);
+    EXPECT_EQ(without->candidates.size() + 1, proposals->candidates.size());
+  }
+}
+
 TEST(NetworkProposerTest, ViewsWithoutASilhouetteGiveAReason) {
   const VoxelGrid chair = Chair();
   ShapePriors priors;

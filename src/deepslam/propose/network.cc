@@ -11,8 +11,10 @@
 #include "deepslam/propose/joined_encoding.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/network_crop.h"
+#include "deepslam/propose/place_shape.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/propose/shape_prior.h"
+#include "deepslam/shape/stretch.h"
 
 namespace deepslam::propose {
 namespace {
@@ -38,6 +40,9 @@ class NetworkProposer final : public Proposer {
            const ObjectView* view,
            double size_m,
            Proposals& proposals) const;
+  void AddFitted(const ObjectObservations& object,
+                 const MeasuredDepth& measured,
+                 Proposals& proposals) const;
 
   ShapePriors priors_;
   ClassTable classes_;
@@ -51,10 +56,8 @@ struct Extent {
   Eigen::Vector3d center_world = Eigen::Vector3d::Zero();
 };
 
-Extent MeasureExtent(const ObjectObservations& object, bool by_depth) {
+Extent MeasureExtent(const LevelCloud& cloud) {
   Extent extent;
-  if (!by_depth) return extent;
-  const LevelCloud cloud = CloudOf(object);
   if (cloud.points.empty()) return extent;
   const LevelBox box = MeasureBox(cloud.points);
   extent.size_m = box.size_m.maxCoeff();
@@ -103,6 +106,37 @@ void NetworkProposer::Add(const ObjectObservations& object,
   proposals.candidates.push_back(std::move(candidate));
 }
 
+// The shape that was added last, in the proportions that agree best with all depth: of one view, of
+// which the picture's border cuts a part, a network cannot know how long a table is for its height.
+void NetworkProposer::AddFitted(const ObjectObservations& object,
+                                const MeasuredDepth& measured,
+                                Proposals& proposals) const {
+  if (proposals.candidates.empty() || measured.empty()) return;
+  const ShapeCandidate& last = proposals.candidates.back();
+  const VoxelGrid& grid = proposals.models.at(last.model);
+  const CoarseShape shape(grid);
+  if (shape.empty() || !(last.size_m > 0)) return;
+  const Eigen::Vector3d extent = shape.extent().cast<double>();
+  const Eigen::Vector3d believed_m = last.size_m / extent.maxCoeff() * extent;
+  constexpr PlaceLimits kLimits = {0.5, 1.6, 0.3};
+  const PlacedShape placed = PlaceShape(shape, believed_m, measured, kLimits);
+  const Eigen::Vector3d factors = placed.placement.size_m.cwiseQuotient(believed_m);
+  constexpr double kAlike = 1.05;
+  if (placed.score <= 0 || factors.maxCoeff() < kAlike * factors.minCoeff()) return;
+  ShapeCandidate candidate = last;
+  candidate.source = CandidateSource::kMeanLatent;
+  candidate.view = DetectionId();
+  candidate.model += "_fitted";
+  candidate.latents.clear();  // they give the shape in its own proportions
+  SetSize(placed.placement.size_m.maxCoeff(),
+          options_.size_margin,
+          classes_.Find(object.class_name),
+          candidate);
+  VoxelGrid stretched = shape::StretchGrid(grid, factors);
+  proposals.models.emplace(candidate.model, std::move(stretched));
+  proposals.candidates.push_back(std::move(candidate));
+}
+
 Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) const {
   Proposals proposals;
   const auto found = priors_.find(object.class_name);
@@ -112,7 +146,9 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
   }
   const ShapePrior& prior = *found->second;
   const bool by_depth = sight_ == Sight::kColourAndDepth;
-  const Extent extent = MeasureExtent(object, by_depth);
+  const MeasuredDepth measured =
+      by_depth ? MeasureDepth(object, options_.max_views) : MeasuredDepth();
+  const Extent extent = MeasureExtent(measured.cloud);
   std::vector<PriorEncoding> encodings;
   for (const std::size_t n : ChooseViews(object.views, extent.center_world, options_.max_views)) {
     const ObjectView& view = object.views[n];
@@ -129,6 +165,7 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
   }
   if (options_.mean_latent && encodings.size() > 1)
     Add(object, prior, JoinEncodings(encodings), nullptr, extent.size_m, proposals);
+  if (options_.fit_proportions) AddFitted(object, measured, proposals);
   if (proposals.candidates.empty() && proposals.notes.empty())
     proposals.notes.push_back(NoteStart(object) + "none of its views shows a silhouette");
   BestFirst(proposals.candidates);
@@ -146,6 +183,9 @@ void Describe(OptionsVisitor& visitor, NetworkOptions& options) {
   visitor.Field("mean_latent",
                 options.mean_latent,
                 "also offer the shape of the views' latents together, their geometric median");
+  visitor.Field("fit_proportions",
+                options.fit_proportions,
+                "also offer that shape stretched along its axes to what all depth says");
   visitor.Field("size_margin",
                 options.size_margin,
                 {0.01, 0.9},

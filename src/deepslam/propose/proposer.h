@@ -83,6 +83,7 @@ void Describe(OptionsVisitor& visitor, FusedOptions& options);
 struct NetworkOptions {
   int max_views = 8;         // views that propose, best supported and spread first
   bool mean_latent = true;   // and what their latents say together (joined_encoding.h)
+  bool fit_proportions = true;  // and that in the proportions that all depth has
   double size_margin = 0.3;  // candidates' size range: measured size +- this share
 };
 void Describe(OptionsVisitor& visitor, NetworkOptions& options);

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstddef>
 #include <mutex>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -14,9 +13,8 @@
 #include "deepslam/propose/best_first.h"
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/coarse_shape.h"
-#include "deepslam/propose/depth_evidence.h"
-#include "deepslam/propose/fit_model.h"
 #include "deepslam/propose/level_cloud.h"
+#include "deepslam/propose/place_shape.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/propose/silhouette_fit.h"
 #include "deepslam/shape/stretch.h"
@@ -24,52 +22,16 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr std::size_t kFitPoints = 250;
-constexpr int kNumYaws = 12;           // Gauss-Newton turns by up to half a step from there
-constexpr double kTolerance_m = 0.03;  // of designs that are like the object, not the object itself
 constexpr int kStretchStep_percent = 5;
 
 // What one object's views hold, prepared for all models: its depth, or its silhouettes alone.
 struct Measured {
+  MeasuredDepth depth;
   bool has_ground = false;
-  LevelCloud cloud;
-  std::vector<Eigen::Vector3f> fit_points;
-  std::vector<shape::DepthView> views;
-  std::vector<LevelBox> boxes;  // at kNumYaws yaws, the first along the smallest footprint
   std::vector<SilhouetteView> silhouettes;
 
-  [[nodiscard]] bool empty() const {
-    return silhouettes.empty() && (fit_points.empty() || views.empty());
-  }
+  [[nodiscard]] bool empty() const { return silhouettes.empty() && depth.empty(); }
 };
-
-std::vector<Eigen::Vector3f> EveryNth(const std::vector<Eigen::Vector3f>& points,
-                                      std::size_t count) {
-  if (points.size() <= count) return points;
-  std::vector<Eigen::Vector3f> some;
-  for (std::size_t n = 0; n < count; ++n) some.push_back(points[n * points.size() / count]);
-  return some;
-}
-
-Measured Measure(const ObjectObservations& object, int max_views) {
-  const std::span<const ObjectView> views = object.views;
-  Measured measured;
-  measured.cloud = CloudOf(object);
-  measured.has_ground = measured.cloud.has_ground;
-  if (measured.cloud.points.empty()) return measured;
-  measured.fit_points = EveryNth(measured.cloud.points, kFitPoints);
-  const LevelBox box = MeasureBox(measured.cloud.points);
-  for (int n = 0; n < kNumYaws; ++n) {
-    measured.boxes.push_back(
-        MeasureBoxAt(measured.cloud.points, box.yaw_rad + 2.0 * std::numbers::pi * n / kNumYaws));
-  }
-  const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
-  const Eigen::Vector3d center_world = measured.cloud.level_from_world.Inverse() * center_level;
-  for (const std::size_t n : ChooseViews(views, center_world, max_views)) {
-    measured.views.push_back(LevelView(views[n], measured.cloud.level_from_world));
-  }
-  return measured;
-}
 
 // The middle between the points nearest to the views' axes: good enough to tell directions apart.
 Eigen::Vector3d AxesMeet(std::span<const ObjectView> views) {
@@ -141,9 +103,8 @@ class RetrievalProposer final : public Proposer {
                                                    const Measured& measured) const;
   [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
   [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
-  // A score that is no more than `to_beat` may be any that is no more.
-  void Refine(const Measured& measured, const FitTerms& terms, double to_beat, Match& match) const;
-  [[nodiscard]] double Score(const Measured& measured, const Match& match, double to_beat) const;
+  [[nodiscard]] PlaceLimits Limits() const { return {options_.stretch_min, options_.stretch_max}; }
+  [[nodiscard]] double Score(const Measured& measured, const Match& match) const;
   void AddCandidate(const ObjectObservations& object,
                     const Match& match,
                     Proposals& proposals) const;
@@ -184,9 +145,9 @@ std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_n
   }
   if (!models.empty() && class_name != kFurnitureClass) return models;
   constexpr double kHidden = 2.0;  // at least half of each side is seen
-  const bool sized = !measured.boxes.empty();
+  const bool sized = !measured.depth.boxes.empty();
   const Eigen::Vector3d size_m =
-      sized ? measured.boxes.front().size_m : Eigen::Vector3d(Eigen::Vector3d::Zero());
+      sized ? measured.depth.boxes.front().size_m : Eigen::Vector3d(Eigen::Vector3d::Zero());
   std::vector<std::size_t> of_size;
   for (std::size_t n = 0; n < library_->models.size(); ++n) {
     const Eigen::Vector3d& real_m = library_->models[n].size_m;
@@ -204,27 +165,9 @@ std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_n
   return of_size;
 }
 
-void RetrievalProposer::Refine(const Measured& measured,
-                               const FitTerms& terms,
-                               double to_beat,
-                               Match& match) const {
+double RetrievalProposer::Score(const Measured& measured, const Match& match) const {
   const CoarseShape& shape = Coarse(match.model);
-  const Eigen::Vector3d& real_m = library_->models[match.model].size_m;
-  Placement placement = RefinePlacement(shape, match.placement, real_m, measured.fit_points, terms);
-  placement.size_m = placement.size_m.cwiseMax(options_.stretch_min * real_m)
-                         .cwiseMin(options_.stretch_max * real_m);
-  match.placement = placement;
-  match.score = Score(measured, match, to_beat);
-}
-
-double RetrievalProposer::Score(const Measured& measured,
-                                const Match& match,
-                                double to_beat) const {
-  const CoarseShape& shape = Coarse(match.model);
-  if (measured.silhouettes.empty()) {
-    return ScorePlacement(
-        shape, match.placement, measured.fit_points, measured.views, kTolerance_m, to_beat);
-  }
+  if (measured.silhouettes.empty()) return ScorePlaced(shape, match.placement, measured.depth);
   return ScoreSilhouettes(
       shape, match.placement, library_->models[match.model].size_m, measured.silhouettes);
 }
@@ -239,20 +182,8 @@ Match RetrievalProposer::BestPlacement(std::size_t model, const Measured& measur
                        {options_.stretch_min, options_.stretch_max, measured.has_ground});
     return {model, fit.score, fit.placement};
   }
-  FitTerms terms;
-  if (!measured.has_ground) terms.bottom_sigma_m = 0.3;
-  Match best;
-  best.model = model;
-  for (const LevelBox& box : measured.boxes) {
-    const Eigen::Vector3d stretched_m =
-        box.size_m.cwiseMax(options_.stretch_min * real_m).cwiseMin(options_.stretch_max * real_m);
-    for (const Eigen::Vector3d& size_m : {real_m, stretched_m}) {
-      Match match = {model, 0, {size_m, box.center_m, 0, box.yaw_rad}};
-      Refine(measured, terms, best.score, match);
-      if (match.score > best.score) best = match;
-    }
-  }
-  return best;
+  const PlacedShape placed = PlaceShape(Coarse(model), real_m, measured.depth, Limits());
+  return {model, placed.score, placed.placement};
 }
 
 Match RetrievalProposer::Unstretched(const Match& match, const Measured& measured) const {
@@ -260,7 +191,7 @@ Match RetrievalProposer::Unstretched(const Match& match, const Measured& measure
   const double factor = std::cbrt((match.placement.size_m.array() / real_m.array()).prod());
   Match even = match;
   even.placement.size_m = factor * real_m;
-  even.score = Score(measured, even, 0);
+  even.score = Score(measured, even);
   return even;
 }
 
@@ -304,8 +235,12 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
   const std::string subject =
       "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
   const bool by_depth = sight_ == Sight::kColourAndDepth;
-  const Measured measured = by_depth ? Measure(object, options_.max_views)
-                                     : MeasureSilhouettes(object.views, options_.max_views);
+  Measured measured;
+  if (by_depth) {
+    measured.depth = MeasureDepth(object, options_.max_views);
+  } else {
+    measured = MeasureSilhouettes(object.views, options_.max_views);
+  }
   if (measured.empty()) {
     proposals.notes.push_back(subject + (by_depth ? "too few depth points for retrieval"
                                                   : "no silhouette for retrieval"));

@@ -19,9 +19,10 @@
 namespace deepslam::stages {
 namespace {
 
+// As its latents give it: a shape that was stretched since has none.
 bool IsOfNetwork(const ShapeCandidate& candidate) {
-  return candidate.source == CandidateSource::kNetwork ||
-         candidate.source == CandidateSource::kMeanLatent;
+  return !candidate.latents.empty() && (candidate.source == CandidateSource::kNetwork ||
+                                        candidate.source == CandidateSource::kMeanLatent);
 }
 
 // Indices into the contest: the best by score, and the mean latent where it is another.
@@ -33,7 +34,8 @@ std::vector<std::size_t> Starts(const Contest& contest) {
   }
   if (starts.empty()) return starts;
   for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
-    if (contest.candidates[i].source == CandidateSource::kMeanLatent &&
+    if (IsOfNetwork(contest.candidates[i]) &&
+        contest.candidates[i].source == CandidateSource::kMeanLatent &&
         contest.registrations[i].ok && i != starts[0])
       starts.push_back(i);
   }
