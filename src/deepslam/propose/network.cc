@@ -118,6 +118,7 @@ void NetworkProposer::AddFitted(const ObjectObservations& object,
   if (shape.empty() || !(last.size_m > 0)) return;
   const Eigen::Vector3d extent = shape.extent().cast<double>();
   const Eigen::Vector3d believed_m = last.size_m / extent.maxCoeff() * extent;
+  // Wider than a design's: a product has been measured, a network guesses.
   constexpr PlaceLimits kLimits = {0.5, 1.6, 0.3};
   const PlacedShape placed = PlaceShape(shape, believed_m, measured, kLimits);
   const Eigen::Vector3d factors = placed.placement.size_m.cwiseQuotient(believed_m);

@@ -39,9 +39,11 @@ struct ShapeCandidate {
   double size_m = 0;  // 0 = unknown
   double min_size_m = 0;
   double max_size_m = 0;
-  std::vector<float> latents;  // network sources and what was refined of them; empty otherwise
-  std::string library_id;      // retrieval: the library's id of the model
-  std::string credit;          // retrieval: creator and licence, to travel into the scene
+  // Network sources and what was refined of them; empty otherwise, and where the model is what the
+  // latents give in other proportions.
+  std::vector<float> latents;
+  std::string library_id;  // retrieval: the library's id of the model
+  std::string credit;      // retrieval: creator and licence, to travel into the scene
   // Retrieval: the model is the library's, by shape::StretchGrid with these factors; ones = as it
   // is.
   Eigen::Vector3d stretch = Eigen::Vector3d::Ones();
