@@ -214,6 +214,12 @@ void AddPriors(CLI::App& app, Command& chosen) {
                    "Variants of products and meshes: other proportions, other backs")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  render
+      ->add_option("--widened",
+                   models.num_widened,
+                   "Sofas made of each armchair, which becomes as wide: other sofas to learn from")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   render->add_flag_callback(
       "--no-catalogue",
       [arguments] { arguments->models.catalogue = false; },

@@ -16,7 +16,9 @@
 #include "deepslam/core/random.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/furniture/design.h"
+#include "deepslam/furniture/joined.h"
 #include "deepslam/furniture/proportions.h"
+#include "deepslam/furniture/widened.h"
 #include "deepslam/library/alike.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/zip_archive.h"
@@ -39,6 +41,7 @@ struct TrainingModelSource {
   std::string split;
   std::string credit;
   int variant = 0;
+  bool widened = false;  // an armchair that becomes a sofa
   // generated
   furniture::Kind kind = furniture::Kind::kChair;
   int design = 0;
@@ -65,9 +68,12 @@ std::string SplitOf(const std::string& id) {
   return number % kValidateEvery == 0 ? "validate" : "train";
 }
 
+bool Contains(const std::vector<std::string>& classes, const std::string& class_name) {
+  return std::find(classes.begin(), classes.end(), class_name) != classes.end();
+}
+
 bool Wanted(const TrainingModelRequest& request, const std::string& class_name) {
-  return std::find(request.classes.begin(), request.classes.end(), class_name) !=
-         request.classes.end();
+  return Contains(request.classes, class_name);
 }
 
 // Counter-clockwise about z by quarters; box back to the origin.
@@ -151,6 +157,48 @@ void AddVariants(const TrainingModelRequest& request,
   }
 }
 
+// Whether sofas are made of the armchairs as well.
+bool WantsWidened(const TrainingModelRequest& request) {
+  return request.num_widened > 0 && !request.withheld && Wanted(request, "sofa");
+}
+
+bool IsArmchair(const std::string& class_name, const VoxelGrid& canonical) {
+  if (class_name != "chair") return false;
+  const std::optional<float> seat = furniture::SeatHeight(canonical);
+  return seat && furniture::HasArms(canonical, *seat) &&
+         furniture::StandsBelowBothSides(canonical, *seat);
+}
+
+void AddWidened(const TrainingModelRequest& request,
+                const TrainingModelSource& armchair,
+                std::vector<TrainingModelSource>& sources) {
+  for (int variant = 1; variant <= request.num_widened; ++variant) {
+    sources.push_back(armchair);
+    TrainingModelSource& sofa = sources.back();
+    sofa.id += fmt::format("~wide{}", variant);
+    sofa.class_name = "sofa";
+    sofa.variant = variant;
+    sofa.widened = true;
+  }
+}
+
+// What is asked for of a product or mesh.
+void AddProduct(const TrainingModelRequest& request,
+                const TrainingModelSource& source,
+                const VoxelGrid& canonical,
+                std::vector<TrainingModelSource>& sources) {
+  if (Wanted(request, source.class_name)) AddVariants(request, source, sources);
+  if (WantsWidened(request) && IsArmchair(source.class_name, canonical))
+    AddWidened(request, source, sources);
+}
+
+// Classes whose products are looked at.
+std::vector<std::string> ClassesToRead(const TrainingModelRequest& request) {
+  std::vector<std::string> classes = request.classes;
+  if (WantsWidened(request) && !Wanted(request, "chair")) classes.emplace_back("chair");
+  return classes;
+}
+
 Status AddCatalogue(const TrainingModelRequest& request,
                     const std::vector<library::CatalogueDesign>& designs,
                     ShapeGroups& groups,
@@ -159,7 +207,7 @@ Status AddCatalogue(const TrainingModelRequest& request,
            std::pair<std::shared_ptr<library::ZipArchive>, std::shared_ptr<std::mutex>>>
       archives;
   for (const library::CatalogueDesign& design : designs) {
-    if (!Wanted(request, design.model.class_name) || design.withheld != request.withheld) continue;
+    if (design.withheld != request.withheld) continue;
     auto& [archive, mutex] = archives[design.catalogue];
     if (!archive) {
       Result<library::ZipArchive> opened =
@@ -182,7 +230,7 @@ Status AddCatalogue(const TrainingModelRequest& request,
     source.archive_mutex = mutex;
     source.item = design.item;
     source.quarter_turns = design.quarter_turns;
-    AddVariants(request, source, sources);
+    AddProduct(request, source, design.model.shape, sources);
   }
   return Ok();
 }
@@ -201,7 +249,9 @@ void ExchangeBacks(std::uint64_t seed, std::vector<TrainingModelSource>& sources
   }
   for (TrainingModelSource& source : sources) {
     const auto others = seats.find(source.class_name);
-    if (source.variant % 2 == 0 || source.split != "train" || others == seats.end()) continue;
+    if (source.widened || source.variant % 2 == 0 || source.split != "train" ||
+        others == seats.end())
+      continue;
     Random random(seed, source.id, 0);
     source.upper = others->second[random.Index(others->second.size())];
   }
@@ -250,13 +300,14 @@ Status AddFolder(const TrainingModelRequest& request,
                  Progress& progress) {
   const Result<std::vector<fs::path>> files = MeshFiles(folder);
   if (!files) return files.error();
+  const std::vector<std::string> classes = ClassesToRead(request);
   std::size_t number = 0;
   for (const fs::path& file : *files) {
     if (progress.StopRequested()) return Interrupted();
     progress.Report(++number, files->size());
     const std::optional<std::string> class_name =
         ClassOfFolder(file.parent_path().filename().string());
-    if (!class_name || !Wanted(request, *class_name)) continue;
+    if (!class_name || !Contains(classes, *class_name)) continue;
     const std::string id =
         "meshes/" + file.lexically_relative(folder).replace_extension().generic_string();
     const Result<synth::FurnitureModel> model = ReadFurnitureFile(file, std::nullopt);
@@ -280,7 +331,7 @@ Status AddFolder(const TrainingModelRequest& request,
     source.file = file;
     source.quarter_turns = quarter_turns;
     source.scale = ScaleToReal(model->size_m, *class_name);
-    AddVariants(request, source, sources);
+    AddProduct(request, source, shape::TurnGrid(*shape, quarter_turns), sources);
   }
   return Ok();
 }
@@ -313,7 +364,9 @@ Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint6
   }
   Random random(seed, source.id, static_cast<std::uint64_t>(source.variant));
   model.furniture.mesh = furniture::Reproportion(
-      model.furniture.mesh, furniture::DrawProportions(HasBack(source.class_name), random));
+      model.furniture.mesh,
+      source.widened ? furniture::DrawWidened(random)
+                     : furniture::DrawProportions(HasBack(source.class_name), random));
   return model;
 }
 
@@ -337,7 +390,7 @@ Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
       library::ReadWithheldModels(request.withheld_list);
   if (!withheld) return withheld.error();
   const Result<std::vector<library::CatalogueDesign>> designs =
-      library::ReadDesigns(request.catalogues, *withheld, request.classes, progress);
+      library::ReadDesigns(request.catalogues, *withheld, ClassesToRead(request), progress);
   if (!designs) return designs.error();
   ShapeGroups groups;
   if (request.withheld || request.catalogue) {

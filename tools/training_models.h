@@ -17,7 +17,7 @@ namespace deepslam::tools {
 
 struct TrainingModel {
   std::string id;          // "generated/chair/000012", "scopia/chair", "meshes/a/chair/b", with
-                           // "~2" for the second variant
+                           // "~2" for the second variant, "~wide2" for a widened armchair
   std::string class_name;  // of the map
   std::string kind;        // generated: "office_chair"; else the class
   std::string source;      // "generated", "catalogue" or "folder"
@@ -37,6 +37,7 @@ struct TrainingModelRequest {
   bool catalogue = true;  // with its products
   bool withheld = false;  // the withheld products instead of those for training, and nothing else
   int num_variants = 0;   // of each product and mesh: other proportions, other backs
+  int num_widened = 0;    // sofas made of each armchair of the catalogues and folders
   std::filesystem::path catalogues;
   std::filesystem::path withheld_list;
   std::vector<std::filesystem::path> mesh_folders;  // with .../CLASS/name.obj (or .glb, .gltf)

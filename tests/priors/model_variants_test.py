@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Variants of meshes that networks learn from: other proportions, and backs of other chairs of the training."""
+"""Variants of meshes that networks learn from: other proportions, backs of other chairs of the training, armchairs as sofas."""
 import json
 import pathlib
 import subprocess
@@ -33,6 +33,13 @@ def chair(number, full_back):
     return boxes_as_obj(legs + plate + (board if full_back else posts + rail))
 
 
+def armchair(number):
+    """A body down to the floor between arms."""
+    wide, deep, top = 0.8 + 0.02 * number, 0.8, 0.8 + 0.04 * number
+    arms = [((x, 0, 0), (x + 0.12, 0.62, deep)) for x in (0, wide - 0.12)]
+    return boxes_as_obj([((0, 0, 0), (wide, 0.42, deep)), ((0, 0, 0), (wide, top, 0.18))] + arms)
+
+
 def catalogue_of_a_cabinet(file):
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("m/1.obj", boxes_as_obj([((0, 0, 0), (0.8, 0.9, 0.4))]))
@@ -62,10 +69,10 @@ def main():
         for n in range(6):
             (meshes / f"{'board' if n % 2 else 'posts'}{n}.obj").write_text(chair(n, n % 2 == 1), encoding="utf-8")
 
-        def render(out, *arguments):
-            made = subprocess.run([PROGRAM, "priors", "render", "--class", "chair", "--designs", "0", "--product-views", "1",
+        def render(out, *arguments, kind="chair", meshes="meshes"):
+            made = subprocess.run([PROGRAM, "priors", "render", "--class", kind, "--designs", "0", "--product-views", "1",
                                    "--catalogues", folder / "catalogues", "--withheld-list", folder / "withheld.yaml",
-                                   "--meshes", folder / "meshes", "-o", folder / out, *map(str, arguments)],
+                                   "--meshes", folder / meshes, "-o", folder / out, *map(str, arguments)],
                                   capture_output=True, text=True, check=False)
             assert made.returncode == 0, made.stderr
             models = json.loads((folder / out / "training_views.json").read_text(encoding="utf-8"))["models"]
@@ -92,6 +99,20 @@ def main():
             assert variant % 2 == 1 or filled < 0.6, f"{key} keeps its own back, which is open: {filled}"
             other_backs += filled > 0.8
         assert other_backs >= 1, "no chair got the back of another"
+
+        seats = folder / "seats" / "chair"
+        seats.mkdir(parents=True)
+        for n in range(2):
+            (seats / f"arms{n}.obj").write_text(armchair(n), encoding="utf-8")
+            (seats / f"none{n}.obj").write_text(chair(n, True), encoding="utf-8")
+        sofas, wide = render("wide", "--variants", 4, "--widened", 3, "--threads", 1, kind="sofa", meshes="seats")
+        again = render("wide_again", "--variants", 4, "--widened", 3, "--threads", 2, kind="sofa", meshes="seats")
+        assert (sofas, wide) == again, "widened armchairs depend on the number of threads"
+        assert sorted(wide) == sorted(f"meshes/chair/arms{n}~wide{k}" for n in range(2) for k in (1, 2, 3)), sorted(wide)
+        assert len(set(wide.values())) == 6 and all(m["class"] == "sofa" for m in sofas), sofas
+        assert len({(m["id"].split("~")[0], m["split"]) for m in sofas}) == 2, "armchairs validate themselves"
+        chairs, _ = render("chairs", "--variants", 0, "--widened", 3, meshes="seats")
+        assert len(chairs) == 4 and all(m["class"] == "chair" for m in chairs), "chairs have no use for sofas"
     print("variants: fine")
 
 

@@ -1,0 +1,25 @@
+// Armchairs as wide as sofas: their legs, arms and backs on seats for two or three.
+//
+// Fewer sofas are free to learn from than armchairs, whose makers had the same ideas. Frame of
+// every mesh and shape here: z up, x front.
+#pragma once
+
+#include "deepslam/core/random.h"
+#include "deepslam/furniture/proportions.h"
+#include "deepslam/scene/voxel_grid.h"
+
+namespace deepslam::furniture {
+
+// Whether something stands on both sides of the seat, above it, along most of its depth.
+// `seat_height`: share of the shape's height, (0, 1); see SeatHeight.
+[[nodiscard]] bool HasArms(const VoxelGrid& shape, float seat_height);
+
+// Whether it stands on something below both sides of the seat: legs or a body, not one foot in the
+// middle, which would not carry a wider seat.
+[[nodiscard]] bool StandsBelowBothSides(const VoxelGrid& shape, float seat_height);
+
+// Other proportions, with a seat 1.6 to 3.2 times as wide between arms that stay as wide as they
+// were.
+[[nodiscard]] Proportions DrawWidened(Random& random);
+
+}  // namespace deepslam::furniture
