@@ -49,6 +49,17 @@ AlignmentOptions GeometryOnly() {
   return options;
 }
 
+FrameAlignment AlignFrames(const Frame& i,
+                           const Frame& j,
+                           const PinholeCamera& camera,
+                           const Pose3& i_from_j,
+                           const AlignmentOptions& options = {}) {
+  return AlignPyramids(BuildPyramid(i, camera, options.pyramid),
+                       BuildPyramid(j, camera, options.pyramid),
+                       {&i_from_j, 1},
+                       options);
+}
+
 double SmallestEigenvalue(const Matrix6d& matrix) {
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(matrix).eigenvalues()[0];
 }

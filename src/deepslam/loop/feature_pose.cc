@@ -3,21 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <opencv2/core.hpp>
-#include <opencv2/features2d.hpp>
 
 #include "deepslam/core/random.h"
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::loop {
 namespace {
 
 constexpr float kRatio = 0.85F;  // nearest over second nearest
-constexpr float kMaxBits = 70;   // unequal ones
+constexpr int kMaxBits = 70;     // unequal ones
 constexpr float kAngle_rad = 0.01F;
 constexpr float kDepthBase_m = 0.03F;
 constexpr float kDepthGrowth = 0.015F;  // 1 / m
@@ -35,38 +36,56 @@ struct Match {
 };
 using Matches = std::vector<Match>;
 
-cv::Mat Rows(const KeyframeFeatures& features) {
-  // OpenCV does not write to it.
-  return {static_cast<int>(features.descriptors.size()),
-          static_cast<int>(sizeof(BinaryDescriptor)),
-          CV_8U,
-          const_cast<BinaryDescriptor*>(features.descriptors.data())};  // NOLINT(*-const-cast)
-}
+// The nearest of all that a descriptor was held against, the first of several, and how near the
+// second nearest is.
+struct Nearest {
+  int row = -1;
+  int bits = std::numeric_limits<int>::max();  // unequal ones
+  int second_bits = std::numeric_limits<int>::max();
 
-// Per query its match's row, -1 where the second nearest is as good.
-std::vector<int> Nearest(const cv::Mat& query, const cv::Mat& train) {
-  std::vector<std::vector<cv::DMatch>> found;
-  cv::BFMatcher(cv::NORM_HAMMING).knnMatch(query, train, found, 2);
-  std::vector<int> nearest(static_cast<std::size_t>(query.rows), -1);
-  for (const std::vector<cv::DMatch>& two : found) {
-    if (two.size() < 2 || two[0].distance > kMaxBits ||
-        two[0].distance > kRatio * two[1].distance) {
-      continue;
+  void Hold(int other, int unequal) {
+    if (unequal < bits) {
+      second_bits = std::exchange(bits, unequal);
+      row = other;
+    } else {
+      second_bits = std::min(second_bits, unequal);
     }
-    nearest[static_cast<std::size_t>(two[0].queryIdx)] = two[0].trainIdx;
+  }
+
+  // Whether the second nearest is not as good.
+  [[nodiscard]] bool IsDistinct() const {
+    return bits <= kMaxBits && static_cast<float>(bits) <= kRatio * static_cast<float>(second_bits);
+  }
+};
+
+struct NearestBothWays {
+  std::vector<Nearest> of_old;
+  std::vector<Nearest> of_new;
+};
+
+DEEPSLAM_WIDE_VECTORS
+NearestBothWays FindNearest(std::span<const BinaryDescriptor> olds,
+                            std::span<const BinaryDescriptor> news) {
+  NearestBothWays nearest{std::vector<Nearest>(olds.size()), std::vector<Nearest>(news.size())};
+  for (std::size_t n = 0; n < news.size(); ++n) {
+    for (std::size_t o = 0; o < olds.size(); ++o) {
+      const int unequal = Distance(olds[o], news[n]);
+      nearest.of_new[n].Hold(static_cast<int>(o), unequal);
+      nearest.of_old[o].Hold(static_cast<int>(n), unequal);
+    }
   }
   return nearest;
 }
 
 Matches MutualMatches(const KeyframeFeatures& old_features, const KeyframeFeatures& new_features) {
   if (old_features.descriptors.size() < 2 || new_features.descriptors.size() < 2) return {};
-  const std::vector<int> forth = Nearest(Rows(new_features), Rows(old_features));
-  const std::vector<int> back = Nearest(Rows(old_features), Rows(new_features));
+  const NearestBothWays nearest = FindNearest(old_features.descriptors, new_features.descriptors);
   Matches matches;
-  for (std::size_t k = 0; k < forth.size(); ++k) {
-    if (forth[k] < 0) continue;
-    const auto other = static_cast<std::size_t>(forth[k]);
-    if (back[other] != static_cast<int>(k)) continue;
+  for (std::size_t k = 0; k < nearest.of_new.size(); ++k) {
+    if (!nearest.of_new[k].IsDistinct()) continue;
+    const auto other = static_cast<std::size_t>(nearest.of_new[k].row);
+    const Nearest& back = nearest.of_old[other];
+    if (!back.IsDistinct() || back.row != static_cast<int>(k)) continue;
     matches.push_back({old_features.points_camera[other], new_features.points_camera[k]});
   }
   return matches;

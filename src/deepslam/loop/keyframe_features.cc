@@ -1,7 +1,6 @@
 #include "deepslam/loop/keyframe_features.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -130,12 +129,6 @@ KeyframeFeatures ExtractFeatures(const Frame& frame,
         corners.points_camera[static_cast<std::size_t>(corners.keypoints[k].class_id)]);
   }
   return features;
-}
-
-int Distance(const BinaryDescriptor& a, const BinaryDescriptor& b) {
-  int unequal = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) unequal += std::popcount(a[k] ^ b[k]);
-  return unequal;
 }
 
 }  // namespace deepslam::loop

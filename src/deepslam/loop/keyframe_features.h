@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +33,10 @@ struct KeyframeFeatures {
                                                int max_features);
 
 // Unequal bits, 0 to 256.
-[[nodiscard]] int Distance(const BinaryDescriptor& a, const BinaryDescriptor& b);
+[[nodiscard]] inline int Distance(const BinaryDescriptor& a, const BinaryDescriptor& b) {
+  int unequal = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) unequal += std::popcount(a[k] ^ b[k]);
+  return unequal;
+}
 
 }  // namespace deepslam::loop

@@ -663,16 +663,6 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
   return Conclude(descent, j.levels.front(), {}, options);
 }
 
-FrameAlignment AlignFrames(const Frame& i,
-                           const Frame& j,
-                           const PinholeCamera& camera,
-                           const Pose3& initial_i_from_j,
-                           const AlignmentOptions& options) {
-  const FramePyramid pyramid_i = BuildPyramid(i, camera, options.pyramid);
-  const FramePyramid pyramid_j = BuildPyramid(j, camera, options.pyramid);
-  return AlignPyramids(pyramid_i, pyramid_j, {&initial_i_from_j, 1}, options);
-}
-
 void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
   Describe(visitor, options.pyramid);
   visitor.Field("photometric", options.photometric, "join a photometric term to ICP");

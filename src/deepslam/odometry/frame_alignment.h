@@ -13,10 +13,8 @@
 #include <span>
 
 #include "deepslam/core/options.h"
-#include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/odometry/image_pyramid.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::odometry {
 
@@ -91,13 +89,5 @@ struct StartSigma {
                                              const FramePyramid& j,
                                              const Pose3& i_from_j,
                                              const AlignmentOptions& options);
-
-// The same for two frames as they come from the capture, for verification by others. Not ok when
-// either has no depth.
-[[nodiscard]] FrameAlignment AlignFrames(const Frame& i,
-                                         const Frame& j,
-                                         const PinholeCamera& camera,
-                                         const Pose3& initial_i_from_j,
-                                         const AlignmentOptions& options = {});
 
 }  // namespace deepslam::odometry

@@ -4,19 +4,18 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/covisible.h"
 #include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/odometry/image_pyramid.h"
-#include "deepslam/odometry/read_pyramid.h"
 #include "deepslam/stages/keyframe_graph.h"
+#include "deepslam/stages/keyframe_pyramids.h"
 
 namespace deepslam::stages {
 namespace {
@@ -24,62 +23,17 @@ namespace {
 using loop::CovisiblePair;
 using odometry::FramePyramid;
 
-constexpr std::size_t kBatch = 8;  // keyframes whose pyramids (3 MB each) are made at a time
+constexpr std::size_t kBatch = 8;  // keyframes whose pyramids are made at a time
 
-// Pyramids of the keyframes that pairs ask for, by position; made and given up as the pairs go on.
-class KeyframePyramids {
- public:
-  KeyframePyramids(const RunInputs& inputs,
-                   const Odometry& odometry,
-                   std::span<const CovisiblePair> pairs)
-      : frames_(*inputs.capture->frames),
-        options_(inputs.config.track.alignment.pyramid),
-        keyframes_(odometry.keyframes),
-        pyramids_(keyframes_.size()),
-        last_use_(keyframes_.size(), -1) {
-    for (const CovisiblePair& pair : pairs) {
-      for (const int k : {pair.older, pair.newer}) {
-        int& last = last_use_[static_cast<std::size_t>(k)];
-        last = std::max(last, pair.newer);
-      }
-    }
+// The keyframes of these pairs, each once.
+std::vector<FrameIdx> KeyframesOf(std::span<const CovisiblePair> pairs, const Odometry& odometry) {
+  std::set<FrameIdx> keyframes;
+  for (const CovisiblePair& pair : pairs) {
+    for (const int k : {pair.older, pair.newer})
+      keyframes.insert(odometry.keyframes[static_cast<std::size_t>(k)]);
   }
-
-  void Make(std::size_t begin, std::size_t end, Progress& progress) {
-    std::vector<std::string> faults(end - begin);
-    ParallelFor(end - begin, [&](std::size_t n) {
-      const std::size_t k = begin + n;
-      if (last_use_[k] < 0) return;
-      Result<FramePyramid> pyramid = odometry::ReadPyramid(frames_, keyframes_[k], options_);
-      if (pyramid.ok()) {
-        pyramids_[k] = std::move(pyramid).value();
-      } else {
-        faults[n] = pyramid.error().message;
-      }
-    });
-    for (std::size_t n = 0; n < faults.size(); ++n) {
-      if (faults[n].empty()) continue;
-      progress.Warn(fmt::format("frame {} is not measured against others that see the same: {}",
-                                keyframes_[begin + n].value,
-                                faults[n]));
-    }
-  }
-
-  void GiveUpBefore(std::size_t newer) {
-    for (std::size_t k = 0; k < newer; ++k) {
-      if (last_use_[k] < static_cast<int>(newer)) pyramids_[k] = {};
-    }
-  }
-
-  const FramePyramid& operator[](int k) const { return pyramids_[static_cast<std::size_t>(k)]; }
-
- private:
-  const FrameSource& frames_;
-  const odometry::PyramidOptions& options_;
-  const std::vector<FrameIdx>& keyframes_;
-  std::vector<FramePyramid> pyramids_;
-  std::vector<int> last_use_;  // as the newer keyframe of a pair; -1 without a pair
-};
+  return {keyframes.begin(), keyframes.end()};
+}
 
 loop::KeyframeRegistration Register(const FramePyramid& older,
                                     const FramePyramid& newer,
@@ -95,28 +49,31 @@ std::vector<loop::KeyframeRegistration> RegisterAll(const RunInputs& inputs,
                                                     const Odometry& odometry,
                                                     std::span<const CovisiblePair> pairs,
                                                     Progress& progress) {
-  KeyframePyramids pyramids(inputs, odometry, pairs);
+  const odometry::AlignmentOptions& alignment = inputs.config.track.alignment;
+  // Pairs reach back by so many keyframes: what goes out of reach is given up.
+  const auto reach = static_cast<std::size_t>(inputs.config.covisible.max_gap_keyframes);
+  KeyframePyramids pyramids(*inputs.capture->frames, alignment.pyramid, reach + kBatch);
+  const auto of = [&](int k) -> const FramePyramid& {
+    return pyramids[odometry.keyframes[static_cast<std::size_t>(k)]];
+  };
   std::vector<loop::KeyframeRegistration> registrations(pairs.size());
   std::size_t done = 0;
-  for (std::size_t begin = 0; done < pairs.size(); begin += kBatch) {
+  for (std::size_t end = kBatch; done < pairs.size(); end += kBatch) {
     if (progress.StopRequested()) break;
-    const std::size_t end = std::min(begin + kBatch, odometry.keyframes.size());
-    pyramids.Make(begin, end, progress);
     const auto is_later = [&](const CovisiblePair& pair) {
       return pair.newer >= static_cast<int>(end);
     };
     const auto later =
         std::find_if(pairs.begin() + static_cast<std::ptrdiff_t>(done), pairs.end(), is_later);
     const auto next = static_cast<std::size_t>(later - pairs.begin());
-    ParallelFor(next - done, [&](std::size_t n) {
-      const CovisiblePair& pair = pairs[done + n];
-      registrations[done + n] = Register(pyramids[pair.older],
-                                         pyramids[pair.newer],
-                                         pair.older_from_newer,
-                                         inputs.config.track.alignment);
+    const std::span<const CovisiblePair> batch = pairs.subspan(done, next - done);
+    for (const std::string& fault : pyramids.Hold(KeyframesOf(batch, odometry)))
+      progress.Warn("not measured against others that see the same: " + fault);
+    ParallelFor(batch.size(), [&](std::size_t n) {
+      registrations[done + n] =
+          Register(of(batch[n].older), of(batch[n].newer), batch[n].older_from_newer, alignment);
     });
     done = next;
-    pyramids.GiveUpBefore(end);
   }
   return registrations;
 }

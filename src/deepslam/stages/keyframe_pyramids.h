@@ -1,0 +1,46 @@
+// Keyframes prepared for alignment, made once while pairs of them ask for them in turn.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/result.h"
+#include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/scene/frame_source.h"
+
+namespace deepslam::stages {
+
+class KeyframePyramids {
+ public:
+  // Of what was asked for before, at most `most` (about 3 MB each) are kept, the latest.
+  KeyframePyramids(const FrameSource& frames,
+                   const odometry::PyramidOptions& options,
+                   std::size_t most);
+
+  // Makes those of `wanted` that are not there, side by side, and gives up others. What cannot be
+  // read stays empty; its fault is in the answer, "frame N ...", once for each time it is tried.
+  [[nodiscard]] std::vector<std::string> Hold(std::span<const FrameIdx> wanted);
+
+  // One of those wanted last.
+  [[nodiscard]] const odometry::FramePyramid& operator[](FrameIdx keyframe) const;
+
+ private:
+  struct Entry {
+    odometry::FramePyramid pyramid;
+    int last_round = 0;
+  };
+
+  void GiveUpOldest();
+
+  const FrameSource& frames_;
+  odometry::PyramidOptions options_;
+  std::size_t most_;
+  int round_ = 0;
+  std::map<FrameIdx, Entry> entries_;
+};
+
+}  // namespace deepslam::stages
