@@ -115,11 +115,6 @@ std::string HostName() {
   return name.data();
 }
 
-bool Stands(const pipeline::RunReport& report, std::string_view stage) {
-  return std::find(report.ran.begin(), report.ran.end(), stage) != report.ran.end() ||
-         std::find(report.skipped.begin(), report.skipped.end(), stage) != report.skipped.end();
-}
-
 // Against the poses that came with the capture; nothing where there are none, or too few.
 std::optional<batch::PathError> MeasurePath(const CaptureRunResult& result,
                                             const fs::path& workspace) {

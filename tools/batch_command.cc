@@ -73,9 +73,10 @@ class RootLock {
     }
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
       ::close(fd);
-      return Failed(fmt::format("{}: another batch works in this folder; wait for it, or choose "
-                                "another one",
-                                folder.root.string()));
+      return Failed(
+          fmt::format("{}: another batch works in this folder; wait for it, or choose "
+                      "another one",
+                      folder.root.string()));
     }
     RootLock lock(fd);
     for (const fs::path& written : {folder.root, folder.internals()}) {
@@ -185,11 +186,12 @@ void WarnAboutMemory(int jobs) {
     double kib = 0;
     if (word != "MemAvailable:" || !(file >> kib)) continue;
     if (jobs * kMemoryMibPerJob > kib / 1024) {
-      LogWarning(fmt::format("{} captures at a time take about {:.0f} MiB of memory, but {:.0f} MiB "
-                             "are free; captures may be killed: give fewer --jobs",
-                             jobs,
-                             jobs * kMemoryMibPerJob,
-                             kib / 1024));
+      LogWarning(
+          fmt::format("{} captures at a time take about {:.0f} MiB of memory, but {:.0f} MiB "
+                      "are free; captures may be killed: give fewer --jobs",
+                      jobs,
+                      jobs * kMemoryMibPerJob,
+                      kib / 1024));
     }
     return;
   }
@@ -223,6 +225,11 @@ std::vector<std::size_t> AllOf(const BatchPlan& plan) {
   return indices;
 }
 
+bool IsSameFolder(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error) && !error;
+}
+
 Result<BatchPlan> MakeBatchPlan(const BatchArguments& arguments) {
   ConfigSources sources = arguments.config;
   if (!arguments.poses.empty()) sources.settings.push_back("track.poses=" + arguments.poses);
@@ -232,9 +239,14 @@ Result<BatchPlan> MakeBatchPlan(const BatchArguments& arguments) {
     return classes.error();
   const Result<std::string> options = EncodeRun(*config);
   if (!options.ok()) return options.error();
-  const Result<std::vector<batch::ListedCapture>> captures =
-      batch::FindCaptures(arguments.captures);
+  Result<std::vector<batch::ListedCapture>> captures = batch::FindCaptures(arguments.captures);
   if (!captures.ok()) return captures.error();
+  // A pattern beside which the results lie matches them the next time.
+  std::erase_if(*captures, [&](const batch::ListedCapture& capture) {
+    return capture.by_pattern && IsSameFolder(capture.path, arguments.root);
+  });
+  if (captures->empty())
+    return InvalidInput("the patterns match nothing but the batch's own folder");
   BatchPlan plan;
   for (const batch::ListedCapture& capture : *captures)
     plan.captures.push_back({capture.path, capture.name});
@@ -404,9 +416,10 @@ void AddBatch(CLI::App& app, Command& chosen) {
                    "Threads of all jobs together, 0 = all cores; on a cluster of each task, 0 = 2")
       ->check(CLI::Range(0, 1024));
   batch_command
-      ->add_option("--keep",
-                   arguments->keep,
-                   "all, or final: when a capture is done, drop the files that only its stages need")
+      ->add_option(
+          "--keep",
+          arguments->keep,
+          "all, or final: when a capture is done, drop the files that only its stages need")
       ->check(CLI::IsMember({"all", "final"}))
       ->capture_default_str();
   batch_command->add_option("--progress", arguments->progress, "auto, table, lines or none")

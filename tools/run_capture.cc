@@ -51,11 +51,12 @@ Status WriteTimingPage(std::span<const pipeline::StageTiming> timings,
                                            *json + "}, '*');\n</script>\n");
 }
 
-// The file that was named, else overrides.yaml of the workspace, else nothing.
-Result<artifact::Overrides> ReadOverrides(const CaptureRun& run) {
-  fs::path file = run.overrides;
+}  // namespace
+
+Result<artifact::Overrides> ReadOverrides(const fs::path& workspace, const fs::path& named) {
+  fs::path file = named;
   if (file.empty()) {
-    file = run.workspace / "overrides.yaml";
+    file = workspace / kOverridesFile;
     std::error_code error;
     if (!fs::exists(file, error)) return artifact::Overrides{};
   }
@@ -64,7 +65,10 @@ Result<artifact::Overrides> ReadOverrides(const CaptureRun& run) {
   return artifact::DecodeOverrides(*text, file.filename().string());
 }
 
-}  // namespace
+bool Stands(const pipeline::RunReport& report, std::string_view stage) {
+  return std::ranges::find(report.ran, stage) != report.ran.end() ||
+         std::ranges::find(report.skipped, stage) != report.skipped.end();
+}
 
 // Options that differ from the defaults.
 Result<std::string> EncodeRun(stages::Config config) {
@@ -103,7 +107,7 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   if (!classes.ok()) return classes.error();
   const Result<std::string> record = EncodeRun(config);
   if (!record.ok()) return record.error();
-  const Result<artifact::Overrides> overrides = ReadOverrides(run);
+  const Result<artifact::Overrides> overrides = ReadOverrides(run.workspace, run.overrides);
   if (!overrides.ok()) return overrides.error();
   Result<dataset::Capture> opened = dataset::OpenCapture(run.capture);
   if (!opened.ok()) return opened.error();

@@ -23,15 +23,24 @@ inline constexpr std::string_view kRunFile = "run.json";
 [[nodiscard]] Result<std::string> EncodeRun(stages::Config config);
 [[nodiscard]] Result<stages::Config> DecodeRun(std::string_view text);
 
+// Corrections by hand in a workspace.
+inline constexpr std::string_view kOverridesFile = "overrides.yaml";
+// Those of the file that was named, else of the workspace's, else none.
+[[nodiscard]] Result<artifact::Overrides> ReadOverrides(const std::filesystem::path& workspace,
+                                                        const std::filesystem::path& named);
+
+// Whether the stage's files are those of this run: made, or found as it would have made them.
+[[nodiscard]] bool Stands(const pipeline::RunReport& report, std::string_view stage);
+
 struct CaptureRun {
   std::filesystem::path capture;
   std::filesystem::path workspace;
   std::filesystem::path data_folder;
-  std::string until;              // last stage; empty: all
-  std::set<std::string> force;    // stages that run although their files stand
-  std::set<std::string> keep;     // stages whose files stay; empty: all
+  std::string until;                // last stage; empty: all
+  std::set<std::string> force;      // stages that run although their files stand
+  std::set<std::string> keep;       // stages whose files stay; empty: all
   std::filesystem::path overrides;  // empty: overrides.yaml of the workspace, if there is one
-  int lock_patience_s = 0;        // how long to wait for another run in the workspace
+  int lock_patience_s = 0;          // how long to wait for another run in the workspace
   std::shared_ptr<stages::ModelCache> models;  // none: models are loaded for this run alone
 };
 

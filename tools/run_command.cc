@@ -1,6 +1,8 @@
 #include <unistd.h>
 #include <cstdio>
 #include <memory>
+#include <span>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -11,6 +13,7 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/utf8.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
@@ -47,13 +50,15 @@ Status TellResult(const pipeline::RunReport& report, const std::filesystem::path
   JsonObject document = artifact::NewDocument("deepslam/run_result", 1);
   document.emplace("ran", Strings(report.ran));
   document.emplace("skipped", Strings(report.skipped));
-  for (const auto& [name, file] : {std::pair("scene", "export/scene.glb"),
-                                   std::pair("map", "export/map.json"),
-                                   std::pair("report", "report/index.html")}) {
-    const std::filesystem::path path = workspace / file;
-    if (!std::filesystem::exists(path)) continue;
-    document.emplace(name, path.string());
-    LogInfo(fmt::format("{:<9} {}", name, path.string()));
+  // A run that ends before leaves what an earlier one made, which may be of other options.
+  for (const auto& [name, stage, file] : {std::tuple("scene", "export", "scene.glb"),
+                                          std::tuple("map", "export", "map.json"),
+                                          std::tuple("report", "report", "index.html")}) {
+    const std::filesystem::path path = workspace / stage / file;
+    if (!Stands(report, stage) || !std::filesystem::exists(path)) continue;
+    const std::string told = ToValidUtf8(path.string());
+    document.emplace(name, told);
+    LogInfo(fmt::format("{:<9} {}", name, told));
   }
   const Result<std::string> text = DumpJson(std::move(document), "result");
   if (!text.ok()) return text.error();
@@ -126,9 +131,16 @@ int ShowStatus(const std::string& workspace) {
                       decoded.error().message));
     }
   }
-  const auto inputs =
-      std::make_shared<const stages::RunInputs>(stages::RunInputs{config, {}, nullptr, {}});
-  const auto reports = pipeline::InspectWorkspace(stages::MakePlan(inputs), workspace);
+  stages::RunInputs inputs{config, {}, nullptr, {}};
+  std::span<const std::string_view> looked_at;
+  if (std::filesystem::exists(std::filesystem::path(workspace) / kOverridesFile)) {
+    const Result<artifact::Overrides> overrides = ReadOverrides(workspace, {});
+    if (!overrides.ok()) return ReportError(overrides.error());
+    inputs.overrides = *overrides;
+    looked_at = stages::kOverrideInputs;
+  }
+  const auto reports = pipeline::InspectWorkspace(
+      stages::MakePlan(std::make_shared<const stages::RunInputs>(inputs)), workspace, looked_at);
   if (!reports.ok()) return ReportError(reports.error());
   JsonArray rows;
   for (const pipeline::StageReport& report : *reports) {

@@ -1,7 +1,10 @@
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -33,7 +36,37 @@ TEST(Store, KeepsTheOldFileWhenTheNewOneCannotBeWritten) {
   ASSERT_FALSE(status.ok());
   EXPECT_EQ(status.error().code, ErrorCode::kFailed);
   EXPECT_THAT(status.error().message,
-              testing::AllOf(HasSubstr("a.json"), HasSubstr("No such file")));
+              testing::AllOf(HasSubstr("a.json: cannot create"),
+                             HasSubstr("No such file"),
+                             HasSubstr("make its folder first")));
+}
+
+TEST(Store, WritesIntoPipesAndLeavesThemPipes) {
+  const TempDir dir;
+  const auto pipe = dir.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_TRUE(WriteFileAtomically(pipe, "bytes").ok());
+  std::string got(16, ' ');
+  got.resize(
+      static_cast<std::size_t>(std::max<ssize_t>(0, ::read(reader, got.data(), got.size()))));
+  ::close(reader);
+  EXPECT_EQ(got, "bytes");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST(Store, ReplacesWhatALinkLeadsToAndLeavesTheLink) {
+  const TempDir dir;
+  const auto link = dir.path() / "latest.json";
+  WriteText(dir.path() / "real" / "a.json", "old");
+  std::filesystem::create_symlink("real/a.json", link);
+  ASSERT_TRUE(WriteFileAtomically(link, "new").ok());
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(ReadText(dir.path() / "real" / "a.json"), "new");
+  std::filesystem::remove(dir.path() / "real" / "a.json");
+  ASSERT_TRUE(WriteFileAtomically(link, "newer").ok());
+  EXPECT_EQ(ReadText(dir.path() / "real" / "a.json"), "newer");
 }
 
 TEST(Store, NamesAFullDisk) {
@@ -70,6 +103,14 @@ TEST(Store, HashesContentNotPlace) {
   }
   EXPECT_EQ(*HashFolder(a.path()), *HashFolder(b.path()));
   EXPECT_EQ(*HashFile(a.path() / "2"), Sha256Hex("two"));
+  // What a link leads to counts as if it lay here, wherever it lies.
+  const TempDir linked;
+  WriteText(linked.path() / "2", "two");
+  std::filesystem::create_directory_symlink(a.path() / "x", linked.path() / "x");
+  EXPECT_EQ(*HashFolder(linked.path()), *HashFolder(a.path()));
+  WriteText(a.path() / "x" / "1", "other");
+  EXPECT_EQ(*HashFolder(linked.path()), *HashFolder(a.path()));
+  EXPECT_NE(*HashFolder(linked.path()), *HashFolder(b.path()));
   WriteText(b.path() / "2", "three");
   EXPECT_NE(*HashFolder(a.path()), *HashFolder(b.path()));
 }

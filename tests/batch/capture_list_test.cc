@@ -69,15 +69,19 @@ TEST(CaptureList, NamesDependOnTheirOwnEntryAlone) {
 TEST(CaptureList, StrangeNamesBecomeNamesOfFolders) {
   EXPECT_THAT(Names(Read("\"x/a b;c\"\n.hidden\n-rf\nk\xC3\xBC"
                          "che\nx/\n")),
-              ElementsAre("a_b_c", "_hidden", "_rf", "k\xC3\xBC"
-                                                     "che",
+              ElementsAre("a_b_c",
+                          "_hidden",
+                          "_rf",
+                          "k\xC3\xBC"
+                          "che",
                           "x"));
 }
 
 class Folders : public testing::Test {
  protected:
   Folders() {
-    for (const char* folder : {"rooms/kitchen/seq-01", "rooms/kitchen/seq-02", "rooms/office/seq-01"})
+    for (const char* folder :
+         {"rooms/kitchen/seq-01", "rooms/kitchen/seq-02", "rooms/office/seq-01"})
       fs::create_directories(dir.path() / folder);
     WriteText(dir.path() / "rooms" / "readme.txt", "x");
     WriteText(dir.path() / "rooms" / "scan.sens", "x");
@@ -90,8 +94,7 @@ TEST_F(Folders, PatternsNameByWhatTheyMatch) {
   const std::vector<std::string> arguments = {At("rooms/*/seq-*")};
   const auto captures = FindCaptures(arguments);
   ASSERT_TRUE(captures.ok()) << captures.error().message;
-  EXPECT_THAT(Names(*captures),
-              ElementsAre("kitchen_seq-01", "kitchen_seq-02", "office_seq-01"));
+  EXPECT_THAT(Names(*captures), ElementsAre("kitchen_seq-01", "kitchen_seq-02", "office_seq-01"));
 }
 
 TEST_F(Folders, PatternsTakeFoldersAndRecordingsOnly) {
@@ -99,6 +102,14 @@ TEST_F(Folders, PatternsTakeFoldersAndRecordingsOnly) {
   const auto captures = FindCaptures(arguments);
   ASSERT_TRUE(captures.ok()) << captures.error().message;
   EXPECT_THAT(Names(*captures), ElementsAre("kitchen", "office", "scan"));
+}
+
+TEST_F(Folders, TheFolderOfAListIsNoPattern) {
+  fs::rename(dir.path() / "rooms", dir.path() / "[a]*");
+  const auto captures = ReadCaptureList("*/seq-01\n", "list.txt", dir.path() / "[a]*");
+  ASSERT_TRUE(captures.ok()) << captures.error().message;
+  EXPECT_THAT(Names(*captures), ElementsAre("kitchen_seq-01", "office_seq-01"));
+  EXPECT_TRUE(captures->front().by_pattern);
 }
 
 TEST_F(Folders, ListsCapturesAndPatternsMix) {

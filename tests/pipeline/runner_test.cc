@@ -3,6 +3,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <array>
+#include <string_view>
+
 #include <gmock/gmock.h>
 
 #include "deepslam/artifact/store.h"
@@ -389,6 +392,21 @@ TEST(Inspect, TellsDoneStaleAndMissing) {
   EXPECT_THAT((*reports)[2].reasons, ElementsAre("input b is to be made first"));
   EXPECT_EQ((*reports)[3].state, StageState::kMissing);
   EXPECT_FALSE(InspectWorkspace(changed.Stages(), dir.path() / "none").ok());
+}
+
+TEST(Inspect, LooksAtWhatItIsTold) {
+  const TempDir dir;
+  RunChain({}, dir.path());
+  Chain elsewhere;
+  elsewhere.capture = "hash of another capture";
+  const auto recorded = InspectWorkspace(elsewhere.Stages(), dir.path());
+  ASSERT_TRUE(recorded.ok());
+  EXPECT_EQ((*recorded)[0].state, StageState::kDone);
+  constexpr std::array<std::string_view, 2> kLookedAt = {"capture", "overrides"};
+  const auto now = InspectWorkspace(elsewhere.Stages(), dir.path(), kLookedAt);
+  ASSERT_TRUE(now.ok());
+  EXPECT_EQ((*now)[0].state, StageState::kStale);
+  EXPECT_EQ((*now)[3].state, StageState::kDone);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ import fcntl
 import json
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -20,7 +21,7 @@ REPOSITORY = pathlib.Path(sys.argv[2]).resolve()
 
 def run(*arguments, data=None):
     environment = dict(os.environ, DEEPSLAM_DATA=str(data) if data else "/nonexistent")
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=600, env=environment)
+    return subprocess.run([PROGRAM, *(a if isinstance(a, bytes) else str(a) for a in arguments)], capture_output=True, text=True, timeout=600, env=environment)
 
 
 def glb(document):
@@ -235,8 +236,8 @@ class Workspaces(unittest.TestCase):
     def tearDownClass(cls):
         cls.temp.cleanup()
 
-    def run_capture(self, workspace, *more):
-        return run("run", self.capture, "-o", workspace, "--until", "track", "--poses", "capture", "--progress", "none",
+    def run_capture(self, workspace, *more, until="track"):
+        return run("run", self.capture, "-o", workspace, "--until", until, "--poses", "capture", "--progress", "none",
                    "--set", "detect.source=none", "--set", "propose.retrieval=false", *more)
 
     def test_explain_and_resume(self):
@@ -254,6 +255,32 @@ class Workspaces(unittest.TestCase):
         states = {row["stage"]: row["state"] for row in json.loads(status.stdout)["stages"]}
         self.assertEqual(states["track"], "done")
         self.assertEqual(states["export"], "missing")
+
+    def test_a_run_that_ends_before_names_no_scene(self):
+        workspace = self.dir / "ends_before"
+        self.assertEqual(self.run_capture(workspace).returncode, 0)
+        (workspace / "export").mkdir()
+        (workspace / "export" / "scene.glb").write_bytes(b"of an earlier run")
+        self.assertNotIn("scene", json.loads(self.run_capture(workspace).stdout))
+
+    def test_status_sees_overrides_that_wait(self):
+        workspace = self.dir / "waits"
+        self.assertEqual(self.run_capture(workspace, until="ground").returncode, 0)
+
+        def state(stage):
+            rows = json.loads(run("status", workspace).stdout)["stages"]
+            return next(row["state"] for row in rows if row["stage"] == stage)
+        self.assertEqual(state("ground"), "done")
+        (workspace / "overrides.yaml").write_text("ground: {up_camera: [0, -1, 0], height_m: 1.2}\n")
+        self.assertEqual(state("ground"), "stale", run("status", workspace).stderr)
+
+    def test_a_name_that_is_no_utf8(self):
+        capture = os.fsencode(self.dir) + b"/k\xfcche"
+        shutil.copytree(os.fsencode(self.capture), capture)
+        workspace = os.fsencode(self.dir) + b"/w\xfc"
+        result = run("run", capture, "-o", workspace, "--until", "track", "--poses", "capture", "--progress", "none",
+                     "--set", "detect.source=none", "--set", "propose.retrieval=false")
+        self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_missing_weights_are_3(self):
         result = run("run", self.capture, "-o", self.dir / "weights")

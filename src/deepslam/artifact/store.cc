@@ -49,6 +49,8 @@ std::string Remedy(int error) {
       return "; raise the limit on file sizes (ulimit -f) and run again";
     case EROFS:
       return "; choose a folder on a writable file system";
+    case ENOENT:
+      return "; make its folder first";
     case EACCES:
     case EPERM:
       return "; choose a folder you may write to, or change its permissions";
@@ -64,19 +66,37 @@ Error WriteError(const fs::path& file, std::string_view what, int error) {
 
 enum class Sync { kNow, kLater };
 
-Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync) {
+// Messages name `told`, which people know of, where `file` is only on its way to it.
+Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync, const fs::path& told) {
   FileDescriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (fd.get() < 0) return WriteError(file, "create", errno);
+  if (fd.get() < 0) return WriteError(told, "create", errno);
   while (!bytes.empty()) {
     const ssize_t written =
         ::write(fd.get(), bytes.data(), std::min<std::size_t>(bytes.size(), 1U << 24));
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return WriteError(file, "write", errno);
+    if (written < 0) return WriteError(told, "write", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (sync == Sync::kNow && ::fsync(fd.get()) != 0) return WriteError(file, "write to disk", errno);
-  if (fd.Close() != 0) return WriteError(file, "close", errno);
+  if (sync == Sync::kNow && ::fsync(fd.get()) != 0) return WriteError(told, "write to disk", errno);
+  if (fd.Close() != 0) return WriteError(told, "close", errno);
   return Ok();
+}
+
+// A file put in its place would take away what others read from or write to.
+bool IsDeviceOrPipe(const fs::path& file) {
+  struct stat status {};
+  return ::stat(file.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+fs::path BehindLinks(fs::path file) {
+  constexpr int kMostLinks = 40;
+  std::error_code error;
+  for (int n = 0; n < kMostLinks && fs::is_symlink(file, error); ++n) {
+    const fs::path target = fs::read_symlink(file, error);
+    if (error) break;
+    file = file.parent_path() / target;
+  }
+  return file;
 }
 
 // NAME.json.tmp-<pid> or NAME.html.tmp-<pid>, of a process that is no more.
@@ -124,25 +144,27 @@ Result<std::string> ReadFile(const fs::path& file) {
 }
 
 Status WriteFileAtomically(const fs::path& file, std::string_view bytes) {
-  const fs::path aside = fmt::format("{}.tmp-{}", file.string(), ::getpid());
-  if (Status status = WriteAll(aside, bytes, Sync::kNow); !status.ok()) {
+  if (IsDeviceOrPipe(file)) return WriteAll(file, bytes, Sync::kLater, file);
+  const fs::path target = BehindLinks(file);
+  const fs::path aside = fmt::format("{}.tmp-{}", target.string(), ::getpid());
+  if (Status status = WriteAll(aside, bytes, Sync::kNow, file); !status.ok()) {
     ::unlink(aside.c_str());
     return status;
   }
-  if (::rename(aside.c_str(), file.c_str()) != 0) {
+  if (::rename(aside.c_str(), target.c_str()) != 0) {
     const int error = errno;
     ::unlink(aside.c_str());
     return WriteError(file, "rename into place", error);
   }
-  return SyncFolder(file.has_parent_path() ? file.parent_path() : fs::path("."));
+  return SyncFolder(target.has_parent_path() ? target.parent_path() : fs::path("."));
 }
 
 Status WriteFileSynced(const fs::path& file, std::string_view bytes) {
-  return WriteAll(file, bytes, Sync::kNow);
+  return WriteAll(file, bytes, Sync::kNow, file);
 }
 
 Status WriteFileUnsynced(const fs::path& file, std::string_view bytes) {
-  return WriteAll(file, bytes, Sync::kLater);
+  return WriteAll(file, bytes, Sync::kLater, file);
 }
 
 Status SyncFiles(std::span<const fs::path> files) {
@@ -209,7 +231,9 @@ Result<std::string> HashFile(const fs::path& file) {
 Result<std::string> HashFolder(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
+  // Folders that links lead to count as if they lay here.
+  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
+  for (fs::recursive_directory_iterator it(folder, kFollow, error), end; !error && it != end;
        it.increment(error)) {
     if (it->is_regular_file(error)) files.push_back(it->path());
   }
@@ -220,7 +244,7 @@ Result<std::string> HashFolder(const fs::path& folder) {
   for (const fs::path& file : files) {
     const Result<std::string> digest = HashFile(file);
     if (!digest.ok()) return digest.error();
-    hash.Update(fmt::format("{} {}\n", fs::relative(file, folder).generic_string(), *digest));
+    hash.Update(fmt::format("{} {}\n", file.lexically_relative(folder).generic_string(), *digest));
   }
   return hash.HexDigest();
 }

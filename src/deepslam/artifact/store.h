@@ -20,7 +20,8 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 
 // Writes to FILE.tmp-<pid>, syncs, renames, syncs the folder. kFailed on any error; the old file
 // then still stands.
-// A process that is killed in between leaves FILE.tmp-<pid> (RemoveAsideFiles).
+// A process that is killed in between leaves FILE.tmp-<pid> (RemoveAsideFiles). A link stays a
+// link: what it leads to is replaced. Devices and pipes are written into as they are.
 [[nodiscard]] Status WriteFileAtomically(const std::filesystem::path& file, std::string_view bytes);
 
 // Writes and syncs in place: for files of a folder that is itself renamed as a whole.

@@ -54,23 +54,38 @@ std::string LastName(const fs::path& path) {
   return path.extension() == ".sens" ? path.stem().string() : path.filename().string();
 }
 
-std::string NameUnderPattern(const fs::path& path, const fs::path& pattern) {
+// By the parts of the path from the first wildcard on; what `folder` is called is no wildcard.
+std::string NameUnderPattern(const fs::path& path,
+                             const fs::path& pattern,
+                             const fs::path& folder) {
   std::string name;
   bool wild = false;
+  bool in_folder = true;
   auto part = path.begin();
+  auto given = folder.begin();
   for (const fs::path& wanted : pattern) {
     if (part == path.end()) break;
-    wild = wild || HasWildcard(wanted.string());
+    in_folder = in_folder && given != folder.end() && *given == wanted;
+    if (in_folder) ++given;
+    wild = wild || (!in_folder && HasWildcard(wanted.string()));
     if (wild) {
       const bool last = std::next(part) == path.end();
-      name = fmt::format("{}{}{}",
-                         name,
-                         name.empty() ? "" : "_",
-                         last ? LastName(*part) : part->string());
+      name = fmt::format(
+          "{}{}{}", name, name.empty() ? "" : "_", last ? LastName(*part) : part->string());
     }
     ++part;
   }
   return Sanitised(name);
+}
+
+// For glob: what the folders are called in which a pattern stands is no pattern.
+std::string Escaped(const fs::path& folder) {
+  std::string escaped;
+  for (const char c : folder.string()) {
+    if (c == '\\' || kWildcards.find(c) != std::string_view::npos) escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
 }
 
 bool IsCapture(const fs::path& path) {
@@ -82,19 +97,22 @@ Error AtPlace(std::string_view place, std::string_view what) {
   return InvalidInput(fmt::format("{}: {}", place, what));
 }
 
-Result<std::vector<ListedCapture>> Expand(const fs::path& pattern, const std::string& place) {
-  const fs::path absolute = Absolute(pattern);
+Result<std::vector<ListedCapture>> Expand(const fs::path& pattern,
+                                          const std::string& place,
+                                          const fs::path& folder) {
+  const fs::path absolute = Absolute(folder / pattern);
+  const fs::path wanted = Absolute(fs::path(Escaped(folder)) / pattern);
   glob_t found{};
-  const int outcome = ::glob(absolute.c_str(), 0, nullptr, &found);
+  const int outcome = ::glob(wanted.c_str(), 0, nullptr, &found);
   std::vector<ListedCapture> captures;
   for (std::size_t i = 0; outcome == 0 && i < found.gl_pathc; ++i) {
     const fs::path path = found.gl_pathv[i];
-    if (IsCapture(path)) captures.push_back({path, NameUnderPattern(path, absolute), place});
+    if (IsCapture(path))
+      captures.push_back({path, NameUnderPattern(path, absolute, folder), place, true});
   }
   ::globfree(&found);
   if (captures.empty()) {
-    return AtPlace(place,
-                   fmt::format("{} matches no folder and no .sens file", pattern.string()));
+    return AtPlace(place, fmt::format("{} matches no folder and no .sens file", pattern.string()));
   }
   return captures;
 }
@@ -118,11 +136,12 @@ std::optional<std::vector<std::string>> Words(std::string_view line) {
 
 Status CheckGivenName(const std::string& name, const std::string& place) {
   if (name.empty() || name != Sanitised(name)) {
-    return AtPlace(place,
-                   fmt::format("'{}' cannot name a workspace: letters, digits, '.', '_' and '-' can, "
-                               "with neither '.' nor '-' in front; put quotes around a path with "
-                               "blanks in it",
-                               name));
+    return AtPlace(
+        place,
+        fmt::format("'{}' cannot name a workspace: letters, digits, '.', '_' and '-' can, "
+                    "with neither '.' nor '-' in front; put quotes around a path with "
+                    "blanks in it",
+                    name));
   }
   return Ok();
 }
@@ -140,7 +159,7 @@ Result<std::vector<ListedCapture>> ReadLine(const std::vector<std::string>& word
   const fs::path path = folder / words.front();
   std::error_code error;
   const bool pattern = HasWildcard(words.front()) && !fs::exists(path, error);
-  if (words.size() == 1 && pattern) return Expand(path, place);
+  if (words.size() == 1 && pattern) return Expand(words.front(), place, Absolute(folder));
   if (pattern) return AtPlace(place, "a pattern stands for many captures and can have no name");
   const fs::path absolute = Absolute(path);
   if (words.size() == 1)
@@ -154,9 +173,8 @@ Result<std::vector<ListedCapture>> FindOne(const std::string& argument, const st
   const fs::path path = argument;
   if (argument.empty()) return AtPlace(place, "an empty path");
   if (!fs::exists(path, error)) {
-    if (HasWildcard(argument)) return Expand(path, place);
-    return InvalidInput(
-        fmt::format("{}: no such list, capture or pattern", argument));
+    if (HasWildcard(argument)) return Expand(path, place, Absolute("."));
+    return InvalidInput(fmt::format("{}: no such list, capture or pattern", argument));
   }
   if (IsCapture(path)) {
     const fs::path absolute = Absolute(path);
@@ -217,10 +235,11 @@ Status CheckNames(std::span<const ListedCapture> captures) {
     }
     if (capture.name.empty() || capture.name.size() > kMaxNameBytes ||
         capture.name == "index.html" || capture.name == "batch.json") {
-      fault(fmt::format("{}: '{}' cannot name a workspace; give the capture another name in a list "
-                        "file (PATH NAME)",
-                        Told(capture),
-                        capture.name));
+      fault(
+          fmt::format("{}: '{}' cannot name a workspace; give the capture another name in a list "
+                      "file (PATH NAME)",
+                      Told(capture),
+                      capture.name));
       continue;
     }
     const auto [it, fresh] = by_name.emplace(capture.name, &capture);
@@ -231,12 +250,13 @@ Status CheckNames(std::span<const ListedCapture> captures) {
                             capture.path.string(),
                             it->second->place,
                             capture.place)
-              : fmt::format("{} and {} would both have the workspace '{}'; give one another name in "
-                            "a list file (PATH NAME), or use a pattern in quotes such as 'rooms/*/*', "
-                            "which names by the whole of what it matches",
-                            Told(*it->second),
-                            Told(capture),
-                            capture.name));
+              : fmt::format(
+                    "{} and {} would both have the workspace '{}'; give one another name in "
+                    "a list file (PATH NAME), or use a pattern in quotes such as 'rooms/*/*', "
+                    "which names by the whole of what it matches",
+                    Told(*it->second),
+                    Told(capture),
+                    capture.name));
   }
   if (num_faults > kMaxCollisionsTold)
     faults += fmt::format("\nand {} more", num_faults - kMaxCollisionsTold);

@@ -7,11 +7,11 @@
 //   scans/*/depth_capture                      a pattern stands for every folder that it matches
 // Relative paths start at the list's folder.
 //
-// A workspace is called by the name in the list, else by the capture's own name (without the ending,
-// where it is a file); under a pattern by the parts of the path from the first wildcard on, joined
-// by `_` (`rooms/*/seq-*`: kitchen_seq-01). A name depends on nothing but its own entry, so that it
-// stays when a list grows. Letters, digits, `.`, `_`, `-` and what is beyond ASCII stay in a name;
-// the rest becomes `_`.
+// A workspace is called by the name in the list, else by the capture's own name (without the
+// ending, where it is a file); under a pattern by the parts of the path from the first wildcard on,
+// joined by `_` (`rooms/*/seq-*`: kitchen_seq-01). A name depends on nothing but its own entry, so
+// that it stays when a list grows. Letters, digits, `.`, `_`, `-` and what is beyond ASCII stay in
+// a name; the rest becomes `_`.
 #pragma once
 
 #include <filesystem>
@@ -28,6 +28,7 @@ struct ListedCapture {
   std::filesystem::path path;  // absolute; need not exist, unless a pattern gave it
   std::string name;            // of the workspace; unique, never with `.` or `-` in front
   std::string place;           // "rooms.txt:3" or "argument 2", for messages
+  bool by_pattern = false;     // not named by itself
 };
 
 // All captures of what a user named: list files, captures (folders, .sens files) and patterns, in

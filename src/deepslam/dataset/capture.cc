@@ -1,4 +1,5 @@
 #include "deepslam/dataset/capture.h"
+#include "deepslam/core/utf8.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -74,11 +75,12 @@ std::vector<std::string> AllDoubts(const Capture& capture) {
   return doubts;
 }
 
-// "capture/" and "." have no file name of their own.
+// "capture/" and "." have no file name of their own; names out of old archives may be no UTF-8,
+// which nothing that is written about the capture could hold.
 std::string NameOf(const fs::path& path) {
   std::error_code code;
   const fs::path full = fs::weakly_canonical(path, code);
-  return (code ? path : full).filename().string();
+  return ToValidUtf8((code ? path : full).filename().string());
 }
 
 Result<LayoutSource> ReadSource(const fs::path& path) {

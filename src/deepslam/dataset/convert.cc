@@ -422,7 +422,9 @@ Result<ConversionReport> ConvertCapture(const Capture& capture,
                                         const OutputFormat& format,
                                         double depth_units_per_m,
                                         const ConversionProgress& progress) {
-  const fs::path target = WithoutSlash(to);
+  std::error_code code;
+  // An empty folder that is there gives its place to the result: itself, not a link to it or ".".
+  const fs::path target = fs::is_directory(to, code) ? fs::canonical(to, code) : WithoutSlash(to);
   if (Status status = CheckTarget(target, format); !status) return status.error();
   if (format.fixed_units_per_m > 0 && depth_units_per_m > 0 &&
       depth_units_per_m != format.fixed_units_per_m) {

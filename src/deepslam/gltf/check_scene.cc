@@ -1,6 +1,6 @@
 #include "deepslam/gltf/check_scene.h"
 
-#include "deepslam/gltf/utf8.h"
+#include "deepslam/core/utf8.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,10 +11,10 @@
 #include <sstream>
 #include <utility>
 
+#include "deepslam/core/utf8.h"
 #include "deepslam/gltf/check_scene.h"
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/render_mesh.h"
-#include "deepslam/gltf/utf8.h"
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE

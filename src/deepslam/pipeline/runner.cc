@@ -295,8 +295,28 @@ std::vector<StageTiming> ReadTimings(std::span<const Stage> stages, const fs::pa
   return timings;
 }
 
+namespace {
+
+// What can be looked at counts as it is now.
+void TakeCurrent(const Stage& stage,
+                 std::span<const std::string_view> looked_at,
+                 StringMap& external_inputs) {
+  if (!stage.external_inputs) return;
+  const Result<StringMap> current = stage.external_inputs();
+  if (!current.ok()) return;
+  for (const std::string_view name : looked_at) {
+    const std::string key(name);
+    external_inputs.erase(key);
+    if (const auto found = current->find(key); found != current->end())
+      external_inputs.insert(*found);
+  }
+}
+
+}  // namespace
+
 Result<std::vector<StageReport>> InspectWorkspace(std::span<const Stage> stages,
-                                                  const fs::path& workspace) {
+                                                  const fs::path& workspace,
+                                                  std::span<const std::string_view> looked_at) {
   if (Status status = CheckWorkspace(workspace, false); !status.ok()) return status.error();
   std::vector<StageReport> reports;
   StringMap content_hashes;
@@ -315,6 +335,7 @@ Result<std::vector<StageReport>> InspectWorkspace(std::span<const Stage> stages,
     StringMap external_inputs;
     const Decision recorded = Decide(workspace, Expected(stage, inputs, {}));
     if (recorded.manifest) external_inputs = recorded.manifest->external_inputs;
+    if (!looked_at.empty()) TakeCurrent(stage, looked_at, external_inputs);
     Decision decision =
         Decide(workspace, Expected(stage, std::move(inputs), std::move(external_inputs)));
     if (!waiting.empty() && !decision.missing) decision.reasons = waiting;

@@ -73,9 +73,11 @@ struct StageTiming {
 [[nodiscard]] std::vector<StageTiming> ReadTimings(std::span<const Stage> stages,
                                                    const std::filesystem::path& workspace);
 
-// The state of a workspace without touching it. External inputs are taken as unchanged: the capture
-// may be elsewhere.
+// The state of a workspace without touching it. External inputs are taken as unchanged (the capture
+// may be elsewhere) but for those named in `looked_at`, which stages are asked for.
 [[nodiscard]] Result<std::vector<StageReport>> InspectWorkspace(
-    std::span<const Stage> stages, const std::filesystem::path& workspace);
+    std::span<const Stage> stages,
+    const std::filesystem::path& workspace,
+    std::span<const std::string_view> looked_at = {});
 
 }  // namespace deepslam::pipeline

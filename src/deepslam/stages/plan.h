@@ -1,9 +1,11 @@
 // The whole chain on one page: which stage reads what, under which options.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "deepslam/artifact/overrides_yaml.h"
@@ -31,6 +33,10 @@ using SharedInputs = std::shared_ptr<const RunInputs>;
 
 // The table of classes the configuration names.
 [[nodiscard]] Result<ClassTable> LoadClasses(const Config& config);
+
+// External inputs that come from overrides.yaml.
+inline constexpr std::array<std::string_view, 3> kOverrideInputs = {
+    "ground_hint", "track_overrides", "choices"};
 
 // track, ground, detect ... report, in order.
 [[nodiscard]] std::vector<pipeline::Stage> MakePlan(SharedInputs inputs);

@@ -1,9 +1,9 @@
-#include "deepslam/gltf/utf8.h"
+#include "deepslam/core/utf8.h"
 
 #include <cstddef>
 #include <cstdint>
 
-namespace deepslam::gltf {
+namespace deepslam {
 namespace {
 
 unsigned ByteAt(std::string_view text, std::size_t at) {
@@ -46,4 +46,4 @@ std::string ToValidUtf8(std::string_view text) {
   return result;
 }
 
-}  // namespace deepslam::gltf
+}  // namespace deepslam
