@@ -70,6 +70,15 @@ TEST(SharedPlace, TheSurestIsTheHostWhateverTheOrder) {
   }
 }
 
+// 0.45 lies in 0.95's place and 0.2 in 0.45's, but 0.2 stands clear of 0.95.
+TEST(SharedPlace, NothingStandsInWhatLeavesTheMap) {
+  const ObjectMap map{{Chair(0, 0, 0.2), Chair(1, 0.2, 0.45), Chair(2, 0.4, 0.95)}, {}};
+  const std::vector<Intruder> found = Intruders(map);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found.front().id, ObjectId(1));
+  EXPECT_EQ(found.front().host, ObjectId(2));
+}
+
 TEST(SharedPlace, EquallySureOnesAndOtherClassesStay) {
   EXPECT_TRUE(Intruders({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.6)}, {}}).empty());
   MapObject table = Chair(1, 0.1, 0.1);  // a chair pushed under it shares its place

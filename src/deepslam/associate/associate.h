@@ -3,8 +3,8 @@
 //
 // Each detection of a frame collects votes of the previous detected frames: the depth points of
 // their segments, moved into this frame by the tracked poses, that fall inside its box and lie near
-// its own points. Without a consensus the objects not seen in those frames are tried with all their
-// points; only then a new object starts.
+// its own points. Without a consensus the objects that have no detection in this frame yet are tried
+// with all their points; only then a new object starts.
 //
 // Places are compared within a part of the path (scene/measured_parts.h): where tracking found
 // nothing in common with the frames before, the world goes on at the last pose, and what stands in

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "deepslam/loop/point_agreement.h"
@@ -63,19 +64,30 @@ std::vector<Intruder> FindIntruders(const std::vector<Intruder>& suspects,
                                     const ObjectMap& map,
                                     const LoopEvidence& evidence,
                                     const LoopOptions& options) {
-  std::vector<Intruder> intruders;
-  for (const Intruder& suspect : suspects) {
+  const auto confidence = [&](ObjectId id) { return Get(map, id).confidence; };
+  const auto stands_in = [&](const Intruder& suspect) {
     const MapObject& object = Get(map, suspect.id);
     const MapObject& host = Get(map, suspect.host);
-    const bool shares = object.class_name == host.class_name && SharePlace(object, host, options);
-    if (!shares && !IsPieceOf(suspect.id, suspect.host, evidence, options.verify_distance_m))
-      continue;
-    if (intruders.empty() || intruders.back().id != suspect.id) {
-      intruders.push_back(suspect);
-    } else if (host.confidence > Get(map, intruders.back().host).confidence) {
-      intruders.back().host = suspect.host;
-    }
+    return (object.class_name == host.class_name && SharePlace(object, host, options)) ||
+           IsPieceOf(suspect.id, suspect.host, evidence, options.verify_distance_m);
+  };
+  // Hosts are surer than what stands in them: their own fate is known first, and what leaves the
+  // map itself is nobody's host.
+  std::vector<Intruder> surest_first = suspects;
+  std::ranges::stable_sort(surest_first, [&](const Intruder& a, const Intruder& b) {
+    return confidence(a.id) != confidence(b.id) ? confidence(a.id) > confidence(b.id)
+                                                : confidence(a.host) > confidence(b.host);
+  });
+  std::map<ObjectId, ObjectId> host_of;
+  for (const Intruder& suspect : surest_first) {
+    if (host_of.contains(suspect.id) || host_of.contains(suspect.host)) continue;
+    if (stands_in(suspect)) host_of.emplace(suspect.id, suspect.host);
   }
+  std::vector<Intruder> intruders;
+  std::ranges::copy_if(suspects, std::back_inserter(intruders), [&](const Intruder& suspect) {
+    const auto host = host_of.find(suspect.id);
+    return host != host_of.end() && host->second == suspect.host;
+  });
   return intruders;
 }
 

@@ -126,6 +126,7 @@ void Tracker::Add(FrameIdx frame, double time_s, std::shared_ptr<const FramePyra
   Anchor anchor{frame, time_s, clock_s, std::move(pyramid), Pose3{}, piece_};
   if (keyframes_.empty()) {
     odometry_.frames.push_back({frame, time_s, Pose3{}, StatusOf(one_depth), frame, 0, 1});
+    pieces_.push_back(0);
     PushKeyframe(anchor);
     previous_ = anchor;
     return;
@@ -166,6 +167,7 @@ void Tracker::AddUnaligned(TrackingStatus status, FrameIdx frame, double time_s)
   const Pose3 last = previous_ ? previous_->world_from_camera : Pose3{};
   const FrameIdx keyframe = keyframes_.empty() ? FrameIdx{} : keyframes_.back().frame;
   odometry_.frames.push_back({frame, time_s, last, status, keyframe, 0, 0});
+  pieces_.push_back(previous_ ? previous_->piece : 0);
 }
 
 void Tracker::Align(Anchor& frame) {
@@ -339,6 +341,7 @@ void Tracker::AddAligned(const Anchor& frame, const FrameAlignment& alignment) {
                               keyframes_.back().frame,
                               alignment.rmse_m,
                               alignment.inlier_share});
+  pieces_.push_back(frame.piece);
   previous_ = frame;
 }
 
@@ -417,6 +420,7 @@ bool Tracker::AlignToPending(Anchor& frame) {
   AddWeakEdge(keyframes_.back(), start);
   PushKeyframe(start);
   odometry_.frames[static_cast<std::size_t>(start.frame.value)].keyframe = start.frame;
+  pieces_[static_cast<std::size_t>(start.frame.value)] = start.piece;
   previous_ = start;
   Accept(frame, start, alignment);
   previous_alignment_ = alignment;
@@ -550,7 +554,9 @@ void Tracker::CarryPiece(Anchor& frame, const Pose3& moved, int joined) {
   };
   const FrameIdx start = piece_starts_[static_cast<std::size_t>(piece)];
   for (std::size_t k = static_cast<std::size_t>(start.value); k < odometry_.frames.size(); ++k) {
+    if (pieces_[k] != piece) continue;  // others came between two stays in this one
     odometry_.frames[k].world_from_camera = moved * odometry_.frames[k].world_from_camera;
+    pieces_[k] = joined;
   }
   for (Anchor& anchor : keyframes_) carry(anchor);
   carry(*previous_);

@@ -103,6 +103,7 @@ class Tracker {
   bool seen_measured_ = false;    // a frame of more than one depth
   double held_s_ = 0;  // for how long alignments kept a direction of the motion as predicted
   int piece_ = 0;
+  std::vector<int> pieces_;                          // of all frames
   std::vector<FrameIdx> piece_starts_{FrameIdx{0}};  // first frame of each piece
 };
 

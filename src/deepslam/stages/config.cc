@@ -46,9 +46,10 @@ void Describe(OptionsVisitor& visitor, ProposeStageOptions& options) {
 }
 
 void Describe(OptionsVisitor& visitor, FuseStageOptions& options) {
-  visitor.Field("leave_objects_out",
-                options.leave_objects_out,
-                "fuse detected frames only, without the pixels of mapped objects");
+  visitor.Field(
+      "leave_objects_out",
+      options.leave_objects_out,
+      "fuse only frames that the detector looked at, without the pixels of mapped objects");
 }
 
 void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {

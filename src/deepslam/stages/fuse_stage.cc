@@ -42,7 +42,11 @@ Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& m
     if (!mapped.contains(track.id)) continue;
     for (const TrackMember& member : track.members) members.insert(member.detection);
   }
+  // Frames in which nothing was found have nothing to leave out.
+  const Result<artifact::DetectionTable> detections = ReadDetections(context);
+  if (!detections.ok()) return detections.error();
   ObjectMasks masks;
+  for (const artifact::DetectedImage& image : detections->images) masks[image.frame];
   for (const Segment& segment : *segments) {
     Mask& mask = masks[segment.frame];
     if (members.contains(segment.detection)) Cover(segment.mask.Unpacked(), mask);
@@ -75,6 +79,7 @@ Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
   }
   const FrameSource& frames = *inputs.capture->frames;
   const std::vector<FrameIdx> wanted = FramesToFuse(*map, masks, inputs.config);
+  if (wanted.empty()) context.progress().Warn("no frame to fuse: the room stays empty");
   fuse::TsdfFusion fusion(inputs.config.fuse);
   const auto integrate = [&](const Frame& frame) -> Status {
     const auto mask = masks.find(frame.idx);

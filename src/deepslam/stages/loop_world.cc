@@ -218,9 +218,11 @@ Pose3 MovedWith(const Odometry& before, const Odometry& after, const MapObject& 
   return best;
 }
 
-double MovedApart_m(const Odometry& before, const Odometry& after, const MapObject& object) {
+double MovedApart_m(const Odometry& before,
+                    const Odometry& after,
+                    const MapObject& object,
+                    const Eigen::Vector3d& centre) {
   const Pose3 best = MovedWith(before, after, object);
-  const Eigen::Vector3d centre = best.Inverse() * object.world_from_object.translation_m;
   double apart_m = 0;
   for (const ViewRegistration& view : object.views) {
     const std::optional<Pose3> own = AfterFromBefore(before, after, view.frame);
@@ -307,10 +309,10 @@ Status JudgeMovedApart(const StageContext& context,
                        const std::set<ObjectId>& just_judged,
                        LoopWorld& world) {
   for (MapObject& object : world.map.objects) {
-    if (just_judged.contains(object.id) ||
-        MovedApart_m(before, world.odometry, object) <= loop::kApart_m) {
-      continue;
-    }
+    if (just_judged.contains(object.id)) continue;
+    const Eigen::Vector3d centre = MovedWith(before, world.odometry, object).Inverse() *
+                                   object.world_from_object.translation_m;
+    if (MovedApart_m(before, world.odometry, object, centre) <= loop::kApart_m) continue;
     if (Status status = JudgeWhole(context, inputs, "closed", world, object); !status.ok())
       return status;
   }
@@ -361,7 +363,8 @@ Status Rejoin(const StageContext& context,
     MapObject object = before;
     object.world_from_object =
         MovedWith(parted.odometry, world.odometry, before) * before.world_from_object;
-    if (MovedApart_m(parted.odometry, world.odometry, before) > loop::kApart_m) {
+    const Eigen::Vector3d& centre = before.world_from_object.translation_m;
+    if (MovedApart_m(parted.odometry, world.odometry, before, centre) > loop::kApart_m) {
       if (Status status = JudgeWhole(context, inputs, "closed", world, object); !status.ok())
         return status;
     }

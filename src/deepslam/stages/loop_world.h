@@ -44,10 +44,12 @@ struct LoopWorld {
                               const MapObject& object);
 
 // The largest distance by which that moves what a view saw of the object against what its best view
-// saw: views of both ends of a stretch that is corrected.
+// saw: views of both ends of a stretch that is corrected. `centre` is the object's in the world of
+// `before`.
 [[nodiscard]] double MovedApart_m(const Odometry& before,
                                   const Odometry& after,
-                                  const MapObject& object);
+                                  const MapObject& object,
+                                  const Eigen::Vector3d& centre);
 
 void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map);
 

@@ -223,7 +223,8 @@ Result<bool> Close(const StageContext& context,
   Odometry closed = world.odometry;
   closed.frames = std::move(solved->frames);
   const bool apart = std::ranges::any_of(world.map.objects, [&](const MapObject& object) {
-    return MovedApart_m(world.odometry, closed, object) > loop::kApart_m;
+    const Eigen::Vector3d& centre = object.world_from_object.translation_m;
+    return MovedApart_m(world.odometry, closed, object, centre) > loop::kApart_m;
   });
   if (!apart) return false;
   const Odometry before = std::exchange(world.odometry, std::move(closed));
