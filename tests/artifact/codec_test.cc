@@ -299,6 +299,26 @@ TEST(Json, RefusesDeepNesting) {
   EXPECT_FALSE(ParseJson(std::string(100'000, '[') + std::string(100'000, ']'), "deep.json").ok());
 }
 
+TEST(GroundJson, HoldsWhatTheUserSaysOfThePicturesIfAnything) {
+  Ground ground = SampleGround();
+  const std::string silent = *EncodeGround(ground, "f");
+  EXPECT_THAT(silent, testing::Not(HasSubstr("upright")));
+  EXPECT_FALSE(DecodeGround(silent, "f")->upright.has_value());
+  for (const QuarterTurn said : {QuarterTurn::kNone,
+                                 QuarterTurn::kClockwise,
+                                 QuarterTurn::kHalf,
+                                 QuarterTurn::kAnticlockwise}) {
+    ground.upright = said;
+    EXPECT_EQ(DecodeGround(*EncodeGround(ground, "f"), "f")->upright, said);
+  }
+  std::string text = *EncodeGround(ground, "f");
+  text.replace(text.find("270"), 3, "100");
+  const Result<Ground> read = DecodeGround(text, "ground/ground.json");
+  ASSERT_FALSE(read.ok());
+  EXPECT_THAT(read.error().message,
+              testing::AllOf(HasSubstr("ground/ground.json"), HasSubstr("upright_deg")));
+}
+
 TEST(Json, FaultNamesPlaceAndValue) {
   std::string text = *EncodeDetections(SampleDetections(), "f");
   const std::size_t at = text.find("\"score\": 0.75");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/geometry/upright.h"
 #include "deepslam/graph/g2o.h"
 #include "deepslam/graph/gravity_world.h"
 #include "graph/synthetic_graph.h"
@@ -333,6 +334,16 @@ TEST(OptimizeGraph, SmallAndEmptyGraphs) {
                 .norm(),
             1e-9);
 
+  single.ground.upright = QuarterTurn::kClockwise;
+  const OptimizedMap turned = Optimize(single);
+  EXPECT_FALSE(turned.has_ground);
+  EXPECT_EQ(turned.upright, single.ground.upright);
+  EXPECT_LT((turned.frames[0].world_from_camera.rotation * -Eigen::Vector3d::UnitX() -
+             Eigen::Vector3d::UnitZ())
+                .norm(),
+            1e-9)
+      << "the left edge becomes the upper one";
+
   World no_objects = MakeWorld(30, 0, 1, kDrift);
   EXPECT_TRUE(Optimize(no_objects).summary.converged);
   World no_ground = MakeWorld(30, 3, 1, kDrift);
@@ -433,6 +444,22 @@ TEST(GravityFromTracking, StraightDownTheImagesUpperEdgeIsForward) {
     const Pose3 gravity = GravityFromTracking(camera, Plane{});
     EXPECT_THAT(gravity * camera,
                 PoseNear(testing_support::LookAlong({0, 0, 1.6}, 0, down_rad), 1e-9, 1e-6));
+  }
+}
+
+// Held in any of four ways, told which: the world is that of the camera held upright.
+TEST(GravityFromTracking, WithoutAGroundStandsAsThePicturesDo) {
+  const Pose3 camera = V2t((Vector6d() << 1, 2, 3, 0.3, -0.5, 0.9).finished());
+  const Pose3 upright = GravityFromTracking(camera, std::nullopt);
+  for (const QuarterTurn held :
+       {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
+    Eigen::Matrix3d upright_from_held;
+    for (int k = 0; k < 3; ++k)
+      upright_from_held.col(k) = Turned(Eigen::Vector3d(Eigen::Vector3d::Unit(k)), Inverse(held));
+    const Pose3 lying = {camera.rotation * Eigen::Quaterniond(upright_from_held),
+                         camera.translation_m};
+    EXPECT_THAT(GravityFromTracking(lying, std::nullopt, Inverse(held)),
+                PoseNear(upright, 1e-9, 1e-6));
   }
 }
 

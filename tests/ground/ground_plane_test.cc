@@ -162,8 +162,12 @@ TEST_P(HeldCamera, IsWhatTheUserSays) {
   // Too little is seen from too few sides to tell.
   const TrueCapture capture = Capture(BoxWorld::Furnished(), LookAbout(0.3, RollRad(), 30));
   GroundOptions options;
-  options.upright_deg = std::to_string((GetParam() + 405) / 90 % 4 * 90);
-  ExpectFloor(capture, Estimate(capture, options));
+  const int quarters = (GetParam() + 405) / 90 % 4;
+  options.upright_deg = std::to_string(quarters * 90);
+  const Ground ground = Estimate(capture, options);
+  ExpectFloor(capture, ground);
+  EXPECT_EQ(ground.upright, static_cast<QuarterTurn>(quarters)) << "for where there is no floor";
+  EXPECT_FALSE(Estimate(capture).upright.has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(Rolls, HeldCamera, testing::Values(0, 90, 180, -90, 75, -110));

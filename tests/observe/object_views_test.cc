@@ -86,6 +86,16 @@ TEST(CollectObjectViews, CropsShowTheSamePointsAsTheWholeImage) {
   }
 }
 
+TEST(CollectObjectViews, TellsWhatTheUserSaysSetsThePicturesUpright) {
+  const World world = Make(3, 30);
+  Ground ground;
+  for (const ObjectView& view : Collect(world, ground).at({4}))
+    EXPECT_EQ(view.upright, QuarterTurn::kNone);
+  ground.upright = QuarterTurn::kHalf;
+  for (const ObjectView& view : Collect(world, ground).at({4}))
+    EXPECT_EQ(view.upright, QuarterTurn::kHalf);
+}
+
 TEST(CutObjectViews, WithoutColourGivesTheSameDepthAndObject) {
   const World world = Make(5, 30);
   const std::vector<ObjectTrack> tracks = {world.track};

@@ -426,6 +426,32 @@ TEST_F(CropTest, WhiteOutsideAndSquare) {
   EXPECT_EQ(planes[6 * kPixels + at], 1.0F);
 }
 
+TEST_F(CropTest, WithoutAGroundStandsAsThePictureIsSaidTo) {
+  ObjectView view = View(60, 100);
+  view.ground_camera.reset();
+  for (int v = 10; v < 90; ++v) {
+    for (int u = 20; u < 40; ++u) view.mask_crop(u, v) = 1;
+  }
+  const Result<NetworkCrop> upright = MakeNetworkCrop(view, false);
+  ASSERT_TRUE(upright);
+  for (const QuarterTurn held :
+       {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
+    ObjectView lying = view;
+    lying.colour_crop = Turned(view.colour_crop, held);
+    lying.depth_crop_m = Turned(view.depth_crop_m, held);
+    lying.mask_crop = Turned(view.mask_crop, held);
+    lying.camera = Turned(view.camera, held);
+    lying.upright = Inverse(held);
+    const Result<NetworkCrop> crop = MakeNetworkCrop(lying, false);
+    ASSERT_TRUE(crop);
+    for (const auto& axis : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
+      const Eigen::Vector3d of_lying = crop->camera.view_from_crop * axis;
+      const Eigen::Vector3d of_standing = upright->camera.view_from_crop * axis;
+      EXPECT_LT((of_lying - Turned(of_standing, held)).norm(), 1e-9);
+    }
+  }
+}
+
 TEST_F(CropTest, StandsUprightHoweverTheCameraIsHeld) {
   ObjectView view = View(60, 100);
   for (int v = 0; v < 100; ++v) {

@@ -2,11 +2,14 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/geometry/upright.h"
+#include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
@@ -205,6 +208,22 @@ TEST(Retrieval, WorksWithoutAGround) {
   EXPECT_FALSE(proposals.candidates.empty());
 }
 
+TEST(FindLevel, WithoutAGroundIsAsThePicturesAreSaidToStand) {
+  ObjectView standing;
+  standing.world_from_camera = testing_support::LookAt({2, 1, 1.4}, {0, 0, 0.4});
+  const Eigen::Vector3d up_camera(0, -1, 0);
+  for (const QuarterTurn upright :
+       {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
+    ObjectView view = standing;
+    view.upright = upright;
+    const LevelFrame level = FindLevel(std::vector<ObjectView>{view});
+    EXPECT_FALSE(level.has_ground);
+    const Eigen::Vector3d up = level.level_from_world.rotation * view.world_from_camera.rotation *
+                               Turned(up_camera, Inverse(upright));
+    EXPECT_LT((up - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  }
+}
+
 TEST(Retrieval, OutlinesStandWithoutAGroundAndOfUnknownFurniture) {
   Stage stage;
   stage.has_ground = false;
@@ -216,9 +235,8 @@ TEST(Retrieval, OutlinesStandWithoutAGroundAndOfUnknownFurniture) {
   stage = Stage();
   stage.size_m = 1.4;
   stage.distance_m = 2.4;
-  const Proposals furniture = Retrieve(std::string(kFurnitureClass),
-                                       StagedViews(Library().models[4].shape, stage),
-                                       Sight::kColour);
+  const Proposals furniture = Retrieve(
+      std::string(kFurnitureClass), StagedViews(Library().models[4].shape, stage), Sight::kColour);
   ASSERT_FALSE(furniture.candidates.empty());
   EXPECT_EQ(furniture.candidates.front().library_id, Library().models[4].id);
 }

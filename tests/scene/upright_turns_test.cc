@@ -10,6 +10,7 @@ namespace {
 
 using testing::Each;
 using testing::ElementsAre;
+using testing::ElementsAreArray;
 
 // World: z up, ground z = 0. Level, looking along x, turned clockwise about the optical axis.
 Pose3 Held(double roll_deg, double pitch_down_deg = 0) {
@@ -57,6 +58,47 @@ TEST(UprightTurns, LookingStraightDownAreAsTheOnesBeforeOrAsMostAre) {
 TEST(UprightTurns, WithoutAGroundNothingIsTurned) {
   EXPECT_THAT(UprightTurns(Frames({Held(90), Held(180)}), Ground{}), Each(QuarterTurn::kNone));
   EXPECT_TRUE(UprightTurns({}, Floor()).empty());
+}
+
+TEST(UprightTurns, WithoutAGroundAreAsTheUserSays) {
+  const auto frames = Frames({Held(0), Held(90), Held(0, 85)});
+  for (const QuarterTurn said :
+       {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
+    Ground ground;
+    ground.upright = said;
+    EXPECT_THAT(UprightTurns(frames, ground), Each(said));
+  }
+}
+
+TEST(UprightTurns, AGroundThatIsSeenCountsForMoreThanTheUsersWord) {
+  Ground floor = Floor();
+  floor.upright = QuarterTurn::kHalf;
+  EXPECT_THAT(UprightTurns(Frames({Held(0), Held(90)}), floor),
+              ElementsAre(QuarterTurn::kNone, QuarterTurn::kClockwise));
+  EXPECT_THAT(UprightTurns(Frames({Held(0, 85), Held(0, 88)}), floor), Each(QuarterTurn::kHalf))
+      << "it tells nothing here";
+}
+
+// Two captures in one, the first of them the longer, and no floor in it.
+TEST(UprightTurns, APartWithoutFloorIsTurnedAsTheOtherOrAsTheUserSays) {
+  const auto frames = Frames({Held(0), Held(0), Held(0), Held(90), Held(100)});
+  Ground ground;
+  ground.apart = {{FrameIdx{3}, FrameIdx{5}, Plane{Eigen::Vector3d::UnitZ(), 0}}};
+  EXPECT_THAT(UprightTurns(frames, ground), Each(QuarterTurn::kClockwise));
+  ground.upright = QuarterTurn::kHalf;
+  std::vector<QuarterTurn> expected(3, QuarterTurn::kHalf);
+  expected.resize(5, QuarterTurn::kClockwise);
+  EXPECT_THAT(UprightTurns(frames, ground), ElementsAreArray(expected));
+}
+
+TEST(UprightTurnIn, WithoutAGroundIsAsTheUserSays) {
+  OptimizedMap map;
+  map.frames = Frames({Held(90)});
+  EXPECT_EQ(UprightTurnIn(map, FrameIdx{0}), QuarterTurn::kNone);
+  map.upright = QuarterTurn::kAnticlockwise;
+  EXPECT_EQ(UprightTurnIn(map, FrameIdx{0}), QuarterTurn::kAnticlockwise);
+  map.has_ground = true;
+  EXPECT_EQ(UprightTurnIn(map, FrameIdx{0}), QuarterTurn::kClockwise);
 }
 
 }  // namespace

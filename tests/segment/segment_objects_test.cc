@@ -1,11 +1,14 @@
 #include "deepslam/segment/segment_objects.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include <gmock/gmock.h>
 
+#include "deepslam/geometry/upright.h"
 #include "support/box_world.h"
 
 namespace deepslam::segment {
@@ -95,6 +98,61 @@ TEST(SegmentFrame, TheWallSeenThroughADarkChairIsNotTheChair) {
   ASSERT_EQ(segments.size(), 1U);
   EXPECT_FALSE(segments[0].usable);
   EXPECT_THAT(segments[0].reason, testing::HasSubstr("wall behind"));
+}
+
+// What is found in the picture turned by `held`, told what sets it upright.
+std::vector<Segment> SegmentsHeld(const Scene& scene,
+                                  const std::vector<std::string>& classes,
+                                  QuarterTurn held) {
+  Frame frame;
+  frame.depth_m = Turned(scene.view.frame.depth_m, held);
+  std::vector<Detection> detections = Truth(scene.view, classes);
+  for (Detection& detection : detections)
+    detection.box_px = Turned(detection.box_px, 320, 240, held);
+  return SegmentFrame(frame,
+                      Turned(SmallCamera(), held),
+                      Turned(scene.ground, held),
+                      detections,
+                      ForSmallImages(),
+                      Inverse(held));
+}
+
+constexpr std::array kTurns = {
+    QuarterTurn::kNone, QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise};
+
+// Also where the wall ends to the left or to the right of the chair: above and one side are enough.
+TEST(SegmentFrame, TheWallIsNotTheChairHoweverThePictureIsHeld) {
+  std::vector<Cuboid> world = BackBeforeAWall();
+  for (const auto& [from, to] :
+       {std::pair(-3.0, 3.0), std::pair(-3.0, 0.3), std::pair(-0.6, 3.0)}) {
+    world.back().min_m.x() = from;
+    world.back().max_m.x() = to;
+    Scene scene = Make(world, {0.2, -2.0, 1.0}, {0, 0, 0.6});
+    TakeDepthOf(0, scene.view);
+    for (const QuarterTurn held : kTurns) {
+      const auto segments = SegmentsHeld(scene, {"chair"}, held);
+      ASSERT_EQ(segments.size(), 1U);
+      EXPECT_THAT(segments[0].reason, testing::HasSubstr("wall behind"))
+          << from << " to " << to << ", turn " << static_cast<int>(held);
+    }
+  }
+}
+
+// A front with others beside it and below it in one plane, and none above. Turned, one of those is
+// above it in the picture.
+TEST(SegmentFrame, ThingsInARowAreUsableHoweverThePictureIsHeld) {
+  const Scene row = Make({{-1, {-1.2, 0, 0}, {-0.22, 0.02, 0.8}},
+                          {0, {-0.2, 0, 0.25}, {0.2, 0.02, 0.8}},
+                          {-1, {0.22, 0, 0}, {1.2, 0.02, 0.8}},
+                          {-1, {-0.2, 0, 0}, {0.2, 0.02, 0.23}},
+                          {-1, {-3, 1.5, 0}, {3, 1.6, 2.5}}},
+                         {0.1, -2.6, 1.2},
+                         {0, 0, 0.4});
+  for (const QuarterTurn held : kTurns) {
+    const auto segments = SegmentsHeld(row, {"cabinet"}, held);
+    ASSERT_EQ(segments.size(), 1U);
+    EXPECT_TRUE(segments[0].usable) << segments[0].reason << ", turn " << static_cast<int>(held);
+  }
 }
 
 TEST(SegmentFrame, ThingsBeforeAWallAreUsableAndThoseInARowAreToo) {

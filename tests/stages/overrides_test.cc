@@ -112,6 +112,58 @@ TEST(ApplyToTracks, NamesTheLineAndWhatIsKnown) {
   EXPECT_THAT(fault("merge: [[0, 3]]\ndrop: [3]"), HasSubstr("dropped as well"));
 }
 
+TEST(ApplyToTracks, RefusesNamesOfOtherObjects) {
+  const auto applied = [](const std::string& text) {
+    Association association = ThreeObjects();
+    return ApplyToTracks(Parsed(text), Classes(), association);
+  };
+  for (const char* text : {"drop:\n  - table_03",
+                           "merge:\n  - [0, table_03]",
+                           "merge:\n  - [table_03, 0]",
+                           "split:\n  - {object: table_03, at_frames: [40]}",
+                           "relabel:\n  table_03: chair",
+                           "relabel: {3: lamp}\ndrop: [table_03]"}) {
+    const auto result = applied(text);
+    ASSERT_FALSE(result.ok()) << text;
+    EXPECT_EQ(result.error().code, ErrorCode::kInvalidConfig);
+    EXPECT_THAT(result.error().message,
+                testing::AllOf(HasSubstr("overrides.yaml:2: there is no object table_03"),
+                               HasSubstr("object 3 is called chair_03 (write 3"),
+                               HasSubstr("known are 0 (chair), 3 (chair), 5 (table)")));
+  }
+  // Under its own name, as it was found or as the file relabels it, whatever the digits.
+  for (const char* text : {"drop: [chair_03, chair_0, table_005]",
+                           "relabel: {5: chair}\nmerge: [[0, table_05]]",
+                           "relabel: {table_05: chair}\ndrop: [chair_05]"}) {
+    EXPECT_TRUE(applied(text).ok()) << text;
+  }
+  EXPECT_THAT(applied("drop: [table_09]").error().message, HasSubstr("no object 9"));
+  EXPECT_FALSE(DecodeOverrides("drop: [_03]", "o.yaml").ok());
+}
+
+TEST(CheckChoices, RefusesNamesOfOtherObjects) {
+  // What both stages say, one after the other.
+  const auto check = [](const std::string& text) -> Status {
+    const Overrides overrides = Parsed(text);
+    Association association = ThreeObjects();
+    const auto applied = ApplyToTracks(overrides, Classes(), association);
+    return applied.ok() ? CheckChoices(overrides, association.tracks) : applied.error();
+  };
+  const Status wrong = check("choose:\n  table_03: 8");
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_THAT(wrong.error().message,
+              testing::AllOf(HasSubstr("overrides.yaml:2: there is no object table_03"),
+                             HasSubstr("called chair_03")));
+  EXPECT_TRUE(check("choose: {chair_03: 8, 5: 7}").ok());
+  // A relabelled object has two names.
+  EXPECT_TRUE(check("relabel: {3: table}\nchoose: {table_03: 8}").ok());
+  EXPECT_TRUE(check("relabel: {3: table}\nchoose: {chair_03: 8}").ok());
+  EXPECT_FALSE(check("relabel: {3: table}\nchoose: {lamp_03: 8}").ok());
+  // So has a part of a split object.
+  EXPECT_TRUE(check("split: [{object: 0, at_frames: [10]}]\nchoose: {chair_06: 8}").ok());
+  EXPECT_FALSE(check("split: [{object: 0, at_frames: [10]}]\nchoose: {table_06: 8}").ok());
+}
+
 TEST(DecodeOverrides, FindsEveryFaultWithItsLine) {
   const auto overrides = DecodeOverrides(
       "version: 2\n"
@@ -156,9 +208,8 @@ TEST(ChosenByHand, TakesNumbersAndModelsAndNamesTheKnown) {
   ASSERT_FALSE(unknown.ok());
   EXPECT_THAT(unknown.error().message, HasSubstr("overrides.yaml:2"));
   EXPECT_THAT(unknown.error().message, HasSubstr("7 (maker__chair), 8 (maker__stool)"));
-  const std::vector<ObjectId> objects = {ObjectId{0}, ObjectId{4}};
-  EXPECT_THAT(CheckChoices(Parsed("choose: {1: 8}"), objects).error().message,
-              HasSubstr("known are 0, 4"));
+  EXPECT_THAT(CheckChoices(Parsed("choose: {1: 8}"), ThreeObjects().tracks).error().message,
+              HasSubstr("no object 1 to choose a candidate for; known are 0 (chair), 3"));
 }
 
 TEST(SelectOrChoose, SaysWhyWhatWasChosenFitsNowhere) {
@@ -255,6 +306,19 @@ TEST(Overrides, CommentsAndOrderOfKeysChangeNothing) {
   const Overrides b = Parsed("# why\nrelabel:\n  table_03: table\n  2: chair\ndrop: [1, 4]\n");
   EXPECT_EQ(artifact::TrackOverridesText(a), artifact::TrackOverridesText(b));
   EXPECT_NE(artifact::TrackOverridesText(a), artifact::TrackOverridesText(Parsed("drop: [4]")));
+}
+
+// Else a stage that stands would hide that the name is wrong.
+TEST(Overrides, NamesThatHaveToBeCheckedRunTheirStage) {
+  using artifact::TrackOverridesText;
+  EXPECT_NE(TrackOverridesText(Parsed("drop: [4]")), TrackOverridesText(Parsed("drop: [sofa_04]")));
+  EXPECT_EQ(TrackOverridesText(Parsed("drop: [chair_4, chair_01]")),
+            TrackOverridesText(Parsed("drop: [chair_01, chair_04]")));
+  EXPECT_NE(artifact::ChoiceOverridesText(Parsed("choose: {1: 8}")),
+            artifact::ChoiceOverridesText(Parsed("choose: {chair_01: 8}")));
+  EXPECT_THAT(StagesTouched("choose: {chair_01: 5}"), ElementsAre("loops", "select"));
+  EXPECT_NE(TrackOverridesText(Parsed("relabel: {1: table}")),
+            TrackOverridesText(Parsed("relabel: {1: table}\nchoose: {chair_01: 5}")));
 }
 
 }  // namespace

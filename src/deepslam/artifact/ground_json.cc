@@ -8,6 +8,14 @@ namespace {
 constexpr std::string_view kFormat = "deepslam/ground";
 constexpr int kVersion = 1;
 
+int Degrees(QuarterTurn turn) { return 90 * static_cast<int>(turn); }
+
+QuarterTurn ReadTurn(const JsonNode& node) {
+  const int deg = node.Int(0, 270);
+  if (deg % 90 != 0) node.Fail("is no quarter turn");
+  return static_cast<QuarterTurn>(deg / 90);
+}
+
 }  // namespace
 
 Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
@@ -32,6 +40,7 @@ Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
     apart.emplace_back(std::move(row));
   }
   if (!apart.empty()) document.emplace("apart", std::move(apart));
+  if (ground.upright) document.emplace("upright_deg", Degrees(*ground.upright));
   return DumpJson(std::move(document), name);
 }
 
@@ -57,6 +66,8 @@ Result<Ground> DecodeGround(std::string_view text, std::string_view name) {
       ground.apart.push_back(stretch);
     }
   }
+  if (const JsonNode upright = root.Maybe("upright_deg"); upright.exists())
+    ground.upright = ReadTurn(upright);
   return reader.Finish(std::move(ground));
 }
 

@@ -19,6 +19,7 @@ constexpr double kMaxHeightM = 10;
 constexpr std::size_t kMaxBytes = 1U << 20;
 constexpr int kMaxItems = 100'000;
 constexpr int kMaxFaults = 50;
+constexpr std::size_t kMaxClassBytes = 256;  // of a name; aliases repeat it
 constexpr std::string_view kAppliedFormat = "deepslam/overrides";
 constexpr int kAppliedVersion = 1;
 
@@ -44,9 +45,9 @@ class OverridesReader {
       } else if (key == "split") {
         ForItems(value, [&](const YAML::Node& node) { ReadSplit(node); });
       } else if (key == "relabel") {
-        ReadTexts(value, overrides.relabel);
+        ReadTexts(value, overrides.relabel, overrides.named);
       } else if (key == "choose") {
-        ReadTexts(value, overrides.choose);
+        ReadTexts(value, overrides.choose, overrides.named_choices);
       } else if (key == "ground") {
         ReadGround(value);
       } else {
@@ -77,21 +78,26 @@ class OverridesReader {
     return num_items_ > kMaxItems;
   }
 
-  // 4, or chair_04.
-  ObjectId ReadObject(const YAML::Node& node) {
+  // 4, or chair_04, which is added to `named`.
+  ObjectId ReadObject(const YAML::Node& node, std::vector<NamedObject>& named) {
     const std::string text = node.IsScalar() ? node.as<std::string>("") : std::string();
     const std::size_t underscore = text.rfind('_');
-    const std::string digits = underscore == std::string::npos ? text : text.substr(underscore + 1);
+    const bool has_class = underscore != std::string::npos;
+    const std::string class_name = has_class ? text.substr(0, underscore) : std::string();
+    const std::string digits = has_class ? text.substr(underscore + 1) : text;
     int value = -1;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size() || digits.empty() ||
-        value < 0 || value > kMaxId) {
+        value < 0 || value > kMaxId || (has_class && class_name.empty()) ||
+        class_name.size() > kMaxClassBytes) {
       Fault(node,
-            fmt::format("\"{}\" is no object: write its id (4) or its name (chair_04)", text));
+            fmt::format("\"{:.100}\" is no object: write its id (4) or its name (chair_04)", text));
       return ObjectId{0};
     }
+    if (has_class) named.push_back({ObjectId{value}, class_name, Line(node)});
     return ObjectId{value};
   }
+  ObjectId ReadObject(const YAML::Node& node) { return ReadObject(node, overrides.named); }
 
   void Once(std::set<int>& seen, ObjectId object, const YAML::Node& node, std::string_view what) {
     if (!seen.insert(object.value).second) {
@@ -142,7 +148,9 @@ class OverridesReader {
     overrides.split.push_back(std::move(split));
   }
 
-  void ReadTexts(const YAML::Node& node, std::vector<TextOverride>& texts) {
+  void ReadTexts(const YAML::Node& node,
+                 std::vector<TextOverride>& texts,
+                 std::vector<NamedObject>& named) {
     if (node.IsNull()) return;
     if (!node.IsMap()) return Fault(node, "must be a map of objects");
     std::set<int> seen;
@@ -150,7 +158,7 @@ class OverridesReader {
       const std::string text =
           item.second.IsScalar() ? item.second.as<std::string>("") : std::string();
       if (text.empty()) Fault(item.second, "must be a name");
-      texts.push_back({ReadObject(item.first), text, Line(item.first)});
+      texts.push_back({ReadObject(item.first, named), text, Line(item.first)});
       Once(seen, texts.back().object, item.first, "one map");
     }
   }
@@ -202,6 +210,21 @@ std::string TextsText(std::string_view what, std::vector<TextOverride> texts) {
   return result;
 }
 
+std::string NamesText(const std::vector<NamedObject>& names) {
+  std::set<std::string> lines;
+  for (const NamedObject& name : names)
+    lines.insert(fmt::format("named {} {}\n", name.object.value, name.class_name));
+  return fmt::format("{}", fmt::join(lines, ""));
+}
+
+// The new classes of objects.
+std::map<ObjectId, std::string> Relabelled(const Overrides& overrides) {
+  std::map<ObjectId, std::string> relabelled;
+  for (const TextOverride& relabel : overrides.relabel)
+    relabelled.emplace(relabel.object, relabel.text);
+  return relabelled;
+}
+
 }  // namespace
 
 Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name) {
@@ -219,6 +242,29 @@ Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name) 
   }
 }
 
+std::vector<NamedObject> NamesOfTracks(const Overrides& overrides) {
+  const std::map<ObjectId, std::string> relabelled = Relabelled(overrides);
+  std::vector<NamedObject> names;
+  const auto is_new_name = [&](const NamedObject& name) {
+    const auto found = relabelled.find(name.object);
+    return found != relabelled.end() && found->second == name.class_name;
+  };
+  for (const NamedObject& name : overrides.named) {
+    if (!is_new_name(name)) names.push_back(name);
+  }
+  for (const NamedObject& name : overrides.named_choices) {
+    if (relabelled.contains(name.object) && !is_new_name(name)) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<NamedObject> NamesOfChoices(const Overrides& overrides) {
+  const std::map<ObjectId, std::string> relabelled = Relabelled(overrides);
+  std::vector<NamedObject> names = overrides.named_choices;
+  std::erase_if(names, [&](const NamedObject& name) { return relabelled.contains(name.object); });
+  return names;
+}
+
 std::string TrackOverridesText(const Overrides& overrides) {
   std::set<int> drop;
   for (const ObjectOverride& object : overrides.drop) drop.insert(object.object.value);
@@ -234,11 +280,11 @@ std::string TrackOverridesText(const Overrides& overrides) {
     for (const FrameIdx frame : split.at_frames) text += fmt::format(" {}", frame.value);
     text += '\n';
   }
-  return text + TextsText("relabel", overrides.relabel);
+  return text + TextsText("relabel", overrides.relabel) + NamesText(NamesOfTracks(overrides));
 }
 
 std::string ChoiceOverridesText(const Overrides& overrides) {
-  return TextsText("choose", overrides.choose);
+  return TextsText("choose", overrides.choose) + NamesText(NamesOfChoices(overrides));
 }
 
 std::string GroundOverridesText(const Overrides& overrides) {

@@ -9,6 +9,7 @@
 //   ground: {up_camera: [0, -1, 0], height_m: 1.35}  # seen from the first tracked camera
 //
 // Objects are named by id or as in the scene ("chair_04"), with the ids of a run without overrides.
+// A name has to be that object's own, before or after its `relabel`.
 #pragma once
 
 #include <map>
@@ -44,6 +45,12 @@ struct TextOverride {
   std::string text;  // class of `relabel`; model key or number of `choose`
   int line = 0;
 };
+// An object that was named by more than its id: "chair_04" is a chair, or the line is wrong.
+struct NamedObject {
+  ObjectId object;
+  std::string class_name;
+  int line = 0;
+};
 struct GroundHint {
   Eigen::Vector3d up_camera = Eigen::Vector3d(0, -1, 0);  // unit
   double height_m = 0;                                    // of the camera above the ground
@@ -57,14 +64,23 @@ struct Overrides {
   std::vector<TextOverride> relabel;
   std::vector<TextOverride> choose;
   std::optional<GroundHint> ground;
+  std::vector<NamedObject> named;          // in drop, merge, split, relabel
+  std::vector<NamedObject> named_choices;  // in choose
 };
 
 // All faults at once (kInvalidConfig), each with its line: unknown keys with the known ones, values
 // of the wrong kind, an object named twice where that has no meaning.
 [[nodiscard]] Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name);
 
+// The names to be checked: against the tracks as they were found, and against those that all
+// corrections were applied to. The old name of a relabelled object is known to the former alone, so
+// that it is checked there in `choose` as well; the new one is right by itself and in neither.
+[[nodiscard]] std::vector<NamedObject> NamesOfTracks(const Overrides& overrides);
+[[nodiscard]] std::vector<NamedObject> NamesOfChoices(const Overrides& overrides);
+
 // Canonical texts of what concerns the tracks, the choice of shapes and the ground, for stage keys:
-// equal whenever the meaning is, whatever comments and order of keys. Empty = nothing.
+// equal whenever the meaning is, whatever comments and order of keys; a name that has to be checked
+// is part of it. Empty = nothing.
 [[nodiscard]] std::string TrackOverridesText(const Overrides& overrides);
 [[nodiscard]] std::string ChoiceOverridesText(const Overrides& overrides);
 [[nodiscard]] std::string GroundOverridesText(const Overrides& overrides);

@@ -282,13 +282,15 @@ Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
   result.map = map;
   result.has_ground = model.plane.has_value();
   result.ground_world = Plane{};  // z = 0
+  result.upright = ground.upright;
 
   const std::vector<Pose3> cameras = CarryFrames(odometry, model, options.interpolate_frames);
   const std::vector<Pose3> objects = CarryObjects(odometry, map, model);
   const Pose3 first = !model.keyframes.empty() ? model.world_from_node.front()
                       : cameras.empty()        ? Pose3{}
                                                : cameras.front();
-  const Pose3 gravity_from_tracking = GravityFromTracking(first, model.plane);
+  const Pose3 gravity_from_tracking =
+      GravityFromTracking(first, model.plane, ground.upright.value_or(QuarterTurn::kNone));
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     result.frames[k].world_from_camera = gravity_from_tracking * cameras[k];
   }

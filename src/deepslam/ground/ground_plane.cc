@@ -393,8 +393,9 @@ Result<Ground> EstimateGround(const FrameSource& frames,
   Done done;
   for (const Part& part : parts) done.total += 2 * part.size();
   Ground ground;
+  ground.upright = GivenTurn(options);
   std::vector<std::optional<Plane>> planes_world;
-  QuarterTurn upright = GivenTurn(options).value_or(QuarterTurn::kNone);
+  QuarterTurn upright = ground.upright.value_or(QuarterTurn::kNone);
   for (const Part& part : parts) {
     Result<Ground> own = SearchPart(frames, part, options, done, progress, upright);
     if (!own.ok()) return own.error();

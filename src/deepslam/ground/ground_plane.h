@@ -43,7 +43,7 @@ struct GroundOptions {
 
 void Describe(OptionsVisitor& visitor, GroundOptions& options);
 
-// Stage `ground`. A capture in which no ground is seen gives Ground{} with no plane, which is not
+// Stage `ground`. A capture in which no ground is seen gives a Ground with no plane, which is not
 // an error. Warns where the ground is so near below the camera that it may be a table top. Errors:
 // Interrupted.
 [[nodiscard]] Result<Ground> EstimateGround(const FrameSource& frames,

@@ -275,6 +275,7 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSo
         if (!view) continue;
         view->world_from_camera = world_from_camera;
         view->ground_camera = GroundInCamera(ground, frame_idx, world_from_camera);
+        view->upright = ground.upright.value_or(QuarterTurn::kNone);
         views[of_frame[k].object].push_back(*std::move(view));
       }
     }

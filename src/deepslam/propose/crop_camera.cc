@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/geometry/upright.h"
+
 namespace deepslam::propose {
 namespace {
 
@@ -44,11 +46,12 @@ struct Bounds {
 };
 
 Eigen::Matrix3d LookAlong(const Eigen::Vector3d& forward,
-                          const std::optional<Plane>& ground_camera) {
+                          const std::optional<Plane>& ground_camera,
+                          QuarterTurn upright) {
   const auto across = [&](const Eigen::Vector3d& direction) -> Eigen::Vector3d {
     return direction - direction.dot(forward) * forward;
   };
-  Eigen::Vector3d down = across(Eigen::Vector3d::UnitY());
+  Eigen::Vector3d down = across(Turned(Eigen::Vector3d(0, 1, 0), Inverse(upright)));
   if (ground_camera) {
     const Eigen::Vector3d by_ground = across(-ground_camera->normal);
     if (by_ground.norm() > kLeastLevel) down = by_ground;
@@ -63,14 +66,15 @@ Eigen::Matrix3d LookAlong(const Eigen::Vector3d& forward,
 
 std::optional<CropCamera> AimAt(const Mask& silhouette,
                                 const PinholeCamera& camera,
-                                const std::optional<Plane>& ground_camera) {
+                                const std::optional<Plane>& ground_camera,
+                                QuarterTurn upright) {
   const std::vector<Eigen::Vector2d> ends = RowEnds(silhouette);
   if (ends.empty()) return std::nullopt;
   Bounds picture;
   for (const Eigen::Vector2d& end : ends) picture.Add(end);
   CropCamera crop;
-  crop.view_from_crop =
-      LookAlong(camera.Ray(picture.middle().x(), picture.middle().y()).normalized(), ground_camera);
+  crop.view_from_crop = LookAlong(
+      camera.Ray(picture.middle().x(), picture.middle().y()).normalized(), ground_camera, upright);
   Bounds square;
   for (const Eigen::Vector2d& end : ends) {
     const Eigen::Vector3d sight = crop.view_from_crop.transpose() * camera.Ray(end.x(), end.y());

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "deepslam/core/image.h"
+#include "deepslam/core/quarter_turn.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 
@@ -37,10 +38,11 @@ struct CropCamera {
 
 // The square is the silhouette's box in the crop's camera, made square and widened by a tenth.
 // Level by the ground's normal, unless that is unknown or the camera looks nearly along it; then as
-// the view's camera is held. Nothing for an empty silhouette.
+// the view's image stands when turned by `upright`. Nothing for an empty silhouette.
 [[nodiscard]] std::optional<CropCamera> AimAt(const Mask& silhouette,
                                               const PinholeCamera& camera,
-                                              const std::optional<Plane>& ground_camera);
+                                              const std::optional<Plane>& ground_camera,
+                                              QuarterTurn upright);
 
 // How far the crop's camera looks down, by the ground's normal; nothing when that is unknown.
 [[nodiscard]] std::optional<double> ElevationOf(const CropCamera& crop,

@@ -10,6 +10,7 @@
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/geometry/upright.h"
 #include "deepslam/shape/view_points.h"
 
 namespace deepslam::propose {
@@ -41,7 +42,8 @@ LevelFrame FindLevel(std::span<const ObjectView> views) {
   Eigen::Vector3d camera_up = Eigen::Vector3d::Zero();
   std::vector<Plane> planes;
   for (const ObjectView& view : views) {
-    camera_up -= view.world_from_camera.rotation * Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d down_camera = Turned(Eigen::Vector3d(0, 1, 0), Inverse(view.upright));
+    camera_up -= view.world_from_camera.rotation * down_camera;
     if (!view.ground_camera) continue;
     planes.push_back(Transformed(view.world_from_camera, *view.ground_camera));
     up += planes.back().normal;

@@ -1,7 +1,7 @@
 // All measured points of an object in one upright frame, and what they say about its size.
 //
 // Level frame: tracking world turned and shifted so that z is up and the ground is z = 0 (without a
-// ground: up is the mean camera's up, and the lowest points lie at z = 0).
+// ground: up is the mean of the images set upright, and the lowest points lie at z = 0).
 #pragma once
 
 #include <cstdint>

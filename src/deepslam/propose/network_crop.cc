@@ -224,7 +224,7 @@ Result<NetworkCrop> MakeNetworkCrop(const ObjectView& view, bool use_depth) {
   crop.silhouette = Image<std::uint8_t>(kCropSide, kCropSide);
   crop.depth = crop.silhouette;
   crop.height = crop.silhouette;
-  crop.camera = *AimAt(mask, view.camera, view.ground_camera);
+  crop.camera = *AimAt(mask, view.camera, view.ground_camera, view.upright);
   const PixelsOfSquare pixels(crop.camera, view.camera);
   FillColour(view, box, pixels, crop);
   if (!use_depth) return crop;

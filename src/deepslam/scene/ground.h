@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/core/quarter_turn.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
 
@@ -35,6 +36,8 @@ struct Ground {
   std::vector<GroundObservation>
       observations;                // ascending keyframes; only those where ground was seen
   std::vector<GroundApart> apart;  // all others; ascending, disjoint
+  // What the user says sets the pictures upright; counts where no ground is known.
+  std::optional<QuarterTurn> upright;
 };
 
 // The stretch that holds the frame; null for frames that plane_world is of.

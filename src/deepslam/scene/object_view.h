@@ -6,6 +6,7 @@
 
 #include "deepslam/core/ids.h"
 #include "deepslam/core/image.h"
+#include "deepslam/core/quarter_turn.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
@@ -29,6 +30,7 @@ struct ObjectView {
   Pose3 world_from_camera;  // tracking world
   std::optional<Plane>
       ground_camera;  // ground in this camera, normal up; nothing when no ground is known
+  QuarterTurn upright = QuarterTurn::kNone;  // sets the image upright where no ground is known
 };
 
 }  // namespace deepslam

@@ -2,9 +2,11 @@
 // up, ground z = 0).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "deepslam/core/quarter_turn.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/trajectory.h"
@@ -35,6 +37,7 @@ struct OptimizedMap {
   bool has_ground = false;
   ObjectMap map;
   OptimizationSummary summary;
+  std::optional<QuarterTurn> upright = {};  // as in Ground
 };
 
 }  // namespace deepslam

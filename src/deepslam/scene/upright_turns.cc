@@ -12,7 +12,7 @@ namespace {
 
 std::optional<QuarterTurn> TurnOf(const TrackedFrame& frame, const Ground& ground) {
   const std::optional<Plane> plane = GroundInCamera(ground, frame.frame, frame.world_from_camera);
-  return plane ? UprightTurn(plane->normal) : QuarterTurn::kNone;
+  return plane ? UprightTurn(plane->normal) : ground.upright;
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ std::vector<QuarterTurn> UprightTurns(std::span<const TrackedFrame> frames, cons
     if (turns.back()) told.push_back(*turns.back());
   }
   std::vector<QuarterTurn> filled;
-  QuarterTurn last = MostCommon(told);
+  QuarterTurn last = told.empty() ? ground.upright.value_or(QuarterTurn::kNone) : MostCommon(told);
   for (const std::optional<QuarterTurn>& turn : turns) {
     last = turn.value_or(last);
     filled.push_back(last);
@@ -40,7 +40,7 @@ std::vector<QuarterTurn> UprightTurns(std::span<const TrackedFrame> frames, cons
 }
 
 QuarterTurn UprightTurnIn(const OptimizedMap& map, FrameIdx frame) {
-  if (!map.has_ground) return QuarterTurn::kNone;
+  if (!map.has_ground) return map.upright.value_or(QuarterTurn::kNone);
   const Pose3& world_from_camera =
       map.frames[static_cast<std::size_t>(frame.value)].world_from_camera;
   return UprightTurn(world_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ())

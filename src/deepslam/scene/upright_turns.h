@@ -12,13 +12,14 @@
 
 namespace deepslam {
 
-// One per frame, by where the ground lies from its camera. Pictures that look steeply up or down
-// are turned as the ones before, the first ones as most are. Nothing is turned where no ground is
-// known.
+// One per frame, by where the ground lies from its camera; where no ground is known, as the user
+// says. Pictures of which neither tells it (a ground that is seen from steeply above does not) are
+// turned as the ones before, the first ones as most are. Nothing is turned where nothing tells.
 [[nodiscard]] std::vector<QuarterTurn> UprightTurns(std::span<const TrackedFrame> frames,
                                                     const Ground& ground);
 
-// The same of one frame in the final world. Nothing is turned that looks steeply up or down.
+// The same of one frame in the final world. Nothing is turned that looks steeply up or down on a
+// ground.
 [[nodiscard]] QuarterTurn UprightTurnIn(const OptimizedMap& map, FrameIdx frame);
 
 // The first of those that are as many; nothing is turned where there are none.

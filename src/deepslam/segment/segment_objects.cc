@@ -182,7 +182,8 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
                                   const PinholeCamera& camera,
                                   const std::optional<Plane>& ground_camera,
                                   std::span<const Detection> detections,
-                                  const SegmentOptions& options) {
+                                  const SegmentOptions& options,
+                                  QuarterTurn upright) {
   const int width = frame.depth_m.width();
   const int height = frame.depth_m.height();
   const std::vector<Region> regions = MakeRegions(detections, width, height, options);
@@ -225,7 +226,7 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
     // Clusters are depth themselves.
     Segment& segment = segments.back();
     if (segment.usable && !top && segment.source != DetectionSource::kCluster &&
-        IsSurfaceBehind(kept, regions[d], frame.depth_m, camera, ground_camera)) {
+        IsSurfaceBehind(kept, regions[d], frame.depth_m, camera, ground_camera, upright)) {
       segment.usable = false;
       segment.reason = "its depth is that of the wall behind";
     }

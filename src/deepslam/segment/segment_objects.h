@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deepslam/core/options.h"
+#include "deepslam/core/quarter_turn.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/scene/detection.h"
@@ -39,11 +40,12 @@ void Describe(OptionsVisitor& visitor, SegmentOptions& options);
 
 // One segment per detection, in the order given; masks do not overlap. Detections without enough
 // depth come back with usable = false and the reason. `ground_camera`: normal up; without it
-// nothing is removed as ground.
+// nothing is removed as ground. `upright`: what sets the image upright.
 [[nodiscard]] std::vector<Segment> SegmentFrame(const Frame& frame,
                                                 const PinholeCamera& camera,
                                                 const std::optional<Plane>& ground_camera,
                                                 std::span<const Detection> detections,
-                                                const SegmentOptions& options);
+                                                const SegmentOptions& options,
+                                                QuarterTurn upright = QuarterTurn::kNone);
 
 }  // namespace deepslam::segment

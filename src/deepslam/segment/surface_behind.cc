@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "deepslam/geometry/upright.h"
+
 namespace deepslam::segment {
 namespace {
 
@@ -46,17 +48,19 @@ struct Strip {
   }
 };
 
-Strip LookAt(int u_min,
-             int v_min,
-             int u_max,
-             int v_max,
+// `box_px` in whole pixels, inclusive.
+Strip LookAt(const Box2& box_px,
              const Plane& plane,
              const Plane& ground,
              const DepthImage& depth_m,
              const PinholeCamera& camera) {
   Strip strip;
-  for (int v = std::max(0, v_min); v <= std::min(depth_m.height() - 1, v_max); ++v) {
-    for (int u = std::max(0, u_min); u <= std::min(depth_m.width() - 1, u_max); ++u) {
+  const int u_min = std::max(0, static_cast<int>(box_px.u_min));
+  const int v_min = std::max(0, static_cast<int>(box_px.v_min));
+  const int u_max = std::min(depth_m.width() - 1, static_cast<int>(box_px.u_max));
+  const int v_max = std::min(depth_m.height() - 1, static_cast<int>(box_px.v_max));
+  for (int v = v_min; v <= v_max; ++v) {
+    for (int u = u_min; u <= u_max; ++u) {
       const double depth = static_cast<double>(depth_m(u, v));
       if (!(depth > 0)) continue;
       const Eigen::Vector3d p = camera.Unproject(u, v, depth);
@@ -68,13 +72,21 @@ Strip LookAt(int u_min,
   return strip;
 }
 
+Box2 BoxOf(const Region& region) {
+  return {static_cast<double>(region.u_min),
+          static_cast<double>(region.v_min),
+          static_cast<double>(region.u_max),
+          static_cast<double>(region.v_max)};
+}
+
 }  // namespace
 
 bool IsSurfaceBehind(std::span<const PixelPoint> points,
                      const Region& region,
                      const DepthImage& depth_m,
                      const PinholeCamera& camera,
-                     const std::optional<Plane>& ground_camera) {
+                     const std::optional<Plane>& ground_camera,
+                     QuarterTurn upright) {
   if (!ground_camera || region.empty()) return false;
   const std::optional<Plane> plane = PlaneThrough(points);
   if (!plane || std::abs(plane->normal.dot(ground_camera->normal)) > kMaxLean) return false;
@@ -85,14 +97,20 @@ bool IsSurfaceBehind(std::span<const PixelPoint> points,
   if (static_cast<double>(num_on_plane) < kMinOnPlane * static_cast<double>(points.size()))
     return false;
   const int longer = std::max(region.u_max - region.u_min, region.v_max - region.v_min) + 1;
-  const int ring = std::max(kMinRing_px, static_cast<int>(kRingShare * longer));
-  const auto goes_on = [&](int u_min, int v_min, int u_max, int v_max) {
-    return LookAt(u_min, v_min, u_max, v_max, *plane, *ground_camera, depth_m, camera).GoesOn();
+  const double ring = std::max(kMinRing_px, static_cast<int>(kRingShare * longer));
+  const int width = depth_m.width();
+  const int height = depth_m.height();
+  const bool on_its_side = OnItsSide(upright);
+  const auto goes_on = [&](const Box2& standing_px) {
+    const Box2 box_px = Turned(
+        standing_px, on_its_side ? height : width, on_its_side ? width : height, Inverse(upright));
+    return LookAt(box_px, *plane, *ground_camera, depth_m, camera).GoesOn();
   };
+  const Box2 box = Turned(BoxOf(region), width, height, upright);
   // Chairs in a row have others beside them in one plane, but none above.
-  return goes_on(region.u_min, region.v_min - ring, region.u_max, region.v_min - 1) &&
-         (goes_on(region.u_min - ring, region.v_min, region.u_min - 1, region.v_max) ||
-          goes_on(region.u_max + 1, region.v_min, region.u_max + ring, region.v_max));
+  return goes_on({box.u_min, box.v_min - ring, box.u_max, box.v_min - 1}) &&
+         (goes_on({box.u_min - ring, box.v_min, box.u_min - 1, box.v_max}) ||
+          goes_on({box.u_max + 1, box.v_min, box.u_max + ring, box.v_max}));
 }
 
 }  // namespace deepslam::segment

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,11 +21,15 @@ std::string Place(const Overrides& overrides, int line) {
   return fmt::format("{}:{}", overrides.file, line);
 }
 
+template <typename Track>
+Track* Find(std::span<Track> tracks, ObjectId id) {
+  const auto found = std::find_if(
+      tracks.begin(), tracks.end(), [&](const ObjectTrack& track) { return track.id == id; });
+  return found == tracks.end() ? nullptr : &*found;
+}
+
 ObjectTrack* Find(Association& association, ObjectId id) {
-  const auto found = std::find_if(association.tracks.begin(),
-                                  association.tracks.end(),
-                                  [&](const ObjectTrack& track) { return track.id == id; });
-  return found == association.tracks.end() ? nullptr : &*found;
+  return Find(std::span(association.tracks), id);
 }
 
 template <typename Items, typename Name>
@@ -36,15 +41,37 @@ std::string Known(const Items& items, Name name) {
 
 Error UnknownObject(const Overrides& overrides,
                     int line,
-                    ObjectId object,
-                    const Association& association) {
+                    std::string_view object,
+                    std::span<const ObjectTrack> tracks) {
   return InvalidConfig(fmt::format("{}: there is no object {}; known are {}",
                                    Place(overrides, line),
-                                   object.value,
-                                   Known(association.tracks, [](const ObjectTrack& track) {
+                                   object,
+                                   Known(tracks, [](const ObjectTrack& track) {
                                      return fmt::format(
                                          "{} ({})", track.id.value, track.class_name);
                                    })));
+}
+
+// An object that is there under another name may not be the one that was meant.
+Status CheckNames(const Overrides& overrides,
+                  const std::vector<artifact::NamedObject>& names,
+                  std::span<const ObjectTrack> tracks) {
+  for (const artifact::NamedObject& name : names) {
+    const ObjectTrack* track = Find(tracks, name.object);
+    if (track == nullptr || track->class_name == name.class_name) continue;
+    return UnknownObject(overrides,
+                         name.line,
+                         fmt::format("{}_{:02d}, object {} is called {}_{:02d} (write {} if it is "
+                                     "meant)",
+                                     name.class_name,
+                                     name.object.value,
+                                     name.object.value,
+                                     track->class_name,
+                                     name.object.value,
+                                     name.object.value),
+                         tracks);
+  }
+  return Ok();
 }
 
 Status Split(const Overrides& overrides,
@@ -104,11 +131,11 @@ void Drop(ObjectId object, Association& association) {
   std::erase_if(association.tracks, [&](const ObjectTrack& track) { return track.id == object; });
 }
 
-// Before anything is changed: every object named is there.
+// Before anything is changed: every object named is there, under that name.
 Status CheckObjects(const Overrides& overrides, Association& association) {
   const auto check = [&](ObjectId object, int line) -> Status {
     if (Find(association, object) != nullptr) return Ok();
-    return UnknownObject(overrides, line, object, association);
+    return UnknownObject(overrides, line, std::to_string(object.value), association.tracks);
   };
   std::vector<std::pair<ObjectId, int>> named;
   for (const auto& split : overrides.split) named.emplace_back(split.object, split.line);
@@ -121,7 +148,7 @@ Status CheckObjects(const Overrides& overrides, Association& association) {
   for (const auto& [object, line] : named) {
     if (Status status = check(object, line); !status.ok()) return status;
   }
-  return Ok();
+  return CheckNames(overrides, artifact::NamesOfTracks(overrides), association.tracks);
 }
 
 Status Relabel(const Overrides& overrides,
@@ -212,16 +239,15 @@ std::vector<std::string> ApplyToGround(const Overrides& overrides,
                   before)};
 }
 
-Status CheckChoices(const Overrides& overrides, std::span<const ObjectId> objects) {
+Status CheckChoices(const Overrides& overrides, std::span<const ObjectTrack> tracks) {
   for (const artifact::TextOverride& choice : overrides.choose) {
-    if (std::find(objects.begin(), objects.end(), choice.object) != objects.end()) continue;
-    return InvalidConfig(
-        fmt::format("{}: there is no object {} to choose a candidate for; known are {}",
-                    Place(overrides, choice.line),
-                    choice.object.value,
-                    Known(objects, [](ObjectId id) { return std::to_string(id.value); })));
+    if (Find(tracks, choice.object) != nullptr) continue;
+    return UnknownObject(overrides,
+                         choice.line,
+                         fmt::format("{} to choose a candidate for", choice.object.value),
+                         tracks);
   }
-  return Ok();
+  return CheckNames(overrides, artifact::NamesOfChoices(overrides), tracks);
 }
 
 Result<CandidateId> ChosenByHand(const Overrides& overrides,

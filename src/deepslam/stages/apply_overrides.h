@@ -28,9 +28,9 @@ namespace deepslam::stages {
                                                      const Odometry& odometry,
                                                      Ground& ground);
 
-// Every `choose` names one of `objects`.
+// Every `choose` names one of `tracks`, to which all else was applied.
 [[nodiscard]] Status CheckChoices(const artifact::Overrides& overrides,
-                                  std::span<const ObjectId> objects);
+                                  std::span<const ObjectTrack> tracks);
 
 // The candidate chosen for an object, invalid where nothing was: one of `candidates`, which are the
 // object's, by number or by model.

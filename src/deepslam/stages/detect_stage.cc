@@ -9,7 +9,6 @@
 #include "deepslam/artifact/coco_file.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
 #include "deepslam/detect/turned_detections.h"
@@ -73,6 +72,13 @@ std::vector<artifact::DetectedImage> AllImages(const dataset::Capture& capture) 
   return images;
 }
 
+// Of the images as they lie in the capture, where frames may be smaller.
+artifact::PictureSize ColourSize(const dataset::Capture& capture) {
+  if (capture.stored == nullptr) return {};
+  const PinholeCamera& camera = capture.stored->cameras().colour;
+  return {camera.width, camera.height};
+}
+
 // The user's boxes by frame; nothing when the source is another.
 Result<artifact::CocoDetections> ReadFileDetections(
     const RunInputs& inputs,
@@ -82,8 +88,8 @@ Result<artifact::CocoDetections> ReadFileDetections(
   if (options.source != "file") return artifact::CocoDetections();
   const Result<std::string> text = artifact::ReadFile(options.file);
   if (!text.ok()) return text.error();
-  Result<artifact::CocoDetections> coco =
-      artifact::ReadCocoFile(*text, options.file, images, inputs.classes);
+  Result<artifact::CocoDetections> coco = artifact::ReadCocoFile(
+      *text, options.file, images, inputs.classes, ColourSize(*inputs.capture));
   if (!coco.ok()) return coco.error();
   for (const std::string& warning : coco->warnings) {
     context.progress().Warn(fmt::format("{}: {}", options.file, warning));
@@ -136,12 +142,13 @@ FrameDetections DetectOne(const RunInputs& inputs,
   const std::optional<Plane> plane =
       GroundInCamera(ground, tracked.frame, tracked.world_from_camera);
   if (inputs.config.clusters.enabled && plane) {
-    std::vector<Detection> clusters = detect::DetectClusters(*frame,
-                                                             inputs.capture->frames->camera(),
-                                                             *plane,
-                                                             found.detections,
-                                                             inputs.classes,
-                                                             inputs.config.clusters);
+    std::vector<Detection> clusters = detect::DetectClustersTurned(*frame,
+                                                                   inputs.capture->frames->camera(),
+                                                                   *plane,
+                                                                   found.detections,
+                                                                   inputs.classes,
+                                                                   inputs.config.clusters,
+                                                                   upright);
     std::move(clusters.begin(), clusters.end(), std::back_inserter(found.detections));
   }
   return found;

@@ -61,7 +61,7 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
       graph::OptimizeGraph(*odometry, *ground, *map, *loops, options, *bottom_m);
   if (!optimized.ok()) return optimized.error();
 
-  Ground final_ground{std::nullopt, ground->observations, {}};
+  Ground final_ground{std::nullopt, ground->observations, {}, ground->upright};
   if (optimized->has_ground) final_ground.plane_world = optimized->ground_world;
   const artifact::OptimizationRecord record{
       optimized->summary, optimized->ground_world, optimized->has_ground};

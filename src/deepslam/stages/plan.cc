@@ -92,12 +92,12 @@ Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
     if (Status status = AddPriors(inputs, hashes); !status.ok()) return status.error();
   }
   // What is not overridden leaves no trace: an empty file is as good as none.
-  const auto add = [&](unsigned part, const char* name, const std::string& text) {
+  const auto add = [&](unsigned part, std::string_view name, const std::string& text) {
     if ((what & part) != 0 && !text.empty()) hashes.emplace(name, Sha256Hex(text));
   };
-  add(kGroundHint, "ground_hint", artifact::GroundOverridesText(inputs.overrides));
-  add(kTrackOverrides, "track_overrides", artifact::TrackOverridesText(inputs.overrides));
-  add(kChoices, "choices", artifact::ChoiceOverridesText(inputs.overrides));
+  add(kGroundHint, kOverrideInputs[0], artifact::GroundOverridesText(inputs.overrides));
+  add(kTrackOverrides, kOverrideInputs[1], artifact::TrackOverridesText(inputs.overrides));
+  add(kChoices, kOverrideInputs[2], artifact::ChoiceOverridesText(inputs.overrides));
   return hashes;
 }
 
@@ -138,14 +138,14 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   };
   // Versions rise whenever results may differ with equal options.
   add("track", 16, {}, {"track", "track.covisible"}, kFrames, RunTrack);
-  add("ground", 4, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
+  add("ground", 5, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
-      5,
+      6,
       {"track", "ground"},
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 6, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 7, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
   add("associate",
       7,
       {"track", "ground", "segment"},
@@ -153,7 +153,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kTrackOverrides,
       RunAssociate);
   add("propose",
-      7,
+      8,
       {"track", "ground", "segment", "associate"},
       {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
       kFrames | kClasses | kLibrary | kPriors,
@@ -171,7 +171,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      21,
+      22,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
@@ -183,14 +183,14 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
        "optimize"},
       kFrames | kChoices,
       RunLoops);
-  add("optimize", 2, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
+  add("optimize", 3, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
   add("mesh",
       2,
       {"track", "ground", "segment", "loops", "optimize"},
       {"views", "mesh.surface", "mesh.refine", "mesh.colour"},
       kFrames | kClasses,
       RunMesh);
-  add("fuse", 4, {"segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
+  add("fuse", 5, {"detect", "segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
       9,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},

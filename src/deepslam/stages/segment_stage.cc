@@ -5,6 +5,7 @@
 
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/scene/upright_turns.h"
 #include "deepslam/segment/segment_objects.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -32,6 +33,7 @@ std::vector<std::span<const Detection>> ByFrame(std::span<const Detection> detec
 std::vector<Segment> SegmentOne(const RunInputs& inputs,
                                 const Odometry& odometry,
                                 const Ground& ground,
+                                std::span<const QuarterTurn> upright,
                                 std::span<const Detection> detections) {
   const FrameSource& frames = *inputs.capture->frames;
   const FrameIdx idx = detections.front().frame;
@@ -41,7 +43,8 @@ std::vector<Segment> SegmentOne(const RunInputs& inputs,
                                frames.camera(),
                                GroundInCamera(ground, idx, odometry.at(idx).world_from_camera),
                                detections,
-                               inputs.config.segment);
+                               inputs.config.segment,
+                               upright[static_cast<std::size_t>(idx.value)]);
 }
 
 }  // namespace
@@ -54,13 +57,14 @@ Result<StageSummary> RunSegment(StageContext& context, const RunInputs& inputs) 
   const Result<artifact::DetectionTable> table = ReadDetections(context);
   if (!table.ok()) return table.error();
   const std::vector<std::span<const Detection>> groups = ByFrame(table->detections);
+  const std::vector<QuarterTurn> upright = UprightTurns(odometry->frames, *ground);
   std::vector<Segment> segments;
   for (std::size_t begin = 0; begin < groups.size(); begin += kBatch) {
     if (context.progress().StopRequested()) return Interrupted();
     const std::size_t size = std::min(kBatch, groups.size() - begin);
     std::vector<std::vector<Segment>> found(size);
     ParallelFor(size, [&](std::size_t i) {
-      found[i] = SegmentOne(inputs, *odometry, *ground, groups[begin + i]);
+      found[i] = SegmentOne(inputs, *odometry, *ground, upright, groups[begin + i]);
     });
     for (std::vector<Segment>& frame_segments : found) {
       std::move(frame_segments.begin(), frame_segments.end(), std::back_inserter(segments));

@@ -151,9 +151,8 @@ Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  std::vector<ObjectId> ids;
-  for (const ObjectTrack& track : association->tracks) ids.push_back(track.id);
-  if (Status status = CheckChoices(inputs.overrides, ids); !status.ok()) return status.error();
+  if (Status status = CheckChoices(inputs.overrides, association->tracks); !status.ok())
+    return status.error();
   const Result<Selection> selection = SelectAll(context, inputs, *odometry, *ground, *association);
   if (!selection.ok()) return selection.error();
   if (Status status = WriteSelection(context, *selection); !status.ok()) return status.error();

@@ -126,6 +126,8 @@ Result<OptimizedMap> ReadOptimized(const StageContext& context) {
   Result<artifact::OptimizationRecord> record =
       Decode(context, "optimize", "summary.json", artifact::DecodeOptimization);
   if (!record.ok()) return record.error();
+  const Result<Ground> ground = ReadGround(context, "optimize");
+  if (!ground.ok()) return ground.error();
   Result<ObjectMap> map = ReadObjects(context, "optimize");
   if (!map.ok()) return map.error();
   return OptimizedMap{std::move(frames->frames),
@@ -133,7 +135,8 @@ Result<OptimizedMap> ReadOptimized(const StageContext& context) {
                       record->ground_world,
                       record->has_ground,
                       std::move(map).value(),
-                      record->summary};
+                      record->summary,
+                      ground->upright};
 }
 
 Result<TriangleMesh> ReadMesh(const StageContext& context,

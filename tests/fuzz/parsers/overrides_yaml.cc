@@ -8,6 +8,10 @@ DEEPSLAM_FUZZ(overrides_yaml) {
   (void)artifact::TrackOverridesText(*overrides);
   (void)artifact::ChoiceOverridesText(*overrides);
   (void)artifact::GroundOverridesText(*overrides);
+  for (const auto* names : {&overrides->named, &overrides->named_choices}) {
+    for (const artifact::NamedObject& name : *names)
+      DEEPSLAM_CHECK(name.object.valid() && !name.class_name.empty(), "a name holds both");
+  }
   if (overrides->ground)
     DEEPSLAM_CHECK(overrides->ground->up_camera.allFinite(), "the ground has a direction");
   return true;
