@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/ply.h"
@@ -12,6 +13,7 @@
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture_settings.h"
 #include "deepslam/dataset/image_files.h"
+#include "deepslam/dataset/tum_lists.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/pipeline/consistency.h"
 #include "deepslam/shape/binvox.h"
@@ -216,6 +218,21 @@ Result<std::vector<eval::TimedPose>> ReadTum(const fs::path& file) {
   return poses;
 }
 
+Result<std::vector<eval::TimedPose>> ReadCaptureTum(const fs::path& file) {
+  Result<std::vector<eval::TimedPose>> strict = ReadTum(file);
+  if (strict.ok()) return strict;
+  const Result<std::string> text = artifact::ReadFile(file);
+  if (!text.ok()) return text.error();
+  std::vector<std::string> warnings;
+  const Result<std::vector<dataset::TimedPose>> parsed = dataset::ParsePoses(*text, file, warnings);
+  if (!parsed.ok()) return parsed.error();
+  for (const std::string& warning : warnings) LogWarning(warning);
+  std::vector<eval::TimedPose> poses;
+  for (const dataset::TimedPose& pose : *parsed)
+    poses.push_back({pose.time_s, pose.world_from_camera});
+  return poses;
+}
+
 Result<VoxelGrid> ReadGrid(const fs::path& file) {
   const Result<std::string> bytes = artifact::ReadFile(file);
   if (!bytes.ok()) return bytes.error();
@@ -237,7 +254,7 @@ Result<Truth> ReadTruth(const fs::path& capture,
                         bool objects_wanted) {
   Truth truth;
   truth.capture = capture;
-  Result<std::vector<eval::TimedPose>> poses = ReadTum(capture / "groundtruth.txt");
+  Result<std::vector<eval::TimedPose>> poses = ReadCaptureTum(capture / "groundtruth.txt");
   if (!poses.ok()) return poses.error();
   truth.poses = std::move(poses).value();
   if (!objects_wanted) return truth;

@@ -39,7 +39,12 @@ struct Truth {
   int num_unseen = 0;  // objects that no frame sees well enough to ask for them
 };
 
+// Of a workspace: what this program wrote, and nothing else.
 [[nodiscard]] Result<std::vector<eval::TimedPose>> ReadTum(const std::filesystem::path& file);
+// Of a capture, or given as truth: whatever `run` takes as a capture's groundtruth.txt is read as
+// it is there. What is left out or sorted is told on stderr.
+[[nodiscard]] Result<std::vector<eval::TimedPose>> ReadCaptureTum(
+    const std::filesystem::path& file);
 
 // `capture` is a folder with groundtruth.txt and truth/objects.json (`deepslam synth`) or
 // objects.json (annotated by hand, docs/evaluation.md); `annotation` names another file in its

@@ -33,19 +33,20 @@ Result<std::vector<eval::TimedPose>> CapturePoses(const std::string& path) {
   return poses;
 }
 
-// Poses of a TUM file, of a workspace (the final ones), or those that came with a capture.
-Result<std::vector<eval::TimedPose>> ReadPoses(const std::string& path) {
+using PoseReader = Result<std::vector<eval::TimedPose>> (*)(const fs::path& file);
+
+// Poses of a workspace (the final ones), those that came with a capture, or of a TUM file, read by
+// `read_file`.
+Result<std::vector<eval::TimedPose>> ReadPoses(const fs::path& path, PoseReader read_file) {
   std::error_code error;
-  fs::path file = path;
-  if (fs::is_directory(path, error)) {
-    file = fs::path(path) / "optimize" / "trajectory.tum";
-    if (!fs::exists(file, error)) file = fs::path(path) / "track" / "trajectory.tum";
-    if (!fs::exists(file, error)) file = fs::path(path) / "groundtruth.txt";
-    if (!fs::exists(file, error)) return CapturePoses(path);
-  } else if (file.extension() == ".sens") {
-    return CapturePoses(path);
+  if (!fs::is_directory(path, error))
+    return path.extension() == ".sens" ? CapturePoses(path) : read_file(path);
+  for (const char* stage : {"optimize", "track"}) {
+    const fs::path file = path / stage / "trajectory.tum";
+    if (fs::exists(file, error)) return ReadTum(file);
   }
-  return ReadTum(file);
+  const fs::path file = path / "groundtruth.txt";
+  return fs::exists(file, error) ? ReadCaptureTum(file) : CapturePoses(path);
 }
 
 JsonValue ToJson(const eval::ErrorStatistics& statistics) {
@@ -75,9 +76,10 @@ struct Arguments {
 };
 
 int EvalTrajectory(const Arguments& arguments) {
-  const Result<std::vector<eval::TimedPose>> estimated = ReadPoses(arguments.estimate);
+  const Result<std::vector<eval::TimedPose>> estimated = ReadPoses(arguments.estimate, ReadTum);
   if (!estimated.ok()) return ReportError(estimated.error());
-  const Result<std::vector<eval::TimedPose>> true_poses = ReadPoses(arguments.truth);
+  const Result<std::vector<eval::TimedPose>> true_poses =
+      ReadPoses(arguments.truth, ReadCaptureTum);
   if (!true_poses.ok()) return ReportError(true_poses.error());
   const Result<eval::TrajectoryError> result =
       eval::ComputeTrajectoryError(*estimated, *true_poses, arguments.options);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "artifact/sample_values.h"
@@ -102,6 +103,136 @@ TEST(CocoFile, LeavesBadEntriesOutAndCountsThem) {
   ASSERT_EQ(read->detections.size(), 1U) << "a mask of another size leaves the box in force";
   EXPECT_TRUE(read->detections[0].mask.empty());
   EXPECT_THAT(read->warnings[0], HasSubstr("[0]"));
+}
+
+// Images of 64 x 48 in a capture whose colour has the size given.
+CocoDetections ReadScaled(const std::string& text, const PictureSize& colour) {
+  const Result<CocoDetections> read =
+      ReadCocoFile(text, "boxes.json", Images(), DefaultClassTable(), colour);
+  EXPECT_TRUE(read.ok()) << read.error().message;
+  return read.ok() ? *read : CocoDetections();
+}
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '\\' ? "\\\\" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string Dataset(const std::string& size, const std::string& more = "") {
+  return R"({"images": [{"id": 77, "file_name": "b.jpg")" + size + R"(}],
+    "annotations": [{"image_id": 77, "category_id": 62, "bbox": [20, 8, 40, 24])" +
+         more + "}]}";
+}
+
+TEST(CocoFile, ScalesBoxesFromTheImagesSizeToTheFrames) {
+  // The centre of pixel 20 lies 20.5 pixels from the image's side: 10.25 of those of the frame.
+  const Box2 halved{9.75, 3.75, 29.75, 15.75};
+  const Box2 untouched{20, 8, 60, 32};
+  const auto box = [](const std::string& text, const PictureSize& colour) {
+    const CocoDetections read = ReadScaled(text, colour);
+    EXPECT_EQ(read.detections.size(), 1U) << text;
+    EXPECT_THAT(read.warnings, testing::IsEmpty()) << text;
+    return read.detections.empty() ? Box2() : read.detections[0].box_px;
+  };
+  const std::string stated = Dataset(R"(, "width": 128, "height": 96)");
+  EXPECT_EQ(box(stated, {}), halved);
+  EXPECT_EQ(box(stated, {256, 192}), halved) << "what is stated wins";
+  EXPECT_EQ(box(Dataset(R"(, "width": 64, "height": 48)"), {128, 96}), untouched);
+  EXPECT_EQ(box(Dataset(""), {128, 96}), halved);
+  EXPECT_EQ(box(Dataset(""), {64, 48}), untouched);
+  EXPECT_EQ(box(Dataset(""), {}), untouched);
+  for (const char* unusable : {R"(, "width": 0, "height": 0)",
+                               R"(, "width": 128)",
+                               R"(, "width": -128, "height": -96)",
+                               R"(, "width": 63.5, "height": 48)",
+                               R"(, "width": 1e300, "height": 48)",
+                               R"(, "width": "128", "height": null)"}) {
+    EXPECT_EQ(box(Dataset(unusable), {128, 96}), halved) << unusable;
+  }
+  // Results without a table, and a table that an entry passes by.
+  const std::string entry = R"({"image_id": "b", "category_id": 62, "bbox": [20, 8, 40, 24]})";
+  EXPECT_EQ(box("[" + entry + "]", {128, 96}), halved);
+  EXPECT_EQ(box(R"({"images": [{"id": 7, "file_name": "b.png", "width": 128, "height": 96}],
+                    "annotations": [)" +
+                    entry + "]}",
+                {}),
+            halved);
+}
+
+TEST(CocoFile, ReducesMasksToTheFrame) {
+  Mask large(128, 96);
+  for (int v = 10; v < 30; ++v) {
+    for (int u = 40; u < 90; ++u) large(u, v) = 1;
+  }
+  Mask small(64, 48);
+  for (int v = 5; v < 15; ++v) {
+    for (int u = 20; u < 45; ++u) small(u, v) = 1;
+  }
+  const auto with_mask = [](const Mask& mask, const std::string& size) {
+    return Dataset(size,
+                   fmt::format(R"(, "segmentation": {{"size": [{}, {}], "counts": {}}})",
+                               mask.height(),
+                               mask.width(),
+                               Quoted(EncodeRle(mask))));
+  };
+  const std::string stated = R"(, "width": 128, "height": 96)";
+  const CocoDetections reduced = ReadScaled(with_mask(large, stated), {});
+  ASSERT_EQ(reduced.detections.size(), 1U);
+  EXPECT_EQ(reduced.detections[0].mask.Unpacked(), small);
+  const CocoDetections of_another = ReadScaled(with_mask(small, stated), {});
+  ASSERT_EQ(of_another.detections.size(), 1U);
+  EXPECT_TRUE(of_another.detections[0].mask.empty());
+  EXPECT_THAT(of_another.warnings, testing::ElementsAre(HasSubstr("image's size 128 x 96")));
+  // Where nothing is stated, a mask of the frame's size says that the box is of the frame, too.
+  const CocoDetections of_frame = ReadScaled(with_mask(small, ""), {128, 96});
+  ASSERT_EQ(of_frame.detections.size(), 1U);
+  EXPECT_EQ(of_frame.detections[0].mask.Unpacked(), small);
+  EXPECT_EQ(of_frame.detections[0].box_px, (Box2{20, 8, 60, 32}));
+}
+
+TEST(CocoFile, TellsOnceWhenWidthAndHeightScaleDifferently) {
+  std::string entries;
+  for (int n = 0; n < 15; ++n) entries += R"({"image_id": 9, "category_id": 62, "bbox": "x"}, )";
+  const std::string entry = R"({"image_id": 1, "category_id": 62, "bbox": [20, 8, 40, 24]})";
+  const CocoDetections read = ReadScaled("[" + entries + entry + ", " + entry + "]", {1280, 720});
+  EXPECT_EQ(read.detections.size(), 2U);
+  EXPECT_THAT(
+      read.warnings,
+      testing::Contains(
+          testing::AllOf(HasSubstr("rgb/b.png"), HasSubstr("1280 x 720"), HasSubstr("64 x 48")))
+          .Times(1));
+  // Rows that fill no block when colour is reduced are no reason.
+  EXPECT_THAT(ReadScaled("[" + entry + "]", {129, 97}).warnings, testing::IsEmpty());
+}
+
+TEST(CocoFile, HostileSizesTakeNoMemory) {
+  const CocoDetections read = ReadScaled(
+      R"({"images": [{"id": 1, "file_name": "a.png", "width": 65536, "height": 65536}],
+          "annotations": [{"image_id": 1, "category_id": 62, "bbox": [0, 0, 60000, 60000],
+                           "segmentation": {"size": [65536, 65536], "counts": "6"}}]})",
+      {});
+  ASSERT_THAT(read.warnings, testing::ElementsAre(HasSubstr("scale"), HasSubstr("out of range")));
+}
+
+TEST(Rle, ResizesAtPixelCentres) {
+  const Mask mask = SampleMask(64, 48);
+  const Result<Mask> same = DecodeRleResized(EncodeRle(mask), 64, 48, 64, 48);
+  ASSERT_TRUE(same.ok()) << same.error().message;
+  EXPECT_EQ(*same, mask);
+  for (const auto& [width, height] : {std::pair(32, 24), std::pair(21, 16), std::pair(128, 100)}) {
+    const Result<Mask> resized = DecodeRleResized(EncodeRle(mask), 64, 48, width, height);
+    ASSERT_TRUE(resized.ok()) << resized.error().message;
+    for (int v = 0; v < height; ++v) {
+      for (int u = 0; u < width; ++u) {
+        const int from_u = static_cast<int>((u + 0.5) * 64 / width);
+        const int from_v = static_cast<int>((v + 0.5) * 48 / height);
+        ASSERT_EQ((*resized)(u, v), mask(from_u, from_v)) << u << " " << v;
+      }
+    }
+  }
+  EXPECT_FALSE(DecodeRleResized("6", 4, 2, 2, 1).ok()) << "too short";
+  EXPECT_FALSE(DecodeRleResized("6", 1 << 20, 1 << 20, 2, 1).ok());
 }
 
 TEST(CocoFile, RefusesWhatIsNoCoco) {

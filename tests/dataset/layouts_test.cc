@@ -414,6 +414,24 @@ TEST(Stray, CoarserDepthIsResampledToColour) {
   EXPECT_LT(frame.depth_m(3 * 20 + 3, 31), right);
 }
 
+TEST(Stray, SizesAreThoseOfTheFirstFilesThatHaveOne) {
+  const TempDir dir;
+  WriteStray(dir.path(), 3);
+  WriteText(dir.path() / "depth/000000.png", "");
+  WriteText(dir.path() / "rgb/000000.png", "no image");
+  WriteText(dir.path() / "rgb/000001.png", "no image either");
+  const Capture capture = Open(dir.path());
+  ASSERT_NE(capture.frames, nullptr);
+  EXPECT_EQ(capture.stored->cameras().depth.width, 32);
+  EXPECT_EQ(capture.frames->camera().width, 96);
+  EXPECT_FALSE(capture.frames->Read(FrameIdx{0}).ok());
+  EXPECT_FALSE(capture.frames->Read(FrameIdx{1}).ok());
+  EXPECT_TRUE(capture.frames->Read(FrameIdx{2}).ok());
+  for (int i = 1; i < kNumFrames; ++i)
+    WriteText(dir.path() / "depth" / (foreign::Digits(i, 6) + ".png"), "damaged");
+  EXPECT_THAT(Refusal(dir.path()), HasSubstr("000000.png")) << "the first one's fault";
+}
+
 TEST(Stray, VideoIsReadByFrameNumber) {
   const TempDir dir;
   WriteStray(dir.path(), 8);

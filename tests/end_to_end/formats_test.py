@@ -171,15 +171,24 @@ def write_sens(file, version=4):
     return file
 
 
-def write_stray(folder):
+def enlarged(rows, times):
+    """Rows of RGB pixels, each of them `times` as wide and high."""
+    wide = [b"".join(row[at:at + 3] * times for at in range(0, len(row), 3)) for row in rows]
+    return [row for row in wide for _ in range(times)]
+
+
+def write_stray(folder, larger=1):
     rows = "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
     for i in range(len(SOURCE)):
-        write(folder / "rgb" / f"{i:06d}.png", colour_png(i))
+        colour = colour_png(i) if larger == 1 else png(WIDTH * larger, HEIGHT * larger, 8, 2,
+                                                       enlarged(SOURCE.colour[i], larger))
+        write(folder / "rgb" / f"{i:06d}.png", colour)
         write(folder / "depth" / f"{i:06d}.png", depth_png(i))
         write(folder / "confidence" / f"{i:06d}.png", png(WIDTH, HEIGHT, 8, 0, [b"\2" * WIDTH] * HEIGHT))
         rows += f"{SOURCE.times_us[i] / 1e6:.6f}, {i:06d}, " + ", ".join(map(repr, SOURCE.poses[i])) + "\n"
     write(folder / "odometry.csv", rows)
-    write(folder / "camera_matrix.csv", f"{F}, 0.0, {CX}\n0.0, {F}, {CY}\n0.0, 0.0, 1.0\n")
+    cx, cy = ((c + 0.5) * larger - 0.5 for c in (CX, CY))
+    write(folder / "camera_matrix.csv", f"{F * larger}, 0.0, {cx}\n0.0, {F * larger}, {cy}\n0.0, 0.0, 1.0\n")
     return folder
 
 
@@ -247,6 +256,25 @@ class SameCapture(unittest.TestCase):
                     local = [sum(first[r][c] * there[r] for r in range(3)) for c in range(3)]
                     for axis in range(3):
                         self.assertAlmostEqual(pose[axis], local[axis], 5)
+
+    def test_boxes_of_larger_colour_images_are_scaled_to_the_frames(self):
+        # Colour 1280 x 960 and depth 320 x 240: frames are 640 x 480.
+        capture, workspace, file = write_stray(DIR / "fine", 4), DIR / "fine_boxes", DIR / "boxes.json"
+        entry = {"image_id": 2, "bbox": [200, 100, 300, 400], "category_name": "chair"}
+        named = {**entry, "image_id": 7}
+        table = {"id": 7, "file_name": "000002.png"}
+        for document, box in (([entry], [99.75, 49.75, 150, 200]),
+                              ({"images": [{**table, "width": 1280, "height": 960}], "annotations": [named]},
+                               [99.75, 49.75, 150, 200]),
+                              ({"images": [{**table, "width": 640, "height": 480}], "annotations": [named]},
+                               [200, 100, 300, 379])):
+            file.write_text(json.dumps(document))
+            result = captures.deepslam(PROGRAM, "run", capture, "-o", workspace, *captures.BARE, "--progress", "none", "--until",
+                                       "detect", "--set", "detect.source=file", "--set", f"detect.file={file}", "--set",
+                                       "detect.clusters.enabled=false")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found = json.loads((workspace / "detect" / "detections.json").read_text())
+            self.assertEqual([row["bbox"] for row in found["annotations"]], [box])
 
     def test_doctor_and_eval_know_them(self):
         result = captures.deepslam(PROGRAM, "doctor", write_sens(DIR / "doctor.sens"))

@@ -141,6 +141,37 @@ class Eval(unittest.TestCase):
         self.write_poses(self.capture / "groundtruth.txt", range(2))
         self.assert_refused("groundtruth.txt", "aligned")
 
+    def test_truth_is_read_as_run_reads_it(self):
+        file = self.capture / "groundtruth.txt"
+        clean = {kind: self.eval(kind)[:2] for kind in ("trajectory", "objects")}
+        rows = [line.encode() for line in file.read_text().splitlines()]
+        lost = b"2.5 nan nan nan 0 0 0 1"
+        for data, warning in ((b"\xef\xbb\xbf" + b"\r\n".join(rows), None),
+                              (b"\n".join([*rows[:3], lost, *rows[3:]]), "groundtruth.txt:4: 1 poses are not finite"),
+                              (b"\xef\xbb\xbf# truth\r\n" + b"\r\n".join([lost, *rows]), "groundtruth.txt:2: 1 poses")):
+            file.write_bytes(data)
+            for kind, expected in clean.items():
+                code, stdout, stderr = self.eval(kind)
+                self.assertEqual((code, stdout), expected, stderr)
+                if warning:
+                    self.assertIn(warning, stderr)
+            alone = subprocess.run([DEEPSLAM, "eval", "trajectory", str(self.workspace), str(file)], capture_output=True,
+                                   text=True, check=False)
+            self.assertEqual((alone.returncode, alone.stdout), clean["trajectory"], alone.stderr)
+        file.write_bytes(b"\n".join([*rows, b"9 1 2 far 0 0 0 1"]))
+        for kind in clean:
+            code, _, stderr = self.eval(kind)
+            self.assertEqual(code, 3, stderr)
+            self.assertIn("groundtruth.txt:6", stderr)
+
+    def test_trajectories_of_workspaces_are_as_they_were_written(self):
+        file = self.workspace / "optimize/trajectory.tum"
+        file.write_text(file.read_text() + "9 nan nan nan 0 0 0 1\n")
+        for kind in ("trajectory", "objects"):
+            code, _, stderr = self.eval(kind)
+            self.assertEqual(code, 3, stderr)
+            self.assertIn("trajectory.tum:6", stderr)
+
     def test_masks_of_another_size(self):
         (self.capture / "truth/instances/000000.png").write_bytes(png(9, 6, 1))
         self.assert_refused("000000.png")

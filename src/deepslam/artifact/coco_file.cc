@@ -16,6 +16,8 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::size_t kMaxWarnings = 10;
+constexpr int kMaxSidePx = 1 << 16;       // nobody's images are larger
+constexpr double kMaxScaleSpread = 0.02;  // between width and height
 
 // COCO's category ids of indoor things; the table of classes decides which of them mean something.
 constexpr std::array<std::pair<int, std::string_view>, 12> kCocoIds = {{{15, "bench"},
@@ -42,10 +44,48 @@ std::string IdText(const JsonNode& node) {
   return {};
 }
 
+// 0 for what is no image's side.
+int SidePx(const JsonNode& node) {
+  const double side = node.is_number() ? node.Number() : 0;
+  const bool fits = side >= 1 && side <= kMaxSidePx && side == std::floor(side);
+  return fits ? static_cast<int>(side) : 0;
+}
+
+PictureSize KnownSize(int width, int height) {
+  return width > 0 && height > 0 ? PictureSize{width, height} : PictureSize();
+}
+
+PictureSize SizeOfRow(const JsonNode& row) {
+  return KnownSize(SidePx(row.Maybe("width")), SidePx(row.Maybe("height")));
+}
+
+PictureSize SizeOfMask(const JsonNode& segmentation) {
+  const JsonNode size = segmentation.Maybe("size");
+  const std::vector<JsonNode> sides = size.is_array() ? size.Items() : std::vector<JsonNode>();
+  return sides.size() == 2 ? KnownSize(SidePx(sides[1]), SidePx(sides[0])) : PictureSize();
+}
+
+PictureSize SizeOfFrame(const DetectedImage& image) { return {image.width, image.height}; }
+
+double ToFrame(double at, int frame_side, int image_side) {
+  if (frame_side == image_side) return at;
+  return (at + 0.5) * frame_side / image_side - 0.5;
+}
+
+Box2 ToFrame(const Box2& box, const PictureSize& frame, const PictureSize& size) {
+  return {ToFrame(box.u_min, frame.width, size.width),
+          ToFrame(box.v_min, frame.height, size.height),
+          ToFrame(box.u_max, frame.width, size.width),
+          ToFrame(box.v_max, frame.height, size.height)};
+}
+
 class CocoReader {
  public:
-  CocoReader(JsonReader& reader, std::span<const DetectedImage> images, const ClassTable& classes)
-      : reader_(reader), images_(images), classes_(classes) {
+  CocoReader(JsonReader& reader,
+             std::span<const DetectedImage> images,
+             const ClassTable& classes,
+             const PictureSize& colour)
+      : reader_(reader), images_(images), classes_(classes), colour_(colour) {
     for (const DetectedImage& image : images) by_stem_.emplace(Stem(image.file_name), &image);
     for (const auto& [id, label] : kCocoIds) labels_[std::to_string(id)] = label;
   }
@@ -64,6 +104,8 @@ class CocoReader {
         Warn(entry, "is no object", found_.num_unusable);
       }
     }
+    // First, lest it be one too many.
+    if (!scale_warning_.empty()) found_.warnings.insert(found_.warnings.begin(), scale_warning_);
     std::stable_sort(found_.detections.begin(),
                      found_.detections.end(),
                      [](const Detection& a, const Detection& b) { return a.frame < b.frame; });
@@ -73,11 +115,7 @@ class CocoReader {
  private:
   void ReadTables(const JsonNode& root) {
     if (const JsonNode images = root.Maybe("images"); images.is_array()) {
-      for (const JsonNode& row : images.Items()) {
-        const JsonNode file_name = row.Maybe("file_name");
-        if (file_name.is_string())
-          document_images_[IdText(row.Maybe("id"))] = Stem(file_name.String());
-      }
+      for (const JsonNode& row : images.Items()) ReadImage(row);
     }
     if (const JsonNode categories = root.Maybe("categories"); categories.is_array()) {
       labels_.clear();
@@ -86,6 +124,32 @@ class CocoReader {
         if (label.is_string()) labels_[IdText(row.Maybe("id"))] = label.String();
       }
     }
+  }
+
+  void ReadImage(const JsonNode& row) {
+    const std::string id = IdText(row.Maybe("id"));
+    const PictureSize size = SizeOfRow(row);
+    sizes_[id] = size;
+    const JsonNode file_name = row.Maybe("file_name");
+    if (!file_name.is_string()) return;
+    const std::string stem = Stem(file_name.String());
+    document_images_[id] = stem;
+    stem_sizes_[stem] = size;
+  }
+
+  // Of the image in which the boxes of an entry were found.
+  PictureSize SizeOf(const JsonNode& entry, const DetectedImage& image) const {
+    const PictureSize frame = SizeOfFrame(image);
+    PictureSize size;
+    if (const auto row = sizes_.find(IdText(entry.Maybe("image_id"))); row != sizes_.end()) {
+      size = row->second;
+    } else if (const auto named = stem_sizes_.find(Stem(image.file_name));
+               named != stem_sizes_.end()) {
+      size = named->second;
+    }
+    if (size != PictureSize()) return size;
+    if (SizeOfMask(entry.Maybe("segmentation")) == frame) return frame;
+    return colour_ != PictureSize() ? colour_ : frame;
   }
 
   const DetectedImage* FindImage(const JsonNode& image_id) const {
@@ -122,7 +186,9 @@ class CocoReader {
                   fmt::format("has class \"{}\", which the class table does not know", label),
                   found_.num_unknown_class);
     }
-    const std::optional<Box2> box = ReadBox(entry.Maybe("bbox"), *image);
+    const PictureSize size = SizeOf(entry, *image);
+    CheckScale(size, *image);
+    const std::optional<Box2> box = ReadBox(entry.Maybe("bbox"), SizeOfFrame(*image), size);
     if (!box)
       return Warn(
           entry, "has no usable bbox [x, y, width, height] inside the image", found_.num_unusable);
@@ -136,11 +202,26 @@ class CocoReader {
     if (!(detection.score >= 0 && detection.score <= 1)) {
       return Warn(entry, "has a score outside [0, 1]", found_.num_unusable);
     }
-    ReadMask(entry.Maybe("segmentation"), *image, detection);
+    ReadMask(entry.Maybe("segmentation"), SizeOfFrame(*image), size, detection);
     found_.detections.push_back(std::move(detection));
   }
 
-  static std::optional<Box2> ReadBox(const JsonNode& node, const DetectedImage& image) {
+  void CheckScale(const PictureSize& size, const DetectedImage& image) {
+    const double spread = (1.0 * size.width * image.height) / (1.0 * size.height * image.width);
+    if (!scale_warning_.empty() || std::max(spread, 1 / spread) <= 1 + kMaxScaleSpread) return;
+    scale_warning_ = fmt::format(
+        "boxes of \"{}\" are of an image of {} x {} px, its frame has {} x {}: width and height "
+        "scale differently, and boxes may lie wrong; were they found in this capture's images?",
+        image.file_name,
+        size.width,
+        size.height,
+        image.width,
+        image.height);
+  }
+
+  static std::optional<Box2> ReadBox(const JsonNode& node,
+                                     const PictureSize& frame,
+                                     const PictureSize& size) {
     if (!node.is_array()) return std::nullopt;
     const std::vector<JsonNode> items = node.Items();
     if (items.size() != 4) return std::nullopt;
@@ -149,27 +230,31 @@ class CocoReader {
     }
     const double u = items[0].Number();
     const double v = items[1].Number();
-    const Box2 whole{0, 0, image.width - 1.0, image.height - 1.0};
-    const Box2 box = Intersection({u, v, u + items[2].Number(), v + items[3].Number()}, whole);
+    const Box2 found{u, v, u + items[2].Number(), v + items[3].Number()};
+    const Box2 whole{0, 0, frame.width - 1.0, frame.height - 1.0};
+    const Box2 box = Intersection(ToFrame(found, frame, size), whole);
     if (box.width_px() < 1 || box.height_px() < 1) return std::nullopt;
     return box;
   }
 
   // A mask that cannot be used leaves the box in force.
-  void ReadMask(const JsonNode& node, const DetectedImage& image, Detection& detection) {
+  void ReadMask(const JsonNode& node,
+                const PictureSize& frame,
+                const PictureSize& size,
+                Detection& detection) {
     if (!node.is_object()) return;  // polygons: the box has to do
-    const JsonNode size = node.Maybe("size");
     const JsonNode counts = node.Maybe("counts");
-    if (!size.is_array() || !counts.is_string())
+    if (!node.Maybe("size").is_array() || !counts.is_string())
       return Warn(node, "is no run-length mask", found_.num_unusable);
-    const std::vector<JsonNode> sides = size.Items();
-    if (sides.size() != 2 || !sides[0].is_number() || !sides[1].is_number() ||
-        sides[0].Number() != image.height || sides[1].Number() != image.width) {
+    if (SizeOfMask(node) != size) {
       return Warn(node,
-                  fmt::format("is not of the image's size {} x {}", image.width, image.height),
+                  fmt::format("is not of the image's size {} x {}", size.width, size.height),
                   found_.num_unusable);
     }
-    Result<Mask> mask = DecodeRle(counts.String(), image.width, image.height);
+    Result<Mask> mask =
+        size == frame
+            ? DecodeRle(counts.String(), size.width, size.height)
+            : DecodeRleResized(counts.String(), size.width, size.height, frame.width, frame.height);
     if (!mask.ok()) return Warn(node, mask.error().message, found_.num_unusable);
     detection.mask = *mask;
   }
@@ -183,9 +268,13 @@ class CocoReader {
   JsonReader& reader_;
   std::span<const DetectedImage> images_;
   const ClassTable& classes_;
+  PictureSize colour_;
   std::map<std::string, const DetectedImage*> by_stem_;
   std::map<std::string, std::string> document_images_;  // id -> stem
-  std::map<std::string, std::string> labels_;           // category id -> label
+  std::map<std::string, PictureSize> sizes_;            // id -> what the document says
+  std::map<std::string, PictureSize> stem_sizes_;
+  std::map<std::string, std::string> labels_;  // category id -> label
+  std::string scale_warning_;
   CocoDetections found_;
 };
 
@@ -194,13 +283,14 @@ class CocoReader {
 Result<CocoDetections> ReadCocoFile(std::string_view text,
                                     std::string_view name,
                                     std::span<const DetectedImage> images,
-                                    const ClassTable& classes) {
+                                    const ClassTable& classes,
+                                    const PictureSize& colour) {
   JsonReader reader(text, name, "", 0);
   if (!reader.ok()) return reader.error();
   if (!reader.root().is_array() && !reader.root().is_object()) {
     return InvalidInput(fmt::format("{}: is neither a COCO results list nor a COCO dataset", name));
   }
-  CocoDetections found = CocoReader(reader, images, classes).Read();
+  CocoDetections found = CocoReader(reader, images, classes, colour).Read();
   return reader.Finish(std::move(found));
 }
 

@@ -15,23 +15,37 @@
 namespace deepslam::artifact {
 
 struct CocoDetections {
-  // Ascending frames, source kFile, ids invalid (the caller numbers them), boxes clipped to the
-  // image. Classes are the table's; entries with other labels, of no known image, or empty after
-  // clipping are left out and counted.
+  // Ascending frames, source kFile, ids invalid (the caller numbers them), boxes and masks of the
+  // frame's size, boxes clipped to it. Classes are the table's; entries with other labels, of no
+  // known image, or empty after clipping are left out and counted.
   std::vector<Detection> detections;
   int num_unknown_class = 0;
   int num_unknown_image = 0;
-  int num_unusable = 0;               // score or box out of range, mask of another size
+  int num_unusable = 0;  // score or box out of range, mask of another size than its image
   std::vector<std::string> warnings;  // the first few of each, with their place
+};
+
+// px; zero where nothing is known.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+  friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
 
 // `images` are the capture's frames with the names of their colour files. An image_id is looked up
 // in the document's `images` (by file name without folder and extension), else taken as a frame
 // index; a string image_id is a file name. Classes come from category_name, from `categories`, or
 // from the ids of COCO's 80 classes. Scores default to 1. Fails on text that is no COCO at all.
+//
+// Boxes and masks are of images as large as the document's `images` say; where they say nothing, as
+// large as the entry's mask if that is the frame's size, else as the capture's `colour` images,
+// else as the frame. Frames may be smaller (colour that is finer than depth is reduced): what is
+// found is scaled to them, u -> (u + 0.5) * frame width / image width - 0.5. A warning tells when
+// width and height scale differently.
 [[nodiscard]] Result<CocoDetections> ReadCocoFile(std::string_view text,
                                                   std::string_view name,
                                                   std::span<const DetectedImage> images,
-                                                  const ClassTable& classes);
+                                                  const ClassTable& classes,
+                                                  const PictureSize& colour = {});
 
 }  // namespace deepslam::artifact

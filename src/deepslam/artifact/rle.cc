@@ -1,6 +1,9 @@
 #include "deepslam/artifact/rle.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,6 +26,9 @@ void AppendNumber(std::int64_t value, std::string& text) {
 
 // The runs, which fill the mask exactly; nothing as large as the mask is needed to know that.
 Result<std::vector<std::int64_t>> DecodeRuns(std::string_view counts, int width, int height) {
+  if (width <= 0 || height <= 0 || width > kMaxMaskPixels / height) {
+    return InvalidInput(fmt::format("mask size {} x {} is out of range", width, height));
+  }
   const std::int64_t total = static_cast<std::int64_t>(width) * height;
   std::vector<std::int64_t> runs;
   std::int64_t filled = 0;
@@ -84,9 +90,6 @@ std::string EncodeRle(const Mask& mask) {
 }
 
 Result<Mask> DecodeRle(std::string_view counts, int width, int height) {
-  if (width <= 0 || height <= 0 || width > kMaxMaskPixels / height) {
-    return InvalidInput(fmt::format("mask size {} x {} is out of range", width, height));
-  }
   const Result<std::vector<std::int64_t>> runs = DecodeRuns(counts, width, height);
   if (!runs.ok()) return runs.error();
   Mask mask(width, height);
@@ -98,6 +101,31 @@ Result<Mask> DecodeRle(std::string_view counts, int width, int height) {
         mask(static_cast<int>(p / height), static_cast<int>(p % height)) = 1;
     }
     filled = end;
+  }
+  return mask;
+}
+
+Result<Mask> DecodeRleResized(
+    std::string_view counts, int width, int height, int out_width, int out_height) {
+  Result<std::vector<std::int64_t>> ends = DecodeRuns(counts, width, height);
+  if (!ends.ok()) return ends.error();
+  std::partial_sum(ends->begin(), ends->end(), ends->begin());
+  const auto at_centre = [](int out, int size, int out_size) {
+    return (2 * std::int64_t{out} + 1) * size / (2 * std::int64_t{out_size});
+  };
+  Mask mask(out_width, out_height);
+  auto run = ends->begin();
+  std::int64_t run_begin = 0;
+  for (int u = 0; u < out_width; ++u) {
+    const std::int64_t column = at_centre(u, width, out_width) * height;
+    for (int v = 0; v < out_height; ++v) {
+      const std::int64_t p = column + at_centre(v, height, out_height);
+      if (p < run_begin || p >= *run) {
+        run = std::upper_bound(ends->begin(), ends->end(), p);
+        run_begin = run == ends->begin() ? 0 : *(run - 1);
+      }
+      mask(u, v) = (run - ends->begin()) % 2 == 1 ? 1 : 0;
+    }
   }
   return mask;
 }

@@ -19,4 +19,9 @@ inline constexpr int kMaxMaskPixels = 1 << 26;
 // kMaxMaskPixels. The message does not name the file: the caller does.
 [[nodiscard]] Result<Mask> DecodeRle(std::string_view counts, int width, int height);
 
+// The same mask at another size, each pixel with the value that lies under its centre. Takes the
+// memory of the result, whatever the mask's own size.
+[[nodiscard]] Result<Mask> DecodeRleResized(
+    std::string_view counts, int width, int height, int out_width, int out_height);
+
 }  // namespace deepslam::artifact

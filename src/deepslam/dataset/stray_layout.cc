@@ -330,6 +330,19 @@ PinholeCamera Resized(const PinholeCamera& camera, const ImageSize& size) {
           (camera.cy + 0.5) * sy - 0.5};
 }
 
+// Of the first file that has one; without any, why the first of all has none.
+Result<ImageSize> FirstSize(const fs::path& folder,
+                            const std::vector<StrayFrames::Files>& files,
+                            std::string StrayFrames::Files::*image) {
+  std::optional<Error> first_error;
+  for (const StrayFrames::Files& of_frame : files) {
+    const Result<ImageSize> size = ReadImageSize(folder / (of_frame.*image));
+    if (size) return size;
+    if (!first_error) first_error = size.error();
+  }
+  return *first_error;
+}
+
 Result<std::string> HashOf(const LayoutSource& source,
                            const std::vector<NamedText>& texts,
                            const Listed& listed) {
@@ -381,7 +394,7 @@ Result<OpenedLayout> OpenStray(const LayoutSource& source) {
   const bool has_video = fs::exists(folder / kVideoName, ignored);
   Result<Listed> listed = ListFrames(folder, *rows, has_video, opened.warnings);
   if (!listed) return listed.error();
-  const Result<ImageSize> depth_size = ReadImageSize(folder / listed->files.front().depth);
+  const Result<ImageSize> depth_size = FirstSize(folder, listed->files, &StrayFrames::Files::depth);
   if (!depth_size) return depth_size.error();
   std::unique_ptr<VideoFile> video;
   ImageSize colour_size;
@@ -395,7 +408,7 @@ Result<OpenedLayout> OpenStray(const LayoutSource& source) {
     if (!digest) return digest.error();
     video_digest = *std::move(digest);
   } else {
-    const Result<ImageSize> size = ReadImageSize(folder / listed->files.front().colour);
+    const Result<ImageSize> size = FirstSize(folder, listed->files, &StrayFrames::Files::colour);
     if (!size) return size.error();
     colour_size = *size;
   }
