@@ -9,23 +9,16 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "deepslam/furniture/design.h"
 #include "deepslam/scene/mesh_box.h"
 #include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/stretch.h"
-#include "deepslam/shape/voxelize.h"
+#include "furniture/design_shapes.h"
 
 namespace deepslam::furniture {
 namespace {
 
 TriangleMesh MakeMesh(Kind kind, std::uint64_t number) {
-  return MakeDesign(kind, Random(7, "proportions test", number)).mesh;
-}
-
-VoxelGrid ShapeOf(const TriangleMesh& mesh) {
-  const Result<VoxelGrid> shape = shape::Voxelize(mesh);
-  EXPECT_TRUE(shape);
-  return shape ? *shape : VoxelGrid{};
+  return MakeMesh(kind, number, "proportions test");
 }
 
 double Area(const TriangleMesh& mesh) {

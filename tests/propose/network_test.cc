@@ -426,6 +426,16 @@ TEST_F(CropTest, WhiteOutsideAndSquare) {
   EXPECT_EQ(planes[6 * kPixels + at], 1.0F);
 }
 
+// As the camera would have taken it turned; its ground and how it stands are as they were.
+ObjectView HeldTurned(const ObjectView& view, QuarterTurn held) {
+  ObjectView lying = view;
+  lying.colour_crop = Turned(view.colour_crop, held);
+  lying.depth_crop_m = Turned(view.depth_crop_m, held);
+  lying.mask_crop = Turned(view.mask_crop, held);
+  lying.camera = Turned(view.camera, held);
+  return lying;
+}
+
 TEST_F(CropTest, WithoutAGroundStandsAsThePictureIsSaidTo) {
   ObjectView view = View(60, 100);
   view.ground_camera.reset();
@@ -436,11 +446,7 @@ TEST_F(CropTest, WithoutAGroundStandsAsThePictureIsSaidTo) {
   ASSERT_TRUE(upright);
   for (const QuarterTurn held :
        {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
-    ObjectView lying = view;
-    lying.colour_crop = Turned(view.colour_crop, held);
-    lying.depth_crop_m = Turned(view.depth_crop_m, held);
-    lying.mask_crop = Turned(view.mask_crop, held);
-    lying.camera = Turned(view.camera, held);
+    ObjectView lying = HeldTurned(view, held);
     lying.upright = Inverse(held);
     const Result<NetworkCrop> crop = MakeNetworkCrop(lying, false);
     ASSERT_TRUE(crop);
@@ -466,11 +472,7 @@ TEST_F(CropTest, StandsUprightHoweverTheCameraIsHeld) {
   ASSERT_TRUE(upright);
   for (const QuarterTurn held :
        {QuarterTurn::kClockwise, QuarterTurn::kHalf, QuarterTurn::kAnticlockwise}) {
-    ObjectView lying = view;
-    lying.colour_crop = Turned(view.colour_crop, held);
-    lying.depth_crop_m = Turned(view.depth_crop_m, held);
-    lying.mask_crop = Turned(view.mask_crop, held);
-    lying.camera = Turned(view.camera, held);
+    ObjectView lying = HeldTurned(view, held);
     lying.ground_camera = Turned(*view.ground_camera, held);
     const Result<NetworkCrop> crop = MakeNetworkCrop(lying, true);
     ASSERT_TRUE(crop);

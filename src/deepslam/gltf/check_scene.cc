@@ -1,11 +1,11 @@
 #include "deepslam/gltf/check_scene.h"
 
-#include "deepslam/core/utf8.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+
+#include "deepslam/core/utf8.h"
 
 namespace deepslam::gltf {
 

@@ -1,7 +1,6 @@
 #include "deepslam/stages/appearance_stage.h"
 
 #include <algorithm>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,7 +11,7 @@
 #include "deepslam/loop/neighbours.h"
 #include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/stages/keyframe_graph.h"
-#include "deepslam/stages/keyframe_pyramids.h"
+#include "deepslam/stages/register_pairs.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -21,8 +20,6 @@ namespace {
 using pipeline::StageContext;
 
 constexpr std::size_t kBatch = 32;  // frames in work at a time
-constexpr std::size_t kPairs = 16;  // registered at a time
-constexpr std::size_t kMostPyramids = 32;
 
 Result<std::vector<loop::KeyframeFeatures>> ExtractAll(const StageContext& context,
                                                        const RunInputs& inputs,
@@ -55,45 +52,23 @@ Result<std::vector<loop::KeyframeFeatures>> ExtractAll(const StageContext& conte
   return features;
 }
 
-loop::KeyframeRegistration Register(const odometry::FramePyramid& older,
-                                    const odometry::FramePyramid& newer,
-                                    const Pose3& older_from_newer,
-                                    const odometry::AlignmentOptions& options) {
-  const odometry::FrameAlignment found =
-      odometry::AlignPyramids(older, newer, {&older_from_newer, 1}, options);
-  return {
-      found.ok, found.i_from_j, found.information, found.agreement, found.brightness_correlation};
-}
-
-// The keyframes of these loops, each once.
-std::vector<FrameIdx> KeyframesOf(std::span<const AppearanceLoop> loops) {
-  std::set<FrameIdx> keyframes;
-  for (const AppearanceLoop& loop : loops) keyframes.insert({loop.old_keyframe, loop.new_keyframe});
-  return {keyframes.begin(), keyframes.end()};
-}
-
 Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
     const StageContext& context,
     const RunInputs& inputs,
     const std::vector<AppearanceLoop>& proposed) {
+  std::vector<KeyframePair> pairs;
+  for (const AppearanceLoop& loop : proposed)
+    pairs.push_back({loop.old_keyframe, loop.new_keyframe, loop.old_from_new});
   // What images proposed, images confirm, also where tracking goes by depth alone.
-  odometry::AlignmentOptions alignment = inputs.config.track.alignment;
-  alignment.photometric = true;
-  KeyframePyramids pyramids(*inputs.capture->frames, alignment.pyramid, kMostPyramids);
-  std::vector<loop::KeyframeRegistration> registrations(proposed.size());
-  for (std::size_t begin = 0; begin < proposed.size(); begin += kPairs) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const auto batch =
-        std::span(proposed).subspan(begin, std::min(kPairs, proposed.size() - begin));
-    for (const std::string& fault : pyramids.Hold(KeyframesOf(batch)))
-      context.progress().Warn("not measured against others that look alike: " + fault);
-    ParallelFor(batch.size(), [&](std::size_t n) {
-      const AppearanceLoop& loop = batch[n];
-      registrations[begin + n] = Register(
-          pyramids[loop.old_keyframe], pyramids[loop.new_keyframe], loop.old_from_new, alignment);
-    });
-  }
-  return registrations;
+  odometry::AlignmentOptions options = inputs.config.track.alignment;
+  options.photometric = true;
+  PairAlignment alignment;
+  alignment.pyramid = options.pyramid;
+  alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
+    return odometry::AlignPyramids(older, newer, {&start, 1}, options);
+  };
+  alignment.without = "not measured against others that look alike";
+  return RegisterPairs(*inputs.capture->frames, pairs, alignment, context.progress());
 }
 
 Result<loop::AcceptedAppearance> FindLoops(const StageContext& context,

@@ -21,7 +21,8 @@ class KeyframePyramids {
                    const odometry::PyramidOptions& options,
                    std::size_t most);
 
-  // Makes those of `wanted` that are not there, side by side, and gives up others. What cannot be
+  // Makes those of `wanted` (again and again the same, if need be) that are not there, side by side,
+  // and gives up others. What cannot be
   // read stays empty; its fault is in the answer, "frame N ...", once for each time it is tried.
   [[nodiscard]] std::vector<std::string> Hold(std::span<const FrameIdx> wanted);
 

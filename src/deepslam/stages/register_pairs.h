@@ -1,0 +1,43 @@
+// Pairs of keyframes aligned with each other, whoever proposed them: neighbours that see the same,
+// places that look alike.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/loop/appearance.h"
+#include "deepslam/odometry/frame_alignment.h"
+#include "deepslam/scene/frame_source.h"
+
+namespace deepslam::stages {
+
+struct KeyframePair {
+  FrameIdx older;
+  FrameIdx newer;
+  Pose3 older_from_newer;  // where the alignment starts
+};
+
+struct PairAlignment {
+  odometry::PyramidOptions pyramid;
+  std::function<odometry::FrameAlignment(
+      const odometry::FramePyramid& older, const odometry::FramePyramid& newer, const Pose3& start)>
+      align;
+  std::size_t pairs_at_once = 16;
+  std::size_t most_pyramids = 32;  // kept for pairs to come, 3 MB each
+  std::string_view without;  // what a keyframe that cannot be read goes without, for the warning
+};
+
+// One for each pair, in their order; not ok where a keyframe cannot be read, of which a warning
+// tells. Interrupted when asked to stop.
+[[nodiscard]] Result<std::vector<loop::KeyframeRegistration>> RegisterPairs(
+    const FrameSource& frames,
+    std::span<const KeyframePair> pairs,
+    const PairAlignment& alignment,
+    Progress& progress);
+
+}  // namespace deepslam::stages
