@@ -220,6 +220,13 @@ void AddPriors(CLI::App& app, Command& chosen) {
                    "Sofas made of each armchair, which becomes as wide: other sofas to learn from")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  render
+      ->add_option(
+          "--narrowed",
+          models.num_narrowed,
+          "Armchairs made of each sofa, which becomes as narrow: other chairs to learn from")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   render->add_flag_callback(
       "--no-catalogue",
       [arguments] { arguments->models.catalogue = false; },

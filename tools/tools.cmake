@@ -3,7 +3,7 @@ add_executable(deepslam
   command_tree.cc completion_script.cc config_command.cc console.cc convert_command.cc deepslam.cc doctor_command.cc eval_silhouettes.cc expand_command.cc forms_command.cc inspect_command.cc
   make_command.cc man_page.cc
   run_capture.cc run_command.cc
-  furniture_files.cc priors_command.cc priors_look.cc synth_capture.cc training_models.cc training_shards.cc)
+  furniture_files.cc known_shapes.cc priors_command.cc priors_look.cc synth_capture.cc training_models.cc training_shards.cc)
 target_link_libraries(deepslam PRIVATE deepslam::batch deepslam::stages deepslam::synth deepslam::furniture deepslam::priors CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam)
 target_sources(deepslam PRIVATE

@@ -14,12 +14,10 @@
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
-#include "deepslam/core/sha256.h"
 #include "deepslam/furniture/design.h"
 #include "deepslam/furniture/joined.h"
 #include "deepslam/furniture/proportions.h"
-#include "deepslam/furniture/widened.h"
-#include "deepslam/library/alike.h"
+#include "deepslam/furniture/seat_width.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/library/zip_archive.h"
 #include "deepslam/priors/exchanged_back.h"
@@ -29,10 +27,14 @@
 #include "deepslam/shape/symmetry.h"
 #include "deepslam/shape/voxelize.h"
 #include "furniture_files.h"
+#include "known_shapes.h"
 
 namespace deepslam::tools {
 
 namespace fs = std::filesystem;
+
+// Armchairs become sofas, sofas armchairs.
+enum class SeatWidth { kOwn, kWidened, kNarrowed };
 
 struct TrainingModelSource {
   std::string id;
@@ -41,7 +43,7 @@ struct TrainingModelSource {
   std::string split;
   std::string credit;
   int variant = 0;
-  bool widened = false;  // an armchair that becomes a sofa
+  SeatWidth seat_width = SeatWidth::kOwn;
   // generated
   furniture::Kind kind = furniture::Kind::kChair;
   int design = 0;
@@ -58,15 +60,6 @@ struct TrainingModelSource {
 };
 
 namespace {
-
-// One in `kValidateEvery` designs checks the training instead of taking part.
-constexpr unsigned kValidateEvery = 12;
-
-std::string SplitOf(const std::string& id) {
-  const std::string hash = Sha256Hex(id);
-  const unsigned number = static_cast<unsigned>(std::stoul(hash.substr(0, 7), nullptr, 16));
-  return number % kValidateEvery == 0 ? "validate" : "train";
-}
 
 bool Contains(const std::vector<std::string>& classes, const std::string& class_name) {
   return std::find(classes.begin(), classes.end(), class_name) != classes.end();
@@ -88,37 +81,6 @@ Eigen::Vector3d Centre(TriangleMesh& mesh) {
   for (Eigen::Vector3f& p : mesh.vertices) p -= box.center();
   return box.sizes().cast<double>();
 }
-
-// A shape that others are compared with.
-struct KnownShape {
-  explicit KnownShape(VoxelGrid shape) : grid(std::move(shape)), comparable(grid) {}
-  VoxelGrid grid;
-  library::ComparableShape comparable;  // refers to `grid`
-  std::string split;
-};
-using KnownShapes = std::vector<std::unique_ptr<KnownShape>>;
-
-const KnownShape* FindAlike(const KnownShapes& shapes, const KnownShape& shape) {
-  const auto found = std::find_if(shapes.begin(), shapes.end(), [&](const auto& other) {
-    return Alike(other->comparable, shape.comparable);
-  });
-  return found == shapes.end() ? nullptr : found->get();
-}
-
-// Designs that are alike are one for the split: whichever comes first decides.
-class ShapeGroups {
- public:
-  std::string SplitFor(const std::string& id, std::unique_ptr<KnownShape> shape) {
-    if (const KnownShape* const like = FindAlike(seen_, *shape); like != nullptr)
-      return like->split;
-    shape->split = SplitOf(id);
-    seen_.push_back(std::move(shape));
-    return seen_.back()->split;
-  }
-
- private:
-  KnownShapes seen_;
-};
 
 void AddGenerated(const TrainingModelRequest& request, std::vector<TrainingModelSource>& sources) {
   for (const std::string& class_name : request.classes) {
@@ -157,28 +119,42 @@ void AddVariants(const TrainingModelRequest& request,
   }
 }
 
-// Whether sofas are made of the armchairs as well.
-bool WantsWidened(const TrainingModelRequest& request) {
-  return request.num_widened > 0 && !request.withheld && Wanted(request, "sofa");
+// What is made of seats between two arms by giving them another width.
+struct SeatExchange {
+  SeatWidth seat_width;
+  std::string from;  // class
+  std::string to;
+  std::string mark;  // in the ids of what is made
+  int count = 0;     // of each
+};
+
+// Those that are asked for.
+std::vector<SeatExchange> WantedExchanges(const TrainingModelRequest& request) {
+  std::vector<SeatExchange> exchanges;
+  if (request.withheld) return exchanges;
+  if (request.num_widened > 0 && Wanted(request, "sofa"))
+    exchanges.push_back({SeatWidth::kWidened, "chair", "sofa", "wide", request.num_widened});
+  if (request.num_narrowed > 0 && Wanted(request, "chair"))
+    exchanges.push_back({SeatWidth::kNarrowed, "sofa", "chair", "narrow", request.num_narrowed});
+  return exchanges;
 }
 
-bool IsArmchair(const std::string& class_name, const VoxelGrid& canonical) {
-  if (class_name != "chair") return false;
+bool IsBetweenArms(const VoxelGrid& canonical) {
   const std::optional<float> seat = furniture::SeatHeight(canonical);
   return seat && furniture::HasArms(canonical, *seat) &&
          furniture::StandsBelowBothSides(canonical, *seat);
 }
 
-void AddWidened(const TrainingModelRequest& request,
-                const TrainingModelSource& armchair,
-                std::vector<TrainingModelSource>& sources) {
-  for (int variant = 1; variant <= request.num_widened; ++variant) {
-    sources.push_back(armchair);
-    TrainingModelSource& sofa = sources.back();
-    sofa.id += fmt::format("~wide{}", variant);
-    sofa.class_name = "sofa";
-    sofa.variant = variant;
-    sofa.widened = true;
+void AddExchanged(const SeatExchange& exchange,
+                  const TrainingModelSource& source,
+                  std::vector<TrainingModelSource>& sources) {
+  for (int variant = 1; variant <= exchange.count; ++variant) {
+    sources.push_back(source);
+    TrainingModelSource& made = sources.back();
+    made.id += fmt::format("~{}{}", exchange.mark, variant);
+    made.class_name = exchange.to;
+    made.variant = variant;
+    made.seat_width = exchange.seat_width;
   }
 }
 
@@ -188,14 +164,18 @@ void AddProduct(const TrainingModelRequest& request,
                 const VoxelGrid& canonical,
                 std::vector<TrainingModelSource>& sources) {
   if (Wanted(request, source.class_name)) AddVariants(request, source, sources);
-  if (WantsWidened(request) && IsArmchair(source.class_name, canonical))
-    AddWidened(request, source, sources);
+  for (const SeatExchange& exchange : WantedExchanges(request)) {
+    if (source.class_name == exchange.from && IsBetweenArms(canonical))
+      AddExchanged(exchange, source, sources);
+  }
 }
 
 // Classes whose products are looked at.
 std::vector<std::string> ClassesToRead(const TrainingModelRequest& request) {
   std::vector<std::string> classes = request.classes;
-  if (WantsWidened(request) && !Wanted(request, "chair")) classes.emplace_back("chair");
+  for (const SeatExchange& exchange : WantedExchanges(request)) {
+    if (!Contains(classes, exchange.from)) classes.push_back(exchange.from);
+  }
   return classes;
 }
 
@@ -221,9 +201,7 @@ Status AddCatalogue(const TrainingModelRequest& request,
     source.class_name = design.model.class_name;
     source.source = "catalogue";
     source.split =
-        design.withheld
-            ? "withheld"
-            : groups.SplitFor(design.model.id, std::make_unique<KnownShape>(design.model.shape));
+        design.withheld ? "withheld" : groups.SplitFor(design.model.id, design.model.shape);
     source.credit =
         fmt::format("{} by {}, {}", design.model.name, design.model.creator, design.model.licence);
     source.archive = archive;
@@ -249,8 +227,8 @@ void ExchangeBacks(std::uint64_t seed, std::vector<TrainingModelSource>& sources
   }
   for (TrainingModelSource& source : sources) {
     const auto others = seats.find(source.class_name);
-    if (source.widened || source.variant % 2 == 0 || source.split != "train" ||
-        others == seats.end())
+    if (source.seat_width != SeatWidth::kOwn || source.variant % 2 == 0 ||
+        source.split != "train" || others == seats.end())
       continue;
     Random random(seed, source.id, 0);
     source.upper = others->second[random.Index(others->second.size())];
@@ -317,8 +295,7 @@ Status AddFolder(const TrainingModelRequest& request,
       continue;
     }
     const int quarter_turns = HasBack(*class_name) ? shape::QuarterTurnsToFront(*shape) : 0;
-    auto known = std::make_unique<KnownShape>(*shape);
-    if (FindAlike(withheld, *known) != nullptr) {
+    if (withheld.FindAlike(*shape)) {
       dropped.push_back(id + ": shape like a withheld product");
       continue;
     }
@@ -326,7 +303,7 @@ Status AddFolder(const TrainingModelRequest& request,
     source.id = id;
     source.class_name = *class_name;
     source.source = "folder";
-    source.split = groups.SplitFor(id, std::move(known));
+    source.split = groups.SplitFor(id, *shape);
     source.credit = file.lexically_relative(folder).generic_string();
     source.file = file;
     source.quarter_turns = quarter_turns;
@@ -351,7 +328,24 @@ Result<TriangleMesh> ReadCanonical(const TrainingModelSource& source) {
   return std::move(read->mesh);
 }
 
-Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint64_t seed) {
+furniture::Proportions DrawProportions(const TrainingModelSource& source, Random& random) {
+  switch (source.seat_width) {
+    case SeatWidth::kWidened:
+      return furniture::DrawWidened(random);
+    case SeatWidth::kNarrowed:
+      return furniture::DrawNarrowed(random);
+    case SeatWidth::kOwn:
+      break;
+  }
+  return furniture::DrawProportions(HasBack(source.class_name), random);
+}
+
+// Variants are drawn anew where they turn out like a withheld product.
+constexpr int kMaxAttempts = 10;
+
+Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source,
+                                   std::uint64_t seed,
+                                   int attempt) {
   Result<TriangleMesh> mesh = ReadCanonical(source);
   if (!mesh) return mesh.error();
   TrainingModel model;
@@ -362,17 +356,50 @@ Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source, std::uint6
     const Result<TriangleMesh> upper = ReadCanonical(*source.upper);
     if (upper) model.furniture.mesh = priors::WithBackOf(model.furniture.mesh, *upper);
   }
-  Random random(seed, source.id, static_cast<std::uint64_t>(source.variant));
-  model.furniture.mesh = furniture::Reproportion(
-      model.furniture.mesh,
-      source.widened ? furniture::DrawWidened(random)
-                     : furniture::DrawProportions(HasBack(source.class_name), random));
+  constexpr int kMaxVariants = 1000;
+  Random random(
+      seed, source.id, static_cast<std::uint64_t>(source.variant + attempt * kMaxVariants));
+  model.furniture.mesh =
+      furniture::Reproportion(model.furniture.mesh, DrawProportions(source, random));
   return model;
+}
+
+TrainingModel MakeGenerated(const TrainingModelSource& source, std::uint64_t seed) {
+  furniture::Design design = furniture::MakeDesign(source.kind, Random(seed, source.id, 1));
+  TrainingModel model;
+  model.kind = std::string(furniture::KindName(source.kind));
+  model.furniture = {std::move(design.mesh), std::move(design.material_of_face)};
+  return model;
+}
+
+Result<TrainingModel> MakeOnce(const TrainingModelSource& source, std::uint64_t seed, int attempt) {
+  Result<TrainingModel> model = source.source == "generated" ? MakeGenerated(source, seed)
+                                                             : MakeFromMesh(source, seed, attempt);
+  if (!model) return model;
+  model->size_m = Centre(model->furniture.mesh);
+  Result<VoxelGrid> shape = shape::Voxelize(model->furniture.mesh);
+  if (!shape) return shape.error();
+  model->shape = std::move(*shape);
+  return model;
+}
+
+int TurnsThatLeave(const VoxelGrid& shape) {
+  switch (shape::SymmetryOf(shape)) {
+    case shape::Symmetry::kNone:
+      return 1;
+    case shape::Symmetry::kHalf:
+      return 2;
+    case shape::Symmetry::kQuarter:
+      return 4;
+    case shape::Symmetry::kAny:
+      return 0;
+  }
+  return 1;
 }
 
 }  // namespace
 
-TrainingModels::TrainingModels() = default;
+TrainingModels::TrainingModels() : withheld_(std::make_unique<KnownShapes>()) {}
 TrainingModels::~TrainingModels() = default;
 TrainingModels::TrainingModels(TrainingModels&&) noexcept = default;
 TrainingModels& TrainingModels::operator=(TrainingModels&&) noexcept = default;
@@ -398,13 +425,12 @@ Result<TrainingModels> TrainingModels::List(const TrainingModelRequest& request,
       return status.error();
   }
   if (request.withheld) return models;
-  KnownShapes hidden;
   for (const library::CatalogueDesign& design : *designs) {
-    if (design.withheld) hidden.push_back(std::make_unique<KnownShape>(design.model.shape));
+    if (design.withheld) models.withheld_->Add(design.model.shape);
   }
   for (const fs::path& folder : request.mesh_folders) {
-    if (const Status status =
-            AddFolder(request, folder, hidden, groups, models.sources_, models.dropped_, progress);
+    if (const Status status = AddFolder(
+            request, folder, *models.withheld_, groups, models.sources_, models.dropped_, progress);
         !status)
       return status.error();
   }
@@ -418,41 +444,23 @@ bool TrainingModels::IsProduct(std::size_t n) const { return sources_[n].source 
 
 Result<TrainingModel> TrainingModels::Make(std::size_t n) const {
   const TrainingModelSource& source = sources_[n];
-  TrainingModel model;
-  if (source.source == "generated") {
-    furniture::Design design =
-        furniture::MakeDesign(source.kind, Random(request_.seed, source.id, 1));
-    model.kind = std::string(furniture::KindName(source.kind));
-    model.furniture = {std::move(design.mesh), std::move(design.material_of_face)};
-  } else {
-    Result<TrainingModel> made = MakeFromMesh(source, request_.seed);
-    if (!made) return InvalidInput(source.id + ": " + made.error().message);
-    model = std::move(*made);
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    Result<TrainingModel> model = MakeOnce(source, request_.seed, attempt);
+    if (!model) return InvalidInput(source.id + ": " + model.error().message);
+    // Products as they are were compared when they were listed.
+    if (source.variant > 0 && withheld_->FindAlike(model->shape)) continue;
+    model->id = source.id;
+    model->class_name = source.class_name;
+    model->source = source.source;
+    model->split = source.split;
+    model->credit = source.credit;
+    model->symmetry = TurnsThatLeave(model->shape);
+    return model;
   }
-  model.id = source.id;
-  model.class_name = source.class_name;
-  model.source = source.source;
-  model.split = source.split;
-  model.credit = source.credit;
-  model.size_m = Centre(model.furniture.mesh);
-  Result<VoxelGrid> shape = shape::Voxelize(model.furniture.mesh);
-  if (!shape) return InvalidInput(source.id + ": " + shape.error().message);
-  model.shape = std::move(*shape);
-  switch (shape::SymmetryOf(model.shape)) {
-    case shape::Symmetry::kNone:
-      model.symmetry = 1;
-      break;
-    case shape::Symmetry::kHalf:
-      model.symmetry = 2;
-      break;
-    case shape::Symmetry::kQuarter:
-      model.symmetry = 4;
-      break;
-    case shape::Symmetry::kAny:
-      model.symmetry = 0;
-      break;
-  }
-  return model;
+  return InvalidInput(
+      fmt::format("{}: is like a withheld product however it is drawn ({} times); leave it out",
+                  source.id,
+                  kMaxAttempts));
 }
 
 }  // namespace deepslam::tools

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,9 @@
 namespace deepslam::tools {
 
 struct TrainingModel {
-  std::string id;          // "generated/chair/000012", "scopia/chair", "meshes/a/chair/b", with
-                           // "~2" for the second variant, "~wide2" for a widened armchair
+  std::string id;  // "generated/chair/000012", "scopia/chair", "meshes/a/chair/b", with
+                   // "~2" for the second variant, "~wide2" for a widened armchair, "~narrow2" for
+                   // a narrowed sofa
   std::string class_name;  // of the map
   std::string kind;        // generated: "office_chair"; else the class
   std::string source;      // "generated", "catalogue" or "folder"
@@ -38,6 +40,7 @@ struct TrainingModelRequest {
   bool withheld = false;  // the withheld products instead of those for training, and nothing else
   int num_variants = 0;   // of each product and mesh: other proportions, other backs
   int num_widened = 0;    // sofas made of each armchair of the catalogues and folders
+  int num_narrowed = 0;   // armchairs made of each of their sofas
   std::filesystem::path catalogues;
   std::filesystem::path withheld_list;
   std::vector<std::filesystem::path> mesh_folders;  // with .../CLASS/name.obj (or .glb, .gltf)
@@ -45,6 +48,7 @@ struct TrainingModelRequest {
 
 // A model that is yet to be read or made.
 struct TrainingModelSource;
+class KnownShapes;
 
 // Lists the models, then makes them one by one: meshes are large, so only some are held at once.
 class TrainingModels {
@@ -59,12 +63,13 @@ class TrainingModels {
   [[nodiscard]] const std::vector<std::string>& dropped() const;  // "id: reason"
   // A product or mesh, not a design made up by rules.
   [[nodiscard]] bool IsProduct(std::size_t n) const;
-  // Thread-safe.
+  // Thread-safe. Variants are drawn anew where they are like a withheld product.
   [[nodiscard]] Result<TrainingModel> Make(std::size_t n) const;
 
  private:
   TrainingModels();
   std::vector<TrainingModelSource> sources_;
+  std::unique_ptr<KnownShapes> withheld_;
   std::vector<std::string> dropped_;
   TrainingModelRequest request_;
 };

@@ -38,7 +38,8 @@ field() { sed -n "s/^$1: *\([^ #]*\).*/\1/p" "$config"; }
 cd "$root"
 mkdir -p "$work"
 [ -d "$work/views" ] || "$program" priors render --class "$class" --designs "$(field designs)" --views "$(field views)" \
-  --product-views "$(field product_views)" --variants "$(field variants)" --widened "$(field widened)" --tops "$(field tops)" --seed "$(field seed)" \
+  --product-views "$(field product_views)" --variants "$(field variants)" --widened "$(field widened)" \
+  --narrowed "$(field narrowed)" --tops "$(field tops)" --seed "$(field seed)" \
   "${meshes[@]}" -o "$work/views"
 [ -d "$work/test" ] || "$program" priors render --class "$class" --withheld --product-views "$(field test_views)" \
   --seed "$(field seed)" -o "$work/test"

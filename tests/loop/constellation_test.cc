@@ -107,7 +107,8 @@ TEST(Loops, FreeYawIsNotCompared) {
     scene.odometry = Walk(400, 20);
     AddVisit(scene, turned_before, 0, {}, {});
     AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
-    const auto found = FindConstellations(scene.map, scene.association, options, scene.odometry);
+    const auto found =
+        FindConstellations(scene.map, scene.association, options, scene.odometry).constellations;
     EXPECT_EQ(!found.empty() && found.front().pairs.size() == 2, free);
   }
   // A class with a yaw whose views all say it is not observable.
@@ -116,7 +117,8 @@ TEST(Loops, FreeYawIsNotCompared) {
   AddVisit(scene, turned_before, 0, {}, {});
   AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
   for (ViewRegistration& view : scene.map.objects[3].views) view.yaw_free = true;
-  EXPECT_EQ(FindConstellations(scene.map, scene.association, options, scene.odometry).size(), 1u);
+  const auto found = FindConstellations(scene.map, scene.association, options, scene.odometry);
+  EXPECT_EQ(found.constellations.size(), 1u);
 }
 
 // The same two chairs stand twice, a metre apart, and the second visit shows two chairs between
@@ -132,14 +134,40 @@ TEST(Loops, AmbiguousOnesAreRefused) {
   LoopOptions options;
   options.drift_base_m =
       1.0;  // objects alone may be believed that far: only the ambiguity is left to refuse
-  std::vector<Constellation> found =
-      FindConstellations(scene.map, scene.association, options, scene.odometry);
+  const std::vector<Constellation> found =
+      FindConstellations(scene.map, scene.association, options, scene.odometry).constellations;
   ASSERT_GE(found.size(), 2u);
   const Loops loops = Detect(scene, options);
   EXPECT_TRUE(loops.merges.empty());
   EXPECT_TRUE(loops.edges.empty());
   EXPECT_NE(loops.constellations.front().reason.find("ambiguous"), std::string::npos)
       << loops.constellations.front().reason;
+}
+
+// Rows of equal chairs: every shift by a row or a column brings most of them onto others.
+TEST(Loops, AClassroomHasAConstellationForEachShift) {
+  constexpr int kRows = 5;
+  std::vector<Furniture> chairs;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kRows; ++column)
+      chairs.push_back({"chair", 1.0 * row, 0.8 * column, 0.0});
+  }
+  Scene scene;
+  scene.odometry = Walk(400, 30);
+  AddVisit(scene, chairs, 0, {}, {});
+  AddVisit(scene, chairs, 300, Yawed(0.3, -0.2, 0, 0.03), {});
+  LoopOptions options;
+  const FoundConstellations found =
+      FindConstellations(scene.map, scene.association, options, scene.odometry);
+  EXPECT_TRUE(found.complete);
+  ASSERT_FALSE(found.constellations.empty());
+  EXPECT_EQ(found.constellations.front().pairs.size(), chairs.size());
+  for (const ObjectMerge& pair : found.constellations.front().pairs)
+    EXPECT_EQ(pair.merged.value - pair.kept.value, static_cast<int>(chairs.size()));
+  EXPECT_LE(found.constellations.size(), 100U);
+
+  options.max_seeds = 3;
+  EXPECT_FALSE(FindConstellations(scene.map, scene.association, options, scene.odometry).complete);
 }
 
 TEST(Loops, SurroundingsTellEqualFurnitureApart) {

@@ -130,10 +130,10 @@ inline void AddVisit(Scene& scene,
 
 inline Loops Detect(const Scene& scene, const LoopOptions& options = {}) {
   std::vector<Constellation> verified;
-  for (const Constellation& found :
-       FindConstellations(scene.map, scene.association, options, scene.odometry)) {
-    verified.push_back(VerifyConstellation(found, scene.map, scene.evidence, options));
-  }
+  const FoundConstellations found =
+      FindConstellations(scene.map, scene.association, options, scene.odometry);
+  for (const Constellation& proposed : found.constellations)
+    verified.push_back(VerifyConstellation(proposed, scene.map, scene.evidence, options));
   return AcceptLoops(verified, scene.map, scene.association, options, scene.odometry);
 }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Variants of meshes that networks learn from: other proportions, backs of other chairs of the training, armchairs as sofas."""
+"""Variants of meshes that networks learn from: other proportions, backs of other chairs of the training, armchairs as sofas, sofas as
+armchairs, none of them like a withheld product."""
 import json
 import pathlib
 import subprocess
@@ -33,24 +34,44 @@ def chair(number, full_back):
     return boxes_as_obj(legs + plate + (board if full_back else posts + rail))
 
 
-def armchair(number):
+def armchair(number, wide=0.8):
     """A body down to the floor between arms."""
-    wide, deep, top = 0.8 + 0.02 * number, 0.8, 0.8 + 0.04 * number
+    wide, deep, top = wide + 0.02 * number, 0.8, 0.8 + 0.04 * number
     arms = [((x, 0, 0), (x + 0.12, 0.62, deep)) for x in (0, wide - 0.12)]
     return boxes_as_obj([((0, 0, 0), (wide, 0.42, deep)), ((0, 0, 0), (wide, top, 0.18))] + arms)
 
 
-def catalogue_of_a_cabinet(file):
+def catalogue(file, name, obj, size_cm):
+    """One product; size: width, depth, height."""
     with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("m/1.obj", boxes_as_obj([((0, 0, 0), (0.8, 0.9, 0.4))]))
-        archive.writestr("PluginFurnitureCatalog.properties", "name=Boxes\nlicense=free\nid#1=B#cabinet\nname#1=Cabinet\n"
-                         "model#1=/m/1.obj\ncreator#1=nobody\nwidth#1=80\ndepth#1=40\nheight#1=90\n")
+        archive.writestr("m/1.obj", obj)
+        archive.writestr("PluginFurnitureCatalog.properties", "name=Boxes\nlicense=free\nid#1=B#{0}\nname#1={0}\nmodel#1=/m/1.obj\n"
+                         "creator#1=nobody\nwidth#1={1}\ndepth#1={2}\nheight#1={3}\n".format(name, *size_cm))
+
+
+def solid_of(voxels):
+    """Indices (x, y, z) of a packed shape."""
+    return [(i // GRID ** 2, i // GRID % GRID, i % GRID) for i in range(GRID ** 3) if (voxels[i // 8] >> (7 - i % 8)) & 1]
+
+
+def voxels_as_obj(voxels):
+    """A shape as boxes, one for each column of it, and its sides in voxels: width, depth, height."""
+    columns = {}
+    for x, y, z in solid_of(voxels):
+        runs = columns.setdefault((x, y), [])
+        if runs and runs[-1][1] == z:
+            runs[-1][1] = z + 1
+        else:
+            runs.append([z, z + 1])
+    # In files width comes first, then height, then depth.
+    boxes = [((y, low, x), (y + 1, high, x + 1)) for (x, y), runs in columns.items() for low, high in runs]
+    sides = [max(high[axis] for _, high in boxes) - min(low[axis] for low, _ in boxes) for axis in range(3)]
+    return boxes_as_obj(boxes), (sides[0], sides[2], sides[1])
 
 
 def filled_back(voxels):
     """Share of the back's square between its rims that is solid: seen from the front, above the seat's middle."""
-    bits = [(voxels[i // 8] >> (7 - i % 8)) & 1 for i in range(GRID ** 3)]
-    shown = {(y, z) for x in range(GRID) for y in range(GRID) for z in range(GRID) if bits[(x * GRID + y) * GRID + z]}
+    shown = {(y, z) for _, y, z in solid_of(voxels)}
     high = max(z for _, z in shown)
     low = min(z for _, z in shown)
     layers = range(low + int(0.7 * (high - low)), low + int(0.85 * (high - low)))
@@ -62,7 +83,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "catalogues").mkdir()
-        catalogue_of_a_cabinet(folder / "catalogues" / "boxes.sh3f")
+        catalogue(folder / "catalogues" / "boxes.sh3f", "Cabinet", boxes_as_obj([((0, 0, 0), (0.8, 0.9, 0.4))]), (80, 40, 90))
         (folder / "withheld.yaml").write_text("withheld:\n", encoding="utf-8")
         meshes = folder / "meshes" / "chair"
         meshes.mkdir(parents=True)
@@ -113,6 +134,22 @@ def main():
         assert len({(m["id"].split("~")[0], m["split"]) for m in sofas}) == 2, "armchairs validate themselves"
         chairs, _ = render("chairs", "--variants", 0, "--widened", 3, meshes="seats")
         assert len(chairs) == 4 and all(m["class"] == "chair" for m in chairs), "chairs have no use for sofas"
+        (folder / "sofas" / "sofa").mkdir(parents=True)
+        (folder / "sofas" / "sofa" / "arms.obj").write_text(armchair(0, 1.9), encoding="utf-8")
+        (folder / "sofas" / "sofa" / "none.obj").write_text(chair(0, True), encoding="utf-8")
+        chairs, _ = render("narrow", "--narrowed", 3, meshes="sofas")
+        assert [m["id"] for m in chairs] == [f"meshes/sofa/arms~narrow{k}" for k in (1, 2, 3)], chairs
+        assert all(m["class"] == "chair" for m in chairs), chairs
+
+        # What turns out like a withheld product is drawn anew, and nothing else.
+        like = "meshes/chair/arms1~wide2"
+        obj, sides = voxels_as_obj(wide[like])
+        catalogue(folder / "catalogues" / "hidden.sh3f", "Sofa", obj, [180 / sides[0] * side for side in sides])
+        (folder / "withheld.yaml").write_text('withheld:\n  - id: "B#Sofa"\n    catalogue: hidden.sh3f\n    mesh: m/1.obj\n',
+                                              encoding="utf-8")
+        _, other = render("other", "--variants", 4, "--widened", 3, kind="sofa", meshes="seats")
+        assert sorted(other) == sorted(wide), sorted(other)
+        assert {key for key in wide if wide[key] != other[key]} == {like}, "withheld shapes are among what is learned from"
     print("variants: fine")
 
 

@@ -16,7 +16,8 @@
 // - by no more than tracking can drift on the path between the visits: drift_base_m + drift_share *
 //   path, measured at the objects, and drift_base_deg + drift_deg_per_m * path.
 // Two pairs' distance, bearing and yaws determine the correction; further pairs are added, nearest
-// first, as long as all agree after a refit.
+// first, as long as all agree after a refit. Two pairs of one constellation are no start of
+// another: whatever else they could lead to has a pair that is not in it, and starts with that.
 // Besides, a single pair is proposed where two models stand in each other, of whatever classes:
 // distance of centres below overlap_share * half the smaller one's longest side (a duplicate left
 // by association or by a path that has been closed; no gap needed), and it was measured how they
@@ -93,12 +94,17 @@ struct ObjectEvidence {
 };
 using LoopEvidence = std::map<ObjectId, ObjectEvidence>;
 
+struct FoundConstellations {
+  std::vector<Constellation> constellations;
+  bool complete = true;  // false: max_seeds ended the search
+};
+
 // Proposals, unverified (accepted = false), those with most pairs first. `odometry` gives the path
 // lengths; without it every path counts as 0, so that only the base terms bound the drift.
-[[nodiscard]] std::vector<Constellation> FindConstellations(const ObjectMap& map,
-                                                            const Association& association,
-                                                            const LoopOptions& options,
-                                                            const Odometry& odometry = {});
+[[nodiscard]] FoundConstellations FindConstellations(const ObjectMap& map,
+                                                     const Association& association,
+                                                     const LoopOptions& options,
+                                                     const Odometry& odometry = {});
 
 // The constellation with refined correction, verdict and reason.
 //

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
@@ -43,14 +44,15 @@ class ConstellationFinder {
     for (std::string name; classes >> name;) yaw_free_classes_.insert(name);
   }
 
-  std::vector<Constellation> Find() {
+  FoundConstellations Find() {
+    FoundConstellations found;
     if (options_.constellations) {
       FindPairs();
-      FindSets();
+      found.complete = FindSets();
     }
-    std::vector<Constellation> found;
-    for (const PairList& pairs : MaximalSets()) found.push_back(ToConstellation(pairs));
-    if (options_.merge_overlapping) AddOverlaps(found);
+    for (const PairList& pairs : MaximalSets())
+      found.constellations.push_back(ToConstellation(pairs));
+    if (options_.merge_overlapping) AddOverlaps(found.constellations);
     return found;
   }
 
@@ -170,19 +172,33 @@ class ConstellationFinder {
            a.old_object != b.new_object && a.new_object != b.old_object && Neighbours(a, b);
   }
 
-  void FindSets() {
+  // Whether all seeds were tried.
+  bool FindSets() {
     int num_seeds = 0;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       for (std::size_t j = i + 1; j < pairs_.size(); ++j) {
-        if (!Compatible(pairs_[i], pairs_[j])) continue;
-        const double apart_old_m = (pairs_[i].old_level - pairs_[j].old_level).norm();
-        const double apart_new_m = (pairs_[i].new_level - pairs_[j].new_level).norm();
-        if (std::abs(apart_old_m - apart_new_m) > 2 * Tolerance_m(pairs_[i], pairs_[j])) continue;
-        if (++num_seeds > options_.max_seeds) return;
+        if (!IsSeed(i, j)) continue;
+        if (++num_seeds > options_.max_seeds) return false;
         const PairList seed = {i, j};
-        if (Agrees(Fit(seed), seed)) sets_.insert(Grown(seed));
+        if (Agrees(Fit(seed), seed)) AddSet(Grown(seed));
       }
     }
+    return true;
+  }
+
+  bool IsSeed(std::size_t i, std::size_t j) const {
+    if (!Compatible(pairs_[i], pairs_[j])) return false;
+    const double apart_old_m = (pairs_[i].old_level - pairs_[j].old_level).norm();
+    const double apart_new_m = (pairs_[i].new_level - pairs_[j].new_level).norm();
+    return std::abs(apart_old_m - apart_new_m) <= 2 * Tolerance_m(pairs_[i], pairs_[j]) &&
+           !joined_.contains({i, j});
+  }
+
+  void AddSet(PairList list) {
+    for (std::size_t a = 0; a < list.size(); ++a) {
+      for (std::size_t b = a + 1; b < list.size(); ++b) joined_.emplace(list[a], list[b]);
+    }
+    sets_.insert(std::move(list));
   }
 
   // The seed with every further pair that agrees, nearest first.
@@ -278,6 +294,7 @@ class ConstellationFinder {
   std::set<std::string> yaw_free_classes_;
   std::vector<PairHypothesis> pairs_;
   std::set<PairList> sets_;
+  std::set<std::pair<std::size_t, std::size_t>> joined_;  // that one of the sets has both of
 };
 
 }  // namespace
@@ -386,10 +403,10 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options) {
       "edge_floor_deg", options.edge_floor_deg, {1e-2, 90}, "deg", "least deviation of an edge");
 }
 
-std::vector<Constellation> FindConstellations(const ObjectMap& map,
-                                              const Association& association,
-                                              const LoopOptions& options,
-                                              const Odometry& odometry) {
+FoundConstellations FindConstellations(const ObjectMap& map,
+                                       const Association& association,
+                                       const LoopOptions& options,
+                                       const Odometry& odometry) {
   if (!options.enabled) return {};
   return ConstellationFinder(map, association, options, odometry).Find();
 }

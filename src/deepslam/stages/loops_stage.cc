@@ -155,8 +155,15 @@ Result<Loops> DetectLoops(const StageContext& context,
                           const std::vector<PartedVisit>& visits,
                           const LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
-  std::vector<Constellation> proposed =
+  loop::FoundConstellations found =
       loop::FindConstellations(world.map, world.association, options, Measured(world));
+  if (!found.complete) {
+    context.progress().Warn(
+        fmt::format("loops.max_seeds: {} starts of constellations were tried and more are left, so "
+                    "loops may be missing; raise it, or lower loops.max_spread_m",
+                    options.max_seeds));
+  }
+  std::vector<Constellation>& proposed = found.constellations;
   const std::vector<Constellation> known_again =
       loop::ProposeKnownAgain(visits, world.map, proposed);
   std::vector<Constellation> verified(proposed.size() + known_again.size());

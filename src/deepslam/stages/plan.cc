@@ -171,7 +171,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      22,
+      23,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",

@@ -1,7 +1,8 @@
-// Armchairs as wide as sofas: their legs, arms and backs on seats for two or three.
+// Armchairs as wide as sofas, sofas as narrow as armchairs: legs, arms and backs of the one with
+// the seat of the other.
 //
-// Fewer sofas are free to learn from than armchairs, whose makers had the same ideas. Frame of
-// every mesh and shape here: z up, x front.
+// Few of either are free to learn from, and their makers had the same ideas. Frame of every mesh
+// and shape here: z up, x front.
 #pragma once
 
 #include "deepslam/core/random.h"
@@ -21,5 +22,8 @@ namespace deepslam::furniture {
 // Other proportions, with a seat 1.6 to 3.2 times as wide between arms that stay as wide as they
 // were.
 [[nodiscard]] Proportions DrawWidened(Random& random);
+
+// The same with a seat 0.25 to 0.45 times as wide, for one of a sofa's two or three.
+[[nodiscard]] Proportions DrawNarrowed(Random& random);
 
 }  // namespace deepslam::furniture

@@ -1,4 +1,4 @@
-#include "deepslam/furniture/widened.h"
+#include "deepslam/furniture/seat_width.h"
 
 #include <algorithm>
 #include <optional>
@@ -45,6 +45,15 @@ double ShareFilled(const VoxelGrid& shape,
   return static_cast<double>(filled) / (box.high.x() - first + 1);
 }
 
+// What lies within `seat` of the middle becomes `factor` times as wide, the rest keeps its width.
+Proportions DrawWithSeat(double seat, double factor, Random& random) {
+  Proportions drawn = DrawProportions(true, random);
+  const double width = seat * factor + (1 - seat);
+  drawn.width = {static_cast<float>(seat), static_cast<float>(seat * factor / width)};
+  drawn.stretch.y() *= static_cast<float>(width);
+  return drawn;
+}
+
 }  // namespace
 
 bool HasArms(const VoxelGrid& shape, float seat_height) {
@@ -66,14 +75,15 @@ bool StandsBelowBothSides(const VoxelGrid& shape, float seat_height) {
 }
 
 Proportions DrawWidened(Random& random) {
-  Proportions drawn = DrawProportions(true, random);
-  // What lies within `seat` of the middle is spread, the rest keeps its width.
   const double seat = random.Uniform(0.6, 0.75);
-  const double wider = random.Uniform(1.6, 3.2);
-  const double width = seat * wider + (1 - seat);
-  drawn.width = {static_cast<float>(seat), static_cast<float>(seat * wider / width)};
-  drawn.stretch.y() *= static_cast<float>(width);
-  return drawn;
+  const double factor = random.Uniform(1.6, 3.2);
+  return DrawWithSeat(seat, factor, random);
+}
+
+Proportions DrawNarrowed(Random& random) {
+  const double seat = random.Uniform(0.75, 0.85);
+  const double factor = random.Uniform(0.25, 0.45);
+  return DrawWithSeat(seat, factor, random);
 }
 
 }  // namespace deepslam::furniture

@@ -1,4 +1,4 @@
-#include "deepslam/furniture/widened.h"
+#include "deepslam/furniture/seat_width.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,32 +58,61 @@ TEST(StandsBelowBothSides, OnLegsOrABodyNotOnAStar) {
   EXPECT_FALSE(StandsBelowBothSides(VoxelGrid{}, 0.5F));
 }
 
-TEST(Widened, KeepsTheArmsWhereTheSeatIsWider) {
+// Factors of the width between the arms and of the arms.
+struct WidthFactors {
+  double seat = 1;
+  double arms = 1;
+};
+
+WidthFactors FactorsOf(const Proportions& drawn) {
+  return {drawn.stretch.y() * drawn.width.to / drawn.width.from,
+          drawn.stretch.y() * (1 - drawn.width.to) / (1 - drawn.width.from)};
+}
+
+TEST(SeatWidth, KeepsTheArmsWhereTheSeatIsWiderOrNarrower) {
   for (std::uint64_t n = 0; n < 100; ++n) {
     Random random(3, "widened", n);
-    const Proportions drawn = DrawWidened(random);
-    const double seat = drawn.stretch.y() * drawn.width.to / drawn.width.from;
-    const double arms = drawn.stretch.y() * (1 - drawn.width.to) / (1 - drawn.width.from);
-    EXPECT_GE(arms, std::exp(-0.181));
-    EXPECT_LE(arms, std::exp(0.181));
-    EXPECT_GE(seat / arms, 1.59);
-    EXPECT_LE(seat / arms, 3.21);
+    const WidthFactors wide = FactorsOf(DrawWidened(random));
+    const WidthFactors narrow = FactorsOf(DrawNarrowed(random));
+    for (const double arms : {wide.arms, narrow.arms}) {
+      EXPECT_GE(arms, std::exp(-0.181));
+      EXPECT_LE(arms, std::exp(0.181));
+    }
+    EXPECT_GE(wide.seat / wide.arms, 1.59);
+    EXPECT_LE(wide.seat / wide.arms, 3.21);
+    EXPECT_GE(narrow.seat / narrow.arms, 0.249);
+    EXPECT_LE(narrow.seat / narrow.arms, 0.451);
   }
 }
 
-TEST(Widened, ArmchairsAreInOnePieceAndWiderThanDeep) {
+double LargestPart(const TriangleMesh& mesh) {
+  std::size_t largest = 0;
+  std::size_t all = 0;
+  for (const auto& part : shape::PartsOf(ShapeOf(mesh), 1)) {
+    largest = std::max(largest, part.size());
+    all += part.size();
+  }
+  return static_cast<double>(largest) / static_cast<double>(all);
+}
+
+TEST(SeatWidth, WidenedArmchairsAreInOnePieceAndWiderThanDeep) {
   for (std::uint64_t n = 0; n < 12; ++n) {
     Random random(3, "widened", n);
     const TriangleMesh sofa = Reproportion(MakeMesh(Kind::kArmchair, n), DrawWidened(random));
     const Eigen::Vector3f size = BoxOfFaces(sofa).sizes();
     EXPECT_GT(size.y(), 1.1F * size.x()) << n;
-    std::size_t largest = 0;
-    std::size_t all = 0;
-    for (const auto& part : shape::PartsOf(ShapeOf(sofa), 1)) {
-      largest = std::max(largest, part.size());
-      all += part.size();
-    }
-    EXPECT_GE(static_cast<double>(largest), 0.97 * static_cast<double>(all)) << n;
+    EXPECT_GE(LargestPart(sofa), 0.97) << n;
+  }
+}
+
+TEST(SeatWidth, NarrowedSofasAreInOnePieceAndAsWideAsChairs) {
+  for (std::uint64_t n = 0; n < 12; ++n) {
+    Random random(3, "narrowed", n);
+    const TriangleMesh chair = Reproportion(MakeMesh(Kind::kSofa, n), DrawNarrowed(random));
+    const Eigen::Vector3f size = BoxOfFaces(chair).sizes();
+    EXPECT_LT(size.y(), 1.4F * size.x()) << n;
+    EXPECT_LT(size.y(), 1.4F) << n;
+    EXPECT_GE(LargestPart(chair), 0.97) << n;
   }
 }
 
