@@ -145,7 +145,7 @@ TEST(Loops, AmbiguousOnesAreRefused) {
 }
 
 // Rows of equal chairs: every shift by a row or a column brings most of them onto others.
-TEST(Loops, AClassroomHasAConstellationForEachShift) {
+TEST(Loops, OfAClassroomsConstellationsTheTrueOneHasMostPairs) {
   constexpr int kRows = 5;
   std::vector<Furniture> chairs;
   for (int row = 0; row < kRows; ++row) {
@@ -164,7 +164,6 @@ TEST(Loops, AClassroomHasAConstellationForEachShift) {
   EXPECT_EQ(found.constellations.front().pairs.size(), chairs.size());
   for (const ObjectMerge& pair : found.constellations.front().pairs)
     EXPECT_EQ(pair.merged.value - pair.kept.value, static_cast<int>(chairs.size()));
-  EXPECT_LE(found.constellations.size(), 100U);
 
   options.max_seeds = 3;
   EXPECT_FALSE(FindConstellations(scene.map, scene.association, options, scene.odometry).complete);
