@@ -2,7 +2,8 @@
 
   sketch    crop [N, 7, 128, 128] -> sketch [N, 5, 64, 64]: depth, normal (3), silhouette (logit)
   encoder   crop, sketch, sight [N, 3] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
-            latents also from the sketch as it lies in the model's frame by that azimuth and elevation (unproject.py).
+            latents also from the sketch as it lies in the model's frame by that azimuth and elevation (unproject.py),
+            and from what completes it there (Completion).
             Sight: the square's side over the focal length, the elevation by the ground, and 1 where that is known
   decoder   latents -> logits [N, 64, 64, 64], index order x (front), y, z as the program's voxel grids
 
@@ -52,6 +53,36 @@ class Sketch(nn.Module):
         return self.out(y)
 
 
+class Completion(nn.Module):
+    """What is seen of the places of a model and a first guess of its latents -> how solid each of 32^3 places is (logits, [N, 32,
+    32, 32], x as channels), and what the guess lacks. A guess is off by a voxel or two everywhere; here it stands beside what is
+    seen of the same places, so that it can be put right place by place and not only as a whole (feedback: Carreira et al. 2016)."""
+
+    def __init__(self, width):
+        super().__init__()
+        a, b, c = (scaled(n, width) for n in (64, 80, 96))
+        self.d1, self.d2, self.d3 = down(2 * PLACES, a), down(a, b), down(b, c)
+        self.guess = nn.Sequential(nn.Linear(LATENTS, c * 16), nn.ReLU(True))
+        self.u3, self.u2, self.u1 = up(2 * c, b), up(2 * b, a), up(2 * a, a)
+        self.solid = nn.Conv2d(a + 2 * PLACES, PLACES, 3, 1, 1)
+        e, f, g, features = (scaled(n, width) for n in (40, 56, 80, 112))
+        self.read = nn.Sequential(
+            down(3 * PLACES, e), down(e, f), down(f, g), nn.Flatten(), nn.Linear(g * 16, features), nn.LeakyReLU(LEAK))
+        self.lacking = nn.Linear(features, LATENTS)
+        nn.init.zeros_(self.lacking.weight)  # begins as the networks without
+        nn.init.zeros_(self.lacking.bias)
+
+    def forward(self, places, latents):
+        a = self.d1(places)
+        b = self.d2(a)
+        c = self.d3(b)
+        y = torch.cat([self.guess(latents / SPREAD).view(-1, c.shape[1], 4, 4), c], 1)
+        y = torch.cat([self.u3(y), b], 1)
+        y = torch.cat([self.u2(y), a], 1)
+        solid = self.solid(torch.cat([self.u1(y), places], 1))
+        return solid, SPREAD * self.lacking(self.read(torch.cat([torch.sigmoid(solid), places], 1)))
+
+
 class Encoder(nn.Module):
     def __init__(self, width, planes=7):
         super().__init__()
@@ -71,6 +102,7 @@ class Encoder(nn.Module):
         self.profiles = nn.Sequential(
             nn.Linear(3 * len(FACINGS) * GRID + MEASURES, 160), nn.LeakyReLU(LEAK), nn.Linear(160, 160), nn.LeakyReLU(LEAK),
             nn.Linear(160, LATENTS))
+        self.completion = Completion(width)
         for last in (self.more_latents, self.profiles[-1]):  # begins as the networks without
             nn.init.zeros_(last.weight)
             nn.init.zeros_(last.bias)
@@ -79,13 +111,19 @@ class Encoder(nn.Module):
     def planes(crop, sketch):
         return torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1)
 
-    def forward(self, crop, sketch, sight):
+    def look(self, crop, sketch, sight):
+        """What forward() gives, and the completed places."""
         features = self.body(self.planes(crop, sketch))
         azimuth, elevation = self.azimuth(features), self.elevation(features)
         with torch.no_grad(), torch.autocast(crop.device.type, enabled=False):
             places, profiles = self.unproject(crop.float(), sketch.float(), azimuth.float(), elevation.float(), sight.float())
         more = self.more_latents(self.turned(places)) + self.profiles(profiles)
-        return self.latents(features) + SPREAD * more, azimuth, elevation
+        first = self.latents(features) + SPREAD * more
+        solid, lacking = self.completion(places, first)
+        return first + lacking, azimuth, elevation, solid
+
+    def forward(self, crop, sketch, sight):
+        return self.look(crop, sketch, sight)[:3]
 
 
 class Decoder(nn.Module):
@@ -108,8 +146,8 @@ class Prior(nn.Module):
 
     def forward(self, crop, sight):
         sketch = self.sketch(crop)
-        latents, azimuth, elevation = self.encoder(crop, sketch, sight)
-        return self.decoder(latents), latents, azimuth, elevation, sketch
+        latents, azimuth, elevation, solid = self.encoder.look(crop, sketch, sight)
+        return self.decoder(latents), latents, azimuth, elevation, sketch, solid
 
 
 def load(weights, width):

@@ -21,6 +21,16 @@ def trainings_of(source):
     return [line.removeprefix("Before that: ") for line in section.splitlines() if " steps of " in line]
 
 
+def module_of(output):
+    """"/body/body.0/body.0.0/Conv_output_0" -> "body.0.0", "/completion/d1/d1.0/Conv_output_0" -> "completion.d1.0"."""
+    names = []
+    for part in output.split("/")[1:-1]:
+        if names and part.startswith(names[-1] + "."):
+            names.pop()
+        names.append(part)
+    return ".".join(names)
+
+
 def unfold(network, model):
     """Fills `network`; returns the normalisations that are ones by now."""
     values, state, ones = narrow_weights.constants_of(model), network.state_dict(), []
@@ -30,7 +40,7 @@ def unfold(network, model):
     for node in model.graph.node:
         if node.op_type != "Conv" or len(node.input) < 3 or not node.input[1].startswith("onnx::"):
             continue
-        place = node.output[0].split("/")[-2]  # ".../e1.0/Conv_output_0"
+        place = module_of(node.output[0])
         block, number = place.rsplit(".", 1)
         after = f"{block}.{int(number) + 1}"
         norm = network.get_submodule(after)

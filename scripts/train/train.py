@@ -98,8 +98,16 @@ class Occupancy(torch.autograd.Function):
         return context.saved_tensors[0] * outer, None, None
 
 
+def completion_loss(solid, voxels):
+    """Of 32^3 places: 10 * mean cross entropy against the share of each place that is solid, and soft Dice loss."""
+    truth = F.avg_pool3d(voxels[:, None], 2)[:, 0]
+    share, axes = torch.sigmoid(solid), (1, 2, 3)
+    both, total = (share * truth).sum(axes), (share * share).sum(axes) + (truth * truth).sum(axes)
+    return 10 * F.binary_cross_entropy_with_logits(solid, truth) + (1 - (2 * both + 1) / (total + 1)).mean()
+
+
 def losses(output, item, weights):
-    logits, _, azimuth, elevation, sketch = output
+    logits, _, azimuth, elevation, sketch, solid = output
     names = ("bce", "dice", "dice_32", "projection")
     occupancy, shape = Occupancy.apply(logits.contiguous(), item["voxels"], [weights.get(name, 0.0) for name in names])
     known, inside = item["known"].float(), item["sketch"][:, 4:5]
@@ -109,8 +117,9 @@ def losses(output, item, weights):
         "depth": ((sketch[:, :1] - item["sketch"][:, :1]).abs() * known).sum() / known.sum().clamp(min=1),
         "normal": ((sketch[:, 1:4] - item["sketch"][:, 1:4]).abs() * inside).sum() / (3 * inside.sum()).clamp(min=1),
         "silhouette": F.binary_cross_entropy_with_logits(sketch[:, 4:], inside),
+        "completed": completion_loss(solid, item["voxels"]),
     }
-    loss = occupancy + sum(weights[name] * value for name, value in parts.items())
+    loss = occupancy + sum(weights.get(name, 1.0) * value for name, value in parts.items())
     return loss, dict(parts, **dict(zip(names, shape)))
 
 
@@ -140,7 +149,7 @@ def validate(model, views, device, count=256):
     levels, ious, errors = torch.arange(0.1, 0.75, 0.05), [], []
     for start in range(0, len(numbers), 32):
         some = numbers[start:start + 32]
-        logits, _, azimuth, _, _ = model(views.crops(some).to(device), views.sight(some).to(device))
+        logits, _, azimuth, *_ = model(views.crops(some).to(device), views.sight(some).to(device))
         share, truth = torch.sigmoid(logits).cpu(), views.voxels(views.owner[some]).bool()
         for level in levels:
             ours = share > level

@@ -154,7 +154,8 @@ INSTANTIATE_TEST_SUITE_P(Seats,
                                          Kind::kArmchair,
                                          Kind::kShellChair,
                                          Kind::kSofa,
-                                         Kind::kSettee),
+                                         Kind::kSettee,
+                                         Kind::kFramedSofa),
                          NameOf);
 
 TEST(KindsTest, SharesOfAClassAreItsKinds) {

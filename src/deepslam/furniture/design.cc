@@ -48,6 +48,11 @@ const std::array<KindEntry, kKinds.size()>& Table() {
        {{1.05, 1.2, 0.58}, {3.2, 3.6, 1.15}},
        BuildCornerSofa},
       {Kind::kSettee, "settee", "sofa", {{0.42, 0.9, 0.5}, {1.2, 2.5, 1.15}}, BuildSettee},
+      {Kind::kFramedSofa,
+       "framed_sofa",
+       "sofa",
+       {{0.5, 0.5, 0.5}, {1.3, 3.2, 1.15}},
+       BuildFramedSofa},
       {Kind::kBed, "bed", "bed", {{1.7, 0.78, 0.28}, {2.45, 2.15, 1.6}}, BuildBed},
       {Kind::kCabinet, "cabinet", "cabinet", {{0.28, 0.3, 0.34}, {0.75, 2.1, 2.4}}, BuildCabinet},
       {Kind::kShelf, "shelf", "shelf", {{0.18, 0.28, 0.45}, {0.65, 2.9, 2.4}}, BuildShelf},
@@ -81,9 +86,10 @@ constexpr std::array kChairKinds = {KindShare{Kind::kChair, 0.52},
                                     KindShare{Kind::kStool, 0.10}};
 constexpr std::array kTableKinds = {
     KindShare{Kind::kTable, 0.55}, KindShare{Kind::kRoundTable, 0.25}, KindShare{Kind::kDesk, 0.2}};
-constexpr std::array kSofaKinds = {KindShare{Kind::kSofa, 0.55},
-                                   KindShare{Kind::kCornerSofa, 0.17},
-                                   KindShare{Kind::kSettee, 0.28}};
+constexpr std::array kSofaKinds = {KindShare{Kind::kSofa, 0.45},
+                                   KindShare{Kind::kCornerSofa, 0.13},
+                                   KindShare{Kind::kSettee, 0.17},
+                                   KindShare{Kind::kFramedSofa, 0.25}};
 constexpr std::array kBedKinds = {KindShare{Kind::kBed, 1.0}};
 constexpr std::array kCabinetKinds = {KindShare{Kind::kCabinet, 1.0}};
 constexpr std::array kShelfKinds = {KindShare{Kind::kShelf, 1.0}};

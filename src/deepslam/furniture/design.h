@@ -30,6 +30,7 @@ enum class Kind {
   kSofa,
   kCornerSofa,
   kSettee,
+  kFramedSofa,
   kBed,
   kCabinet,
   kShelf,
@@ -46,13 +47,14 @@ inline constexpr std::array kKinds = {Kind::kChair,
                                       Kind::kSofa,
                                       Kind::kCornerSofa,
                                       Kind::kSettee,
+                                      Kind::kFramedSofa,
                                       Kind::kBed,
                                       Kind::kCabinet,
                                       Kind::kShelf};
 
 [[nodiscard]] std::string_view KindName(Kind kind);  // "office_chair"
 // The class of the map that it belongs to: stools, office chairs, armchairs and shells are chairs,
-// round tables and desks are tables, settees are sofas.
+// round tables and desks are tables, settees and framed sofas are sofas.
 [[nodiscard]] std::string_view ClassName(Kind kind);
 // Kinds of a class with the share that each has of its designs; empty for a class without any.
 struct KindShare {

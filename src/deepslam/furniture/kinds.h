@@ -18,6 +18,7 @@ void BuildDesk(Random& random, Solids& solids);
 void BuildSofa(Random& random, Solids& solids);
 void BuildCornerSofa(Random& random, Solids& solids);
 void BuildSettee(Random& random, Solids& solids);
+void BuildFramedSofa(Random& random, Solids& solids);
 void BuildBed(Random& random, Solids& solids);
 void BuildCabinet(Random& random, Solids& solids);
 void BuildShelf(Random& random, Solids& solids);
