@@ -70,8 +70,8 @@ def draw_classes(files, file):
         draw_rows(axis, scores["histograms"])
         axis.set(xlabel="IoU at 64^3", ylabel="views", xlim=(0, 1),
                  title=f"{path.parent.name}: {scores['test_views']} views of {scores['test_models']}")
-    axes.flat[0].legend(fontsize=8)
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.05, 1, 1))
+    figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="lower center", ncols=5, fontsize=8)
     figure.savefig(file, metadata={"Date": None})
     plt.close(figure)
 

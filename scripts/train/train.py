@@ -99,7 +99,8 @@ class Occupancy(torch.autograd.Function):
 
 
 def completion_loss(solid, voxels):
-    """Of 32^3 places: 10 * mean cross entropy against the share of each place that is solid, and soft Dice loss."""
+    """Of 32^3 places: 10 * mean cross entropy against the share of each place that is solid, and soft Dice loss, with squares
+    below the line, since these shares are no yes or no."""
     truth = F.avg_pool3d(voxels[:, None], 2)[:, 0]
     share, axes = torch.sigmoid(solid), (1, 2, 3)
     both, total = (share * truth).sum(axes), (share * share).sum(axes) + (truth * truth).sum(axes)
@@ -119,7 +120,7 @@ def losses(output, item, weights):
         "silhouette": F.binary_cross_entropy_with_logits(sketch[:, 4:], inside),
         "completed": completion_loss(solid, item["voxels"]),
     }
-    loss = occupancy + sum(weights.get(name, 1.0) * value for name, value in parts.items())
+    loss = occupancy + sum(weights[name] * value for name, value in parts.items())
     return loss, dict(parts, **dict(zip(names, shape)))
 
 

@@ -122,9 +122,7 @@ void BackCushions(Random& random, const FramePlan& plan, Solids& solids) {
                    {plan.back, width - 0.008, plan.back_top - low},
                    roundness,
                    0.15,
-                   [&](const Eigen::Vector3d& p) {
-                     return Eigen::Vector3d(p.x() - plan.lean * p.z(), p.y(), p.z());
-                   });
+                   Leaning(plan.lean));
 }
 
 struct ArmPlan {
@@ -133,50 +131,67 @@ struct ArmPlan {
   double front = 0;
   double rear = 0;
   double y = 0;
+
+  [[nodiscard]] double middle() const { return 0.5 * (front + rear); }
+  [[nodiscard]] double length() const { return front - rear; }
 };
 
-// A frame from floor to arm and down again, of tube or of flat bars; it carries the sofa.
-void ArmFrame(Random& random, const ArmPlan& arm, double rail, Solids& solids) {
-  const double splay = Chance(random, 0.3) ? random.Uniform(0.02, 0.1) : 0.0;
+// What a frame from floor to arm and down again is made of.
+struct Bars {
+  double rail = 0;
+  double width = 0;  // of flat ones
+  double splay = 0;  // how much farther apart they stand on the floor
+  double bend = 0;   // of round ones
+};
+
+void RoundFrame(const ArmPlan& arm, const Bars& bars, double y, Solids& solids) {
+  solids.Tube(Material::kFrame,
+              {{arm.rear - bars.splay, y, 0},
+               {arm.rear, y, arm.top - bars.bend},
+               {arm.rear + bars.bend, y, arm.top},
+               {arm.front - bars.bend, y, arm.top},
+               {arm.front, y, arm.top - bars.bend},
+               {arm.front + bars.splay, y, 0}},
+              0.5 * bars.rail,
+              0.5 * bars.rail,
+              10);
+}
+
+void FlatFrame(const ArmPlan& arm, const Bars& bars, double y, Solids& solids) {
+  const Eigen::Vector2d bar(bars.rail, bars.width);
+  for (const double end : kSides) {
+    const double x = end > 0 ? arm.front : arm.rear;
+    solids.Frustum(Material::kFrame, {x + end * bars.splay, y, 0}, bar, {x, y, arm.top}, bar);
+  }
+  solids.Box(Material::kFrame,
+             {arm.middle(), y, arm.top},
+             {arm.length() + bars.rail, bars.width, bars.rail});
+}
+
+// At both ends; they carry the sofa.
+void ArmFrames(Random& random, const ArmPlan& arm, double rail, Solids& solids) {
+  Bars bars;
+  bars.rail = rail;
+  bars.splay = Chance(random, 0.3) ? random.Uniform(0.02, 0.1) : 0.0;
   const bool round = Chance(random, 0.5);
   const bool closed = Chance(random, 0.3);  // runs along the floor as well
-  const double width = random.Uniform(0.03, 0.08);
-  const double r = 0.5 * rail;
+  bars.width = round ? rail : random.Uniform(0.03, 0.08);
+  bars.bend = random.Uniform(0.03, 0.1);
   for (const double side : kSides) {
     const double y = side * arm.y;
     if (round) {
-      const double bend = random.Uniform(0.03, 0.1);
-      solids.Tube(Material::kFrame,
-                  {{arm.rear - splay, y, 0},
-                   {arm.rear, y, arm.top - bend},
-                   {arm.rear + bend, y, arm.top},
-                   {arm.front - bend, y, arm.top},
-                   {arm.front, y, arm.top - bend},
-                   {arm.front + splay, y, 0}},
-                  r,
-                  r,
-                  10);
+      RoundFrame(arm, bars, y, solids);
     } else {
-      for (const double end : kSides) {
-        const double x = end > 0 ? arm.front : arm.rear;
-        solids.Frustum(Material::kFrame,
-                       {x + end * splay, y, 0},
-                       {rail, width},
-                       {x, y, arm.top},
-                       {rail, width});
-      }
-      solids.Box(Material::kFrame,
-                 {0.5 * (arm.front + arm.rear), y, arm.top},
-                 {arm.front - arm.rear + rail, width, rail});
+      FlatFrame(arm, bars, y, solids);
     }
     if (closed)
       solids.Box(Material::kFrame,
-                 {0.5 * (arm.front + arm.rear), y, r},
-                 {arm.front - arm.rear + 2 * splay, round ? rail : width, rail});
+                 {arm.middle(), y, 0.5 * rail},
+                 {arm.length() + 2 * bars.splay, bars.width, rail});
     // What the deck rests on.
     solids.Box(Material::kFrame,
-               {0.5 * (arm.front + arm.rear), y - side * 0.01, arm.low},
-               {arm.front - arm.rear, rail + 0.02, rail});
+               {arm.middle(), y - side * 0.01, arm.low},
+               {arm.length(), rail + 0.02, rail});
   }
 }
 
@@ -185,36 +200,25 @@ void ArmPanels(Random& random, const ArmPlan& arm, double low, double thickness,
   const double roundness = Chance(random, 0.5) ? 0.05 : random.Uniform(0.1, 0.4);
   for (const double side : kSides)
     solids.Cushion(Material::kBody,
-                   {0.5 * (arm.front + arm.rear), side * arm.y, 0.5 * (low + arm.top)},
-                   {arm.front - arm.rear, thickness, arm.top - low},
+                   {arm.middle(), side * arm.y, 0.5 * (low + arm.top)},
+                   {arm.length(), thickness, arm.top - low},
                    roundness,
                    0.15);
 }
 
-enum class Ends : std::size_t { kOpen, kFrames, kFramesAndPanels, kPanels };
-
-// Arms, and what carries the sofa.
+// Arms, and what carries the sofa: frames at both ends, or legs below the deck; panels with either.
 void EndsOf(Random& random, const FramePlan& plan, Solids& solids) {
-  const Ends ends = static_cast<Ends>(Pick(random, std::array{0.25, 0.25, 0.2, 0.3}));
+  const bool framed = Chance(random, 0.45);
+  const bool panelled = Chance(random, 0.5);
   ArmPlan arm;
   arm.low = plan.deck - 0.5 * plan.rail - 0.01;
   arm.top = Chance(random, 0.25) ? plan.back_top : plan.seat() + random.Uniform(0.08, 0.28);
   arm.rear = plan.rear() + random.Uniform(-0.06, 0.08);
   arm.front = 0.5 * plan.depth - random.Uniform(-0.04, 0.14);
   arm.y = 0.5 * (plan.width + plan.rail) - 0.005;
-  if (ends == Ends::kFrames || ends == Ends::kFramesAndPanels)
-    ArmFrame(random, arm, plan.rail, solids);
-  if (ends == Ends::kFramesAndPanels) {
-    const double thickness = random.Uniform(0.03, 0.16);
-    arm.y -= 0.45 * thickness;
-    ArmPanels(random, arm, plan.deck - 0.01, thickness, solids);
-  }
-  if (ends == Ends::kPanels) {
-    const double thickness = random.Uniform(0.05, 0.2);
-    arm.y += 0.5 * thickness - plan.rail;
-    ArmPanels(random, arm, plan.deck - random.Uniform(0.0, 0.1), thickness, solids);
-  }
-  if (ends == Ends::kOpen || ends == Ends::kPanels) {
+  if (framed) {
+    ArmFrames(random, arm, plan.rail, solids);
+  } else {
     const Footing footing = {{plan.depth, plan.width}, plan.deck - 0.01, random.Uniform(0.0, 0.12)};
     if (Chance(random, 0.8)) {
       FourLegs(random, footing, solids);
@@ -222,6 +226,12 @@ void EndsOf(Random& random, const FramePlan& plan, Solids& solids) {
       Sledges(random, footing, solids);
     }
   }
+  if (!panelled) return;
+  const double thickness = random.Uniform(0.03, 0.18);
+  arm.y +=
+      framed ? -0.45 * thickness : 0.5 * thickness - plan.rail;  // within frames, or at the deck
+  const double below = framed ? 0.01 : random.Uniform(0.0, 0.1);
+  ArmPanels(random, arm, plan.deck - below, thickness, solids);
 }
 
 }  // namespace

@@ -431,9 +431,7 @@ void BuildArmchair(Random& random, Solids& solids) {
                  {back, Chance(random, 0.5) ? width : seat.width, back_height - back_low},
                  random.Uniform(0.15, 0.45),
                  random.Uniform(0.15, 0.5),
-                 [&](const Eigen::Vector3d& p) {
-                   return Eigen::Vector3d(p.x() - lean * p.z(), p.y(), p.z());
-                 });
+                 Leaning(lean));
   const bool soft = Chance(random, 0.5);
   const bool open = !soft && Chance(random, 0.35);
   for (const double side : kSides) {

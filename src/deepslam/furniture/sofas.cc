@@ -86,9 +86,7 @@ void SeatCushions(
                    {back_cushion, width - 0.012, height},
                    roundness,
                    0.2,
-                   [&](const Eigen::Vector3d& p) {
-                     return Eigen::Vector3d(p.x() - lean * p.z(), p.y(), p.z());
-                   });
+                   Leaning(lean));
   }
 }
 
@@ -114,9 +112,7 @@ void SofaBack(Random& random, const SofaPlan& plan, double from_y, double to_y, 
                  {plan.back, to_y - from_y, plan.back_height - low},
                  roundness,
                  0.12,
-                 [&](const Eigen::Vector3d& p) {
-                   return Eigen::Vector3d(p.x() - lean * p.z(), p.y(), p.z());
-                 });
+                 Leaning(lean));
 }
 
 // Loose ones, leaning against the back.

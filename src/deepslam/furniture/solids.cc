@@ -53,6 +53,12 @@ Eigen::Vector2d Superellipse(double angle_rad, const Eigen::Vector2d& size, doub
 
 }  // namespace
 
+Bend Leaning(double lean) {
+  return [lean](const Eigen::Vector3d& p) {
+    return Eigen::Vector3d(p.x() - lean * p.z(), p.y(), p.z());
+  };
+}
+
 void Solids::Loft(Material material, const std::vector<Ring>& rings) {
   DEEPSLAM_CHECK(rings.size() >= 2 && rings.front().size() >= 3, "a solid needs two rings");
   const auto sides = static_cast<std::uint32_t>(rings.front().size());
@@ -148,7 +154,7 @@ void Solids::Cushion(Material material,
                      const Eigen::Vector3d& size,
                      double side_roundness,
                      double top_roundness,
-                     const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& bend) {
+                     const Bend& bend) {
   constexpr int kRings = 9;
   constexpr int kSides = 20;
   std::vector<Ring> rings;

@@ -17,6 +17,11 @@ namespace deepslam::furniture {
 // What a part is made of: parts of one material share their look.
 enum class Material : std::uint8_t { kFrame, kTop, kBody, kDetail };
 
+// Where a point of a solid, from the solid's middle, comes to lie.
+using Bend = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
+// Backwards (-x) by `lean` for each metre up.
+[[nodiscard]] Bend Leaning(double lean);
+
 class Solids {
  public:
   using Ring = std::vector<Eigen::Vector3d>;
@@ -50,7 +55,7 @@ class Solids {
                const Eigen::Vector3d& size,
                double side_roundness,
                double top_roundness,
-               const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& bend = {});
+               const Bend& bend = {});
   // Level plate with a superellipse as outline: roundness as above, 1 = ellipse.
   void Plate(Material material,
              const Eigen::Vector3d& middle,
