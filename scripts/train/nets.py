@@ -3,7 +3,7 @@
   sketch    crop [N, 7, 128, 128] -> sketch [N, 5, 64, 64]: depth, normal (3), silhouette (logit)
   encoder   crop, sketch, sight [N, 3] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
             latents also from the sketch as it lies in the model's frame by that azimuth and elevation (unproject.py),
-            and from what completes it there (Completion).
+            and from what completes it there (Completion). Looks at the mirror image as well (twin.py).
             Sight: the square's side over the focal length, the elevation by the ground, and 1 where that is known
   decoder   latents -> logits [N, 64, 64, 64], index order x (front), y, z as the program's voxel grids
 
@@ -51,6 +51,12 @@ class Sketch(nn.Module):
         y = torch.cat([self.d3(y), b], 1)
         y = torch.cat([self.d2(y), a], 1)
         return self.out(y)
+
+
+def mirrored_sketch(sketch):
+    """Of the mirror image: what is normal to the right is normal to the left there."""
+    depth, right, others = sketch.flip(3).split([1, 1, 3], 1)
+    return torch.cat([depth, -right, others], 1)
 
 
 class Completion(nn.Module):
@@ -103,7 +109,8 @@ class Encoder(nn.Module):
             nn.Linear(3 * len(FACINGS) * GRID + MEASURES, 160), nn.LeakyReLU(LEAK), nn.Linear(160, 160), nn.LeakyReLU(LEAK),
             nn.Linear(160, LATENTS))
         self.completion = Completion(width)
-        for last in (self.more_latents, self.profiles[-1]):  # begins as the networks without
+        self.twin = nn.Linear(LATENTS, LATENTS).requires_grad_(False)  # latents of a mirror image -> of the view; fitted by twin.py
+        for last in (self.more_latents, self.profiles[-1], self.twin):  # begins as the networks without
             nn.init.zeros_(last.weight)
             nn.init.zeros_(last.bias)
 
@@ -123,7 +130,12 @@ class Encoder(nn.Module):
         return first + lacking, azimuth, elevation, solid
 
     def forward(self, crop, sketch, sight):
-        return self.look(crop, sketch, sight)[:3]
+        if not bool(self.twin.weight.any()):
+            return self.look(crop, sketch, sight)[:3]
+        views = (torch.cat(pair) for pair in ((crop, crop.flip(3)), (sketch, mirrored_sketch(sketch)), (sight, sight)))
+        latents, azimuth, elevation = (both.view(2, -1, both.shape[1]) for both in self.look(*views)[:3])
+        azimuth_of_twin = torch.cat([azimuth[1, :, :1], azimuth[1, :, 1:].flip(1)], 1)
+        return 0.5 * (latents[0] + self.twin(latents[1])), 0.5 * (azimuth[0] + azimuth_of_twin), elevation.mean(0)
 
 
 class Decoder(nn.Module):

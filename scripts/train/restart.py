@@ -97,6 +97,7 @@ def begin(model, source, crops, sight):
         return model.train(learning)
     hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
     with torch.no_grad():
+        model.encoder.twin.weight.zero_()  # it is of latents that will be others
         model(crops, sight)
     for hook in hooks:
         hook.remove()
