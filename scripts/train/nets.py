@@ -119,13 +119,15 @@ class Encoder(nn.Module):
         return torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1)
 
     def look(self, crop, sketch, sight):
-        """What forward() gives, and the completed places."""
+        """What one reading gives, and the completed places."""
         features = self.body(self.planes(crop, sketch))
         azimuth, elevation = self.azimuth(features), self.elevation(features)
         with torch.no_grad(), torch.autocast(crop.device.type, enabled=False):
             places, profiles = self.unproject(crop.float(), sketch.float(), azimuth.float(), elevation.float(), sight.float())
         more = self.more_latents(self.turned(places)) + self.profiles(profiles)
         first = self.latents(features) + SPREAD * more
+        if self.completion is None:
+            return first, azimuth, elevation, None
         solid, lacking = self.completion(places, first)
         return first + lacking, azimuth, elevation, solid
 
@@ -166,6 +168,8 @@ def load(weights, width):
     """The networks of a file of weights, as they are used: not learning."""
     model = Prior(width)
     model.load_state_dict(torch.load(weights, map_location="cpu", weights_only=True))
+    if not bool(model.encoder.completion.lacking.weight.any()):
+        model.encoder.completion = None  # never trained: it adds nothing, and costs
     return model.eval()
 
 
