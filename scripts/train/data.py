@@ -5,6 +5,8 @@ import pathlib
 import numpy as np
 import torch
 
+from nets import mirrored_sketch
+
 ARRAYS = ("colour", "silhouette", "depth", "height", "sketch_depth", "sketch_normal", "sketch_silhouette", "camera",
           "model", "voxels")
 UNKNOWN = -10  # stands for an elevation that is not known
@@ -100,9 +102,8 @@ def batch(views, numbers, random, depth_dropped):
     voxels, azimuth = views.voxels(views.owner[numbers]).float(), camera[:, 0].clone()
     flip = torch.from_numpy(random.random(len(numbers)) < 0.5)
     crops[flip] = crops[flip].flip(3)
-    sketch[flip] = sketch[flip].flip(3)
+    sketch[flip] = mirrored_sketch(sketch[flip])
     known[flip] = known[flip].flip(3)
-    sketch[flip, 1] *= -1
     voxels[flip] = voxels[flip].flip(2)
     azimuth[flip] *= -1
     sight = views.sight(numbers)

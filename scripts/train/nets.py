@@ -131,11 +131,15 @@ class Encoder(nn.Module):
         solid, lacking = self.completion(places, first)
         return first + lacking, azimuth, elevation, solid
 
+    def look_twice(self, crop, sketch, sight):
+        """Latents, azimuth and elevation of the views and of their mirror images, [2, N, ...] each."""
+        pairs = (crop, crop.flip(3)), (sketch, mirrored_sketch(sketch)), (sight, sight)
+        return [both.view(2, -1, both.shape[1]) for both in self.look(*(torch.cat(pair) for pair in pairs))[:3]]
+
     def forward(self, crop, sketch, sight):
         if not bool(self.twin.weight.any()):
             return self.look(crop, sketch, sight)[:3]
-        views = (torch.cat(pair) for pair in ((crop, crop.flip(3)), (sketch, mirrored_sketch(sketch)), (sight, sight)))
-        latents, azimuth, elevation = (both.view(2, -1, both.shape[1]) for both in self.look(*views)[:3])
+        latents, azimuth, elevation = self.look_twice(crop, sketch, sight)
         azimuth_of_twin = torch.cat([azimuth[1, :, :1], azimuth[1, :, 1:].flip(1)], 1)
         return 0.5 * (latents[0] + self.twin(latents[1])), 0.5 * (azimuth[0] + azimuth_of_twin), elevation.mean(0)
 

@@ -93,11 +93,11 @@ def begin(model, source, crops, sight):
     """`model` with the weights of `source`, ready to learn; `crops` are some hundred of the training's, `sight` theirs."""
     learning = model.training
     norms, seen = read(model.eval(), source), {}
+    nn.init.zeros_(model.encoder.twin.weight)  # it is of latents that will be others
     if not norms:
         return model.train(learning)
     hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
     with torch.no_grad():
-        model.encoder.twin.weight.zero_()  # it is of latents that will be others
         model(crops, sight)
     for hook in hooks:
         hook.remove()

@@ -16,19 +16,20 @@ import yaml
 
 import data
 import nets
+import restart
 
 RIDGE = 0.1
 
 
 @torch.no_grad()
 def readings(model, views, numbers):
-    """Latents of the views and of their mirror images, [n, 100] each; every second one by colour alone."""
+    """Latents of the views and of their mirror images, [n, 100] each; every second batch by colour alone."""
     ours, theirs = [], []
     for start in range(0, len(numbers), 32):
         crops, sight = views.inputs(numbers[start:start + 32], use_depth=start % 64 == 0)
-        sketch = model.sketch(crops)
-        ours.append(model.encoder.look(crops, sketch, sight)[0])
-        theirs.append(model.encoder.look(crops.flip(3), nets.mirrored_sketch(sketch), sight)[0])
+        latents = model.encoder.look_twice(crops, model.sketch(crops), sight)[0]
+        ours.append(latents[0])
+        theirs.append(latents[1])
     return torch.cat(ours), torch.cat(theirs)
 
 
@@ -55,7 +56,7 @@ def main():
     arguments = parser.parse_args()
     config = yaml.safe_load(pathlib.Path(arguments.config).read_text(encoding="utf-8"))
     model = nets.Prior(config["width"]).eval()
-    model.load_state_dict(torch.load(arguments.weights, map_location="cpu", weights_only=True), strict=False)
+    restart.read(model, arguments.weights)
     left = fit(model, data.Views(arguments.data, "train"), arguments.count)
     torch.save(model.state_dict(), arguments.out)
     print(f"{arguments.out}: {1 - left:.3f} of the latents' variance is that of the mirror images' latents")
