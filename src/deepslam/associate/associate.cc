@@ -1,10 +1,12 @@
 #include "deepslam/associate/associate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,10 +16,13 @@
 #include "deepslam/associate/object_hypothesis.h"
 #include "deepslam/associate/review_objects.h"
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/scene/measured_parts.h"
 
 namespace deepslam::associate {
 namespace {
+
+constexpr std::size_t kLooksAhead = 8;  // frames whose depth is held, 1 MB each
 
 // Largest share of the image's sides that a segment's box spans.
 double Span(const Segment& segment) {
@@ -25,22 +30,58 @@ double Span(const Segment& segment) {
                   segment.box_px.height_px() / std::max(1, segment.mask.height()));
 }
 
+// What a frame's segments measured: found ahead of the matching, which goes frame by frame.
+struct FrameLook {
+  Result<Frame> frame;  // its depth
+  // Per segment: its points and their cloud, where it is usable and fits the depth image.
+  struct Measured {
+    bool fits = false;
+    std::vector<Eigen::Vector3f> points_world;
+    PointCloud cloud_world{{}};
+  };
+  std::vector<Measured> measured;
+};
+
+FrameLook LookAt(const FrameSource& frames,
+                 FrameIdx frame,
+                 const Pose3& world_from_camera,
+                 std::span<const Segment* const> segments,
+                 const AssociateOptions& options) {
+  FrameLook look{frames.ReadDepth(frame), {}};
+  look.measured.resize(segments.size());
+  if (!look.frame.ok()) return look;
+  const DepthImage& depth_m = look.frame->depth_m;
+  for (std::size_t n = 0; n < segments.size(); ++n) {
+    const Segment& segment = *segments[n];
+    FrameLook::Measured& measured = look.measured[n];
+    measured.fits =
+        segment.mask.width() == depth_m.width() && segment.mask.height() == depth_m.height();
+    if (!segment.usable || !measured.fits) continue;
+    measured.points_world = MaskPoints(segment.mask.Unpacked(),
+                                       depth_m,
+                                       frames.camera(),
+                                       world_from_camera,
+                                       options.max_points);
+    measured.cloud_world = PointCloud(measured.points_world);
+  }
+  return look;
+}
+
 class Matcher {
  public:
   // `num_started`: objects, of all matchers that share it.
-  Matcher(const FrameSource& frames,
+  Matcher(const PinholeCamera& camera,
           const Odometry& odometry,
           const AssociateOptions& options,
           int& num_started)
-      : frames_(frames), odometry_(odometry), options_(options), num_started_(num_started) {}
+      : camera_(camera), odometry_(odometry), options_(options), num_started_(num_started) {}
 
-  void AddFrame(FrameIdx frame, std::span<const Segment* const> segments);
+  void AddFrame(FrameIdx frame, std::span<const Segment* const> segments, FrameLook look);
   void Finish(Association& association);
 
  private:
-  std::vector<int> MakeObservations(FrameIdx frame,
-                                    std::span<const Segment* const> segments,
-                                    const DepthImage& depth_m);
+  std::vector<int> MakeObservations(std::span<const Segment* const> segments,
+                                    std::vector<FrameLook::Measured> measured);
   void Take(const Match& match, const std::string& how);
   void Add(ObjectHypothesis& object, int observation, TrackMember member);
   void Retire(std::span<const int> voters);
@@ -52,7 +93,7 @@ class Matcher {
     rejections_.push_back({segment.detection, segment.frame, reason});
   }
 
-  const FrameSource& frames_;
+  const PinholeCamera& camera_;
   const Odometry& odometry_;
   const AssociateOptions& options_;
   std::vector<Observation> all_;
@@ -92,32 +133,25 @@ void Matcher::Retire(std::span<const int> voters) {
   }
 }
 
-std::vector<int> Matcher::MakeObservations(FrameIdx frame,
-                                           std::span<const Segment* const> segments,
-                                           const DepthImage& depth_m) {
+std::vector<int> Matcher::MakeObservations(std::span<const Segment* const> segments,
+                                           std::vector<FrameLook::Measured> measured) {
   std::vector<int> current;
-  const Pose3& world_from_camera = odometry_.at(frame).world_from_camera;
-  for (const Segment* segment : segments) {
-    const bool fits =
-        segment->mask.width() == depth_m.width() && segment->mask.height() == depth_m.height();
-    if (!segment->usable || !fits) {
-      Reject(*segment,
-             !segment->usable ? (segment->reason.empty() ? "not usable" : segment->reason)
-                              : "mask does not fit the depth image");
+  for (std::size_t n = 0; n < segments.size(); ++n) {
+    const Segment& segment = *segments[n];
+    if (!segment.usable || !measured[n].fits) {
+      Reject(segment,
+             !segment.usable ? (segment.reason.empty() ? "not usable" : segment.reason)
+                             : "mask does not fit the depth image");
+      continue;
+    }
+    if (measured[n].points_world.empty()) {
+      Reject(segment, "no depth in the mask");
       continue;
     }
     Observation observation;
-    observation.segment = segment;
-    observation.points_world = MaskPoints(segment->mask.Unpacked(),
-                                          depth_m,
-                                          frames_.camera(),
-                                          world_from_camera,
-                                          options_.max_points);
-    if (observation.points_world.empty()) {
-      Reject(*segment, "no depth in the mask");
-      continue;
-    }
-    observation.cloud_world = PointCloud(observation.points_world);
+    observation.segment = &segment;
+    observation.points_world = std::move(measured[n].points_world);
+    observation.cloud_world = std::move(measured[n].cloud_world);
     current.push_back(static_cast<int>(all_.size()));
     all_.push_back(std::move(observation));
   }
@@ -141,15 +175,16 @@ void Matcher::StartObjects(std::span<const int> unmatched) {
   }
 }
 
-void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments) {
-  const Result<Frame> read = frames_.ReadDepth(frame);
-  if (!read.ok()) {
+void Matcher::AddFrame(FrameIdx frame,
+                       std::span<const Segment* const> segments,
+                       FrameLook look) {
+  if (!look.frame.ok()) {
     for (const Segment* segment : segments) Reject(*segment, "frame cannot be read");
     return;
   }
   const Pose3 camera_from_world = odometry_.at(frame).world_from_camera.Inverse();
-  sights_.Add(frame, camera_from_world, read->depth_m);
-  const std::vector<int> current = MakeObservations(frame, segments, read->depth_m);
+  sights_.Add(frame, camera_from_world, look.frame->depth_m);
+  const std::vector<int> current = MakeObservations(segments, std::move(look.measured));
   if (current.empty()) return;
   const std::vector<std::vector<int>> voters(voters_.begin(), voters_.end());
   const auto take_all = [&](const std::vector<Match>& matches, const std::string& how) {
@@ -162,7 +197,7 @@ void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments)
     }
     return rest;
   };
-  take_all(MatchByVotes(current, voters, all_, frames_.camera(), camera_from_world, options_),
+  take_all(MatchByVotes(current, voters, all_, camera_, camera_from_world, options_),
            "vote");
   take_all(MatchByModels(unmatched(), objects_, all_, options_), "model");
   StartObjects(unmatched());
@@ -242,7 +277,7 @@ void Matcher::Finish(Association& association) {
   AdoptOrphans();
   StartObjectsAtBorder();
   MergeDuplicates(objects_, all_, options_, rejections_);
-  RejectNoise(objects_, all_, sights_, frames_.camera(), options_, rejections_);
+  RejectNoise(objects_, all_, sights_, camera_, options_, rejections_);
   for (ObjectHypothesis& object : objects_) {
     association.tracks.push_back(
         {object.id, object.class_name, std::move(object.members), object.reason});
@@ -330,25 +365,40 @@ Result<Association> Associate(const FrameSource& frames,
                               std::span<const Segment> segments,
                               const AssociateOptions& options,
                               Progress& progress) {
-  std::map<FrameIdx, std::vector<const Segment*>> by_frame;
-  for (const Segment& segment : segments) by_frame[segment.frame].push_back(&segment);
+  std::map<FrameIdx, std::vector<const Segment*>> segments_of;
+  for (const Segment& segment : segments) segments_of[segment.frame].push_back(&segment);
+  const std::vector<std::pair<FrameIdx, std::vector<const Segment*>>> by_frame(segments_of.begin(),
+                                                                               segments_of.end());
+  const auto is_known = [&](FrameIdx frame) {
+    return frame.value >= 0 && frame.value < static_cast<int>(odometry.frames.size());
+  };
   const std::vector<int> parts = PartsOfFrames(odometry);
   int num_started = 0;
   std::map<int, Matcher> matchers;  // by part
   std::vector<Rejection> unknown;
-  std::size_t done = 0;
-  for (const auto& [frame, of_frame] : by_frame) {
-    if (progress.StopRequested()) return Interrupted();
-    if (frame.value < 0 || frame.value >= static_cast<int>(odometry.frames.size())) {
+  std::array<std::optional<FrameLook>, kLooksAhead> looks;
+  const auto look = [&](std::size_t n) {
+    const auto& [frame, of_frame] = by_frame[n];
+    if (!is_known(frame)) return;
+    looks[n % kLooksAhead] =
+        LookAt(frames, frame, odometry.at(frame).world_from_camera, of_frame, options);
+  };
+  const auto match = [&](std::size_t n) {
+    if (progress.StopRequested()) return false;
+    const auto& [frame, of_frame] = by_frame[n];
+    if (!is_known(frame)) {
       for (const Segment* s : of_frame) unknown.push_back({s->detection, frame, "frame unknown"});
     } else {
       const int part = parts[static_cast<std::size_t>(frame.value)];
       Matcher& matcher =
-          matchers.try_emplace(part, frames, odometry, options, num_started).first->second;
-      matcher.AddFrame(frame, of_frame);
+          matchers.try_emplace(part, frames.camera(), odometry, options, num_started).first->second;
+      matcher.AddFrame(frame, of_frame, *std::move(looks[n % kLooksAhead]));
     }
-    progress.Report(++done, by_frame.size());
-  }
+    progress.Report(n + 1, by_frame.size());
+    return true;
+  };
+  ParallelAhead(by_frame.size(), kLooksAhead, look, match);
+  if (progress.StopRequested()) return Interrupted();
   Association association;
   for (auto& [part, matcher] : matchers) matcher.Finish(association);
   Sort(association);

@@ -8,7 +8,7 @@
 
 #include "deepslam/artifact/coco_file.h"
 #include "deepslam/artifact/store.h"
-#include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
 #include "deepslam/detect/turned_detections.h"
@@ -23,8 +23,8 @@ namespace {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-// Frames between two reports of progress. A thread holds one at a time.
-constexpr std::size_t kBatch = 32;
+// Frames whose detections may wait for those of an earlier one.
+constexpr std::size_t kAhead = 32;
 // The score from which YOLO's own tools show a box. Lower than what enters the map: a picture left
 // out costs little, a person shown cannot be taken back.
 constexpr double kPersonScore = 0.25;
@@ -171,37 +171,36 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
       FramesToLookAt(*odometry, inputs.config.detect_stage, from_file->detections);
   const std::vector<QuarterTurn> upright = UprightTurns(odometry->frames, *ground);
   artifact::DetectionTable table;
-  for (std::size_t begin = 0; begin < wanted.size(); begin += kBatch) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const std::size_t size = std::min(kBatch, wanted.size() - begin);
-    std::vector<FrameDetections> found(size);
-    ParallelFor(size, [&](std::size_t i) {
-      if (context.progress().StopRequested()) return;
-      std::vector<Detection> given;
-      std::copy_if(from_file->detections.begin(),
-                   from_file->detections.end(),
-                   std::back_inserter(given),
-                   [&](const Detection& d) { return d.frame == wanted[begin + i]; });
-      found[i] = DetectOne(inputs,
-                           detector->get(),
-                           *ground,
-                           odometry->at(wanted[begin + i]),
-                           upright[static_cast<std::size_t>(wanted[begin + i].value)],
-                           std::move(given));
-    });
-    if (context.progress().StopRequested()) return Interrupted();
-    for (std::size_t i = 0; i < size; ++i) {
-      const FrameIdx frame = wanted[begin + i];
-      table.images.push_back(images[static_cast<std::size_t>(frame.value)]);
-      table.images.back().contains_person = found[i].contains_person;
-      if (!found[i].warning.empty()) context.progress().Warn(found[i].warning);
-      for (Detection& detection : found[i].detections) {
-        detection.id = DetectionId{static_cast<int>(table.detections.size())};
-        table.detections.push_back(std::move(detection));
-      }
+  std::vector<FrameDetections> found(std::min(kAhead, wanted.size()));
+  const auto detect = [&](std::size_t i) {
+    if (context.progress().StopRequested()) return;
+    std::vector<Detection> given;
+    std::copy_if(from_file->detections.begin(),
+                 from_file->detections.end(),
+                 std::back_inserter(given),
+                 [&](const Detection& d) { return d.frame == wanted[i]; });
+    found[i % kAhead] = DetectOne(inputs,
+                                  detector->get(),
+                                  *ground,
+                                  odometry->at(wanted[i]),
+                                  upright[static_cast<std::size_t>(wanted[i].value)],
+                                  std::move(given));
+  };
+  const auto take = [&](std::size_t i) {
+    if (context.progress().StopRequested()) return false;
+    FrameDetections& of_frame = found[i % kAhead];
+    table.images.push_back(images[static_cast<std::size_t>(wanted[i].value)]);
+    table.images.back().contains_person = of_frame.contains_person;
+    if (!of_frame.warning.empty()) context.progress().Warn(of_frame.warning);
+    for (Detection& detection : of_frame.detections) {
+      detection.id = DetectionId{static_cast<int>(table.detections.size())};
+      table.detections.push_back(std::move(detection));
     }
-    context.progress().Report(begin + size, wanted.size());
-  }
+    context.progress().Report(i + 1, wanted.size());
+    return true;
+  };
+  ParallelAhead(wanted.size(), kAhead, detect, take);
+  if (context.progress().StopRequested()) return Interrupted();
   return table;
 }
 

@@ -95,10 +95,15 @@ std::vector<Eigen::Vector3f> Surroundings(const ObjectView& view) {
 
 // What the views measured of the object and around it.
 void Append(std::span<const ObjectView> views, loop::ObjectEvidence& evidence) {
-  for (const ObjectView& view : views) {
-    const shape::ViewPoints points = shape::ExtractViewPoints(view, kEvidencePointsPerView);
-    AppendWorld(view.world_from_camera, points.points_camera, evidence.depth_points_world);
-    AppendWorld(view.world_from_camera, Surroundings(view), evidence.surroundings_world);
+  std::vector<std::vector<Eigen::Vector3f>> points(views.size());
+  std::vector<std::vector<Eigen::Vector3f>> surroundings(views.size());
+  ParallelFor(views.size(), [&](std::size_t n) {
+    points[n] = shape::ExtractViewPoints(views[n], kEvidencePointsPerView).points_camera;
+    surroundings[n] = Surroundings(views[n]);
+  });
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    AppendWorld(views[n].world_from_camera, points[n], evidence.depth_points_world);
+    AppendWorld(views[n].world_from_camera, surroundings[n], evidence.surroundings_world);
   }
 }
 

@@ -78,23 +78,14 @@ Result<Sources> MakeSources(const RunInputs& inputs, Progress& progress) {
   return sources;
 }
 
-// One source's answer for one object, numbered behind what is there already.
-void Append(Proposals answer, const std::string& object_name, Proposals& all) {
-  for (ShapeCandidate& candidate : answer.candidates) {
-    candidate.id = CandidateId{static_cast<int>(all.candidates.size())};
-    all.candidates.push_back(std::move(candidate));
-  }
-  all.models.merge(answer.models);
-  for (const std::string& note : answer.notes)
-    all.notes.push_back(fmt::format("{}: {}", object_name, note));
-}
-
-Status ProposeOne(const Sources& sources, const TrackViews& of_track, Proposals& all) {
+// What all sources say of one object, in their order. Candidates have no numbers yet.
+Result<Proposals> ProposeOne(const Sources& sources, const TrackViews& of_track) {
   const ObjectTrack& track = *of_track.track;
   const std::string name = fmt::format("{}_{:02d}", track.class_name, track.id.value);
+  Proposals all;
   if (of_track.views.empty()) {
     all.notes.push_back(name + ": no view could be read");
-    return Ok();
+    return all;
   }
   propose::ObjectObservations object{track.id, track.class_name, of_track.views};
   std::optional<propose::LevelCloud> cloud;
@@ -112,9 +103,11 @@ Status ProposeOne(const Sources& sources, const TrackViews& of_track, Proposals&
           answers[s]->error().code,
           fmt::format("source {}: {}", sources.proposers[s]->name(), answers[s]->error().message)};
     }
-    Append(std::move(*answers[s]).value(), name, all);
+    Proposals answer = std::move(*answers[s]).value();
+    for (std::string& note : answer.notes) note = fmt::format("{}: {}", name, note);
+    Join(std::move(answer), all);
   }
-  return Ok();
+  return all;
 }
 
 Result<Proposals> ProposeAll(const StageContext& context,
@@ -124,14 +117,21 @@ Result<Proposals> ProposeAll(const StageContext& context,
                              const Ground& ground,
                              const Association& association) {
   Proposals all;
-  const Status status = ForEachTrackViews(
+  const auto append = [&](const TrackViews&, Proposals of_object) {
+    auto next_id = static_cast<int>(all.candidates.size());
+    for (ShapeCandidate& candidate : of_object.candidates) candidate.id = CandidateId{next_id++};
+    Join(std::move(of_object), all);
+    return Ok();
+  };
+  const Status status = ForEachTrackViews<Proposals>(
       context,
       inputs,
       odometry,
       ground,
       association.tracks,
       observe::ViewContent::kColourAndDepth,
-      [&](const TrackViews& of_track) { return ProposeOne(sources, of_track, all); });
+      [&](const TrackViews& of_track) { return ProposeOne(sources, of_track); },
+      append);
   if (!status.ok()) return status.error();
   return all;
 }

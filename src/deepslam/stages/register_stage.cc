@@ -23,23 +23,26 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
 
-  std::vector<CandidateRegistration> registrations;
-  const auto register_all = [&](const TrackViews& of_track) -> Status {
+  using Registrations = std::vector<CandidateRegistration>;
+  const auto register_all = [&](const TrackViews& of_track) -> Result<Registrations> {
     const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, of_track.track->id);
     const Result<ModelMap> models = LoadModels(context, candidates);
     if (!models.ok()) return models.error();
-    std::vector<CandidateRegistration> found =
-        RegisterAll(candidates, *models, of_track.views, inputs.config.registration);
+    return RegisterAll(candidates, *models, of_track.views, inputs.config.registration);
+  };
+  Registrations registrations;
+  const auto append = [&](const TrackViews&, Registrations found) {
     std::move(found.begin(), found.end(), std::back_inserter(registrations));
     return Ok();
   };
-  const Status registered = ForEachTrackViews(context,
-                                              inputs,
-                                              *odometry,
-                                              *ground,
-                                              association->tracks,
-                                              observe::ViewContent::kDepth,
-                                              register_all);
+  const Status registered = ForEachTrackViews<Registrations>(context,
+                                                             inputs,
+                                                             *odometry,
+                                                             *ground,
+                                                             association->tracks,
+                                                             observe::ViewContent::kDepth,
+                                                             register_all,
+                                                             append);
   if (!registered.ok()) return registered.error();
   std::stable_sort(registrations.begin(),
                    registrations.end(),

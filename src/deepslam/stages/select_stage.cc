@@ -78,6 +78,77 @@ const propose::ShapePrior* PriorOf(const std::shared_ptr<const propose::ShapePri
   return found != priors->end() && found->second->HasGradient() ? found->second.get() : nullptr;
 }
 
+// One object's contest when all is scored, with what was made for it: numbered from `first_made`
+// on, as if no other object had any.
+struct Judged {
+  Contest contest;
+  std::size_t num_proposed = 0;        // those made here are behind them
+  Proposals made;                      // the same, with their models
+  std::optional<std::size_t> replaced;  // of the proposed, whose registration was refined
+};
+
+Result<Judged> Judge(const StageContext& context,
+                     const RunInputs& inputs,
+                     const Proposals& proposals,
+                     std::span<const CandidateRegistration> registrations,
+                     const std::shared_ptr<const propose::ShapePriors>& priors,
+                     int first_made,
+                     const TrackViews& of_track) {
+  const ObjectTrack& track = *of_track.track;
+  Judged judged;
+  Contest& contest = judged.contest;
+  contest.object = track.id;
+  contest.class_name = track.class_name;
+  contest.candidates = CandidatesOf(proposals, track.id);
+  Result<std::vector<CandidateRegistration>> own =
+      RegistrationsOf(contest.candidates, registrations);
+  if (!own.ok()) return own.error();
+  contest.registrations = std::move(own).value();
+  Result<ModelMap> models = LoadModels(context, contest.candidates);
+  if (!models.ok()) return models.error();
+  contest.models = std::move(models).value();
+  ScoreAll(of_track.views, inputs.config.select, contest);
+  judged.num_proposed = contest.candidates.size();
+  const auto enter = [&](Proposals made) {
+    Enter(std::move(made), of_track.views, inputs, first_made, contest, judged.made);
+  };
+  if (const propose::ShapePrior* const prior = PriorOf(priors, track.class_name))
+    enter(RefineShapes(contest, of_track.views, *prior, inputs));
+  if (inputs.config.shape_refinement.complete)
+    enter(CompleteBest(contest, of_track.views, "filled", inputs));
+  judged.replaced = RefineWinner(of_track.views, inputs, contest);
+  return judged;
+}
+
+// Numbers what was made for the object behind what was made for those before it.
+void NumberBehind(int num_before, Judged& judged) {
+  for (ShapeCandidate& candidate : judged.made.candidates) candidate.id.value += num_before;
+  Contest& contest = judged.contest;
+  for (std::size_t n = judged.num_proposed; n < contest.candidates.size(); ++n) {
+    contest.candidates[n].id.value += num_before;
+    contest.registrations[n].candidate.value += num_before;
+    contest.scores[n].candidate.value += num_before;
+  }
+}
+
+// The object's winner, and what was made for it, into what the stage makes.
+Status Take(const TrackViews& of_track,
+            const RunInputs& inputs,
+            Judged judged,
+            Selection& selection) {
+  NumberBehind(static_cast<int>(selection.made.candidates.size()), judged);
+  Join(std::move(judged.made), selection.made);
+  const Contest& contest = judged.contest;
+  if (judged.replaced && *judged.replaced < judged.num_proposed)
+    selection.made_registrations.push_back(contest.registrations[*judged.replaced]);
+  const auto made = std::span(contest.registrations).subspan(judged.num_proposed);
+  selection.made_registrations.insert(selection.made_registrations.end(), made.begin(), made.end());
+  Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
+  if (!object.ok()) return object.error();
+  Place(std::move(object).value(), selection.map);
+  return Ok();
+}
+
 Result<Selection> SelectAll(const StageContext& context,
                             const RunInputs& inputs,
                             const Odometry& odometry,
@@ -91,38 +162,20 @@ Result<Selection> SelectAll(const StageContext& context,
   if (!priors.ok()) return priors.error();
   const int first_made = NextId(*proposals);
   Selection selection;
-  const auto select = [&](const TrackViews& of_track) -> Status {
-    const ObjectTrack& track = *of_track.track;
-    Contest contest{track.id, track.class_name, CandidatesOf(*proposals, track.id), {}, {}, {}, {}};
-    Result<std::vector<CandidateRegistration>> own =
-        RegistrationsOf(contest.candidates, *registrations);
-    if (!own.ok()) return own.error();
-    contest.registrations = std::move(own).value();
-    Result<ModelMap> models = LoadModels(context, contest.candidates);
-    if (!models.ok()) return models.error();
-    contest.models = std::move(models).value();
-    ScoreAll(of_track.views, inputs.config.select, contest);
-    const std::size_t num_proposed = contest.candidates.size();
-    const auto enter = [&](Proposals made) {
-      Enter(std::move(made), of_track.views, inputs, first_made, contest, selection.made);
-    };
-    if (const propose::ShapePrior* const prior = PriorOf(*priors, track.class_name))
-      enter(RefineShapes(contest, of_track.views, *prior, inputs));
-    if (inputs.config.shape_refinement.complete)
-      enter(CompleteBest(contest, of_track.views, "filled", inputs));
-    const std::optional<std::size_t> replaced = RefineWinner(of_track.views, inputs, contest);
-    if (replaced && *replaced < num_proposed)
-      selection.made_registrations.push_back(contest.registrations[*replaced]);
-    const auto made = std::span(contest.registrations).subspan(num_proposed);
-    selection.made_registrations.insert(
-        selection.made_registrations.end(), made.begin(), made.end());
-    Result<MapObject> object = SelectOrChoose(contest, of_track.views, inputs, selection.applied);
-    if (!object.ok()) return object.error();
-    Place(std::move(object).value(), selection.map);
-    return Ok();
-  };
-  const Status status = ForEachTrackViews(
-      context, inputs, odometry, ground, association.tracks, observe::ViewContent::kDepth, select);
+  const Status status = ForEachTrackViews<Judged>(
+      context,
+      inputs,
+      odometry,
+      ground,
+      association.tracks,
+      observe::ViewContent::kDepth,
+      [&](const TrackViews& of_track) {
+        return Judge(
+            context, inputs, *proposals, *registrations, *priors, first_made, of_track);
+      },
+      [&](const TrackViews& of_track, Judged judged) {
+        return Take(of_track, inputs, std::move(judged), selection);
+      });
   if (!status.ok()) return status.error();
   return selection;
 }

@@ -236,25 +236,6 @@ Status ForTrackViews(const StageContext& context,
   return Ok();
 }
 
-Status ForEachTrackViews(const StageContext& context,
-                         const RunInputs& inputs,
-                         const Odometry& odometry,
-                         const Ground& ground,
-                         std::span<const ObjectTrack> tracks,
-                         observe::ViewContent content,
-                         const std::function<Status(const TrackViews&)>& use) {
-  std::size_t done = 0;
-  const auto use_batch = [&](std::span<TrackViews> batch) -> Status {
-    for (const TrackViews& of_track : batch) {
-      if (context.progress().StopRequested()) return Interrupted();
-      if (Status status = use(of_track); !status.ok()) return status;
-      context.progress().Report(++done, tracks.size());
-    }
-    return Ok();
-  };
-  return ForTrackViews(context, inputs, odometry, ground, tracks, content, use_batch);
-}
-
 Status CheckOfThisCapture(std::size_t num_frames,
                           std::span<const Segment> segments,
                           const FrameSource& frames) {

@@ -12,6 +12,8 @@
 
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/artifact/summary_json.h"
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/pipeline/stage.h"
@@ -106,14 +108,34 @@ struct TrackViews {
                                    observe::ViewContent content,
                                    const std::function<Status(std::span<TrackViews>)>& use);
 
-// The same, one track after another, with progress; stops when the user asks to.
-[[nodiscard]] Status ForEachTrackViews(const pipeline::StageContext& context,
-                                       const RunInputs& inputs,
-                                       const Odometry& odometry,
-                                       const Ground& ground,
-                                       std::span<const ObjectTrack> tracks,
-                                       observe::ViewContent content,
-                                       const std::function<Status(const TrackViews&)>& use);
+// The same with what is made of each track: `make` of several tracks side by side, `take` of one
+// after another in their order, with progress. Stops at the first error in that order.
+template <typename Value>
+[[nodiscard]] Status ForEachTrackViews(
+    const pipeline::StageContext& context,
+    const RunInputs& inputs,
+    const Odometry& odometry,
+    const Ground& ground,
+    std::span<const ObjectTrack> tracks,
+    observe::ViewContent content,
+    const std::function<Result<Value>(const TrackViews&)>& make,
+    const std::function<Status(const TrackViews&, Value)>& take) {
+  std::size_t done = 0;
+  const auto use_batch = [&](std::span<TrackViews> batch) -> Status {
+    std::vector<std::optional<Result<Value>>> made(batch.size());
+    ParallelFor(batch.size(), [&](std::size_t n) {
+      if (!context.progress().StopRequested()) made[n] = make(batch[n]);
+    });
+    for (std::size_t n = 0; n < batch.size(); ++n) {
+      if (context.progress().StopRequested() || !made[n]) return Interrupted();
+      if (!made[n]->ok()) return made[n]->error();
+      if (Status status = take(batch[n], *std::move(*made[n])); !status.ok()) return status;
+      context.progress().Report(++done, tracks.size());
+    }
+    return Ok();
+  };
+  return ForTrackViews(context, inputs, odometry, ground, tracks, content, use_batch);
+}
 
 // That a workspace of so many frames and with these segments was made of this capture; InvalidInput
 // otherwise.
