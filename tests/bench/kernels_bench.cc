@@ -1,5 +1,5 @@
-// The kernels that stages behind tracking and detection spend their time in, one by one, on rendered
-// views of a chair: what is measured of a view, models, and their pictures.
+// The kernels that stages behind tracking and detection spend their time in, one by one, on
+// rendered views of a chair: what is measured of a view, models, and their pictures.
 //   deepslam_kernels_bench --benchmark_repetitions=5
 #include <benchmark/benchmark.h>
 

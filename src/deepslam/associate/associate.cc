@@ -57,11 +57,8 @@ FrameLook LookAt(const FrameSource& frames,
     measured.fits =
         segment.mask.width() == depth_m.width() && segment.mask.height() == depth_m.height();
     if (!segment.usable || !measured.fits) continue;
-    measured.points_world = MaskPoints(segment.mask.Unpacked(),
-                                       depth_m,
-                                       frames.camera(),
-                                       world_from_camera,
-                                       options.max_points);
+    measured.points_world = MaskPoints(
+        segment.mask.Unpacked(), depth_m, frames.camera(), world_from_camera, options.max_points);
     measured.cloud_world = PointCloud(measured.points_world);
   }
   return look;
@@ -175,9 +172,7 @@ void Matcher::StartObjects(std::span<const int> unmatched) {
   }
 }
 
-void Matcher::AddFrame(FrameIdx frame,
-                       std::span<const Segment* const> segments,
-                       FrameLook look) {
+void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments, FrameLook look) {
   if (!look.frame.ok()) {
     for (const Segment* segment : segments) Reject(*segment, "frame cannot be read");
     return;
@@ -197,8 +192,7 @@ void Matcher::AddFrame(FrameIdx frame,
     }
     return rest;
   };
-  take_all(MatchByVotes(current, voters, all_, camera_, camera_from_world, options_),
-           "vote");
+  take_all(MatchByVotes(current, voters, all_, camera_, camera_from_world, options_), "vote");
   take_all(MatchByModels(unmatched(), objects_, all_, options_), "model");
   StartObjects(unmatched());
   voters_.push_back(current);

@@ -31,8 +31,8 @@ struct Traits : public OpenMesh::DefaultTraits {
 // decimation.
 class Mesh : public OpenMesh::TriMesh_ArrayKernelT<Traits> {
  public:
-  // Whether the surface stays a manifold when an edge is drawn together: its ends have no neighbours
-  // in common but those across its two faces (the link condition of Dey et al. 1999).
+  // Whether the surface stays a manifold when an edge is drawn together: its ends have no
+  // neighbours in common but those across its two faces (the link condition of Dey et al. 1999).
   [[nodiscard]] bool is_collapse_ok(HalfedgeHandle v0v1) {
     const HalfedgeHandle v1v0 = opposite_halfedge_handle(v0v1);
     const VertexHandle v0 = to_vertex_handle(v1v0);

@@ -82,8 +82,8 @@ const propose::ShapePrior* PriorOf(const std::shared_ptr<const propose::ShapePri
 // on, as if no other object had any.
 struct Judged {
   Contest contest;
-  std::size_t num_proposed = 0;        // those made here are behind them
-  Proposals made;                      // the same, with their models
+  std::size_t num_proposed = 0;         // those made here are behind them
+  Proposals made;                       // the same, with their models
   std::optional<std::size_t> replaced;  // of the proposed, whose registration was refined
 };
 
@@ -170,8 +170,7 @@ Result<Selection> SelectAll(const StageContext& context,
       association.tracks,
       observe::ViewContent::kDepth,
       [&](const TrackViews& of_track) {
-        return Judge(
-            context, inputs, *proposals, *registrations, *priors, first_made, of_track);
+        return Judge(context, inputs, *proposals, *registrations, *priors, first_made, of_track);
       },
       [&](const TrackViews& of_track, Judged judged) {
         return Take(of_track, inputs, std::move(judged), selection);
