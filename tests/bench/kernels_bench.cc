@@ -3,6 +3,9 @@
 //   deepslam_kernels_bench --benchmark_repetitions=5
 #include <benchmark/benchmark.h>
 
+#include "deepslam/registration/measured_view.h"
+#include "deepslam/registration/similarity_icp.h"
+#include "deepslam/registration/visible_surface.h"
 #include "deepslam/shape/render_voxels.h"
 #include "deepslam/shape/shape_model.h"
 #include "deepslam/shape/view_points.h"
@@ -54,6 +57,26 @@ void RenderDepth(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * kNumViews);
 }
 BENCHMARK(RenderDepth)->Unit(benchmark::kMillisecond);
+
+// A model aligned with all views together, from beside its place; per iteration and view.
+void AlignShape(benchmark::State& state) {
+  const FurnitureWorld world(ChairGrid(), 0.9);
+  const std::vector<registration::MeasuredView> views =
+      registration::PrepareViews(ViewsAround(world, kNumViews));
+  std::vector<const registration::MeasuredView*> pointers;
+  for (const registration::MeasuredView& view : views) pointers.push_back(&view);
+  const shape::ShapeModel model(ChairGrid());
+  Similarity3 start = world.world_from_object();
+  start.translation_m.x() += 0.05;
+  registration::VisibleSurface visible(model);
+  const registration::SimilarityIcpOptions options;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        registration::AlignShape(model, visible, pointers, start, options).scale);
+  }
+  state.SetItemsProcessed(state.iterations() * kNumViews * options.num_iterations);
+}
+BENCHMARK(AlignShape)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace deepslam

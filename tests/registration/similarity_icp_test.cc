@@ -1,6 +1,7 @@
 #include "deepslam/registration/similarity_icp.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -117,18 +118,27 @@ TEST(Disagreement, IsLeastAtTheTruth) {
   EXPECT_GT(disagreement(turned), 2 * least);
 }
 
-TEST(AlignByMoments, RanksAnAzimuthNearTheTruthFirst) {
+TEST(AlignByMoments, OfItsAlignmentsTheOneThatFitsBestIsNearTheTruth) {
   const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
   for (const double azimuth : {0.0, 0.9, 2.1, 4.0}) {
     const std::vector<MeasuredView> views = PrepareViews(world.Views({azimuth}));
+    const MeasuredView* const view = &views[0];
     VisibleSurface visible(world.model());
-    const auto alignments = AlignByMoments(visible, views[0], 8, 0.5, 2.0);
+    const std::vector<Similarity3> alignments = AlignByMoments(visible, *view, 8, 0.5, 2.0);
     ASSERT_EQ(alignments.size(), 16u);
+    Similarity3 best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Similarity3& camera_from_object : alignments) {
+      const Similarity3 placed = view->world_from_camera * camera_from_object;
+      const double disagreement = Disagreement(world.model(), visible, {&view, 1}, placed, 0.15, 1);
+      if (disagreement >= least) continue;
+      least = disagreement;
+      best = camera_from_object;
+    }
     const Pose3 truth =
         world.WorldFromCamera(azimuth, {}).Inverse() * world.world_from_object().RigidPart();
     // Half a step of 45 degrees, and the lift of the moments by what the partial view lacks.
-    EXPECT_THAT(alignments[0].camera_from_object.RigidPart(), PoseNear(truth, 0.25, 23));
-    EXPECT_LE(alignments[0].error_m, alignments[1].error_m);
+    EXPECT_THAT(best.RigidPart(), PoseNear(truth, 0.25, 23));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/distance_transform.h"
 #include "deepslam/shape/front.h"
@@ -174,6 +175,26 @@ TEST(ShapeModel, AnEmptyModelIsFarFromEverything) {
   EXPECT_GT(model.Distance({0, 0, 0}), 5.0F);
   EXPECT_EQ(model.Gradient({0, 0, 0}), Eigen::Vector3f::Zero());
   EXPECT_GT(model.Distance(Eigen::Vector3f::Constant(std::nanf(""))), 5.0F);
+}
+
+TEST(ShapeModel, ABatchIsSampledAsEachOfItsPoints) {
+  const ShapeModel model(BoxGrid({0.5, 0.3, 0.8}));
+  VectorColumns points{};
+  const auto point = [](std::size_t k) {
+    const float n = static_cast<float>(k) - 0.5F * kPointBatch;
+    return Eigen::Vector3f(0.012F * n, 0.4F * std::sin(n), 0.7F * std::cos(2 * n));  // some beyond
+  };
+  for (std::size_t k = 0; k < kPointBatch; ++k)
+    points.Set(k, point(k).x(), point(k).y(), point(k).z());
+  ShapeModel::SampleColumns samples;
+  model.At(points, kPointBatch, samples);
+  for (std::size_t k = 0; k < kPointBatch; ++k) {
+    const auto [distance, gradient] = model.At(point(k));
+    EXPECT_FLOAT_EQ(samples.distance[k], distance);
+    const Eigen::Vector3f of_batch(
+        samples.gradient.x[k], samples.gradient.y[k], samples.gradient.z[k]);
+    EXPECT_LE((of_batch - gradient).norm(), 1e-5F) << "point " << k;
+  }
 }
 
 std::vector<Eigen::Vector3f> ShownPoints(const ShapeModel& model,

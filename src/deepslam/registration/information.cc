@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-#include "deepslam/registration/similarity_icp.h"
+#include "deepslam/registration/view_matches.h"
 
 namespace deepslam::registration {
 namespace {

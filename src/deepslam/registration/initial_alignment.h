@@ -4,7 +4,8 @@
 // Paper, "camera-to-model pose estimation": for each azimuth the model's partial view, left by
 // orthographic occlusion along a horizontal direction towards its centre, is brought onto the
 // measured points by centroid, scale (ratio of the spreads) and the rotation given by azimuth and
-// upright; the smallest point-to-point error ranks first.
+// upright. Which azimuth fits best is judged against all views (world_hypotheses.h), not by the
+// point-to-point error in this one.
 #pragma once
 
 #include <vector>
@@ -15,18 +16,13 @@
 
 namespace deepslam::registration {
 
-struct InitialAlignment {
-  Similarity3 camera_from_object;
-  double error_m = 0;  // rms point-to-point, both ways, the worst fifth left out
-};
-
-// One alignment per azimuth and elevation of the virtual view, best first. The paper's virtual
-// camera is level; the second elevation is the real camera's, since a camera at eye height sees the
-// tops of furniture. Empty when the view has under three points or no spread.
-[[nodiscard]] std::vector<InitialAlignment> AlignByMoments(VisibleSurface& visible,
-                                                           const MeasuredView& view,
-                                                           int num_azimuths,
-                                                           double min_scale_m,
-                                                           double max_scale_m);
+// camera_from_object for each azimuth and elevation of the virtual view. The paper's virtual camera
+// is level; the second elevation is the real camera's, since a camera at eye height sees the tops
+// of furniture. Empty when the view has under three points or no spread.
+[[nodiscard]] std::vector<Similarity3> AlignByMoments(VisibleSurface& visible,
+                                                      const MeasuredView& view,
+                                                      int num_azimuths,
+                                                      double min_scale_m,
+                                                      double max_scale_m);
 
 }  // namespace deepslam::registration

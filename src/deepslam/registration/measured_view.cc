@@ -112,7 +112,7 @@ void AddNormals(MeasuredView& out) {
 void AddNearestObjectPixel(MeasuredView& out) {
   const int width = out.mask.width();
   const int height = out.mask.height();
-  out.nearest_object_pixel = Image<std::int32_t>(width, height, -1);
+  out.nearest_object_pixel = Image<PixelIndex>(width, height);
   Image<int> nearest_row(width, height, -1);
   for (int u = 0; u < width; ++u) {
     int last = -1;
@@ -136,7 +136,8 @@ void AddNearestObjectPixel(MeasuredView& out) {
         const int squared = (x - u) * (x - u) + (row - v) * (row - v);
         if (squared >= best) continue;
         best = squared;
-        out.nearest_object_pixel(u, v) = row * width + x;
+        out.nearest_object_pixel(u, v) = {static_cast<std::int16_t>(x),
+                                          static_cast<std::int16_t>(row)};
       }
     }
   }

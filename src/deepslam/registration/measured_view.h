@@ -2,6 +2,7 @@
 // says about where the object cannot be. Made once per object, used by all its candidates.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,6 +17,10 @@
 #include "deepslam/scene/object_view.h"
 
 namespace deepslam::registration {
+
+struct PixelIndex {
+  std::int16_t u = -1, v = -1;
+};
 
 struct MeasuredView {
   DetectionId view;
@@ -44,8 +49,8 @@ struct MeasuredView {
   Mask mask;
   // Normal of the measured surface towards the camera; zero where depth is missing or jumps.
   Image<Eigen::Vector3f> normals;
-  // The object pixel nearest to each pixel, as v * width + u; -1 everywhere when the mask is empty.
-  Image<std::int32_t> nearest_object_pixel;
+  // The object pixel nearest to each pixel; -1 everywhere when the mask is empty.
+  Image<PixelIndex> nearest_object_pixel;
 
   [[nodiscard]] bool empty() const { return points_camera.empty(); }
 };

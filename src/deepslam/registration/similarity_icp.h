@@ -22,6 +22,7 @@
 
 #include "deepslam/geometry/similarity.h"
 #include "deepslam/registration/measured_view.h"
+#include "deepslam/registration/view_matches.h"
 #include "deepslam/registration/visible_surface.h"
 #include "deepslam/shape/shape_model.h"
 
@@ -57,16 +58,6 @@ struct SimilarityIcpOptions {
                                      const Similarity3& world_from_object,
                                      const SimilarityIcpOptions& options);
 
-// What one measured point, or one visible point of the model, says of a small motion of the object
-// in its own metric frame: that `residual_m`, which grows by direction . displacement of x, shall
-// vanish. Weight: information, with robust weight on the distance, in 1 / m^2.
-struct MotionResidual {
-  Eigen::Vector3d direction_object = Eigen::Vector3d::Zero();  // unit
-  Eigen::Vector3d x_object_m = Eigen::Vector3d::Zero();
-  double residual_m = 0;
-  double weight = 0;
-};
-
 // What AlignShape brings to vanish at a pose, its priors left out: both directions, all views.
 // Residuals without weight are left out.
 [[nodiscard]] std::vector<MotionResidual> ResidualsAt(const shape::ShapeModel& model,
@@ -85,19 +76,5 @@ struct MotionResidual {
                                   const Similarity3& world_from_object,
                                   double radius_m,
                                   int point_stride);
-
-// A measured point with its normal (object frame, object units) against the model; `scale_m` is
-// metres per object unit.
-struct PointMatch {
-  double distance_m = 0;        // to the surface, >= 0
-  double plane_residual_m = 0;  // along the measured normal (Eq. 1)
-  double facing = 0;            // measured normal . model normal
-  bool beside = false;  // outside the model, and its nearest surface is an edge seen from the side
-  Eigen::Vector3d outward_object = Eigen::Vector3d::Zero();  // model normal there, unit
-};
-[[nodiscard]] PointMatch MatchPoint(const shape::ShapeModel& model,
-                                    const Eigen::Vector3d& point_object,
-                                    const Eigen::Vector3d& normal_object,
-                                    double scale_m);
 
 }  // namespace deepslam::registration

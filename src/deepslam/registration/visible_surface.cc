@@ -42,8 +42,7 @@ std::vector<SurfacePoint> ThinnedView(const shape::ShapeModel& model,
     const std::size_t cell = cell_of_point[n];
     if (taken[cell] != 0 || !camera.Shows(n)) continue;
     taken[cell] = 1;
-    view.push_back(
-        {model.surface_points()[n].cast<double>(), model.surface_normals()[n].cast<double>()});
+    view.push_back({model.surface_points()[n], model.surface_normals()[n]});
   }
   return view;
 }

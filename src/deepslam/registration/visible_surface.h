@@ -16,8 +16,8 @@
 namespace deepslam::registration {
 
 struct SurfacePoint {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();   // object units
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // outward, unit
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();   // object units
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // outward, unit
 };
 
 // Keeps the views it has made: one object per candidate and thread.

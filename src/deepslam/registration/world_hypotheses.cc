@@ -120,12 +120,11 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
     all.push_back(hypothesis);
   };
   for (const MeasuredView* view : BestViews(views, options.num_seed_views)) {
-    for (const InitialAlignment& alignment :
+    for (const Similarity3& camera_from_object :
          AlignByMoments(visible, *view, options.num_azimuths, prior.min_m, prior.max_m)) {
-      judge(*view, alignment.camera_from_object);
-      for (const double scale_m : scales_m) {
-        judge(*view, Rescaled(alignment.camera_from_object, view->centroid_camera, scale_m));
-      }
+      judge(*view, camera_from_object);
+      for (const double scale_m : scales_m)
+        judge(*view, Rescaled(camera_from_object, view->centroid_camera, scale_m));
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {

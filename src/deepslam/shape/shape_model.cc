@@ -120,11 +120,10 @@ ShapeModel::Sample ShapeModel::BeyondCube(const Eigen::Vector3f& p_object) const
   if (empty() || !p_object.allFinite()) return {kEmptyDistance, Eigen::Vector3f::Zero()};
   const Eigen::Vector3f inside = p_object.cwiseMax(-kInside).cwiseMin(kInside);
   const Sample sample = SampleInside(inside);
-  // Distance to the surface point nearest to the cube's rim.
-  const float length = std::max(sample.gradient.norm(), 1e-6F);
-  const Eigen::Vector3f nearest = inside - sample.distance / length * sample.gradient;
-  const Eigen::Vector3f away = p_object - nearest;
-  return {away.norm(), away.normalized()};
+  const auto triple = [](const Eigen::Vector3f& v) { return Triple{v.x(), v.y(), v.z()}; };
+  const SampleLane beyond =
+      Beyond(triple(inside), {sample.distance, triple(sample.gradient)}, triple(p_object));
+  return {beyond.distance, {beyond.gradient.x, beyond.gradient.y, beyond.gradient.z}};
 }
 
 }  // namespace deepslam::shape
