@@ -117,7 +117,7 @@ Layers::Layers(const ImagePieces& pieces, const Region& region, const Owners& ow
     }
   }
   region.ForEach([&](int u, int v) {
-    const Eigen::Vector3f& p = pieces.points_camera(u, v);
+    const Eigen::Vector3f p = pieces.points_camera(u, v);
     if (!(p.z() > 0) || owners(u, v) >= 0 || pieces.piece(u, v) < 0) return;
     const double height_m = pieces.height_m(u, v);
     if (height_m >= kLowest_m && height_m < kHighest_m) points_.push_back({u, v, p});
@@ -185,7 +185,7 @@ double OpaqueShare(const ImagePieces& pieces,
   int below = 0;
   for (int v = region.v_min; v <= region.v_max; v += kStep_px) {
     for (int u = region.u_min; u <= region.u_max; u += kStep_px) {
-      const Eigen::Vector3f& p = pieces.points_camera(u, v);
+      const Eigen::Vector3f p = pieces.points_camera(u, v);
       const bool beyond = pieces.beyond(u, v) != 0;
       if (!(p.z() > 0) && !beyond) continue;
       const Eigen::Vector3d ray = camera.Ray(u, v);
@@ -318,8 +318,8 @@ std::vector<std::pair<std::int32_t, std::int32_t>> TouchingPieces(const ImagePie
     const std::int32_t a = pieces.piece(u, v);
     const std::int32_t b = pieces.piece(to_u, to_v);
     if (a < 0 || b < 0 || a == b) return;
-    const double z = pieces.points_camera(u, v).z();
-    if (std::abs(pieces.points_camera(to_u, to_v).z() - z) < JumpAt(z, options))
+    const double z = pieces.points_camera.z_m(u, v);
+    if (std::abs(pieces.points_camera.z_m(to_u, to_v) - z) < JumpAt(z, options))
       touching.emplace_back(std::minmax(a, b));
   };
   for (int v = 0; v < pieces.piece.height(); ++v) {

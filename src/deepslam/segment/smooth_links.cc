@@ -1,0 +1,235 @@
+#include "deepslam/segment/smooth_links.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
+
+namespace deepslam::segment {
+namespace {
+
+constexpr std::size_t kRowsPerChunk = 64;
+// Normals are taken over about this length on the surface: twice the depth noise of structured
+// light at 3 m, so that a normal is good to about 20 degrees.
+constexpr double kNormalBaseline_m = 0.04;
+constexpr int kMaxBaseline_px = 12;
+constexpr float kSameSurfaceCos = 0.87F;  // 30 degrees: steps of normals inside one surface
+constexpr float kHorizontalCos = 0.82F;   // 35 degrees
+constexpr int kLanes = 16;                // pixels side by side
+static_assert(kMaxBaseline_px <= PointImage::kMarginRows);
+static_assert(kLanes <= PointImage::kMarginColumns &&
+              kMaxBaseline_px <= PointImage::kMarginColumns);
+
+// What is known of the pixels of a row, with a pixel of nothing before the first and some behind
+// the last.
+struct Row {
+  explicit Row(int width)
+      : x(Size(width)),
+        y(Size(width)),
+        z(Size(width)),
+        step_m(Size(width)),
+        reach_m(Size(width)),
+        radius(Size(width)),
+        level(Size(width)),
+        link(Size(width)) {}
+  static std::size_t Size(int width) { return static_cast<std::size_t>(width) + kLanes + 1; }
+
+  std::vector<float> x, y, z;        // unit normal towards the camera; zero where there is none
+  std::vector<float> step_m;         // smaller steps of depth join neighbours
+  std::vector<float> reach_m;        // smaller ones join pixels as far apart as normals reach
+  std::vector<std::int32_t> radius;  // of normals; 0 without a point
+  std::vector<std::int32_t> level;   // 1: faces up
+  std::vector<std::int32_t> link;    // LinkBits
+};
+
+struct Steps {
+  double fx = 0;
+  double jump_m = 0;
+  double jump_per_m2 = 0;
+};
+
+// The smallest float that is not below x > 0.
+inline float RoundedUp(double x) {
+  const auto nearest = static_cast<float>(x);
+  const std::int32_t below = static_cast<double>(nearest) < x ? 1 : 0;
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(nearest) + below);
+}
+
+DEEPSLAM_WIDE_VECTORS void FindReach(const float* z_row, int width, const Steps& steps, Row& row) {
+  float* const step_m = row.step_m.data() + 1;
+  float* const reach_m = row.reach_m.data() + 1;
+  std::int32_t* const radius = row.radius.data() + 1;
+  const double radius_m = 0.5 * kNormalBaseline_m * steps.fx;
+  for (int u = 0; u < width; ++u) {
+    const double z = z_row[u];
+    const double jump_m = steps.jump_m + steps.jump_per_m2 * z * z;
+    const double in_image = std::min(std::max(radius_m / z, 1.0), 1.0 * kMaxBaseline_px);
+    const auto rounded = static_cast<std::int32_t>(in_image + 0.5);
+    step_m[u] = RoundedUp(jump_m);
+    reach_m[u] = static_cast<float>(jump_m + 2.0 * rounded * z / steps.fx);
+    radius[u] = z > 0 ? rounded : 0;
+  }
+}
+
+// From the cross of central differences over `radius` pixels, for kLanes pixels from `u` on.
+inline void FindNormals(const PointImage& points, int u, int v, int radius, Row& row) {
+  const std::array<const float*, 3> middle = {
+      points.x_row(v) + u, points.y_row(v) + u, points.z_row(v) + u};
+  const std::array<const float*, 3> above = {
+      points.x_row(v - radius) + u, points.y_row(v - radius) + u, points.z_row(v - radius) + u};
+  const std::array<const float*, 3> below = {
+      points.x_row(v + radius) + u, points.y_row(v + radius) + u, points.z_row(v + radius) + u};
+  float* const normal_x = row.x.data() + 1 + u;
+  float* const normal_y = row.y.data() + 1 + u;
+  float* const normal_z = row.z.data() + 1 + u;
+  const float* const reach_m = row.reach_m.data() + 1 + u;
+  const std::int32_t* const radii = row.radius.data() + 1 + u;
+  for (int n = 0; n < kLanes; ++n) {
+    const float x = middle[0][n];
+    const float y = middle[1][n];
+    const float z = middle[2][n];
+    const auto agrees = [&](float other) {
+      return (other > 0) & (std::abs(other - z) < reach_m[n]);
+    };
+    const bool right = agrees(middle[2][n + radius]);
+    const bool left = agrees(middle[2][n - radius]);
+    const bool down = agrees(below[2][n]);
+    const bool up = agrees(above[2][n]);
+    const float ax = (right ? middle[0][n + radius] : x) - (left ? middle[0][n - radius] : x);
+    const float ay = (right ? middle[1][n + radius] : y) - (left ? middle[1][n - radius] : y);
+    const float az = (right ? middle[2][n + radius] : z) - (left ? middle[2][n - radius] : z);
+    const float bx = (down ? below[0][n] : x) - (up ? above[0][n] : x);
+    const float by = (down ? below[1][n] : y) - (up ? above[1][n] : y);
+    const float bz = (down ? below[2][n] : z) - (up ? above[2][n] : z);
+    const float cx = ay * bz - az * by;
+    const float cy = az * bx - ax * bz;
+    const float cz = ax * by - ay * bx;
+    const float length = std::sqrt(cx * cx + (cy * cy + cz * cz));
+    const bool found = (length > 0) & (radii[n] == radius);
+    const float nx = cx / length;
+    const float ny = cy / length;
+    const float nz = cz / length;
+    const bool away = nx * x + (ny * y + nz * z) > 0;
+    normal_x[n] = found ? (away ? -nx : nx) : normal_x[n];
+    normal_y[n] = found ? (away ? -ny : ny) : normal_y[n];
+    normal_z[n] = found ? (away ? -nz : nz) : normal_z[n];
+  }
+}
+
+DEEPSLAM_WIDE_VECTORS void FindNormalsOfRow(const PointImage& points, int v, Row& row) {
+  std::fill(row.x.begin(), row.x.end(), 0.0F);
+  std::fill(row.y.begin(), row.y.end(), 0.0F);
+  std::fill(row.z.begin(), row.z.end(), 0.0F);
+  for (int u = 0; u < points.width(); u += kLanes) {
+    std::uint32_t radii = 0;  // bit r: some pixel's
+    for (int n = 1; n <= kLanes; ++n) {
+      radii |= 1U << static_cast<std::uint32_t>(row.radius[static_cast<std::size_t>(u + n)]);
+    }
+    for (radii &= ~1U; radii != 0; radii &= radii - 1) {
+      FindNormals(points, u, v, std::countr_zero(radii), row);
+    }
+  }
+}
+
+DEEPSLAM_WIDE_VECTORS void FindLevel(const std::array<float, 3>& up, int width, Row& row) {
+  const float* const x = row.x.data() + 1;
+  const float* const y = row.y.data() + 1;
+  const float* const z = row.z.data() + 1;
+  std::int32_t* const level = row.level.data() + 1;
+  for (int u = 0; u < width; ++u) {
+    level[u] = x[u] * up[0] + (y[u] * up[1] + z[u] * up[2]) > kHorizontalCos ? 1 : 0;
+  }
+}
+
+// Adds what joins the pixels of a row to those that lie `before` them, in it or in the row above.
+inline void Link(const float* z,
+                 const Row& row,
+                 const float* z_before,
+                 const Row& before,
+                 std::size_t offset,
+                 int width,
+                 std::int32_t from_bit,
+                 std::int32_t to_bit,
+                 std::int32_t* link) {
+  const float* const ax = row.x.data() + 1;
+  const float* const ay = row.y.data() + 1;
+  const float* const az = row.z.data() + 1;
+  const float* const step_a = row.step_m.data() + 1;
+  const std::int32_t* const level_a = row.level.data() + 1;
+  const float* const bx = before.x.data() + offset;
+  const float* const by = before.y.data() + offset;
+  const float* const bz = before.z.data() + offset;
+  const float* const step_b = before.step_m.data() + offset;
+  const std::int32_t* const level_b = before.level.data() + offset;
+  for (int u = 0; u < width; ++u) {
+    const float cosine = ax[u] * bx[u] + (ay[u] * by[u] + az[u] * bz[u]);
+    const bool smooth = (cosine > kSameSurfaceCos) & (level_a[u] == level_b[u]);
+    const float step = std::abs(z[u] - z_before[u]);
+    const std::int32_t from = smooth & (step < step_b[u]) ? from_bit : 0;
+    const std::int32_t to = smooth & (step < step_a[u]) ? to_bit : 0;
+    link[u] |= from | to;
+  }
+}
+
+DEEPSLAM_WIDE_VECTORS void LinkRow(
+    const PointImage& points, int v, const Row& above, Row& row, std::uint8_t* bits) {
+  const int width = points.width();
+  std::int32_t* const link = row.link.data() + 1;
+  for (int u = 0; u < width; ++u) {
+    const float* const z = row.z.data() + 1;
+    const bool is_zero = (row.x[static_cast<std::size_t>(u + 1)] == 0) &
+                         (row.y[static_cast<std::size_t>(u + 1)] == 0) & (z[u] == 0);
+    link[u] = is_zero ? 0 : kHasNormal;
+  }
+  const float* const z = points.z_row(v);
+  Link(z, row, z - 1, row, 0, width, kFromLeft, kToLeft, link);
+  Link(z, row, points.z_row(v - 1), above, 1, width, kFromAbove, kToAbove, link);
+  for (int u = 0; u < width; ++u) bits[u] = static_cast<std::uint8_t>(link[u]);
+}
+
+}  // namespace
+
+SmoothLinks FindSmoothLinks(const PointImage& points_camera,
+                            double fx,
+                            const std::optional<Plane>& ground_camera,
+                            const SegmentOptions& options) {
+  const int width = points_camera.width();
+  SmoothLinks links;
+  links.bits = Mask(width, points_camera.height());
+  links.horizontal = Mask(width, points_camera.height());
+  const Steps steps = {fx, options.jump_m, options.jump_per_m2};
+  std::array<float, 3> up{};
+  if (ground_camera) {
+    for (int axis = 0; axis < 3; ++axis) {
+      up[static_cast<std::size_t>(axis)] = static_cast<float>(ground_camera->normal[axis]);
+    }
+  }
+  const auto survey = [&](int v, Row& row) {
+    FindReach(points_camera.z_row(v), width, steps, row);
+    FindNormalsOfRow(points_camera, v, row);
+    FindLevel(up, width, row);
+  };
+  ParallelForChunks(static_cast<std::size_t>(points_camera.height()),
+                    kRowsPerChunk,
+                    [&](std::size_t begin, std::size_t end) {
+                      Row above(width);
+                      Row row(width);
+                      const int first = static_cast<int>(begin);
+                      if (first > 0) survey(first - 1, above);
+                      for (int v = first; v < static_cast<int>(end); ++v) {
+                        survey(v, row);
+                        LinkRow(points_camera, v, above, row, links.bits.row(v));
+                        std::copy_n(row.level.begin() + 1, width, links.horizontal.row(v));
+                        std::swap(above, row);
+                      }
+                    });
+  return links;
+}
+
+}  // namespace deepslam::segment
