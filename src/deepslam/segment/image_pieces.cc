@@ -53,20 +53,23 @@ DEEPSLAM_WIDE_VECTORS void UnprojectRow(const float* depth_m,
                                         int width,
                                         const Usable& usable,
                                         const PointRow& row) {
+  const auto [x_m, y_m, z_m, height_m, beyond] = row;
+  const Usable in = usable;
+#pragma GCC ivdep
   for (int u = 0; u < width; ++u) {
     const double z = depth_m[u];
     const double x = z * rays_x[u];
     const double y = z * ray_y;
-    const double height = (usable.up[0] * x + usable.up[1] * y) + usable.up[2] * z + usable.d_m;
+    const double height = (in.up[0] * x + in.up[1] * y) + in.up[2] * z + in.d_m;
     const bool measured = z > 0;
-    const bool in_reach = measured & (z <= usable.max_depth_m) & (std::abs(x) < kFarthest_m) &
+    const bool in_reach = measured & (z <= in.max_depth_m) & (std::abs(x) < kFarthest_m) &
                           (std::abs(y) < kFarthest_m) & (z < kFarthest_m);
-    const bool kept = in_reach & (height >= usable.min_height_m + usable.height_per_m2 * z * z);
-    row.x_m[u] = kept ? static_cast<float>(x) : 0.0F;
-    row.y_m[u] = kept ? static_cast<float>(y) : 0.0F;
-    row.z_m[u] = kept ? static_cast<float>(z) : 0.0F;
-    row.height_m[u] = in_reach ? static_cast<float>(height) : 0.0F;
-    row.beyond[u] = measured & !kept ? 1 : 0;
+    const bool kept = in_reach & (height >= in.min_height_m + in.height_per_m2 * z * z);
+    x_m[u] = kept ? static_cast<float>(x) : 0.0F;
+    y_m[u] = kept ? static_cast<float>(y) : 0.0F;
+    z_m[u] = kept ? static_cast<float>(z) : 0.0F;
+    height_m[u] = in_reach ? static_cast<float>(height) : 0.0F;
+    beyond[u] = measured & !kept ? 1 : 0;
   }
 }
 
@@ -280,15 +283,22 @@ DEEPSLAM_WIDE_VECTORS void Fringe::MarkFree(int v, Flags& free) const {
   const float* const z_m = pieces_->points_camera.z_row(v);
   const std::int32_t* const piece = pieces_->piece.row(v);
   std::int32_t* const flags = free.data() + 1;
-  for (int u = 0; u < width_; ++u) flags[u] = (z_m[u] > 0) & (piece[u] < 0) ? 1 : 0;
+  const int width = width_;
+#pragma GCC ivdep
+  for (int u = 0; u < width; ++u) flags[u] = (z_m[u] > 0) & (piece[u] < 0) ? 1 : 0;
 }
 
 DEEPSLAM_WIDE_VECTORS void Fringe::FindBeside(int v) {
   const std::int32_t* const piece = pieces_->piece.row(v);
-  for (int u = 0; u < width_; ++u) {
-    const auto at = static_cast<std::size_t>(u) + 1;
-    const std::int32_t free = row_[at - 1] | row_[at + 1] | above_[at] | below_[at];
-    beside_[at - 1] = piece[u] >= 0 ? free : 0;
+  const std::int32_t* const above = above_.data() + 1;
+  const std::int32_t* const row = row_.data() + 1;
+  const std::int32_t* const below = below_.data() + 1;
+  std::int32_t* const beside = beside_.data();
+  const int width = width_;
+#pragma GCC ivdep
+  for (int u = 0; u < width; ++u) {
+    const std::int32_t free = row[u - 1] | row[u + 1] | above[u] | below[u];
+    beside[u] = piece[u] >= 0 ? free : 0;
   }
 }
 

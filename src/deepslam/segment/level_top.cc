@@ -180,16 +180,23 @@ DEEPSLAM_WIDE_VECTORS void MeetHeight(const std::vector<double>& rays_x,
                                       double height_m,
                                       RowAtHeight& row) {
   const double from_camera_m = height_m - ground_camera.d_m;
-  const Eigen::Vector3d& up = ground_camera.normal;
+  const Plane ground = ground_camera;
+  const GroundAxes on_ground = axes;
+  const double* const ray_x = rays_x.data();
+  double* const z_m = row.z_m.data();
+  double* const x_ground_m = row.x_ground_m.data();
+  double* const y_ground_m = row.y_ground_m.data();
   const std::size_t count = rays_x.size();
+#pragma GCC ivdep
   for (std::size_t n = 0; n < count; ++n) {
-    const double fall = up.x() * rays_x[n] + up.y() * ray_y + up.z();
+    const double fall =
+        ground.normal.x() * ray_x[n] + ground.normal.y() * ray_y + ground.normal.z();
     const double z = from_camera_m / fall;
-    const double x = z * rays_x[n];
+    const double x = z * ray_x[n];
     const double y = z * ray_y;
-    row.x_ground_m[n] = axes.Along(0, x, y, z);
-    row.y_ground_m[n] = axes.Along(1, x, y, z);
-    row.z_m[n] = fall < 0 ? z : 0.0;
+    x_ground_m[n] = on_ground.Along(0, x, y, z);
+    y_ground_m[n] = on_ground.Along(1, x, y, z);
+    z_m[n] = fall < 0 ? z : 0.0;
   }
 }
 

@@ -77,49 +77,80 @@ DEEPSLAM_WIDE_VECTORS void FindReach(const float* z_row, int width, const Steps&
   }
 }
 
+// `a` where all bits of `which` are set, `b` where none is. The compiler makes branches of `?:`
+// here.
+inline float Either(std::int32_t which, float a, float b) {
+  return std::bit_cast<float>((std::bit_cast<std::int32_t>(a) & which) |
+                              (std::bit_cast<std::int32_t>(b) & ~which));
+}
+
+// kLanes pixels of a row side by side, from `u` on.
+struct Lanes {
+  const float* x_m;
+  const float* y_m;
+  const float* z_m;
+};
+inline Lanes LanesAt(const PointImage& points, int u, int v) {
+  return {points.x_row(v) + u, points.y_row(v) + u, points.z_row(v) + u};
+}
+
 // From the cross of central differences over `radius` pixels, for kLanes pixels from `u` on.
 inline void FindNormals(const PointImage& points, int u, int v, int radius, Row& row) {
-  const std::array<const float*, 3> middle = {
-      points.x_row(v) + u, points.y_row(v) + u, points.z_row(v) + u};
-  const std::array<const float*, 3> above = {
-      points.x_row(v - radius) + u, points.y_row(v - radius) + u, points.z_row(v - radius) + u};
-  const std::array<const float*, 3> below = {
-      points.x_row(v + radius) + u, points.y_row(v + radius) + u, points.z_row(v + radius) + u};
-  float* const normal_x = row.x.data() + 1 + u;
-  float* const normal_y = row.y.data() + 1 + u;
-  float* const normal_z = row.z.data() + 1 + u;
+  const Lanes middle = LanesAt(points, u, v);
+  const Lanes right = LanesAt(points, u + radius, v);
+  const Lanes left = LanesAt(points, u - radius, v);
+  const Lanes below = LanesAt(points, u, v + radius);
+  const Lanes above = LanesAt(points, u, v - radius);
   const float* const reach_m = row.reach_m.data() + 1 + u;
   const std::int32_t* const radii = row.radius.data() + 1 + u;
+  float* const old_x = row.x.data() + 1 + u;
+  float* const old_y = row.y.data() + 1 + u;
+  float* const old_z = row.z.data() + 1 + u;
+  // Written apart from the row, so that the compiler need not fear for what it reads.
+  std::array<float, kLanes> normal_x;
+  std::array<float, kLanes> normal_y;
+  std::array<float, kLanes> normal_z;
   for (int n = 0; n < kLanes; ++n) {
-    const float x = middle[0][n];
-    const float y = middle[1][n];
-    const float z = middle[2][n];
-    const auto agrees = [&](float other) {
-      return (other > 0) & (std::abs(other - z) < reach_m[n]);
+    const float x = middle.x_m[n];
+    const float y = middle.y_m[n];
+    const float z = middle.z_m[n];
+    // A neighbour that agrees, else the pixel itself.
+    const auto step = [&](const Lanes& to, const Lanes& from) {
+      const float to_x = to.x_m[n];
+      const float to_y = to.y_m[n];
+      const float to_z = to.z_m[n];
+      const float from_x = from.x_m[n];
+      const float from_y = from.y_m[n];
+      const float from_z = from.z_m[n];
+      const auto agrees = [&](float other) {
+        return -static_cast<std::int32_t>((other > 0) & (std::abs(other - z) < reach_m[n]));
+      };
+      const std::int32_t use_to = agrees(to_z);
+      const std::int32_t use_from = agrees(from_z);
+      return std::array<float, 3>{Either(use_to, to_x, x) - Either(use_from, from_x, x),
+                                  Either(use_to, to_y, y) - Either(use_from, from_y, y),
+                                  Either(use_to, to_z, z) - Either(use_from, from_z, z)};
     };
-    const bool right = agrees(middle[2][n + radius]);
-    const bool left = agrees(middle[2][n - radius]);
-    const bool down = agrees(below[2][n]);
-    const bool up = agrees(above[2][n]);
-    const float ax = (right ? middle[0][n + radius] : x) - (left ? middle[0][n - radius] : x);
-    const float ay = (right ? middle[1][n + radius] : y) - (left ? middle[1][n - radius] : y);
-    const float az = (right ? middle[2][n + radius] : z) - (left ? middle[2][n - radius] : z);
-    const float bx = (down ? below[0][n] : x) - (up ? above[0][n] : x);
-    const float by = (down ? below[1][n] : y) - (up ? above[1][n] : y);
-    const float bz = (down ? below[2][n] : z) - (up ? above[2][n] : z);
-    const float cx = ay * bz - az * by;
-    const float cy = az * bx - ax * bz;
-    const float cz = ax * by - ay * bx;
-    const float length = std::sqrt(cx * cx + (cy * cy + cz * cz));
-    const bool found = (length > 0) & (radii[n] == radius);
-    const float nx = cx / length;
-    const float ny = cy / length;
-    const float nz = cz / length;
-    const bool away = nx * x + (ny * y + nz * z) > 0;
-    normal_x[n] = found ? (away ? -nx : nx) : normal_x[n];
-    normal_y[n] = found ? (away ? -ny : ny) : normal_y[n];
-    normal_z[n] = found ? (away ? -nz : nz) : normal_z[n];
+    const std::array<float, 3> along = step(right, left);
+    const std::array<float, 3> down = step(below, above);
+    const float cross_x = along[1] * down[2] - along[2] * down[1];
+    const float cross_y = along[2] * down[0] - along[0] * down[2];
+    const float cross_z = along[0] * down[1] - along[1] * down[0];
+    const float length = std::sqrt(cross_x * cross_x + (cross_y * cross_y + cross_z * cross_z));
+    const float unit_x = cross_x / length;
+    const float unit_y = cross_y / length;
+    const float unit_z = cross_z / length;
+    const std::int32_t away =
+        -static_cast<std::int32_t>(unit_x * x + (unit_y * y + unit_z * z) > 0);
+    const std::int32_t is_new = -static_cast<std::int32_t>((length > 0) & (radii[n] == radius));
+    const auto at = static_cast<std::size_t>(n);
+    normal_x[at] = Either(is_new, Either(away, -unit_x, unit_x), old_x[n]);
+    normal_y[at] = Either(is_new, Either(away, -unit_y, unit_y), old_y[n]);
+    normal_z[at] = Either(is_new, Either(away, -unit_z, unit_z), old_z[n]);
   }
+  std::copy(normal_x.begin(), normal_x.end(), old_x);
+  std::copy(normal_y.begin(), normal_y.end(), old_y);
+  std::copy(normal_z.begin(), normal_z.end(), old_z);
 }
 
 DEEPSLAM_WIDE_VECTORS void FindNormalsOfRow(const PointImage& points, int v, Row& row) {
