@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -91,53 +92,58 @@ struct PatchSums {
   Eigen::Matrix3d squares;
 };
 
+// Neighbouring columns of a patch. Spelt out as vectors because the compiler keeps sums of arrays
+// in memory; where processors have none so wide, it takes two.
+constexpr int kLanes = 8;
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+using LaneBits = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+static_assert(2 * kLanes > 2 * kMaxPatchRadius_px && 2 * kLanes <= PaddedDepth::kColumns);
+
 // Offsets are taken from differences of depth and pixels, which single precision holds well.
 DEEPSLAM_WIDE_VECTORS PatchSums
 SumPatch(const PaddedDepth& depth_m, const PinholeCamera& camera, int radius, int u, int v) {
-  constexpr int kLanes = 16;  // columns, from `radius` before the middle on
-  static_assert(kLanes > 2 * kMaxPatchRadius_px && kLanes <= PaddedDepth::kColumns);
   const float center = depth_m.Row(v)[u];
   const float steepest = SteepestPerPixel(camera) * center;
   const auto ray_u = static_cast<float>(u - camera.cx);
   const auto ray_v = static_cast<float>(v - camera.cy);
   const auto per_fx = static_cast<float>(1.0 / camera.fx);
   const auto per_fy = static_cast<float>(1.0 / camera.fy);
-  std::array<float, kLanes> du;
-  std::array<float, kLanes> noise;  // nothing agrees beyond the patch
-  for (int n = 0; n < kLanes; ++n) {
-    du[static_cast<std::size_t>(n)] = static_cast<float>(n - radius);
-    noise[static_cast<std::size_t>(n)] =
-        n > 2 * radius ? -std::numeric_limits<float>::infinity() : kNoise_m;
-  }
-  std::array<std::array<float, kLanes>, 10> sums{};
-  for (int dv = -radius; dv <= radius; ++dv) {
-    const float* const row = depth_m.Row(v + dv) + u - radius;
-    const auto down = static_cast<float>(dv);
-    const float down_steps = std::abs(down);
-    for (std::size_t n = 0; n < kLanes; ++n) {
-      const float other = row[n];
-      const float z = other - center;
-      const float num_steps = std::max(std::abs(du[n]), down_steps);
-      const bool counts = (other > 0) & (std::abs(z) <= noise[n] + steepest * num_steps);
-      const float one = counts ? 1.0F : 0.0F;
-      const float dz = one * z;
-      const float dx = one * (du[n] * other + ray_u * z) * per_fx;
-      const float dy = one * (down * other + ray_v * z) * per_fy;
-      sums[0][n] += one;
-      sums[1][n] += dx;
-      sums[2][n] += dy;
-      sums[3][n] += dz;
-      sums[4][n] += dx * dx;
-      sums[5][n] += dx * dy;
-      sums[6][n] += dx * dz;
-      sums[7][n] += dy * dy;
-      sums[8][n] += dy * dz;
-      sums[9][n] += dz * dz;
-    }
-  }
+  constexpr Lanes kColumns = {0, 1, 2, 3, 4, 5, 6, 7};
+  constexpr LaneBits kNoSign = LaneBits{} + 0x7FFFFFFF;
+  constexpr Lanes kOne = Lanes{} + 1.0F;
   std::array<double, 10> total{};
-  for (std::size_t k = 0; k < sums.size(); ++k) {
-    for (const float part : sums[k]) total[k] += static_cast<double>(part);
+  for (int first = -radius; first <= radius; first += kLanes) {
+    const Lanes du = kColumns + static_cast<float>(first);
+    const Lanes du_steps = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(du) & kNoSign);
+    const LaneBits in_patch = du <= static_cast<float>(radius);
+    std::array<Lanes, 10> sums{};
+    for (int dv = -radius; dv <= radius; ++dv) {
+      Lanes other;
+      std::memcpy(&other, depth_m.Row(v + dv) + u + first, sizeof(other));
+      const auto down = static_cast<float>(dv);
+      const float down_steps = std::abs(down);
+      const Lanes z = other - center;
+      const Lanes gap = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(z) & kNoSign);
+      const Lanes num_steps = du_steps > down_steps ? du_steps : Lanes{} + down_steps;
+      const LaneBits counts = in_patch & (other > 0.0F) & (gap <= kNoise_m + steepest * num_steps);
+      const Lanes one = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(kOne) & counts);
+      const Lanes dz = one * z;
+      const Lanes dx = one * (du * other + ray_u * z) * per_fx;
+      const Lanes dy = one * (down * other + ray_v * z) * per_fy;
+      sums[0] += one;
+      sums[1] += dx;
+      sums[2] += dy;
+      sums[3] += dz;
+      sums[4] += dx * dx;
+      sums[5] += dx * dy;
+      sums[6] += dx * dz;
+      sums[7] += dy * dy;
+      sums[8] += dy * dz;
+      sums[9] += dz * dz;
+    }
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      for (int n = 0; n < kLanes; ++n) total[k] += static_cast<double>(sums[k][n]);
+    }
   }
   PatchSums patch;
   patch.count = static_cast<int>(total[0]);
@@ -181,16 +187,23 @@ struct Pixel {
 std::vector<Pixel> CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
   std::vector<Pixel> pixels;
   const float steepest = SteepestPerPixel(view.camera);
-  std::vector<std::int32_t> is_coherent(static_cast<std::size_t>(depth_m.width()));
+  const int width = view.mask_crop.width();
+  std::vector<std::int32_t> is_coherent(static_cast<std::size_t>(width));
+  std::vector<double> rays_x(static_cast<std::size_t>(width));
+  for (int u = 0; u < width; ++u) {
+    rays_x[static_cast<std::size_t>(u)] = view.camera.Ray(u, 0).x();
+  }
   for (int v = 0; v < view.mask_crop.height(); ++v) {
     FindCoherent(depth_m, steepest, v, is_coherent);
     const std::uint8_t* const in_mask = view.mask_crop.row(v);
-    for (int u = 0; u < view.mask_crop.width(); ++u) {
-      if (in_mask[u] == 0 || is_coherent[static_cast<std::size_t>(u)] == 0) continue;
+    const double ray_y = view.camera.Ray(0, v).y();
+    for (int u = 0; u < width; ++u) {
+      const auto column = static_cast<std::size_t>(u);
+      if (in_mask[u] == 0 || is_coherent[column] == 0) continue;
+      const double z = static_cast<double>(depth_m.Row(v)[u]);
+      const Eigen::Vector3d point = {z * rays_x[column], z * ray_y, z};
       pixels.push_back(
-          {static_cast<std::int16_t>(u),
-           static_cast<std::int16_t>(v),
-           view.camera.Unproject(u, v, static_cast<double>(depth_m.Row(v)[u])).cast<float>()});
+          {static_cast<std::int16_t>(u), static_cast<std::int16_t>(v), point.cast<float>()});
     }
   }
   return pixels;
@@ -221,20 +234,41 @@ class CellNumbers {
   std::uint32_t count_ = 0;
 };
 
+std::uint64_t CellOf(const Eigen::Vector3f& point, float cell_m) {
+  std::uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float scaled = point[axis] / cell_m;
+    auto cell = static_cast<std::int64_t>(scaled);  // std::floor is a call on some processors
+    cell -= static_cast<float>(cell) > scaled ? 1 : 0;
+    key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
+  }
+  return key;
+}
+
+// Whether a few of the pixels already fill too many cells.
+bool ClearlyMoreCells(const std::vector<Pixel>& pixels, float cell_m, std::size_t max_cells) {
+  constexpr std::size_t kPerCell = 8;  // enough to meet nearly all
+  const std::size_t step = pixels.size() / (kPerCell * max_cells);
+  if (step < 2) return false;
+  CellNumbers numbers(max_cells + 1);
+  for (std::size_t n = 0; n < pixels.size(); n += step) {
+    numbers.NumberOf(CellOf(pixels[n].point, cell_m));
+    if (numbers.count() > max_cells) return true;
+  }
+  return false;
+}
+
 // One pixel per cell of a cubic raster, the middle one in scan order; nothing where there are more
 // than `max_cells`.
 std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels,
                                     float cell_m,
                                     std::size_t max_cells) {
+  if (ClearlyMoreCells(pixels, cell_m, max_cells)) return {};
   CellNumbers numbers(max_cells + 1);
   std::vector<std::uint32_t> cell_of(pixels.size());
   std::uint64_t last_key = ~std::uint64_t{0};  // no cell's
   for (std::size_t n = 0; n < pixels.size(); ++n) {
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto cell = static_cast<std::int64_t>(std::floor(pixels[n].point[axis] / cell_m));
-      key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
-    }
+    const std::uint64_t key = CellOf(pixels[n].point, cell_m);
     // Most pixels fall into the cell of the one beside them.
     cell_of[n] = key == last_key ? cell_of[n - 1] : numbers.NumberOf(key);
     last_key = key;
