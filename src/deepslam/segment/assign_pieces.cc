@@ -28,6 +28,39 @@ struct Piece {
   [[nodiscard]] Eigen::Vector3d Center() const { return sum / std::max(1, num_free); }
 };
 
+// Counts and sums the pixels of claimed pieces that nobody owns.
+void CountFree(const ImagePieces& pieces,
+               const Owners& owners,
+               const Mask& covered,
+               std::vector<Piece>& survey) {
+  for (int v = 0; v < owners.height(); ++v) {
+    const std::int32_t* const ids = pieces.piece.row(v);
+    const std::int32_t* const owner = owners.row(v);
+    for (int u = 0; u < owners.width();) {
+      const std::int32_t id = ids[u];
+      if (id < 0 || survey[static_cast<std::size_t>(id)].claims.empty()) {
+        ++u;
+        continue;
+      }
+      // Sums of a run of pixels stay in registers.
+      Piece& piece = survey[static_cast<std::size_t>(id)];
+      int num_free = 0;
+      int num_covered = 0;
+      Eigen::Vector3d sum = piece.sum;
+      for (; u < owners.width() && ids[u] == id; ++u) {
+        if (owner[u] >= 0) continue;
+        ++num_free;
+        num_covered += covered(u, v);
+        sum += pieces.points_camera(u, v).cast<double>();
+      }
+      piece.id = id;
+      piece.num_free += num_free;
+      piece.num_covered += num_covered;
+      piece.sum = sum;
+    }
+  }
+}
+
 std::vector<Piece> Survey(const ImagePieces& pieces,
                           std::span<const Region> regions,
                           const std::vector<bool>& takes_pieces,
@@ -51,16 +84,7 @@ std::vector<Piece> Survey(const ImagePieces& pieces,
       ++piece->claims.back().num_pixels;
     });
   }
-  for (int v = 0; v < owners.height(); ++v) {
-    for (int u = 0; u < owners.width(); ++u) {
-      Piece* piece = free_piece(u, v);
-      if (piece == nullptr) continue;
-      piece->id = pieces.piece(u, v);
-      ++piece->num_free;
-      piece->num_covered += covered(u, v);
-      piece->sum += pieces.points_camera(u, v).cast<double>();
-    }
-  }
+  CountFree(pieces, owners, covered, survey);
   std::erase_if(survey, [](const Piece& piece) { return piece.claims.empty(); });
   std::stable_sort(survey.begin(), survey.end(), [](const Piece& a, const Piece& b) {
     return a.num_free > b.num_free;

@@ -1,8 +1,8 @@
 // Groups of points that lie near each other in space.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -22,11 +22,20 @@ struct Groups {
 
   // The group with the largest sum of weights (index of a point -> weight); -1 when there are no
   // points.
-  [[nodiscard]] int Heaviest(const std::function<double(std::size_t)>& weight) const;
+  template <typename Weight>
+  [[nodiscard]] int Heaviest(const Weight& weight) const {
+    std::vector<double> sums(static_cast<std::size_t>(count), 0.0);
+    for (std::size_t i = 0; i < of_point.size(); ++i) {
+      sums[static_cast<std::size_t>(of_point[i])] += weight(i);
+    }
+    if (sums.empty()) return -1;
+    return static_cast<int>(std::max_element(sums.begin(), sums.end()) - sums.begin());
+  }
 };
 
 // Points belong to one group when a chain of points leads from one to the other with steps of about
-// `gap_m` at most (between 0.7 and 1.4 times that: cells of a grid are compared, not points).
+// `gap_m` at most (between 0.7 and 1.4 times that: cells of a grid are compared, not points). Up to
+// 700 thousand times `gap_m` from the camera.
 [[nodiscard]] Groups ConnectPoints(std::span<const PixelPoint> points, double gap_m);
 
 }  // namespace deepslam::segment

@@ -1,43 +1,66 @@
 #include "deepslam/segment/fill_unmeasured.h"
 
 #include <algorithm>
-#include <functional>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace deepslam::segment {
 namespace {
 
-// A row or a column of the region: pixel i lies at (u + i du, v + i dv).
-struct Line {
-  int u = 0;
-  int v = 0;
-  int du = 0;
-  int dv = 0;
-  int length = 0;
+// Up to which width pixels without depth between two of the mask are filled.
+struct Gap {
+  double focal_px = 0;
+  double gap_m = 0;
+
+  [[nodiscard]] bool IsClosed(int num_pixels, float depth_a_m, float depth_b_m) const {
+    const double nearer_m = std::min(depth_a_m, depth_b_m);
+    return num_pixels * nearer_m <= gap_m * focal_px;
+  }
 };
 
-// Visits the runs of pixels without depth that two pixels of the mask enclose closely enough.
-void VisitGaps(const DepthImage& depth_m,
-               const Mask& mask,
-               const Line& line,
-               double focal_px,
-               double gap_m,
-               const std::function<void(int, int)>& visit) {
-  int before = -1;  // the last pixel with depth
-  for (int i = 0; i < line.length; ++i) {
-    const int u = line.u + i * line.du;
-    const int v = line.v + i * line.dv;
-    if (!(depth_m(u, v) > 0)) continue;
-    if (before >= 0 && before + 1 < i && mask(u, v) != 0) {
-      const int u_before = line.u + before * line.du;
-      const int v_before = line.v + before * line.dv;
-      const double nearer_m = std::min(depth_m(u, v), depth_m(u_before, v_before));
-      if (mask(u_before, v_before) != 0 && (i - before - 1) * nearer_m <= gap_m * focal_px) {
-        for (int k = before + 1; k < i; ++k) visit(line.u + k * line.du, line.v + k * line.dv);
+// Calls visit(u, v) for the pixels of closed gaps within rows.
+template <typename Visit>
+void VisitGapsOfRows(const DepthImage& depth_m,
+                     const Mask& mask,
+                     const Region& region,
+                     const Gap& gap,
+                     const Visit& visit) {
+  for (int v = region.v_min; v <= region.v_max; ++v) {
+    const float* const depth = depth_m.row(v);
+    const std::uint8_t* const in_mask = mask.row(v);
+    int before = -1;  // the last pixel with depth
+    for (int u = region.u_min; u <= region.u_max; ++u) {
+      if (!(depth[u] > 0)) continue;
+      if (before >= 0 && before + 1 < u && in_mask[u] != 0 && in_mask[before] != 0 &&
+          gap.IsClosed(u - before - 1, depth[u], depth[before])) {
+        for (int k = before + 1; k < u; ++k) visit(k, v);
       }
+      before = u;
     }
-    before = i;
+  }
+}
+
+// The same within columns; these are read row by row.
+template <typename Visit>
+void VisitGapsOfColumns(const DepthImage& depth_m,
+                        const Mask& mask,
+                        const Region& region,
+                        const Gap& gap,
+                        const Visit& visit) {
+  std::vector<int> last(static_cast<std::size_t>(region.u_max - region.u_min) + 1, -1);
+  for (int v = region.v_min; v <= region.v_max; ++v) {
+    const float* const depth = depth_m.row(v);
+    const std::uint8_t* const in_mask = mask.row(v);
+    for (int u = region.u_min; u <= region.u_max; ++u) {
+      if (!(depth[u] > 0)) continue;
+      int& before = last[static_cast<std::size_t>(u - region.u_min)];
+      if (before >= 0 && before + 1 < v && in_mask[u] != 0 && mask(u, before) != 0 &&
+          gap.IsClosed(v - before - 1, depth[u], depth_m(u, before))) {
+        for (int k = before + 1; k < v; ++k) visit(u, k);
+      }
+      before = v;
+    }
   }
 }
 
@@ -54,12 +77,8 @@ void FillUnmeasured(const DepthImage& depth_m,
   const auto fill = [&](int u, int v) {
     if (region.Contains(u, v) && taken(u, v) == 0) filled.emplace_back(u, v);
   };
-  const int width = region.u_max - region.u_min + 1;
-  const int height = region.v_max - region.v_min + 1;
-  for (int v = region.v_min; v <= region.v_max; ++v)
-    VisitGaps(depth_m, mask, {region.u_min, v, 1, 0, width}, camera.fx, gap_m, fill);
-  for (int u = region.u_min; u <= region.u_max; ++u)
-    VisitGaps(depth_m, mask, {u, region.v_min, 0, 1, height}, camera.fy, gap_m, fill);
+  VisitGapsOfRows(depth_m, mask, region, {camera.fx, gap_m}, fill);
+  VisitGapsOfColumns(depth_m, mask, region, {camera.fy, gap_m}, fill);
   for (const auto& [u, v] : filled) {
     mask(u, v) = 1;
     taken(u, v) = 1;

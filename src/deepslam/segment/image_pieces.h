@@ -6,11 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
+#include "deepslam/segment/point_image.h"
 #include "deepslam/segment/segment_objects.h"
 
 namespace deepslam::segment {
@@ -18,7 +17,7 @@ namespace deepslam::segment {
 // Points and their pieces. Pixels without usable depth and pixels on the ground have point z = 0
 // and piece -1.
 struct ImagePieces {
-  Image<Eigen::Vector3f> points_camera;
+  PointImage points_camera;
   Image<float> height_m;        // above the ground; 0 where no ground is known
   Mask horizontal;              // 1: surface faces up (needs a ground)
   Mask beyond;                  // 1: the ray was seen to go on to the ground or out of reach

@@ -1,15 +1,17 @@
 #include "deepslam/segment/level_top.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/segment/connect.h"
+#include "deepslam/segment/outline.h"
 
 namespace deepslam::segment {
 namespace {
@@ -28,55 +30,42 @@ constexpr double kLeastReach = 0.01;  // share of a piece's pixels that must com
 constexpr double kLeg_m = 0.15;       // parts of legs are no wider, seen from above
 constexpr int kMinTop_px = 150;
 
+constexpr int kNumBins = PieceHeights::kNumBins;
+static_assert(kNumBins == static_cast<int>((kHighest_m - kLowest_m) / kBin_m) + 1);
+
 double ThicknessAt(double depth_m) { return kThickness_m + kThicknessPerM2 * depth_m * depth_m; }
 
-double Cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return (a - o).x() * (b - o).y() - (a - o).y() * (b - o).x();
+// Rounds down; below the lowest bin anything negative.
+int BinOf(double height_m) {
+  const double bin = (height_m - kLowest_m) / kBin_m;
+  return bin < 0 ? -1 : static_cast<int>(bin);
 }
 
-// Andrew's monotone chain.
-std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  std::vector<Eigen::Vector2d> hull;
-  const auto add = [&hull](const Eigen::Vector2d& p, std::size_t keep) {
-    while (hull.size() >= keep + 2 && Cross(hull[hull.size() - 2], hull.back(), p) <= 0) {
-      hull.pop_back();
-    }
-    hull.push_back(p);
-  };
-  for (const Eigen::Vector2d& p : points) add(p, 0);
-  const std::size_t lower = hull.size() - 1;
-  for (auto p = points.rbegin(); p != points.rend(); ++p) add(*p, lower);
-  hull.pop_back();
-  return hull;
-}
-
-// Twice the area of a counter-clockwise polygon.
-double DoubleArea(const std::vector<Eigen::Vector2d>& hull) {
-  double sum = 0;
-  for (std::size_t i = 1; i + 1 < hull.size(); ++i) sum += Cross(hull[0], hull[i], hull[i + 1]);
-  return sum;
-}
-
-// Not farther than `margin_m` out of the hull.
-bool Inside(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& p, double margin_m) {
-  const std::size_t n = hull.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Vector2d& a = hull[i];
-    const Eigen::Vector2d& b = hull[(i + 1) % n];
-    if (Cross(a, b, p) < -margin_m * (b - a).norm()) return false;
+DEEPSLAM_WIDE_VECTORS void FindBins(const float* height_m, int count, std::int32_t* bins) {
+  for (int n = 0; n < count; ++n) {
+    const double bin = (height_m[n] - kLowest_m) / kBin_m;
+    bins[n] = bin < 0 ? -1 : static_cast<std::int32_t>(std::min(bin, 1.0 * kNumBins));
   }
-  return n >= 3;
 }
 
-constexpr int kNumBins = static_cast<int>((kHighest_m - kLowest_m) / kBin_m) + 1;
+// Where a point in camera axes lies on the ground.
+struct GroundAxes {
+  Eigen::Matrix<double, 3, 2> basis;
+
+  explicit GroundAxes(const Plane& ground_camera)
+      : basis(GroundTangentBasis(ground_camera.normal)) {}
+  [[nodiscard]] double Along(int axis, double x, double y, double z) const {
+    return basis(0, axis) * x + basis(1, axis) * y + basis(2, axis) * z;
+  }
+};
 
 // What a region holds at the heights where tops are.
 class Layers {
  public:
-  Layers(const ImagePieces& pieces, const Region& region, const Owners& owners);
+  Layers(const ImagePieces& pieces,
+         std::span<const PieceHeights> heights,
+         const Region& region,
+         const Owners& owners);
 
   // Heights at which more lies than just above and below.
   [[nodiscard]] std::vector<double> PeakHeights() const;
@@ -85,56 +74,46 @@ class Layers {
   [[nodiscard]] std::vector<PixelPoint> At(double height_m, const SegmentOptions& options) const;
 
  private:
-  struct Heights {
-    int all = 0;
-    std::array<int, kNumBins + 1> from_bin{};  // pixels in this bin or higher; at first: in it
+  struct Pixel {
+    int u, v;
   };
   [[nodiscard]] bool EndsAt(std::int32_t piece, double height_m, double thickness_m) const;
 
   const ImagePieces* pieces_;
-  std::vector<Heights> heights_;  // per piece
-  std::vector<PixelPoint> points_;
+  std::span<const PieceHeights> heights_;  // per piece
+  std::vector<Pixel> pixels_;
+  std::vector<float> height_m_;  // of the pixels
+  std::vector<float> depth_m_;
 };
 
-int BinOf(double height_m) { return static_cast<int>(std::floor((height_m - kLowest_m) / kBin_m)); }
-
-Layers::Layers(const ImagePieces& pieces, const Region& region, const Owners& owners)
-    : pieces_(&pieces), heights_(pieces.num_pixels.size()) {
-  for (int v = 0; v < pieces.piece.height(); ++v) {
-    for (int u = 0; u < pieces.piece.width(); ++u) {
-      const std::int32_t id = pieces.piece(u, v);
-      if (id < 0) continue;
-      Heights& heights = heights_[static_cast<std::size_t>(id)];
-      ++heights.all;
-      const int bin = std::min(BinOf(pieces.height_m(u, v)), kNumBins);
-      if (bin >= 0) ++heights.from_bin[static_cast<std::size_t>(bin)];
-    }
-  }
-  for (Heights& heights : heights_) {
-    for (int bin = kNumBins; bin > 0; --bin) {
-      heights.from_bin[static_cast<std::size_t>(bin - 1)] +=
-          heights.from_bin[static_cast<std::size_t>(bin)];
-    }
-  }
+Layers::Layers(const ImagePieces& pieces,
+               std::span<const PieceHeights> heights,
+               const Region& region,
+               const Owners& owners)
+    : pieces_(&pieces), heights_(heights) {
   region.ForEach([&](int u, int v) {
-    const Eigen::Vector3f& p = pieces.points_camera(u, v);
-    if (!(p.z() > 0) || owners(u, v) >= 0 || pieces.piece(u, v) < 0) return;
     const double height_m = pieces.height_m(u, v);
-    if (height_m >= kLowest_m && height_m < kHighest_m) points_.push_back({u, v, p});
+    if (!(height_m >= kLowest_m && height_m < kHighest_m)) return;
+    if (pieces.piece(u, v) < 0 || owners(u, v) >= 0) return;
+    pixels_.push_back({u, v});
+    height_m_.push_back(pieces.height_m(u, v));
+    depth_m_.push_back(pieces.points_camera.z_m(u, v));
   });
 }
 
 bool Layers::EndsAt(std::int32_t piece, double height_m, double thickness_m) const {
-  const Heights& heights = heights_[static_cast<std::size_t>(piece)];
+  const PieceHeights& heights = heights_[static_cast<std::size_t>(piece)];
   const int bin = std::clamp(BinOf(height_m + thickness_m) + 1, 0, kNumBins);
   return heights.from_bin[static_cast<std::size_t>(bin)] <= kMostAbove * heights.all;
 }
 
 std::vector<double> Layers::PeakHeights() const {
   std::vector<double> area(kNumBins, 0.0);  // pixels weigh what they cover in space
-  for (const PixelPoint& p : points_) {
-    const double z = p.p_camera.z();
-    area[static_cast<std::size_t>(BinOf(pieces_->height_m(p.u, p.v)))] += z * z;
+  std::vector<std::int32_t> bins(pixels_.size());
+  FindBins(height_m_.data(), static_cast<int>(bins.size()), bins.data());
+  for (std::size_t n = 0; n < bins.size(); ++n) {
+    const double z = depth_m_[n];
+    area[static_cast<std::size_t>(bins[n])] += z * z;
   }
   const auto window = [&](int i) {
     const auto at = static_cast<std::size_t>(i);
@@ -153,21 +132,72 @@ std::vector<double> Layers::PeakHeights() const {
   return peaks;
 }
 
+DEEPSLAM_WIDE_VECTORS void MarkNearHeight(const float* height_m,
+                                          const float* depth_m,
+                                          std::size_t count,
+                                          double of_top_m,
+                                          std::int32_t* near) {
+  for (std::size_t n = 0; n < count; ++n) {
+    const double z = depth_m[n];
+    near[n] = std::abs(height_m[n] - of_top_m) <= ThicknessAt(z) ? 1 : 0;
+  }
+}
+
 std::vector<PixelPoint> Layers::At(double height_m, const SegmentOptions& options) const {
+  std::vector<std::int32_t> near(pixels_.size());
+  MarkNearHeight(height_m_.data(), depth_m_.data(), near.size(), height_m, near.data());
   std::vector<PixelPoint> layer;
-  for (const PixelPoint& p : points_) {
-    const double thickness_m = ThicknessAt(p.p_camera.z());
-    if (std::abs(pieces_->height_m(p.u, p.v) - height_m) > thickness_m) continue;
-    const bool level = pieces_->horizontal(p.u, p.v) != 0;
-    if (level || EndsAt(pieces_->piece(p.u, p.v), height_m, thickness_m)) layer.push_back(p);
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    if (near[n] == 0) continue;
+    const auto [u, v] = pixels_[n];
+    const bool level = pieces_->horizontal(u, v) != 0;
+    if (level || EndsAt(pieces_->piece(u, v), height_m, ThicknessAt(depth_m_[n])))
+      layer.push_back({u, v, pieces_->points_camera(u, v)});
   }
   const Groups groups = ConnectPoints(layer, std::max(kGap_m, options.join_m));
+  if (groups.count == 1) return layer;
   const int main = groups.Heaviest([](std::size_t) { return 1.0; });
   std::vector<PixelPoint> largest;
   for (std::size_t i = 0; i < layer.size(); ++i) {
     if (groups.of_point[i] == main) largest.push_back(layer[i]);
   }
   return largest;
+}
+
+// Where the rays through a row of the image, every other pixel, meet the height of a top.
+struct RowAtHeight {
+  explicit RowAtHeight(std::size_t size) : z_m(size), x_ground_m(size), y_ground_m(size) {}
+
+  std::vector<double> z_m;  // not above 0: they do not meet it
+  std::vector<double> x_ground_m;
+  std::vector<double> y_ground_m;
+};
+
+DEEPSLAM_WIDE_VECTORS void MeetHeight(const std::vector<double>& rays_x,
+                                      double ray_y,
+                                      const Plane& ground_camera,
+                                      const GroundAxes& axes,
+                                      double height_m,
+                                      RowAtHeight& row) {
+  const double from_camera_m = height_m - ground_camera.d_m;
+  const Plane ground = ground_camera;
+  const GroundAxes on_ground = axes;
+  const double* const ray_x = rays_x.data();
+  double* const z_m = row.z_m.data();
+  double* const x_ground_m = row.x_ground_m.data();
+  double* const y_ground_m = row.y_ground_m.data();
+  const std::size_t count = rays_x.size();
+#pragma GCC ivdep
+  for (std::size_t n = 0; n < count; ++n) {
+    const double fall =
+        ground.normal.x() * ray_x[n] + ground.normal.y() * ray_y + ground.normal.z();
+    const double z = from_camera_m / fall;
+    const double x = z * ray_x[n];
+    const double y = z * ray_y;
+    x_ground_m[n] = on_ground.Along(0, x, y, z);
+    y_ground_m[n] = on_ground.Along(1, x, y, z);
+    z_m[n] = fall < 0 ? z : 0.0;
+  }
 }
 
 // Share of the rays through a supposed top that end on it, of those that end on it or go on below:
@@ -180,26 +210,40 @@ double OpaqueShare(const ImagePieces& pieces,
                    const LevelTop& top) {
   constexpr int kStep_px = 2;
   if (ground_camera.d_m <= top.height_m) return 1.0;  // seen from below
-  const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
+  const GroundAxes axes(ground_camera);
+  std::vector<double> rays_x;
+  for (int u = region.u_min; u <= region.u_max; u += kStep_px)
+    rays_x.push_back(camera.Ray(u, 0).x());
+  RowAtHeight row(rays_x.size());
+  WithinHull within(top.hull_ground_m, 0.0);
   int on = 0;
   int below = 0;
   for (int v = region.v_min; v <= region.v_max; v += kStep_px) {
-    for (int u = region.u_min; u <= region.u_max; u += kStep_px) {
-      const Eigen::Vector3f& p = pieces.points_camera(u, v);
+    MeetHeight(rays_x, camera.Ray(0, v).y(), ground_camera, axes, top.height_m, row);
+    for (std::size_t n = 0; n < rays_x.size(); ++n) {
+      const int u = region.u_min + kStep_px * static_cast<int>(n);
       const bool beyond = pieces.beyond(u, v) != 0;
-      if (!(p.z() > 0) && !beyond) continue;
-      const Eigen::Vector3d ray = camera.Ray(u, v);
-      const double fall = ground_camera.normal.dot(ray);
-      if (fall >= 0) continue;
-      const double z_m = (top.height_m - ground_camera.d_m) / fall;
-      if (!Inside(top.hull_ground_m, basis.transpose() * (z_m * ray), 0.0)) continue;
+      if (!(pieces.points_camera.z_m(u, v) > 0) && !beyond) continue;
+      if (!(row.z_m[n] > 0) || !within(row.x_ground_m[n], row.y_ground_m[n])) continue;
       const double over_m = beyond ? -1.0 : pieces.height_m(u, v) - top.height_m;
-      const double thickness_m = ThicknessAt(z_m);
+      const double thickness_m = ThicknessAt(row.z_m[n]);
       on += std::abs(over_m) <= thickness_m ? 1 : 0;
       below += over_m < -thickness_m ? 1 : 0;
     }
   }
   return on > 0 ? static_cast<double>(on) / (on + below) : 0.0;
+}
+
+PlanarPoints OnGround(std::span<const PixelPoint> pixels, const GroundAxes& axes) {
+  PlanarPoints on_ground;
+  on_ground.x_m.reserve(pixels.size());
+  on_ground.y_m.reserve(pixels.size());
+  for (const PixelPoint& pixel : pixels) {
+    const Eigen::Vector3d p = pixel.p_camera.cast<double>();
+    on_ground.x_m.push_back(axes.Along(0, p.x(), p.y(), p.z()));
+    on_ground.y_m.push_back(axes.Along(1, p.x(), p.y(), p.z()));
+  }
+  return on_ground;
 }
 
 struct FoundTop {
@@ -211,27 +255,28 @@ struct FoundTop {
 // pixels, since dark, shiny and glass tops return depth at their rims alone while seats before them
 // return all.
 std::optional<FoundTop> FindTop(const ImagePieces& pieces,
+                                std::span<const PieceHeights> heights,
                                 const PinholeCamera& camera,
                                 const Plane& ground_camera,
                                 const Region& region,
                                 const Owners& owners,
                                 const SegmentOptions& options) {
   constexpr double kLeastOpaque = 0.5;
-  const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
-  const Layers layers(pieces, region, owners);
+  const GroundAxes axes(ground_camera);
+  const Layers layers(pieces, heights, region, owners);
   std::optional<FoundTop> best;
   double best_score = 0;
   for (const double height_m : layers.PeakHeights()) {
     FoundTop found;
     found.pixels = layers.At(height_m, options);
     if (found.pixels.size() < static_cast<std::size_t>(kMinTop_px)) continue;
-    std::vector<Eigen::Vector2d> on_ground_m;
-    for (const PixelPoint& p : found.pixels)
-      on_ground_m.emplace_back(basis.transpose() * p.p_camera.cast<double>());
-    found.top = {height_m, ConvexHull(std::move(on_ground_m))};
+    found.top = {height_m, ConvexHull(OnGround(found.pixels, axes))};
     if (found.top.hull_ground_m.size() < 3) continue;
+    // The share is 1 at most.
+    const double double_area_m2 = DoubleArea(found.top.hull_ground_m);
+    if (double_area_m2 <= best_score) continue;
     const double opaque = OpaqueShare(pieces, camera, ground_camera, region, found.top);
-    const double score = opaque * DoubleArea(found.top.hull_ground_m);
+    const double score = opaque * double_area_m2;
     if (opaque < kLeastOpaque || score <= best_score) continue;
     best_score = score;
     best = std::move(found);
@@ -241,31 +286,45 @@ std::optional<FoundTop> FindTop(const ImagePieces& pieces,
 
 }  // namespace
 
+std::vector<PieceHeights> HeightsOf(const ImagePieces& pieces) {
+  std::vector<PieceHeights> heights(pieces.num_pixels.size());
+  const int width = pieces.piece.width();
+  std::vector<std::int32_t> bins(static_cast<std::size_t>(width));
+  for (int v = 0; v < pieces.piece.height(); ++v) {
+    FindBins(pieces.height_m.row(v), width, bins.data());
+    const std::int32_t* const piece = pieces.piece.row(v);
+    for (int u = 0; u < width; ++u) {
+      if (piece[u] < 0) continue;
+      PieceHeights& of_piece = heights[static_cast<std::size_t>(piece[u])];
+      ++of_piece.all;
+      const std::int32_t bin = bins[static_cast<std::size_t>(u)];
+      if (bin >= 0) ++of_piece.from_bin[static_cast<std::size_t>(bin)];
+    }
+  }
+  for (PieceHeights& of_piece : heights) {
+    for (std::size_t bin = kNumBins; bin > 0; --bin) {
+      of_piece.from_bin[bin - 1] += of_piece.from_bin[bin];
+    }
+  }
+  return heights;
+}
+
 std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
+                                      std::span<const PieceHeights> heights,
                                       const PinholeCamera& camera,
                                       const Plane& ground_camera,
                                       const Region& region,
                                       int owner,
                                       const SegmentOptions& options,
                                       Owners& owners) {
-  std::optional<FoundTop> found = FindTop(pieces, camera, ground_camera, region, owners, options);
+  std::optional<FoundTop> found =
+      FindTop(pieces, heights, camera, ground_camera, region, owners, options);
   if (!found) return std::nullopt;
   for (const PixelPoint& p : found->pixels) owners(p.u, p.v) = owner;
   return std::move(found->top);
 }
 
 namespace {
-
-// `p_ground_m`: the point in the ground's axes.
-bool IsUnder(const LevelTop& top,
-             const Plane& ground_camera,
-             const Eigen::Vector3d& p_camera,
-             const Eigen::Vector2d& p_ground_m) {
-  if (ground_camera.SignedDistance(p_camera) > top.height_m + ThicknessAt(p_camera.z())) {
-    return false;
-  }
-  return Inside(top.hull_ground_m, p_ground_m, kEdge_m);
-}
 
 // A piece of the image beside a top above it.
 struct Support {
@@ -281,26 +340,73 @@ struct Support {
   }
 };
 
+// How a row's points lie to a top.
+struct RowUnderTop {
+  explicit RowUnderTop(int width)
+      : x_ground_m(static_cast<std::size_t>(width)),
+        y_ground_m(x_ground_m.size()),
+        relation(x_ground_m.size()) {}
+
+  enum Relation : std::int32_t { kAbove = 1, kReaching = 2, kLowEnough = 4 };
+
+  std::vector<double> x_ground_m;
+  std::vector<double> y_ground_m;
+  std::vector<std::int32_t> relation;
+};
+
+DEEPSLAM_WIDE_VECTORS void CompareRow(const ImagePieces& pieces,
+                                      const Plane& ground_camera,
+                                      const GroundAxes& axes,
+                                      double of_top_m,
+                                      int v,
+                                      RowUnderTop& row) {
+  const float* const x_row = pieces.points_camera.x_row(v);
+  const float* const y_row = pieces.points_camera.y_row(v);
+  const float* const z_row = pieces.points_camera.z_row(v);
+  const float* const height_m = pieces.height_m.row(v);
+  const Eigen::Vector3d& up = ground_camera.normal;
+  const std::size_t width = row.relation.size();
+  for (std::size_t u = 0; u < width; ++u) {
+    const double x = x_row[u];
+    const double y = y_row[u];
+    const double z = z_row[u];
+    const double over_m = height_m[u] - of_top_m;
+    const double thickness_m = ThicknessAt(z);
+    const double from_ground_m = up.x() * x + up.y() * y + up.z() * z + ground_camera.d_m;
+    const bool above = over_m > thickness_m;
+    const bool reaching = (over_m > -kReach_m) & (over_m <= thickness_m);
+    const bool low_enough = from_ground_m <= of_top_m + thickness_m;
+    row.relation[u] = (above ? RowUnderTop::kAbove : 0) | (reaching ? RowUnderTop::kReaching : 0) |
+                      (low_enough ? RowUnderTop::kLowEnough : 0);
+    row.x_ground_m[u] = axes.Along(0, x, y, z);
+    row.y_ground_m[u] = axes.Along(1, x, y, z);
+  }
+}
+
 std::vector<Support> SurveySupports(const ImagePieces& pieces,
                                     const Plane& ground_camera,
                                     const LevelTop& top,
                                     const Owners& owners,
                                     Mask& under) {
-  const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
+  const GroundAxes axes(ground_camera);
+  WithinHull within(top.hull_ground_m, kEdge_m);
+  RowUnderTop row(owners.width());
   std::vector<Support> supports(pieces.num_pixels.size());
   for (int v = 0; v < owners.height(); ++v) {
+    CompareRow(pieces, ground_camera, axes, top.height_m, v, row);
     for (int u = 0; u < owners.width(); ++u) {
       const std::int32_t id = pieces.piece(u, v);
       if (id < 0 || owners(u, v) >= 0) continue;
+      const auto at = static_cast<std::size_t>(u);
       Support& support = supports[static_cast<std::size_t>(id)];
-      const Eigen::Vector3d p = pieces.points_camera(u, v).cast<double>();
-      const double over_m = pieces.height_m(u, v) - top.height_m;
+      const std::int32_t relation = row.relation[at];
       ++support.all;
-      support.above += over_m > ThicknessAt(p.z()) ? 1 : 0;
-      support.reaching += over_m > -kReach_m && over_m <= ThicknessAt(p.z()) ? 1 : 0;
-      const Eigen::Vector2d p_ground_m = basis.transpose() * p;
-      support.on_ground_m.extend(p_ground_m);
-      if (!IsUnder(top, ground_camera, p, p_ground_m)) continue;
+      support.above += (relation & RowUnderTop::kAbove) != 0 ? 1 : 0;
+      support.reaching += (relation & RowUnderTop::kReaching) != 0 ? 1 : 0;
+      const double x_m = row.x_ground_m[at];
+      const double y_m = row.y_ground_m[at];
+      support.on_ground_m.extend(Eigen::Vector2d(x_m, y_m));
+      if ((relation & RowUnderTop::kLowEnough) == 0 || !within(x_m, y_m)) continue;
       under(u, v) = 1;
       ++support.under;
       support.level += pieces.horizontal(u, v);
@@ -309,24 +415,25 @@ std::vector<Support> SurveySupports(const ImagePieces& pieces,
   return supports;
 }
 
+using Touch = std::pair<std::int32_t, std::int32_t>;
+
 // Pieces that touch in the image and in depth, each pair once.
-std::vector<std::pair<std::int32_t, std::int32_t>> TouchingPieces(const ImagePieces& pieces,
-                                                                  const SegmentOptions& options) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> touching;
+std::vector<Touch> TouchingPieces(const ImagePieces& pieces, const SegmentOptions& options) {
+  std::vector<Touch> touching;
   const auto touch = [&](int u, int v, int to_u, int to_v) {
-    if (!pieces.piece.Contains(to_u, to_v)) return;
     const std::int32_t a = pieces.piece(u, v);
     const std::int32_t b = pieces.piece(to_u, to_v);
-    if (a < 0 || b < 0 || a == b) return;
-    const double z = pieces.points_camera(u, v).z();
-    if (std::abs(pieces.points_camera(to_u, to_v).z() - z) < JumpAt(z, options))
+    if (a == b || a < 0 || b < 0) return;
+    const double z = pieces.points_camera.z_m(u, v);
+    if (std::abs(pieces.points_camera.z_m(to_u, to_v) - z) < JumpAt(z, options))
       touching.emplace_back(std::minmax(a, b));
   };
-  for (int v = 0; v < pieces.piece.height(); ++v) {
-    for (int u = 0; u < pieces.piece.width(); ++u) {
-      touch(u, v, u + 1, v);
-      touch(u, v, u, v + 1);
-    }
+  const int width = pieces.piece.width();
+  const int height = pieces.piece.height();
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u + 1 < width; ++u) touch(u, v, u + 1, v);
+    if (v + 1 == height) continue;
+    for (int u = 0; u < width; ++u) touch(u, v, u, v + 1);
   }
   std::sort(touching.begin(), touching.end());
   touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
@@ -335,9 +442,8 @@ std::vector<std::pair<std::int32_t, std::int32_t>> TouchingPieces(const ImagePie
 
 // 1 for pieces that carry the top: those that reach up to it, and the parts of legs that hang
 // together with them, since noise cuts a leg into several pieces.
-std::vector<std::uint8_t> FindCarriers(
-    const std::vector<Support>& supports,
-    const std::vector<std::pair<std::int32_t, std::int32_t>>& touching) {
+std::vector<std::uint8_t> FindCarriers(const std::vector<Support>& supports,
+                                       const std::vector<Touch>& touching) {
   std::vector<std::uint8_t> carries(supports.size());
   for (std::size_t id = 0; id < supports.size(); ++id)
     carries[id] = supports[id].IsCarrier() ? 1 : 0;
@@ -354,25 +460,36 @@ std::vector<std::uint8_t> FindCarriers(
   return carries;
 }
 
-}  // namespace
-
 void ClaimCarrier(const ImagePieces& pieces,
                   const Plane& ground_camera,
-                  const LevelTop& top,
-                  int owner,
-                  const SegmentOptions& options,
+                  const OwnedTop& top,
+                  const std::vector<Touch>& touching,
                   Owners& owners) {
   Mask under(owners.width(), owners.height());
-  const std::vector<Support> supports = SurveySupports(pieces, ground_camera, top, owners, under);
-  const std::vector<std::uint8_t> carries = FindCarriers(supports, TouchingPieces(pieces, options));
+  const std::vector<Support> supports =
+      SurveySupports(pieces, ground_camera, top.top, owners, under);
+  const std::vector<std::uint8_t> carries = FindCarriers(supports, touching);
   for (int v = 0; v < owners.height(); ++v) {
     for (int u = 0; u < owners.width(); ++u) {
       if (under(u, v) == 0) continue;
       const auto id = static_cast<std::size_t>(pieces.piece(u, v));
+      if (carries[id] == 0) continue;
       const bool may_be_level = supports[id].IsLegPart();
-      if (carries[id] != 0 && (may_be_level || pieces.horizontal(u, v) == 0)) owners(u, v) = owner;
+      if (may_be_level || pieces.horizontal(u, v) == 0) owners(u, v) = top.owner;
     }
   }
+}
+
+}  // namespace
+
+void ClaimCarriers(const ImagePieces& pieces,
+                   const Plane& ground_camera,
+                   std::span<const OwnedTop> tops,
+                   const SegmentOptions& options,
+                   Owners& owners) {
+  if (tops.empty()) return;
+  const std::vector<Touch> touching = TouchingPieces(pieces, options);
+  for (const OwnedTop& top : tops) ClaimCarrier(pieces, ground_camera, top, touching, owners);
 }
 
 }  // namespace deepslam::segment

@@ -47,6 +47,7 @@ std::vector<PixelPoint> KeepMainPart(const std::vector<PixelPoint>& points,
                                      const std::optional<Plane>& ground_camera,
                                      const SegmentOptions& options) {
   const Groups groups = ConnectPoints(points, options.join_m);
+  if (groups.count <= 1) return points;
   const double u_mid = 0.5 * (region.u_min + region.u_max);
   const double v_mid = 0.5 * (region.v_min + region.v_max);
   const double u_width = kCentralWidth * (region.u_max - region.u_min + 1);
@@ -189,21 +190,22 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
   const std::vector<Region> regions = MakeRegions(detections, width, height, options);
   Owners owners(width, height, -1);
   ImagePieces pieces;
-  std::vector<std::pair<std::size_t, LevelTop>> tops;
+  std::vector<OwnedTop> tops;
   if (!detections.empty() && camera.fx > 0 && camera.fy > 0) {
     pieces = CutIntoPieces(frame.depth_m, camera, ground_camera, options);
     std::vector<bool> takes_pieces(detections.size(), true);
+    std::vector<PieceHeights> heights;
     for (std::size_t d = 0; d < detections.size(); ++d) {
       if (!ground_camera || !HasLevelTop(detections[d].class_name, options)) continue;
+      if (heights.empty()) heights = HeightsOf(pieces);
+      const int owner = static_cast<int>(d);
       std::optional<LevelTop> top = ClaimLevelTop(
-          pieces, camera, *ground_camera, regions[d], static_cast<int>(d), options, owners);
+          pieces, heights, camera, *ground_camera, regions[d], owner, options, owners);
       if (!top) continue;
       takes_pieces[d] = false;
-      tops.emplace_back(d, std::move(*top));
+      tops.push_back({owner, std::move(*top)});
     }
-    for (const auto& [d, top] : tops) {
-      ClaimCarrier(pieces, *ground_camera, top, static_cast<int>(d), options, owners);
-    }
+    if (ground_camera) ClaimCarriers(pieces, *ground_camera, tops, options, owners);
     AssignPieces(pieces, regions, takes_pieces, options, owners);
   }
   std::vector<std::vector<PixelPoint>> points(detections.size());
@@ -217,15 +219,16 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
   std::vector<Segment> segments;
   Mask filled(width, height);
   for (std::size_t d = 0; d < detections.size(); ++d) {
-    const bool top =
-        std::any_of(tops.begin(), tops.end(), [d](const auto& entry) { return entry.first == d; });
+    const bool is_top = std::any_of(tops.begin(), tops.end(), [d](const OwnedTop& top) {
+      return top.owner == static_cast<int>(d);
+    });
     const std::vector<PixelPoint> kept =
-        top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
+        is_top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
     Mask mask;
     segments.push_back(Describe(detections[d], regions[d], kept, width, height, options, mask));
     // Clusters are depth themselves.
     Segment& segment = segments.back();
-    if (segment.usable && !top && segment.source != DetectionSource::kCluster &&
+    if (segment.usable && !is_top && segment.source != DetectionSource::kCluster &&
         IsSurfaceBehind(kept, regions[d], frame.depth_m, camera, ground_camera, upright)) {
       segment.usable = false;
       segment.reason = "its depth is that of the wall behind";

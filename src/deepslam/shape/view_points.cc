@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -91,53 +92,58 @@ struct PatchSums {
   Eigen::Matrix3d squares;
 };
 
+// Neighbouring columns of a patch. Spelt out as vectors because the compiler keeps sums of arrays
+// in memory; where processors have none so wide, it takes two.
+constexpr int kLanes = 8;
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+using LaneBits = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+static_assert(2 * kLanes > 2 * kMaxPatchRadius_px && 2 * kLanes <= PaddedDepth::kColumns);
+
 // Offsets are taken from differences of depth and pixels, which single precision holds well.
 DEEPSLAM_WIDE_VECTORS PatchSums
 SumPatch(const PaddedDepth& depth_m, const PinholeCamera& camera, int radius, int u, int v) {
-  constexpr int kLanes = 16;  // columns, from `radius` before the middle on
-  static_assert(kLanes > 2 * kMaxPatchRadius_px && kLanes <= PaddedDepth::kColumns);
   const float center = depth_m.Row(v)[u];
   const float steepest = SteepestPerPixel(camera) * center;
   const auto ray_u = static_cast<float>(u - camera.cx);
   const auto ray_v = static_cast<float>(v - camera.cy);
   const auto per_fx = static_cast<float>(1.0 / camera.fx);
   const auto per_fy = static_cast<float>(1.0 / camera.fy);
-  std::array<float, kLanes> du;
-  std::array<float, kLanes> noise;  // nothing agrees beyond the patch
-  for (int n = 0; n < kLanes; ++n) {
-    du[static_cast<std::size_t>(n)] = static_cast<float>(n - radius);
-    noise[static_cast<std::size_t>(n)] =
-        n > 2 * radius ? -std::numeric_limits<float>::infinity() : kNoise_m;
-  }
-  std::array<std::array<float, kLanes>, 10> sums{};
-  for (int dv = -radius; dv <= radius; ++dv) {
-    const float* const row = depth_m.Row(v + dv) + u - radius;
-    const auto down = static_cast<float>(dv);
-    const float down_steps = std::abs(down);
-    for (std::size_t n = 0; n < kLanes; ++n) {
-      const float other = row[n];
-      const float z = other - center;
-      const float num_steps = std::max(std::abs(du[n]), down_steps);
-      const bool counts = (other > 0) & (std::abs(z) <= noise[n] + steepest * num_steps);
-      const float one = counts ? 1.0F : 0.0F;
-      const float dz = one * z;
-      const float dx = one * (du[n] * other + ray_u * z) * per_fx;
-      const float dy = one * (down * other + ray_v * z) * per_fy;
-      sums[0][n] += one;
-      sums[1][n] += dx;
-      sums[2][n] += dy;
-      sums[3][n] += dz;
-      sums[4][n] += dx * dx;
-      sums[5][n] += dx * dy;
-      sums[6][n] += dx * dz;
-      sums[7][n] += dy * dy;
-      sums[8][n] += dy * dz;
-      sums[9][n] += dz * dz;
-    }
-  }
+  constexpr Lanes kColumns = {0, 1, 2, 3, 4, 5, 6, 7};
+  constexpr LaneBits kNoSign = LaneBits{} + 0x7FFFFFFF;
+  constexpr Lanes kOne = Lanes{} + 1.0F;
   std::array<double, 10> total{};
-  for (std::size_t k = 0; k < sums.size(); ++k) {
-    for (const float part : sums[k]) total[k] += static_cast<double>(part);
+  for (int first = -radius; first <= radius; first += kLanes) {
+    const Lanes du = kColumns + static_cast<float>(first);
+    const Lanes du_steps = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(du) & kNoSign);
+    const LaneBits in_patch = du <= static_cast<float>(radius);
+    std::array<Lanes, 10> sums{};
+    for (int dv = -radius; dv <= radius; ++dv) {
+      Lanes other;
+      std::memcpy(&other, depth_m.Row(v + dv) + u + first, sizeof(other));
+      const auto down = static_cast<float>(dv);
+      const float down_steps = std::abs(down);
+      const Lanes z = other - center;
+      const Lanes gap = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(z) & kNoSign);
+      const Lanes num_steps = du_steps > down_steps ? du_steps : Lanes{} + down_steps;
+      const LaneBits counts = in_patch & (other > 0.0F) & (gap <= kNoise_m + steepest * num_steps);
+      const Lanes one = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(kOne) & counts);
+      const Lanes dz = one * z;
+      const Lanes dx = one * (du * other + ray_u * z) * per_fx;
+      const Lanes dy = one * (down * other + ray_v * z) * per_fy;
+      sums[0] += one;
+      sums[1] += dx;
+      sums[2] += dy;
+      sums[3] += dz;
+      sums[4] += dx * dx;
+      sums[5] += dx * dy;
+      sums[6] += dx * dz;
+      sums[7] += dy * dy;
+      sums[8] += dy * dz;
+      sums[9] += dz * dz;
+    }
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      for (int n = 0; n < kLanes; ++n) total[k] += static_cast<double>(sums[k][n]);
+    }
   }
   PatchSums patch;
   patch.count = static_cast<int>(total[0]);
@@ -172,27 +178,53 @@ std::optional<Eigen::Vector3f> PatchNormal(const PaddedDepth& depth_m,
   return (normal.dot(center) > 0 ? -normal : normal).cast<float>();
 }
 
-struct Pixel {
-  std::int16_t u = 0;
-  std::int16_t v = 0;
-  Eigen::Vector3f point;
+// Pixels in scan order and their points, one array per quantity.
+struct Pixels {
+  std::vector<std::int16_t> u;
+  std::vector<std::int16_t> v;
+  std::vector<float> x_m;
+  std::vector<float> y_m;
+  std::vector<float> z_m;
+
+  [[nodiscard]] std::size_t size() const { return z_m.size(); }
+  [[nodiscard]] Eigen::Vector3f point(std::size_t n) const { return {x_m[n], y_m[n], z_m[n]}; }
+  void Resize(std::size_t size) {
+    u.resize(size);
+    v.resize(size);
+    x_m.resize(size);
+    y_m.resize(size);
+    z_m.resize(size);
+  }
 };
 
-std::vector<Pixel> CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
-  std::vector<Pixel> pixels;
+Pixels CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
+  Pixels pixels;
   const float steepest = SteepestPerPixel(view.camera);
-  std::vector<std::int32_t> is_coherent(static_cast<std::size_t>(depth_m.width()));
+  const int width = view.mask_crop.width();
+  std::vector<std::int32_t> is_coherent(static_cast<std::size_t>(width));
+  std::vector<double> rays_x(static_cast<std::size_t>(width));
+  for (int u = 0; u < width; ++u) {
+    rays_x[static_cast<std::size_t>(u)] = view.camera.Ray(u, 0).x();
+  }
+  std::size_t count = 0;
   for (int v = 0; v < view.mask_crop.height(); ++v) {
     FindCoherent(depth_m, steepest, v, is_coherent);
     const std::uint8_t* const in_mask = view.mask_crop.row(v);
-    for (int u = 0; u < view.mask_crop.width(); ++u) {
-      if (in_mask[u] == 0 || is_coherent[static_cast<std::size_t>(u)] == 0) continue;
-      pixels.push_back(
-          {static_cast<std::int16_t>(u),
-           static_cast<std::int16_t>(v),
-           view.camera.Unproject(u, v, static_cast<double>(depth_m.Row(v)[u])).cast<float>()});
+    const double ray_y = view.camera.Ray(0, v).y();
+    pixels.Resize(count + static_cast<std::size_t>(width));
+    for (int u = 0; u < width; ++u) {
+      const auto column = static_cast<std::size_t>(u);
+      if (in_mask[u] == 0 || is_coherent[column] == 0) continue;
+      const float z = depth_m.Row(v)[u];
+      pixels.u[count] = static_cast<std::int16_t>(u);
+      pixels.v[count] = static_cast<std::int16_t>(v);
+      pixels.x_m[count] = static_cast<float>(static_cast<double>(z) * rays_x[column]);
+      pixels.y_m[count] = static_cast<float>(static_cast<double>(z) * ray_y);
+      pixels.z_m[count] = z;
+      ++count;
     }
   }
+  pixels.Resize(count);
   return pixels;
 }
 
@@ -221,24 +253,67 @@ class CellNumbers {
   std::uint32_t count_ = 0;
 };
 
+// Cells of every `step`-th pixel. Only absurd intrinsics have cells beyond 31 bits.
+DEEPSLAM_WIDE_VECTORS void FindCells(const Pixels& pixels,
+                                     std::size_t step,
+                                     float cell_m,
+                                     std::vector<std::uint64_t>& cells) {
+  const float* const x_m = pixels.x_m.data();
+  const float* const y_m = pixels.y_m.data();
+  const float* const z_m = pixels.z_m.data();
+  std::uint64_t* const keys = cells.data();
+  const std::size_t count = cells.size();
+  const auto along = [cell_m](float at_m) -> std::uint64_t {
+    const float scaled = at_m / cell_m;
+    const auto towards_zero = static_cast<std::int32_t>(scaled);
+    const std::int32_t cell = towards_zero - (static_cast<float>(towards_zero) > scaled ? 1 : 0);
+    return static_cast<std::uint32_t>(cell) & 0x1FFFFFU;
+  };
+  if (step == 1) {
+    for (std::size_t n = 0; n < count; ++n) {
+      keys[n] = along(x_m[n]) << 42U | along(y_m[n]) << 21U | along(z_m[n]);
+    }
+  } else {
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t at = n * step;
+      keys[n] = along(x_m[at]) << 42U | along(y_m[at]) << 21U | along(z_m[at]);
+    }
+  }
+}
+
+// Whether a few of the pixels already fill too many cells.
+bool ClearlyMoreCells(const Pixels& pixels, float cell_m, std::size_t max_cells) {
+  constexpr std::size_t kPerCell = 8;  // enough to meet nearly all
+  const std::size_t step = pixels.size() / (kPerCell * max_cells);
+  if (step < 2) return false;
+  std::vector<std::uint64_t> cells(pixels.size() / step);
+  FindCells(pixels, step, cell_m, cells);
+  CellNumbers numbers(max_cells + 1);
+  for (const std::uint64_t cell : cells) {
+    numbers.NumberOf(cell);
+    if (numbers.count() > max_cells) return true;
+  }
+  return false;
+}
+
 // One pixel per cell of a cubic raster, the middle one in scan order; nothing where there are more
 // than `max_cells`.
-std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels,
-                                    float cell_m,
-                                    std::size_t max_cells) {
+std::vector<std::size_t> OnePerCell(const Pixels& pixels, float cell_m, std::size_t max_cells) {
+  if (ClearlyMoreCells(pixels, cell_m, max_cells)) return {};
+  std::vector<std::uint64_t> cells(pixels.size());
+  FindCells(pixels, 1, cell_m, cells);
   CellNumbers numbers(max_cells + 1);
   std::vector<std::uint32_t> cell_of(pixels.size());
-  std::uint64_t last_key = ~std::uint64_t{0};  // no cell's
-  for (std::size_t n = 0; n < pixels.size(); ++n) {
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto cell = static_cast<std::int64_t>(std::floor(pixels[n].point[axis] / cell_m));
-      key = (key << 21U) | (static_cast<std::uint64_t>(cell) & 0x1FFFFFU);
-    }
+  std::uint64_t last_cell = ~std::uint64_t{0};  // none
+  std::uint32_t number = 0;
+  for (std::size_t n = 0; n < cells.size(); ++n) {
     // Most pixels fall into the cell of the one beside them.
-    cell_of[n] = key == last_key ? cell_of[n - 1] : numbers.NumberOf(key);
-    last_key = key;
-    if (numbers.count() > max_cells) return {};
+    if (cells[n] != last_cell) {
+      number = numbers.NumberOf(cells[n]);
+      last_cell = cells[n];
+      if (numbers.count() > max_cells) return {};
+    }
+    cell_of[n] = number;
   }
   std::vector<std::uint32_t> until_middle(numbers.count(), 0);
   for (const std::uint32_t cell : cell_of) ++until_middle[cell];
@@ -252,15 +327,14 @@ std::vector<std::size_t> OnePerCell(const std::vector<Pixel>& pixels,
 }
 
 std::vector<std::size_t> Thinned(const ObjectView& view,
-                                 const std::vector<Pixel>& pixels,
+                                 const Pixels& pixels,
                                  std::size_t max_points) {
   std::vector<std::size_t> chosen(pixels.size());
   for (std::size_t n = 0; n < chosen.size(); ++n) chosen[n] = n;
   if (chosen.size() <= max_points) return chosen;
   double area_m2 = 0;
-  for (const Pixel& pixel : pixels) {
-    area_m2 += pixel.point.z() * pixel.point.z() / (view.camera.fx * view.camera.fy);
-  }
+  const double px_per_rad2 = view.camera.fx * view.camera.fy;
+  for (const float z : pixels.z_m) area_m2 += z * z / px_per_rad2;
   constexpr float kCoarser = 1.15F;
   auto cell_m = static_cast<float>(std::sqrt(area_m2 / static_cast<double>(max_points)));
   cell_m = std::max(cell_m, 1e-4F);
@@ -283,12 +357,12 @@ ViewPoints ExtractViewPoints(const ObjectView& view, int max_points) {
   if (!same_size || !has_camera || max_points <= 0) return result;
   if (view.mask_crop.width() > INT16_MAX || view.mask_crop.height() > INT16_MAX) return result;
   const PaddedDepth depth_m(view.depth_crop_m);
-  const std::vector<Pixel> pixels = CoherentPixels(view, depth_m);
+  const Pixels pixels = CoherentPixels(view, depth_m);
   for (const std::size_t n : Thinned(view, pixels, static_cast<std::size_t>(max_points))) {
     const std::optional<Eigen::Vector3f> normal =
-        PatchNormal(depth_m, view.camera, pixels[n].u, pixels[n].v);
+        PatchNormal(depth_m, view.camera, pixels.u[n], pixels.v[n]);
     if (!normal) continue;
-    result.points_camera.push_back(pixels[n].point);
+    result.points_camera.push_back(pixels.point(n));
     result.normals_camera.push_back(*normal);
   }
   return result;
