@@ -22,7 +22,8 @@ constexpr double kMaxShell_m = 0.025;  // boards of large things are no thicker 
 class CarvingView {
  public:
   CarvingView(const PlacedView& placed, const RefineOptions& options)
-      : camera_from_grid_(placed.camera_from_grid),
+      : view_(placed.view),
+        camera_from_grid_(placed.camera_from_grid),
         depth_(*placed.view, camera_from_grid_.RigidPart(), shape::DepthView::Slopes::kIgnored),
         upward_m_((camera_from_grid_.rotation * Eigen::Vector3d(0, 0, VoxelM())).cast<float>()),
         before_m_(static_cast<float>(kBeforeSurface * VoxelM())),
@@ -31,19 +32,26 @@ class CarvingView {
   // On the column of voxels (i, j), where `asked` is not 0; both from the lowest voxel up.
   void Vote(int i, int j, std::span<const std::uint8_t> asked, std::span<Votes> votes) const {
     const Eigen::Vector3f lowest = (camera_from_grid_ * VoxelGrid::Center(i, j, 0)).cast<float>();
+    shape::DepthView::Line column;
+    depth_.PixelsAlong(lowest, upward_m_, column);
     for (std::size_t k = 0; k < votes.size(); ++k) {
-      if (asked[k] == 0) continue;
-      const Eigen::Vector3f p_camera = lowest + static_cast<float>(k) * upward_m_;
-      const std::optional<shape::DepthView::Reading> reading = depth_.AtCamera(p_camera);
-      if (!reading || reading->z_m > reading->depth_m + behind_m_) continue;
-      const bool is_before = reading->z_m < reading->depth_m - before_m_;
-      ++(is_before ? votes[k].free : reading->is_object ? votes[k].object : votes[k].other);
+      if (asked[k] != 0 && column.pixel[k] != shape::DepthView::kNowhere)
+        Vote(static_cast<std::size_t>(column.pixel[k]), column.z_m[k], votes[k]);
     }
   }
 
  private:
+  void Vote(std::size_t pixel, float z_m, Votes& votes) const {
+    const float depth_m = view_->depth_crop_m.data()[pixel];
+    if (!(depth_m > 0) || !std::isfinite(depth_m) || z_m > depth_m + behind_m_) return;
+    const bool is_before = z_m < depth_m - before_m_;
+    const bool is_object = !is_before && view_->mask_crop.data()[pixel] != 0;
+    ++(is_before ? votes.free : is_object ? votes.object : votes.other);
+  }
+
   [[nodiscard]] double VoxelM() const { return kVoxelSize * camera_from_grid_.scale; }
 
+  const ObjectView* view_;
   Similarity3 camera_from_grid_;
   shape::DepthView depth_;
   Eigen::Vector3f upward_m_;  // from a voxel to the one above, camera
@@ -84,11 +92,14 @@ std::vector<Votes> CountVotes(std::span<const PlacedView> views,
   DEEPSLAM_CHECK(asked.size() == votes.size(), "an entry per voxel");
   ParallelFor(kGridSize, [&](std::size_t slab) {
     const int i = static_cast<int>(slab);
-    for (int j = 0; j < kGridSize; ++j) {
-      const std::size_t column = VoxelGrid::Index(i, j, 0);
-      for (const CarvingView& view : carving) {
-        view.Vote(
-            i, j, asked.subspan(column, kGridSize), std::span(votes).subspan(column, kGridSize));
+    // A view at a time: columns side by side meet the same pixels.
+    for (const CarvingView& view : carving) {
+      for (int j = 0; j < kGridSize; ++j) {
+        const std::size_t column = VoxelGrid::Index(i, j, 0);
+        const std::span<const std::uint8_t> of_column = asked.subspan(column, kGridSize);
+        if (std::all_of(of_column.begin(), of_column.end(), [](auto a) { return a == 0; }))
+          continue;
+        view.Vote(i, j, of_column, std::span(votes).subspan(column, kGridSize));
       }
     }
   });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/core/wide_vectors.h"
+
 namespace deepslam::shape {
 namespace {
 
@@ -54,6 +56,31 @@ DepthView::DepthView(const ObjectView& view, const Pose3& camera_from_frame, Slo
   fy_ = static_cast<float>(view.camera.fy);
   cx_ = static_cast<float>(view.camera.cx);
   cy_ = static_cast<float>(view.camera.cy);
+}
+
+DEEPSLAM_WIDE_VECTORS void DepthView::PixelsAlong(const Eigen::Vector3f& first,
+                                                  const Eigen::Vector3f& step,
+                                                  Line& line) const {
+  const int width = view_->depth_crop_m.width();
+  const float right = static_cast<float>(width) - 0.5F;
+  const float bottom = static_cast<float>(view_->depth_crop_m.height()) - 0.5F;
+  const float fx = fx_;
+  const float fy = fy_;
+  const float cx = cx_;
+  const float cy = cy_;
+  const std::array<float, 3> from = {first.x(), first.y(), first.z()};
+  const std::array<float, 3> by = {step.x(), step.y(), step.z()};
+  for (std::size_t n = 0; n < kLinePoints; ++n) {
+    const auto steps = static_cast<float>(static_cast<std::int32_t>(n));
+    const float z_m = from[2] + steps * by[2];
+    const float u = fx * (from[0] + steps * by[0]) / z_m + cx;
+    const float v = fy * (from[1] + steps * by[1]) / z_m + cy;
+    const bool is_in = (z_m > kNear_m) & (u > -0.5F) & (v > -0.5F) & (u < right) & (v < bottom);
+    const auto column = static_cast<std::int32_t>(is_in ? u + 0.5F : 0.0F);
+    const auto row = static_cast<std::int32_t>(is_in ? v + 0.5F : 0.0F);
+    line.z_m[n] = z_m;
+    line.pixel[n] = is_in ? row * width + column : kNowhere;
+  }
 }
 
 }  // namespace deepslam::shape

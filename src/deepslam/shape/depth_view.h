@@ -2,7 +2,10 @@
 // carves with depth. What that says of the point is for each asker to decide.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
@@ -10,6 +13,7 @@
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/object_view.h"
+#include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam::shape {
 
@@ -36,6 +40,16 @@ class DepthView {
   }
   // The same of a point in the camera's frame.
   [[nodiscard]] std::optional<Reading> AtCamera(const Eigen::Vector3f& p_camera) const;
+
+  // Points of a line in the camera's frame, as many as a column of a voxel grid has.
+  static constexpr std::size_t kLinePoints = kGridSize;
+  struct Line {
+    std::array<float, kLinePoints> z_m;
+    std::array<std::int32_t, kLinePoints> pixel;  // index in the crop, row by row; kNowhere
+  };
+  static constexpr std::int32_t kNowhere = -1;  // not before the camera or out of the crop
+  // The pixels AtCamera looks at for first + n * step.
+  void PixelsAlong(const Eigen::Vector3f& first, const Eigen::Vector3f& step, Line& line) const;
 
  private:
   static constexpr float kNear_m = 0.1F;

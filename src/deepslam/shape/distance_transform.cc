@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,8 +21,8 @@ using Row = std::array<std::int16_t, kSize>;
 // Rows along one axis of the grid.
 using Slab = std::array<Row, kSize>;
 
-// Squared distances along k from a row of places (0) and others (kNothing).
-void TransformRow(Row& row) {
+// Squared distances along k from a row of places (0) and others (kNothing), some of either.
+void TransformMixedRow(Row& row) {
   constexpr std::int16_t kNone =
       127;  // steps, more than the grid has; its square is within kNothing
   const auto sweep = [&row](int begin, int end, int step) {
@@ -38,6 +39,19 @@ void TransformRow(Row& row) {
   sweep(kSize - 1, -1, -1);
 }
 
+// Squared distances along k to voxels of that occupancy.
+void TransformRow(const std::uint8_t* voxels, bool occupied, Row& row) {
+  std::uint8_t all = 1;
+  std::uint8_t any = 0;
+  for (std::size_t n = 0; n < kSize; ++n) {
+    const std::uint8_t is_place = (voxels[n] != 0) == occupied ? 1 : 0;
+    all &= is_place;
+    any |= is_place;
+    row[n] = is_place != 0 ? std::int16_t{0} : kNothing;
+  }
+  if (all != any) TransformMixedRow(row);
+}
+
 void TakeNearer(const Row& other, std::int16_t squared_step, Row& row) {
   for (std::size_t n = 0; n < kSize; ++n) {
     row[n] = std::min(row[n], static_cast<std::int16_t>(other[n] + squared_step));
@@ -50,34 +64,38 @@ std::int16_t Largest(const Row& row) {
   return largest;
 }
 
+// Along its rows nothing is near or something is.
+bool IsNearNothing(const Row& row) { return row.front() == kNothing; }
+
 // Squared distances across the rows: steps outwards until none can be nearer any more.
 void TransformAcross(const Slab& slab, Slab& result) {
+  constexpr int kUnchecked = 4;  // steps between looks at what is largest
+  const auto first = std::find_if_not(slab.begin(), slab.end(), IsNearNothing);
+  result = slab;
+  if (first == slab.end()) return;
+  const auto last = std::find_if_not(slab.rbegin(), slab.rend(), IsNearNothing);
+  const auto low = static_cast<int>(first - slab.begin());
+  const auto high = static_cast<int>(slab.rend() - last) - 1;
   for (int x = 0; x < kSize; ++x) {
     Row& row = result[static_cast<std::size_t>(x)];
-    row = slab[static_cast<std::size_t>(x)];
-    for (int step = 1; step < kSize; ++step) {
+    const int farthest = std::max(x - low, high - x);
+    for (int step = std::max({1, low - x, x - high}), n = 0; step <= farthest; ++step, ++n) {
       const auto squared = static_cast<std::int16_t>(step * step);
-      if (squared >= Largest(row)) break;
-      if (x >= step) TakeNearer(slab[static_cast<std::size_t>(x - step)], squared, row);
-      if (x + step < kSize) TakeNearer(slab[static_cast<std::size_t>(x + step)], squared, row);
+      if (n % kUnchecked == 0 && squared >= Largest(row)) break;
+      if (x - step >= low) TakeNearer(slab[static_cast<std::size_t>(x - step)], squared, row);
+      if (x + step <= high) TakeNearer(slab[static_cast<std::size_t>(x + step)], squared, row);
     }
   }
 }
 
-}  // namespace
-
-DEEPSLAM_WIDE_VECTORS std::vector<float> SquaredDistanceTo(const VoxelGrid& grid, bool occupied) {
+// Rows of the grid, one after another along j, kSize apart along i: squared distances to voxels of
+// that occupancy.
+std::vector<Row> TransformGrid(const VoxelGrid& grid, bool occupied) {
   std::vector<Row> rows(static_cast<std::size_t>(kSize) * kSize);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (std::size_t n = 0; n < kSize; ++n) {
-      const bool is_place = (grid.occupied[r * kSize + n] != 0) == occupied;
-      rows[r][n] = is_place ? std::int16_t{0} : kNothing;
-    }
-    TransformRow(rows[r]);
-  }
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    TransformRow(grid.occupied.data() + r * kSize, occupied, rows[r]);
   Slab slab;
   Slab transformed;
-  // Rows lie one after another along j, kSize apart along i.
   for (const std::size_t stride : {std::size_t{1}, std::size_t{kSize}}) {
     const std::size_t other_stride = stride == 1 ? kSize : 1;
     for (std::size_t a = 0; a < kSize; ++a) {
@@ -86,12 +104,40 @@ DEEPSLAM_WIDE_VECTORS std::vector<float> SquaredDistanceTo(const VoxelGrid& grid
       for (std::size_t n = 0; n < kSize; ++n) rows[a * other_stride + n * stride] = transformed[n];
     }
   }
+  return rows;
+}
+
+float SquaredVoxels(std::int16_t value) {
+  return value == kNothing ? kFar : static_cast<float>(value);
+}
+
+}  // namespace
+
+DEEPSLAM_WIDE_VECTORS std::vector<float> SquaredDistanceTo(const VoxelGrid& grid, bool occupied) {
+  const std::vector<Row> rows = TransformGrid(grid, occupied);
   std::vector<float> squared(grid.occupied.size());
-  for (std::size_t n = 0; n < squared.size(); ++n) {
-    const std::int16_t value = rows[n / kSize][n % kSize];
-    squared[n] = value == kNothing ? kFar : static_cast<float>(value);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t n = 0; n < kSize; ++n) squared[r * kSize + n] = SquaredVoxels(rows[r][n]);
   }
   return squared;
+}
+
+DEEPSLAM_WIDE_VECTORS std::vector<float> SignedDistance(const VoxelGrid& grid) {
+  const std::vector<Row> to_occupied = TransformGrid(grid, true);
+  const std::vector<Row> to_free = TransformGrid(grid, false);
+  std::vector<float> distances(grid.occupied.size());
+  for (std::size_t r = 0; r < to_free.size(); ++r) {
+    const std::uint8_t* const occupied = grid.occupied.data() + r * kSize;
+    float* const distance = distances.data() + r * kSize;
+    for (std::size_t n = 0; n < kSize; ++n) {
+      const bool is_inside = occupied[n] != 0;
+      const std::int16_t squared = is_inside ? to_free[r][n] : to_occupied[r][n];
+      // The boundary lies half a voxel from the centres on its both sides.
+      const float voxels = std::sqrt(SquaredVoxels(squared)) - 0.5F;
+      distance[n] = is_inside ? -voxels : voxels;
+    }
+  }
+  return distances;
 }
 
 }  // namespace deepslam::shape

@@ -12,4 +12,8 @@ namespace deepslam::shape {
 // VoxelGrid.
 [[nodiscard]] std::vector<float> SquaredDistanceTo(const VoxelGrid& grid, bool occupied);
 
+// Distance, in voxels, from each voxel's centre to the boundary between occupied and free voxels,
+// < 0 in occupied ones; a huge value (> 1e4) where there is none. Index order of VoxelGrid.
+[[nodiscard]] std::vector<float> SignedDistance(const VoxelGrid& grid);
+
 }  // namespace deepslam::shape

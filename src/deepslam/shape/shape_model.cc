@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/shape/distance_transform.h"
@@ -21,15 +23,9 @@ bool Occupied(const VoxelGrid& grid, int i, int j, int k) {
 }
 
 std::vector<float> SignedField(const VoxelGrid& grid) {
-  const std::vector<float> to_occupied = SquaredDistanceTo(grid, true);
-  const std::vector<float> to_free = SquaredDistanceTo(grid, false);
-  std::vector<float> field(grid.occupied.size());
-  for (std::size_t n = 0; n < field.size(); ++n) {
-    // The boundary lies half a voxel from the centres on its both sides.
-    const float voxels =
-        grid.occupied[n] != 0 ? 0.5F - std::sqrt(to_free[n]) : std::sqrt(to_occupied[n]) - 0.5F;
-    field[n] = std::clamp(voxels * kVoxel, -kEmptyDistance, kEmptyDistance);
-  }
+  std::vector<float> field = SignedDistance(grid);
+  for (float& distance : field)
+    distance = std::clamp(distance * kVoxel, -kEmptyDistance, kEmptyDistance);
   return field;
 }
 
@@ -67,6 +63,14 @@ DEEPSLAM_WIDE_VECTORS std::vector<float> Blurred(const VoxelGrid& grid) {
   return values;
 }
 
+// From k on in the column; kGridSize where none is.
+int NextOccupied(const VoxelGrid& grid, int i, int j, int k) {
+  const std::uint8_t* const column = grid.occupied.data() + VoxelGrid::Index(i, j, 0);
+  const void* const next = std::memchr(column + k, 1, static_cast<std::size_t>(kGridSize - k));
+  return next == nullptr ? kGridSize
+                         : static_cast<int>(static_cast<const std::uint8_t*>(next) - column);
+}
+
 // Whether one of the six neighbours is free.
 bool IsExposed(const VoxelGrid& grid, int i, int j, int k) {
   return std::any_of(kFaceNeighbours.begin(), kFaceNeighbours.end(), [&](const auto& d) {
@@ -92,8 +96,9 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
   const std::vector<float> blurred = Blurred(grid);
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        if (!grid.At(i, j, k) || !IsExposed(grid, i, j, k)) continue;
+      for (int k = NextOccupied(grid, i, j, 0); k < kGridSize;
+           k = NextOccupied(grid, i, j, k + 1)) {
+        if (!IsExposed(grid, i, j, k)) continue;
         const Eigen::Vector3f center = VoxelGrid::Center(i, j, k).cast<float>();
         const Eigen::Vector3f outward = OutwardGradient(blurred, i, j, k);
         if (outward.norm() >= kClearGradient) {
