@@ -11,6 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/detect/find_walls.h"
 #include "deepslam/scene/ground.h"
 
@@ -54,15 +55,65 @@ struct GroundGrid {
   std::vector<GridPoint> points;  // above the ground and of no wall, in image order
   Mask wall;                      // pixels of walls
 
-  [[nodiscard]] int Cell(double x_m, double y_m) const {
-    const double reach_m = 0.5 * side * cell_m;
-    if (!(std::abs(x_m) < reach_m) || !(std::abs(y_m) < reach_m)) return -1;
-    const int i = side / 2 + static_cast<int>(std::floor(x_m / cell_m));
-    const int j = side / 2 + static_cast<int>(std::floor(y_m / cell_m));
+  [[nodiscard]] double reach_m() const { return 0.5 * side * cell_m; }
+  // `i` and `j` count from the camera's foot; -1 at the grid's border and beyond.
+  [[nodiscard]] int Cell(int i, int j) const {
+    i += side / 2;
+    j += side / 2;
     if (i < 1 || j < 1 || i >= side - 1 || j >= side - 1) return -1;
     return i * side + j;
   }
 };
+
+// How the pixels of a row lie to the ground.
+struct GroundRow {
+  explicit GroundRow(std::size_t width)
+      : x_m(width), y_m(width), height_m(width), noise_m(width), i(width), j(width) {}
+
+  std::vector<double> x_m, y_m, height_m, noise_m;
+  std::vector<std::int32_t> i, j;  // cells from the camera's foot
+};
+
+std::int32_t Floor(double x) {
+  const auto towards_zero = static_cast<std::int32_t>(x);
+  return towards_zero - (static_cast<double>(towards_zero) > x ? 1 : 0);
+}
+
+DEEPSLAM_WIDE_VECTORS void SurveyRow(const float* depth_m,
+                                     const std::vector<double>& rays_x,
+                                     double ray_y,
+                                     const Plane& ground_camera,
+                                     const Eigen::Matrix<double, 3, 2>& ground_basis,
+                                     double reach_m,
+                                     double cell_m,
+                                     GroundRow& row) {
+  const Plane ground = ground_camera;
+  const Eigen::Matrix<double, 3, 2> basis = ground_basis;
+  const double* const ray_x = rays_x.data();
+  double* const x_m = row.x_m.data();
+  double* const y_m = row.y_m.data();
+  double* const height_m = row.height_m.data();
+  double* const noise_m = row.noise_m.data();
+  std::int32_t* const i = row.i.data();
+  std::int32_t* const j = row.j.data();
+  const std::size_t width = rays_x.size();
+#pragma GCC ivdep
+  for (std::size_t u = 0; u < width; ++u) {
+    const double z = depth_m[u];
+    const double x = z * ray_x[u];
+    const double y = z * ray_y;
+    const double on_ground_x = basis(0, 0) * x + basis(1, 0) * y + basis(2, 0) * z;
+    const double on_ground_y = basis(0, 1) * x + basis(1, 1) * y + basis(2, 1) * z;
+    x_m[u] = on_ground_x;
+    y_m[u] = on_ground_y;
+    height_m[u] =
+        ground.normal.x() * x + ground.normal.y() * y + ground.normal.z() * z + ground.d_m;
+    noise_m[u] = kHeightNoise_m + kHeightNoisePerM2 * z * z;
+    // What lies farther falls into the grid's border, which is no cell.
+    i[u] = Floor(std::min(std::max(on_ground_x, -reach_m), reach_m) / cell_m);
+    j[u] = Floor(std::min(std::max(on_ground_y, -reach_m), reach_m) / cell_m);
+  }
+}
 
 GroundGrid MakeGrid(const Frame& frame,
                     const PinholeCamera& camera,
@@ -75,27 +126,37 @@ GroundGrid MakeGrid(const Frame& frame,
   grid.kinds.assign(num_cells, 0);
   grid.wall = Mask(frame.depth_m.width(), frame.depth_m.height());
   const Eigen::Matrix<double, 3, 2> basis = GroundTangentBasis(ground_camera.normal);
+  std::vector<double> rays_x;
+  for (int u = 0; u < frame.depth_m.width(); ++u) rays_x.push_back(camera.Ray(u, 0).x());
+  GroundRow row(rays_x.size());
   for (int v = 0; v < frame.depth_m.height(); ++v) {
+    const float* const depth_row_m = frame.depth_m.row(v);
+    SurveyRow(depth_row_m,
+              rays_x,
+              camera.Ray(0, v).y(),
+              ground_camera,
+              basis,
+              grid.reach_m(),
+              grid.cell_m,
+              row);
     for (int u = 0; u < frame.depth_m.width(); ++u) {
-      const double depth_m = frame.depth_m(u, v);
+      const float depth_m = depth_row_m[u];
       if (!(depth_m > 0) || depth_m > options.max_depth_m) continue;
-      const Eigen::Vector3d p = camera.Unproject(u, v, depth_m);
-      const Eigen::Vector2d on_ground_m = basis.transpose() * p;
-      const int cell = grid.Cell(on_ground_m.x(), on_ground_m.y());
+      const auto at = static_cast<std::size_t>(u);
+      const int cell = grid.Cell(row.i[at], row.j[at]);
       if (cell < 0) continue;
-      const double height_m = ground_camera.SignedDistance(p);
-      const double noise_m = kHeightNoise_m + kHeightNoisePerM2 * depth_m * depth_m;
-      const auto index = static_cast<std::size_t>(cell);
+      const double height_m = row.height_m[at];
+      const double noise_m = row.noise_m[at];
       if (std::abs(height_m) <= noise_m) {
-        grid.kinds[index] |= kFloor;
+        grid.kinds[static_cast<std::size_t>(cell)] |= kFloor;
       } else if (height_m > noise_m) {
         grid.points.push_back({u,
                                v,
                                cell,
                                static_cast<float>(height_m),
-                               static_cast<float>(on_ground_m.x()),
-                               static_cast<float>(on_ground_m.y()),
-                               static_cast<float>(depth_m)});
+                               static_cast<float>(row.x_m[at]),
+                               static_cast<float>(row.y_m[at]),
+                               depth_m});
       }
     }
   }
@@ -201,6 +262,7 @@ void MeasureFootprint(Cluster& cluster) {
   std::array<double, 2> sides = {0, 0};
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> along;
+    along.reserve(cluster.points.size());
     for (const GridPoint& p : cluster.points) {
       along.push_back(solver.eigenvectors().col(axis).dot(Eigen::Vector2d(p.x_m, p.y_m)));
     }
@@ -231,6 +293,12 @@ std::vector<Cluster> GatherClusters(const Frame& frame,
                                     const Components& components,
                                     std::size_t min_points) {
   std::vector<Cluster> clusters(static_cast<std::size_t>(components.count));
+  std::vector<std::size_t> num_points(clusters.size());
+  for (const GridPoint& p : grid.points) {
+    const int c = components.of_cell[static_cast<std::size_t>(p.cell)];
+    if (c >= 0) ++num_points[static_cast<std::size_t>(c)];
+  }
+  for (std::size_t c = 0; c < clusters.size(); ++c) clusters[c].points.reserve(num_points[c]);
   for (const GridPoint& p : grid.points) {
     const int c = components.of_cell[static_cast<std::size_t>(p.cell)];
     if (c >= 0) clusters[static_cast<std::size_t>(c)].points.push_back(p);
@@ -242,6 +310,7 @@ std::vector<Cluster> GatherClusters(const Frame& frame,
   std::erase_if(clusters, [min_points](const Cluster& c) { return c.points.size() < min_points; });
   for (Cluster& cluster : clusters) {
     std::vector<double> heights;
+    heights.reserve(cluster.points.size());
     for (const GridPoint& p : cluster.points) heights.push_back(p.height_m);
     const auto [low, high] = InnerRange(heights, kOutermost);
     cluster.min_height_m = low;

@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::detect {
 namespace {
@@ -41,26 +43,91 @@ Directions AllDirections() {
   return directions;
 }
 
-// The line with the most area on it (Hough), to half a step.
-std::optional<Wall> StrongestLine(std::span<const UprightPoint> points,
-                                  const std::vector<bool>& taken,
-                                  const Directions& directions) {
-  constexpr auto kNumSteps = static_cast<std::size_t>(kReach_m / kStep_m);
-  std::vector<double> votes(kNumAngles * kNumSteps, 0.0);
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    if (taken[n]) continue;
+constexpr std::size_t kNumSteps = static_cast<std::size_t>(kReach_m / kStep_m);
+// Where points out of reach vote; in turn, so that a vote need not wait for the last.
+constexpr std::size_t kNumNowhere = 8;
+constexpr std::size_t kNumBins = kNumSteps + kNumNowhere;
+static_assert(kNumBins <= 256);
+
+// The bin of each point's distance along a direction.
+DEEPSLAM_WIDE_VECTORS void FindBins(const std::vector<double>& x_m,
+                                    const std::vector<double>& y_m,
+                                    const Eigen::Vector2d& direction,
+                                    std::uint8_t* bins) {
+  constexpr std::int32_t kLastStep = static_cast<std::int32_t>(kNumSteps) - 1;
+  const double* const x = x_m.data();
+  const double* const y = y_m.data();
+  const double direction_x = direction.x();
+  const double direction_y = direction.y();
+  const auto count = static_cast<std::int32_t>(x_m.size());
+#pragma GCC ivdep
+  for (std::int32_t n = 0; n < count; ++n) {
+    const double distance_m = direction_x * x[n] + direction_y * y[n];
+    const bool in_reach = (distance_m > 0) & (distance_m < kReach_m);
+    const auto step = static_cast<std::int32_t>(in_reach ? distance_m / kStep_m : 0.0);
+    const std::int32_t nowhere = kLastStep + 1 + (n & (static_cast<std::int32_t>(kNumNowhere) - 1));
+    bins[n] = static_cast<std::uint8_t>(in_reach ? std::min(step, kLastStep) : nowhere);
+  }
+}
+
+// Finds the line with the most area on it (Hough), to half a step.
+class LineVotes {
+ public:
+  explicit LineVotes(std::span<const UprightPoint> points)
+      : directions_(AllDirections()), bins_(kNumAngles * points.size()) {
+    std::vector<double> x_m;
+    std::vector<double> y_m;
+    for (const UprightPoint& point : points) {
+      x_m.push_back(point.on_ground_m.x());
+      y_m.push_back(point.on_ground_m.y());
+      areas_.push_back(AreaOf(point));
+    }
     for (std::size_t angle = 0; angle < kNumAngles; ++angle) {
-      const double distance_m = directions[angle].dot(points[n].on_ground_m);
-      if (!(distance_m > 0 && distance_m < kReach_m)) continue;
-      const auto step = std::min(kNumSteps - 1, static_cast<std::size_t>(distance_m / kStep_m));
-      votes[angle * kNumSteps + step] += AreaOf(points[n]);
+      FindBins(x_m, y_m, directions_[angle], bins_.data() + angle * points.size());
     }
   }
-  const auto best = std::max_element(votes.begin(), votes.end());
-  if (!(*best > 0)) return std::nullopt;
-  const auto at = static_cast<std::size_t>(best - votes.begin());
-  return Wall{directions[at / kNumSteps], (static_cast<double>(at % kNumSteps) + 0.5) * kStep_m};
-}
+
+  [[nodiscard]] std::optional<Wall> Strongest(const std::vector<bool>& taken) const {
+    std::vector<std::uint32_t> voters;
+    for (std::size_t n = 0; n < areas_.size(); ++n) {
+      if (!taken[n]) voters.push_back(static_cast<std::uint32_t>(n));
+    }
+    Wall wall;
+    double most = 0;
+    for (std::size_t angle = 0; angle < kNumAngles; angle += kAtOnce) {
+      const Votes votes = Count(voters, angle);
+      for (std::size_t k = 0; k < kAtOnce; ++k) {
+        const auto best = std::max_element(votes[k].begin(), votes[k].begin() + kNumSteps);
+        if (*best <= most) continue;
+        most = *best;
+        wall = {directions_[angle + k],
+                (static_cast<double>(best - votes[k].begin()) + 0.5) * kStep_m};
+      }
+    }
+    if (!(most > 0)) return std::nullopt;
+    return wall;
+  }
+
+ private:
+  // Angles counted side by side, since votes of neighbours in one bin wait for each other.
+  static constexpr std::size_t kAtOnce = 5;
+  static_assert(kNumAngles % kAtOnce == 0);
+  using Votes = std::array<std::array<double, kNumBins>, kAtOnce>;
+
+  [[nodiscard]] Votes Count(std::span<const std::uint32_t> voters, std::size_t first) const {
+    Votes votes{};
+    for (const std::uint32_t n : voters) {
+      for (std::size_t k = 0; k < kAtOnce; ++k) {
+        votes[k][bins_[(first + k) * areas_.size() + n]] += areas_[n];
+      }
+    }
+    return votes;
+  }
+
+  Directions directions_;
+  std::vector<std::uint8_t> bins_;  // of all points by direction
+  std::vector<double> areas_;
+};
 
 // Least squares on the points within twice the tolerance.
 std::optional<Wall> Refined(std::span<const UprightPoint> points,
@@ -121,9 +188,9 @@ double WallTolerance_m(double depth_m) { return 0.04 + 0.006 * depth_m * depth_m
 std::vector<Wall> FindWalls(std::span<const UprightPoint> points) {
   std::vector<Wall> walls;
   std::vector<bool> taken(points.size(), false);
-  const Directions directions = AllDirections();
+  const LineVotes votes(points);
   for (int attempt = 0; attempt < kMostWalls; ++attempt) {
-    std::optional<Wall> wall = StrongestLine(points, taken, directions);
+    std::optional<Wall> wall = votes.Strongest(taken);
     for (int round = 0; round < 3 && wall; ++round) wall = Refined(points, taken, *wall);
     if (!wall) break;
     for (std::size_t n = 0; n < points.size(); ++n) {

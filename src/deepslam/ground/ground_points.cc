@@ -1,18 +1,49 @@
 #include "deepslam/ground/ground_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 
-#include "deepslam/core/order_statistics.h"
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/depth_noise.h"
 
 namespace deepslam::ground {
 namespace {
 
 constexpr int kGridWidth = 160;
+
+// Blocks of pixels side by side in a row of the grid.
+constexpr std::size_t kLanes = 16;
+
+// Sorts each of kLanes columns of `count` values: Batcher's odd-even merge sort.
+DEEPSLAM_WIDE_VECTORS void SortColumns(std::size_t count, std::vector<float>& values) {
+  const auto exchange = [&](std::size_t a, std::size_t b) {
+    float* const lower = values.data() + a * kLanes;
+    float* const upper = values.data() + b * kLanes;
+#pragma GCC ivdep
+    for (std::size_t n = 0; n < kLanes; ++n) {
+      const float x = lower[n];
+      const float y = upper[n];
+      lower[n] = std::min(x, y);
+      upper[n] = std::max(x, y);
+    }
+  };
+  for (std::size_t run = 1; run < count; run *= 2) {
+    for (std::size_t step = run; step > 0; step /= 2) {
+      for (std::size_t first = step % run; first + step < count; first += 2 * step) {
+        for (std::size_t n = first; n < first + step && n + step < count; ++n) {
+          if (n / (2 * run) == (n + step) / (2 * run)) exchange(n, n + step);
+        }
+      }
+    }
+  }
+}
 
 class Grid {
  public:
@@ -21,10 +52,7 @@ class Grid {
         camera_(camera),
         depth_m_(camera.width / step_, camera.height / step_) {
     const float max_depth = static_cast<float>(max_depth_m);
-    for (int v = 0; v < depth_m_.height(); ++v) {
-      for (int u = 0; u < depth_m_.width(); ++u)
-        depth_m_(u, v) = BlockMedian(depth_m, u, v, max_depth);
-    }
+    for (int v = 0; v < depth_m_.height(); ++v) FindMedians(depth_m, v, max_depth);
   }
 
   [[nodiscard]] int step() const { return step_; }
@@ -49,17 +77,34 @@ class Grid {
   }
 
  private:
-  float BlockMedian(const DepthImage& depth_m, int u, int v, float max_depth) const {
-    std::vector<float> values;
-    for (int dv = 0; dv < step_; ++dv) {
-      for (int du = 0; du < step_; ++du) {
-        const float z = depth_m(u * step_ + du, v * step_ + dv);
-        if (z > 0.1F && z <= max_depth) values.push_back(z);
+  // Upper medians of the blocks of a row, 0 where half of the pixels are not usable: such blocks
+  // lie at edges.
+  void FindMedians(const DepthImage& depth_m, int v, float max_depth) {
+    const auto block_px = static_cast<std::size_t>(step_) * static_cast<std::size_t>(step_);
+    std::vector<float> values(block_px * kLanes);
+    for (int first = 0; first < depth_m_.width(); first += static_cast<int>(kLanes)) {
+      const int end = std::min(depth_m_.width(), first + static_cast<int>(kLanes));
+      std::array<std::size_t, kLanes> num_usable{};
+      auto value = values.begin();
+      for (int dv = 0; dv < step_; ++dv) {
+        const float* const row = depth_m.row(v * step_ + dv);
+        for (int du = 0; du < step_; ++du, value += kLanes) {
+          for (int u = first; u < end; ++u) {
+            const float z = row[u * step_ + du];
+            const bool usable = z > 0.1F && z <= max_depth;
+            const int lane = u - first;
+            value[lane] = usable ? z : std::numeric_limits<float>::infinity();
+            num_usable[static_cast<std::size_t>(lane)] += usable ? 1U : 0U;
+          }
+        }
+      }
+      SortColumns(block_px, values);
+      for (int u = first; u < end; ++u) {
+        const auto lane = static_cast<std::size_t>(u - first);
+        const std::size_t count = num_usable[lane];
+        depth_m_(u, v) = 2 * count < block_px ? 0.0F : values[count / 2 * kLanes + lane];
       }
     }
-    // Half-empty blocks lie at edges.
-    if (2 * values.size() < static_cast<std::size_t>(step_ * step_)) return 0;
-    return Median(values);
   }
 
   [[nodiscard]] Eigen::Vector3f Unproject(int u, int v, float z) const {
