@@ -66,6 +66,8 @@ TEST(RayScene, AgreesWithEveryTriangleTriedInTurn) {
   scene.Commit();
   Random random(2);
   int num_hits = 0;
+  std::vector<Eigen::Vector3f> from;
+  std::vector<Eigen::Vector3f> to;
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3d origin =
         world_from_soup.translation_m +
@@ -93,8 +95,15 @@ TEST(RayScene, AgreesWithEveryTriangleTriedInTurn) {
                                (origin + (expected + 0.01) * direction).cast<float>()));
     EXPECT_FALSE(scene.Occluded(origin.cast<float>(),
                                 (origin + (expected - 0.01) * direction).cast<float>()));
+    for (const double end : {0.01, -0.01}) {
+      from.emplace_back(origin.cast<float>());
+      to.emplace_back((origin + (expected + end) * direction).cast<float>());
+    }
   }
   EXPECT_GT(num_hits, 300);
+  std::vector<std::uint8_t> occluded(from.size());
+  scene.AreOccluded(from, to, occluded);
+  for (std::size_t n = 0; n < occluded.size(); ++n) ASSERT_EQ(occluded[n], n % 2 == 0 ? 1 : 0);
 }
 
 TEST(RayScene, TellsInstancesFacesAndPlacesOnThemApart) {

@@ -3,7 +3,6 @@
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModBaseT.hh>
-#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Smoother/JacobiLaplaceSmootherT.hh>
 
 // Not before the mesh kernel: it does not compile alone.
@@ -11,7 +10,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -42,9 +43,14 @@ class Mesh : public OpenMesh::TriMesh_ArrayKernelT<Traits> {
     const VertexHandle left = Across(v0v1);
     const VertexHandle right = Across(v1v0);
     if (left == right || IsLastAtRim(v0v1) || IsLastAtRim(v1v0)) return false;
-    for (auto v = vv_iter(v1); v.is_valid(); ++v) {
-      if (*v != left && *v != right && *v != v0 && IsNeighbour(v0, *v)) return false;
-    }
+    NeighboursOf(v0, neighbours_);
+    const HalfedgeHandle first = halfedge_handle(v1);
+    HalfedgeHandle out = first;
+    do {
+      const VertexHandle v = to_vertex_handle(out);
+      if (v != left && v != right && v != v0 && IsIn(neighbours_, v)) return false;
+      out = next_halfedge_handle(opposite_halfedge_handle(out));
+    } while (out != first);
     const bool is_at_rim = is_boundary(v0v1) || is_boundary(v1v0);
     return is_at_rim || !is_boundary(v0) || !is_boundary(v1);
   }
@@ -61,12 +67,20 @@ class Mesh : public OpenMesh::TriMesh_ArrayKernelT<Traits> {
     return is_boundary(opposite_halfedge_handle(next)) &&
            is_boundary(opposite_halfedge_handle(next_halfedge_handle(next)));
   }
-  [[nodiscard]] bool IsNeighbour(VertexHandle a, VertexHandle b) {
-    for (auto v = vv_iter(a); v.is_valid(); ++v) {
-      if (*v == b) return true;
-    }
-    return false;
+  void NeighboursOf(VertexHandle v, std::vector<VertexHandle>& neighbours) const {
+    neighbours.clear();
+    const HalfedgeHandle first = halfedge_handle(v);
+    HalfedgeHandle out = first;
+    do {
+      neighbours.push_back(to_vertex_handle(out));
+      out = next_halfedge_handle(opposite_halfedge_handle(out));
+    } while (out != first);
   }
+  [[nodiscard]] static bool IsIn(const std::vector<VertexHandle>& vertices, VertexHandle v) {
+    return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
+  }
+
+  std::vector<VertexHandle> neighbours_;  // kept for its memory
 };
 using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
 
@@ -125,7 +139,9 @@ void Smooth(Mesh& mesh, int iterations, double max_error) {
 
 // Error quadrics (Garland and Heckbert 1997) with the area they stand for, so that a collapse can
 // be refused by the root mean square distance from the planes it replaces. OpenMesh's own quadrics
-// bound an error of no unit, and its Hausdorff module takes minutes on large flat faces.
+// bound an error of no unit, and its Hausdorff module takes minutes on large flat faces. Nor may a
+// collapse make long edges or turn faces (OpenMesh's ModNormalFlipping), which costs most to find
+// out and is asked last.
 template <class MeshT>
 class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
  public:
@@ -135,6 +151,7 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
 
   void set_max_distance(double distance) { max_squared_ = distance * distance; }
   void set_max_edge(double length) { max_edge_squared_ = length * length; }
+  void set_max_normal_turn(double angle_rad) { min_cos_ = std::cos(angle_rad); }
 
   void initialize() override {
     quadrics_.assign(Base::mesh().n_vertices(), OpenMesh::Geometry::QuadricT<double>());
@@ -159,14 +176,18 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
   float collapse_priority(const CollapseInfo& info) override {
     const auto removed = static_cast<std::size_t>(info.v0.idx());
     const auto kept = static_cast<std::size_t>(info.v1.idx());
-    if (MakesLongEdge(info)) return static_cast<float>(Base::ILLEGAL_COLLAPSE);
     auto quadric = quadrics_[removed];
     quadric += quadrics_[kept];
     const double error = std::max(0.0, quadric(info.p1));
     if (error > max_squared_ * (areas_[removed] + areas_[kept])) {
       return static_cast<float>(Base::ILLEGAL_COLLAPSE);
     }
-    return static_cast<float>(error);
+    const auto priority = static_cast<float>(error);
+    if (info.v0 != asked_) best_of_asked_ = std::numeric_limits<float>::max();
+    asked_ = info.v0;
+    if (!(priority < best_of_asked_) || MakesLongEdge(info) || TurnsFace(info))
+      return static_cast<float>(Base::ILLEGAL_COLLAPSE);
+    return best_of_asked_ = priority;
   }
 
   void postprocess_collapse(const CollapseInfo& info) override {
@@ -174,6 +195,7 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
     const auto kept = static_cast<std::size_t>(info.v1.idx());
     quadrics_[kept] += quadrics_[removed];
     areas_[kept] += areas_[removed];
+    asked_ = OpenMesh::VertexHandle();
   }
 
  private:
@@ -184,8 +206,24 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
     return false;
   }
 
+  bool TurnsFace(const CollapseInfo& info) {
+    auto& mesh = Base::mesh();
+    mesh.set_point(info.v0, info.p1);
+    bool is_turned = false;
+    for (auto face = mesh.cvf_iter(info.v0); face.is_valid() && !is_turned; ++face) {
+      if (*face == info.fl || *face == info.fr) continue;
+      is_turned = (mesh.normal(*face) | mesh.calc_face_normal(*face)) < min_cos_;
+    }
+    mesh.set_point(info.v0, info.p0);
+    return is_turned;
+  }
+
   double max_squared_ = 0;
   double max_edge_squared_ = 0;
+  double min_cos_ = 0;
+  // The decimater asks for all edges of a vertex and takes the best: a worse one need not be legal.
+  OpenMesh::VertexHandle asked_;
+  float best_of_asked_ = 0;
   std::vector<OpenMesh::Geometry::QuadricT<double>> quadrics_;
   std::vector<double> areas_;
 };
@@ -193,12 +231,10 @@ class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
 void Decimate(Mesh& mesh, double max_distance, const RefineOptions& options) {
   Decimater decimater(mesh);
   ModPlaneDistance<Mesh>::Handle distance;
-  OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle flipping;
   decimater.add(distance);
-  decimater.add(flipping);
   decimater.module(distance).set_max_distance(max_distance);
   decimater.module(distance).set_max_edge(options.max_edge);
-  decimater.module(flipping).set_max_normal_deviation(kMaxNormalTurnDeg);
+  decimater.module(distance).set_max_normal_turn(kMaxNormalTurnDeg / 180.0 * M_PI);
   if (!decimater.initialize()) return;
   decimater.decimate_to_faces(0, static_cast<std::size_t>(options.target_faces));
   mesh.garbage_collection();

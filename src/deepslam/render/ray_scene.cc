@@ -9,6 +9,11 @@
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::render {
+namespace {
+
+constexpr std::size_t kWidth = 8;  // of a packet of rays
+
+}  // namespace
 
 struct RayScene::Impl {
   // Without "threads": that setting bounds every TBB loop of the process while the device lives.
@@ -120,7 +125,6 @@ std::optional<RayHit> RayScene::Cast(const Eigen::Vector3f& origin,
 void RayScene::CastFan(const Eigen::Vector3f& origin,
                        std::span<const Eigen::Vector3f> directions,
                        std::span<RayHit> hits) const {
-  constexpr std::size_t kWidth = 8;
   DEEPSLAM_CHECK(impl_->committed, "CastFan before Commit");
   DEEPSLAM_CHECK(hits.size() == directions.size(), "a hit for each direction");
   RTCIntersectContext context;
@@ -184,6 +188,41 @@ bool RayScene::Occluded(const Eigen::Vector3f& from,
   ray.mask = 0xFFFFFFFFu;
   rtcOccluded1(impl_->scene, &context, &ray);
   return ray.tfar < 0;
+}
+
+void RayScene::AreOccluded(std::span<const Eigen::Vector3f> from,
+                           std::span<const Eigen::Vector3f> to,
+                           std::span<std::uint8_t> occluded,
+                           float margin_m) const {
+  DEEPSLAM_CHECK(impl_->committed, "AreOccluded before Commit");
+  DEEPSLAM_CHECK(from.size() == to.size() && to.size() == occluded.size(), "an answer for each");
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < from.size(); first += kWidth) {
+    RTCRay8 rays{};
+    alignas(32) int valid[kWidth];
+    const std::size_t count = std::min(kWidth, from.size() - first);
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      const std::size_t n = first + std::min(i, count - 1);
+      const Eigen::Vector3f way = to[n] - from[n];
+      const float length_m = way.norm();
+      const Eigen::Vector3f direction = way / length_m;
+      valid[i] = i < count && length_m > 2 * margin_m ? -1 : 0;
+      rays.org_x[i] = from[n].x();
+      rays.org_y[i] = from[n].y();
+      rays.org_z[i] = from[n].z();
+      rays.dir_x[i] = direction.x();
+      rays.dir_y[i] = direction.y();
+      rays.dir_z[i] = direction.z();
+      rays.tnear[i] = margin_m;
+      rays.tfar[i] = length_m - margin_m;
+      rays.mask[i] = 0xFFFFFFFFu;
+    }
+    rtcOccluded8(valid, impl_->scene, &context, &rays);
+    for (std::size_t i = 0; i < count; ++i)
+      occluded[first + i] = valid[i] != 0 && rays.tfar[i] < 0 ? 1 : 0;
+  }
 }
 
 }  // namespace deepslam::render

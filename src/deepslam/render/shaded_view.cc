@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "deepslam/core/parallel.h"
@@ -29,27 +31,9 @@ Eigen::Vector3f SurfaceColour(const ShadedMesh& mesh, const RayHit& hit) {
          hit.weight_c * ToVector(mesh.mesh.colours[face[2]]);
 }
 
-float Light(const RayScene& scene,
-            const Eigen::Vector3f& point,
-            const Eigen::Vector3f& normal,
-            const Eigen::Vector3f& to_eye) {
-  constexpr float kFar_m = 20.0f;
-  float light = kSky * (0.75f + 0.25f * normal.z()) + kHead * std::abs(normal.dot(to_eye));
-  const float facing = normal.dot(kToLamp);
-  if (facing > 0 && !scene.Occluded(point + 2e-3f * normal, point + kFar_m * kToLamp)) {
-    light += kLamp * facing;
-  }
-  return light;
-}
-
-Eigen::Vector3f ShadePixel(const RayScene& scene,
-                           std::span<const ShadedMesh* const> placed,
-                           const RayHit& hit,
-                           const Eigen::Vector3f& point,
-                           const Eigen::Vector3f& to_eye) {
-  const Eigen::Vector3f colour =
-      SurfaceColour(*placed[static_cast<std::size_t>(hit.instance)], hit);
-  return colour * Light(scene, point, hit.normal_world, to_eye);
+float Light(const Eigen::Vector3f& normal, const Eigen::Vector3f& to_eye, bool sees_lamp) {
+  const float light = kSky * (0.75f + 0.25f * normal.z()) + kHead * std::abs(normal.dot(to_eye));
+  return sees_lamp ? light + kLamp * normal.dot(kToLamp) : light;
 }
 
 std::uint8_t Byte(float x) {
@@ -101,6 +85,29 @@ class Eye {
   Eigen::Vector3f position_;
 };
 
+// Which of the hits face the lamp with nothing between; 0 or 1.
+std::vector<std::uint8_t> SeeLamp(const RayScene& scene,
+                                  const Eigen::Vector3f& origin,
+                                  std::span<const Eigen::Vector3f> directions,
+                                  std::span<const RayHit> hits) {
+  constexpr float kFar_m = 20.0f;
+  std::vector<std::size_t> facing;
+  std::vector<Eigen::Vector3f> from;
+  std::vector<Eigen::Vector3f> to;
+  for (std::size_t n = 0; n < hits.size(); ++n) {
+    if (hits[n].instance < 0 || hits[n].normal_world.dot(kToLamp) <= 0) continue;
+    const Eigen::Vector3f point = origin + static_cast<float>(hits[n].distance_m) * directions[n];
+    facing.push_back(n);
+    from.emplace_back(point + 2e-3f * hits[n].normal_world);
+    to.emplace_back(point + kFar_m * kToLamp);
+  }
+  std::vector<std::uint8_t> occluded(facing.size());
+  scene.AreOccluded(from, to, occluded);
+  std::vector<std::uint8_t> see(hits.size(), 0);
+  for (std::size_t i = 0; i < facing.size(); ++i) see[facing[i]] = occluded[i] == 0 ? 1 : 0;
+  return see;
+}
+
 // Colours of rays from the eye; white where nothing is hit.
 std::vector<Eigen::Vector3f> ShadedRays(const RayScene& scene,
                                         std::span<const ShadedMesh* const> placed,
@@ -108,12 +115,13 @@ std::vector<Eigen::Vector3f> ShadedRays(const RayScene& scene,
                                         std::span<const Eigen::Vector3f> directions) {
   std::vector<RayHit> hits(directions.size());
   scene.CastFan(eye.position(), directions, hits);
+  const std::vector<std::uint8_t> see_lamp = SeeLamp(scene, eye.position(), directions, hits);
   std::vector<Eigen::Vector3f> colours(directions.size(), Eigen::Vector3f::Constant(255.0f));
   for (std::size_t n = 0; n < directions.size(); ++n) {
-    if (hits[n].instance < 0) continue;
-    const Eigen::Vector3f point =
-        eye.position() + static_cast<float>(hits[n].distance_m) * directions[n];
-    colours[n] = ShadePixel(scene, placed, hits[n], point, -directions[n]);
+    const RayHit& hit = hits[n];
+    if (hit.instance < 0) continue;
+    colours[n] = SurfaceColour(*placed[static_cast<std::size_t>(hit.instance)], hit) *
+                 Light(hit.normal_world, -directions[n], see_lamp[n] != 0);
   }
   return colours;
 }

@@ -1,7 +1,11 @@
 // mesh: the chosen shapes as closed, metric, coloured triangle meshes.
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -51,6 +55,20 @@ void UseOptimizedPoses(const OptimizedMap& map, std::span<ObjectView> views) {
   }
 }
 
+// Indices into the batch, the object of most voxels first: nothing large then is left for the end.
+std::vector<std::size_t> LargestFirst(std::span<const TrackViews> batch,
+                                      const std::map<ObjectId, VoxelGrid>& grids) {
+  std::vector<std::ptrdiff_t> num_voxels;
+  for (const TrackViews& of_track : batch) {
+    const std::vector<std::uint8_t>& occupied = grids.at(of_track.track->id).occupied;
+    num_voxels.push_back(std::count(occupied.begin(), occupied.end(), 1));
+  }
+  std::vector<std::size_t> order(batch.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t n) { return num_voxels[n]; });
+  return order;
+}
+
 using Meshes = std::map<ObjectId, Result<TriangleMesh>>;
 
 // Of the objects of these tracks; those of objects without a track are not there.
@@ -72,7 +90,9 @@ Result<Meshes> MakeMeshes(const StageContext& context,
   std::size_t done = 0;
   const auto make_batch = [&](std::span<TrackViews> batch) {
     std::vector<std::optional<Result<TriangleMesh>>> made(batch.size());
-    ParallelFor(batch.size(), [&](std::size_t n) {
+    const std::vector<std::size_t> order = LargestFirst(batch, grids);
+    ParallelFor(batch.size(), [&](std::size_t i) {
+      const std::size_t n = order[i];
       const ObjectId id = batch[n].track->id;
       UseOptimizedPoses(map, batch[n].views);
       made[n] = MakeMesh(*objects.at(id), grids.at(id), batch[n].views, inputs);
