@@ -69,7 +69,7 @@ DEEPSLAM_WIDE_VECTORS void UnprojectRow(const float* depth_m,
     y_m[u] = kept ? static_cast<float>(y) : 0.0F;
     z_m[u] = kept ? static_cast<float>(z) : 0.0F;
     height_m[u] = in_reach ? static_cast<float>(height) : 0.0F;
-    beyond[u] = measured & !kept ? 1 : 0;
+    beyond[u] = (measured & !kept) ? 1 : 0;
   }
 }
 
@@ -285,7 +285,7 @@ DEEPSLAM_WIDE_VECTORS void Fringe::MarkFree(int v, Flags& free) const {
   std::int32_t* const flags = free.data() + 1;
   const int width = width_;
 #pragma GCC ivdep
-  for (int u = 0; u < width; ++u) flags[u] = (z_m[u] > 0) & (piece[u] < 0) ? 1 : 0;
+  for (int u = 0; u < width; ++u) flags[u] = ((z_m[u] > 0) & (piece[u] < 0)) ? 1 : 0;
 }
 
 DEEPSLAM_WIDE_VECTORS void Fringe::FindBeside(int v) {

@@ -202,8 +202,8 @@ inline void Link(const float* z,
     const float cosine = ax[u] * bx[u] + (ay[u] * by[u] + az[u] * bz[u]);
     const bool smooth = (cosine > kSameSurfaceCos) & (level_a[u] == level_b[u]);
     const float step = std::abs(z[u] - z_before[u]);
-    const std::int32_t from = smooth & (step < step_b[u]) ? from_bit : 0;
-    const std::int32_t to = smooth & (step < step_a[u]) ? to_bit : 0;
+    const std::int32_t from = (smooth & (step < step_b[u])) ? from_bit : 0;
+    const std::int32_t to = (smooth & (step < step_a[u])) ? to_bit : 0;
     link[u] |= from | to;
   }
 }

@@ -122,7 +122,7 @@ void Locate(const ShapeModel& model, const Rays& rays, March& march) {
 
 void Step(const Rays& rays, March& march) {
   const IntLanes is_there = march.is_on & (march.distance < 0.0F);
-  march.t_face = is_there & (march.t > march.nudge) ? march.t : march.t_face;
+  march.t_face = (is_there & (march.t > march.nudge)) ? march.t : march.t_face;
   march.is_on &= ~is_there;
   Lanes exit = Lanes{} + kFar;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -183,8 +183,8 @@ void InterpolateDistances(const ShapeModel& model,
   const auto mix = [](const Lanes& to, const Lanes& weight, Lanes& from) {
     from += weight * (to - from);
   };
-  for (const std::size_t c : {0, 2, 4, 6}) mix(at[c + 1], t[2], at[c]);
-  for (const std::size_t c : {0, 4}) mix(at[c + 2], t[1], at[c]);
+  for (const std::size_t c : {0U, 2U, 4U, 6U}) mix(at[c + 1], t[2], at[c]);
+  for (const std::size_t c : {0U, 4U}) mix(at[c + 2], t[1], at[c]);
   mix(at[4], t[0], at[0]);
   distances = at[0];
   const IntLanes is_beyond = is_asked & ~is_inside;

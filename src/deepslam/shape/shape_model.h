@@ -23,7 +23,7 @@ namespace deepslam::shape {
 
 class ShapeModel {
  public:
-  // Costs about 15 ms and 1.5 MB: make it once per model, not once per use.
+  // Costs about 4 ms and 1.5 MB: make it once per model, not once per use.
   explicit ShapeModel(const VoxelGrid& grid);
 
   [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
