@@ -76,9 +76,13 @@ constexpr double kLikeImages = 0.9;
 constexpr double kAgreementOfLikeImages = 0.6;
 
 // Pixels of this level, of every stride-th row and column, that share one error.
-double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int stride = 1) {
+double CorrelationFactor(const PyramidLevel& level, double length_at_640_px, int stride) {
   const double length_px = length_at_640_px * level.camera.width / (640.0 * stride);
   return std::max(1.0, length_px * length_px);
+}
+
+double CorrelationFactor(const SourcePoints& points, double length_at_640_px) {
+  return CorrelationFactor(points.level(), length_at_640_px, points.choice().stride);
 }
 
 int Stride(const PyramidLevel& level) { return level.camera.width >= kWideLevel ? kWideStride : 1; }
@@ -89,6 +93,15 @@ int MiddleStride(const PyramidLevel& level) {
 
 int CoarsestStride(const PyramidLevel& level) {
   return level.camera.width >= kWideCoarsestLevel ? kMiddleStride : 1;
+}
+
+// The coarsest level's points, where nothing is near yet.
+SourcePoints FarPoints(const PyramidLevel& level, int stride, const AlignmentOptions& options) {
+  return SourcePoints(level, {stride, options.photometric, false});
+}
+
+SourcePoints NearPoints(const PyramidLevel& level, int stride, const AlignmentOptions& options) {
+  return SourcePoints(level, {stride, options.photometric, true});
 }
 
 // Factors that turn a perturbation into metres: rotations count by their arc at the mean distance.
@@ -164,6 +177,7 @@ struct Descent {
   Pose3 start_i_from_j;
   AlignmentGates gates;
   AlignmentSystem system;  // at i_from_j, of the last level visited
+  int stride = 1;          // ... of every stride-th row and column
   Unseen held;             // no steps along these
   double converged_px = kConvergedFarPx;
   std::optional<Matrix6d> structural;  // StructuralShare at the level's first step, for all of them
@@ -175,14 +189,14 @@ Descent DescentFrom(const Pose3& start_i_from_j) {
   return descent;
 }
 
-void TakeScales(const AlignmentSystem& system, AlignmentGates& gates) {
+void TakeScales(const AlignmentSystem& system, bool near, AlignmentGates& gates) {
   // Scales only shrink: a step that makes things worse must not open the gates again.
   gates.geometric_scale = std::max(1.0F, std::min(gates.geometric_scale, system.geometric_scale));
   gates.photometric_scale =
       std::max(kMinPhotometricScale, std::min(gates.photometric_scale, system.photometric_scale));
   gates.gain = system.gain;
   gates.bias = system.bias;
-  gates.falloff = gates.near ? system.falloff : 0;
+  gates.falloff = near ? system.falloff : 0;
 }
 
 // Of a direction's information about a left perturbation, what depth tells and what its noise does
@@ -206,14 +220,13 @@ struct NormalEquations {
 // Near the place, depth and brightness each by the number of its independent measurements. Beside
 // brightness depth counts for its structure alone, so that brightness decides in the directions
 // that depth leaves weak, and depth in those where it is strong.
-NormalEquations Balance(const PyramidLevel& level,
+NormalEquations Balance(const SourcePoints& points,
                         const AlignmentOptions& options,
                         Descent& descent) {
   const AlignmentSystem& system = descent.system;
-  const int stride = descent.gates.stride;
-  const double of_depth = 1 / CorrelationFactor(level, options.correlation_length_px, stride);
+  const double of_depth = 1 / CorrelationFactor(points, options.correlation_length_px);
   const double of_brightness =
-      1 / CorrelationFactor(level, options.photometric_correlation_length_px, stride);
+      1 / CorrelationFactor(points, options.photometric_correlation_length_px);
   const Matrix6d geometric = of_depth * (system.hessian - system.photometric_hessian);
   const Vector6d gradient = of_depth * (system.gradient - system.photometric_gradient);
   if (!SeesImages(system)) return {geometric, gradient};
@@ -225,12 +238,11 @@ NormalEquations Balance(const PyramidLevel& level,
 }
 
 // Far off, where all that pulls is needed, every residual counts alike.
-NormalEquations Measured(const PyramidLevel& level,
+NormalEquations Measured(const SourcePoints& points,
                          const AlignmentOptions& options,
                          Descent& descent) {
-  if (descent.gates.near) return Balance(level, options, descent);
-  const double share =
-      1 / CorrelationFactor(level, options.correlation_length_px, descent.gates.stride);
+  if (points.choice().near) return Balance(points, options, descent);
+  const double share = 1 / CorrelationFactor(points, options.correlation_length_px);
   return {share * descent.system.hessian, share * descent.system.gradient};
 }
 
@@ -291,22 +303,24 @@ bool AmongThem(std::span<const Pose3> places, const Pose3& place) {
 
 // False when the way leads to one of the places `known` and was left there.
 bool Descend(const PyramidLevel& i,
-             const PyramidLevel& j,
+             const SourcePoints& j,
              const AlignmentOptions& options,
              Descent& descent,
              std::span<const Pose3> known = {}) {
-  const double converged_rad = descent.converged_px / j.camera.fx;
+  const double converged_rad = descent.converged_px / j.level().camera.fx;
   const double converged_m = kConvergedDistanceM * converged_rad;
+  const bool near = j.choice().near;
   descent.structural.reset();
   Mixing mixing;
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
-    TakeScales(descent.system, descent.gates);
+    descent.stride = j.choice().stride;
+    TakeScales(descent.system, near, descent.gates);
     const Vector6d free = Step(descent, Measured(j, options, descent));
     const Vector6d step = free - descent.held.Part(free);
     // Far off the next stripe or tile may lie where the steps seem to lead.
-    const Vector6d move = descent.gates.near ? mixing.Move(step) : step;
+    const Vector6d move = near ? mixing.Move(step) : step;
     descent.i_from_j = V2t(move) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
     if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
@@ -320,7 +334,6 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
   gates.max_distance_m = static_cast<float>(
       options.max_distance_m / std::pow(2.0, static_cast<double>(levels_above_finest_skipped)));
   gates.min_normal_cosine = static_cast<float>(std::cos(options.max_normal_angle_deg * kRadPerDeg));
-  gates.photometric = options.photometric;
   return gates;
 }
 
@@ -335,12 +348,10 @@ double SharedInformation(const AlignmentSystem& system) {
 
 // The system at a place that is judged by common scales, without its normal equations.
 AlignmentSystem JudgePlace(const PyramidLevel& i,
-                           const PyramidLevel& j,
+                           const SourcePoints& j,
                            const Pose3& i_from_j,
-                           const AlignmentOptions& options,
-                           int stride) {
+                           const AlignmentOptions& options) {
   AlignmentGates gates = LevelGates(options, 0);
-  gates.stride = stride;
   gates.geometric_scale = kJudgeScale;
   gates.judge_only = true;
   return BuildAlignmentSystem(i, j, i_from_j, gates, options.pyramid.noise);
@@ -351,10 +362,10 @@ AlignmentSystem JudgePlace(const PyramidLevel& i,
 // scale; the correlation lives by the few strong ones. Larger overlap counts for more, but less
 // than likeness: a wrong place may well show more of the other frame.
 double Support(const PyramidLevel& i,
-               const PyramidLevel& j,
+               const SourcePoints& j,
                const Descent& descent,
                const AlignmentOptions& options) {
-  const AlignmentSystem system = JudgePlace(i, j, descent.i_from_j, options, 1);
+  const AlignmentSystem system = JudgePlace(i, j, descent.i_from_j, options);
   if (system.num_overlap == 0) return 0;
   const double images = system.num_photometric * std::max(0.0, system.brightness_correlation);
   const double likeness = (system.support + images) / system.num_overlap;
@@ -373,6 +384,15 @@ std::vector<Vector6d> OpenDirections(const AlignmentSystem& system) {
   return open;
 }
 
+// Points of frame j's coarsest level: places that compete are told apart by a part of them.
+struct CoarsePoints {
+  SourcePoints all;
+  SourcePoints part;
+
+  CoarsePoints(const PyramidLevel& level, const AlignmentOptions& options)
+      : all(FarPoints(level, 1, options)), part(FarPoints(level, CoarsestStride(level), options)) {}
+};
+
 // What places along a direction that depth leaves open are judged by: the common points alone,
 // since how many there are is least where the camera moved most.
 struct Likeness {
@@ -381,15 +401,13 @@ struct Likeness {
 };
 
 Likeness JudgeLikeness(const PyramidLevel& i,
-                       const PyramidLevel& j,
+                       const SourcePoints& j,
                        const Pose3& i_from_j,
-                       const AlignmentOptions& options,
-                       int stride) {
-  const AlignmentSystem system = JudgePlace(i, j, i_from_j, options, stride);
+                       const AlignmentOptions& options) {
+  const AlignmentSystem system = JudgePlace(i, j, i_from_j, options);
   if (system.num_overlap == 0) return {};
   const double independent =
-      system.num_photometric /
-      CorrelationFactor(j, options.photometric_correlation_length_px, stride);
+      system.num_photometric / CorrelationFactor(j, options.photometric_correlation_length_px);
   return {system.support / system.num_overlap + SharedInformation(system),
           kSureNats / std::max(1.0, independent)};
 }
@@ -397,29 +415,29 @@ Likeness JudgeLikeness(const PyramidLevel& i,
 // Where depth leaves a direction open, only the images tell the place along it, and their descent
 // ends at the nearest stripe, tile or board that looks alike. So places on both sides are tried.
 Descent SearchOpenDirections(const PyramidLevel& i,
-                             const PyramidLevel& j,
+                             const CoarsePoints& j,
                              const AlignmentOptions& options,
                              const Descent& descent) {
   Descent best = descent;
   for (const Vector6d& direction : OpenDirections(descent.system)) {
-    const double step_m = kOpenStepPx * MeanDepthM(j) / j.camera.fx;
+    const double step_m = kOpenStepPx * MeanDepthM(j.all.level()) / j.all.level().camera.fx;
     const Descent centre = best;
     Descent tried = centre;
-    const Likeness here = JudgeLikeness(i, j, centre.i_from_j, options, CoarsestStride(j));
+    const Likeness here = JudgeLikeness(i, j.part, centre.i_from_j, options);
     double best_value = here.value + here.resolution;
     for (int n = -kNumOpenSteps; n <= kNumOpenSteps; ++n) {
       if (n == 0) continue;
       const Pose3 moved = V2t(n * step_m * direction) * centre.i_from_j;
-      const Likeness there = JudgeLikeness(i, j, moved, options, CoarsestStride(j));
+      const Likeness there = JudgeLikeness(i, j.part, moved, options);
       if (there.value <= best_value) continue;
       tried.i_from_j = moved;
       best_value = there.value;
     }
     if (SamePlace(tried.i_from_j, centre.i_from_j)) continue;
     tried.start_i_from_j = tried.i_from_j;
-    Descend(i, j, options, tried);
-    const Likeness before = JudgeLikeness(i, j, centre.i_from_j, options, 1);
-    const Likeness after = JudgeLikeness(i, j, tried.i_from_j, options, 1);
+    Descend(i, j.all, options, tried);
+    const Likeness before = JudgeLikeness(i, j.all, centre.i_from_j, options);
+    const Likeness after = JudgeLikeness(i, j.all, tried.i_from_j, options);
     if (after.value > before.value + before.resolution) best = tried;
   }
   return best;
@@ -427,7 +445,7 @@ Descent SearchOpenDirections(const PyramidLevel& i,
 
 // Descents that compete go by every second row and column, the best one goes on by all.
 Descent BestCoarseDescent(const PyramidLevel& i,
-                          const PyramidLevel& j,
+                          const CoarsePoints& j,
                           std::span<const Pose3> starts,
                           const AlignmentOptions& options) {
   std::optional<Descent> best;
@@ -437,38 +455,35 @@ Descent BestCoarseDescent(const PyramidLevel& i,
     if (AmongThem(starts.first(k), starts[k])) continue;
     Descent descent = DescentFrom(starts[k]);
     descent.gates = LevelGates(options, 0);
-    descent.gates.stride = CoarsestStride(j);
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
-    if (!Descend(i, j, options, descent, ends)) continue;
+    if (!Descend(i, j.part, options, descent, ends)) continue;
     ends.push_back(descent.i_from_j);
-    const double support = Support(i, j, descent, options);
+    const double support = Support(i, j.all, descent, options);
     if (!best || support > best_support) {
       best = descent;
       best_support = support;
     }
   }
-  if (best->gates.stride > 1) {
-    best->gates.stride = 1;
-    Descend(i, j, options, *best);
-  }
+  if (j.part.choice().stride > 1) Descend(i, j.all, options, *best);
   return *best;
 }
 
 // The finest level's system at the end of a descent, judged by both frames.
 void JudgeEnd(const PyramidLevel& i,
-              const PyramidLevel& j,
+              const SourcePoints& j,
               const AlignmentOptions& options,
               Descent& descent) {
   AlignmentGates gates = descent.gates;
   gates.cross_frames = true;
   descent.system = BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
+  descent.stride = j.choice().stride;
 }
 
 // Along what depth alone does not see, the end is brought back to `start_i_from_j`, and the descent
 // goes on in the other directions (solution remapping: Zhang, Kaess, Singh 2016).
 void HoldUnseen(const PyramidLevel& i,
-                const PyramidLevel& j,
+                const SourcePoints& j,
                 const Pose3& start_i_from_j,
                 const AlignmentOptions& options,
                 Descent& descent) {
@@ -551,7 +566,7 @@ FrameAlignment Conclude(const Descent& descent,
   const AlignmentSystem& system = descent.system;
   FrameAlignment result;
   result.i_from_j = descent.i_from_j;
-  const JudgedHessian judged = Judge(system, finest, descent.gates.stride, start_sigma, options);
+  const JudgedHessian judged = Judge(system, finest, descent.stride, start_sigma, options);
   result.information = Information(judged.left, descent.i_from_j, start_sigma, options);
   const double num_source = std::max(1, system.num_source);
   result.rmse_m =
@@ -598,22 +613,32 @@ void DescendToFinest(const FramePyramid& i,
                      const AlignmentOptions& options,
                      Descent& descent) {
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
-  for (std::size_t level = num_levels; level-- > 0;) {
+  const auto take_gates = [&](std::size_t level) {
     AlignmentGates gates = LevelGates(options, coarsest - level);
     gates.geometric_scale = 2 * descent.gates.geometric_scale;
     gates.photometric_scale = 2 * descent.gates.photometric_scale;
     gates.gain = descent.gates.gain;
     gates.bias = descent.gates.bias;
     gates.falloff = descent.gates.falloff;
-    gates.near = true;
-    const bool is_last = level == 0;
-    gates.stride = is_last ? Stride(j.levels[level]) : MiddleStride(j.levels[level]);
     descent.gates = gates;
-    descent.converged_px = is_last ? kConvergedPx : kConvergedMiddlePx;
-    Descend(i.levels[level], j.levels[level], options, descent);
+  };
+  for (std::size_t level = num_levels; level-- > 1;) {
+    take_gates(level);
+    descent.converged_px = kConvergedMiddlePx;
+    const PyramidLevel& source = j.levels[level];
+    Descend(i.levels[level], NearPoints(source, MiddleStride(source), options), options, descent);
   }
-  JudgeEnd(i.levels.front(), j.levels.front(), options, descent);
-  HoldUnseen(i.levels.front(), j.levels.front(), first_start, options, descent);
+  const PyramidLevel& finest = i.levels.front();
+  const PyramidLevel& source = j.levels.front();
+  const SourcePoints points =
+      num_levels > 0 ? NearPoints(source, Stride(source), options) : FarPoints(source, 1, options);
+  if (num_levels > 0) {
+    take_gates(0);
+    descent.converged_px = kConvergedPx;
+    Descend(finest, points, options, descent);
+  }
+  JudgeEnd(finest, points, options, descent);
+  HoldUnseen(finest, points, first_start, options, descent);
 }
 
 // Told at the coarsest level.
@@ -623,7 +648,7 @@ bool SeesTheSame(const FramePyramid& i,
                  const AlignmentOptions& options) {
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
   const AlignmentSystem there =
-      JudgePlace(i.levels[coarsest], j.levels[coarsest], i_from_j, options, 1);
+      JudgePlace(i.levels[coarsest], FarPoints(j.levels[coarsest], 1, options), i_from_j, options);
   return there.num_overlap >= kNearOverlap * options.min_overlap * there.num_source;
 }
 
@@ -638,13 +663,13 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   if (!Comparable(i, j)) return Failed(initial_i_from_j.front());
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
-  Descent descent =
-      BestCoarseDescent(i.levels[coarsest], j.levels[coarsest], initial_i_from_j, options);
-  if (options.photometric)
-    descent = SearchOpenDirections(i.levels[coarsest], j.levels[coarsest], options, descent);
+  const PyramidLevel& coarsest_i = i.levels[coarsest];
+  const CoarsePoints coarsest_j(j.levels[coarsest], options);
+  Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, options);
+  if (options.photometric) descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
   DescendToFinest(i, j, coarsest, initial_i_from_j.front(), options, descent);
   FrameAlignment result = Conclude(descent, j.levels.front(), start_sigma, options);
-  result.support = Support(i.levels[coarsest], j.levels[coarsest], descent, options);
+  result.support = Support(coarsest_i, coarsest_j.all, descent, options);
   return result;
 }
 

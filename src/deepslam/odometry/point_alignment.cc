@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/odometry/batch_columns.h"
@@ -17,11 +18,7 @@ constexpr std::size_t kNumPairs = 27;  // upper triangle of a 6 x 6 matrix and a
 constexpr float kNu = 5.0F;            // degrees of freedom of Student's t (Kerl et al. 2013)
 constexpr float kInlierSigmas = 3.0F;
 constexpr float kMadToSigma = 1.4826F;
-constexpr float kMinGradient =
-    1.5F;  // grey levels per pixel: below, the intensity says nothing about motion
 constexpr float kMinPointZM = 0.05F;
-// What is nearer by less than this share of the depth is the same surface.
-constexpr float kSameSurface = 0.03F;
 constexpr float kBinsPerSigma = 16.0F;  // histogram of geometric residuals
 constexpr float kBinsPerGrey = 4.0F;    // histogram of photometric residuals
 constexpr int kNumBins = 512;
@@ -121,63 +118,107 @@ class CrossSums {
   std::array<double, 36> sums_{};
 };
 
-// Every stride-th point of a source row in frame i, and where it falls in its image: texel -1 where
-// there is no depth, and outside.
-struct MovedRow {
-  MovedRow(int width, int source_stride)
-      : stride(source_stride),
-        first(source_stride / 2),
-        depth_m(static_cast<std::size_t>((width - first + stride - 1) / stride)),
-        x(depth_m.size()),
-        y(x.size()),
-        z(x.size()),
-        u(x.size()),
-        v(x.size()),
-        rho2(x.size()),
-        texel(x.size()) {}
-  [[nodiscard]] int SourceColumn(int k) const { return first + k * stride; }
-  int stride, first;
-  std::vector<float> depth_m, x, y, z, u, v;
-  std::vector<float> rho2;  // squared tangent of the ray's angle with the optical axis of frame j
-  std::vector<std::int32_t> texel;
+using IndexColumn = std::array<std::int32_t, kBatch>;
+
+// A batch of the source's points in frame i, and where they fall in its image.
+struct MovedPoints {
+  std::size_t begin = 0;  // in SourcePoints
+  std::size_t size = 0;   // a multiple of kLanes
+  Column x, y, z, u, v;
+  IndexColumn is_inside;  // 1; 0 where there is no depth, and outside
+  IndexColumn texel;      // the nearest one; 0 where it is not inside
 };
+
+// Some of a batch of points, by their place in it.
+struct Selection {
+  std::size_t size = 0;
+  IndexColumn points;
+
+  // Those whose `selected` is 1 and not 0; without a branch, which outlines would mislead.
+  void Take(const IndexColumn& selected, std::size_t batch_size) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < batch_size; ++k) {
+      points[count] = static_cast<std::int32_t>(k);
+      count += static_cast<std::size_t>(selected[k]);
+    }
+    size = count;
+  }
+  template <typename Kept>
+  void Keep(const Kept& kept) {
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < size; ++n) {
+      const std::int32_t point = points[n];
+      points[count] = point;
+      count += kept(static_cast<std::size_t>(point)) ? 1 : 0;
+    }
+    size = count;
+  }
+  [[nodiscard]] std::span<const std::int32_t> span() const { return {points.data(), size}; }
+};
+
+// Four numbers from `first` on, wherever they lie.
+using FourFloats [[gnu::vector_size(4 * sizeof(float)), gnu::may_alias]] = float;
+using FourAnywhere [[gnu::aligned(alignof(float))]] = FourFloats;
+
+FourFloats FourFrom(const float* first) { return reinterpret_cast<const FourAnywhere&>(*first); }
+
+struct FourPoints {
+  FourFloats a, b, c, d;
+};
+
+template <typename Point>
+FourPoints FourOf(const Point& point, std::size_t k) {
+  return {point(k), point(k + 1), point(k + 2), point(k + 3)};
+}
+
+// The first three numbers of four points, to where their columns go on; gives the fourth ones.
+FourFloats ToColumns(const FourPoints& points, float* x, float* y, float* z) {
+  const auto& [a, b, c, d] = points;
+  const FourFloats ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  const FourFloats cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const FourFloats ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  const FourFloats cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  reinterpret_cast<FourFloats&>(*x) = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+  reinterpret_cast<FourFloats&>(*y) = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+  reinterpret_cast<FourFloats&>(*z) = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+  return __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+}
 
 // Points p_i and, for each, the target's tangent plane and the source's normal in frame j.
 struct GeometricPairs {
   std::size_t size = 0;
   Column x, y, z;
+  IndexColumn target;  // texels
+  IndexColumn source;  // in SourcePoints
   Column nx, ny, nz, offset_m;
   Column source_nx, source_ny, source_nz;
   Column counts;  // 1; 0 in what only fills the last lanes
 
-  void Add(const MovedRow& row,
-           std::size_t k,
-           const SurfaceTexel& target,
-           const SurfaceTexel& source) {
-    Set(row.x[k], row.y[k], row.z[k], target, source, 1.0F);
+  void Add(const MovedPoints& moved, std::span<const std::int32_t> points) {
+    for (const std::int32_t point : points) {
+      const std::size_t k = static_cast<std::size_t>(point);
+      x[size] = moved.x[k];
+      y[size] = moved.y[k];
+      z[size] = moved.z[k];
+      target[size] = moved.texel[k];
+      source[size++] = static_cast<std::int32_t>(moved.begin + k);
+    }
   }
-  void Fill() {
-    while (size % kLanes != 0) Set(0, 0, 1, {}, {}, 0);
-  }
-
- private:
-  void Set(float px,
-           float py,
-           float pz,
-           const SurfaceTexel& target,
-           const SurfaceTexel& source,
-           float count) {
-    x[size] = px;
-    y[size] = py;
-    z[size] = pz;
-    nx[size] = target.nx;
-    ny[size] = target.ny;
-    nz[size] = target.nz;
-    offset_m[size] = target.offset_m;
-    source_nx[size] = source.nx;
-    source_ny[size] = source.ny;
-    source_nz[size] = source.nz;
-    counts[size++] = count;
+  // Fills the last lanes, and the columns that are read from the frames.
+  void Complete(const SurfaceTexel* target_surface, const PackedTexel* source_surface) {
+    counts.fill(1.0F);
+    for (; size % kLanes != 0; ++size) {
+      x[size] = y[size] = counts[size] = 0;
+      z[size] = 1;
+      target[size] = source[size] = 0;
+    }
+    const auto of_target = [&](std::size_t k) { return FourFrom(&target_surface[target[k]].nx); };
+    const auto of_source = [&](std::size_t k) { return FourFrom(&source_surface[source[k]].a); };
+    for (std::size_t k = 0; k < size; k += 4) {
+      reinterpret_cast<FourFloats&>(offset_m[k]) =
+          ToColumns(FourOf(of_target, k), &nx[k], &ny[k], &nz[k]);
+      ToColumns(FourOf(of_source, k), &source_nx[k], &source_ny[k], &source_nz[k]);
+    }
   }
 };
 
@@ -185,39 +226,65 @@ struct GeometricPairs {
 struct PhotometricPairs {
   std::size_t size = 0;
   Column x, y, z;
+  Column u, v;               // in the target
+  IndexColumn source_point;  // in SourcePoints
   Column source, source_du, source_dv, value, du, dv;
   Column source_rho2;
   Column counts;
 
-  void Add(const MovedRow& row,
-           std::size_t k,
-           const IntensityTexel& source_texel,
-           const IntensityTexel& target) {
-    Set(row.x[k], row.y[k], row.z[k], source_texel, row.rho2[k], target, 1.0F);
+  void Add(const MovedPoints& moved, std::span<const std::int32_t> points) {
+    for (const std::int32_t point : points) {
+      const std::size_t k = static_cast<std::size_t>(point);
+      x[size] = moved.x[k];
+      y[size] = moved.y[k];
+      z[size] = moved.z[k];
+      u[size] = moved.u[k];
+      v[size] = moved.v[k];
+      source_point[size++] = static_cast<std::int32_t>(moved.begin + k);
+    }
   }
-  void Fill() {
-    while (size % kLanes != 0) Set(0, 0, 1, {}, 0, {}, 0);
+  void Complete(const PyramidLevel& target_level, const SourcePoints& points) {
+    counts.fill(1.0F);
+    for (; size % kLanes != 0; ++size) {
+      x[size] = y[size] = u[size] = v[size] = counts[size] = 0;
+      z[size] = 1;
+      source_point[size] = 0;
+    }
+    Interpolate(target_level);
+    const PackedTexel* const intensity = points.intensity();
+    const auto of_source = [&](std::size_t k) { return FourFrom(&intensity[source_point[k]].a); };
+    for (std::size_t k = 0; k < size; k += 4)
+      ToColumns(FourOf(of_source, k), &source[k], &source_du[k], &source_dv[k]);
+    const float* const rho2 = points.rho2();
+    for (std::size_t k = 0; k < size; ++k) source_rho2[k] = rho2[source_point[k]];
   }
 
  private:
-  void Set(float px,
-           float py,
-           float pz,
-           const IntensityTexel& source_texel,
-           float rho2,
-           const IntensityTexel& target,
-           float count) {
-    x[size] = px;
-    y[size] = py;
-    z[size] = pz;
-    source[size] = source_texel.value;
-    source_du[size] = source_texel.du;
-    source_dv[size] = source_texel.dv;
-    value[size] = target.value;
-    du[size] = target.du;
-    dv[size] = target.dv;
-    source_rho2[size] = rho2;
-    counts[size++] = count;
+  // Bilinear, between texel (u, v) rounded down and its neighbours.
+  void Interpolate(const PyramidLevel& level) {
+    const std::int32_t width = level.camera.width;
+    Column w00, w10, w01, w11;
+    IndexColumn upper_left;
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < size; ++k) {
+      const std::int32_t u0 = static_cast<std::int32_t>(u[k]);
+      const std::int32_t v0 = static_cast<std::int32_t>(v[k]);
+      const float a = u[k] - static_cast<float>(u0), b = v[k] - static_cast<float>(v0);
+      w00[k] = (1 - a) * (1 - b);
+      w10[k] = a * (1 - b);
+      w01[k] = (1 - a) * b;
+      w11[k] = a * b;
+      upper_left[k] = v0 * width + u0;
+    }
+    const auto at = [&](std::size_t k) {
+      const float* const upper = &level.intensity[static_cast<std::size_t>(upper_left[k])].value;
+      const float* const lower = upper + 3 * static_cast<std::ptrdiff_t>(width);
+      // Of the image's last texel nothing follows: it is the end of the four before.
+      const FourFloats last = FourFrom(lower + 2);
+      return w00[k] * FourFrom(upper) + w10[k] * FourFrom(upper + 3) + w01[k] * FourFrom(lower) +
+             w11[k] * __builtin_shufflevector(last, last, 1, 2, 3, 3);
+    };
+    for (std::size_t k = 0; k < size; k += 4) ToColumns(FourOf(at, k), &value[k], &du[k], &dv[k]);
   }
 };
 
@@ -253,52 +320,10 @@ struct Match {
   float normalised = 0;
 };
 
-// Four numbers from `first` on, wherever they lie.
-using FourFloats [[gnu::vector_size(4 * sizeof(float)), gnu::may_alias]] = float;
-using FourAnywhere [[gnu::aligned(alignof(float))]] = FourFloats;
-
-// Bilinear, between texel (u, v) rounded down and its neighbours.
-IntensityTexel Interpolate(const PyramidLevel& level, float u, float v) {
-  const std::size_t u0 = static_cast<std::size_t>(static_cast<int>(u));
-  const std::size_t v0 = static_cast<std::size_t>(static_cast<int>(v));
-  const float a = u - static_cast<float>(static_cast<int>(u));
-  const float b = v - static_cast<float>(static_cast<int>(v));
-  const std::size_t width = static_cast<std::size_t>(level.camera.width);
-  const float* const upper = &level.intensity[v0 * width + u0].value;
-  const float* const lower = &level.intensity[v0 * width + width + u0].value;
-  const auto four = [](const float* first) -> const FourAnywhere& {
-    return reinterpret_cast<const FourAnywhere&>(*first);
-  };
-  const float w00 = (1 - a) * (1 - b), w10 = a * (1 - b), w01 = (1 - a) * b, w11 = a * b;
-  // Of the image's last texel nothing follows: it is the end of the four before.
-  const FourFloats last = four(lower + 2);
-  const FourFloats sum = w00 * four(upper) + w10 * four(upper + 3) + w01 * four(lower) +
-                         w11 * __builtin_shufflevector(last, last, 1, 2, 3, 3);
-  return {sum[0], sum[1], sum[2]};
-}
-
-// Whether what a texel without a normal shows is its own surface's brightness. Behind an outline
-// the image is blurred with what is in front and moves with it; beside a gap of the depth it is not
-// known who is in front.
-bool ShowsItself(const PyramidLevel& level, std::ptrdiff_t texel) {
-  const std::ptrdiff_t width = level.camera.width, height = level.camera.height;
-  const std::ptrdiff_t u = texel % width, v = texel / width;
-  const std::ptrdiff_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
-  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(texel)];
-  for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - 1); y <= std::min(height - 1, v + 1);
-       ++y) {
-    const float* const row_m = level.depth_m.data() + y * width + u;
-    for (std::ptrdiff_t x = left; x <= right; ++x) {
-      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;
-    }
-  }
-  return true;
-}
-
 class SystemBuilder {
  public:
   SystemBuilder(const PyramidLevel& i,
-                const PyramidLevel& j,
+                const SourcePoints& j,
                 const Pose3& i_from_j,
                 const AlignmentGates& gates,
                 const DepthNoise& noise)
@@ -308,13 +333,17 @@ class SystemBuilder {
         noise_(noise),
         rotation_(i_from_j.rotation.toRotationMatrix().cast<float>()),
         translation_(i_from_j.translation_m.cast<float>()),
-        photometric_(gates.photometric && !i.intensity.empty() && !j.intensity.empty()) {}
+        photometric_(j.choice().photometric && !i.intensity.empty()) {}
 
   AlignmentSystem Build() {
-    MovedRow row(j_.camera.width, gates_.stride);
-    for (int v = gates_.stride / 2; v < j_.camera.height; v += gates_.stride) {
-      MoveRow(v, row);
-      AddRow(v, row);
+    system_.num_source = j_.num_with_normal();
+    auto row = j_.rows().begin();
+    MovedPoints moved;
+    for (moved.begin = 0; moved.begin < j_.size(); moved.begin += kBatch) {
+      moved.size = std::min(kBatch, j_.size() - moved.begin);
+      const std::size_t end = moved.begin + moved.size;
+      for (; row != j_.rows().end() && row->begin < end; ++row) MoveRow(*row, moved);
+      AddMoved(moved);
     }
     FlushGeometric();
     FlushPhotometric();
@@ -323,14 +352,10 @@ class SystemBuilder {
 
  private:
   // p_i = depth * R ray + t; R ray is linear along a row.
-  void MoveRow(int v, MovedRow& row) const {
-    const PinholeCamera& camera = j_.camera;
+  void MoveRow(const SourceRow& row, MovedPoints& moved) const {
+    const PinholeCamera& camera = j_.level().camera;
     const Eigen::Vector3f step = rotation_.col(0) / static_cast<float>(camera.fx);
-    const Eigen::Vector3f start = rotation_ * camera.Ray(0, v).cast<float>();
-    const float* const source_m = j_.depth_m.data() + static_cast<std::ptrdiff_t>(v) * camera.width;
-    const int num_points = static_cast<int>(row.x.size());
-    for (int k = 0; k < num_points; ++k)
-      row.depth_m[static_cast<std::size_t>(k)] = source_m[row.SourceColumn(k)];
+    const Eigen::Vector3f start = rotation_ * camera.Ray(0, row.v).cast<float>();
     const float fx = static_cast<float>(i_.camera.fx), fy = static_cast<float>(i_.camera.fy);
     const float cx = static_cast<float>(i_.camera.cx), cy = static_cast<float>(i_.camera.cy);
     const float x0 = start.x(), y0 = start.y(), z0 = start.z();
@@ -340,23 +365,20 @@ class SystemBuilder {
     const float last_u = static_cast<float>(i_.camera.width - 1);
     const float last_v = static_cast<float>(i_.camera.height - 1);
     const std::int32_t width = i_.camera.width;
-    const int stride = row.stride, first = row.first;
-    const Eigen::Vector2f ray = camera.Ray(0, v).head<2>().cast<float>();
-    const float ray_x = ray.x(), ray_y2 = ray.y() * ray.y();
-    const float ray_step = 1.0F / static_cast<float>(camera.fx);
-    const float* const depth = row.depth_m.data();
-    float* const x = row.x.data();
-    float* const y = row.y.data();
-    float* const z = row.z.data();
-    float* const to_u = row.u.data();
-    float* const to_v = row.v.data();
-    float* const rho2 = row.rho2.data();
-    std::int32_t* const texel = row.texel.data();
+    const float* const columns = j_.column() + row.begin;
+    const float* const depth = j_.depth_m() + row.begin;
+    const std::size_t first = row.begin - moved.begin;
+    float* const x = &moved.x[first];
+    float* const y = &moved.y[first];
+    float* const z = &moved.z[first];
+    float* const to_u = &moved.u[first];
+    float* const to_v = &moved.v[first];
+    std::int32_t* const is_inside = &moved.is_inside[first];
+    std::int32_t* const texel = &moved.texel[first];
+    const std::size_t num_points = row.end - row.begin;
 #pragma GCC ivdep
-    for (int k = 0; k < num_points; ++k) {
-      const float column = static_cast<float>(first + k * stride);
-      const float tangent = ray_x + column * ray_step;
-      rho2[k] = tangent * tangent + ray_y2;
+    for (std::size_t k = 0; k < num_points; ++k) {
+      const float column = columns[k];
       x[k] = depth[k] * (x0 + column * x1) + tx;
       y[k] = depth[k] * (y0 + column * y1) + ty;
       z[k] = depth[k] * (z0 + column * z1) + tz;
@@ -369,60 +391,66 @@ class SystemBuilder {
                           (at_u < last_u) & (at_v < last_v);
       to_u[k] = inside ? at_u : 0.0F;
       to_v[k] = inside ? at_v : 0.0F;
-      const std::int32_t nearest = static_cast<std::int32_t>(to_v[k] + 0.5F) * width +
-                                   static_cast<std::int32_t>(to_u[k] + 0.5F);
-      texel[k] = inside ? nearest : -1;
+      is_inside[k] = inside ? 1 : 0;
+      texel[k] = static_cast<std::int32_t>(to_v[k] + 0.5F) * width +
+                 static_cast<std::int32_t>(to_u[k] + 0.5F);
     }
   }
 
-  void AddRow(int v, const MovedRow& row) {
-    const std::ptrdiff_t row_start = static_cast<std::ptrdiff_t>(v) * j_.camera.width;
-    const SurfaceTexel* const source_surface = j_.surface.data() + row_start;
-    const IntensityTexel* const source_intensity =
-        photometric_ ? j_.intensity.data() + row_start : nullptr;
-    const SurfaceTexel* const target_surface = i_.surface.data();
-    const float* const target_depth_m = i_.depth_m.data();
-    const float max_distance_m = gates_.max_distance_m;
-    int num_source = 0, num_inside = 0, num_overlap = 0;
-    for (std::size_t k = 0; k < row.x.size(); ++k) {
-      const int u = row.SourceColumn(static_cast<int>(k));
-      const SurfaceTexel& source = source_surface[u];
-      const bool source_has_normal = source.offset_m < 0;
-      num_source += source_has_normal ? 1 : 0;
-      if (row.texel[k] < 0) continue;
-      const std::size_t texel = static_cast<std::size_t>(row.texel[k]);
-      const SurfaceTexel& target = target_surface[texel];
-      const bool both_have_normals = source_has_normal & (target.offset_m < 0);
-      num_inside += source_has_normal ? 1 : 0;
-      num_overlap += both_have_normals ? 1 : 0;
-      if (std::abs(row.z[k] - target_depth_m[texel]) > max_distance_m) continue;
-      if (both_have_normals) AddGeometric(row, k, target, source);
-      // Outlines of objects have depth but no normal; their brightness still says where they are.
-      if (source_intensity == nullptr || IsFlat(source_intensity[u])) continue;
-      if (gates_.near && !source_has_normal && !ShowsItself(j_, row_start + u)) continue;
-      if (gates_.near && !(target.offset_m < 0) && !ShowsItself(i_, row.texel[k])) continue;
-      AddPhotometric(row, k, source_intensity[u]);
+  void AddMoved(const MovedPoints& moved) {
+    Column target_offset_m, target_depth_m;
+    for (std::size_t k = 0; k < moved.size; ++k) {
+      const std::size_t texel = static_cast<std::size_t>(moved.texel[k]);
+      target_offset_m[k] = i_.surface[texel].offset_m;
+      target_depth_m[k] = i_.depth_m[texel];
     }
-    system_.num_source += num_source;
+    Select(moved, target_offset_m, target_depth_m);
+    AddPairs(moved, geometric_points_, geometric_, [&] { FlushGeometric(); });
+    if (!photometric_) return;
+    if (j_.choice().near) {
+      photometric_points_.Keep(
+          [&](std::size_t k) { return target_offset_m[k] < 0 || ShowsItself(i_, moved.texel[k]); });
+    }
+    AddPairs(moved, photometric_points_, photometric_pairs_, [&] { FlushPhotometric(); });
+  }
+
+  void Select(const MovedPoints& moved,
+              const Column& target_offset_m,
+              const Column& target_depth_m) {
+    const std::int32_t* const has_normal = j_.has_normal() + moved.begin;
+    const std::int32_t* const has_texture = j_.has_texture() + moved.begin;
+    const float max_distance_m = gates_.max_distance_m;
+    IndexColumn in_geometric, in_photometric;
+    std::int32_t num_inside = 0, num_overlap = 0;
+    for (std::size_t k = 0; k < moved.size; ++k) {
+      const std::int32_t is_inside = moved.is_inside[k];
+      const std::int32_t is_on_target = target_offset_m[k] < 0 ? is_inside : 0;
+      const bool is_far = std::abs(moved.z[k] - target_depth_m[k]) > max_distance_m;
+      const std::int32_t is_near = is_far ? 0 : is_inside;
+      num_inside += has_normal[k] & is_inside;
+      num_overlap += has_normal[k] & is_on_target;
+      in_geometric[k] = is_near & has_normal[k] & is_on_target;
+      in_photometric[k] = is_near & has_texture[k];
+    }
     system_.num_inside += num_inside;
     system_.num_overlap += num_overlap;
+    geometric_points_.Take(in_geometric, moved.size);
+    photometric_points_.Take(in_photometric, moved.size);
   }
 
-  void AddGeometric(const MovedRow& row,
-                    std::size_t k,
-                    const SurfaceTexel& target,
-                    const SurfaceTexel& source) {
-    geometric_.Add(row, k, target, source);
-    if (geometric_.size == kBatch) FlushGeometric();
-  }
-
-  static bool IsFlat(const IntensityTexel& texel) {
-    return std::abs(texel.du) + std::abs(texel.dv) < kMinGradient;
-  }
-
-  void AddPhotometric(const MovedRow& row, std::size_t k, const IntensityTexel& source) {
-    photometric_pairs_.Add(row, k, source, Interpolate(i_, row.u[k], row.v[k]));
-    if (photometric_pairs_.size == kBatch) FlushPhotometric();
+  // To the batch, which `flush` empties whenever it is full.
+  template <typename Pairs, typename Flush>
+  static void AddPairs(const MovedPoints& moved,
+                       const Selection& selection,
+                       Pairs& pairs,
+                       const Flush& flush) {
+    std::span<const std::int32_t> points = selection.span();
+    while (!points.empty()) {
+      const std::size_t fitting = std::min(points.size(), kBatch - pairs.size);
+      pairs.Add(moved, points.first(fitting));
+      points = points.subspan(fitting);
+      if (pairs.size == kBatch) flush();
+    }
   }
 
   // Gives the match of the k-th geometric pair.
@@ -469,7 +497,7 @@ class SystemBuilder {
     const Rotation i_from_j(rotation_), j_from_i(rotation_.transpose());
     const Triple origin{translation_.x(), translation_.y(), translation_.z()};
     const auto gradient_i = BrightnessGradient(i_.camera),
-               gradient_j = BrightnessGradient(j_.camera);
+               gradient_j = BrightnessGradient(j_.level().camera);
     return [=, gain = gates_.gain, &pairs = photometric_pairs_](std::size_t k) {
       const Triple p_i{pairs.x[k], pairs.y[k], pairs.z[k]};
       const Triple p_j = j_from_i * Triple{p_i.x - origin.x, p_i.y - origin.y, p_i.z - origin.z};
@@ -481,7 +509,7 @@ class SystemBuilder {
   }
 
   void FlushGeometric() {
-    geometric_.Fill();
+    geometric_.Complete(i_.surface.data(), j_.surface());
     if (gates_.judge_only) {
       JudgeGeometric();
     } else {
@@ -553,7 +581,7 @@ class SystemBuilder {
   }
 
   void FlushPhotometric() {
-    photometric_pairs_.Fill();
+    photometric_pairs_.Complete(i_, j_);
     if (!gates_.judge_only) SumPhotometric();
     PhotometricPairs& pairs = photometric_pairs_;
     for (std::size_t k = 0; k < pairs.size; ++k) {
@@ -624,7 +652,7 @@ class SystemBuilder {
   }
 
   const PyramidLevel& i_;
-  const PyramidLevel& j_;
+  const SourcePoints& j_;
   const AlignmentGates& gates_;
   const DepthNoise& noise_;
   const Eigen::Matrix3f rotation_;
@@ -633,6 +661,7 @@ class SystemBuilder {
   AlignmentSystem system_;
   GeometricPairs geometric_;
   PhotometricPairs photometric_pairs_;
+  Selection geometric_points_, photometric_points_;  // of the points moved last
   Rows rows_;
   Rows source_rows_;  // of what frame j sees
   Column photometric_weights_;
@@ -650,7 +679,7 @@ class SystemBuilder {
 }  // namespace
 
 DEEPSLAM_WIDE_VECTORS AlignmentSystem BuildAlignmentSystem(const PyramidLevel& i,
-                                                           const PyramidLevel& j,
+                                                           const SourcePoints& j,
                                                            const Pose3& i_from_j,
                                                            const AlignmentGates& gates,
                                                            const DepthNoise& noise) {

@@ -3,6 +3,7 @@
 
 #include "deepslam/geometry/pose.h"
 #include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/odometry/source_points.h"
 
 namespace deepslam::odometry {
 
@@ -18,17 +19,12 @@ struct AlignmentGates {
   float gain = 1.0F;
   float bias = 0.0F;  // grey levels
   float falloff = 0.0F;
-  bool photometric = true;
-  // Beyond the coarsest level, within a pixel or two of the place: brightness counts where a texel
-  // surely shows its own surface, and the lens's falloff is fitted. Far off all that pulls counts.
-  bool near = false;
   // Hessians from the products of the two frames' normals and brightness gradients in place of the
   // squares of one: noise is independent between frames and averages away, where squares take it
   // for structure; and texture that lies beside its like, as at a wrong place, counts for nothing.
   // For judging a solution; may be slightly indefinite. The gradient is void then.
   bool cross_frames = false;
   bool judge_only = false;  // counts of points, support and correlation of brightness alone
-  int stride = 1;           // every stride-th row and column of j
 };
 
 struct AlignmentSystem {
@@ -39,7 +35,7 @@ struct AlignmentSystem {
   Vector6d gradient = Vector6d::Zero();
   Matrix6d photometric_hessian = Matrix6d::Zero();   // the photometric part of `hessian`
   Vector6d photometric_gradient = Vector6d::Zero();  // ... and of `gradient`
-  int num_source = 0;                                // valid points of j
+  int num_source = 0;                                // points of j with a normal
   int num_inside = 0;                                // of those that fall inside the image of i
   int num_overlap = 0;  // of those that fall on valid points of i, near or far
   int num_matched = 0;  // of those within the gates
@@ -57,7 +53,7 @@ struct AlignmentSystem {
 };
 
 [[nodiscard]] AlignmentSystem BuildAlignmentSystem(const PyramidLevel& i,
-                                                   const PyramidLevel& j,
+                                                   const SourcePoints& j,
                                                    const Pose3& i_from_j,
                                                    const AlignmentGates& gates,
                                                    const DepthNoise& noise);

@@ -1,0 +1,113 @@
+#include "deepslam/odometry/source_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "deepslam/odometry/batch_columns.h"
+
+namespace deepslam::odometry {
+namespace {
+
+// Grey levels per pixel: below, the intensity says nothing about motion.
+constexpr float kMinGradient = 1.5F;
+// What is nearer by less than this share of the depth is the same surface.
+constexpr float kSameSurface = 0.03F;
+
+std::size_t MostPoints(const PyramidLevel& level, int stride) {
+  const std::size_t per_row = static_cast<std::size_t>(level.camera.width / stride + 1);
+  const std::size_t lanes = (per_row + kLanes - 1) / kLanes * kLanes;
+  return lanes * static_cast<std::size_t>(level.camera.height / stride + 1);
+}
+
+bool IsFlat(const IntensityTexel& texel) {
+  return std::abs(texel.du) + std::abs(texel.dv) < kMinGradient;
+}
+
+}  // namespace
+
+SourcePoints::SourcePoints(const PyramidLevel& level, const SourceChoice& choice)
+    : level_(level), choice_(choice) {
+  const std::size_t most = MostPoints(level, choice.stride);
+  // Without initial values: these would take as long as a step over the points.
+  for (auto* numbers : {&column_, &depth_m_, &rho2_})
+    *numbers = std::make_unique_for_overwrite<float[]>(most);
+  for (auto* texels : {&surface_, &intensity_})
+    *texels = std::make_unique_for_overwrite<PackedTexel[]>(most);
+  for (auto* flags : {&has_normal_, &has_texture_})
+    *flags = std::make_unique_for_overwrite<std::int32_t[]>(most);
+  for (int v = choice.stride / 2; v < level.camera.height; v += choice.stride) {
+    const std::size_t begin = size_;
+    AddRow(v);
+    FillLanes();
+    AddPieces(v, begin);
+  }
+}
+
+// Every point is written, and kept by counting it: there is no branch for outlines to mislead.
+void SourcePoints::AddRow(int v) {
+  const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(v) * level_.camera.width;
+  const float* const depth_m = level_.depth_m.data() + start;
+  const SurfaceTexel* const surface = level_.surface.data() + start;
+  const bool photometric = choice_.photometric && !level_.intensity.empty();
+  const IntensityTexel* const intensity = photometric ? level_.intensity.data() + start : nullptr;
+  std::size_t n = size_;
+  for (int u = choice_.stride / 2; u < level_.camera.width; u += choice_.stride) {
+    const SurfaceTexel& normal = surface[u];
+    const IntensityTexel texel = photometric ? intensity[u] : IntensityTexel{};
+    const bool has_depth = depth_m[u] > 0;
+    const bool has_normal = normal.offset_m < 0;
+    bool has_texture = photometric & !IsFlat(texel);
+    // Outlines of objects have depth but no normal; their brightness still says where they are.
+    if (choice_.near & has_texture & has_depth & !has_normal)
+      has_texture = ShowsItself(level_, start + u);
+    column_[n] = static_cast<float>(u);
+    depth_m_[n] = depth_m[u];
+    surface_[n] = {normal.nx, normal.ny, normal.nz, normal.offset_m};
+    intensity_[n] = {texel.value, texel.du, texel.dv, 0};
+    has_normal_[n] = has_normal ? 1 : 0;
+    has_texture_[n] = has_texture ? 1 : 0;
+    num_with_normal_ += has_normal ? 1 : 0;
+    n += has_depth & (has_normal | has_texture) ? 1 : 0;
+  }
+  size_ = n;
+}
+
+void SourcePoints::FillLanes() {
+  for (; size_ % kLanes != 0; ++size_) {
+    column_[size_] = depth_m_[size_] = 0;
+    surface_[size_] = intensity_[size_] = {0, 0, 0, 0};
+    has_normal_[size_] = has_texture_[size_] = 0;
+  }
+}
+
+void SourcePoints::AddPieces(int v, std::size_t begin) {
+  const Eigen::Vector2f ray = level_.camera.Ray(0, v).head<2>().cast<float>();
+  const float ray_x = ray.x(), ray_y2 = ray.y() * ray.y();
+  const float ray_step = 1.0F / static_cast<float>(level_.camera.fx);
+  for (std::size_t n = begin; n < size_; ++n) {
+    const float tangent = ray_x + column_[n] * ray_step;
+    rho2_[n] = tangent * tangent + ray_y2;
+  }
+  while (begin < size_) {
+    const std::size_t end = std::min(size_, (begin / kBatch + 1) * kBatch);
+    rows_.push_back({v, begin, end});
+    begin = end;
+  }
+}
+
+bool ShowsItself(const PyramidLevel& level, std::ptrdiff_t texel) {
+  const std::ptrdiff_t width = level.camera.width, height = level.camera.height;
+  const std::ptrdiff_t u = texel % width, v = texel / width;
+  const std::ptrdiff_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
+  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(texel)];
+  for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - 1); y <= std::min(height - 1, v + 1);
+       ++y) {
+    const float* const row_m = level.depth_m.data() + y * width + u;
+    for (std::ptrdiff_t x = left; x <= right; ++x) {
+      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace deepslam::odometry
