@@ -159,19 +159,19 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses | kLibrary | kPriors,
       RunPropose);
   add("register",
-      6,
+      7,
       {"track", "ground", "segment", "associate", "propose"},
       {"views", "register"},
       kFrames,
       RunRegister);
   add("select",
-      16,
+      17,
       {"track", "ground", "segment", "associate", "propose", "register"},
       {"views", "register", "select", "select.refine"},
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      23,
+      24,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
