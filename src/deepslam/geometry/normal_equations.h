@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/geometry/lanes.h"
 #include "deepslam/geometry/point_columns.h"
 
 namespace deepslam {
@@ -33,6 +34,7 @@ class SevenEquations {
   // Of a batch: derivatives by each unknown, then the residuals.
   using Columns = std::array<PointColumn, 8>;
   // Those up to `size`, a multiple of kPointLanes.
+  static_assert(kPointLanes == kLanes);
   void Add(const Columns& columns, const PointColumn& weight, std::size_t size) {
     AddFrom<0>(columns, weight, size);
   }
@@ -44,27 +46,16 @@ class SevenEquations {
   static constexpr std::size_t kColumns = 7;
   static constexpr std::size_t kRows = 8;
 
-  // Row of the Hessian and entry of the gradient from the diagonal on: all at once, so that none
-  // waits for its own last addition.
+  // Row of the Hessian and entry of the gradient from the diagonal on.
   template <std::size_t kFirst>
   void AddFrom(const Columns& columns, const PointColumn& weight, std::size_t size) {
-    using Lanes [[gnu::vector_size(kPointLanes * sizeof(float)), gnu::may_alias]] = float;
-    const auto at = [](const PointColumn& column, std::size_t k) -> const Lanes& {
-      return reinterpret_cast<const Lanes&>(column[k]);
-    };
     constexpr std::size_t kCount = kRows - kFirst;
-    Lanes lanes[kCount] = {};
-    for (std::size_t k = 0; k < size; k += kPointLanes) {
-      const Lanes weighted = at(weight, k) * at(columns[kFirst], k);
-      for (std::size_t n = 0; n < kCount; ++n) lanes[n] += weighted * at(columns[kFirst + n], k);
-    }
+    std::array<double, kCount> sums{};
+    AddDots<kCount>(weight, columns[kFirst], &columns[kFirst], size, sums.data());
     for (std::size_t n = 0; n < kCount; ++n) {
-      double sum = 0;
-      for (std::size_t lane = 0; lane < kPointLanes; ++lane)
-        sum += static_cast<double>(lanes[n][lane]);
       const std::size_t row = kFirst + n;
-      sums_[kFirst * kRows + row] += sum;
-      if (n > 0 && row < kColumns) sums_[row * kRows + kFirst] += sum;
+      sums_[kFirst * kRows + row] += sums[n];
+      if (n > 0 && row < kColumns) sums_[row * kRows + kFirst] += sums[n];
     }
     if constexpr (kFirst + 1 < kColumns) AddFrom<kFirst + 1>(columns, weight, size);
   }
