@@ -6,10 +6,12 @@
 
 #include "commands.h"
 #include "console.h"
+#include "deepslam/core/freed_memory.h"
 
 int main(int argc, char** argv) {
   using namespace deepslam::tools;  // NOLINT(google-build-using-namespace): the table below is all
                                     // of main
+  deepslam::KeepFreedMemory();
   CLI::App app("Labelled object maps from RGB-D captures", "deepslam");
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of all subcommands");

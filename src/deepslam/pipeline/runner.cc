@@ -1,7 +1,6 @@
 #include "deepslam/pipeline/runner.h"
 
 #include <fcntl.h>
-#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -20,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/store.h"
+#include "deepslam/core/freed_memory.h"
 #include "deepslam/pipeline/decide.h"
 #include "deepslam/pipeline/drop.h"
 #include "deepslam/pipeline/workspace.h"
@@ -29,6 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using StringMap = std::map<std::string, std::string>;
+
+// Of what a stage let go, for the next one, which needs as much.
+constexpr std::size_t kMostKeptBytes = std::size_t{256} << 20;
 
 double CpuSeconds() {
   struct rusage usage {};
@@ -219,8 +222,7 @@ class Run {
     ResetPeakMemory();
     StageContext context(request_.workspace, partial, stage.inputs, listener_);
     Result<StageSummary> summary = stage.run(context);
-    // What the stage let go goes back to the system: the next one's peak is its own then.
-    ::malloc_trim(0);
+    ReturnFreedMemory(kMostKeptBytes);
     if (!summary.ok()) return summary.error();
     if (Status status = context.Sync(); !status.ok()) return status.error();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;

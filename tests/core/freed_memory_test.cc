@@ -1,0 +1,49 @@
+#include "deepslam/core/freed_memory.h"
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/wide_vectors.h"  // says whether a sanitizer has its own allocator
+
+namespace deepslam {
+namespace {
+
+constexpr std::size_t kMib = std::size_t{1} << 20;
+
+std::size_t ResidentBytes() {
+  std::ifstream statm("/proc/self/statm");  // proc(5): size, then resident, in pages
+  std::size_t all = 0;
+  std::size_t resident = 0;
+  statm >> all >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+// 96 pieces of a MiB come and go; something small behind them holds the end of the heap.
+std::unique_ptr<char> UseAndLetGo() {
+  std::vector<std::vector<char>> images;
+  for (int n = 0; n < 96; ++n) images.emplace_back(kMib, static_cast<char>(n));
+  return std::make_unique<char>('x');
+}
+
+TEST(FreedMemory, StaysUntilThereIsTooMuchOfIt) {
+#ifdef DEEPSLAM_SANITIZED
+  GTEST_SKIP() << "sanitizers have an allocator of their own";
+#endif
+  KeepFreedMemory();
+  const std::unique_ptr<char> behind = UseAndLetGo();
+  const std::size_t used = ResidentBytes();
+  ASSERT_GE(used, 96 * kMib);
+  ReturnFreedMemory(256 * kMib);
+  EXPECT_GE(ResidentBytes() + 8 * kMib, used);
+  ReturnFreedMemory(16 * kMib);
+  EXPECT_LE(ResidentBytes() + 64 * kMib, used);
+}
+
+}  // namespace
+}  // namespace deepslam
