@@ -1,11 +1,16 @@
 #include "deepslam/loop/similar_keyframes.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::loop {
 namespace {
@@ -14,23 +19,68 @@ constexpr std::size_t kBranches = 10;
 constexpr int kDepth = 4;  // up to 10^4 words
 constexpr std::size_t kMinToSplit = 30;
 constexpr int kRounds = 6;                  // of majority clustering
+constexpr std::size_t kChunk = 1024;        // members in work at a time
 constexpr std::size_t kMaxSamples = 50000;  // descriptors the tree is made of
 constexpr double kCommonWord = 0.2;         // share of the keyframes
 constexpr std::size_t kAlwaysKept = 50;     // keyframes: below, no word is too common
 constexpr std::size_t kNeighbourhood = 3;   // entries: of these only the best is a candidate
 
+// Whether more than half of the members have a bit, for all bits at once: `planes[p]` holds the
+// p-th binary digit of the 256 counts.
+DEEPSLAM_WIDE_VECTORS
 BinaryDescriptor Majority(std::span<const BinaryDescriptor> samples,
                           std::span<const std::size_t> members) {
-  std::array<std::size_t, 256> ones{};
-  for (const std::size_t m : members) {
-    for (std::size_t bit = 0; bit < 256; ++bit)
-      ones[bit] += (samples[m][bit / 64] >> (bit % 64)) & 1U;
+  constexpr std::size_t kWords = std::tuple_size_v<BinaryDescriptor>;
+  const auto num_planes = static_cast<std::size_t>(std::bit_width(members.size()));
+  std::array<BinaryDescriptor, std::numeric_limits<std::size_t>::digits> planes{};
+  for (std::size_t n = 0; n < members.size(); n += 2) {  // two members, then their carry
+    const BinaryDescriptor& a = samples[members[n]];
+    const BinaryDescriptor b =
+        n + 1 < members.size() ? samples[members[n + 1]] : BinaryDescriptor{};
+    BinaryDescriptor carry;
+    for (std::size_t w = 0; w < kWords; ++w) {
+      const std::uint64_t unequal = a[w] ^ b[w];
+      carry[w] = (a[w] & b[w]) | (unequal & planes[0][w]);
+      planes[0][w] ^= unequal;
+    }
+    for (std::size_t p = 1; p < num_planes; ++p) {
+      for (std::size_t w = 0; w < kWords; ++w) {
+        const std::uint64_t sum = planes[p][w] ^ carry[w];
+        carry[w] &= planes[p][w];
+        planes[p][w] = sum;
+      }
+    }
   }
-  BinaryDescriptor centre{};
-  for (std::size_t bit = 0; bit < 256; ++bit) {
-    if (2 * ones[bit] > members.size()) centre[bit / 64] |= std::uint64_t{1} << (bit % 64);
+  const std::size_t half = members.size() / 2;
+  BinaryDescriptor more{};
+  BinaryDescriptor equal;
+  equal.fill(~std::uint64_t{0});
+  for (std::size_t p = num_planes; p-- > 0;) {
+    const std::uint64_t digit = 0 - static_cast<std::uint64_t>((half >> p) & 1U);
+    for (std::size_t w = 0; w < kWords; ++w) {
+      more[w] |= equal[w] & planes[p][w] & ~digit;
+      equal[w] &= ~(planes[p][w] ^ digit);
+    }
   }
-  return centre;
+  return more;
+}
+
+// Of each member the nearest centre, the first of several.
+DEEPSLAM_WIDE_VECTORS
+void FindNearest(std::span<const BinaryDescriptor> samples,
+                 std::span<const std::size_t> members,
+                 std::span<const BinaryDescriptor> centres,
+                 std::span<std::size_t> nearest) {
+  for (std::size_t n = 0; n < members.size(); ++n) {
+    const BinaryDescriptor& sample = samples[members[n]];
+    int least = std::numeric_limits<int>::max();
+    for (std::size_t k = 0; k < centres.size(); ++k) {
+      const int distance = Distance(sample, centres[k]);
+      if (distance >= least) continue;
+      least = distance;
+      nearest[n] = k;
+    }
+  }
 }
 
 class WordTree {
@@ -68,27 +118,48 @@ class WordTree {
     int word = -1;  // of a leaf
   };
   using Members = std::vector<std::size_t>;
+  struct Clusters {
+    std::vector<Members> members;
+    std::vector<BinaryDescriptor> centres;  // one each
+  };
 
   void Split(std::size_t node, const Members& members, int depth) {
     if (depth == kDepth || members.size() < kMinToSplit) {
       nodes_[node].word = num_words_++;
       return;
     }
-    const std::vector<Members> clusters = Cluster(members, node);
-    if (clusters.size() < 2) {
+    const Clusters clusters = Cluster(members, node);
+    if (clusters.members.size() < 2) {
       nodes_[node].word = num_words_++;
       return;
     }
-    for (const Members& cluster : clusters) {
+    for (std::size_t k = 0; k < clusters.members.size(); ++k) {
       const std::size_t child = nodes_.size();
-      nodes_.push_back({Majority(samples_, cluster), {}, -1});
+      nodes_.push_back({clusters.centres[k], {}, -1});
       nodes_[node].children.push_back(child);
-      Split(child, cluster, depth + 1);
+      Split(child, clusters.members[k], depth + 1);
     }
   }
 
   // Majority clustering, the binary k-means; clusters without members are left out.
-  [[nodiscard]] std::vector<Members> Cluster(const Members& members, std::size_t node) const {
+  [[nodiscard]] Clusters Cluster(const Members& members, std::size_t node) const {
+    Clusters found;
+    found.centres = DrawCentres(members, node);
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<Members> clusters = Assign(members, found.centres);
+      if (clusters == found.members) break;  // and so they would stay
+      found.members = std::move(clusters);
+      found.centres.resize(found.members.size());
+      ForEach(members.size(), found.members.size(), [&](std::size_t k) {
+        found.centres[k] = Majority(samples_, found.members[k]);
+      });
+    }
+    return found;
+  }
+
+  // Different ones among the members.
+  [[nodiscard]] std::vector<BinaryDescriptor> DrawCentres(const Members& members,
+                                                          std::size_t node) const {
     Random random(0, "word tree", node);
     std::vector<BinaryDescriptor> centres;
     for (std::size_t k = 0; k < kBranches; ++k) {
@@ -96,22 +167,32 @@ class WordTree {
       if (std::find(centres.begin(), centres.end(), drawn) == centres.end())
         centres.push_back(drawn);
     }
-    std::vector<Members> clusters;
-    for (int round = 0; round < kRounds; ++round) {
-      clusters.assign(centres.size(), {});
-      for (const std::size_t m : members) {
-        std::size_t nearest = 0;
-        for (std::size_t k = 1; k < centres.size(); ++k) {
-          if (Distance(samples_[m], centres[k]) < Distance(samples_[m], centres[nearest]))
-            nearest = k;
-        }
-        clusters[nearest].push_back(m);
-      }
-      std::erase_if(clusters, [](const Members& cluster) { return cluster.empty(); });
-      centres.clear();
-      for (const Members& cluster : clusters) centres.push_back(Majority(samples_, cluster));
-    }
+    return centres;
+  }
+
+  [[nodiscard]] std::vector<Members> Assign(const Members& members,
+                                            const std::vector<BinaryDescriptor>& centres) const {
+    std::vector<std::size_t> nearest(members.size());
+    const std::size_t num_chunks = (members.size() + kChunk - 1) / kChunk;
+    ForEach(members.size(), num_chunks, [&](std::size_t chunk) {
+      const std::size_t begin = chunk * kChunk;
+      const std::size_t count = std::min(kChunk, members.size() - begin);
+      FindNearest(samples_,
+                  std::span(members).subspan(begin, count),
+                  centres,
+                  std::span(nearest).subspan(begin, count));
+    });
+    std::vector<Members> clusters(centres.size());
+    for (std::size_t n = 0; n < members.size(); ++n) clusters[nearest[n]].push_back(members[n]);
+    std::erase_if(clusters, [](const Members& cluster) { return cluster.empty(); });
     return clusters;
+  }
+
+  // Side by side where there are members enough to be worth it.
+  template <typename Body>
+  static void ForEach(std::size_t num_members, std::size_t count, const Body& body) {
+    if (num_members > kChunk) return ParallelFor(count, body);
+    for (std::size_t k = 0; k < count; ++k) body(k);
   }
 
   std::span<const BinaryDescriptor> samples_;
