@@ -1,12 +1,15 @@
 // mesh: the chosen shapes as closed, metric, coloured triangle meshes.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <iterator>
 #include <map>
 #include <numeric>
-#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -33,20 +36,6 @@ Rgb8 ClassColour(const ClassTable& classes, const std::string& class_name) {
   return {channel(0), channel(1), channel(2)};
 }
 
-Result<TriangleMesh> MakeMesh(const MapObject& object,
-                              const VoxelGrid& grid,
-                              std::span<const ObjectView> views,
-                              const RunInputs& inputs) {
-  const Result<TriangleMesh> refined =
-      MakeObjectMesh(grid, object.scale_m, inputs.config.surface, inputs.config.refine);
-  if (!refined.ok()) return refined.error();
-  return mesh::ColourMesh(*refined,
-                          views,
-                          object.world_from_object,
-                          ClassColour(inputs.classes, object.class_name),
-                          inputs.config.colour);
-}
-
 // Views with the optimized cameras in place of the tracked ones.
 void UseOptimizedPoses(const OptimizedMap& map, std::span<ObjectView> views) {
   for (ObjectView& view : views) {
@@ -55,57 +44,118 @@ void UseOptimizedPoses(const OptimizedMap& map, std::span<ObjectView> views) {
   }
 }
 
-// Indices into the batch, the object of most voxels first: nothing large then is left for the end.
-std::vector<std::size_t> LargestFirst(std::span<const TrackViews> batch,
-                                      const std::map<ObjectId, VoxelGrid>& grids) {
-  std::vector<std::ptrdiff_t> num_voxels;
-  for (const TrackViews& of_track : batch) {
-    const std::vector<std::uint8_t>& occupied = grids.at(of_track.track->id).occupied;
-    num_voxels.push_back(std::count(occupied.begin(), occupied.end(), 1));
+// Faces between what is occupied and what is not, which most of a mesh's time goes with.
+std::size_t NumBoundaryFaces(const VoxelGrid& grid) {
+  constexpr std::array<std::size_t, 3> kSteps = {
+      1, std::size_t{kGridSize}, std::size_t{kGridSize} * kGridSize};
+  const std::vector<std::uint8_t>& occupied = grid.occupied;
+  std::size_t count = 0;
+  for (const std::size_t step : kSteps) {
+    for (std::size_t n = step; n < occupied.size(); ++n)
+      count += occupied[n] != occupied[n - step] ? 1 : 0;
   }
-  std::vector<std::size_t> order(batch.size());
+  return count;
+}
+
+// Indices of the objects, that of the largest surface first: nothing large is left for the end.
+std::vector<std::size_t> LargestFirst(const std::vector<VoxelGrid>& grids) {
+  std::vector<std::size_t> num_faces;
+  for (const VoxelGrid& grid : grids) num_faces.push_back(NumBoundaryFaces(grid));
+  std::vector<std::size_t> order(grids.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::greater(), [&](std::size_t n) { return num_voxels[n]; });
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t n) { return num_faces[n]; });
   return order;
 }
 
-using Meshes = std::map<ObjectId, Result<TriangleMesh>>;
+using Meshes = std::vector<Result<TriangleMesh>>;  // of each object of the map
 
-// Of the objects of these tracks; those of objects without a track are not there.
-Result<Meshes> MakeMeshes(const StageContext& context,
-                          const RunInputs& inputs,
-                          const Odometry& odometry,
-                          const Ground& ground,
-                          const Association& association,
-                          const OptimizedMap& map,
-                          const std::map<ObjectId, VoxelGrid>& grids) {
-  std::map<ObjectId, const MapObject*> objects;
-  for (const MapObject& object : map.map.objects) objects.emplace(object.id, &object);
+Meshes MakeShapes(const StageContext& context,
+                  const RunInputs& inputs,
+                  const std::vector<MapObject>& objects,
+                  const std::vector<VoxelGrid>& grids) {
+  Meshes shapes(objects.size(), Interrupted());
+  const std::vector<std::size_t> order = LargestFirst(grids);
+  ParallelFor(objects.size(), [&](std::size_t i) {
+    const std::size_t n = order[i];
+    if (context.progress().StopRequested()) return;
+    shapes[n] =
+        MakeObjectMesh(grids[n], objects[n].scale_m, inputs.config.surface, inputs.config.refine);
+  });
+  return shapes;
+}
+
+// The meshes in the colours that these views saw; what none saw has its class's.
+void Colour(const MapObject& object,
+            std::span<const ObjectView> views,
+            const RunInputs& inputs,
+            Result<TriangleMesh>& shape) {
+  if (!shape.ok()) return;
+  shape = mesh::ColourMesh(*shape,
+                           views,
+                           object.world_from_object,
+                           ClassColour(inputs.classes, object.class_name),
+                           inputs.config.colour);
+}
+
+Status ColourAll(const StageContext& context,
+                 const RunInputs& inputs,
+                 const Odometry& odometry,
+                 const Ground& ground,
+                 const Association& association,
+                 const OptimizedMap& map,
+                 Meshes& meshes) {
+  const std::vector<MapObject>& objects = map.map.objects;
+  std::map<ObjectId, std::size_t> index_of;
+  for (std::size_t n = 0; n < objects.size(); ++n) index_of.emplace(objects[n].id, n);
   std::vector<ObjectTrack> tracks;
   std::copy_if(association.tracks.begin(),
                association.tracks.end(),
                std::back_inserter(tracks),
-               [&](const ObjectTrack& track) { return objects.contains(track.id); });
-  Meshes meshes;
+               [&](const ObjectTrack& track) { return index_of.contains(track.id); });
+  std::vector<std::uint8_t> is_coloured(objects.size(), 0);
   std::size_t done = 0;
-  const auto make_batch = [&](std::span<TrackViews> batch) {
-    std::vector<std::optional<Result<TriangleMesh>>> made(batch.size());
-    const std::vector<std::size_t> order = LargestFirst(batch, grids);
+  const auto colour_batch = [&](std::span<TrackViews> batch) {
     ParallelFor(batch.size(), [&](std::size_t i) {
-      const std::size_t n = order[i];
-      const ObjectId id = batch[n].track->id;
-      UseOptimizedPoses(map, batch[n].views);
-      made[n] = MakeMesh(*objects.at(id), grids.at(id), batch[n].views, inputs);
+      const std::size_t n = index_of.at(batch[i].track->id);
+      UseOptimizedPoses(map, batch[i].views);
+      Colour(objects[n], batch[i].views, inputs, meshes[n]);
+      is_coloured[n] = 1;
     });
-    for (std::size_t n = 0; n < batch.size(); ++n)
-      meshes.emplace(batch[n].track->id, *std::move(made[n]));
     context.progress().Report(done += batch.size(), tracks.size());
     return Ok();
   };
-  const Status status = ForTrackViews(
-      context, inputs, odometry, ground, tracks, observe::ViewContent::kColourAndDepth, make_batch);
-  if (!status.ok()) return status.error();
-  return meshes;
+  const Status status = ForTrackViews(context,
+                                      inputs,
+                                      odometry,
+                                      ground,
+                                      tracks,
+                                      observe::ViewContent::kColourAndDepth,
+                                      colour_batch);
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    if (is_coloured[n] == 0) Colour(objects[n], {}, inputs, meshes[n]);
+  }
+  return status;
+}
+
+// A mesh as it is written, and what is wrong with it.
+struct Checked {
+  mesh::MeshCheck check;
+  Result<std::string> text = std::string();
+};
+
+std::string FileOf(const MapObject& object) {
+  return fmt::format("objects/{}.ply", ObjectName(object));
+}
+
+// One object without a surface keeps its place and labels; the others are none the worse for it.
+std::vector<Checked> Check(const std::vector<MapObject>& objects, const Meshes& meshes) {
+  std::vector<Checked> checked(meshes.size());
+  ParallelFor(meshes.size(), [&](std::size_t n) {
+    const TriangleMesh triangles = meshes[n].ok() ? *meshes[n] : TriangleMesh();
+    checked[n] = {mesh::CheckMesh(triangles),
+                  artifact::EncodePly({triangles, {}, {}}, FileOf(objects[n]))};
+  });
+  return checked;
 }
 
 }  // namespace
@@ -121,38 +171,33 @@ Result<StageSummary> RunMesh(StageContext& context, const RunInputs& inputs) {
   if (!map.ok()) return map.error();
 
   const std::vector<MapObject>& objects = map->map.objects;
-  std::map<ObjectId, VoxelGrid> grids;
+  std::vector<VoxelGrid> grids;
   for (const MapObject& object : objects) {
     Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
     if (!grid.ok()) return grid.error();
-    grids.emplace(object.id, std::move(grid).value());
+    grids.push_back(std::move(grid).value());
   }
-  Result<Meshes> meshes =
-      MakeMeshes(context, inputs, *odometry, *ground, *association, *map, grids);
-  if (!meshes.ok()) return meshes.error();
+  Meshes meshes = MakeShapes(context, inputs, objects, grids);
   if (context.progress().StopRequested()) return Interrupted();
+  if (Status status = ColourAll(context, inputs, *odometry, *ground, *association, *map, meshes);
+      !status.ok()) {
+    return status.error();
+  }
+  if (context.progress().StopRequested()) return Interrupted();
+  const std::vector<Checked> checked = Check(objects, meshes);
   std::size_t num_faces = 0;
   std::size_t num_faulty = 0;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const std::string file = fmt::format("objects/{}.ply", ObjectName(objects[i]));
-    // One object without a surface keeps its place and labels; the others are none the worse for
-    // it.
-    const auto made = meshes->find(objects[i].id);
-    const Result<TriangleMesh> made_now =
-        made == meshes->end() ? MakeMesh(objects[i], grids.at(objects[i].id), {}, inputs)
-                              : std::move(made->second);
-    if (!made_now.ok())
-      context.progress().Warn(fmt::format("{}: {}", file, made_now.error().message));
-    const TriangleMesh triangles = made_now.ok() ? *made_now : TriangleMesh();
-    if (const mesh::MeshCheck check = mesh::CheckMesh(triangles); !check.ok()) {
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    const std::string file = FileOf(objects[n]);
+    if (!meshes[n].ok())
+      context.progress().Warn(fmt::format("{}: {}", file, meshes[n].error().message));
+    if (const mesh::MeshCheck& check = checked[n].check; !check.ok()) {
       context.progress().Warn(fmt::format("{} is not closed: {}", file, check.fault));
       ++num_faulty;
     }
-    num_faces += triangles.faces.size();
-    if (Status status = WriteEncoded(context, file, artifact::EncodePly({triangles, {}, {}}, file));
-        !status.ok()) {
+    num_faces += meshes[n].ok() ? meshes[n]->faces.size() : 0;
+    if (Status status = WriteEncoded(context, file, checked[n].text); !status.ok())
       return status.error();
-    }
   }
   return StageSummary{
       fmt::format("{} meshes, {} faces, {} not closed", objects.size(), num_faces, num_faulty),
