@@ -17,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/surface_distance.h"
 
@@ -280,6 +281,17 @@ class Decimation {
   OpenMesh::Utils::HeapT<VertexHandle, Order> queue_;
 };
 
+// Whether a refined mesh keeps to the bound and does not pierce itself, asked side by side: what is
+// largest is often refined last, by itself.
+bool KeepsShape(const TriangleMesh& source, const TriangleMesh& refined, double max_error) {
+  std::array<std::uint8_t, 2> holds{};
+  ParallelFor(holds.size(), [&](std::size_t n) {
+    holds[n] =
+        (n == 0 ? WithinDistance(source, refined, max_error) : !SelfIntersects(refined)) ? 1 : 0;
+  });
+  return holds[0] != 0 && holds[1] != 0;
+}
+
 }  // namespace
 
 Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions& options) {
@@ -305,7 +317,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
     const TriangleMesh refined = ToTriangleMesh(*mesh);
     const MeshCheck after = CheckMesh(refined);
     if (after.ok() && after.num_components == before.num_components &&
-        WithinDistance(source, refined, options.max_error) && !SelfIntersects(refined)) {
+        KeepsShape(source, refined, options.max_error)) {
       return refined;
     }
   }
