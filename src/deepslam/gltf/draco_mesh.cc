@@ -281,7 +281,7 @@ Result<DracoPayload> DracoEncodeForGltf(const RenderMesh& mesh,
   payload.normal_id = unique_id(normal_id);
   payload.colour_id = unique_id(colour_id);
   const Grid grid = GridOf(mesh.positions);
-  const std::size_t num_places = NumPlaces(mesh.positions, mesh.faces);
+  const std::size_t num_places = keep_apart ? NumPlaces(mesh.positions, mesh.faces) : 0;
   for (int bits = position_bits; bits <= kMaxPositionBits; ++bits) {
     Result<std::string> bytes = EncodeMesh(source, grid, bits, normal_id, normal_bits);
     if (!bytes) return bytes.error();

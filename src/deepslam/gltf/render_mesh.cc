@@ -21,17 +21,16 @@ std::array<float, 3> Key(const Eigen::Vector3f& p) {
 // Vertex indices with those at one place replaced by the first of them, and only faces with three
 // places.
 std::vector<Face> WeldedFaces(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto ka = Key(mesh.vertices[a]);
-    const auto kb = Key(mesh.vertices[b]);
-    return ka != kb ? ka < kb : a < b;
-  });
+  using Placed = std::pair<std::array<float, 3>, std::uint32_t>;
+  std::vector<Placed> order;
+  order.reserve(mesh.vertices.size());
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    order.emplace_back(Key(mesh.vertices[v]), v);
+  if (!std::is_sorted(order.begin(), order.end())) std::sort(order.begin(), order.end());
   std::vector<std::uint32_t> weld(mesh.vertices.size());
   for (std::size_t n = 0; n < order.size(); ++n) {
-    const bool same = n > 0 && Key(mesh.vertices[order[n]]) == Key(mesh.vertices[order[n - 1]]);
-    weld[order[n]] = same ? weld[order[n - 1]] : order[n];
+    const bool same = n > 0 && order[n].first == order[n - 1].first;
+    weld[order[n].second] = same ? weld[order[n - 1].second] : order[n].second;
   }
   std::vector<Face> faces;
   faces.reserve(mesh.faces.size());
@@ -66,27 +65,46 @@ void Join(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) 
   parent[std::max(a, b)] = std::min(a, b);
 }
 
-// Corners (3 * face + n) that share a vertex and a smooth edge are one: returns each corner's
-// representative.
-std::vector<std::uint32_t> SmoothCorners(const std::vector<Face>& faces,
-                                         const std::vector<Eigen::Vector3d>& normals,
-                                         double crease_angle_rad) {
-  struct Side {
-    std::uint32_t low, high, corner_low, corner_high;
-  };
+// Side of a face, between the corners (3 * face + n) at its vertices.
+struct Side {
+  std::uint32_t low, high, corner_low, corner_high;
+};
+
+// By vertices, then by corners.
+std::vector<Side> SortedSides(const std::vector<Face>& faces, std::size_t num_vertices) {
   std::vector<Side> sides;
   sides.reserve(3 * faces.size());
+  std::vector<std::size_t> next(num_vertices + 1, 0);  // place of the next side of a low vertex
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     for (std::uint32_t n = 0; n < 3; ++n) {
       const std::uint32_t m = (n + 1) % 3;
       Side side{faces[f][n], faces[f][m], 3 * f + n, 3 * f + m};
       if (side.low > side.high) side = {side.high, side.low, side.corner_high, side.corner_low};
       sides.push_back(side);
+      ++next[side.low + 1];
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.corner_low) < std::tie(b.low, b.high, b.corner_low);
-  });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<Side> sorted(sides.size());
+  for (const Side& side : sides) sorted[next[side.low]++] = side;
+  std::size_t begin = 0;
+  for (std::size_t v = 0; v < num_vertices; ++v) {  // next[v] is where the sides of v end now
+    std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin),
+              sorted.begin() + static_cast<std::ptrdiff_t>(next[v]),
+              [](const Side& a, const Side& b) {
+                return std::tie(a.high, a.corner_low) < std::tie(b.high, b.corner_low);
+              });
+    begin = next[v];
+  }
+  return sorted;
+}
+
+// Corners that share a vertex and a smooth edge are one: returns each corner's representative.
+std::vector<std::uint32_t> SmoothCorners(const std::vector<Face>& faces,
+                                         std::size_t num_vertices,
+                                         const std::vector<Eigen::Vector3d>& normals,
+                                         double crease_angle_rad) {
+  const std::vector<Side> sides = SortedSides(faces, num_vertices);
   std::vector<std::uint32_t> parent(3 * faces.size());
   std::iota(parent.begin(), parent.end(), 0U);
   const double min_cosine = std::cos(crease_angle_rad);
@@ -115,7 +133,11 @@ std::uint16_t LinearFromSrgb(std::uint8_t value) {
 RenderMesh MakeRenderMesh(const TriangleMesh& mesh, double crease_angle_rad) {
   const std::vector<Face> faces = WeldedFaces(mesh);
   const std::vector<Eigen::Vector3d> face_normals = FaceNormals(mesh, faces);
-  const std::vector<std::uint32_t> corner = SmoothCorners(faces, face_normals, crease_angle_rad);
+  const std::vector<std::uint32_t> corner =
+      SmoothCorners(faces, mesh.vertices.size(), face_normals, crease_angle_rad);
+  std::array<std::uint16_t, 256> linear{};
+  for (std::size_t c = 0; c < linear.size(); ++c)
+    linear[c] = LinearFromSrgb(static_cast<std::uint8_t>(c));
   constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   std::vector<std::uint32_t> id(corner.size(), kNone);
   std::vector<Eigen::Vector3d> normals;
@@ -133,8 +155,7 @@ RenderMesh MakeRenderMesh(const TriangleMesh& mesh, double crease_angle_rad) {
         normals.emplace_back(Eigen::Vector3d::Zero());
         if (!mesh.colours.empty()) {
           const Rgb8 c = mesh.colours[vertex];
-          result.colours.push_back(
-              {LinearFromSrgb(c.r), LinearFromSrgb(c.g), LinearFromSrgb(c.b), 65535});
+          result.colours.push_back({linear[c.r], linear[c.g], linear[c.b], 65535});
         }
       }
       face[n] = own;

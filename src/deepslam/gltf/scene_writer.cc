@@ -6,15 +6,19 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <numbers>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/core/utf8.h"
 #include "deepslam/gltf/check_scene.h"
 #include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/encoded_meshes.h"
 #include "deepslam/gltf/render_mesh.h"
+#include "deepslam/gltf/scene_files.h"
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -26,6 +30,8 @@
 namespace deepslam::gltf {
 namespace {
 
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kSmooth_deg = 180;  // crease angle that nothing exceeds
 constexpr double kRoughness = 0.8;
 constexpr Rgb8 kWhite{255, 255, 255};
 constexpr Rgb8 kGroundColour{176, 170, 160};
@@ -45,7 +51,8 @@ std::vector<double> ToVector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v
 // The whole file while it grows. Every accessor has a buffer view of its own, aligned to 4 bytes.
 class GlbBuilder {
  public:
-  explicit GlbBuilder(const GltfOptions& options) : options_(options) {}
+  GlbBuilder(const GltfOptions& options, const EncodedMeshes& meshes)
+      : options_(options), meshes_(meshes) {}
 
   tinygltf::Model& model() { return model_; }
 
@@ -65,13 +72,18 @@ class GlbBuilder {
     Rgb8 plain_colour;  // where the mesh has no colours of its own
     bool double_sided = false;
     bool closed = true;
-    double crease_angle_deg = 180;
+    double crease_angle_deg = kSmooth_deg;
     bool class_variant = false;  // coloured meshes: `plain_colour` as a second appearance
   };
 
   Result<int> AddMesh(const std::string& name, const TriangleMesh& source, const MeshStyle& style) {
-    const RenderMesh mesh =
-        MakeRenderMesh(source, style.crease_angle_deg * std::numbers::pi / 180.0);
+    const EncodedMesh* encoded = meshes_.Find(source);
+    EncodedMesh own;
+    if (encoded == nullptr) {
+      own.mesh = MakeRenderMesh(source, kRadPerDeg * style.crease_angle_deg);
+      encoded = &own;
+    }
+    const RenderMesh& mesh = encoded->mesh;
     if (mesh.faces.empty()) return -1;
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
@@ -80,7 +92,7 @@ class GlbBuilder {
                                      style.double_sided);
     if (style.class_variant && !mesh.colours.empty()) AddClassVariant(style, primitive);
     if (options_.draco) {
-      const Status status = FillDraco(mesh, style.closed, primitive);
+      const Status status = FillDraco(*encoded, style.closed, primitive);
       if (!status) return status.error();
     } else {
       FillPlain(mesh, primitive);
@@ -278,9 +290,14 @@ class GlbBuilder {
     FillAccessors(mesh, true, primitive);
   }
 
-  Status FillDraco(const RenderMesh& mesh, bool closed, tinygltf::Primitive& primitive) {
-    const Result<DracoPayload> payload =
-        DracoEncodeForGltf(mesh, options_.position_bits, options_.normal_bits, closed);
+  Status FillDraco(const EncodedMesh& encoded, bool closed, tinygltf::Primitive& primitive) {
+    if (encoded.draco) return FillDraco(*encoded.draco, primitive);
+    return FillDraco(
+        DracoEncodeForGltf(encoded.mesh, options_.position_bits, options_.normal_bits, closed),
+        primitive);
+  }
+
+  Status FillDraco(const Result<DracoPayload>& payload, tinygltf::Primitive& primitive) {
     if (!payload) return payload.error();
     // The accessors tell what a decoder gets, quantisation included.
     FillAccessors(payload->decoded, false, primitive);
@@ -298,6 +315,7 @@ class GlbBuilder {
   }
 
   const GltfOptions& options_;
+  const EncodedMeshes& meshes_;
   tinygltf::Model model_;
   std::vector<unsigned char> bytes_;
   std::vector<int> scene_nodes_;
@@ -456,8 +474,11 @@ tinygltf::Value AssetExtras(const GltfScene& scene) {
   return extras.empty() ? tinygltf::Value() : tinygltf::Value(std::move(extras));
 }
 
-Result<std::string> WriteScene(const GltfScene& scene, const GltfOptions& options) {
-  GlbBuilder builder(options);
+Result<std::string> WriteScene(const GltfScene& scene,
+                               const GltfOptions& options,
+                               const EncodedMeshes& meshes,
+                               bool objects_alone) {
+  GlbBuilder builder(options, meshes);
   tinygltf::Asset& asset = builder.model().asset;
   asset.version = "2.0";
   asset.generator = ToValidUtf8(scene.generator);
@@ -469,6 +490,7 @@ Result<std::string> WriteScene(const GltfScene& scene, const GltfOptions& option
     status = AddObject(object, options, taken, shared, builder);
     if (!status) return status.error();
   }
+  if (objects_alone) return builder.Finish();
   const GlbBuilder::MeshStyle ground_style{.material_name = "ground",
                                            .plain_colour = kGroundColour,
                                            .double_sided = true,
@@ -483,14 +505,64 @@ Result<std::string> WriteScene(const GltfScene& scene, const GltfOptions& option
   return builder.Finish();
 }
 
-}  // namespace
-
-Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options) {
+Result<std::string> WriteOrSay(const GltfScene& scene,
+                               GltfOptions options,
+                               const EncodedMeshes& meshes,
+                               const GlbKind& kind) {
+  options.draco = kind.draco;
   try {
-    return WriteScene(scene, options);
+    return WriteScene(scene, options, meshes, kind.objects_alone);
   } catch (const std::exception& e) {
     return Failed(std::string("glTF: ") + e.what());
   }
+}
+
+// The largest first. Of objects of one model without colours only the first, which the others will
+// mostly share.
+std::vector<EncodedMeshes::Wanted> MeshesOf(const GltfScene& scene, const GltfOptions& options) {
+  std::vector<EncodedMeshes::Wanted> wanted;
+  for (const std::optional<TriangleMesh>& surface :
+       {std::cref(scene.room), std::cref(scene.ground)})
+    if (surface) wanted.push_back({&*surface, kRadPerDeg * kSmooth_deg, false});
+  std::set<std::string> models;
+  for (const GltfObject& object : scene.objects) {
+    const bool shares = !object.model.empty() && object.mesh.colours.empty();
+    if (!shares || models.insert(object.model).second)
+      wanted.push_back({&object.mesh, kRadPerDeg * options.crease_angle_deg, true});
+  }
+  std::ranges::stable_sort(wanted, std::greater(), [](const EncodedMeshes::Wanted& mesh) {
+    return mesh.source->faces.size();
+  });
+  return wanted;
+}
+
+}  // namespace
+
+Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options) {
+  const GlbKind kind{options.draco, false};
+  return WriteOrSay(scene, options, EncodedMeshes({}), kind);
+}
+
+std::vector<Result<std::string>> WriteGlbs(const GltfScene& scene,
+                                           const GltfOptions& options,
+                                           std::span<const GlbKind> kinds) {
+  EncodedMeshes meshes(MeshesOf(scene, options));
+  ParallelFor(meshes.size(), [&](std::size_t n) { meshes.Render(n); });
+  std::vector<Result<std::string>> files(kinds.size(), Result<std::string>(std::string()));
+  // Files without compression are written while meshes are compressed for the others.
+  std::vector<std::function<void()>> first, then;
+  if (std::ranges::any_of(kinds, &GlbKind::draco)) {
+    for (std::size_t n = 0; n < meshes.size(); ++n)
+      first.emplace_back([&, n] { meshes.Compress(n, options); });
+  }
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    (kinds[k].draco ? then : first).emplace_back([&, k] {
+      files[k] = WriteOrSay(scene, options, meshes, kinds[k]);
+    });
+  }
+  for (const auto& tasks : {std::cref(first), std::cref(then)})
+    ParallelFor(tasks.get().size(), [&](std::size_t n) { tasks.get()[n](); });
+  return files;
 }
 
 }  // namespace deepslam::gltf

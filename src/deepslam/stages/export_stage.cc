@@ -15,7 +15,7 @@
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
-#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/gltf/scene_files.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/floor_surface.h"
 #include "deepslam/mesh/ground_polygon.h"
@@ -100,15 +100,6 @@ std::optional<TriangleMesh> GroundMesh(const Content& content, const Config& con
   if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
   return mesh::ColouredGround(
       RoundedGround(*polygon), content.room, kFloorBandM, config.ground_polygon.colour_step_m);
-}
-
-// The scene without its surroundings, to say how large its objects are.
-gltf::GltfScene ObjectsOnly(const gltf::GltfScene& scene) {
-  gltf::GltfScene objects;
-  objects.objects = scene.objects;
-  objects.generator = scene.generator;
-  objects.provenance = scene.provenance;
-  return objects;
 }
 
 // A mesh in its class colour alone has no colours of its own: objects of one model can share it
@@ -254,17 +245,13 @@ struct SceneFiles {
 };
 
 SceneFiles EncodeScene(const gltf::GltfScene& scene, const Config& config) {
+  std::vector<gltf::GlbKind> kinds = {{config.gltf.draco, false}, {config.gltf.draco, true}};
+  if (config.export_stage.uncompressed_twin) kinds.push_back({false, false});
+  std::vector<Result<std::string>> made = gltf::WriteGlbs(scene, config.gltf, kinds);
   SceneFiles files;
-  gltf::GltfOptions uncompressed = config.gltf;
-  uncompressed.draco = false;
-  const std::array<std::function<void()>, 3> encoders = {
-      [&] { files.scene = gltf::WriteGlb(scene, config.gltf); },
-      [&] {
-        if (config.export_stage.uncompressed_twin)
-          files.uncompressed = gltf::WriteGlb(scene, uncompressed);
-      },
-      [&] { files.objects = gltf::WriteGlb(ObjectsOnly(scene), config.gltf); }};
-  ParallelFor(encoders.size(), [&](std::size_t n) { encoders[n](); });
+  files.scene = std::move(made[0]);
+  files.objects = std::move(made[1]);
+  if (made.size() > 2) files.uncompressed = std::move(made[2]);
   return files;
 }
 
