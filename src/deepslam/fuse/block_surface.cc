@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
 #include <utility>
+#include <vector>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::fuse {
 namespace {
@@ -25,16 +30,52 @@ struct Corner {
   [[nodiscard]] double distance() const { return static_cast<double>(block->distance[voxel]); }
 };
 
+constexpr std::size_t kRows = std::size_t{kSide} * kSide;
+
+// Of the voxels of a block, row by row along z.
+struct BlockBits {
+  std::array<std::uint16_t, kRows> measured{};
+  std::array<std::uint16_t, kRows> inside{};
+};
+
+DEEPSLAM_WIDE_VECTORS
+BlockBits BitsOf(const VoxelBlock& block) {
+  BlockBits bits;
+  for (std::size_t row = 0; row < kRows; ++row) {
+    const std::uint16_t* weights = block.weight.data() + row * kSide;
+    const float* distances = block.distance.data() + row * kSide;
+    unsigned measured = 0;
+    unsigned inside = 0;
+    for (unsigned z = 0; z < kSide; ++z) {
+      measured |= weights[z] > 0 ? 1U << z : 0U;
+      inside |= distances[z] < 0 ? 1U << z : 0U;
+    }
+    bits.measured[row] = static_cast<std::uint16_t>(measured);
+    bits.inside[row] = static_cast<std::uint16_t>(inside);
+  }
+  return bits;
+}
+
+// Of four rows beside each other, one voxel longer than a block's.
+struct RowBits {
+  std::uint32_t measured = ~0U;  // by all
+  std::uint32_t some_inside = 0;
+  std::uint32_t all_inside = ~0U;
+};
+
 class SurfaceBuilder {
  public:
-  explicit SurfaceBuilder(const VoxelBlocks& blocks) : blocks_(blocks) {}
+  explicit SurfaceBuilder(const VoxelBlocks& blocks) : blocks_(blocks), bits_(blocks.size()) {
+    ParallelFor(bits_.size(), [&](std::size_t n) { bits_[n] = BitsOf(blocks.at(n)); });
+  }
 
   TriangleMesh Build() {
     for (number_ = 0; number_ < blocks_.size(); ++number_) {
       FindNeighbours();
       for (int x = 0; x < VoxelBlock::kSide; ++x) {
         for (int y = 0; y < VoxelBlock::kSide; ++y) {
-          for (int z = 0; z < VoxelBlock::kSide; ++z) AddCell({x, y, z});
+          for (std::uint32_t cells = CrossedCells(x, y); cells != 0; cells &= cells - 1)
+            AddCell({x, y, std::countr_zero(cells)});
         }
       }
     }
@@ -42,6 +83,39 @@ class SurfaceBuilder {
   }
 
  private:
+  // Of the cells of a row along z, bit by bit: those that the surface passes through, all corners
+  // measured.
+  [[nodiscard]] std::uint32_t CrossedCells(int x, int y) const {
+    RowBits bits;
+    for (const int dx : {0, 1}) {
+      for (const int dy : {0, 1}) AddRow(x + dx, y + dy, bits);
+    }
+    const std::uint32_t measured = bits.measured & bits.measured >> 1U;
+    const std::uint32_t some_inside = bits.some_inside | bits.some_inside >> 1U;
+    const std::uint32_t all_inside = bits.all_inside & bits.all_inside >> 1U;
+    return measured & some_inside & ~all_inside & ((1U << kSide) - 1);
+  }
+
+  void AddRow(int x, int y, RowBits& bits) const {
+    const auto column = static_cast<std::uint32_t>(x);
+    const auto line = static_cast<std::uint32_t>(y);
+    const std::uint32_t which = (column / kSide) << 2U | (line / kSide) << 1U;
+    const std::size_t row = std::size_t{column % kSide} * kSide + line % kSide;
+    std::uint32_t measured = 0;
+    std::uint32_t inside = 0;
+    if (const auto& number = neighbours_[which]) {
+      measured = bits_[*number].measured[row];
+      inside = bits_[*number].inside[row];
+    }
+    if (const auto& number = neighbours_[which | 1U]) {
+      measured |= (bits_[*number].measured[row] & 1U) << kSide;
+      inside |= (bits_[*number].inside[row] & 1U) << kSide;
+    }
+    bits.measured &= measured;
+    bits.some_inside |= inside;
+    bits.all_inside &= inside;
+  }
+
   void FindNeighbours() {
     for (std::uint32_t n = 0; n < 8; ++n) {
       const Eigen::Vector3i offset(
@@ -117,6 +191,7 @@ class SurfaceBuilder {
   }
 
   const VoxelBlocks& blocks_;
+  std::vector<BlockBits> bits_;                           // of each block
   std::size_t number_ = 0;                                // of the block in work
   std::array<std::optional<std::size_t>, 8> neighbours_;  // x, y, z one further by bits 2, 1, 0
   std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_;
