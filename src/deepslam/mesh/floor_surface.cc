@@ -13,6 +13,7 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/mesh/ground_polygon.h"
 #include "deepslam/mesh/surface_distance.h"
 
@@ -94,8 +95,7 @@ std::vector<Place> PlacesOf(const TriangleMesh& room, const Outline& outline, do
 // Of faces whose corners all lie in the band.
 bool IsLevel(const TriangleMesh& room, const std::array<std::uint32_t, 3>& face) {
   const Eigen::Vector3f& a = room.vertices[face[0]];
-  const Eigen::Vector3f normal =
-      (room.vertices[face[1]] - a).cross(room.vertices[face[2]] - a);
+  const Eigen::Vector3f normal = (room.vertices[face[1]] - a).cross(room.vertices[face[2]] - a);
   return std::abs(normal.z()) >= kMinLevel * static_cast<double>(normal.norm());
 }
 
@@ -198,6 +198,36 @@ std::vector<Eigen::Vector2d> PointsInside(const Outline& outline, double step_m)
   return inside;
 }
 
+// Which of the points lie within a distance of an object's surface; 0 or 1.
+std::vector<std::uint8_t> NearObjects(const std::vector<Eigen::Vector3f>& points,
+                                      std::span<const TriangleMesh> objects,
+                                      double distance_m) {
+  const auto margin = static_cast<float>(distance_m);
+  std::vector<std::vector<std::size_t>> by_object(objects.size());
+  ParallelFor(objects.size(), [&](std::size_t k) {
+    if (objects[k].faces.empty()) return;
+    Eigen::AlignedBox3f box;
+    for (const Eigen::Vector3f& p : objects[k].vertices) box.extend(p);
+    const Eigen::AlignedBox3f reach(box.min().array() - margin, box.max().array() + margin);
+    std::vector<std::size_t> which;
+    std::vector<Eigen::Vector3f> in_reach;
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      if (!reach.contains(points[v])) continue;
+      which.push_back(v);
+      in_reach.push_back(points[v]);
+    }
+    const std::vector<std::uint8_t> found = AreNear(in_reach, objects[k], distance_m);
+    for (std::size_t n = 0; n < which.size(); ++n) {
+      if (found[n] != 0) by_object[k].push_back(which[n]);
+    }
+  });
+  std::vector<std::uint8_t> near(points.size(), 0);
+  for (const std::vector<std::size_t>& of_object : by_object) {
+    for (const std::size_t v : of_object) near[v] = 1;
+  }
+  return near;
+}
+
 }  // namespace
 
 TriangleMesh WithoutFloor(const TriangleMesh& room_world,
@@ -225,30 +255,14 @@ TriangleMesh WithoutObjects(const TriangleMesh& room_world,
                             std::span<const TriangleMesh> objects_world,
                             double distance_m,
                             double floor_band_m) {
-  const auto margin = static_cast<float>(distance_m);
-  std::vector<std::uint8_t> near(room_world.vertices.size(), 0);
-  for (const TriangleMesh& object : objects_world) {
-    if (object.faces.empty()) continue;
-    Eigen::AlignedBox3f box;
-    for (const Eigen::Vector3f& p : object.vertices) box.extend(p);
-    const Eigen::AlignedBox3f reach(box.min().array() - margin, box.max().array() + margin);
-    std::vector<std::size_t> which;
-    std::vector<Eigen::Vector3f> points;
-    for (std::size_t v = 0; v < near.size(); ++v) {
-      if (near[v] != 0 || !reach.contains(room_world.vertices[v])) continue;
-      which.push_back(v);
-      points.push_back(room_world.vertices[v]);
-    }
-    const std::vector<std::uint8_t> found = AreNear(points, object, distance_m);
-    for (std::size_t n = 0; n < which.size(); ++n) near[which[n]] = found[n];
-  }
+  const std::vector<std::uint8_t> near =
+      NearObjects(room_world.vertices, objects_world, distance_m);
   const auto on_floor = [&](std::uint32_t v) {
     return std::abs(room_world.vertices[v].z()) < floor_band_m;
   };
   TriangleMesh room = room_world;
   std::erase_if(room.faces, [&](const std::array<std::uint32_t, 3>& face) {
-    const bool floor =
-        std::all_of(face.begin(), face.end(), on_floor) && IsLevel(room_world, face);
+    const bool floor = std::all_of(face.begin(), face.end(), on_floor) && IsLevel(room_world, face);
     return !floor && near[face[0]] != 0 && near[face[1]] != 0 && near[face[2]] != 0;
   });
   return room;
@@ -267,8 +281,7 @@ TriangleMesh ColouredGround(const TriangleMesh& ground_polygon,
     if (std::abs(p.z()) < band_m) raster.Add(Plan(p), room_world.colours[v]);
   }
   if (raster.empty()) return ground_polygon;
-  Result<TriangleMesh> ground =
-      TriangulateOutline(outline.points(), PointsInside(outline, step_m));
+  Result<TriangleMesh> ground = TriangulateOutline(outline.points(), PointsInside(outline, step_m));
   if (!ground.ok()) return ground_polygon;
   ground->colours.reserve(ground->vertices.size());
   for (const Eigen::Vector3f& p : ground->vertices) ground->colours.push_back(raster.At(Plan(p)));

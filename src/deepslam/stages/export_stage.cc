@@ -55,11 +55,16 @@ Result<std::vector<RelativePose>> ReadEdges(const StageContext& context) {
   return edges;
 }
 
-Result<Content> ReadContent(const StageContext& context) {
-  Content content;
-  Result<OptimizedMap> map = ReadOptimized(context);
-  if (!map.ok()) return map.error();
-  content.map = std::move(map).value();
+template <typename T>
+Status Take(Result<T> result, T& value) {
+  if (!result.ok()) return result.error();
+  value = std::move(result).value();
+  return Ok();
+}
+
+Status ReadObjects(const StageContext& context, Content& content) {
+  Status status = Take(ReadOptimized(context), content.map);
+  if (!status.ok()) return status;
   for (const MapObject& object : content.map.map.objects) {
     Result<TriangleMesh> mesh =
         ReadMesh(context, "mesh", fmt::format("objects/{}.ply", ObjectName(object)));
@@ -70,22 +75,33 @@ Result<Content> ReadContent(const StageContext& context) {
     if (!voxels.ok()) return voxels.error();
     content.voxels_checksums[object.model] = Sha256Hex(*voxels);
   }
-  Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply");
-  if (!room.ok()) return room.error();
-  content.room = std::move(room).value();
-  Result<Proposals> proposals = ReadCandidates(context, "loops");
-  if (!proposals.ok()) return proposals.error();
-  content.proposals = std::move(proposals).value();
+  return Ok();
+}
+
+Status ReadLibraryChecksums(const StageContext& context, Content& content) {
   const Result<std::string> models = context.Read("propose", "library_models.json");
   if (!models.ok()) return models.error();
   artifact::JsonReader reader(*models, "propose/library_models.json", "deepslam/library_models", 1);
   for (const auto& [id, checksum] : reader.root()["models"].Members()) {
     content.library_checksums[id] = checksum.String();
   }
-  if (!reader.ok()) return reader.error();
-  Result<std::vector<RelativePose>> edges = ReadEdges(context);
-  if (!edges.ok()) return edges.error();
-  content.edges = std::move(edges).value();
+  return reader.ok() ? Ok() : Status(reader.error());
+}
+
+Result<Content> ReadContent(const StageContext& context) {
+  Content content;
+  // Side by side, what takes longest first.
+  const std::array<std::function<Status()>, 5> readers = {
+      [&] { return ReadObjects(context, content); },
+      [&] { return Take(ReadCandidates(context, "loops"), content.proposals); },
+      [&] { return Take(ReadMesh(context, "fuse", "room.ply"), content.room); },
+      [&] { return Take(ReadEdges(context), content.edges); },
+      [&] { return ReadLibraryChecksums(context, content); }};
+  std::array<Status, readers.size()> statuses;
+  ParallelFor(readers.size(), [&](std::size_t n) { statuses[n] = readers[n](); });
+  for (const Status& status : statuses) {
+    if (!status.ok()) return status.error();
+  }
   return content;
 }
 
@@ -283,20 +299,26 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   const Result<Content> content = ReadContent(context);
   if (!content.ok()) return content.error();
   const gltf::GltfScene scene = MakeScene(*content, inputs);
-  const SceneFiles files = EncodeScene(scene, inputs.config);
+  SceneFiles files;
+  Result<artifact::MapFile> map = artifact::MapFile();
+  std::vector<double> volumes_m3;
+  const std::array<std::function<void()>, 2> encoders = {
+      [&] { files = EncodeScene(scene, inputs.config); },
+      [&] {
+        map = MakeMap(context, *content, scene, inputs);
+        for (const TriangleMesh& mesh : content->meshes)
+          volumes_m3.push_back(mesh::CheckMesh(mesh).volume_m3);
+      }};
+  ParallelFor(encoders.size(), [&](std::size_t n) { encoders[n](); });
   if (Status status = WriteEncoded(context, "scene.glb", files.scene); !status.ok())
     return status.error();
   if (Status status = WriteOnRequest(context, scene, files, inputs); !status.ok())
     return status.error();
   if (!files.objects.ok()) return files.objects.error();
-  const Result<artifact::MapFile> map = MakeMap(context, *content, scene, inputs);
   if (!map.ok()) return map.error();
   const Result<std::string> map_json = artifact::EncodeMap(*map, "map.json");
   if (Status status = WriteEncoded(context, "map.json", map_json); !status.ok())
     return status.error();
-  std::vector<double> volumes_m3;
-  for (const TriangleMesh& mesh : content->meshes)
-    volumes_m3.push_back(mesh::CheckMesh(mesh).volume_m3);
   if (Status status =
           context.Write("objects.csv", artifact::EncodeObjectsCsv(map->objects, volumes_m3));
       !status.ok()) {

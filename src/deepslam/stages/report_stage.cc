@@ -261,23 +261,35 @@ Status Take(Result<T> result, T& value) {
 
 Result<Sources> ReadSources(const StageContext& context) {
   Sources sources;
-  std::string map_text;
-  Status status = Take(ReadOptimized(context), sources.map);
-  if (status.ok()) status = Take(ReadSegments(context), sources.segments);
-  if (status.ok()) status = Take(ReadAssociation(context, "associate"), sources.association);
-  if (status.ok()) status = Take(ReadCandidates(context, "loops"), sources.proposals);
-  if (status.ok()) status = Take(ReadOdometry(context), sources.odometry);
-  if (status.ok()) status = Take(ReadGround(context, "ground"), sources.ground);
-  if (status.ok()) status = Take(ReadLoops(context), sources.loops);
-  if (status.ok()) status = Take(ReadDetections(context), sources.detections);
-  if (status.ok()) status = Take(Corrections(context), sources.corrections);
-  if (status.ok()) status = Take(context.Read("export", "scene.glb"), sources.scene_glb);
-  if (status.ok()) status = Take(context.Read("export", "map.json"), map_text);
-  if (status.ok())
-    status = Take(artifact::DecodeMap(map_text, "export/map.json"), sources.map_file);
-  if (!status.ok()) return status.error();
-  if (Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply"); room.ok())
-    sources.room = std::move(room).value();
+  const auto read_map = [&] {
+    const Result<std::string> text = context.Read("export", "map.json");
+    return text.ok() ? Take(artifact::DecodeMap(*text, "export/map.json"), sources.map_file)
+                     : Status(text.error());
+  };
+  const auto read_room = [&] {  // may be missing
+    if (Result<TriangleMesh> room = ReadMesh(context, "fuse", "room.ply"); room.ok())
+      sources.room = std::move(room).value();
+    return Ok();
+  };
+  // Side by side, what takes longest first.
+  const std::vector<std::function<Status()>> readers = {
+      [&] { return Take(ReadSegments(context), sources.segments); },
+      [&] { return Take(ReadCandidates(context, "loops"), sources.proposals); },
+      [&] { return Take(ReadOptimized(context), sources.map); },
+      [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
+      [&] { return Take(ReadOdometry(context), sources.odometry); },
+      [&] { return Take(ReadDetections(context), sources.detections); },
+      read_room,
+      [&] { return Take(ReadGround(context, "ground"), sources.ground); },
+      [&] { return Take(ReadLoops(context), sources.loops); },
+      [&] { return Take(Corrections(context), sources.corrections); },
+      [&] { return Take(context.Read("export", "scene.glb"), sources.scene_glb); },
+      read_map};
+  std::vector<Status> statuses(readers.size());
+  ParallelFor(readers.size(), [&](std::size_t n) { statuses[n] = readers[n](); });
+  for (const Status& status : statuses) {
+    if (!status.ok()) return status.error();
+  }
   return sources;
 }
 
