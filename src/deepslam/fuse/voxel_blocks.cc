@@ -16,28 +16,15 @@ namespace {
 constexpr int kDepthStride = 4;  // px between the pixels that open blocks; Open3D's own default
 constexpr int kSide = VoxelBlock::kSide;
 
-// Distance along the ray by distance along the optical axis.
-Image<float> RayLengths(const PinholeCamera& camera) {
-  Image<float> lengths(camera.width, camera.height);
-  const float inverse_fx = 1.0F / static_cast<float>(camera.fx);
-  const float inverse_fy = 1.0F / static_cast<float>(camera.fy);
-  for (int v = 0; v < camera.height; ++v) {
-    const float y = (static_cast<float>(v) - static_cast<float>(camera.cy)) * inverse_fy;
-    for (int u = 0; u < camera.width; ++u) {
-      const float x = (static_cast<float>(u) - static_cast<float>(camera.cx)) * inverse_fx;
-      lengths(u, v) = std::sqrt(x * x + y * y + 1.0F);
-    }
-  }
-  return lengths;
-}
-
 // Voxels along z, one behind the other: what a processor works on side by side.
 using Row = std::array<float, kSide>;
 
 // Where the voxels of a row lie in an image, and how far the surface measured there is ahead.
 struct RowPlaces {
   std::array<std::int32_t, kSide> pixel;  // -1: not in the image, or nothing was measured
-  Row ahead_m;                            // along the ray
+  std::array<std::int32_t, kSide> u;      // its column and row
+  std::array<std::int32_t, kSide> v;
+  Row ahead_m;  // along the ray
 };
 
 // The row begins at `begin_camera` and goes on by `step_camera`.
@@ -70,32 +57,38 @@ inline void PlacePixels(const PinholeCamera& camera,
     // Without a branch, or the loop would not be one of whole vectors.
     const bool inside =
         (z > 0) & (u >= 0.0001F) & (u < safe_width) & (v >= 0.0001F) & (v < safe_height);
-    const auto column = static_cast<std::int32_t>(inside ? u : 0.0F);
-    const auto row = static_cast<std::int32_t>(inside ? v : 0.0F);
-    places.pixel[n] = inside ? row * width + column : -1;
+    places.u[n] = static_cast<std::int32_t>(inside ? u : 0.0F);
+    places.v[n] = static_cast<std::int32_t>(inside ? v : 0.0F);
+    places.pixel[n] = inside ? places.v[n] * width + places.u[n] : -1;
   }
 }
 
 // False where no voxel of the row is seen: where nothing was measured, or before it by no more than
 // the truncation.
 inline bool Measure(const DepthImage& depth_m,
-                    const Image<float>& ray_lengths,
+                    const PinholeCamera& camera,
                     float truncation_m,
                     const Row& depth_voxel_m,
                     RowPlaces& places) {
   Row measured_m{};
-  Row length{};
   bool any = false;
   for (std::size_t n = 0; n < kSide; ++n) {
     if (places.pixel[n] < 0) continue;
     measured_m[n] = depth_m.data()[places.pixel[n]];
-    length[n] = ray_lengths.data()[places.pixel[n]];
     any = true;
   }
   if (!any) return false;
+  const float inverse_fx = 1.0F / static_cast<float>(camera.fx);
+  const float inverse_fy = 1.0F / static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx);
+  const auto cy = static_cast<float>(camera.cy);
   std::int32_t num_seen = 0;
   for (std::size_t n = 0; n < kSide; ++n) {
-    const float ahead = (measured_m[n] - depth_voxel_m[n]) * length[n];
+    // Distance along the pixel's ray by distance along the optical axis.
+    const float x = (static_cast<float>(places.u[n]) - cx) * inverse_fx;
+    const float y = (static_cast<float>(places.v[n]) - cy) * inverse_fy;
+    const float length = std::sqrt(x * x + y * y + 1.0F);
+    const float ahead = (measured_m[n] - depth_voxel_m[n]) * length;
     const bool seen = (measured_m[n] > 0) & (ahead > -truncation_m);
     places.ahead_m[n] = ahead;
     places.pixel[n] = seen ? places.pixel[n] : -1;
@@ -154,7 +147,6 @@ struct VoxelBlocks::View {
   const DepthImage& depth_m;
   const ColourImage& colour;
   const PinholeCamera& camera;
-  const Image<float>& ray_lengths;
   Eigen::Matrix4f camera_from_world;
 };
 
@@ -227,7 +219,7 @@ DEEPSLAM_WIDE_VECTORS void VoxelBlocks::Add(const View& view, VoxelBlock& block)
                                     1.0F);
       const Eigen::Vector3f p_camera = view.camera_from_world.topRows<3>() * p_world;
       PlacePixels(view.camera, p_camera, step_z, places, depth_voxel_m);
-      if (Measure(view.depth_m, view.ray_lengths, truncation, depth_voxel_m, places))
+      if (Measure(view.depth_m, view.camera, truncation, depth_voxel_m, places))
         AddToMeans(view.colour, 1.0F / truncation, places, first, block);
     }
   }
@@ -253,12 +245,7 @@ bool VoxelBlocks::Integrate(const DepthImage& depth_m,
     }
     touched.push_back(blocks_[found->second].get());
   }
-  if (ray_lengths_.empty() || !(camera == camera_)) {
-    camera_ = camera;
-    ray_lengths_ = RayLengths(camera);
-  }
-  const View view{
-      depth_m, colour, camera, ray_lengths_, world_from_camera.Inverse().Matrix().cast<float>()};
+  const View view{depth_m, colour, camera, world_from_camera.Inverse().Matrix().cast<float>()};
   constexpr std::size_t kChunk = 8;
   ParallelForChunks(touched.size(), kChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) Add(view, *touched[n]);

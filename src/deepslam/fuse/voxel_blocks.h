@@ -67,8 +67,6 @@ class VoxelBlocks {
 
   double voxel_m_;
   double truncation_m_;
-  PinholeCamera camera_;  // of the last image
-  Image<float> ray_lengths_;
   std::vector<std::unique_ptr<VoxelBlock>> blocks_;
   std::unordered_map<Eigen::Vector3i, std::size_t, Hash> numbers_;
 };
