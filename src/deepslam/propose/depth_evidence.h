@@ -1,23 +1,18 @@
-// What the depth images of an object's views say about a point in space: free, surface of the
-// object, or unknown.
+// What the depth images of an object's views say about points in space: free, surface of the
+// object, behind a surface, or nothing.
 #pragma once
 
-#include <algorithm>
-#include <optional>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
 
-#include <Eigen/Core>
-
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/scene/object_view.h"
 #include "deepslam/shape/depth_view.h"
 
 namespace deepslam::propose {
-
-enum class Evidence {
-  kUnknown,  // outside the crop, invalid depth, or near a surface that is not the object's
-  kFree,     // the ray goes on clearly behind the point
-  kSurface,  // the object's segment lies at the point
-  kBehind,   // the ray ends before the point
-};
 
 // Measurement tolerance at a depth: 1.5 cm of alignment and calibration, and noise growing with the
 // square of the depth as for structured light.
@@ -25,29 +20,46 @@ enum class Evidence {
   return 0.015F + 0.003F * depth_m * depth_m;
 }
 
-// The view, asked about points of the level frame.
-[[nodiscard]] shape::DepthView LevelView(const ObjectView& view, const Pose3& level_from_world);
+// The views of the indices `chosen`, asked about points of the level frame.
+[[nodiscard]] std::vector<shape::DepthView> LevelViews(std::span<const ObjectView> views,
+                                                       std::span<const std::size_t> chosen,
+                                                       const Pose3& level_from_world);
 
-struct EvidenceReading {
-  Evidence evidence = Evidence::kUnknown;
-  // Distance of the point behind the object's measured surface, along that surface's normal,
-  // metres; 0 when it is not behind the object.
-  float behind_m = 0;
+// Of points side by side; at most one of the flags, each 0 or 1, is set: none for a point outside
+// the crop, of invalid depth, or near a surface that is not the object's. Here, for its callers'
+// loops, which are compiled for wide vectors.
+struct EvidenceColumns {
+  std::array<std::int32_t, kPointBatch> is_free;     // the ray goes on clearly behind the point
+  std::array<std::int32_t, kPointBatch> is_surface;  // the object's segment lies at the point
+  std::array<std::int32_t, kPointBatch> is_behind;   // the ray ends before the point
+  // Distance of the point behind the object's measured surface, along that surface's normal; 0 when
+  // it is not behind the object.
+  PointColumn behind_m;
+
+  // What a view says of the first `size` points, a multiple of kPointLanes. `slack_m` widens the
+  // tolerance across the surface (size of what is asked about): along a grazing ray it grows.
+  void Take(const shape::DepthView& view,
+            const VectorColumns& points_level,
+            std::size_t size,
+            float slack_m) {
+    shape::DepthView::ReadingColumns readings;
+    view.At(points_level, size, readings);
+#pragma GCC ivdep
+    for (std::size_t n = 0; n < size; ++n) {
+      const float depth_m = readings.depth_m[n];
+      const float z_m = readings.z_m[n];
+      const std::int32_t is_object = readings.is_object[n];
+      const float tolerance_m = DepthTolerance_m(depth_m) + slack_m / readings.cosine[n];
+      const std::int32_t is_known = depth_m > 0 ? 1 : 0;
+      const std::int32_t is_farther = depth_m > z_m + tolerance_m ? is_known : 0;
+      const std::int32_t is_nearer = depth_m < z_m - tolerance_m ? is_known & ~is_farther : 0;
+      const float beyond_m = (z_m - depth_m) * readings.cosine[n];
+      is_free[n] = is_farther;
+      is_behind[n] = is_nearer;
+      is_surface[n] = is_object & is_known & ~is_farther & ~is_nearer;
+      behind_m[n] = (is_object != 0) & (beyond_m > 0) ? beyond_m : 0.0F;
+    }
+  }
 };
-// `slack_m` widens the tolerance across the surface (size of what is asked about): along a grazing
-// ray it grows.
-[[nodiscard]] inline EvidenceReading EvidenceAt(const shape::DepthView& view,
-                                                const Eigen::Vector3f& p_level,
-                                                float slack_m) {
-  const std::optional<shape::DepthView::Reading> reading = view.At(p_level);
-  if (!reading) return {};
-  const float tolerance = DepthTolerance_m(reading->depth_m) + slack_m / reading->cosine;
-  const float behind_m = reading->is_object
-                             ? std::max(0.0F, (reading->z_m - reading->depth_m) * reading->cosine)
-                             : 0.0F;
-  if (reading->depth_m > reading->z_m + tolerance) return {Evidence::kFree, 0};
-  if (reading->depth_m < reading->z_m - tolerance) return {Evidence::kBehind, behind_m};
-  return {reading->is_object ? Evidence::kSurface : Evidence::kUnknown, behind_m};
-}
 
 }  // namespace deepslam::propose

@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Cholesky>
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/normal_equations.h"
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/propose/depth_evidence.h"
 
 namespace deepslam::propose {
@@ -20,44 +22,81 @@ using Matrix7 = SevenEquations::Matrix;
 
 // The placement's maps in float, for inner loops.
 struct Frame {
-  Eigen::Matrix2f turn;    // level from box
-  Eigen::Vector3f metres;  // per object unit, along the box's axes
-  Eigen::Vector3f center;  // of the box in the level frame
+  float cosine, sine;  // of the turn, level from box
+  Triple metres;       // per object unit, along the box's axes
+  Triple center;       // of the box in the level frame
 
-  Frame(const CoarseShape& shape, const Placement& placement) {
-    const auto c = static_cast<float>(std::cos(placement.yaw_rad));
-    const auto s = static_cast<float>(std::sin(placement.yaw_rad));
-    turn << c, -s, s, c;
-    metres = placement.size_m.cast<float>().cwiseQuotient(shape.extent());
-    center << placement.center_m.cast<float>(),
-        static_cast<float>(placement.bottom_m + 0.5 * placement.size_m.z());
+  Frame(const CoarseShape& shape, const Placement& placement)
+      : cosine(static_cast<float>(std::cos(placement.yaw_rad))),
+        sine(static_cast<float>(std::sin(placement.yaw_rad))) {
+    const Eigen::Vector3f size_m = placement.size_m.cast<float>();
+    metres = {size_m.x() / shape.extent().x(),
+              size_m.y() / shape.extent().y(),
+              size_m.z() / shape.extent().z()};
+    center = {static_cast<float>(placement.center_m.x()),
+              static_cast<float>(placement.center_m.y()),
+              static_cast<float>(placement.bottom_m + 0.5 * placement.size_m.z())};
   }
-  [[nodiscard]] Eigen::Vector3f ToBox(const Eigen::Vector3f& p_level) const {
-    Eigen::Vector3f q = p_level - center;
-    q.head<2>() = turn.transpose() * q.head<2>();
-    return q;
+  [[nodiscard]] Triple ToBox(const Triple& p_level) const {
+    const Triple q = p_level - center;
+    return {cosine * q.x + sine * q.y, -sine * q.x + cosine * q.y, q.z};
   }
-  [[nodiscard]] Eigen::Vector3f ToLevel(const Eigen::Vector3f& p_object) const {
-    Eigen::Vector3f q = p_object.cwiseProduct(metres);
-    q.head<2>() = turn * q.head<2>();
-    return q + center;
+  [[nodiscard]] Triple ToLevel(const Triple& p_object) const {
+    const Triple q = {p_object.x * metres.x, p_object.y * metres.y, p_object.z * metres.z};
+    return {cosine * q.x + -sine * q.y + center.x,
+            sine * q.x + cosine * q.y + center.y,
+            q.z + center.z};
   }
 };
 
-// Distance in metres and its gradient in the box frame. The field is that of the unit model: to
+// Some points side by side; lanes after the last repeat it.
+struct PointLanes {
+  std::size_t size = 0;
+  VectorColumns points;
+
+  // At most so many, from the first-th on.
+  void Load(std::span<const Eigen::Vector3f> all, std::size_t first, std::size_t most) {
+    size = std::min(most, all.size() - first);
+    for (std::size_t k = 0; k < whole(); ++k) {
+      const Eigen::Vector3f& p = all[first + std::min(k, size - 1)];
+      points.Set(k, p.x(), p.y(), p.z());
+    }
+  }
+  [[nodiscard]] std::size_t whole() const { return WholeLanes(size); }
+};
+
+// Distances in metres and their gradients in the box frame. The field is that of the unit model: to
 // first order the distance after an uneven stretch is the unit distance over the length of its
 // stretched gradient.
-struct MetricSample {
-  double distance_m;
-  Eigen::Vector3d direction;
-};
+struct MetricColumns {
+  VectorColumns q_box;
+  PointColumn distance_m;
+  VectorColumns direction;
 
-MetricSample MetricAt(const CoarseShape& shape, const Frame& frame, const Eigen::Vector3f& q_box) {
-  const CoarseShape::Sample sample = shape.At(q_box.cwiseQuotient(frame.metres));
-  const Eigen::Vector3f slope = sample.gradient.cwiseQuotient(frame.metres);
-  const float steepness = std::max(slope.norm(), 1e-6F);
-  return {static_cast<double>(sample.distance / steepness), (slope / steepness).cast<double>()};
-}
+  void Measure(const CoarseShape& shape, const Frame& frame, const PointLanes& batch) {
+    const std::size_t whole = batch.whole();
+    const Triple metres = frame.metres;
+    VectorColumns unit;
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < whole; ++k) {
+      const Triple q = frame.ToBox(TripleAt(batch.points, k));
+      q_box.Set(k, q.x, q.y, q.z);
+      unit.Set(k, q.x / metres.x, q.y / metres.y, q.z / metres.z);
+    }
+    shape::FieldSampleColumns samples;
+    shape.At(unit, whole, samples);
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < whole; ++k) {
+      const Triple slope = {samples.gradient.x[k] / metres.x,
+                            samples.gradient.y[k] / metres.y,
+                            samples.gradient.z[k] / metres.z};
+      const float length = std::sqrt(Dot(slope, slope));
+      const float steepness = length > 1e-6F ? length : 1e-6F;
+      distance_m[k] = samples.distance[k] / steepness;
+      direction.Set(k, slope.x / steepness, slope.y / steepness, slope.z / steepness);
+    }
+  }
+};
 
 double HarmonicMean(double a, double b) { return 2.0 * a * b / std::max(a + b, 1e-9); }
 
@@ -65,6 +104,68 @@ void AddPrior(double deviation, double sigma, int n, Matrix7& h, Vector7& g) {
   h(n, n) += 1.0 / (sigma * sigma);
   g[n] += deviation / (sigma * sigma);
 }
+
+// How many views call a point free, and how many surface.
+struct EvidenceCounts {
+  std::array<std::int32_t, kPointBatch> free, surface;
+
+  void Count(std::span<const shape::DepthView> views,
+             const VectorColumns& points_level,
+             std::size_t size,
+             float slack_m) {
+    std::fill_n(free.begin(), size, 0);
+    std::fill_n(surface.begin(), size, 0);
+    EvidenceColumns evidence;
+    for (const shape::DepthView& view : views) {
+      evidence.Take(view, points_level, size, slack_m);
+#pragma GCC ivdep
+      for (std::size_t n = 0; n < size; ++n) {
+        free[n] += evidence.is_free[n];
+        surface[n] += evidence.is_surface[n];
+      }
+    }
+  }
+};
+
+// Points side by side of which each says that its distance shall vanish; what they say, summed.
+struct ResidualRows {
+  std::array<std::array<double, 7>, kPointBatch> jacobians;
+  std::array<double, kPointBatch> residuals_m;
+  std::array<double, kPointBatch> weights;
+
+  // Unit: information of a point, 1 / m^2.
+  void Linearise(const MetricColumns& at,
+                 std::size_t size,
+                 const Frame& frame,
+                 double height_m,
+                 double point_sigma_m,
+                 double unit) {
+    const auto c = static_cast<double>(frame.cosine);
+    const auto s = static_cast<double>(frame.sine);
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < size; ++k) {
+      const auto x = static_cast<double>(at.direction.x[k]);
+      const auto y = static_cast<double>(at.direction.y[k]);
+      const auto z = static_cast<double>(at.direction.z[k]);
+      const auto q_x = static_cast<double>(at.q_box.x[k]);
+      const auto q_y = static_cast<double>(at.q_box.y[k]);
+      const auto q_z = static_cast<double>(at.q_box.z[k]);
+      jacobians[k] = {-(c * x + -s * y),
+                      -(s * x + c * y),
+                      -z,
+                      x * q_y - y * q_x,
+                      -x * q_x,
+                      -y * q_y,
+                      // Growing in height moves the box's centre up as well, since its bottom
+                      // stays.
+                      -z * (q_z + 0.5 * height_m)};
+      residuals_m[k] = static_cast<double>(at.distance_m[k]);
+      const double scaled = residuals_m[k] / (2.0 * point_sigma_m);
+      const double robust = 1.0 / (1.0 + scaled * scaled);  // Cauchy
+      weights[k] = unit * robust * robust / (point_sigma_m * point_sigma_m);
+    }
+  }
+};
 
 }  // namespace
 
@@ -83,28 +184,18 @@ DEEPSLAM_WIDE_VECTORS Placement RefinePlacement(const CoarseShape& shape,
   const double share = points_level.empty()
                            ? 0.0
                            : std::min(1.0, kIndependent / static_cast<double>(points_level.size()));
+  PointLanes batch;
+  MetricColumns at;
+  ResidualRows rows;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Frame frame(shape, now);
-    const Eigen::Matrix2d turn = frame.turn.cast<double>();
     SevenEquations equations;
-    for (const Eigen::Vector3f& p_level : points_level) {
-      const Eigen::Vector3f q_box = frame.ToBox(p_level);
-      const MetricSample at = MetricAt(shape, frame, q_box);
-      const Eigen::Vector3d q = q_box.cast<double>();
-      const Eigen::Vector2d level = turn * at.direction.head<2>();
-      const std::array<double, 7> jacobian = {
-          -level.x(),
-          -level.y(),
-          -at.direction.z(),
-          at.direction.x() * q.y() - at.direction.y() * q.x(),
-          -at.direction.x() * q.x(),
-          -at.direction.y() * q.y(),
-          // Growing in height moves the box's centre up as well, since its bottom stays.
-          -at.direction.z() * (q.z() + 0.5 * now.size_m.z())};
-      const double scaled = at.distance_m / (2.0 * terms.point_sigma_m);
-      const double robust = 1.0 / (1.0 + scaled * scaled);  // Cauchy
-      const double weight = share * robust * robust / (terms.point_sigma_m * terms.point_sigma_m);
-      equations.Add(jacobian, at.distance_m, weight);
+    for (std::size_t n = 0; n < points_level.size(); n += kPointBatch) {
+      batch.Load(points_level, n, kPointBatch);
+      at.Measure(shape, frame, batch);
+      rows.Linearise(at, batch.size, frame, now.size_m.z(), terms.point_sigma_m, share);
+      for (std::size_t k = 0; k < batch.size; ++k)
+        equations.Add(rows.jacobians[k], rows.residuals_m[k], rows.weights[k]);
     }
     Matrix7 h = equations.Hessian();
     Vector7 g = equations.Gradient();
@@ -131,34 +222,46 @@ DEEPSLAM_WIDE_VECTORS double ScorePlacement(const CoarseShape& shape,
                                             std::span<const shape::DepthView> views,
                                             double tolerance_m,
                                             double to_beat) {
+  constexpr std::size_t kBetweenLooks = 32;  // points between looks at what can still be reached
   if (points_level.empty() || shape.empty()) return 0;
   const Frame frame(shape, placement);
+  PointLanes batch;
+  MetricColumns at;
+  std::array<double, kPointBatch> agreements;
   double on_surface = 0;
-  for (const Eigen::Vector3f& p_level : points_level) {
-    const double scaled = MetricAt(shape, frame, frame.ToBox(p_level)).distance_m / tolerance_m;
-    on_surface += 1.0 / (1.0 + scaled * scaled);
+  for (std::size_t n = 0; n < points_level.size(); n += kPointBatch) {
+    batch.Load(points_level, n, kPointBatch);
+    at.Measure(shape, frame, batch);
+    for (std::size_t k = 0; k < batch.size; ++k) {
+      const double scaled = static_cast<double>(at.distance_m[k]) / tolerance_m;
+      agreements[k] = 1.0 / (1.0 + scaled * scaled);
+    }
+    for (std::size_t k = 0; k < batch.size; ++k) on_surface += agreements[k];
   }
   const double point_share = on_surface / static_cast<double>(points_level.size());
   double confirmed = 0;
   double known = 0;
-  double left = static_cast<double>(shape.surface().size());
-  for (const Eigen::Vector3f& p_object : shape.surface()) {
+  EvidenceCounts counts;
+  for (std::size_t n = 0; n < shape.surface().size(); n += kBetweenLooks) {
     // If all that is left were confirmed.
+    const auto left = static_cast<double>(shape.surface().size() - n);
     const double at_most = HarmonicMean(point_share, (confirmed + left) / (known + left));
     if (at_most <= to_beat) return at_most;
-    left -= 1;
-    const Eigen::Vector3f p_level = frame.ToLevel(p_object);
-    int free = 0;
-    int seen = 0;
-    for (const shape::DepthView& view : views) {
-      const Evidence evidence =
-          EvidenceAt(view, p_level, static_cast<float>(0.5 * tolerance_m)).evidence;
-      free += evidence == Evidence::kFree ? 1 : 0;
-      seen += evidence == Evidence::kSurface ? 1 : 0;
+    batch.Load(shape.surface(), n, kBetweenLooks);
+    const std::size_t whole = batch.whole();
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < whole; ++k) {
+      const Triple p_level = frame.ToLevel(TripleAt(batch.points, k));
+      batch.points.Set(k, p_level.x, p_level.y, p_level.z);
     }
-    if (free + seen == 0) continue;
-    known += 1;
-    confirmed += static_cast<double>(seen) / (free + seen);
+    counts.Count(views, batch.points, whole, static_cast<float>(0.5 * tolerance_m));
+    for (std::size_t k = 0; k < batch.size; ++k) {
+      const int free = counts.free[k];
+      const int seen = counts.surface[k];
+      if (free + seen == 0) continue;
+      known += 1;
+      confirmed += static_cast<double>(seen) / (free + seen);
+    }
   }
   if (known == 0) return 0;
   return HarmonicMean(point_share, confirmed / known);

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/depth_evidence.h"
 #include "deepslam/propose/level_cloud.h"
@@ -22,64 +24,113 @@ namespace deepslam::propose {
 namespace {
 
 // The grid laid over the object: voxel (i, j, k) -> level frame.
-struct Raster {
-  LevelBox box;
-  double voxel_m = 0;
+class Raster {
+ public:
+  Raster(const LevelBox& box, double voxel_m)
+      : box_(box), voxel_m_(voxel_m), c_(std::cos(box.yaw_rad)), s_(std::sin(box.yaw_rad)) {}
+
+  [[nodiscard]] double voxel_m() const { return voxel_m_; }
 
   [[nodiscard]] Eigen::Vector3f Center(int i, int j, int k) const {
-    const Eigen::Vector3d local = VoxelGrid::Center(i, j, k) * (voxel_m / kVoxelSize);
-    const double c = std::cos(box.yaw_rad);
-    const double s = std::sin(box.yaw_rad);
-    return Eigen::Vector3d(box.center_m.x() + c * local.x() - s * local.y(),
-                           box.center_m.y() + s * local.x() + c * local.y(),
-                           0.5 * box.size_m.z() + local.z())
+    const Eigen::Vector3d local = VoxelGrid::Center(i, j, k) * (voxel_m_ / kVoxelSize);
+    return Eigen::Vector3d(box_.center_m.x() + c_ * local.x() - s_ * local.y(),
+                           box_.center_m.y() + s_ * local.x() + c_ * local.y(),
+                           0.5 * box_.size_m.z() + local.z())
         .cast<float>();
   }
   // Whether the voxel lies in the measured box.
   [[nodiscard]] bool Inside(int i, int j, int k) const {
-    const Eigen::Vector3d local = VoxelGrid::Center(i, j, k) * (voxel_m / kVoxelSize);
-    return (local.cwiseAbs().array() <= 0.5 * box.size_m.array() + 0.5 * voxel_m).all();
+    const Eigen::Vector3d local = VoxelGrid::Center(i, j, k) * (voxel_m_ / kVoxelSize);
+    return (local.cwiseAbs().array() <= 0.5 * box_.size_m.array() + 0.5 * voxel_m_).all();
+  }
+
+ private:
+  LevelBox box_;
+  double voxel_m_;
+  double c_, s_;  // of the yaw
+};
+
+// What the views say of places side by side, each a column of a raster's voxels.
+struct Tally {
+  std::array<std::int32_t, kPointBatch> free = {};
+  std::array<std::int32_t, kPointBatch> surface = {};
+  std::array<std::int32_t, kPointBatch> behind = {};  // 0 or 1
+  std::array<std::int32_t, kPointBatch> shell = {};   // likewise
+
+  // Whether what is left of the views may still make something solid.
+  [[nodiscard]] bool IsOpen(std::size_t size, std::int32_t left) const {
+    std::int32_t open = 0;
+    for (std::size_t n = 0; n < size; ++n) open |= free[n] <= surface[n] + left ? 1 : 0;
+    return open != 0;
+  }
+  [[nodiscard]] bool IsSolid(std::size_t n, bool fill_unseen) const {
+    if (surface[n] > 0) return surface[n] >= free[n];
+    return free[n] == 0 && (shell[n] != 0 || (behind[n] != 0 && fill_unseen));
   }
 };
 
-// Whether the views together make a place solid.
-bool IsSolid(const Eigen::Vector3f& p_level,
-             std::span<const shape::DepthView> views,
-             float slack_m,
-             bool fill_unseen) {
+void Add(const EvidenceColumns& evidence, std::size_t size, float slack_m, Tally& tally) {
   // Behind a measured surface this much is taken for solid even in open furniture: boards and legs.
   constexpr float kShell_m = 0.03F;
-  int free = 0;
-  int surface = 0;
-  bool behind = false;
-  bool shell = false;
-  int left = static_cast<int>(views.size());
-  for (const shape::DepthView& view : views) {
-    if (free > surface + left) return false;  // whatever the others say
-    --left;
-    const EvidenceReading reading = EvidenceAt(view, p_level, slack_m);
-    free += reading.evidence == Evidence::kFree ? 1 : 0;
-    surface += reading.evidence == Evidence::kSurface ? 1 : 0;
-    if (reading.evidence != Evidence::kBehind || reading.behind_m <= 0) continue;
-    behind = true;
-    shell = shell || reading.behind_m < kShell_m + slack_m;
+#pragma GCC ivdep
+  for (std::size_t n = 0; n < size; ++n) {
+    const float behind_m = evidence.behind_m[n];
+    const bool is_behind = (evidence.is_behind[n] != 0) & (behind_m > 0);
+    tally.free[n] += evidence.is_free[n];
+    tally.surface[n] += evidence.is_surface[n];
+    tally.behind[n] |= is_behind ? 1 : 0;
+    tally.shell[n] |= is_behind & (behind_m < kShell_m + slack_m) ? 1 : 0;
   }
-  if (surface > 0) return surface >= free;
-  return free == 0 && (shell || (behind && fill_unseen));
+}
+
+Tally TallyOf(std::span<const shape::DepthView> views,
+              const VectorColumns& points_level,
+              std::size_t size,
+              float slack_m) {
+  Tally tally;
+  EvidenceColumns evidence;
+  auto left = static_cast<std::int32_t>(views.size());
+  for (const shape::DepthView& view : views) {
+    if (!tally.IsOpen(size, left)) break;
+    --left;
+    evidence.Take(view, points_level, size, slack_m);
+    Add(evidence, size, slack_m, tally);
+  }
+  return tally;
+}
+
+// The voxels (i, 0, 0) to (i, 63, 63).
+DEEPSLAM_WIDE_VECTORS void CarveSlice(const Raster& raster,
+                                      std::span<const shape::DepthView> views,
+                                      bool fill_unseen,
+                                      int i,
+                                      VoxelGrid& grid) {
+  static_assert(kGridSize <= kPointBatch && kGridSize % kPointLanes == 0);
+  const auto slack_m = static_cast<float>(0.5 * raster.voxel_m());
+  for (int j = 0; j < kGridSize; ++j) {
+    int first = 0;
+    while (first < kGridSize && !raster.Inside(i, j, first)) ++first;
+    int last = first;
+    while (last < kGridSize && raster.Inside(i, j, last)) ++last;
+    if (first == last) continue;
+    VectorColumns points;
+    const auto size = static_cast<std::size_t>(last - first);
+    const std::size_t whole = WholeLanes(size);
+    for (std::size_t n = 0; n < whole; ++n) {
+      const Eigen::Vector3f p =
+          raster.Center(i, j, std::min(first + static_cast<int>(n), last - 1));
+      points.Set(n, p.x(), p.y(), p.z());
+    }
+    const Tally tally = TallyOf(views, points, whole, slack_m);
+    std::uint8_t* const column = grid.occupied.data() + VoxelGrid::Index(i, j, first);
+    for (std::size_t n = 0; n < size; ++n) column[n] = tally.IsSolid(n, fill_unseen) ? 1 : 0;
+  }
 }
 
 VoxelGrid Carve(const Raster& raster, std::span<const shape::DepthView> views, bool fill_unseen) {
   VoxelGrid grid;
-  const auto slack_m = static_cast<float>(0.5 * raster.voxel_m);
   ParallelFor(kGridSize, [&](std::size_t slice) {
-    const int i = static_cast<int>(slice);
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        if (!raster.Inside(i, j, k)) continue;
-        const bool solid = IsSolid(raster.Center(i, j, k), views, slack_m, fill_unseen);
-        grid.occupied[VoxelGrid::Index(i, j, k)] = solid ? 1 : 0;
-      }
-    }
+    CarveSlice(raster, views, fill_unseen, static_cast<int>(slice), grid);
   });
   return grid;
 }
@@ -115,25 +166,23 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
     proposals.notes.push_back(subject + "too few depth points to fuse");
     return proposals;
   }
-  Raster raster;
-  raster.box = MeasureBox(cloud.points);
-  raster.voxel_m = raster.box.size_m.maxCoeff() / (kModelExtent * kGridSize);
-  const Eigen::Vector3d center_level(
-      raster.box.center_m.x(), raster.box.center_m.y(), 0.5 * raster.box.size_m.z());
-  std::vector<shape::DepthView> views;
-  for (const std::size_t n : ChooseViews(
-           object.views, cloud.level_from_world.Inverse() * center_level, options_.max_views)) {
-    views.push_back(LevelView(object.views[n], cloud.level_from_world));
-  }
+  const LevelBox box = MeasureBox(cloud.points);
+  const Raster raster(box, box.size_m.maxCoeff() / (kModelExtent * kGridSize));
+  const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
+  const std::vector<shape::DepthView> views = LevelViews(
+      object.views,
+      ChooseViews(
+          object.views, cloud.level_from_world.Inverse() * center_level, options_.max_views),
+      cloud.level_from_world);
   // Stray depth. Parts of an object may well hang unconnected where thin links between them were
   // not measured.
   constexpr double kCrumb = 0.05;
   VoxelGrid grid = shape::WithoutCrumbs(
       Carve(raster, views, Listed(options_.solid_classes, object.class_name)), 1, kCrumb);
   if (cloud.has_ground) {
-    const double ground = 0.5 * kGridSize - 0.5 * raster.box.size_m.z() / raster.voxel_m;
+    const double ground = 0.5 * kGridSize - 0.5 * box.size_m.z() / raster.voxel_m();
     shape::StandOnGround(static_cast<int>(std::lround(ground)),
-                         static_cast<int>(shape::kMaxFeetGapM / raster.voxel_m),
+                         static_cast<int>(shape::kMaxFeetGapM / raster.voxel_m()),
                          grid);
   }
   const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
@@ -142,7 +191,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
     proposals.notes.push_back(subject + "its fused depth holds no solid");
     return proposals;
   }
-  const double size_m = OccupiedBox(grid)->sides().maxCoeff() * raster.voxel_m;
+  const double size_m = OccupiedBox(grid)->sides().maxCoeff() * raster.voxel_m();
   grid = shape::StretchGrid(grid, Eigen::Vector3d::Ones());
   grid = shape::TurnGrid(grid, shape::QuarterTurnsToFront(grid));
   std::array<char, 32> key{};

@@ -50,9 +50,9 @@ MeasuredDepth MeasureDepth(const ObjectObservations& object, int max_views) {
   }
   const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
   const Eigen::Vector3d center_world = measured.cloud.level_from_world.Inverse() * center_level;
-  for (const std::size_t n : ChooseViews(object.views, center_world, max_views)) {
-    measured.views.push_back(LevelView(object.views[n], measured.cloud.level_from_world));
-  }
+  measured.views = LevelViews(object.views,
+                              ChooseViews(object.views, center_world, max_views),
+                              measured.cloud.level_from_world);
   return measured;
 }
 

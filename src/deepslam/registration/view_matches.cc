@@ -93,7 +93,7 @@ struct ForwardBatch {
   std::size_t size = 0;
   VectorColumns points_object, normals_object;
   PointColumn sigmas_m;
-  shape::ShapeModel::SampleColumns samples;
+  shape::FieldSampleColumns samples;
 
   void Load(const shape::ShapeModel& model,
             const MeasuredView& view,

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Core>
 
 #include "deepslam/core/image.h"
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/object_view.h"
 #include "deepslam/scene/voxel_grid.h"
@@ -40,6 +42,16 @@ class DepthView {
   }
   // The same of a point in the camera's frame.
   [[nodiscard]] std::optional<Reading> AtCamera(const Eigen::Vector3f& p_camera) const;
+
+  // The same of the first `size` points of a batch, a multiple of kPointLanes. Where there is
+  // nothing, `depth_m` alone says so.
+  struct ReadingColumns {
+    PointColumn z_m;
+    PointColumn depth_m;  // 0: nothing
+    PointColumn cosine;
+    std::array<std::int32_t, kPointBatch> is_object;  // 0 or 1
+  };
+  void At(const VectorColumns& points_frame, std::size_t size, ReadingColumns& readings) const;
 
   // Points of a line in the camera's frame, as many as a column of a voxel grid has.
   static constexpr std::size_t kLinePoints = kGridSize;
@@ -80,6 +92,54 @@ inline std::optional<DepthView::Reading> DepthView::AtCamera(
                  measured_m,
                  cosine_.empty() ? 1.0F : cosine_(column, row),
                  view_->mask_crop(column, row) != 0};
+}
+
+// Here, for its callers' loops, which are compiled for wide vectors.
+inline void DepthView::At(const VectorColumns& points_frame,
+                          std::size_t size,
+                          ReadingColumns& readings) const {
+  const DepthImage& depth_m = view_->depth_crop_m;
+  if (depth_m.empty()) {
+    readings = {};
+    return;
+  }
+  const int width = depth_m.width();
+  const float right = static_cast<float>(width) - 0.5F;
+  const float bottom = static_cast<float>(depth_m.height()) - 0.5F;
+  const AffineMap camera_from_frame(rotation_, translation_);
+  const float fx = fx_, fy = fy_, cx = cx_, cy = cy_;
+  std::array<std::int32_t, kPointBatch> pixel, is_in_image;
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < size; ++k) {
+    const Triple p = camera_from_frame * TripleAt(points_frame, k);
+    const float u = fx * p.x / p.z + cx;
+    const float v = fy * p.y / p.z + cy;
+    const bool is_in = (p.z > kNear_m) & (u > -0.5F) & (v > -0.5F) & (u < right) & (v < bottom);
+    const auto column = static_cast<std::int32_t>(is_in ? u + 0.5F : 0.0F);
+    const auto row = static_cast<std::int32_t>(is_in ? v + 0.5F : 0.0F);
+    readings.z_m[k] = p.z;
+    pixel[k] = row * width + column;
+    is_in_image[k] = is_in ? 1 : 0;
+  }
+  const float* const depths_m = depth_m.data();
+  const float* const cosines = cosine_.empty() ? nullptr : cosine_.data();
+  const std::uint8_t* const in_mask = view_->mask_crop.data();
+  // Without branches: what lies outside the image looks at its first pixel.
+  for (std::size_t k = 0; k < size; ++k) {
+    const auto n = static_cast<std::size_t>(pixel[k]);
+    readings.depth_m[k] = depths_m[n];
+    readings.is_object[k] = in_mask[n];
+  }
+  for (std::size_t k = 0; k < size; ++k)
+    readings.cosine[k] = cosines == nullptr ? 1.0F : cosines[static_cast<std::size_t>(pixel[k])];
+#pragma GCC ivdep
+  for (std::size_t k = 0; k < size; ++k) {
+    const float measured_m = readings.depth_m[k];
+    const bool is_measured = (is_in_image[k] != 0) & (measured_m > 0) &
+                             (measured_m <= std::numeric_limits<float>::max());
+    readings.depth_m[k] = is_measured ? measured_m : 0.0F;
+    readings.is_object[k] = readings.is_object[k] != 0 ? 1 : 0;
+  }
 }
 
 }  // namespace deepslam::shape

@@ -126,8 +126,8 @@ ShapeModel::Sample ShapeModel::BeyondCube(const Eigen::Vector3f& p_object) const
   const Eigen::Vector3f inside = p_object.cwiseMax(-kInside).cwiseMin(kInside);
   const Sample sample = SampleInside(inside);
   const auto triple = [](const Eigen::Vector3f& v) { return Triple{v.x(), v.y(), v.z()}; };
-  const SampleLane beyond =
-      Beyond(triple(inside), {sample.distance, triple(sample.gradient)}, triple(p_object));
+  const FieldSample beyond =
+      BeyondField(triple(inside), {sample.distance, triple(sample.gradient)}, triple(p_object));
   return {beyond.distance, {beyond.gradient.x, beyond.gradient.y, beyond.gradient.z}};
 }
 
