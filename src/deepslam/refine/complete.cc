@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/refine/grid_around.h"
 #include "deepslam/refine/links.h"
 #include "deepslam/refine/mirrored.h"
@@ -27,18 +30,32 @@ constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
 constexpr float kInside = 0.49F;
 
+// Of the voxels (i, 0, 0) to (i, 63, 63).
+DEEPSLAM_WIDE_VECTORS void DistancesInSlice(const shape::ShapeModel& model,
+                                            const SimilarityMatrix& object_from_grid,
+                                            int i,
+                                            float* distances) {
+  VectorColumns points;
+  shape::FieldSampleColumns samples;
+  for (int j = 0; j < kGridSize; ++j) {
+    for (int k = 0; k < kGridSize; ++k) {
+      const Eigen::Vector3f p = (object_from_grid * VoxelGrid::Center(i, j, k)).cast<float>();
+      points.Set(static_cast<std::size_t>(k), p.x(), p.y(), p.z());
+    }
+    model.At(points, kGridSize, samples);
+    std::copy_n(samples.distance.begin(), kGridSize, distances + j * kGridSize);
+  }
+}
+
 // Of the grid's voxels to the model's surface, object units, index order of VoxelGrid.
 std::vector<float> DistancesTo(const shape::ShapeModel& model,
                                const Similarity3& object_from_grid) {
+  static_assert(kGridSize <= kPointBatch && kGridSize % kPointLanes == 0);
   std::vector<float> distances(VoxelGrid().occupied.size());
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
-        distances[VoxelGrid::Index(i, j, k)] = model.Distance(p.cast<float>());
-      }
-    }
-  }
+  const SimilarityMatrix map(object_from_grid);
+  ParallelFor(kGridSize, [&](std::size_t i) {
+    DistancesInSlice(model, map, static_cast<int>(i), distances.data() + i * kGridSize * kGridSize);
+  });
   return distances;
 }
 

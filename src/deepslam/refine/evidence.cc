@@ -1,14 +1,17 @@
 #include "deepslam/refine/evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <optional>
 
 #include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/scene/voxel_grid.h"
 #include "deepslam/shape/depth_view.h"
 
@@ -17,6 +20,13 @@ namespace {
 
 constexpr float kBeforeSurface = 0.5;  // voxels
 constexpr double kMaxShell_m = 0.025;  // boards of large things are no thicker for their voxels
+
+// Of a column of voxels.
+struct ColumnVotes {
+  std::array<std::int32_t, kGridSize> free = {};
+  std::array<std::int32_t, kGridSize> object = {};
+  std::array<std::int32_t, kGridSize> other = {};
+};
 
 // A view, asked about the grid's voxels.
 class CarvingView {
@@ -29,25 +39,34 @@ class CarvingView {
         before_m_(static_cast<float>(kBeforeSurface * VoxelM())),
         behind_m_(static_cast<float>(std::min(kMaxShell_m, options.surface_voxels * VoxelM()))) {}
 
-  // On the column of voxels (i, j), where `asked` is not 0; both from the lowest voxel up.
-  void Vote(int i, int j, std::span<const std::uint8_t> asked, std::span<Votes> votes) const {
+  // On the column of voxels (i, j).
+  void Vote(int i, int j, ColumnVotes& votes) const {
     const Eigen::Vector3f lowest = (camera_from_grid_ * VoxelGrid::Center(i, j, 0)).cast<float>();
     shape::DepthView::Line column;
     depth_.PixelsAlong(lowest, upward_m_, column);
-    for (std::size_t k = 0; k < votes.size(); ++k) {
-      if (asked[k] != 0 && column.pixel[k] != shape::DepthView::kNowhere)
-        Vote(static_cast<std::size_t>(column.pixel[k]), column.z_m[k], votes[k]);
+    const float* const depths_m = view_->depth_crop_m.data();
+    const std::uint8_t* const in_mask = view_->mask_crop.data();
+    std::array<float, kGridSize> depth_m;
+    std::array<std::int32_t, kGridSize> is_object;
+    for (std::size_t k = 0; k < kGridSize; ++k) {  // without branches
+      const auto pixel =
+          static_cast<std::size_t>(column.pixel[k] == kNowhere ? 0 : column.pixel[k]);
+      depth_m[k] = depths_m[pixel];
+      is_object[k] = in_mask[pixel];
+    }
+    for (std::size_t k = 0; k < kGridSize; ++k) {
+      const bool is_known = (column.pixel[k] != kNowhere) & (depth_m[k] > 0) &
+                            (depth_m[k] <= std::numeric_limits<float>::max()) &
+                            (column.z_m[k] <= depth_m[k] + behind_m_);
+      const bool is_before = column.z_m[k] < depth_m[k] - before_m_;
+      votes.free[k] += is_known & is_before ? 1 : 0;
+      votes.object[k] += is_known & !is_before & (is_object[k] != 0) ? 1 : 0;
+      votes.other[k] += is_known & !is_before & (is_object[k] == 0) ? 1 : 0;
     }
   }
 
  private:
-  void Vote(std::size_t pixel, float z_m, Votes& votes) const {
-    const float depth_m = view_->depth_crop_m.data()[pixel];
-    if (!(depth_m > 0) || !std::isfinite(depth_m) || z_m > depth_m + behind_m_) return;
-    const bool is_before = z_m < depth_m - before_m_;
-    const bool is_object = !is_before && view_->mask_crop.data()[pixel] != 0;
-    ++(is_before ? votes.free : is_object ? votes.object : votes.other);
-  }
+  static constexpr std::int32_t kNowhere = shape::DepthView::kNowhere;
 
   [[nodiscard]] double VoxelM() const { return kVoxelSize * camera_from_grid_.scale; }
 
@@ -67,6 +86,30 @@ bool IsUsable(const PlacedView& placed) {
          pose.rotation.coeffs().allFinite() && std::isfinite(pose.scale) && pose.scale > 0 &&
          std::isfinite(view.camera.fx) && std::isfinite(view.camera.fy) &&
          std::isfinite(view.camera.cx) && std::isfinite(view.camera.cy);
+}
+
+// On the voxels (i, 0, 0) to (i, 63, 63); `asked` and `votes` are theirs.
+DEEPSLAM_WIDE_VECTORS void VoteInSlice(std::span<const CarvingView> views,
+                                       int i,
+                                       std::span<const std::uint8_t> asked,
+                                       std::span<Votes> votes) {
+  std::array<ColumnVotes, kGridSize> columns;
+  std::array<bool, kGridSize> is_asked;
+  for (std::size_t j = 0; j < kGridSize; ++j) {
+    const std::span<const std::uint8_t> column = asked.subspan(j * kGridSize, kGridSize);
+    is_asked[j] = std::any_of(column.begin(), column.end(), [](auto a) { return a != 0; });
+  }
+  // A view at a time: columns side by side meet the same pixels.
+  for (const CarvingView& view : views) {
+    for (std::size_t j = 0; j < kGridSize; ++j) {
+      if (is_asked[j]) view.Vote(i, static_cast<int>(j), columns[j]);
+    }
+  }
+  for (std::size_t n = 0; n < votes.size(); ++n) {
+    const ColumnVotes& column = columns[n / kGridSize];
+    const std::size_t k = n % kGridSize;
+    if (asked[n] != 0) votes[n] = {column.free[k], column.object[k], column.other[k]};
+  }
 }
 
 Evidence Majority(const Votes& votes, std::size_t num_views) {
@@ -90,18 +133,12 @@ std::vector<Votes> CountVotes(std::span<const PlacedView> views,
   for (const PlacedView& placed : UsableViews(views)) carving.emplace_back(placed, options);
   std::vector<Votes> votes(VoxelGrid().occupied.size());
   DEEPSLAM_CHECK(asked.size() == votes.size(), "an entry per voxel");
-  ParallelFor(kGridSize, [&](std::size_t slab) {
-    const int i = static_cast<int>(slab);
-    // A view at a time: columns side by side meet the same pixels.
-    for (const CarvingView& view : carving) {
-      for (int j = 0; j < kGridSize; ++j) {
-        const std::size_t column = VoxelGrid::Index(i, j, 0);
-        const std::span<const std::uint8_t> of_column = asked.subspan(column, kGridSize);
-        if (std::all_of(of_column.begin(), of_column.end(), [](auto a) { return a == 0; }))
-          continue;
-        view.Vote(i, j, of_column, std::span(votes).subspan(column, kGridSize));
-      }
-    }
+  constexpr std::size_t kSlice = std::size_t{kGridSize} * kGridSize;
+  ParallelFor(kGridSize, [&](std::size_t i) {
+    VoteInSlice(carving,
+                static_cast<int>(i),
+                asked.subspan(i * kSlice, kSlice),
+                std::span(votes).subspan(i * kSlice, kSlice));
   });
   return votes;
 }

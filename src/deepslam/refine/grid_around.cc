@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/core/parallel.h"
 
 namespace deepslam::refine {
 namespace {
@@ -20,20 +21,27 @@ static_assert(kModelVoxels * kVoxelSize == kModelExtent);
 using Points = std::vector<Eigen::Vector3d>;
 
 // Measured points of the object within `reach` of the model, all in object units.
-Points PointsNear(const shape::ShapeModel& model, std::span<const PlacedView> views, double reach) {
+Points PointsNear(const shape::ShapeModel& model, const PlacedView& placed, double reach) {
   Points near;
-  for (const PlacedView& placed : views) {
-    const ObjectView& view = *placed.view;
-    const Similarity3 object_from_camera = placed.camera_from_grid.Inverse();
-    for (int v = 0; v < view.depth_crop_m.height(); v += kPixelStep) {
-      for (int u = 0; u < view.depth_crop_m.width(); u += kPixelStep) {
-        const double depth_m = view.depth_crop_m(u, v);
-        if (view.mask_crop(u, v) == 0 || !(depth_m > 0) || !std::isfinite(depth_m)) continue;
-        const Eigen::Vector3d p = object_from_camera * (depth_m * view.camera.Ray(u, v));
-        if (model.Distance(p.cast<float>()) < reach) near.push_back(p);
-      }
+  const ObjectView& view = *placed.view;
+  const Similarity3 object_from_camera = placed.camera_from_grid.Inverse();
+  for (int v = 0; v < view.depth_crop_m.height(); v += kPixelStep) {
+    for (int u = 0; u < view.depth_crop_m.width(); u += kPixelStep) {
+      const double depth_m = view.depth_crop_m(u, v);
+      if (view.mask_crop(u, v) == 0 || !(depth_m > 0) || !std::isfinite(depth_m)) continue;
+      const Eigen::Vector3d p = object_from_camera * (depth_m * view.camera.Ray(u, v));
+      if (model.Distance(p.cast<float>()) < reach) near.push_back(p);
     }
   }
+  return near;
+}
+
+Points PointsNear(const shape::ShapeModel& model, std::span<const PlacedView> views, double reach) {
+  std::vector<Points> of_views(views.size());
+  ParallelFor(views.size(),
+              [&](std::size_t n) { of_views[n] = PointsNear(model, views[n], reach); });
+  Points near;
+  for (const Points& points : of_views) near.insert(near.end(), points.begin(), points.end());
   return near;
 }
 

@@ -1,6 +1,7 @@
 #include "deepslam/refine/mirrored.h"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace deepslam::refine {
 namespace {
@@ -61,24 +62,38 @@ void FreeWholeOrNot(const Run& run,
   }
 }
 
-Likeness LikenessAcross(const MirrorPlane& plane,
-                        std::span<const Votes> votes,
-                        std::size_t num_views) {
-  Likeness likeness;
-  for (int i = 0; i < kGridSize; ++i) {
-    for (int j = 0; j < kGridSize; ++j) {
-      for (int k = 0; k < kGridSize; ++k) {
-        if (!votes[VoxelGrid::Index(i, j, k)].IsMeasured(num_views)) continue;
-        ++likeness.measured;
-        const std::optional<std::size_t> opposite = Opposite(plane, {i, j, k});
-        if (!opposite) continue;
-        if (votes[*opposite].IsMeasured(num_views)) {
-          ++likeness.like;
-        } else if (IsSurelyFree(votes[*opposite], num_views)) {
-          ++likeness.unlike;
+// The votes of a grid as far as mirror images ask them.
+struct Sureness {
+  enum Kind : std::uint8_t { kNeither, kMeasured, kFree };
+
+  Sureness(std::span<const Votes> votes, std::size_t num_views) : kinds(votes.size(), kNeither) {
+    for (int i = 0; i < kGridSize; ++i) {
+      for (int j = 0; j < kGridSize; ++j) {
+        for (int k = 0; k < kGridSize; ++k) {
+          const std::size_t n = VoxelGrid::Index(i, j, k);
+          if (votes[n].IsMeasured(num_views)) {
+            kinds[n] = kMeasured;
+            measured.emplace_back(i, j, k);
+          } else if (IsSurelyFree(votes[n], num_views)) {
+            kinds[n] = kFree;
+          }
         }
       }
     }
+  }
+
+  std::vector<Kind> kinds;  // index order of VoxelGrid
+  std::vector<Eigen::Array3i> measured;
+};
+
+Likeness LikenessAcross(const MirrorPlane& plane, const Sureness& sure) {
+  Likeness likeness;
+  likeness.measured = static_cast<int>(sure.measured.size());
+  for (const Eigen::Array3i& voxel : sure.measured) {
+    const std::optional<std::size_t> opposite = Opposite(plane, voxel);
+    if (!opposite) continue;
+    likeness.like += sure.kinds[*opposite] == Sureness::kMeasured ? 1 : 0;
+    likeness.unlike += sure.kinds[*opposite] == Sureness::kFree ? 1 : 0;
   }
   return likeness;
 }
@@ -89,13 +104,14 @@ std::optional<MirrorPlane> FindMirrorPlane(std::span<const Votes> votes,
                                            std::size_t num_views,
                                            const VoxelBox& model,
                                            int axis) {
+  const Sureness sure(votes, num_views);
   const int middle = model.low[axis] + model.high[axis];
   std::optional<MirrorPlane> best;
   int best_lead = 0;
   for (int shift = 0; shift <= kMaxShift; ++shift) {  // the nearest first
     for (const int sign : {1, -1}) {
       const MirrorPlane plane = {axis, middle + sign * shift};
-      const Likeness likeness = LikenessAcross(plane, votes, num_views);
+      const Likeness likeness = LikenessAcross(plane, sure);
       const int lead = likeness.like - likeness.unlike;
       if (!likeness.IsMirror() || lead <= best_lead) continue;
       best = plane;

@@ -1,10 +1,14 @@
 #include "deepslam/select/agreement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/depth_noise.h"
+#include "deepslam/geometry/point_columns.h"
 #include "deepslam/shape/render_voxels.h"
 #include "deepslam/shape/view_points.h"
 
@@ -44,7 +48,7 @@ void AddReducedCrop(const ObjectView& view, int factor, JudgedView& out) {
   }
 }
 
-// The placed model, asked how well a measured point lies on its surface.
+// The placed model, asked how well measured points lie on its surface.
 class PlacedModel {
  public:
   PlacedModel(const shape::ShapeModel& model,
@@ -55,18 +59,12 @@ class PlacedModel {
         scale_m_(camera_from_object.scale),
         options_(options) {}
 
-  [[nodiscard]] double DistanceOf(const Eigen::Vector3d& point_camera) const {
-    return scale_m_ * std::abs(model_.Distance((object_from_camera_ * point_camera).cast<float>()));
-  }
+  [[nodiscard]] const SelectOptions& options() const { return options_; }
+  [[nodiscard]] const shape::ShapeModel& model() const { return model_; }
+  [[nodiscard]] double scale_m() const { return scale_m_; }
 
-  [[nodiscard]] double AgreementOf(const Eigen::Vector3d& point_camera) const {
-    return AgreementAt(DistanceOf(point_camera), point_camera.z());
-  }
-
-  [[nodiscard]] double AgreementAt(double distance_m, double depth_m) const {
-    const double tolerance_m =
-        options_.model_tolerance_m + 2 * DepthSigmaM(depth_m) + 0.5 * kVoxelSize * scale_m_;
-    return std::clamp(1.0 - (distance_m - tolerance_m) / options_.fade_m, 0.0, 1.0);
+  [[nodiscard]] Eigen::Vector3f ToObject(const Eigen::Vector3d& point_camera) const {
+    return (object_from_camera_ * point_camera).cast<float>();
   }
 
  private:
@@ -76,45 +74,113 @@ class PlacedModel {
   const SelectOptions& options_;
 };
 
-// How well what each pixel of a view measured lies on the model, asked of every pixel at most once.
+// Measured points side by side, up to kPointBatch.
+struct PointAgreements {
+  std::size_t size = 0;
+  VectorColumns points_object;
+  std::array<double, kPointBatch> depths_m;
+  std::array<double, kPointBatch> distances_m, agreements;  // made by Measure
+
+  void Add(const PlacedModel& placed, const Eigen::Vector3d& point_camera) {
+    const Eigen::Vector3f p = placed.ToObject(point_camera);
+    points_object.Set(size, p.x(), p.y(), p.z());
+    depths_m[size] = point_camera.z();
+    ++size;
+  }
+
+  void Measure(const PlacedModel& placed) {
+    for (std::size_t n = size; n < WholeLanes(size); ++n)
+      points_object.Set(n, points_object.x[0], points_object.y[0], points_object.z[0]);
+    shape::FieldSampleColumns samples;
+    placed.model().At(points_object, WholeLanes(size), samples);
+    const double scale_m = placed.scale_m();
+    const double model_tolerance_m = placed.options().model_tolerance_m;
+    const double fade_m = placed.options().fade_m;
+    for (std::size_t n = 0; n < size; ++n) {
+      distances_m[n] = scale_m * static_cast<double>(std::abs(samples.distance[n]));
+      const double tolerance_m =
+          model_tolerance_m + 2 * DepthSigmaM(depths_m[n]) + 0.5 * kVoxelSize * scale_m;
+      agreements[n] = std::clamp(1.0 - (distances_m[n] - tolerance_m) / fade_m, 0.0, 1.0);
+    }
+  }
+};
+
+struct SurfaceAgreement {
+  double sum = 0;
+  int num_reached = 0;
+};
+
+SurfaceAgreement SurfaceOf(const PlacedModel& placed,
+                           std::span<const Eigen::Vector3f> points_camera) {
+  SurfaceAgreement surface;
+  PointAgreements points;
+  for (std::size_t first = 0; first < points_camera.size(); first += kPointBatch) {
+    points.size = 0;
+    for (const Eigen::Vector3f& point :
+         points_camera.subspan(first, std::min(kPointBatch, points_camera.size() - first)))
+      points.Add(placed, point.cast<double>());
+    points.Measure(placed);
+    for (std::size_t n = 0; n < points.size; ++n) {
+      surface.sum += points.agreements[n];
+      surface.num_reached += points.distances_m[n] <= placed.options().reach_m ? 1 : 0;
+    }
+  }
+  return surface;
+}
+
+// How well what each pixel of a view measured lies on the model, where a pixel of the rendered
+// model is beside it; 0 elsewhere and where nothing was measured.
 class PixelAgreement {
  public:
-  PixelAgreement(const PlacedModel& placed, const JudgedView& view)
-      : placed_(placed),
-        view_(view),
-        known_(view.depth_m.width(), view.depth_m.height(), kUnknown) {}
+  PixelAgreement(const DepthImage& rendered_m, const PlacedModel& placed, const JudgedView& view)
+      : agreement_(view.depth_m.width(), view.depth_m.height(), 0.0) {
+    for (int v = 0; v < agreement_.height(); ++v) {
+      for (int u = 0; u < agreement_.width(); ++u) {
+        if (!(view.depth_m(u, v) > 0) || !IsBeside(rendered_m, u, v)) continue;
+        points_.Add(placed, view.camera.Unproject(u, v, view.depth_m(u, v)));
+        at_[points_.size - 1] = &agreement_(u, v);
+        if (points_.size == kPointBatch) Finish(placed);
+      }
+    }
+    if (points_.size > 0) Finish(placed);
+  }
 
   // Best agreement in a pixel and around it: thin parts may be a pixel beside their place.
-  [[nodiscard]] double Around(int u, int v) {
-    const DepthImage& depth_m = view_.depth_m;
+  [[nodiscard]] double Around(int u, int v) const {
     double best = 0;
-    for (int y = std::max(0, v - 1); y <= std::min(depth_m.height() - 1, v + 1); ++y) {
-      for (int x = std::max(0, u - 1); x <= std::min(depth_m.width() - 1, u + 1); ++x) {
-        if (depth_m(x, y) > 0) best = std::max(best, At(x, y));
-      }
+    for (int y = std::max(0, v - 1); y <= std::min(agreement_.height() - 1, v + 1); ++y) {
+      for (int x = std::max(0, u - 1); x <= std::min(agreement_.width() - 1, u + 1); ++x)
+        best = std::max(best, agreement_(x, y));
     }
     return best;
   }
 
  private:
-  static constexpr double kUnknown = -1;
-  double At(int u, int v) {
-    double& agreement = known_(u, v);
-    if (agreement == kUnknown)
-      agreement = placed_.AgreementOf(view_.camera.Unproject(u, v, view_.depth_m(u, v)));
-    return agreement;
+  static bool IsBeside(const DepthImage& rendered_m, int u, int v) {
+    const int last = std::min(rendered_m.width() - 1, u + 1);
+    for (int y = std::max(0, v - 1); y <= std::min(rendered_m.height() - 1, v + 1); ++y) {
+      for (int x = std::max(0, u - 1); x <= last; ++x) {
+        if (rendered_m(x, y) > 0) return true;
+      }
+    }
+    return false;
+  }
+  void Finish(const PlacedModel& placed) {
+    points_.Measure(placed);
+    for (std::size_t n = 0; n < points_.size; ++n) *at_[n] = points_.agreements[n];
+    points_.size = 0;
   }
 
-  const PlacedModel& placed_;
-  const JudgedView& view_;
-  Image<double> known_;
+  Image<double> agreement_;
+  PointAgreements points_;
+  std::array<double*, kPointBatch> at_;
 };
 
 void AddCoverage(const DepthImage& rendered_m,
                  const PlacedModel& placed,
                  const JudgedView& view,
                  ViewAgreement& agreement) {
-  PixelAgreement agreement_of(placed, view);
+  const PixelAgreement agreement_of(rendered_m, placed, view);
   double confirmed = 0;
   double violated = 0;
   for (int v = 0; v < rendered_m.height(); ++v) {
@@ -177,10 +243,10 @@ std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
   return judged;
 }
 
-ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
-                               const Similarity3& camera_from_object,
-                               const JudgedView& view,
-                               const SelectOptions& options) {
+DEEPSLAM_WIDE_VECTORS ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
+                                                     const Similarity3& camera_from_object,
+                                                     const JudgedView& view,
+                                                     const SelectOptions& options) {
   ViewAgreement agreement;
   agreement.view = view.view;
   agreement.frame = view.frame;
@@ -190,16 +256,10 @@ ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
   if (model.empty() || view.depth_m.empty() || !is_placed) return agreement;
   const PlacedModel placed(model, camera_from_object, options);
   agreement.num_points = static_cast<int>(view.points_camera.size());
-  double sum = 0;
-  int num_reached = 0;
-  for (const Eigen::Vector3f& point : view.points_camera) {
-    const double distance_m = placed.DistanceOf(point.cast<double>());
-    sum += placed.AgreementAt(distance_m, point.z());
-    if (distance_m <= options.reach_m) ++num_reached;
-  }
   if (agreement.num_points > 0) {
-    agreement.surface = sum / agreement.num_points;
-    agreement.reached = static_cast<double>(num_reached) / agreement.num_points;
+    const SurfaceAgreement surface = SurfaceOf(placed, view.points_camera);
+    agreement.surface = surface.sum / agreement.num_points;
+    agreement.reached = static_cast<double>(surface.num_reached) / agreement.num_points;
   }
   AddCoverage(shape::RenderDepth(model, camera_from_object, view.camera), placed, view, agreement);
   return agreement;
