@@ -5,13 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/shape/binvox.h"
@@ -62,8 +64,9 @@ Result<std::string> ReadFile(const fs::path& file, std::uintmax_t max_bytes) {
   if (error) return InvalidInput(file.string() + ": cannot be read" + std::string(kRemedy));
   if (size > max_bytes) return InvalidInput(file.string() + ": too large for a library's file");
   std::ifstream in(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in.good() && !in.eof()) return InvalidInput(file.string() + ": cannot be read");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!in) return InvalidInput(file.string() + ": cannot be read");
   return bytes;
 }
 
@@ -228,10 +231,13 @@ Result<ModelLibrary> LoadLibrary(const fs::path& folder) {
   if (!root) return root.error();
   ModelLibrary library;
   library.checksum = root->at("checksum").get<std::string>();
-  for (const Json& entry : root->at("models")) {
-    Result<LibraryModel> model = ReadModel(entry, folder);
-    if (!model) return model.error();
-    library.models.push_back(std::move(*model));
+  const Json& entries = root->at("models");
+  std::vector<std::optional<Result<LibraryModel>>> models(entries.size());
+  ParallelFor(entries.size(),
+              [&](std::size_t n) { models[n].emplace(ReadModel(entries[n], folder)); });
+  for (std::optional<Result<LibraryModel>>& model : models) {
+    if (!*model) return model->error();
+    library.models.push_back(std::move(*model).value());
   }
   std::sort(library.models.begin(),
             library.models.end(),

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <vector>
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
@@ -86,7 +86,15 @@ void AddNormals(MeasuredView& out) {
   const int width = out.depth_m.width();
   const int height = out.depth_m.height();
   out.normals = Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
-  const auto point = [&](int u, int v) { return out.camera.Unproject(u, v, out.depth_m(u, v)); };
+  std::vector<double> rays_x, rays_y;
+  for (int u = 0; u < width; ++u) rays_x.push_back(out.camera.Ray(u, 0).x());
+  for (int v = 0; v < height; ++v) rays_y.push_back(out.camera.Ray(0, v).y());
+  const auto point = [&](int u, int v) -> Eigen::Vector3d {
+    const auto depth = static_cast<double>(out.depth_m(u, v));
+    return depth * Eigen::Vector3d(rays_x[static_cast<std::size_t>(u)],
+                                   rays_y[static_cast<std::size_t>(v)],
+                                   1.0);
+  };
   for (int v = 1; v + 1 < height; ++v) {
     for (int u = 1; u + 1 < width; ++u) {
       const double depth = out.depth_m(u, v);
@@ -107,49 +115,67 @@ void AddNormals(MeasuredView& out) {
   }
 }
 
-// Exact, separable: the nearest object row of every column first, then the best column of every
-// row.
-void AddNearestObjectPixel(MeasuredView& out) {
-  const int width = out.mask.width();
-  const int height = out.mask.height();
-  out.nearest_object_pixel = Image<PixelIndex>(width, height);
-  Image<int> nearest_row(width, height, -1);
-  for (int u = 0; u < width; ++u) {
+// In every pixel the nearest row of its column with an object pixel, of two the first; -1 without.
+Image<int> NearestObjectRows(const Mask& mask) {
+  Image<int> nearest_row(mask.width(), mask.height(), -1);
+  for (int u = 0; u < mask.width(); ++u) {
     int last = -1;
-    for (int v = 0; v < height; ++v) {
-      if (out.mask(u, v) != 0) last = v;
+    for (int v = 0; v < mask.height(); ++v) {
+      if (mask(u, v) != 0) last = v;
       nearest_row(u, v) = last;
     }
     last = -1;
-    for (int v = height - 1; v >= 0; --v) {
-      if (out.mask(u, v) != 0) last = v;
+    for (int v = mask.height() - 1; v >= 0; --v) {
+      if (mask(u, v) != 0) last = v;
       const int above = nearest_row(u, v);
       if (last >= 0 && (above < 0 || last - v < v - above)) nearest_row(u, v) = last;
     }
   }
+  return nearest_row;
+}
+
+// The nearest object pixel to (u, v), of several that of the first column; `nearest_row` is of row
+// v. Columns are asked outwards until none can be nearer.
+PixelIndex NearestObjectPixel(const int* nearest_row, int width, int u, int v) {
+  PixelIndex nearest;
+  int best = std::numeric_limits<int>::max();
+  const auto ask = [&](int x, int squared_step) {
+    const int row = nearest_row[x];
+    if (row < 0) return;
+    const int squared = squared_step + (row - v) * (row - v);
+    if (squared > best || (squared == best && x > nearest.u)) return;
+    best = squared;
+    nearest = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(row)};
+  };
+  for (int step = 0; step < width && step * step <= best; ++step) {
+    if (u - step >= 0) ask(u - step, step * step);
+    if (step > 0 && u + step < width) ask(u + step, step * step);
+  }
+  return nearest;
+}
+
+// Exact, separable.
+void AddNearestObjectPixel(MeasuredView& out) {
+  const int width = out.mask.width();
+  const int height = out.mask.height();
+  out.nearest_object_pixel = Image<PixelIndex>(width, height);
+  const Image<int> nearest_row = NearestObjectRows(out.mask);
   for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      int best = std::numeric_limits<int>::max();
-      for (int x = 0; x < width; ++x) {
-        const int row = nearest_row(x, v);
-        if (row < 0) continue;
-        const int squared = (x - u) * (x - u) + (row - v) * (row - v);
-        if (squared >= best) continue;
-        best = squared;
-        out.nearest_object_pixel(u, v) = {static_cast<std::int16_t>(x),
-                                          static_cast<std::int16_t>(row)};
-      }
-    }
+    for (int u = 0; u < width; ++u)
+      out.nearest_object_pixel(u, v) = NearestObjectPixel(nearest_row.row(v), width, u, v);
   }
 }
 
 double PatchShare(const std::vector<Eigen::Vector3f>& points, double patch_m) {
-  std::set<std::array<int, 3>> patches;
+  std::vector<std::array<int, 3>> patches;
+  patches.reserve(points.size());
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3d cell = (point.cast<double>() / patch_m).array().floor();
-    patches.insert(
+    patches.push_back(
         {static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())});
   }
+  std::sort(patches.begin(), patches.end());
+  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
   return points.empty() ? 0.0
                         : static_cast<double>(patches.size()) / static_cast<double>(points.size());
 }
@@ -266,10 +292,10 @@ std::vector<MeasuredView> PrepareViews(std::span<const ObjectView> views,
   std::vector<std::vector<bool>> outvoted(measured.size());
   ParallelFor(measured.size(),
               [&](std::size_t i) { outvoted[i] = Outvoted(measured[i], measured); });
-  for (std::size_t i = 0; i < measured.size(); ++i) {
+  ParallelFor(measured.size(), [&](std::size_t i) {
     RemovePoints(outvoted[i], measured[i]);
     AddStatistics(patch_m, measured[i]);
-  }
+  });
   const std::optional<Plane> ground = ConsensusGround(views, measured);
   const Eigen::Vector3d up_world = ground ? ground->normal : AssumedUpWorld(measured);
   for (MeasuredView& view : measured) {

@@ -12,13 +12,28 @@ constexpr std::string_view kHeader =
     "#binvox 1\ndim 64 64 64\ntranslate -0.5 -0.5 -0.5\nscale 1\ndata\n";
 constexpr std::size_t kCount = static_cast<std::size_t>(kGridSize) * kGridSize * kGridSize;
 
-// Voxel of the grid at a place of the file: x slowest, then z, then y.
-std::size_t GridIndex(std::size_t place) {
+// Voxels in the order of the file: x slowest, then z, then y. The grid's own order is x, y, z.
+using Slab = std::array<std::uint8_t, static_cast<std::size_t>(kGridSize) * kGridSize>;
+
+// The voxels of one x, 0 or 1.
+void TakeSlab(const VoxelGrid& grid, std::size_t i, Slab& slab) {
   constexpr std::size_t kSize = kGridSize;
-  const std::size_t i = place / (kSize * kSize);
-  const std::size_t k = place / kSize % kSize;
-  const std::size_t j = place % kSize;
-  return (i * kSize + j) * kSize + k;
+  const std::uint8_t* const voxels = grid.occupied.data() + i * slab.size();
+  for (std::size_t j = 0; j < kSize; ++j) {
+    for (std::size_t k = 0; k < kSize; ++k)
+      slab[k * kSize + j] = voxels[j * kSize + k] != 0 ? 1 : 0;
+  }
+}
+
+// Sets the voxel at a place of the file and those behind it.
+void SetRun(std::size_t place, std::size_t run, VoxelGrid& grid) {
+  constexpr std::size_t kSize = kGridSize;
+  for (const std::size_t end = place + run; place < end; ++place) {
+    const std::size_t i = place / (kSize * kSize);
+    const std::size_t k = place / kSize % kSize;
+    const std::size_t j = place % kSize;
+    grid.occupied[(i * kSize + j) * kSize + k] = 1;
+  }
 }
 
 // The header's lines up to and with "data"; the rest stays in `bytes`.
@@ -54,17 +69,24 @@ Status SkipHeader(std::string_view& bytes) {
 std::string WriteBinvox(const VoxelGrid& grid) {
   std::string bytes(kHeader);
   constexpr std::size_t kMaxRun = 255;
-  for (std::size_t place = 0; place < kCount;) {
-    const std::uint8_t value = grid.occupied[GridIndex(place)] != 0 ? 1 : 0;
-    std::size_t run = 1;
-    while (run < kMaxRun && place + run < kCount &&
-           (grid.occupied[GridIndex(place + run)] != 0 ? 1 : 0) == value) {
-      ++run;
-    }
+  Slab slab;
+  std::uint8_t value = 0;
+  std::size_t run = 0;
+  const auto end_run = [&] {
+    if (run == 0) return;
     bytes.push_back(static_cast<char>(value));
     bytes.push_back(static_cast<char>(run));
-    place += run;
+    run = 0;
+  };
+  for (std::size_t i = 0; i < kGridSize; ++i) {
+    TakeSlab(grid, i, slab);
+    for (const std::uint8_t voxel : slab) {
+      if (voxel != value || run == kMaxRun) end_run();
+      value = voxel;
+      ++run;
+    }
   }
+  end_run();
   return bytes;
 }
 
@@ -78,9 +100,8 @@ Result<VoxelGrid> ReadBinvox(std::string_view bytes) {
     const auto run = static_cast<std::uint8_t>(bytes[n + 1]);
     if (value > 1 || run == 0) return InvalidInput("binvox: impossible run in the data");
     if (run > kCount - place) return InvalidInput("binvox: more voxels than 64^3");
-    for (std::size_t end = place + run; place < end; ++place) {
-      grid.occupied[GridIndex(place)] = value;
-    }
+    if (value != 0) SetRun(place, run, grid);  // a new grid is empty
+    place += run;
   }
   if (place != kCount) return InvalidInput("binvox: fewer voxels than 64^3, file cut off?");
   return grid;
