@@ -1,6 +1,8 @@
 #include "deepslam/artifact/detections_json.h"
 
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "deepslam/artifact/scene_json.h"
 
@@ -19,7 +21,7 @@ std::map<std::string, int> CategoryIds(const DetectionTable& table) {
   return ids;
 }
 
-JsonValue AnnotationToJson(const Detection& detection, int category_id) {
+JsonValue AnnotationToJson(const Detection& detection, int category_id, JsonValue segmentation) {
   JsonObject row;
   row.emplace("id", ToJson(detection.id));
   row.emplace("image_id", ToJson(detection.frame));
@@ -30,10 +32,11 @@ JsonValue AnnotationToJson(const Detection& detection, int category_id) {
   row.emplace("iscrowd", 0);
   row.emplace("score", detection.score);
   row.emplace("source", NameOf(detection.source));
-  if (!detection.mask.empty()) row.emplace("segmentation", ToJson(detection.mask.Unpacked()));
+  if (!segmentation.is_null()) row.emplace("segmentation", std::move(segmentation));
   return JsonValue(std::move(row));
 }
 
+// Without its mask.
 Detection ReadAnnotation(const JsonNode& row) {
   Detection detection;
   detection.id = ReadId<DetectionId>(row["id"]);
@@ -42,7 +45,6 @@ Detection ReadAnnotation(const JsonNode& row) {
   detection.box_px = ReadCocoBox(row["bbox"]);
   detection.score = row["score"].Number(0, 1);
   detection.source = ReadDetectionSource(row["source"]);
-  detection.mask = ReadMask(row.Maybe("segmentation"));
   return detection;
 }
 
@@ -68,9 +70,14 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
     row.emplace("name", class_name);
     categories.emplace_back(std::move(row));
   }
+  std::vector<const PixelMask*> masks;
+  for (const Detection& detection : table.detections) masks.push_back(&detection.mask);
+  std::vector<JsonValue> segmentations = MasksToJson(masks);
   JsonArray annotations;
   for (const Detection& detection : table.detections) {
-    annotations.push_back(AnnotationToJson(detection, category_ids.at(detection.class_name)));
+    annotations.push_back(AnnotationToJson(detection,
+                                           category_ids.at(detection.class_name),
+                                           std::move(segmentations[annotations.size()])));
   }
   document.emplace("images", std::move(images));
   document.emplace("categories", std::move(categories));
@@ -90,8 +97,13 @@ Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view 
     const JsonNode person = row.Maybe("contains_person");
     if (person.exists()) table.images.back().contains_person = person.Bool();
   }
-  for (const JsonNode& row : root["annotations"].Items())
+  std::vector<JsonNode> segmentations;
+  for (const JsonNode& row : root["annotations"].Items()) {
     table.detections.push_back(ReadAnnotation(row));
+    segmentations.push_back(row.Maybe("segmentation"));
+  }
+  std::vector<PixelMask> masks = ReadMasks(segmentations);
+  for (std::size_t i = 0; i < masks.size(); ++i) table.detections[i].mask = std::move(masks[i]);
   return reader.Finish(std::move(table));
 }
 

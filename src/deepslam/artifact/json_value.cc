@@ -1,9 +1,13 @@
 #include "deepslam/artifact/json_value.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <optional>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,88 +15,149 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr int kMaxDepth = 64;
+constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kLineWidth = 100;
 
-// Nothing when the value is nested too deeply.
-std::optional<JsonValue> FromNlohmann(const nlohmann::json& in, int depth) {
-  if (depth > kMaxDepth) return std::nullopt;
-  switch (in.type()) {
-    case nlohmann::json::value_t::boolean:
-      return JsonValue(in.get<bool>());
-    case nlohmann::json::value_t::number_integer:
-      return JsonValue(in.get<std::int64_t>());
-    case nlohmann::json::value_t::number_unsigned: {
-      const auto value = in.get<std::uint64_t>();
-      if (value > static_cast<std::uint64_t>(INT64_MAX))
-        return JsonValue(static_cast<double>(value));
-      return JsonValue(static_cast<std::int64_t>(value));
-    }
-    case nlohmann::json::value_t::number_float:
-      return JsonValue(in.get<double>());
-    case nlohmann::json::value_t::string:
-      return JsonValue(in.get<std::string>());
-    case nlohmann::json::value_t::array: {
-      JsonArray array;
-      array.reserve(in.size());
-      for (const nlohmann::json& item : in) {
-        std::optional<JsonValue> value = FromNlohmann(item, depth + 1);
-        if (!value) return std::nullopt;
-        array.push_back(std::move(*value));
-      }
-      return JsonValue(std::move(array));
-    }
-    case nlohmann::json::value_t::object: {
-      JsonObject object;
-      for (const auto& [key, item] : in.items()) {
-        std::optional<JsonValue> value = FromNlohmann(item, depth + 1);
-        if (!value) return std::nullopt;
-        object.emplace(key, std::move(*value));
-      }
-      return JsonValue(std::move(object));
-    }
-    default:
-      return JsonValue();
+// Takes a text's values as the parser finds them.
+class Builder final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  bool null() override { return Add({}); }
+  bool boolean(bool value) override { return Add(value); }
+  bool number_integer(std::int64_t value) override { return Add(value); }
+  bool number_unsigned(std::uint64_t value) override {
+    if (value > static_cast<std::uint64_t>(INT64_MAX)) return Add(static_cast<double>(value));
+    return Add(static_cast<std::int64_t>(value));
   }
+  bool number_float(double value, const std::string& /*text*/) override { return Add(value); }
+  bool string(std::string& value) override { return Add(std::move(value)); }
+  bool binary(binary_t& /*value*/) override { return false; }  // none in text
+  bool start_object(std::size_t /*size*/) override { return Open(true); }
+  bool start_array(std::size_t /*size*/) override { return Open(false); }
+  bool key(std::string& value) override {
+    open_.back().key = std::move(value);
+    return true;
+  }
+  bool end_object() override {
+    JsonValue value(std::move(open_.back().object));
+    open_.pop_back();
+    return Add(std::move(value));
+  }
+  bool end_array() override {
+    JsonValue value(std::move(open_.back().array));
+    open_.pop_back();
+    return Add(std::move(value));
+  }
+  bool parse_error(std::size_t /*position*/,
+                   const std::string& /*token*/,
+                   const nlohmann::json::exception& error) override {
+    fault_ = error.what();
+    return false;
+  }
+
+  [[nodiscard]] bool too_deep() const { return too_deep_; }
+  [[nodiscard]] const std::string& fault() const { return fault_; }  // empty where there is none
+  [[nodiscard]] JsonValue Take() { return std::move(root_); }
+
+ private:
+  struct OpenValue {
+    bool is_object = false;
+    JsonArray array;
+    JsonObject object;
+    std::string key;  // of the member that comes next
+  };
+
+  bool Open(bool is_object) {
+    too_deep_ = open_.size() > kMaxDepth;
+    open_.emplace_back().is_object = is_object;
+    return !too_deep_;
+  }
+
+  bool Add(JsonValue value) {
+    if (open_.empty()) {
+      root_ = std::move(value);
+      return true;
+    }
+    too_deep_ = open_.size() > kMaxDepth;
+    OpenValue& into = open_.back();
+    if (into.is_object) {
+      // Of our own files, whose keys are sorted, the next one comes last.
+      into.object.insert_or_assign(into.object.end(), std::move(into.key), std::move(value));
+    } else {
+      into.array.push_back(std::move(value));
+    }
+    return !too_deep_;
+  }
+
+  std::vector<OpenValue> open_;
+  JsonValue root_;
+  bool too_deep_ = false;
+  std::string fault_;
+};
+
+// Where a value stands in its document: the way from the root, for messages.
+struct Place {
+  const Place* parent = nullptr;
+  const std::string* key = nullptr;  // null: an element of an array
+  std::size_t index = 0;
+
+  [[nodiscard]] std::string Path() const {
+    if (parent == nullptr) return "";
+    const std::string path = parent->Path();
+    if (key == nullptr) return path + "[" + std::to_string(index) + "]";
+    return path.empty() ? *key : path + "." + *key;
+  }
+};
+
+// ASCII that stands in JSON as it is.
+bool IsPlain(const std::string& string) {
+  return std::all_of(string.begin(), string.end(), [](char c) {
+    return c >= ' ' && c <= '~' && c != '"' && c != '\\';
+  });
 }
 
 class Writer {
  public:
-  void Write(const JsonValue& value, const std::string& path, std::size_t indent) {
+  void Write(const JsonValue& value, const Place& place, std::size_t indent) {
     if (const auto* array = value.As<JsonArray>()) {
-      WriteArray(*array, path, indent);
+      WriteArray(*array, place, indent);
     } else if (const auto* object = value.As<JsonObject>()) {
-      WriteObject(*object, path, indent);
+      WriteObject(*object, place, indent);
     } else {
-      WriteScalar(value, path);
+      WriteScalar(value, place);
     }
   }
   std::string text;
   std::string fault;  // place and reason of the first value that cannot be written
 
  private:
-  void WriteScalar(const JsonValue& value, const std::string& path) {
+  void WriteScalar(const JsonValue& value, const Place& place) {
     if (const auto* flag = value.As<bool>()) {
       text += *flag ? "true" : "false";
     } else if (const auto* integer = value.As<std::int64_t>()) {
       text += std::to_string(*integer);
     } else if (const auto* number = value.As<double>()) {
       if (!std::isfinite(*number) && fault.empty()) {
-        fault = path + " is " + ShortestDecimal(*number) + ", which JSON cannot hold";
+        fault = place.Path() + " is " + ShortestDecimal(*number) + ", which JSON cannot hold";
       }
       text += ShortestDecimal(*number);
     } else if (const auto* string = value.As<std::string>()) {
-      WriteString(*string, path);
+      WriteString(*string, place);
     } else {
       text += "null";
     }
   }
 
-  void WriteString(const std::string& string, const std::string& path) {
+  void WriteString(const std::string& string, const Place& place) {
+    if (IsPlain(string)) {
+      text += '"';
+      text += string;
+      text += '"';
+      return;
+    }
     try {
       text += nlohmann::json(string).dump();
     } catch (const nlohmann::json::exception&) {
-      if (fault.empty()) fault = path + " is not UTF-8";
+      if (fault.empty()) fault = place.Path() + " is not UTF-8";
     }
   }
 
@@ -101,7 +166,7 @@ class Writer {
   }
 
   // Arrays of scalars stay on one line; everything else does when it is short.
-  void WriteArray(const JsonArray& array, const std::string& path, std::size_t indent) {
+  void WriteArray(const JsonArray& array, const Place& place, std::size_t indent) {
     bool scalars = true;
     for (const JsonValue& item : array) scalars = scalars && IsScalar(item);
     const std::size_t start = text.size();
@@ -109,14 +174,14 @@ class Writer {
     for (std::size_t i = 0; i < array.size(); ++i) {
       if (i > 0) text += scalars ? ", " : ",";
       if (!scalars) NewLine(indent + 1);
-      Write(array[i], path + "[" + std::to_string(i) + "]", indent + 1);
+      Write(array[i], {&place, nullptr, i}, indent + 1);
     }
     if (!scalars) NewLine(indent);
     text += ']';
     if (!scalars) Squeeze(start);
   }
 
-  void WriteObject(const JsonObject& object, const std::string& path, std::size_t indent) {
+  void WriteObject(const JsonObject& object, const Place& place, std::size_t indent) {
     const std::size_t start = text.size();
     text += '{';
     bool first = true;
@@ -124,9 +189,9 @@ class Writer {
       if (!first) text += ',';
       first = false;
       NewLine(indent + 1);
-      WriteString(key, path);
+      WriteString(key, place);
       text += ": ";
-      Write(item, path.empty() ? key : path + "." + key, indent + 1);
+      Write(item, {&place, &key}, indent + 1);
     }
     if (!object.empty()) NewLine(indent);
     text += '}';
@@ -166,25 +231,21 @@ std::string ShortestDecimal(double value) {
 }
 
 Result<JsonValue> ParseJson(std::string_view text, std::string_view name) {
-  try {
-    const nlohmann::json parsed = nlohmann::json::parse(text);
-    std::optional<JsonValue> value = FromNlohmann(parsed, 0);
-    if (!value)
-      return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxDepth));
-    return *std::move(value);
-  } catch (const nlohmann::json::exception& e) {
-    // "[json.exception.parse_error.101] parse error at line 3, column 4: ..." -> from "parse error"
-    // on.
-    std::string what = e.what();
-    const std::size_t bracket = what.find("] ");
-    if (bracket != std::string::npos) what.erase(0, bracket + 2);
-    return InvalidInput(fmt::format("{}: not valid JSON: {}", name, what));
-  }
+  Builder builder;
+  if (nlohmann::json::sax_parse(text, &builder)) return builder.Take();
+  if (builder.too_deep())
+    return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxDepth));
+  // "[json.exception.parse_error.101] parse error at line 3, column 4: ..." -> from "parse error"
+  // on.
+  std::string what = builder.fault();
+  const std::size_t bracket = what.find("] ");
+  if (bracket != std::string::npos) what.erase(0, bracket + 2);
+  return InvalidInput(fmt::format("{}: not valid JSON: {}", name, what));
 }
 
 Result<std::string> DumpJson(const JsonValue& value, std::string_view name) {
   Writer writer;
-  writer.Write(value, "", 0);
+  writer.Write(value, {}, 0);
   if (!writer.fault.empty()) return Failed(fmt::format("{}: {}", name, writer.fault));
   writer.text += '\n';
   return std::move(writer.text);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <vector>
 
@@ -64,24 +65,82 @@ Result<std::vector<std::int64_t>> DecodeRuns(std::string_view counts, int width,
   return runs;
 }
 
+struct PixelPlace {
+  int u = 0;
+  int v = 0;
+};
+
+// Pixels whose value is not that of the pixel above, row by row; of all rows but the first.
+std::vector<PixelPlace> ChangesWithinColumns(const Mask& mask) {
+  constexpr int kAtOnce = sizeof(std::uint64_t);
+  std::vector<PixelPlace> changes;
+  for (int v = 1; v < mask.height(); ++v) {
+    const std::uint8_t* const above = mask.row(v - 1);
+    const std::uint8_t* const row = mask.row(v);
+    int u = 0;
+    while (u < mask.width()) {
+      if (u + kAtOnce <= mask.width() && std::memcmp(row + u, above + u, kAtOnce) == 0) {
+        u += kAtOnce;
+        continue;
+      }
+      const int end = std::min(u + kAtOnce, mask.width());
+      for (; u < end; ++u) {
+        if ((row[u] != 0) != (above[u] != 0)) changes.push_back({u, v});
+      }
+    }
+  }
+  return changes;
+}
+
+// Where, counted column by column, the mask's value changes; from 0 before its first pixel.
+std::vector<std::int64_t> ChangesByColumns(const Mask& mask) {
+  const std::vector<PixelPlace> changes = ChangesWithinColumns(mask);
+  const auto width = static_cast<std::size_t>(mask.width());
+  std::vector<std::size_t> begin_of_column(width + 1, 0);
+  for (const PixelPlace& change : changes)
+    ++begin_of_column[static_cast<std::size_t>(change.u) + 1];
+  std::uint8_t before = 0;
+  for (int u = 0; u < mask.width(); ++u) {
+    const bool at_top = (mask(u, 0) != 0) != (before != 0);
+    begin_of_column[static_cast<std::size_t>(u) + 1] += at_top ? 1 : 0;
+    before = mask(u, mask.height() - 1);
+  }
+  std::partial_sum(begin_of_column.begin(), begin_of_column.end(), begin_of_column.begin());
+  std::vector<std::int64_t> places(begin_of_column.back());
+  std::vector<std::size_t> next(begin_of_column.begin(), begin_of_column.end() - 1);
+  before = 0;
+  for (int u = 0; u < mask.width(); ++u) {
+    if ((mask(u, 0) != 0) != (before != 0))
+      places[next[static_cast<std::size_t>(u)]++] = std::int64_t{u} * mask.height();
+    before = mask(u, mask.height() - 1);
+  }
+  for (const PixelPlace& change : changes) {
+    places[next[static_cast<std::size_t>(change.u)]++] =
+        std::int64_t{change.u} * mask.height() + change.v;
+  }
+  return places;
+}
+
+// Pixels from `begin` to `end`, counted column by column.
+void SetPixels(std::int64_t begin, std::int64_t end, Mask& mask) {
+  while (begin < end) {
+    const auto u = static_cast<int>(begin / mask.height());
+    const auto v = static_cast<int>(begin % mask.height());
+    const auto v_end = static_cast<int>(std::min<std::int64_t>(mask.height(), v + end - begin));
+    std::uint8_t* pixel = &mask(u, v);
+    *pixel = 1;
+    for (int k = v + 1; k < v_end; ++k) *(pixel += mask.width()) = 1;
+    begin += v_end - v;
+  }
+}
+
 }  // namespace
 
 std::string EncodeRle(const Mask& mask) {
   std::vector<std::int64_t> runs;
-  std::int64_t run = 0;
-  bool current = false;
-  for (int u = 0; u < mask.width(); ++u) {
-    for (int v = 0; v < mask.height(); ++v) {
-      const bool set = mask(u, v) != 0;
-      if (set != current) {
-        runs.push_back(run);
-        run = 0;
-        current = set;
-      }
-      ++run;
-    }
-  }
-  runs.push_back(run);
+  if (!mask.empty()) runs = ChangesByColumns(mask);
+  runs.push_back(static_cast<std::int64_t>(mask.size()));
+  std::adjacent_difference(runs.begin(), runs.end(), runs.begin());
   std::string text;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     AppendNumber(i > 2 ? runs[i] - runs[i - 2] : runs[i], text);
@@ -96,10 +155,7 @@ Result<Mask> DecodeRle(std::string_view counts, int width, int height) {
   std::int64_t filled = 0;
   for (std::size_t index = 0; index < runs->size(); ++index) {
     const std::int64_t end = filled + (*runs)[index];
-    if (index % 2 == 1) {
-      for (std::int64_t p = filled; p < end; ++p)
-        mask(static_cast<int>(p / height), static_cast<int>(p % height)) = 1;
-    }
+    if (index % 2 == 1) SetPixels(filled, end, mask);
     filled = end;
   }
   return mask;

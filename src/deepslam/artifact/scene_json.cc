@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/rle.h"
+#include "deepslam/core/parallel.h"
 
 namespace deepslam::artifact {
 namespace {
@@ -80,12 +81,17 @@ JsonValue ToJson(const Box3& box) {
   return JsonValue(std::move(object));
 }
 
-JsonValue ToJson(const Mask& mask) {
-  if (mask.empty()) return {};
-  JsonObject object;
-  object.emplace("size", JsonArray{mask.height(), mask.width()});
-  object.emplace("counts", EncodeRle(mask));
-  return JsonValue(std::move(object));
+std::vector<JsonValue> MasksToJson(std::span<const PixelMask* const> masks) {
+  std::vector<JsonValue> values(masks.size());
+  ParallelFor(masks.size(), [&](std::size_t i) {
+    const PixelMask& mask = *masks[i];
+    if (mask.empty()) return;
+    JsonObject object;
+    object.emplace("size", JsonArray{mask.height(), mask.width()});
+    object.emplace("counts", EncodeRle(mask.Unpacked()));
+    values[i] = JsonValue(std::move(object));
+  });
+  return values;
 }
 
 JsonValue ToJson(const PinholeCamera& camera) {
@@ -138,18 +144,35 @@ Box3 ReadBox3(const JsonNode& node) {
   return {ReadVector3(node["min"]), ReadVector3(node["max"])};
 }
 
-Mask ReadMask(const JsonNode& node) {
-  if (!node.exists()) return {};
-  const std::vector<JsonNode> size = node["size"].Items(2);
-  const int height = size[0].Int(1, kMaxImageSide);
-  const int width = size[1].Int(1, kMaxImageSide);
-  const JsonNode counts = node["counts"];
-  Result<Mask> mask = DecodeRle(counts.String(), width, height);
-  if (!mask.ok()) {
-    counts.Fail(": " + mask.error().message);
-    return {};
+std::vector<PixelMask> ReadMasks(std::span<const JsonNode> nodes) {
+  struct Runs {
+    int width = 0;  // 0: no mask
+    int height = 0;
+    std::string counts;
+  };
+  std::vector<Runs> runs(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes[i].exists()) continue;
+    const std::vector<JsonNode> size = nodes[i]["size"].Items(2);
+    const int height = size[0].Int(1, kMaxImageSide);
+    const int width = size[1].Int(1, kMaxImageSide);
+    runs[i] = {width, height, nodes[i]["counts"].String()};
   }
-  return std::move(mask).value();
+  std::vector<PixelMask> masks(nodes.size());
+  std::vector<std::string> faults(nodes.size());
+  ParallelFor(nodes.size(), [&](std::size_t i) {
+    if (runs[i].width == 0) return;
+    const Result<Mask> mask = DecodeRle(runs[i].counts, runs[i].width, runs[i].height);
+    if (mask.ok()) {
+      masks[i] = *mask;
+    } else {
+      faults[i] = mask.error().message;
+    }
+  });
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!faults[i].empty()) nodes[i]["counts"].Fail(": " + faults[i]);
+  }
+  return masks;
 }
 
 PinholeCamera ReadCamera(const JsonNode& node) {

@@ -1,6 +1,9 @@
 // JSON forms of the vocabulary's small values, shared by the codecs of this room.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "deepslam/artifact/json_reader.h"
@@ -24,7 +27,8 @@ inline constexpr int kMaxId = 100'000'000;
 [[nodiscard]] JsonValue ToJson(const Pose3& b_from_a);  // {rotation_xyzw, translation_m}
 [[nodiscard]] JsonValue ToJson(const Plane& plane);     // {normal, d_m}
 [[nodiscard]] JsonValue ToJson(const Box3& box);        // {min, max} or null when empty
-[[nodiscard]] JsonValue ToJson(const Mask& mask);  // COCO {size: [h, w], counts} or null when empty
+// COCO {size: [h, w], counts}, null where a mask is empty; side by side.
+[[nodiscard]] std::vector<JsonValue> MasksToJson(std::span<const PixelMask* const> masks);
 [[nodiscard]] JsonValue ToJson(const PinholeCamera& camera);
 // Row-major.
 [[nodiscard]] JsonValue ToJson(const Eigen::Matrix3d& matrix);
@@ -41,7 +45,8 @@ template <typename Tag>
     const JsonNode& node);  // refuses rotations that are no unit quaternions
 [[nodiscard]] Plane ReadPlane(const JsonNode& node);
 [[nodiscard]] Box3 ReadBox3(const JsonNode& node);
-[[nodiscard]] Mask ReadMask(const JsonNode& node);
+// Those of a document, side by side.
+[[nodiscard]] std::vector<PixelMask> ReadMasks(std::span<const JsonNode> nodes);
 [[nodiscard]] PinholeCamera ReadCamera(const JsonNode& node);
 [[nodiscard]] Eigen::Matrix3d ReadMatrix3(const JsonNode& node);
 [[nodiscard]] Matrix6d ReadMatrix6(const JsonNode& node);

@@ -1,5 +1,8 @@
 #include "deepslam/artifact/segments_json.h"
 
+#include <utility>
+#include <vector>
+
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
@@ -12,6 +15,9 @@ constexpr int kVersion = 1;
 
 Result<std::string> EncodeSegments(std::span<const Segment> segments, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
+  std::vector<const PixelMask*> masks;
+  for (const Segment& segment : segments) masks.push_back(&segment.mask);
+  std::vector<JsonValue> segmentations = MasksToJson(masks);
   JsonArray rows;
   for (const Segment& segment : segments) {
     JsonObject row;
@@ -21,7 +27,7 @@ Result<std::string> EncodeSegments(std::span<const Segment> segments, std::strin
     row.emplace("score", segment.score);
     row.emplace("source", NameOf(segment.source));
     row.emplace("bbox", ToCocoBox(segment.box_px));
-    row.emplace("segmentation", ToJson(segment.mask.Unpacked()));
+    row.emplace("segmentation", std::move(segmentations[rows.size()]));
     row.emplace("num_points", segment.num_points);
     row.emplace("extent_camera_m", ToJson(segment.extent_camera));
     row.emplace("depth_support", segment.depth_support);
@@ -37,6 +43,7 @@ Result<std::string> EncodeSegments(std::span<const Segment> segments, std::strin
 Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_view name) {
   JsonReader reader(text, name, kFormat, kVersion);
   std::vector<Segment> segments;
+  std::vector<JsonNode> segmentations;
   for (const JsonNode& row : reader.root()["segments"].Items()) {
     Segment segment;
     segment.detection = ReadId<DetectionId>(row["detection"]);
@@ -46,7 +53,7 @@ Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_v
     if (const JsonNode source = row.Maybe("source"); source.is_string())
       segment.source = ReadDetectionSource(source);
     segment.box_px = ReadCocoBox(row["bbox"]);
-    segment.mask = ReadMask(row.Maybe("segmentation"));
+    segmentations.push_back(row.Maybe("segmentation"));
     segment.num_points = row["num_points"].Int(0, kMaxId);
     segment.extent_camera = ReadBox3(row.Maybe("extent_camera_m"));
     segment.depth_support = row["depth_support"].Number();
@@ -55,6 +62,8 @@ Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_v
     segment.reason = row["reason"].String();
     segments.push_back(std::move(segment));
   }
+  std::vector<PixelMask> masks = ReadMasks(segmentations);
+  for (std::size_t i = 0; i < masks.size(); ++i) segments[i].mask = std::move(masks[i]);
   return reader.Finish(std::move(segments));
 }
 
