@@ -95,7 +95,8 @@ std::vector<Detection> Clusters(const View& view,
   ClassTable classes;
   classes.classes.resize(1);
   classes.classes[0].name = "furniture";
-  return DetectClustersTurned(view.frame, view.camera, view.ground, covered, classes, {}, upright);
+  return UncoveredTurned(
+      FindClustersTurned(view.frame, view.camera, view.ground, classes, {}, upright), covered, {});
 }
 
 void ExpectTheSameHoweverHeld(const View& view,
@@ -119,13 +120,13 @@ void ExpectTheSameHoweverHeld(const View& view,
 
 const testing_support::Cuboid kCabinet = {0, {-0.4, -0.25, 0}, {0.4, 0.25, 0.6}};
 
-TEST(DetectClustersTurned, FindsTheSameHoweverThePictureIsHeld) {
+TEST(ClustersTurned, FindsTheSameHoweverThePictureIsHeld) {
   ExpectTheSameHoweverHeld(Look({kCabinet}, {0.8, -2.0, 1.3}, {0, 0, 0.3}), {}, 1);
   const testing_support::Cuboid stool = {1, {0.9, 0.3, 0}, {1.3, 0.7, 0.5}};
   ExpectTheSameHoweverHeld(Look({kCabinet, stool}, {0.8, -2.4, 1.4}, {0.4, 0, 0.3}), {}, 2);
 }
 
-TEST(DetectClustersTurned, LeavesToOthersWhatTheyHaveFound) {
+TEST(ClustersTurned, LeavesToOthersWhatTheyHaveFound) {
   const View view = Look({kCabinet}, {0.8, -2.0, 1.3}, {0, 0, 0.3});
   std::vector<Detection> covered = Clusters(view, {}, QuarterTurn::kNone);
   ASSERT_EQ(covered.size(), 1U);
@@ -133,7 +134,7 @@ TEST(DetectClustersTurned, LeavesToOthersWhatTheyHaveFound) {
 }
 
 // In rows that run from the floor to the ceiling it seems to end where it does.
-TEST(DetectClustersTurned, DoesNotTakeWhatRunsOutOfThePicture) {
+TEST(ClustersTurned, DoesNotTakeWhatRunsOutOfThePicture) {
   const testing_support::Cuboid counter = {0, {0.1, -0.3, 0}, {2.0, 0.3, 0.6}};
   for (const double side : {1.0, -1.0}) {
     testing_support::Cuboid to_the_side = counter;

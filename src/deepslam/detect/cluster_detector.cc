@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -129,6 +128,7 @@ GroundGrid MakeGrid(const Frame& frame,
   std::vector<double> rays_x;
   for (int u = 0; u < frame.depth_m.width(); ++u) rays_x.push_back(camera.Ray(u, 0).x());
   GroundRow row(rays_x.size());
+  grid.points.reserve(frame.depth_m.size());
   for (int v = 0; v < frame.depth_m.height(); ++v) {
     const float* const depth_row_m = frame.depth_m.row(v);
     SurveyRow(depth_row_m,
@@ -235,17 +235,21 @@ Components ConnectCells(const GroundGrid& grid) {
 }
 
 struct Cluster {
-  std::vector<GridPoint> points;
-  std::vector<int> cells;
-  double min_height_m = 0;
-  double max_height_m = 0;
-  double long_side_m = 0;  // on the ground
-  double short_side_m = 0;
+  int component = 0;
+  std::size_t num_points = 0;
+  std::size_t num_cells = 0;
   int num_left = 0;  // pixels at the image's borders
   int num_right = 0;
   int num_top = 0;
   int num_rows = 0;
   Box2 box_px;
+  // Of what may be furniture alone:
+  std::vector<GridPoint> points;  // in image order
+  std::vector<int> cells;
+  double min_height_m = 0;
+  double max_height_m = 0;
+  double long_side_m = 0;  // on the ground
+  double short_side_m = 0;
 };
 
 // Sides of the points' rectangle along their principal directions, outermost hundredth left out.
@@ -273,52 +277,109 @@ void MeasureFootprint(Cluster& cluster) {
   cluster.long_side_m = std::max(sides[0], sides[1]);
 }
 
-void MeasureImage(const Frame& frame, Cluster& cluster) {
-  Box2 box = {1e9, 1e9, -1, -1};
-  for (const GridPoint& p : cluster.points) {
-    box = {std::min<double>(box.u_min, p.u),
-           std::min<double>(box.v_min, p.v),
-           std::max<double>(box.u_max, p.u),
-           std::max<double>(box.v_max, p.v)};
-    cluster.num_left += p.u < kBorder_px ? 1 : 0;
-    cluster.num_right += p.u >= frame.depth_m.width() - kBorder_px ? 1 : 0;
-    cluster.num_top += p.v < kBorder_px ? 1 : 0;
-  }
-  cluster.box_px = box;
-  cluster.num_rows = static_cast<int>(box.height_px()) + 1;
+void MeasureHeights(Cluster& cluster) {
+  std::vector<float> heights_m;
+  heights_m.reserve(cluster.points.size());
+  for (const GridPoint& p : cluster.points) heights_m.push_back(p.height_m);
+  const auto [low, high] = InnerRange(heights_m, kOutermost);
+  cluster.min_height_m = low;
+  cluster.max_height_m = high;
 }
 
-std::vector<Cluster> GatherClusters(const Frame& frame,
-                                    const GroundGrid& grid,
-                                    const Components& components,
-                                    std::size_t min_points) {
+// Points side by side in a row of the image that belong to one component.
+void AddRun(std::span<const GridPoint> run, int image_width, Cluster& cluster) {
+  const GridPoint& first = run.front();
+  const GridPoint& last = run.back();
+  cluster.num_points += run.size();
+  Box2& box = cluster.box_px;
+  box = {std::min<double>(box.u_min, first.u),
+         std::min<double>(box.v_min, first.v),
+         std::max<double>(box.u_max, last.u),
+         std::max<double>(box.v_max, last.v)};
+  for (auto p = run.begin(); p != run.end() && p->u < kBorder_px; ++p) ++cluster.num_left;
+  for (auto p = run.rbegin(); p != run.rend() && p->u >= image_width - kBorder_px; ++p)
+    ++cluster.num_right;
+  if (first.v < kBorder_px) cluster.num_top += static_cast<int>(run.size());
+}
+
+// Calls use(component, run) for all such runs, in image order; the component is -1 where there is
+// none.
+template <typename Use>
+void ForRuns(std::span<const GridPoint> points, const Components& components, const Use& use) {
+  const auto component_of = [&](std::size_t n) {
+    return components.of_cell[static_cast<std::size_t>(points[n].cell)];
+  };
+  for (std::size_t begin = 0; begin < points.size();) {
+    const int component = component_of(begin);
+    std::size_t end = begin + 1;
+    while (end < points.size() && points[end].v == points[begin].v &&
+           component_of(end) == component)
+      ++end;
+    use(component, points.subspan(begin, end - begin));
+    begin = end;
+  }
+}
+
+// Clusters of so many points or more as they lie in the image; most points first.
+std::vector<Cluster> MeasureClusters(int image_width,
+                                     const GroundGrid& grid,
+                                     const Components& components,
+                                     std::size_t min_points) {
   std::vector<Cluster> clusters(static_cast<std::size_t>(components.count));
-  std::vector<std::size_t> num_points(clusters.size());
-  for (const GridPoint& p : grid.points) {
-    const int c = components.of_cell[static_cast<std::size_t>(p.cell)];
-    if (c >= 0) ++num_points[static_cast<std::size_t>(c)];
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    clusters[c].component = static_cast<int>(c);
+    clusters[c].box_px = {1e9, 1e9, -1, -1};
   }
-  for (std::size_t c = 0; c < clusters.size(); ++c) clusters[c].points.reserve(num_points[c]);
-  for (const GridPoint& p : grid.points) {
-    const int c = components.of_cell[static_cast<std::size_t>(p.cell)];
-    if (c >= 0) clusters[static_cast<std::size_t>(c)].points.push_back(p);
+  ForRuns(grid.points, components, [&](int component, std::span<const GridPoint> run) {
+    if (component >= 0) AddRun(run, image_width, clusters[static_cast<std::size_t>(component)]);
+  });
+  for (const int component : components.of_cell) {
+    if (component >= 0) ++clusters[static_cast<std::size_t>(component)].num_cells;
   }
-  for (std::size_t i = 0; i < components.of_cell.size(); ++i) {
-    const int c = components.of_cell[i];
-    if (c >= 0) clusters[static_cast<std::size_t>(c)].cells.push_back(static_cast<int>(i));
-  }
-  std::erase_if(clusters, [min_points](const Cluster& c) { return c.points.size() < min_points; });
-  for (Cluster& cluster : clusters) {
-    std::vector<double> heights;
-    heights.reserve(cluster.points.size());
-    for (const GridPoint& p : cluster.points) heights.push_back(p.height_m);
-    const auto [low, high] = InnerRange(heights, kOutermost);
-    cluster.min_height_m = low;
-    cluster.max_height_m = high;
-    MeasureFootprint(cluster);
-    MeasureImage(frame, cluster);
-  }
+  std::erase_if(clusters, [min_points](const Cluster& c) { return c.num_points < min_points; });
+  for (Cluster& cluster : clusters)
+    cluster.num_rows = static_cast<int>(cluster.box_px.height_px()) + 1;
+  std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
+    return a.num_points > b.num_points;
+  });
   return clusters;
+}
+
+// As far as the image and the grid tell.
+bool MayBeFurniture(const Cluster& cluster, const ClusterOptions& options) {
+  const double cell_m2 = options.cell_m * options.cell_m;
+  if (static_cast<double>(cluster.num_cells) * cell_m2 < options.min_footprint_m2) return false;
+  // What runs out of the picture on both sides or through its top may be anything.
+  const double limit = kBorderShare * cluster.num_rows * kBorder_px;
+  const bool left = cluster.num_left > limit;
+  const bool right = cluster.num_right > limit;
+  return !(left && right) &&
+         cluster.num_top <= kBorderShare * cluster.box_px.width_px() * kBorder_px;
+}
+
+// Points and cells of those that may be furniture.
+void GatherPoints(const GroundGrid& grid,
+                  const Components& components,
+                  const ClusterOptions& options,
+                  std::vector<Cluster>& clusters) {
+  std::vector<Cluster*> of_component(static_cast<std::size_t>(components.count), nullptr);
+  for (Cluster& cluster : clusters) {
+    if (!MayBeFurniture(cluster, options)) continue;
+    of_component[static_cast<std::size_t>(cluster.component)] = &cluster;
+    cluster.points.reserve(cluster.num_points);
+    cluster.cells.reserve(cluster.num_cells);
+  }
+  const auto wanted = [&](int component) {
+    return component < 0 ? nullptr : of_component[static_cast<std::size_t>(component)];
+  };
+  ForRuns(grid.points, components, [&](int component, std::span<const GridPoint> run) {
+    if (Cluster* const cluster = wanted(component))
+      cluster->points.insert(cluster->points.end(), run.begin(), run.end());
+  });
+  for (std::size_t i = 0; i < components.of_cell.size(); ++i) {
+    if (Cluster* const cluster = wanted(components.of_cell[i]))
+      cluster->cells.push_back(static_cast<int>(i));
+  }
 }
 
 // Share of the outline towards the camera in front of which floor is seen: 1 for a thing that
@@ -327,7 +388,6 @@ double FreeShare(const GroundGrid& grid,
                  const Components& components,
                  const Cluster& cluster,
                  const ClusterOptions& options) {
-  const int component = components.of_cell[static_cast<std::size_t>(cluster.cells.front())];
   const int reach = std::max(1, static_cast<int>(std::lround(options.free_margin_m / grid.cell_m)));
   int num_front = 0;
   int num_free = 0;
@@ -342,7 +402,8 @@ double FreeShare(const GroundGrid& grid,
       const int i = static_cast<int>(std::lround(q.x())) + grid.side / 2;
       const int j = static_cast<int>(std::lround(q.y())) + grid.side / 2;
       const auto index = static_cast<std::size_t>(i * grid.side + j);
-      if (static_cast<int>(index) != cell && components.of_cell[index] == component) front = false;
+      if (static_cast<int>(index) != cell && components.of_cell[index] == cluster.component)
+        front = false;
       floor = floor || (grid.kinds[index] & kFloor) != 0;
     }
     num_front += front ? 1 : 0;
@@ -350,6 +411,11 @@ double FreeShare(const GroundGrid& grid,
   }
   return num_front > 0 ? static_cast<double>(num_free) / num_front : 0.0;
 }
+
+struct PixelPlace {
+  int u = 0;
+  int v = 0;
+};
 
 // Share of image rows in which the cluster's left end (`side` -1) or right end (+1) is seen to end:
 // next to it lies floor, a wall or something farther. A thing that runs on behind an occluder, out
@@ -360,15 +426,17 @@ double EndShare(const Frame& frame,
                 const Mask& wall,
                 const Cluster& cluster,
                 int side) {
-  std::map<int, int> end_of_row;  // row -> outermost column
+  std::vector<PixelPlace> ends;  // the outermost of each row
   for (const GridPoint& p : cluster.points) {
-    const auto [place, added] = end_of_row.emplace(p.v, p.u);
-    if (!added)
-      place->second = side < 0 ? std::min(place->second, p.u) : std::max(place->second, p.u);
+    if (ends.empty() || ends.back().v != p.v) {
+      ends.push_back({p.u, p.v});
+    } else if (side > 0) {
+      ends.back().u = p.u;
+    }
   }
   const int reach = static_cast<int>(std::lround(kShadowShare * frame.depth_m.width()));
   std::size_t num_ends = 0;
-  for (const auto& [v, u_end] : end_of_row) {
+  for (const auto& [u_end, v] : ends) {
     const double depth_m = frame.depth_m(u_end, v);
     for (int u = u_end + side, k = 0; k < reach && frame.depth_m.Contains(u, v); u += side, ++k) {
       const double beyond_m = frame.depth_m(u, v);
@@ -380,62 +448,68 @@ double EndShare(const Frame& frame,
       break;
     }
   }
-  return static_cast<double>(num_ends) / static_cast<double>(end_of_row.size());
+  return static_cast<double>(num_ends) / static_cast<double>(ends.size());
 }
 
-bool IsFurniture(const Cluster& cluster, const ClusterOptions& options) {
-  const double cell_m2 = options.cell_m * options.cell_m;
-  if (static_cast<double>(cluster.cells.size()) * cell_m2 < options.min_footprint_m2) return false;
+// Measures the cluster, as far as it takes.
+bool IsFurniture(const ClusterOptions& options, Cluster& cluster) {
+  if (cluster.points.empty()) return false;
+  MeasureHeights(cluster);
   if (cluster.max_height_m > options.max_height_m || cluster.min_height_m > options.max_base_m) {
     return false;
   }
+  MeasureFootprint(cluster);
   const double longest_m = std::max(cluster.long_side_m, cluster.max_height_m);
   if (longest_m < options.min_size_m || cluster.long_side_m > options.max_size_m) return false;
-  if (cluster.short_side_m < kThin_m && cluster.max_height_m > kThinTall_m) return false;
-  // What runs out of the picture on both sides or through its top may be anything.
-  const double limit = kBorderShare * cluster.num_rows * kBorder_px;
-  const bool left = cluster.num_left > limit;
-  const bool right = cluster.num_right > limit;
-  return !(left && right) &&
-         cluster.num_top <= kBorderShare * cluster.box_px.width_px() * kBorder_px;
+  return cluster.short_side_m >= kThin_m || cluster.max_height_m <= kThinTall_m;
 }
 
-double CoveredShare(const Cluster& cluster, std::span<const Detection> covered) {
-  std::size_t count = 0;
-  for (const GridPoint& p : cluster.points) {
-    count += std::any_of(covered.begin(),
-                         covered.end(),
-                         [&](const Detection& d) { return d.box_px.Contains(p.u, p.v); })
-                 ? 1U
-                 : 0U;
+// Of a cluster's pixels, which are those of its mask.
+double CoveredShare(const Detection& cluster, std::span<const Detection> covered) {
+  const Box2& box = cluster.box_px;
+  std::size_t num_pixels = 0;
+  std::size_t num_covered = 0;
+  for (int v = static_cast<int>(box.v_min); v <= static_cast<int>(box.v_max); ++v) {
+    for (int u = static_cast<int>(box.u_min); u <= static_cast<int>(box.u_max); ++u) {
+      if (cluster.mask(u, v) == 0) continue;
+      ++num_pixels;
+      num_covered += std::any_of(covered.begin(),
+                                 covered.end(),
+                                 [&](const Detection& d) { return d.box_px.Contains(u, v); })
+                         ? 1U
+                         : 0U;
+    }
   }
-  return static_cast<double>(count) / static_cast<double>(cluster.points.size());
+  return static_cast<double>(num_covered) / static_cast<double>(num_pixels);
 }
 
-// For each detection the cluster whose box is most like its own: what it has found.
-std::vector<const Cluster*> FoundBy(std::span<const Detection> detections,
-                                    std::span<const Cluster> clusters) {
-  std::vector<const Cluster*> found;
+// For each detection the cluster whose box is most like its own: what it has found. As many as
+// there are boxes where there is none.
+std::vector<std::size_t> FoundBy(std::span<const Detection> detections,
+                                 std::span<const Box2> boxes_px) {
+  std::vector<std::size_t> found;
   for (const Detection& detection : detections) {
     const auto best =
-        std::max_element(clusters.begin(), clusters.end(), [&](const Cluster& a, const Cluster& b) {
-          return IntersectionOverUnion(detection.box_px, a.box_px) <
-                 IntersectionOverUnion(detection.box_px, b.box_px);
+        std::max_element(boxes_px.begin(), boxes_px.end(), [&](const Box2& a, const Box2& b) {
+          return IntersectionOverUnion(detection.box_px, a) <
+                 IntersectionOverUnion(detection.box_px, b);
         });
-    found.push_back(best == clusters.end() ? nullptr : &*best);
+    found.push_back(static_cast<std::size_t>(best - boxes_px.begin()));
   }
   return found;
 }
 
 // A box reaches over what stands before the thing it is of: only the cluster it has found is its
 // own, and what lies in boxes nearly wholly.
-bool IsExplained(const Cluster& cluster,
+bool IsExplained(const FrameClusters::Furniture& furniture,
                  std::span<const Detection> detections,
-                 std::span<const Cluster* const> found,
+                 std::span<const std::size_t> found,
                  double max_covered_share) {
+  const Detection& cluster = furniture.detection;
   if (CoveredShare(cluster, detections) > kWhollyCovered) return true;
   for (std::size_t n = 0; n < detections.size(); ++n) {
-    if (found[n] == &cluster && CoveredShare(cluster, detections.subspan(n, 1)) > max_covered_share)
+    if (found[n] == furniture.cluster &&
+        CoveredShare(cluster, detections.subspan(n, 1)) > max_covered_share)
       return true;
   }
   return false;
@@ -519,34 +593,32 @@ void Describe(OptionsVisitor& visitor, ClusterOptions& options) {
                 "share of the outline along which floor must be seen");
 }
 
-std::vector<Detection> DetectClusters(const Frame& frame,
-                                      const PinholeCamera& camera,
-                                      const Plane& ground_camera,
-                                      std::span<const Detection> covered,
-                                      const ClassTable& classes,
-                                      const ClusterOptions& options) {
-  if (!options.enabled || frame.depth_m.empty() || !(camera.fx > 0) || !(camera.fy > 0)) return {};
+FrameClusters FindClusters(const Frame& frame,
+                           const PinholeCamera& camera,
+                           const Plane& ground_camera,
+                           const ClassTable& classes,
+                           const ClusterOptions& options) {
+  FrameClusters found;
+  if (!options.enabled || frame.depth_m.empty() || !(camera.fx > 0) || !(camera.fy > 0))
+    return found;
   GroundGrid grid = MakeGrid(frame, camera, ground_camera, options);
   LeaveOutWalls(frame.depth_m.height() / kTopPart, grid);
   MarkMatter(options.min_height_m, grid);
   const Components components = ConnectCells(grid);
   const auto min_points = static_cast<std::size_t>(
       std::max(1.0, options.min_points_share * static_cast<double>(frame.depth_m.size())));
-  std::vector<Cluster> clusters = GatherClusters(frame, grid, components, min_points);
-  std::stable_sort(clusters.begin(), clusters.end(), [](const Cluster& a, const Cluster& b) {
-    return a.points.size() > b.points.size();
-  });
-  const std::vector<const Cluster*> found = FoundBy(covered, clusters);
-  std::vector<Detection> detections;
-  for (const Cluster& cluster : clusters) {
-    if (!IsFurniture(cluster, options)) continue;
+  std::vector<Cluster> clusters =
+      MeasureClusters(frame.depth_m.width(), grid, components, min_points);
+  GatherPoints(grid, components, options, clusters);
+  for (Cluster& cluster : clusters) {
+    found.boxes_px.push_back(cluster.box_px);
+    if (!IsFurniture(options, cluster)) continue;
     const double free_share = FreeShare(grid, components, cluster, options);
     if (free_share < options.min_free_share) continue;
     if (EndShare(frame, camera, ground_camera, grid.wall, cluster, -1) < kMinEndShare ||
         EndShare(frame, camera, ground_camera, grid.wall, cluster, 1) < kMinEndShare) {
       continue;
     }
-    if (IsExplained(cluster, covered, found, options.max_covered_share)) continue;
     Detection detection;
     detection.frame = frame.idx;
     detection.class_name = ClassOf(cluster, classes);
@@ -557,9 +629,30 @@ std::vector<Detection> DetectClusters(const Frame& frame,
     Mask mask(frame.depth_m.width(), frame.depth_m.height());
     for (const GridPoint& p : cluster.points) mask(p.u, p.v) = 1;
     detection.mask = mask;
-    detections.push_back(std::move(detection));
+    found.furniture.push_back({std::move(detection), found.boxes_px.size() - 1});
+  }
+  return found;
+}
+
+std::vector<Detection> Uncovered(FrameClusters clusters,
+                                 std::span<const Detection> covered,
+                                 const ClusterOptions& options) {
+  const std::vector<std::size_t> found = FoundBy(covered, clusters.boxes_px);
+  std::vector<Detection> detections;
+  for (FrameClusters::Furniture& furniture : clusters.furniture) {
+    if (IsExplained(furniture, covered, found, options.max_covered_share)) continue;
+    detections.push_back(std::move(furniture.detection));
   }
   return detections;
+}
+
+std::vector<Detection> DetectClusters(const Frame& frame,
+                                      const PinholeCamera& camera,
+                                      const Plane& ground_camera,
+                                      std::span<const Detection> covered,
+                                      const ClassTable& classes,
+                                      const ClusterOptions& options) {
+  return Uncovered(FindClusters(frame, camera, ground_camera, classes, options), covered, options);
 }
 
 }  // namespace deepslam::detect

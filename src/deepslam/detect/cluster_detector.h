@@ -1,10 +1,12 @@
 // Boxes from depth alone: connected clusters that stand on the floor and that no detection covers.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "deepslam/core/options.h"
+#include "deepslam/geometry/box.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/scene/detection.h"
@@ -33,10 +35,31 @@ struct ClusterOptions {
 };
 void Describe(OptionsVisitor& visitor, ClusterOptions& options);
 
-// Clusters of one frame as detections (source kCluster, mask set, ids invalid), largest first. The
-// class is the one of the table whose sizes fit best among those without detector labels (cabinet,
-// shelf ...), else `furniture`; nothing at all where the table has neither. `ground_camera`: normal
-// up, d the camera's height.
+// The clusters of one frame before anybody says what detections of other sources cover.
+struct FrameClusters {
+  struct Furniture {
+    Detection detection;      // source kCluster, mask set, id invalid
+    std::size_t cluster = 0;  // of `boxes_px`
+  };
+  std::vector<Furniture> furniture;  // largest first
+  std::vector<Box2> boxes_px;        // of all clusters, furniture or not, largest first
+};
+
+// The class is the one of the table whose sizes fit best among those without detector labels
+// (cabinet, shelf ...), else `furniture`; nothing at all where the table has neither.
+// `ground_camera`: normal up, d the camera's height. The frame's colour may be empty.
+[[nodiscard]] FrameClusters FindClusters(const Frame& frame,
+                                         const PinholeCamera& camera,
+                                         const Plane& ground_camera,
+                                         const ClassTable& classes,
+                                         const ClusterOptions& options);
+
+// The furniture that none of `covered` has found or covers.
+[[nodiscard]] std::vector<Detection> Uncovered(FrameClusters clusters,
+                                               std::span<const Detection> covered,
+                                               const ClusterOptions& options);
+
+// Both at once.
 [[nodiscard]] std::vector<Detection> DetectClusters(const Frame& frame,
                                                     const PinholeCamera& camera,
                                                     const Plane& ground_camera,

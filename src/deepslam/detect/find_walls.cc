@@ -110,7 +110,7 @@ class LineVotes {
 
  private:
   // Angles counted side by side, since votes of neighbours in one bin wait for each other.
-  static constexpr std::size_t kAtOnce = 5;
+  static constexpr std::size_t kAtOnce = 10;
   static_assert(kNumAngles % kAtOnce == 0);
   using Votes = std::array<std::array<double, kNumBins>, kAtOnce>;
 

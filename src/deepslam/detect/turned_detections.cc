@@ -31,30 +31,38 @@ Result<std::vector<RawDetection>> DetectTurned(const Detector& detector,
   return found;
 }
 
-std::vector<Detection> DetectClustersTurned(const Frame& frame,
-                                            const PinholeCamera& camera,
-                                            const Plane& ground_camera,
-                                            std::span<const Detection> covered,
-                                            const ClassTable& classes,
-                                            const ClusterOptions& options,
-                                            QuarterTurn upright) {
-  if (upright == QuarterTurn::kNone)
-    return DetectClusters(frame, camera, ground_camera, covered, classes, options);
+UprightClusters FindClustersTurned(const Frame& frame,
+                                   const PinholeCamera& camera,
+                                   const Plane& ground_camera,
+                                   const ClassTable& classes,
+                                   const ClusterOptions& options,
+                                   QuarterTurn upright) {
   const DepthImage& depth_m = frame.depth_m;
+  UprightClusters clusters{upright, depth_m.width(), depth_m.height(), {}};
+  if (upright == QuarterTurn::kNone) {
+    clusters.found = FindClusters(frame, camera, ground_camera, classes, options);
+    return clusters;
+  }
   const Frame turned{frame.idx, frame.time_s, {}, Turned(depth_m, upright)};
+  clusters.found = FindClusters(
+      turned, Turned(camera, upright), Turned(ground_camera, upright), classes, options);
+  return clusters;
+}
+
+std::vector<Detection> UncoveredTurned(UprightClusters clusters,
+                                       std::span<const Detection> covered,
+                                       const ClusterOptions& options) {
+  const QuarterTurn upright = clusters.upright;
+  if (upright == QuarterTurn::kNone) return Uncovered(std::move(clusters.found), covered, options);
   std::vector<Detection> turned_covered;
   for (const Detection& detection : covered)
-    turned_covered.push_back(Turned(detection, depth_m.width(), depth_m.height(), upright));
-  std::vector<Detection> found = DetectClusters(turned,
-                                                Turned(camera, upright),
-                                                Turned(ground_camera, upright),
-                                                turned_covered,
-                                                classes,
-                                                options);
-  for (Detection& detection : found) {
-    detection = Turned(
-        std::move(detection), turned.depth_m.width(), turned.depth_m.height(), Inverse(upright));
-  }
+    turned_covered.push_back(Turned(detection, clusters.width, clusters.height, upright));
+  std::vector<Detection> found = Uncovered(std::move(clusters.found), turned_covered, options);
+  const bool on_its_side = OnItsSide(upright);
+  const int turned_width = on_its_side ? clusters.height : clusters.width;
+  const int turned_height = on_its_side ? clusters.width : clusters.height;
+  for (Detection& detection : found)
+    detection = Turned(std::move(detection), turned_width, turned_height, Inverse(upright));
   return found;
 }
 

@@ -17,13 +17,26 @@ namespace deepslam::detect {
                                                              const ColourImage& image,
                                                              QuarterTurn upright);
 
-// DetectClusters on the turned depth; everything given and found is of the picture as it came.
-[[nodiscard]] std::vector<Detection> DetectClustersTurned(const Frame& frame,
-                                                          const PinholeCamera& camera,
-                                                          const Plane& ground_camera,
-                                                          std::span<const Detection> covered,
-                                                          const ClassTable& classes,
-                                                          const ClusterOptions& options,
-                                                          QuarterTurn upright);
+// Clusters of the turned depth, as they lie in the turned picture.
+struct UprightClusters {
+  QuarterTurn upright = QuarterTurn::kNone;
+  int width = 0;  // of the picture as it came
+  int height = 0;
+  FrameClusters found;
+};
+
+// FindClusters on the turned depth; frame, camera and ground are of the picture as it came.
+[[nodiscard]] UprightClusters FindClustersTurned(const Frame& frame,
+                                                 const PinholeCamera& camera,
+                                                 const Plane& ground_camera,
+                                                 const ClassTable& classes,
+                                                 const ClusterOptions& options,
+                                                 QuarterTurn upright);
+
+// Those that `covered` does not explain; everything given and returned is of the picture as it
+// came.
+[[nodiscard]] std::vector<Detection> UncoveredTurned(UprightClusters clusters,
+                                                     std::span<const Detection> covered,
+                                                     const ClusterOptions& options);
 
 }  // namespace deepslam::detect

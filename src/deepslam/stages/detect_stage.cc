@@ -1,14 +1,17 @@
 // detect: boxes from a network, a user's file, and depth clusters that stand on the floor.
 #include <algorithm>
+#include <latch>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/coco_file.h"
 #include "deepslam/artifact/store.h"
-#include "deepslam/core/parallel_ahead.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
 #include "deepslam/detect/turned_detections.h"
@@ -23,8 +26,9 @@ namespace {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-// Frames whose detections may wait for those of an earlier one.
-constexpr std::size_t kAhead = 32;
+// Frames shown to the detector and not yet searched for clusters. The search of so many takes about
+// as long as one forward pass.
+constexpr std::size_t kMostBehind = 32;
 // The score from which YOLO's own tools show a box. Lower than what enters the map: a picture left
 // out costs little, a person shown cannot be taken back.
 constexpr double kPersonScore = 0.25;
@@ -106,52 +110,171 @@ Result<artifact::CocoDetections> ReadFileDetections(
   return coco;
 }
 
-// Detections of one frame and what went wrong with it.
-struct FrameDetections {
-  std::vector<Detection> detections;
-  std::string warning;
-  std::optional<bool> contains_person = {};  // nothing when no network looked
-};
-
 bool SeesPerson(std::span<const detect::RawDetection> raw) {
   return std::any_of(raw.begin(), raw.end(), [](const detect::RawDetection& r) {
     return r.label == "person" && r.score >= kPersonScore;
   });
 }
 
-FrameDetections DetectOne(const RunInputs& inputs,
-                          const detect::Detector* detector,
-                          const Ground& ground,
-                          const TrackedFrame& tracked,
-                          QuarterTurn upright,
-                          std::vector<Detection> given) {
-  FrameDetections found{std::move(given), {}, {}};
-  const Result<Frame> frame = inputs.capture->frames->Read(tracked.frame);
-  if (!frame.ok())
-    return {{}, fmt::format("frame {} skipped: {}", tracked.frame.value, frame.error().message)};
-  if (detector != nullptr) {
-    const Result<std::vector<detect::RawDetection>> raw =
-        detect::DetectTurned(*detector, frame->colour, upright);
-    if (raw.ok()) {
-      found.detections = detect::MapDetections(*raw, *frame, inputs.classes, inputs.config.detect);
-      found.contains_person = SeesPerson(*raw);
-    } else {
-      found.warning = fmt::format("frame {}: {}", tracked.frame.value, raw.error().message);
+// What one frame's colour and depth give, and what went wrong with it.
+struct FrameFinds {
+  std::vector<Detection> detections;         // of the network or the user's file
+  std::optional<bool> contains_person = {};  // nothing when no network looked
+  std::string warning;                       // of the network
+  std::optional<Error> unread_colour;
+  std::optional<Error> unread_depth;
+  std::optional<detect::UprightClusters> clusters;
+};
+
+// What there is to do next. A forward pass takes as long as the search for clusters in dozens of
+// frames: searches fill the time in which the network is loaded, and that of threads for which no
+// pass is left.
+class Agenda {
+ public:
+  enum class Work { kLoadDetector, kLookAtColour, kLookAtDepth };
+
+  explicit Agenda(std::size_t num_frames) : num_frames_(num_frames) {}
+
+  [[nodiscard]] std::size_t size() const { return 1 + 2 * num_frames_; }
+  // To be asked size() times, by any thread; gives the place of the frame too.
+  std::pair<Work, std::size_t> Next(bool detector_loaded) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!std::exchange(load_given_, true)) return {Work::kLoadDetector, 0};
+    const bool behind = next_colour_ >= next_depth_ + kMostBehind;
+    const bool colour = next_colour_ < num_frames_ && detector_loaded && !behind;
+    if (colour || next_depth_ == num_frames_) return {Work::kLookAtColour, next_colour_++};
+    return {Work::kLookAtDepth, next_depth_++};
+  }
+
+ private:
+  std::size_t num_frames_;
+  std::mutex mutex_;
+  bool load_given_ = false;
+  std::size_t next_colour_ = 0;
+  std::size_t next_depth_ = 0;
+};
+
+// Looks at all frames, several at once.
+class Lookout {
+ public:
+  Lookout(const StageContext& context,
+          const RunInputs& inputs,
+          const Odometry& odometry,
+          const Ground& ground,
+          std::span<const FrameIdx> wanted)
+      : context_(context),
+        inputs_(inputs),
+        odometry_(odometry),
+        ground_(ground),
+        wanted_(wanted),
+        upright_(UprightTurns(odometry.frames, ground)),
+        finds_(wanted.size()) {}
+
+  // By place in `wanted`. An error is the detector's, which could not be loaded, or that the user
+  // asked to stop.
+  Result<std::vector<FrameFinds>> Run() {
+    Agenda agenda(wanted_.size());
+    ParallelFor(agenda.size(), [&](std::size_t) {
+      const auto [work, place] = agenda.Next(loaded_.try_wait());
+      if (work == Agenda::Work::kLoadDetector) {
+        Load();
+      } else if (context_.progress().StopRequested()) {
+        return;
+      } else if (work == Agenda::Work::kLookAtColour) {
+        LookAtColour(place);
+      } else {
+        LookAtDepth(place);
+      }
+    });
+    if (!detector_.ok()) return detector_.error();
+    if (context_.progress().StopRequested()) return Interrupted();
+    return std::move(finds_);
+  }
+
+ private:
+  void Load() {
+    if (inputs_.config.detect_stage.source == "network") detector_ = LoadDetector(inputs_);
+    loaded_.count_down();
+  }
+
+  [[nodiscard]] QuarterTurn Upright(FrameIdx frame) const {
+    return upright_[static_cast<std::size_t>(frame.value)];
+  }
+
+  void LookAtColour(std::size_t place) {
+    loaded_.wait();
+    if (!detector_.ok()) return;
+    FrameFinds& finds = finds_[place];
+    const FrameIdx idx = wanted_[place];
+    const Result<Frame> frame = inputs_.capture->frames->ReadColour(idx);
+    if (!frame.ok()) {
+      finds.unread_colour = frame.error();
+    } else if (*detector_ != nullptr) {
+      const Result<std::vector<detect::RawDetection>> raw =
+          detect::DetectTurned(**detector_, frame->colour, Upright(idx));
+      if (raw.ok()) {
+        finds.detections =
+            detect::MapDetections(*raw, *frame, inputs_.classes, inputs_.config.detect);
+        finds.contains_person = SeesPerson(*raw);
+      } else {
+        finds.warning = fmt::format("frame {}: {}", idx.value, raw.error().message);
+      }
     }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    context_.progress().Report(++num_looked_at_, wanted_.size());
+    // Taking a network down takes its time, which others use.
+    if (num_looked_at_ == wanted_.size()) detector_ = std::shared_ptr<const detect::Detector>();
   }
-  const std::optional<Plane> plane =
-      GroundInCamera(ground, tracked.frame, tracked.world_from_camera);
-  if (inputs.config.clusters.enabled && plane) {
-    std::vector<Detection> clusters = detect::DetectClustersTurned(*frame,
-                                                                   inputs.capture->frames->camera(),
-                                                                   *plane,
-                                                                   found.detections,
-                                                                   inputs.classes,
-                                                                   inputs.config.clusters,
-                                                                   upright);
-    std::move(clusters.begin(), clusters.end(), std::back_inserter(found.detections));
+
+  void LookAtDepth(std::size_t place) {
+    const TrackedFrame& tracked = odometry_.at(wanted_[place]);
+    const Result<Frame> frame = inputs_.capture->frames->ReadDepth(tracked.frame);
+    if (!frame.ok()) {
+      finds_[place].unread_depth = frame.error();
+      return;
+    }
+    const std::optional<Plane> plane =
+        GroundInCamera(ground_, tracked.frame, tracked.world_from_camera);
+    if (!inputs_.config.clusters.enabled || !plane) return;
+    finds_[place].clusters = detect::FindClustersTurned(*frame,
+                                                        inputs_.capture->frames->camera(),
+                                                        *plane,
+                                                        inputs_.classes,
+                                                        inputs_.config.clusters,
+                                                        Upright(tracked.frame));
   }
-  return found;
+
+  const StageContext& context_;
+  const RunInputs& inputs_;
+  const Odometry& odometry_;
+  const Ground& ground_;
+  std::span<const FrameIdx> wanted_;
+  std::vector<QuarterTurn> upright_;
+  std::latch loaded_{1};
+  Result<std::shared_ptr<const detect::Detector>> detector_ =
+      std::shared_ptr<const detect::Detector>();
+  std::vector<FrameFinds> finds_;
+  std::mutex mutex_;
+  std::size_t num_looked_at_ = 0;
+};
+
+// Detections of one frame, those of clusters last; none where it could not be read.
+std::vector<Detection> Joined(FrameFinds finds, const detect::ClusterOptions& options) {
+  if (finds.unread_depth || finds.unread_colour) return {};
+  std::vector<Detection> detections = std::move(finds.detections);
+  if (!finds.clusters) return detections;
+  std::vector<Detection> clusters =
+      detect::UncoveredTurned(*std::move(finds.clusters), detections, options);
+  std::move(clusters.begin(), clusters.end(), std::back_inserter(detections));
+  return detections;
+}
+
+void WarnOf(const FrameFinds& finds, FrameIdx frame, Progress& progress) {
+  for (const std::optional<Error>& error : {finds.unread_depth, finds.unread_colour}) {
+    if (!error) continue;
+    return progress.Warn(fmt::format("frame {} skipped: {}", frame.value, error->message));
+  }
+  if (!finds.warning.empty()) progress.Warn(finds.warning);
 }
 
 Result<artifact::DetectionTable> DetectAll(const StageContext& context, const RunInputs& inputs) {
@@ -159,48 +282,29 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
   if (!odometry.ok()) return odometry.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
-  Result<std::shared_ptr<const detect::Detector>> detector =
-      std::shared_ptr<const detect::Detector>();
-  if (inputs.config.detect_stage.source == "network") detector = LoadDetector(inputs);
-  if (!detector.ok()) return detector.error();
   const std::vector<artifact::DetectedImage> images = AllImages(*inputs.capture);
   const Result<artifact::CocoDetections> from_file = ReadFileDetections(inputs, context, images);
   if (!from_file.ok()) return from_file.error();
-
   const std::vector<FrameIdx> wanted =
       FramesToLookAt(*odometry, inputs.config.detect_stage, from_file->detections);
-  const std::vector<QuarterTurn> upright = UprightTurns(odometry->frames, *ground);
+  Result<std::vector<FrameFinds>> found =
+      Lookout(context, inputs, *odometry, *ground, wanted).Run();
+  if (!found.ok()) return found.error();
   artifact::DetectionTable table;
-  std::vector<FrameDetections> found(std::min(kAhead, wanted.size()));
-  const auto detect = [&](std::size_t i) {
-    if (context.progress().StopRequested()) return;
-    std::vector<Detection> given;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    FrameFinds& finds = (*found)[i];
     std::copy_if(from_file->detections.begin(),
                  from_file->detections.end(),
-                 std::back_inserter(given),
+                 std::back_inserter(finds.detections),
                  [&](const Detection& d) { return d.frame == wanted[i]; });
-    found[i % kAhead] = DetectOne(inputs,
-                                  detector->get(),
-                                  *ground,
-                                  odometry->at(wanted[i]),
-                                  upright[static_cast<std::size_t>(wanted[i].value)],
-                                  std::move(given));
-  };
-  const auto take = [&](std::size_t i) {
-    if (context.progress().StopRequested()) return false;
-    FrameDetections& of_frame = found[i % kAhead];
     table.images.push_back(images[static_cast<std::size_t>(wanted[i].value)]);
-    table.images.back().contains_person = of_frame.contains_person;
-    if (!of_frame.warning.empty()) context.progress().Warn(of_frame.warning);
-    for (Detection& detection : of_frame.detections) {
+    table.images.back().contains_person = finds.contains_person;
+    WarnOf(finds, wanted[i], context.progress());
+    for (Detection& detection : Joined(std::move(finds), inputs.config.clusters)) {
       detection.id = DetectionId{static_cast<int>(table.detections.size())};
       table.detections.push_back(std::move(detection));
     }
-    context.progress().Report(i + 1, wanted.size());
-    return true;
-  };
-  ParallelAhead(wanted.size(), kAhead, detect, take);
-  if (context.progress().StopRequested()) return Interrupted();
+  }
   return table;
 }
 
