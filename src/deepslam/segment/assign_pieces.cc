@@ -172,14 +172,16 @@ void AssignPieces(const ImagePieces& pieces,
     body.num_pixels += piece.num_free;
   }
   for (int v = 0; v < owners.height(); ++v) {
+    const std::int32_t* const ids = pieces.piece.row(v);
+    std::int32_t* const owner_row = owners.row(v);
     for (int u = 0; u < owners.width(); ++u) {
-      const std::int32_t id = pieces.piece(u, v);
-      if (id < 0 || owners(u, v) >= 0) continue;
+      const std::int32_t id = ids[u];
+      if (id < 0 || owner_row[u] >= 0) continue;
       const int owner = owner_of_piece[static_cast<std::size_t>(id)];
       if (owner == kCut) {
-        owners(u, v) = NearestRegion(regions, takes_pieces, u, v);
+        owner_row[u] = NearestRegion(regions, takes_pieces, u, v);
       } else if (owner >= 0 && regions[static_cast<std::size_t>(owner)].Contains(u, v)) {
-        owners(u, v) = owner;
+        owner_row[u] = owner;
       }
     }
   }

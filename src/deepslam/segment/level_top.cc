@@ -394,22 +394,34 @@ std::vector<Support> SurveySupports(const ImagePieces& pieces,
   std::vector<Support> supports(pieces.num_pixels.size());
   for (int v = 0; v < owners.height(); ++v) {
     CompareRow(pieces, ground_camera, axes, top.height_m, v, row);
-    for (int u = 0; u < owners.width(); ++u) {
-      const std::int32_t id = pieces.piece(u, v);
-      if (id < 0 || owners(u, v) >= 0) continue;
-      const auto at = static_cast<std::size_t>(u);
-      Support& support = supports[static_cast<std::size_t>(id)];
-      const std::int32_t relation = row.relation[at];
-      ++support.all;
-      support.above += (relation & RowUnderTop::kAbove) != 0 ? 1 : 0;
-      support.reaching += (relation & RowUnderTop::kReaching) != 0 ? 1 : 0;
-      const double x_m = row.x_ground_m[at];
-      const double y_m = row.y_ground_m[at];
-      support.on_ground_m.extend(Eigen::Vector2d(x_m, y_m));
-      if ((relation & RowUnderTop::kLowEnough) == 0 || !within(x_m, y_m)) continue;
-      under(u, v) = 1;
-      ++support.under;
-      support.level += pieces.horizontal(u, v);
+    const std::int32_t* const ids = pieces.piece.row(v);
+    const std::int32_t* const owner = owners.row(v);
+    const std::uint8_t* const level = pieces.horizontal.row(v);
+    std::uint8_t* const is_under = under.row(v);
+    for (int u = 0; u < owners.width();) {
+      const std::int32_t id = ids[u];
+      if (id < 0) {
+        ++u;
+        continue;
+      }
+      // What a run of pixels adds stays in registers.
+      Support support = supports[static_cast<std::size_t>(id)];
+      for (; u < owners.width() && ids[u] == id; ++u) {
+        if (owner[u] >= 0) continue;
+        const auto at = static_cast<std::size_t>(u);
+        const std::int32_t relation = row.relation[at];
+        ++support.all;
+        support.above += (relation & RowUnderTop::kAbove) != 0 ? 1 : 0;
+        support.reaching += (relation & RowUnderTop::kReaching) != 0 ? 1 : 0;
+        const double x_m = row.x_ground_m[at];
+        const double y_m = row.y_ground_m[at];
+        support.on_ground_m.extend(Eigen::Vector2d(x_m, y_m));
+        if ((relation & RowUnderTop::kLowEnough) == 0 || !within(x_m, y_m)) continue;
+        is_under[u] = 1;
+        ++support.under;
+        support.level += level[u];
+      }
+      supports[static_cast<std::size_t>(id)] = support;
     }
   }
   return supports;
@@ -420,20 +432,22 @@ using Touch = std::pair<std::int32_t, std::int32_t>;
 // Pieces that touch in the image and in depth, each pair once.
 std::vector<Touch> TouchingPieces(const ImagePieces& pieces, const SegmentOptions& options) {
   std::vector<Touch> touching;
-  const auto touch = [&](int u, int v, int to_u, int to_v) {
-    const std::int32_t a = pieces.piece(u, v);
-    const std::int32_t b = pieces.piece(to_u, to_v);
+  const auto touch = [&](std::int32_t a, std::int32_t b, float z, float z_to) {
     if (a == b || a < 0 || b < 0) return;
-    const double z = pieces.points_camera.z_m(u, v);
-    if (std::abs(pieces.points_camera.z_m(to_u, to_v) - z) < JumpAt(z, options))
-      touching.emplace_back(std::minmax(a, b));
+    if (!(std::abs(static_cast<double>(z_to) - z) < JumpAt(z, options))) return;
+    const Touch pair = std::minmax(a, b);
+    if (touching.empty() || touching.back() != pair) touching.push_back(pair);
   };
   const int width = pieces.piece.width();
   const int height = pieces.piece.height();
   for (int v = 0; v < height; ++v) {
-    for (int u = 0; u + 1 < width; ++u) touch(u, v, u + 1, v);
+    const std::int32_t* const ids = pieces.piece.row(v);
+    const float* const z_m = pieces.points_camera.z_row(v);
+    for (int u = 0; u + 1 < width; ++u) touch(ids[u], ids[u + 1], z_m[u], z_m[u + 1]);
     if (v + 1 == height) continue;
-    for (int u = 0; u < width; ++u) touch(u, v, u, v + 1);
+    const std::int32_t* const ids_below = pieces.piece.row(v + 1);
+    const float* const z_below_m = pieces.points_camera.z_row(v + 1);
+    for (int u = 0; u < width; ++u) touch(ids[u], ids_below[u], z_m[u], z_below_m[u]);
   }
   std::sort(touching.begin(), touching.end());
   touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
@@ -470,8 +484,9 @@ void ClaimCarrier(const ImagePieces& pieces,
       SurveySupports(pieces, ground_camera, top.top, owners, under);
   const std::vector<std::uint8_t> carries = FindCarriers(supports, touching);
   for (int v = 0; v < owners.height(); ++v) {
+    const std::uint8_t* const is_under = under.row(v);
     for (int u = 0; u < owners.width(); ++u) {
-      if (under(u, v) == 0) continue;
+      if (is_under[u] == 0) continue;
       const auto id = static_cast<std::size_t>(pieces.piece(u, v));
       if (carries[id] == 0) continue;
       const bool may_be_level = supports[id].IsLegPart();

@@ -31,8 +31,9 @@ struct Region {
   template <typename Visit>
   void ForEach(const Visit& visit) const {
     for (int v = v_min; v <= v_max; ++v) {
+      const std::uint8_t* const inside = mask.empty() ? nullptr : mask.row(v);
       for (int u = u_min; u <= u_max; ++u) {
-        if (mask.empty() || mask(u, v) != 0) visit(u, v);
+        if (inside == nullptr || inside[u] != 0) visit(u, v);
       }
     }
   }

@@ -210,8 +210,9 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
   }
   std::vector<std::vector<PixelPoint>> points(detections.size());
   for (int v = 0; v < height; ++v) {
+    const std::int32_t* const owner_row = owners.row(v);
     for (int u = 0; u < width; ++u) {
-      const std::int32_t owner = owners(u, v);
+      const std::int32_t owner = owner_row[u];
       if (owner < 0 || !regions[static_cast<std::size_t>(owner)].Contains(u, v)) continue;
       points[static_cast<std::size_t>(owner)].push_back({u, v, pieces.points_camera(u, v)});
     }

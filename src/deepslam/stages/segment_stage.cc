@@ -1,10 +1,13 @@
 // segment: which pixels of every box are the object.
 #include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/segments_json.h"
-#include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/scene/upright_turns.h"
 #include "deepslam/segment/segment_objects.h"
 #include "deepslam/stages/plan.h"
@@ -16,7 +19,8 @@ namespace {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-constexpr std::size_t kBatch = 8;
+// Frames whose segments may wait for those of an earlier one.
+constexpr std::size_t kAhead = 8;
 
 // Consecutive detections of one frame.
 std::vector<std::span<const Detection>> ByFrame(std::span<const Detection> detections) {
@@ -37,7 +41,7 @@ std::vector<Segment> SegmentOne(const RunInputs& inputs,
                                 std::span<const Detection> detections) {
   const FrameSource& frames = *inputs.capture->frames;
   const FrameIdx idx = detections.front().frame;
-  const Result<Frame> frame = frames.Read(idx);
+  const Result<Frame> frame = frames.ReadDepth(idx);
   if (!frame.ok()) return {};
   return segment::SegmentFrame(*frame,
                                frames.camera(),
@@ -59,18 +63,20 @@ Result<StageSummary> RunSegment(StageContext& context, const RunInputs& inputs) 
   const std::vector<std::span<const Detection>> groups = ByFrame(table->detections);
   const std::vector<QuarterTurn> upright = UprightTurns(odometry->frames, *ground);
   std::vector<Segment> segments;
-  for (std::size_t begin = 0; begin < groups.size(); begin += kBatch) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const std::size_t size = std::min(kBatch, groups.size() - begin);
-    std::vector<std::vector<Segment>> found(size);
-    ParallelFor(size, [&](std::size_t i) {
-      found[i] = SegmentOne(inputs, *odometry, *ground, upright, groups[begin + i]);
-    });
-    for (std::vector<Segment>& frame_segments : found) {
-      std::move(frame_segments.begin(), frame_segments.end(), std::back_inserter(segments));
-    }
-    context.progress().Report(begin + size, groups.size());
-  }
+  std::vector<std::vector<Segment>> found(kAhead);
+  const auto look = [&](std::size_t i) {
+    if (context.progress().StopRequested()) return;
+    found[i % kAhead] = SegmentOne(inputs, *odometry, *ground, upright, groups[i]);
+  };
+  const auto take = [&](std::size_t i) {
+    if (context.progress().StopRequested()) return false;
+    std::vector<Segment>& of_frame = found[i % kAhead];
+    std::move(of_frame.begin(), of_frame.end(), std::back_inserter(segments));
+    context.progress().Report(i + 1, groups.size());
+    return true;
+  };
+  ParallelAhead(groups.size(), kAhead, look, take);
+  if (context.progress().StopRequested()) return Interrupted();
   if (Status status = WriteEncoded(
           context, "segments.json", artifact::EncodeSegments(segments, "segments.json"));
       !status.ok()) {
