@@ -5,6 +5,8 @@
 #include <optional>
 #include <set>
 
+#include "deepslam/core/parallel.h"
+
 namespace deepslam::associate {
 namespace {
 
@@ -125,17 +127,21 @@ std::vector<Match> MatchByModels(std::span<const int> unmatched,
                                  std::span<const ObjectHypothesis> objects,
                                  const std::vector<Observation>& all,
                                  const AssociateOptions& options) {
-  std::vector<Match> candidates;
-  for (const int i : unmatched) {
+  std::vector<std::optional<Match>> found(unmatched.size() * objects.size());
+  ParallelFor(found.size(), [&](std::size_t n) {
+    const int i = unmatched[n / objects.size()];
+    const ObjectHypothesis& object = objects[n % objects.size()];
     const Observation& current = all[static_cast<std::size_t>(i)];
-    for (const ObjectHypothesis& object : objects) {
-      if (object.MemberIn(current.segment->frame)) continue;
-      const bool same_class = object.class_name == current.segment->class_name;
-      const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
-      const double error_m =
-          MeanDistance(current.points_world, object.cloud_world, options.truncation_m);
-      if (error_m <= limit_m) candidates.push_back({i, object.id, 0, error_m});
-    }
+    if (object.MemberIn(current.segment->frame)) return;
+    const bool same_class = object.class_name == current.segment->class_name;
+    const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
+    const double error_m =
+        MeanDistance(current.points_world, object.cloud_world, options.truncation_m);
+    if (error_m <= limit_m) found[n] = Match{i, object.id, 0, error_m};
+  });
+  std::vector<Match> candidates;
+  for (const std::optional<Match>& match : found) {
+    if (match) candidates.push_back(*match);
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const Match& a, const Match& b) {
     return a.dissimilarity_m < b.dissimilarity_m;

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
-#include <set>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <nanoflann.hpp>
@@ -28,6 +33,46 @@ struct PointList {
     return false;
   }
 };
+
+// Cells of a grid in space: which of them were there before.
+class Cells {
+ public:
+  using Cell = std::array<long, 3>;
+
+  explicit Cells(std::size_t most) : slots_(std::bit_ceil(2 * most + 1)) {}
+
+  // False where it was there. No more than `most` are added.
+  bool Add(const Cell& cell) {
+    std::size_t at = Hash(cell) & (slots_.size() - 1);
+    for (; slots_[at]; at = (at + 1) & (slots_.size() - 1)) {
+      if (*slots_[at] == cell) return false;
+    }
+    slots_[at] = cell;
+    return true;
+  }
+
+ private:
+  static std::size_t Hash(const Cell& cell) {
+    std::uint64_t hash = 0;
+    for (const long place : cell) {
+      hash = (hash ^ static_cast<std::uint64_t>(place)) * 0x9e3779b97f4a7c15;
+      hash ^= hash >> 32;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+
+  std::vector<std::optional<Cell>> slots_;  // a power of two, half of them free
+};
+
+// The first pixel of a row that is set.
+const std::uint8_t* NextSet(const std::uint8_t* pixel, const std::uint8_t* end) {
+  for (std::uint64_t word = 0; end - pixel >= static_cast<std::ptrdiff_t>(sizeof(word));
+       pixel += sizeof(word)) {
+    std::memcpy(&word, pixel, sizeof(word));
+    if (word != 0) break;
+  }
+  return std::find_if(pixel, end, [](std::uint8_t value) { return value != 0; });
+}
 
 using Tree = nanoflann::
     KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointList>, PointList, 3>;
@@ -98,31 +143,38 @@ std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
                                         const PinholeCamera& camera,
                                         const Pose3& world_from_camera,
                                         int max_points) {
-  const auto measured = [&](int u, int v) { return mask(u, v) != 0 && depth_m(u, v) > 0; };
-  std::size_t total = 0;
+  struct Pixel {
+    int u, v;
+  };
+  std::vector<Pixel> measured;
   for (int v = 0; v < mask.height(); ++v) {
-    for (int u = 0; u < mask.width(); ++u) total += measured(u, v) ? 1U : 0U;
-  }
-  const std::size_t step = std::max<std::size_t>(1, total / static_cast<std::size_t>(max_points));
-  std::vector<Eigen::Vector3f> points;
-  std::size_t count = 0;
-  for (int v = 0; v < mask.height(); ++v) {
-    for (int u = 0; u < mask.width(); ++u) {
-      if (!measured(u, v) || count++ % step != 0) continue;
-      const Eigen::Vector3d p = world_from_camera * camera.Unproject(u, v, depth_m(u, v));
-      if (p.allFinite()) points.emplace_back(p.cast<float>());
+    const std::uint8_t* const row = mask.row(v);
+    const std::uint8_t* const end = row + mask.width();
+    const float* const depth_row_m = depth_m.row(v);
+    for (const std::uint8_t* pixel = NextSet(row, end); pixel < end;
+         pixel = NextSet(pixel + 1, end)) {
+      const auto u = static_cast<int>(pixel - row);
+      if (depth_row_m[u] > 0) measured.push_back({u, v});
     }
+  }
+  const std::size_t step =
+      std::max<std::size_t>(1, measured.size() / static_cast<std::size_t>(max_points));
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t n = 0; n < measured.size(); n += step) {
+    const auto [u, v] = measured[n];
+    const Eigen::Vector3d p = world_from_camera * camera.Unproject(u, v, depth_m(u, v));
+    if (p.allFinite()) points.emplace_back(p.cast<float>());
   }
   return points;
 }
 
 std::vector<Eigen::Vector3f> Thinned(const std::vector<Eigen::Vector3f>& points, double cell_m) {
-  std::set<std::array<long, 3>> taken;
+  Cells taken(points.size());
   std::vector<Eigen::Vector3f> thinned;
   for (const Eigen::Vector3f& p : points) {
-    const std::array<long, 3> cell = {
+    const Cells::Cell cell = {
         std::lround(p.x() / cell_m), std::lround(p.y() / cell_m), std::lround(p.z() / cell_m)};
-    if (taken.insert(cell).second) thinned.push_back(p);
+    if (taken.Add(cell)) thinned.push_back(p);
   }
   return thinned;
 }
