@@ -49,8 +49,10 @@ class Grid {
  public:
   Grid(const DepthImage& depth_m, const PinholeCamera& camera, double max_depth_m)
       : step_(std::max(1, camera.width / kGridWidth)),
-        camera_(camera),
         depth_m_(camera.width / step_, camera.height / step_) {
+    const double middle = 0.5 * (step_ - 1);
+    for (int u = 0; u < width(); ++u) rays_x_.push_back(camera.Ray(u * step_ + middle, 0).x());
+    for (int v = 0; v < height(); ++v) rays_y_.push_back(camera.Ray(0, v * step_ + middle).y());
     const float max_depth = static_cast<float>(max_depth_m);
     for (int v = 0; v < depth_m_.height(); ++v) FindMedians(depth_m, v, max_depth);
   }
@@ -108,14 +110,15 @@ class Grid {
   }
 
   [[nodiscard]] Eigen::Vector3f Unproject(int u, int v, float z) const {
-    const double middle = 0.5 * (step_ - 1);
-    return camera_.Unproject(u * step_ + middle, v * step_ + middle, static_cast<double>(z))
-        .cast<float>();
+    const double ray_x = rays_x_[static_cast<std::size_t>(u)];
+    const double ray_y = rays_y_[static_cast<std::size_t>(v)];
+    return {static_cast<float>(z * ray_x), static_cast<float>(z * ray_y), z};
   }
 
   int step_;
-  const PinholeCamera& camera_;
   DepthImage depth_m_;
+  std::vector<double> rays_x_;  // through the middles of blocks, by column
+  std::vector<double> rays_y_;  // by row
 };
 
 }  // namespace
