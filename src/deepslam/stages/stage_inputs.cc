@@ -162,8 +162,14 @@ Result<std::vector<std::string>> ReadApplied(const StageContext& context, std::s
 }
 
 Status WriteModels(StageContext& context, const std::map<std::string, VoxelGrid>& grids) {
+  std::vector<const VoxelGrid*> in_order;
+  for (const auto& [key, grid] : grids) in_order.push_back(&grid);
+  std::vector<std::string> encoded(in_order.size());
+  ParallelFor(encoded.size(),
+              [&](std::size_t n) { encoded[n] = shape::WriteBinvox(*in_order[n]); });
+  std::size_t n = 0;
   for (const auto& [key, grid] : grids) {
-    Status status = context.Write(fmt::format("models/{}.binvox", key), shape::WriteBinvox(grid));
+    Status status = context.Write(fmt::format("models/{}.binvox", key), encoded[n++]);
     if (!status.ok()) return status;
   }
   return Ok();
