@@ -107,7 +107,8 @@ inline void AddToMeans(const ColourImage& colour,
   constexpr std::int32_t kMaxWeight = std::numeric_limits<std::uint16_t>::max();
   std::array<Row, 3> seen_colour;
   for (std::size_t n = 0; n < kSide; ++n) {
-    const Rgb8 seen = places.pixel[n] < 0 ? Rgb8{} : colour.data()[places.pixel[n]];
+    // That of any pixel where none is seen: it counts nothing.
+    const Rgb8& seen = colour.data()[std::max(places.pixel[n], 0)];
     seen_colour[0][n] = static_cast<float>(seen.r);
     seen_colour[1][n] = static_cast<float>(seen.g);
     seen_colour[2][n] = static_cast<float>(seen.b);
@@ -168,7 +169,10 @@ std::optional<std::size_t> VoxelBlocks::Find(const Eigen::Vector3i& index) const
 }
 
 Eigen::Vector3i VoxelBlocks::BlockOf(const Eigen::Vector3d& p_world) const {
-  return (p_world / (voxel_m_ * kSide)).array().floor().cast<int>();
+  // Floor, which is a call of a library on processors without SSE4.1.
+  const Eigen::Array3d at = p_world / (voxel_m_ * kSide);
+  const Eigen::Array3i towards_zero = at.cast<int>();
+  return towards_zero - (towards_zero.cast<double>() > at).cast<int>();
 }
 
 // Indices of the blocks, each once, in the order of the pixels.
