@@ -70,12 +70,13 @@ inline bool Measure(const DepthImage& depth_m,
                     float truncation_m,
                     const Row& depth_voxel_m,
                     RowPlaces& places) {
-  Row measured_m{};
+  Row measured_m;
   bool any = false;
   for (std::size_t n = 0; n < kSide; ++n) {
-    if (places.pixel[n] < 0) continue;
-    measured_m[n] = depth_m.data()[places.pixel[n]];
-    any = true;
+    const std::int32_t pixel = places.pixel[n];
+    const float depth = depth_m.data()[std::max(pixel, 0)];
+    measured_m[n] = pixel < 0 ? 0.0F : depth;
+    any |= pixel >= 0;
   }
   if (!any) return false;
   const float inverse_fx = 1.0F / static_cast<float>(camera.fx);
