@@ -3,10 +3,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "deepslam/gltf/scene_files.h"
 #include "deepslam/gltf/validate.h"
 #include "gltf/test_scene.h"
 
@@ -47,6 +50,27 @@ TEST(WriteGlb, ScenePassesTheOwnCheckCompressedAndNot) {
       EXPECT_NEAR(object.volume_m3, 0.6 * 0.4 * 0.9, 1e-4);  // metric
     }
   }
+}
+
+TEST(WriteGlbs, FilesAreThoseWrittenOneByOne) {
+  GltfScene scene = SmallScene();
+  scene.objects.push_back(scene.objects[0]);
+  scene.objects[0].model = scene.objects[3].model = "m";
+  GltfScene objects_alone;
+  objects_alone.objects = scene.objects;
+  objects_alone.provenance = scene.provenance;
+  const std::vector<GlbKind> kinds = {{true, false}, {true, true}, {false, false}};
+  const std::vector<Result<std::string>> files = WriteGlbs(scene, {}, kinds);
+  ASSERT_EQ(files.size(), kinds.size());
+  EXPECT_EQ(*files[0], *WriteGlb(scene, {}));
+  EXPECT_EQ(*files[1], *WriteGlb(objects_alone, {}));
+  EXPECT_EQ(*files[2], *WriteGlb(scene, Plain()));
+
+  scene.room->vertices[0].x() = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Result<std::string>> faulty = WriteGlbs(scene, {}, kinds);
+  EXPECT_EQ(faulty[0].error().message, WriteGlb(scene, {}).error().message);
+  EXPECT_EQ(*faulty[1], *files[1]);
+  EXPECT_FALSE(faulty[2].ok());
 }
 
 TEST(WriteGlb, LabelsStandInCoreGltf) {
