@@ -1,13 +1,8 @@
 #include "deepslam/mesh/check_mesh.h"
 
-#include <algorithm>
-#include <cstdint>
 #include <limits>
-#include <utility>
 
 #include <gtest/gtest.h>
-
-#include "deepslam/mesh/closed_manifold.h"
 
 namespace deepslam::mesh {
 namespace {
@@ -92,34 +87,6 @@ TEST(SelfIntersects, SeesSolidsThatCross) {
   EXPECT_FALSE(SelfIntersects(Tetrahedron()));
   EXPECT_FALSE(SelfIntersects(Joined(Tetrahedron(), Tetrahedron(), {3, 0, 0})));
   EXPECT_TRUE(SelfIntersects(Joined(Tetrahedron(), Tetrahedron(), {0.2F, 0.1F, 0.1F})));
-}
-
-TEST(SelfIntersects, SeesFacesWithoutAreaAndOnTopOfEachOther) {
-  TriangleMesh line = Tetrahedron();
-  line.vertices[3] = 0.5F * (line.vertices[0] + line.vertices[1]);
-  EXPECT_TRUE(SelfIntersects(line));
-  TriangleMesh flat = Tetrahedron();
-  flat.vertices[3] = (flat.vertices[0] + flat.vertices[1] + flat.vertices[2]) / 3.0F;
-  EXPECT_TRUE(SelfIntersects(flat));
-}
-
-TEST(IsClosedManifold, WantsOneClosedFanAboutEachVertex) {
-  const TriangleMesh closed = Tetrahedron();
-  EXPECT_TRUE(IsClosedManifold(closed.faces, closed.vertices.size()));
-  TriangleMesh open = closed;
-  open.faces.pop_back();
-  EXPECT_FALSE(IsClosedManifold(open.faces, open.vertices.size()));
-  TriangleMesh turned = closed;
-  std::swap(turned.faces[0][0], turned.faces[0][1]);
-  EXPECT_FALSE(IsClosedManifold(turned.faces, turned.vertices.size()));
-  TriangleMesh twice = closed;
-  twice.faces.insert(twice.faces.end(), closed.faces.begin(), closed.faces.end());
-  EXPECT_FALSE(IsClosedManifold(twice.faces, twice.vertices.size()));
-  TriangleMesh joined = Joined(closed, closed, {3, 0, 0});
-  EXPECT_TRUE(IsClosedManifold(joined.faces, joined.vertices.size()));
-  const auto second = static_cast<std::uint32_t>(closed.vertices.size());
-  for (auto& face : joined.faces) std::replace(face.begin(), face.end(), second, 0U);
-  EXPECT_FALSE(IsClosedManifold(joined.faces, joined.vertices.size()));
 }
 
 }  // namespace

@@ -11,12 +11,10 @@
 #include <array>
 #include <cstddef>
 #include <exception>
-#include <optional>
 #include <vector>
 
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/closed_manifold.h"
-#include "deepslam/mesh/piercing.h"
 #include "deepslam/mesh/relax_boundary.h"
 #include "deepslam/mesh/voxel_boundary.h"
 
@@ -88,10 +86,7 @@ Result<TriangleMesh> RelaxUntilClean(const VoxelBoundary& boundary, const Surfac
     const Result<SurfaceMesh> mesh = Triangulated(points, boundary);
     if (!mesh) return mesh.error();
     if (!CGAL::is_closed(*mesh)) return Failed("voxel boundary is not closed");
-    TriangleMesh triangles = ToTriangleMesh(*mesh);
-    if (last) return triangles;
-    const std::optional<bool> pierces = PiercesItself(triangles);
-    if (!(pierces ? *pierces : pmp::does_self_intersect(*mesh))) return triangles;
+    if (last || !pmp::does_self_intersect(*mesh)) return ToTriangleMesh(*mesh);
   }
   return Failed("unreachable");
 }
@@ -109,14 +104,14 @@ Result<TriangleMesh> ExtractSurface(const VoxelGrid& grid, const SurfaceOptions&
 }
 
 bool SelfIntersects(const TriangleMesh& mesh) {
-  if (const std::optional<bool> pierces = PiercesItself(mesh)) return *pierces;
   std::vector<Kernel::Point_3> points;
   points.reserve(mesh.vertices.size());
   for (const Eigen::Vector3f& p : mesh.vertices) points.emplace_back(p.x(), p.y(), p.z());
   std::vector<std::array<std::size_t, 3>> faces;
   faces.reserve(mesh.faces.size());
   for (const auto& face : mesh.faces) faces.push_back({face[0], face[1], face[2]});
-  if (!pmp::is_polygon_soup_a_polygon_mesh(faces)) return true;
+  if (!IsClosedManifold(faces, points.size()) && !pmp::is_polygon_soup_a_polygon_mesh(faces))
+    return true;
   SurfaceMesh surface;
   pmp::polygon_soup_to_polygon_mesh(points, faces, surface);
   return pmp::does_self_intersect(surface);
