@@ -127,10 +127,9 @@ struct EvidenceCounts {
   }
 };
 
-// Points side by side of which each says that its distance shall vanish; what they say, summed.
+// Points side by side of which each says that its distance shall vanish.
 struct ResidualRows {
-  std::array<std::array<double, 7>, kPointBatch> jacobians;
-  std::array<double, kPointBatch> residuals_m;
+  std::array<SevenEquations::Row, kPointBatch> rows;
   std::array<double, kPointBatch> weights;
 
   // Unit: information of a point, 1 / m^2.
@@ -150,17 +149,17 @@ struct ResidualRows {
       const auto q_x = static_cast<double>(at.q_box.x[k]);
       const auto q_y = static_cast<double>(at.q_box.y[k]);
       const auto q_z = static_cast<double>(at.q_box.z[k]);
-      jacobians[k] = {-(c * x + -s * y),
-                      -(s * x + c * y),
-                      -z,
-                      x * q_y - y * q_x,
-                      -x * q_x,
-                      -y * q_y,
-                      // Growing in height moves the box's centre up as well, since its bottom
-                      // stays.
-                      -z * (q_z + 0.5 * height_m)};
-      residuals_m[k] = static_cast<double>(at.distance_m[k]);
-      const double scaled = residuals_m[k] / (2.0 * point_sigma_m);
+      const auto distance_m = static_cast<double>(at.distance_m[k]);
+      rows[k] = {-(c * x + -s * y),
+                 -(s * x + c * y),
+                 -z,
+                 x * q_y - y * q_x,
+                 -x * q_x,
+                 -y * q_y,
+                 // Growing in height moves the box's centre up as well, since its bottom stays.
+                 -z * (q_z + 0.5 * height_m),
+                 distance_m};
+      const double scaled = distance_m / (2.0 * point_sigma_m);
       const double robust = 1.0 / (1.0 + scaled * scaled);  // Cauchy
       weights[k] = unit * robust * robust / (point_sigma_m * point_sigma_m);
     }
@@ -186,16 +185,15 @@ DEEPSLAM_WIDE_VECTORS Placement RefinePlacement(const CoarseShape& shape,
                            : std::min(1.0, kIndependent / static_cast<double>(points_level.size()));
   PointLanes batch;
   MetricColumns at;
-  ResidualRows rows;
+  ResidualRows residuals;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Frame frame(shape, now);
     SevenEquations equations;
     for (std::size_t n = 0; n < points_level.size(); n += kPointBatch) {
       batch.Load(points_level, n, kPointBatch);
       at.Measure(shape, frame, batch);
-      rows.Linearise(at, batch.size, frame, now.size_m.z(), terms.point_sigma_m, share);
-      for (std::size_t k = 0; k < batch.size; ++k)
-        equations.Add(rows.jacobians[k], rows.residuals_m[k], rows.weights[k]);
+      residuals.Linearise(at, batch.size, frame, now.size_m.z(), terms.point_sigma_m, share);
+      equations.Add(residuals.rows.data(), residuals.weights.data(), batch.size);
     }
     Matrix7 h = equations.Hessian();
     Vector7 g = equations.Gradient();
