@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "deepslam/core/wide_vectors.h"
 
@@ -21,35 +22,53 @@ using Row = std::array<std::int16_t, kSize>;
 // Rows along one axis of the grid.
 using Slab = std::array<Row, kSize>;
 
-// Squared distances along k from a row of places (0) and others (kNothing), some of either.
-void TransformMixedRow(Row& row) {
-  constexpr std::int16_t kNone =
-      127;  // steps, more than the grid has; its square is within kNothing
-  const auto sweep = [&row](int begin, int end, int step) {
-    std::int16_t steps = kNone;
-    for (int n = begin; n != end; n += step) {
-      std::int16_t& value = row[static_cast<std::size_t>(n)];
-      steps =
-          value == 0 ? std::int16_t{0} : static_cast<std::int16_t>(std::min<int>(steps + 1, kNone));
-      const auto squared = static_cast<std::int16_t>(steps == kNone ? kNothing : steps * steps);
-      value = std::min(value, squared);
+// Steps to the nearest place along a row, with room for a look beyond either end.
+struct StepsRow {
+  static constexpr std::size_t kRoom = kSize / 2;
+  static constexpr std::uint8_t kFarSteps = 127;  // more than a row has; twice that still fits
+  std::array<std::uint8_t, kSize + 2 * kRoom> steps;
+
+  std::uint8_t* begin() { return steps.data() + kRoom; }
+};
+
+// Squared distances along k to those voxels that are places (1), some of them.
+void TransformMixedRow(const std::array<std::uint8_t, kSize>& is_place, Row& row) {
+  StepsRow one;
+  StepsRow other;
+  one.steps.fill(StepsRow::kFarSteps);
+  other.steps.fill(StepsRow::kFarSteps);
+  std::uint8_t* from = one.begin();
+  std::uint8_t* to = other.begin();
+  for (std::size_t n = 0; n < kSize; ++n) from[n] = is_place[n] != 0 ? 0 : StepsRow::kFarSteps;
+  // Every distance is a sum of powers of two.
+  for (std::size_t step = 1; step <= StepsRow::kRoom; step *= 2) {
+    const std::uint8_t* const below = from - step;
+    const std::uint8_t* const above = from + step;
+#pragma GCC ivdep
+    for (std::size_t n = 0; n < kSize; ++n) {
+      const auto beside = static_cast<std::uint8_t>(std::min(below[n], above[n]) + step);
+      to[n] = std::min(from[n], beside);
     }
-  };
-  sweep(0, kSize, 1);
-  sweep(kSize - 1, -1, -1);
+    std::swap(from, to);
+  }
+  for (std::size_t n = 0; n < kSize; ++n) row[n] = static_cast<std::int16_t>(from[n] * from[n]);
 }
 
 // Squared distances along k to voxels of that occupancy.
 void TransformRow(const std::uint8_t* voxels, bool occupied, Row& row) {
+  std::array<std::uint8_t, kSize> is_place;
   std::uint8_t all = 1;
   std::uint8_t any = 0;
   for (std::size_t n = 0; n < kSize; ++n) {
-    const std::uint8_t is_place = (voxels[n] != 0) == occupied ? 1 : 0;
-    all &= is_place;
-    any |= is_place;
-    row[n] = is_place != 0 ? std::int16_t{0} : kNothing;
+    is_place[n] = (voxels[n] != 0) == occupied ? 1 : 0;
+    all &= is_place[n];
+    any |= is_place[n];
   }
-  if (all != any) TransformMixedRow(row);
+  if (all == any) {
+    row.fill(any != 0 ? std::int16_t{0} : kNothing);
+  } else {
+    TransformMixedRow(is_place, row);
+  }
 }
 
 void TakeNearer(const Row& other, std::int16_t squared_step, Row& row) {
@@ -129,12 +148,18 @@ DEEPSLAM_WIDE_VECTORS std::vector<float> SignedDistance(const VoxelGrid& grid) {
   for (std::size_t r = 0; r < to_free.size(); ++r) {
     const std::uint8_t* const occupied = grid.occupied.data() + r * kSize;
     float* const distance = distances.data() + r * kSize;
+    Row inwards;  // those inside are negative
     for (std::size_t n = 0; n < kSize; ++n) {
-      const bool is_inside = occupied[n] != 0;
-      const std::int16_t squared = is_inside ? to_free[r][n] : to_occupied[r][n];
+      const auto inside = static_cast<std::int16_t>(-to_free[r][n]);
+      inwards[n] = occupied[n] != 0 ? inside : to_occupied[r][n];
+    }
+    for (std::size_t n = 0; n < kSize; ++n) {
+      const std::int32_t signed_square = inwards[n];
+      const std::int32_t square = signed_square < 0 ? -signed_square : signed_square;
+      const float squared = square == kNothing ? kFar : static_cast<float>(square);
       // The boundary lies half a voxel from the centres on its both sides.
-      const float voxels = std::sqrt(SquaredVoxels(squared)) - 0.5F;
-      distance[n] = is_inside ? -voxels : voxels;
+      const float voxels = std::sqrt(squared) - 0.5F;
+      distance[n] = signed_square < 0 ? -voxels : voxels;
     }
   }
   return distances;
