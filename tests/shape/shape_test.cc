@@ -186,7 +186,7 @@ TEST(ShapeModel, ABatchIsSampledAsEachOfItsPoints) {
   };
   for (std::size_t k = 0; k < kPointBatch; ++k)
     points.Set(k, point(k).x(), point(k).y(), point(k).z());
-  ShapeModel::SampleColumns samples;
+  FieldSampleColumns samples;
   model.At(points, kPointBatch, samples);
   for (std::size_t k = 0; k < kPointBatch; ++k) {
     const auto [distance, gradient] = model.At(point(k));
