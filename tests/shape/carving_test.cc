@@ -119,7 +119,7 @@ TEST(DepthViewTest, PointsTogetherReadAsEachAlone) {
     VectorColumns points;
     for (std::size_t n = 0; n < kPointBatch; ++n) {
       const auto turn = static_cast<float>(n);
-      points.Set(n, 1.2F * std::sin(turn), 1.2F * std::cos(3 * turn), 0.02F * turn - 0.6F);
+      points.Set(n, 0.8F * std::sin(turn), 0.8F * std::cos(3 * turn), 0.02F * turn - 0.6F);
     }
     DepthView::ReadingColumns readings;
     depth.At(points, kPointBatch, readings);
