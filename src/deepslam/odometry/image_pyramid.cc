@@ -5,13 +5,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
+#include "deepslam/odometry/four_floats.h"
 #include "deepslam/scene/brightness.h"
 
 namespace deepslam::odometry {
@@ -50,35 +53,82 @@ std::size_t Offset(const PinholeCamera& camera, int u, int v) {
 
 std::size_t NumTexels(const PinholeCamera& camera) { return Offset(camera, 0, camera.height); }
 
+// Depths of texels of a row and of their neighbours `lag` apart, one array for each.
+struct SampledRow {
+  explicit SampledRow(std::size_t most)
+      : centre(most), left(most), right(most), up(most), down(most) {}
+  std::size_t size = 0;
+  std::vector<float> centre, left, right, up, down;
+
+  void Take(const float* row, int width, int lag, int stride) {
+    const std::ptrdiff_t to_below = static_cast<std::ptrdiff_t>(lag) * width;
+    std::size_t n = 0;
+    for (int u = lag; u + lag < width; u += stride, ++n) {
+      centre[n] = row[u];
+      left[n] = row[u - lag];
+      right[n] = row[u + lag];
+      up[n] = row[u - to_below];
+      down[n] = row[u + to_below];
+    }
+    size = n;
+  }
+};
+
 // Second differences of the inverse depth vanish on planes, however oblique. Times z^2 they are
-// those of the depth, 2.45 = sqrt(1 + 1 + 4) times as wide as its noise.
-void AddDifference(
-    float before, float centre, float after, float inverse_sigma, std::vector<float>& differences) {
-  if (!(before > 0) || !(after > 0)) return;
-  const float difference = centre * (centre / before + centre / after - 2.0F);
-  const float normalised = std::abs(difference) * inverse_sigma;
-  if (std::isfinite(normalised)) differences.push_back(normalised);
+// those of the depth, 2.45 = sqrt(1 + 1 + 4) times as wide as its noise. Negative where the noise
+// cannot be told.
+void Differences(const SampledRow& row,
+                 const std::vector<float>& before,
+                 const std::vector<float>& after,
+                 const DepthNoise& noise,
+                 float* differences) {
+#pragma GCC ivdep
+  for (std::size_t n = 0; n < row.size; ++n) {
+    const float z = row.centre[n];
+    const float inverse_sigma = 1.0F / (2.44948974F * noise.SigmaM(z));
+    const float difference = z * (z / before[n] + z / after[n] - 2.0F);
+    const float normalised = std::abs(difference) * inverse_sigma;
+    const bool valid =
+        (z > 0) & std::isfinite(z) & (before[n] > 0) & (after[n] > 0) & std::isfinite(normalised);
+    differences[n] = valid ? normalised : -1.0F;
+  }
 }
+
+// Whether the median of those that are not negative is at most `bound`, and how many these are.
+struct MedianTest {
+  std::size_t num_valid = 0;
+  bool within = false;
+
+  MedianTest(std::span<const float> values, float factor, float bound) {
+    std::uint32_t valid = 0, num_within = 0;
+    for (const float value : values) {
+      valid += value >= 0 ? 1U : 0U;
+      num_within += (value >= 0) & (factor * value <= bound) ? 1U : 0U;
+    }
+    num_valid = valid;
+    within = num_within > valid / 2;
+  }
+};
 
 // Deviation of the depth in units of `noise`, from texels `lag` apart: the median, so that half of
 // the image may be edges. Noise shared over more than `lag` texels is not seen.
 double NoiseScale(
     const float* depth, int width, int height, int lag, int stride, const DepthNoise& noise) {
-  std::vector<float> differences;
-  differences.reserve(2 * static_cast<std::size_t>(width / stride) *
-                      static_cast<std::size_t>(height / stride));
+  const std::size_t per_row = static_cast<std::size_t>(width / stride + 1);
+  SampledRow row(per_row);
+  std::vector<float> differences(2 * per_row * static_cast<std::size_t>(height / stride + 1));
+  std::size_t size = 0;
   for (int v = lag; v + lag < height; v += stride) {
-    const float* row = depth + static_cast<std::ptrdiff_t>(v) * width;
-    const std::ptrdiff_t down = static_cast<std::ptrdiff_t>(lag) * width;
-    for (int u = lag; u + lag < width; u += stride) {
-      const float z = row[u];
-      if (!(z > 0) || !std::isfinite(z)) continue;
-      const float inverse_sigma = 1.0F / (2.44948974F * noise.SigmaM(z));
-      AddDifference(row[u - lag], z, row[u + lag], inverse_sigma, differences);
-      AddDifference(row[u - down], z, row[u + down], inverse_sigma, differences);
-    }
+    row.Take(depth + static_cast<std::ptrdiff_t>(v) * width, width, lag, stride);
+    Differences(row, row.left, row.right, noise, &differences[size]);
+    Differences(row, row.up, row.down, noise, &differences[size + row.size]);
+    size += 2 * row.size;
   }
-  if (differences.size() < kMinDifferences) return 1.0;
+  differences.resize(size);
+  const MedianTest mostly(differences, kMadToSigma, 1.0F);
+  // Mostly the median need not be known.
+  if (mostly.num_valid < kMinDifferences || mostly.within) return 1.0;
+  std::erase_if(differences, [](float difference) { return difference < 0; });
   return std::clamp(static_cast<double>(kMadToSigma * Median(differences)), 1.0, kMaxNoiseScale);
 }
 
@@ -107,54 +157,123 @@ float BlockDepth(std::span<float> values, const DepthNoise& noise) {
   return sum / count;
 }
 
-// What BlockDepth makes of the four pixels of which `upper` and `lower` are the first ones, where
-// all are valid and of one surface or none is valid, as nearly everywhere; else below 0.
-float SimpleBlock(
-    const float* upper, const float* lower, float min_depth, float max_depth, float tolerance) {
-  const float least = std::min(std::min(upper[0], upper[1]), std::min(lower[0], lower[1]));
-  const float most = std::max(std::max(upper[0], upper[1]), std::max(lower[0], lower[1]));
-  const float sum = upper[0] + upper[1] + lower[0] + lower[1];  // NaN where one is
-  const bool simple = (least >= min_depth) & (most <= max_depth) & (sum == sum) &
-                      (most - least <= tolerance + 0.01F * least);
-  const bool none = ((most < min_depth) | (least > max_depth)) & (sum == sum);
-  if (none) return 0;
-  return simple ? sum / 4.0F : -1.0F;
+// What BlockDepth makes of those of the four pixels from `upper` and `lower` on that are valid,
+// without a branch: many at once. Below 0 where it depends on the order of summation, seldom.
+float FourPixelDepth(const float* upper,
+                     const float* lower,
+                     float min_depth,
+                     float max_depth,
+                     float tolerance,
+                     const DepthNoise& noise) {
+  const auto lesser = [](float a, float b) { return a < b ? a : b; };
+  const auto greater = [](float a, float b) { return a > b ? a : b; };
+  const auto one = [](bool counts) { return counts ? 1.0F : 0.0F; };
+  const auto valid = [&](float z) { return (z >= min_depth) & (z <= max_depth); };  // NaN: false
+  const auto or_beyond = [&](float z) { return valid(z) ? z : std::numeric_limits<float>::max(); };
+  const float a = or_beyond(upper[0]), b = or_beyond(upper[1]);
+  const float c = or_beyond(lower[0]), d = or_beyond(lower[1]);
+  const auto or_none = [&](float z) { return z <= max_depth ? z : 0.0F; };
+  const float sum = or_none(a) + or_none(b) + or_none(c) + or_none(d);
+  const float count =
+      one(a <= max_depth) + one(b <= max_depth) + one(c <= max_depth) + one(d <= max_depth);
+  // In their order, those that are not valid last.
+  const float low_ab = lesser(a, b), high_ab = greater(a, b);
+  const float low_cd = lesser(c, d), high_cd = greater(c, d);
+  const float middle_a = greater(low_ab, low_cd), middle_b = lesser(high_ab, high_cd);
+  const float first = lesser(low_ab, low_cd), second = lesser(middle_a, middle_b);
+  const float third = greater(middle_a, middle_b), fourth = greater(high_ab, high_cd);
+  const float most = greater(greater(or_none(a), or_none(b)), greater(or_none(c), or_none(d)));
+  const bool one_surface = most - first <= tolerance + 0.01F * first;  // also where none is valid
+  const float median = count > 2 ? second : first;
+  const float near = kSameSurfaceSigmas * noise.SigmaM(median) + 0.01F * median;
+  const auto same = [&](float z) { return std::abs(z - median) <= near; };
+  const auto if_same = [&](float z) { return same(z) ? z : 0.0F; };
+  const float sum_of_two = if_same(first) + if_same(second);
+  const float sum_same = sum_of_two + if_same(third) + if_same(fourth);
+  const bool in_any_order = sum_same == sum_of_two + if_same(fourth) + if_same(third);
+  const float count_same =
+      one(same(first)) + one(same(second)) + one(same(third)) + one(same(fourth));
+  const float mean =
+      (one_surface ? sum : sum_same) / (one_surface ? greater(count, 1) : count_same);
+  return one_surface | in_any_order ? mean : -1.0F;
 }
 
 // Valid depths of a block of factor x factor pixels are gathered and reduced to one.
+struct DepthReduction {
+  DepthReduction(int by, const PyramidOptions& options, double noise_scale)
+      : factor(by),
+        min_depth(static_cast<float>(options.min_depth_m)),
+        max_depth(static_cast<float>(options.max_depth_m)),
+        noise(options.noise.Scaled(noise_scale)),
+        tolerance(kSameSurfaceSigmas * noise.SigmaM(0.4F)),
+        block(static_cast<std::size_t>(by * by)) {}
+
+  // Of the `factor` rows of pixels of which `depth` is the first one.
+  void Reduce(const float* depth, int width, std::vector<float>& out) {
+    constexpr int kRun = 32;
+    const int size = static_cast<int>(out.size());
+    for (int begin = 0; begin < size; begin += kRun) {
+      const int end = std::min(size, begin + kRun);
+      if (factor == 2) {
+        ReduceByTwo(depth, width, begin, end, out.data());
+      } else {
+        for (int u = begin; u < end; ++u)
+          out[static_cast<std::size_t>(u)] = OfBlock(depth + factor * u, width);
+      }
+    }
+  }
+
+ private:
+  static bool AnyNegative(const float* numbers, int begin, int end) {
+    int count = 0;
+    for (int u = begin; u < end; ++u) count += numbers[u] < 0 ? 1 : 0;
+    return count > 0;
+  }
+
+  void ReduceByTwo(const float* depth, int width, int begin, int end, float* out) {
+    const float* const lower = depth + width;
+#pragma GCC ivdep
+    for (int u = begin; u < end; ++u)
+      out[u] = FourPixelDepth(depth + 2 * u, lower + 2 * u, min_depth, max_depth, tolerance, noise);
+    if (!AnyNegative(out, begin, end)) return;
+    for (int u = begin; u < end; ++u) {
+      if (out[u] < 0) out[u] = OfBlock(depth + 2 * u, width);
+    }
+  }
+  [[nodiscard]] float OfBlock(const float* depth, int width) {
+    std::size_t count = 0;
+    for (int dv = 0; dv < factor; ++dv) {
+      const float* const row = depth + static_cast<std::ptrdiff_t>(dv) * width;
+      for (int du = 0; du < factor; ++du) {
+        block[count] = row[du];
+        const bool valid = (row[du] >= min_depth) & (row[du] <= max_depth);  // NaN: false
+        count += valid ? 1 : 0;
+      }
+    }
+    return BlockDepth({block.data(), count}, noise);
+  }
+
+  int factor;
+  float min_depth, max_depth;
+  DepthNoise noise;
+  float tolerance;           // BlockDepth's
+  std::vector<float> block;  // what is valid of it first
+};
+
 std::vector<float> ReduceDepth(const float* depth,
                                int width,
                                const PinholeCamera& reduced,
                                int factor,
                                const PyramidOptions& options,
                                double noise_scale) {
-  const DepthNoise noise = options.noise.Scaled(noise_scale);
-  const float min_depth = static_cast<float>(options.min_depth_m);
-  const float max_depth = static_cast<float>(options.max_depth_m);
-  std::vector<float> result(NumTexels(reduced), -1.0F);
-  std::vector<float> block(static_cast<std::size_t>(factor) * static_cast<std::size_t>(factor));
-  const float tolerance = kSameSurfaceSigmas * noise.SigmaM(0.4F);
+  DepthReduction reduction(factor, options, noise_scale);
+  std::vector<float> result;
+  result.reserve(NumTexels(reduced));
+  std::vector<float> row(static_cast<std::size_t>(reduced.width));
   for (int v = 0; v < reduced.height; ++v) {
-    if (factor == 2) {
-      const float* const upper = depth + static_cast<std::ptrdiff_t>(2 * v) * width;
-      float* const out = result.data() + Offset(reduced, 0, v);
-      for (int u = 0; u < reduced.width; ++u)
-        out[u] = SimpleBlock(upper + 2 * u, upper + width + 2 * u, min_depth, max_depth, tolerance);
-    }
-    for (int u = 0; u < reduced.width; ++u) {
-      if (result[Offset(reduced, u, v)] >= 0) continue;
-      std::size_t count = 0;
-      for (int dv = 0; dv < factor; ++dv) {
-        const float* row =
-            depth + static_cast<std::ptrdiff_t>(v * factor + dv) * width + u * factor;
-        for (int du = 0; du < factor; ++du) {
-          block[count] = row[du];  // NaN fails both comparisons
-          const bool valid = (row[du] >= min_depth) & (row[du] <= max_depth);
-          count += valid ? 1 : 0;
-        }
-      }
-      result[Offset(reduced, u, v)] = BlockDepth({block.data(), count}, noise);
-    }
+    const float* const first = depth + static_cast<std::ptrdiff_t>(v) * factor * width;
+    reduction.Reduce(first, width, row);
+    result.insert(result.end(), row.begin(), row.end());
   }
   return result;
 }
@@ -182,18 +301,23 @@ void AddTap(
   }
 }
 
-// All taps of a row of the usual window at once, where none falls outside: sums stay in registers.
-void AddUsualTaps(
-    const float* centre, const float* row, const float* tap_weights, int width, WindowSums& sums) {
+// All taps of a row of the window at once, where none falls outside: sums stay in registers.
+template <std::size_t... kTaps>
+void AddInnerTaps(const float* centre,
+                  const float* row,
+                  const float* tap_weights,
+                  int width,
+                  WindowSums& sums,
+                  std::index_sequence<kTaps...> /*taps*/) {
+  constexpr int kRadius = static_cast<int>(sizeof...(kTaps) / 2);
   const float* const inverse_tolerance_sq = sums.inverse_tolerance_sq.data();
   float* const sum = sums.difference.data();
   float* const sum_weight = sums.weight.data();
-  static_assert(kWindowRadius == 2);
-  const float w0 = tap_weights[0], w1 = tap_weights[1], w2 = tap_weights[2], w3 = tap_weights[3],
-              w4 = tap_weights[4];
+  const std::array<float, sizeof...(kTaps)> weights = {tap_weights[kTaps]...};
 #pragma GCC ivdep
-  for (int u = kWindowRadius; u < width - kWindowRadius; ++u) {
+  for (int u = kRadius; u < width - kRadius; ++u) {
     const float middle = centre[u], inverse = inverse_tolerance_sq[u];
+    const float* const first = row + u - kRadius;
     float of_row = sum[u], weight_of_row = sum_weight[u];
     const auto add = [&](float depth, float tap_weight) {
       const float difference = depth - middle;
@@ -201,33 +325,57 @@ void AddUsualTaps(
       of_row += w * difference;
       weight_of_row += w;
     };
-    add(row[u - 2], w0);
-    add(row[u - 1], w1);
-    add(row[u], w2);
-    add(row[u + 1], w3);
-    add(row[u + 2], w4);
+    (add(first[kTaps], weights[kTaps]), ...);
     sum[u] = of_row;
     sum_weight[u] = weight_of_row;
   }
 }
 
+// Windows that depth noise up to kMaxNoiseScale asks for; false for others.
+template <int kRadius = kWindowRadius>
+bool AddInnerTaps(const float* centre,
+                  const float* row,
+                  std::span<const float> tap_weights,
+                  int width,
+                  WindowSums& sums) {
+  constexpr std::size_t kNumTaps = 2 * kRadius + 1;
+  if (tap_weights.size() == kNumTaps) {
+    AddInnerTaps(
+        centre, row, tap_weights.data(), width, sums, std::make_index_sequence<kNumTaps>());
+    return true;
+  }
+  constexpr int kMostRadius = 6;
+  if constexpr (kRadius < kMostRadius)
+    return AddInnerTaps<kRadius + 1>(centre, row, tap_weights, width, sums);
+  return false;
+}
+
 // Taps `row`[u - radius] ... [u + radius] for every column u.
 void AddTaps(const float* centre,
              const float* row,
-             const std::vector<float>& tap_weights,
+             std::span<const float> tap_weights,
              int width,
              WindowSums& sums) {
   const int radius = static_cast<int>(tap_weights.size() / 2);
-  const bool usual = radius == kWindowRadius && width > 2 * radius;
-  if (usual) AddUsualTaps(centre, row, tap_weights.data(), width, sums);
+  const bool inner = width > 2 * radius && AddInnerTaps(centre, row, tap_weights, width, sums);
   for (int du = -radius; du <= radius; ++du) {
     const float weight = tap_weights[static_cast<std::size_t>(du + radius)];
     const int begin = std::min(width, std::max(0, -du));
     const int end = std::max(begin, std::min(width, width - du));
-    const int left = usual ? radius : end, right = usual ? width - radius : end;
+    const int left = inner ? radius : end, right = inner ? width - radius : end;
     AddTap(centre, row + du, weight, begin, std::min(left, end), sums);
     AddTap(centre, row + du, weight, std::max(begin, right), end, sums);
   }
+}
+
+// Row by row of a window.
+std::vector<float> TapWeights(int radius, float spread) {
+  std::vector<float> weights;
+  for (int dv = -radius; dv <= radius; ++dv) {
+    for (int du = -radius; du <= radius; ++du)
+      weights.push_back(std::exp(-static_cast<float>(du * du + dv * dv) / spread));
+  }
+  return weights;
 }
 
 int WindowRadius(double noise_scale) {
@@ -245,9 +393,12 @@ std::vector<float> SmoothDepth(const std::vector<float>& depth,
   const int radius = WindowRadius(noise_scale);
   const float spread = 4.5F * static_cast<float>(noise_scale);
   const std::size_t width = static_cast<std::size_t>(camera.width);
-  std::vector<float> result(depth.size());
+  std::vector<float> result;
+  result.reserve(depth.size());
   WindowSums sums(width);
-  std::vector<float> tap_weights(static_cast<std::size_t>(2 * radius + 1));
+  std::vector<float> out(width);
+  const std::size_t taps = static_cast<std::size_t>(2 * radius + 1);
+  const std::vector<float> tap_weights = TapWeights(radius, spread);
   for (int v = 0; v < camera.height; ++v) {
     const float* centre = depth.data() + Offset(camera, 0, v);
     for (std::size_t u = 0; u < width; ++u) {
@@ -260,30 +411,67 @@ std::vector<float> SmoothDepth(const std::vector<float>& depth,
     }
     for (int dv = -radius; dv <= radius; ++dv) {
       if (v + dv < 0 || v + dv >= camera.height) continue;
-      for (int du = -radius; du <= radius; ++du) {
-        tap_weights[static_cast<std::size_t>(du + radius)] =
-            std::exp(-static_cast<float>(du * du + dv * dv) / spread);
-      }
-      AddTaps(centre, depth.data() + Offset(camera, 0, v + dv), tap_weights, camera.width, sums);
+      const float* const of_row = &tap_weights[taps * static_cast<std::size_t>(dv + radius)];
+      const float* const row = depth.data() + Offset(camera, 0, v + dv);
+      AddTaps(centre, row, {of_row, taps}, camera.width, sums);
     }
-    float* out = result.data() + Offset(camera, 0, v);
-    for (std::size_t u = 0; u < width; ++u) {
+    for (std::size_t u = 0; u < width; ++u)
       out[u] = centre[u] > 0 ? centre[u] + sums.difference[u] / sums.weight[u] : 0.0F;
-    }
+    result.insert(result.end(), out.begin(), out.end());
   }
   return result;
 }
 
-// One row of normals, one array per quantity so that the loop is vectorised.
-struct SurfaceRow {
-  explicit SurfaceRow(int width)
-      : nx(static_cast<std::size_t>(width)), ny(nx.size()), nz(nx.size()), offset_m(nx.size()) {}
-  std::vector<float> nx, ny, nz, offset_m;
+// Numbers of a row's texels, one array per quantity so that loops are vectorised; then one row of
+// texels, to be copied at once.
+template <typename Texel>
+class TexelRow {
+ public:
+  explicit TexelRow(int width)
+      : size_(static_cast<std::size_t>(width)), texels_(WholeFours(size_) + 1) {
+    for (std::vector<float>& numbers : numbers_) numbers.resize(WholeFours(size_));
+  }
+
+  [[nodiscard]] float* operator[](std::size_t quantity) { return numbers_[quantity].data(); }
+
+  void Clear() {
+    for (std::vector<float>& numbers : numbers_) std::ranges::fill(numbers, 0.0F);
+  }
+  void AppendTo(std::vector<Texel>& image) {
+    float* to = &FirstOf(texels_.front());
+    for (std::size_t k = 0; k < size_; k += 4, to += 4 * kNumbers) {
+      const FourByFour texels = Transposed({FourFrom(&numbers_[0][k]),
+                                            FourFrom(&numbers_[1][k]),
+                                            FourFrom(&numbers_[2][k]),
+                                            FourFrom(&numbers_[kNumbers - 1][k])});
+      // Where a texel has three numbers the next one begins with the fourth.
+      FourAt(to) = texels.a;
+      FourAt(to + kNumbers) = texels.b;
+      FourAt(to + 2 * kNumbers) = texels.c;
+      FourAt(to + 3 * kNumbers) = texels.d;
+    }
+    image.insert(
+        image.end(), texels_.begin(), texels_.begin() + static_cast<std::ptrdiff_t>(size_));
+  }
+
+ private:
+  static constexpr std::size_t kNumbers = sizeof(Texel) / sizeof(float);
+  static_assert(kNumbers == 3 || kNumbers == 4);
+  static constexpr std::size_t WholeFours(std::size_t size) { return (size + 3) / 4 * 4; }
+  static float& FirstOf(SurfaceTexel& texel) { return texel.nx; }
+  static float& FirstOf(IntensityTexel& texel) { return texel.value; }
+
+  std::size_t size_;
+  std::array<std::vector<float>, kNumbers> numbers_;
+  std::vector<Texel> texels_;
 };
 
 // A texel has a normal where the three texels in its row and in its column lie on one surface, a
 // slope being fine, a step or crease not, and that surface is not too oblique.
-void ComputeRow(const PyramidLevel& level, int v, const DepthNoise& noise, SurfaceRow& row) {
+void ComputeRow(const PyramidLevel& level,
+                int v,
+                const DepthNoise& noise,
+                TexelRow<SurfaceTexel>& row) {
   const PinholeCamera& camera = level.camera;
   const float* const depth = level.depth_m.data() + Offset(camera, 0, v);
   const float* const above = depth - camera.width;
@@ -294,10 +482,7 @@ void ComputeRow(const PyramidLevel& level, int v, const DepthNoise& noise, Surfa
   const float y = (static_cast<float>(v) - static_cast<float>(camera.cy)) * inverse_fy;
   const float base = kSameSurfaceSigmas * static_cast<float>(noise.base_m);
   const float growth = kSameSurfaceSigmas * static_cast<float>(noise.growth_per_m);
-  float* const nx = row.nx.data();
-  float* const ny = row.ny.data();
-  float* const nz = row.nz.data();
-  float* const offset_m = row.offset_m.data();
+  float *const nx = row[0], *const ny = row[1], *const nz = row[2], *const offset_m = row[3];
   const int last = camera.width - 1;
 #pragma GCC ivdep
   for (int u = 1; u < last; ++u) {
@@ -331,27 +516,21 @@ void ComputeRow(const PyramidLevel& level, int v, const DepthNoise& noise, Surfa
 
 // Row by row, so that each texel is written once. Gives the number of texels with a normal.
 int ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
-  const std::size_t width = static_cast<std::size_t>(level.camera.width);
+  const PinholeCamera& camera = level.camera;
   level.surface.clear();
-  level.surface.reserve(NumTexels(level.camera));
-  SurfaceRow row(level.camera.width);
-  std::vector<SurfaceTexel> texels(width);
-  const auto append = [&] {
-    level.surface.insert(level.surface.end(), texels.begin(), texels.end());
-  };
-  append();  // the first row has no neighbour above, the last none below
+  level.surface.reserve(NumTexels(camera));
+  TexelRow<SurfaceTexel> row(camera.width);
   int num_normals = 0;
-  for (int v = 1; v + 1 < level.camera.height; ++v) {
-    ComputeRow(level, v, noise, row);
-    for (std::size_t u = 1; u + 1 < width; ++u) {
-      texels[u] = {row.nx[u], row.ny[u], row.nz[u], row.offset_m[u]};
-      num_normals += row.offset_m[u] < 0 ? 1 : 0;
+  for (int v = 0; v < camera.height; ++v) {
+    // The first row has no neighbour above, the last none below.
+    if (v > 0 && v + 1 < camera.height) {
+      ComputeRow(level, v, noise, row);
+    } else {
+      row.Clear();
     }
-    append();
-  }
-  if (level.camera.height > 1) {
-    texels.assign(width, {});
-    append();
+    const float* const offset_m = row[3];
+    for (int u = 0; u < camera.width; ++u) num_normals += offset_m[u] < 0 ? 1 : 0;
+    row.AppendTo(level.surface);
   }
   return num_normals;
 }
@@ -361,19 +540,19 @@ std::vector<IntensityTexel> WithGradients(const BrightnessImage& image) {
   const int width = image.width(), height = image.height();
   std::vector<IntensityTexel> result;
   result.reserve(image.size());
-  std::vector<IntensityTexel> texels(static_cast<std::size_t>(width));
-  std::vector<float> du(texels.size()), dv(texels.size());
+  TexelRow<IntensityTexel> texels(width);
+  float *const value = texels[0], *const du = texels[1], *const dv = texels[2];
   for (int v = 0; v < height; ++v) {
     const float* const row = image.data() + static_cast<std::ptrdiff_t>(v) * width;
     const bool inside = v > 0 && v + 1 < height;
     const float *const above = inside ? row - width : row, *const below =
                                                                inside ? row + width : row;
-    for (std::size_t u = 1; u + 1 < texels.size(); ++u) {
+    std::copy_n(row, width, value);
+    for (int u = 1; u + 1 < width; ++u) {
       du[u] = inside ? 0.5F * (row[u + 1] - row[u - 1]) : 0.0F;
       dv[u] = 0.5F * (below[u] - above[u]);
     }
-    for (std::size_t u = 0; u < texels.size(); ++u) texels[u] = {row[u], du[u], dv[u]};
-    result.insert(result.end(), texels.begin(), texels.end());
+    texels.AppendTo(result);
   }
   return result;
 }

@@ -41,16 +41,15 @@ struct PyramidOptions {
 void Describe(OptionsVisitor& visitor, PyramidOptions& options);
 
 // One texel of the surface as a target of projective association. All zero where the surface has no
-// normal.
+// normal. Trivial, as the one below, so that rows of them are copied at once.
 struct SurfaceTexel {
-  float nx = 0, ny = 0, nz = 0;  // unit normal, camera frame, towards the camera
-  float offset_m =
-      0;  // n . q of the texel's point q, < 0; the residual of point p is n . p - offset_m
+  float nx, ny, nz;  // unit normal, camera frame, towards the camera
+  float offset_m;  // n . q of the texel's point q, < 0; the residual of point p is n . p - offset_m
 };
 
 // Intensity and its derivatives, grey levels (0-255) and grey levels per pixel of this level.
 struct IntensityTexel {
-  float value = 0, du = 0, dv = 0;
+  float value, du, dv;
 };
 
 // All images are row-major, width * height.

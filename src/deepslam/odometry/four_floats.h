@@ -1,0 +1,30 @@
+// Four numbers of a texel or point at once, and four texels turned into a column of each number.
+#pragma once
+
+namespace deepslam::odometry {
+
+using FourFloats [[gnu::vector_size(4 * sizeof(float)), gnu::may_alias]] = float;
+using FourAnywhere [[gnu::aligned(alignof(float))]] = FourFloats;  // wherever they lie
+
+inline const FourAnywhere& FourFrom(const float* first) {
+  return reinterpret_cast<const FourAnywhere&>(*first);
+}
+inline FourAnywhere& FourAt(float* first) { return reinterpret_cast<FourAnywhere&>(*first); }
+
+struct FourByFour {
+  FourFloats a, b, c, d;
+};
+
+inline FourByFour Transposed(const FourByFour& rows) {
+  const auto& [a, b, c, d] = rows;
+  const FourFloats ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  const FourFloats cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const FourFloats ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  const FourFloats cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  return {__builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5),
+          __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7),
+          __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5),
+          __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7)};
+}
+
+}  // namespace deepslam::odometry
