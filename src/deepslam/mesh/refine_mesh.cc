@@ -1,8 +1,9 @@
 #include "deepslam/mesh/refine_mesh.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Smoother/JacobiLaplaceSmootherT.hh>
-#include <OpenMesh/Tools/Utils/HeapT.hh>
 
 // Not before the mesh kernel: it does not compile alone.
 #include <OpenMesh/Core/Geometry/QuadricT.hh>
@@ -13,7 +14,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -29,7 +29,62 @@ struct Traits : public OpenMesh::DefaultTraits {
   using Normal = OpenMesh::Vec3d;
 };
 
-using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+// With the test of a collapse in place of OpenMesh's own, which gives the same answers: as packaged
+// that has assertions that compare names of types at every vertex it looks at, most of the time of
+// decimation.
+class Mesh : public OpenMesh::TriMesh_ArrayKernelT<Traits> {
+ public:
+  // Whether the surface stays a manifold when an edge is drawn together: its ends have no
+  // neighbours in common but those across its two faces (the link condition of Dey et al. 1999).
+  [[nodiscard]] bool is_collapse_ok(HalfedgeHandle v0v1) {
+    const HalfedgeHandle v1v0 = opposite_halfedge_handle(v0v1);
+    const VertexHandle v0 = to_vertex_handle(v1v0);
+    const VertexHandle v1 = to_vertex_handle(v0v1);
+    if (status(edge_handle(v0v1)).deleted() || status(v0).deleted() || status(v1).deleted())
+      return false;
+    const VertexHandle left = Across(v0v1);
+    const VertexHandle right = Across(v1v0);
+    if (left == right || IsLastAtRim(v0v1) || IsLastAtRim(v1v0)) return false;
+    NeighboursOf(v0, neighbours_);
+    const HalfedgeHandle first = halfedge_handle(v1);
+    HalfedgeHandle out = first;
+    do {
+      const VertexHandle v = to_vertex_handle(out);
+      if (v != left && v != right && v != v0 && IsIn(neighbours_, v)) return false;
+      out = next_halfedge_handle(opposite_halfedge_handle(out));
+    } while (out != first);
+    const bool is_at_rim = is_boundary(v0v1) || is_boundary(v1v0);
+    return is_at_rim || !is_boundary(v0) || !is_boundary(v1);
+  }
+
+ private:
+  // The third corner of a halfedge's face; none at the rim.
+  [[nodiscard]] VertexHandle Across(HalfedgeHandle edge) const {
+    return is_boundary(edge) ? VertexHandle() : to_vertex_handle(next_halfedge_handle(edge));
+  }
+  // Whether a halfedge's face has its two other edges at the rim.
+  [[nodiscard]] bool IsLastAtRim(HalfedgeHandle edge) const {
+    if (is_boundary(edge)) return false;
+    const HalfedgeHandle next = next_halfedge_handle(edge);
+    return is_boundary(opposite_halfedge_handle(next)) &&
+           is_boundary(opposite_halfedge_handle(next_halfedge_handle(next)));
+  }
+  void NeighboursOf(VertexHandle v, std::vector<VertexHandle>& neighbours) const {
+    neighbours.clear();
+    const HalfedgeHandle first = halfedge_handle(v);
+    HalfedgeHandle out = first;
+    do {
+      neighbours.push_back(to_vertex_handle(out));
+      out = next_halfedge_handle(opposite_halfedge_handle(out));
+    } while (out != first);
+  }
+  [[nodiscard]] static bool IsIn(const std::vector<VertexHandle>& vertices, VertexHandle v) {
+    return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
+  }
+
+  std::vector<VertexHandle> neighbours_;  // kept for its memory
+};
+using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
 
 // A collapse may not turn a face by more than this, deg.
 constexpr double kMaxNormalTurnDeg = 60.0;
@@ -84,202 +139,108 @@ void Smooth(Mesh& mesh, int iterations, double max_error) {
   smoother.smooth(static_cast<unsigned int>(iterations));
 }
 
-// Draws edges of a closed mesh together, that of least error first, by error quadrics (Garland and
-// Heckbert 1997) with the area they stand for, so that a collapse can be refused by the root mean
-// square distance from the planes it replaces: OpenMesh's own quadrics bound an error of no unit,
-// and its Hausdorff module takes minutes on large flat faces. Nor may a collapse make long edges or
-// turn faces. Order and answers are those of OpenMesh's decimater, which asks what is dear first.
-class Decimation {
+// Error quadrics (Garland and Heckbert 1997) with the area they stand for, so that a collapse can
+// be refused by the root mean square distance from the planes it replaces. OpenMesh's own quadrics
+// bound an error of no unit, and its Hausdorff module takes minutes on large flat faces. Nor may a
+// collapse make long edges or turn faces (OpenMesh's ModNormalFlipping), which costs most to find
+// out and is asked last.
+template <class MeshT>
+class ModPlaneDistance : public OpenMesh::Decimater::ModBaseT<MeshT> {
  public:
-  Decimation(Mesh& mesh, double max_distance, double max_edge, double max_normal_turn_rad)
-      : mesh_(mesh),
-        max_squared_(max_distance * max_distance),
-        max_edge_squared_(max_edge * max_edge),
-        min_cos_(std::cos(max_normal_turn_rad)),
-        quadrics_(mesh.n_vertices()),
-        areas_(mesh.n_vertices(), 0.0),
-        marks_(mesh.n_vertices(), 0),
-        targets_(mesh.n_vertices()),
-        queue_({std::vector<float>(mesh.n_vertices(), -1.0F),
-                std::vector<int>(mesh.n_vertices(), -1)}) {
-    for (const auto face : mesh_.faces()) AddPlane(face);
+  DECIMATING_MODULE(ModPlaneDistance, MeshT, PlaneDistance)
+
+  explicit ModPlaneDistance(MeshT& mesh) : Base(mesh, false) {}
+
+  void set_max_distance(double distance) { max_squared_ = distance * distance; }
+  void set_max_edge(double length) { max_edge_squared_ = length * length; }
+  void set_max_normal_turn(double angle_rad) { min_cos_ = std::cos(angle_rad); }
+
+  void initialize() override {
+    quadrics_.assign(Base::mesh().n_vertices(), OpenMesh::Geometry::QuadricT<double>());
+    areas_.assign(Base::mesh().n_vertices(), 0.0);
+    for (const auto face : Base::mesh().faces()) {
+      auto corner = Base::mesh().cfv_ccwbegin(face);
+      const std::array<OpenMesh::VertexHandle, 3> v = {*corner++, *corner++, *corner};
+      const auto a = Base::mesh().point(v[0]);
+      auto normal = (Base::mesh().point(v[1]) - a) % (Base::mesh().point(v[2]) - a);
+      const double length = normal.norm();
+      if (length <= 0) continue;
+      normal /= length;
+      OpenMesh::Geometry::QuadricT<double> quadric(normal[0], normal[1], normal[2], -(a | normal));
+      quadric *= 0.5 * length;
+      for (const auto vertex : v) {
+        quadrics_[static_cast<std::size_t>(vertex.idx())] += quadric;
+        areas_[static_cast<std::size_t>(vertex.idx())] += 0.5 * length;
+      }
+    }
   }
 
-  void Run(std::size_t target_faces) {
-    if (target_faces >= mesh_.n_faces()) return;
-    queue_.reserve(mesh_.n_vertices());
-    for (const auto v : mesh_.vertices()) Enqueue(v);
-    std::size_t num_faces = mesh_.n_faces();
-    while (!queue_.empty() && target_faces < num_faces) {
-      const VertexHandle removed = queue_.front();
-      queue_.pop_front();
-      const HalfedgeHandle edge = targets_[Index(removed)];
-      MarkNeighbours(removed);  // they may have changed
-      if (mesh_.status(mesh_.edge_handle(edge)).deleted() || !IsLegal(edge)) continue;
-      Collapse(edge);
-      num_faces -= 2;
+  float collapse_priority(const CollapseInfo& info) override {
+    const auto removed = static_cast<std::size_t>(info.v0.idx());
+    const auto kept = static_cast<std::size_t>(info.v1.idx());
+    auto quadric = quadrics_[removed];
+    quadric += quadrics_[kept];
+    const double error = std::max(0.0, quadric(info.p1));
+    if (error > max_squared_ * (areas_[removed] + areas_[kept])) {
+      return static_cast<float>(Base::ILLEGAL_COLLAPSE);
     }
-    mesh_.garbage_collection();
+    const auto priority = static_cast<float>(error);
+    if (info.v0 != asked_) best_of_asked_ = std::numeric_limits<float>::max();
+    asked_ = info.v0;
+    if (!(priority < best_of_asked_) || MakesLongEdge(info) || TurnsFace(info))
+      return static_cast<float>(Base::ILLEGAL_COLLAPSE);
+    return best_of_asked_ = priority;
+  }
+
+  void postprocess_collapse(const CollapseInfo& info) override {
+    const auto removed = static_cast<std::size_t>(info.v0.idx());
+    const auto kept = static_cast<std::size_t>(info.v1.idx());
+    quadrics_[kept] += quadrics_[removed];
+    areas_[kept] += areas_[removed];
+    asked_ = OpenMesh::VertexHandle();
   }
 
  private:
-  using VertexHandle = Mesh::VertexHandle;
-  using HalfedgeHandle = Mesh::HalfedgeHandle;
-  using Quadric = OpenMesh::Geometry::QuadricT<double>;
-
-  // How the heap of vertices asks for their order and keeps their places.
-  struct Order {
-    std::vector<float> errors;
-    std::vector<int> places;  // -1: not in the heap
-
-    bool less(VertexHandle a, VertexHandle b) const { return errors[Index(a)] < errors[Index(b)]; }
-    int get_heap_position(VertexHandle v) const { return places[Index(v)]; }
-    void set_heap_position(VertexHandle v, int place) { places[Index(v)] = place; }
-  };
-
-  static std::size_t Index(VertexHandle v) { return static_cast<std::size_t>(v.idx()); }
-
-  void AddPlane(Mesh::FaceHandle face) {
-    auto corner = mesh_.cfv_ccwbegin(face);
-    const std::array<VertexHandle, 3> v = {*corner++, *corner++, *corner};
-    const auto a = mesh_.point(v[0]);
-    auto normal = (mesh_.point(v[1]) - a) % (mesh_.point(v[2]) - a);
-    const double length = normal.norm();
-    if (length <= 0) return;
-    normal /= length;
-    Quadric quadric(normal[0], normal[1], normal[2], -(a | normal));
-    quadric *= 0.5 * length;
-    for (const VertexHandle vertex : v) {
-      quadrics_[Index(vertex)] += quadric;
-      areas_[Index(vertex)] += 0.5 * length;
+  bool MakesLongEdge(const CollapseInfo& info) {
+    for (auto v = Base::mesh().cvv_iter(info.v0); v.is_valid(); ++v) {
+      if ((Base::mesh().point(*v) - info.p1).sqrnorm() > max_edge_squared_) return true;
     }
+    return false;
   }
 
-  // The vertex stands in the queue by its best collapse; without any it leaves it.
-  void Enqueue(VertexHandle v) {
-    float best = std::numeric_limits<float>::max();
-    HalfedgeHandle target;
-    MarkNeighbours(v);
-    for (auto edge = mesh_.cvoh_iter(v); edge.is_valid(); ++edge) {
-      const std::optional<float> error = Error(v, mesh_.to_vertex_handle(*edge));
-      if (!error || !(*error < best) || MakesLongEdge(*edge) || !IsLegal(*edge) ||
-          TurnsFace(*edge)) {
-        continue;
-      }
-      best = *error;
-      target = *edge;
+  bool TurnsFace(const CollapseInfo& info) {
+    auto& mesh = Base::mesh();
+    mesh.set_point(info.v0, info.p1);
+    bool is_turned = false;
+    for (auto face = mesh.cvf_iter(info.v0); face.is_valid() && !is_turned; ++face) {
+      if (*face == info.fl || *face == info.fr) continue;
+      is_turned = (mesh.normal(*face) | mesh.calc_face_normal(*face)) < min_cos_;
     }
-    targets_[Index(v)] = target;
-    if (!target.is_valid()) {
-      if (queue_.is_stored(v)) queue_.remove(v);
-      return;
-    }
-    queue_.getInterface().errors[Index(v)] = best;
-    if (queue_.is_stored(v)) {
-      queue_.update(v);
-    } else {
-      queue_.insert(v);
-    }
+    mesh.set_point(info.v0, info.p0);
+    return is_turned;
   }
 
-  // Of a collapse of one vertex into another; nothing beyond the bound.
-  [[nodiscard]] std::optional<float> Error(VertexHandle removed, VertexHandle kept) const {
-    Quadric quadric = quadrics_[Index(removed)];
-    quadric += quadrics_[Index(kept)];
-    const double error = std::max(0.0, quadric(mesh_.point(kept)));
-    if (error > max_squared_ * (areas_[Index(removed)] + areas_[Index(kept)])) return std::nullopt;
-    return static_cast<float>(error);
-  }
-
-  // Calls visit(halfedge) for all that leave the vertex until it gives false; whether none did.
-  template <typename Visit>
-  bool ForOutgoing(VertexHandle v, const Visit& visit) const {
-    const HalfedgeHandle first = mesh_.halfedge_handle(v);
-    HalfedgeHandle out = first;
-    do {
-      if (!visit(out)) return false;
-      out = mesh_.next_halfedge_handle(mesh_.opposite_halfedge_handle(out));
-    } while (out != first);
-    return true;
-  }
-
-  void MarkNeighbours(VertexHandle v) {
-    ++mark_;
-    ForOutgoing(v, [&](HalfedgeHandle out) {
-      marks_[Index(mesh_.to_vertex_handle(out))] = mark_;
-      return true;
-    });
-  }
-
-  [[nodiscard]] bool HasThreeNeighbours(VertexHandle v) const {
-    int count = 0;
-    return ForOutgoing(v, [&](HalfedgeHandle) { return ++count <= 3; }) && count == 3;
-  }
-
-  // Whether the surface stays a manifold when an edge of the vertex whose neighbours are marked is
-  // drawn together: its ends have no neighbours in common but those across its two faces (the link
-  // condition of Dey et al. 1999).
-  [[nodiscard]] bool IsLegal(HalfedgeHandle edge) const {
-    const HalfedgeHandle back = mesh_.opposite_halfedge_handle(edge);
-    const VertexHandle left = mesh_.to_vertex_handle(mesh_.next_halfedge_handle(edge));
-    const VertexHandle right = mesh_.to_vertex_handle(mesh_.next_halfedge_handle(back));
-    if (left == right) return false;
-    const bool is_free = ForOutgoing(mesh_.to_vertex_handle(edge), [&](HalfedgeHandle out) {
-      const VertexHandle v = mesh_.to_vertex_handle(out);
-      return v == left || v == right || marks_[Index(v)] != mark_;
-    });
-    if (!is_free) return false;
-    return !HasThreeNeighbours(left) || !HasThreeNeighbours(right) ||
-           !mesh_.find_halfedge(left, right).is_valid();
-  }
-
-  [[nodiscard]] bool MakesLongEdge(HalfedgeHandle edge) const {
-    const Mesh::Point& kept = mesh_.point(mesh_.to_vertex_handle(edge));
-    return !ForOutgoing(mesh_.from_vertex_handle(edge), [&](HalfedgeHandle out) {
-      return (mesh_.point(mesh_.to_vertex_handle(out)) - kept).sqrnorm() <= max_edge_squared_;
-    });
-  }
-
-  [[nodiscard]] bool TurnsFace(HalfedgeHandle edge) {
-    const VertexHandle removed = mesh_.from_vertex_handle(edge);
-    const Mesh::FaceHandle left = mesh_.face_handle(edge);
-    const Mesh::FaceHandle right = mesh_.face_handle(mesh_.opposite_halfedge_handle(edge));
-    const Mesh::Point before = mesh_.point(removed);
-    mesh_.set_point(removed, mesh_.point(mesh_.to_vertex_handle(edge)));
-    const bool stays = ForOutgoing(removed, [&](HalfedgeHandle out) {
-      const Mesh::FaceHandle face = mesh_.face_handle(out);
-      return face == left || face == right ||
-             !((mesh_.normal(face) | mesh_.calc_face_normal(face)) < min_cos_);
-    });
-    mesh_.set_point(removed, before);
-    return !stays;
-  }
-
-  void Collapse(HalfedgeHandle edge) {
-    const VertexHandle removed = mesh_.from_vertex_handle(edge);
-    const VertexHandle kept = mesh_.to_vertex_handle(edge);
-    neighbours_.clear();
-    for (auto v = mesh_.cvv_iter(removed); v.is_valid(); ++v) neighbours_.push_back(*v);
-    mesh_.collapse(edge);
-    for (auto face = mesh_.cvf_iter(kept); face.is_valid(); ++face)
-      mesh_.set_normal(*face, mesh_.calc_face_normal(*face));
-    quadrics_[Index(kept)] += quadrics_[Index(removed)];
-    areas_[Index(kept)] += areas_[Index(removed)];
-    for (const VertexHandle v : neighbours_) Enqueue(v);
-  }
-
-  Mesh& mesh_;
   double max_squared_ = 0;
   double max_edge_squared_ = 0;
   double min_cos_ = 0;
-  std::vector<Quadric> quadrics_;
+  // The decimater asks for all edges of a vertex and takes the best: a worse one need not be legal.
+  OpenMesh::VertexHandle asked_;
+  float best_of_asked_ = 0;
+  std::vector<OpenMesh::Geometry::QuadricT<double>> quadrics_;
   std::vector<double> areas_;
-  std::vector<std::uint64_t> marks_;  // mark_ at the neighbours of the vertex that is looked at
-  std::uint64_t mark_ = 0;
-  std::vector<HalfedgeHandle> targets_;
-  std::vector<VertexHandle> neighbours_;  // kept for its memory
-  OpenMesh::Utils::HeapT<VertexHandle, Order> queue_;
 };
+
+void Decimate(Mesh& mesh, double max_distance, const RefineOptions& options) {
+  Decimater decimater(mesh);
+  ModPlaneDistance<Mesh>::Handle distance;
+  decimater.add(distance);
+  decimater.module(distance).set_max_distance(max_distance);
+  decimater.module(distance).set_max_edge(options.max_edge);
+  decimater.module(distance).set_max_normal_turn(kMaxNormalTurnDeg / 180.0 * M_PI);
+  if (!decimater.initialize()) return;
+  decimater.decimate_to_faces(0, static_cast<std::size_t>(options.target_faces));
+  mesh.garbage_collection();
+}
 
 // Whether a refined mesh keeps to the bound and does not pierce itself, asked side by side: what is
 // largest is often refined last, by itself.
@@ -309,11 +270,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
     mesh->update_normals();
     Smooth(*mesh, options.smoothing_iterations, kSmoothingShare * bound);
     mesh->update_normals();
-    Decimation(*mesh,
-               kDecimationShare * bound,
-               options.max_edge,
-               kMaxNormalTurnDeg / 180.0 * std::numbers::pi)
-        .Run(static_cast<std::size_t>(options.target_faces));
+    Decimate(*mesh, kDecimationShare * bound, options);
     const TriangleMesh refined = ToTriangleMesh(*mesh);
     const MeshCheck after = CheckMesh(refined);
     if (after.ok() && after.num_components == before.num_components &&
