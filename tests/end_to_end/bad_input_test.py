@@ -330,7 +330,7 @@ class Inputs(BadInput):
         good = {"image_id": 3, "bbox": [10, 10, 50, 50], "category_name": "chair", "score": 0.7}
         # Bytes at random may begin with an end of line, and then the fault is in line 2.
         for data, pattern in [(b"\xb7" + os.urandom(63), "not valid JSON.*line 1, column"), (b"", "not valid JSON"),
-                              (b"null", "neither a COCO results list"), (b"[" * 100000, "not valid JSON"),
+                              (b"null", "neither a COCO results list"), (b"[" * 100000, "nested deeper than 64"),
                               (b"[]", "no entry fits the capture"), (b"[1, 2]", "no entry fits.*2 unusable")]:
             with self.subTest(data[:9]):
                 file.write_bytes(data)
