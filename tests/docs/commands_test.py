@@ -40,6 +40,7 @@ DRY = {
     r"scripts/experiments/(run|loops|table1)\.py\b": "takes hours",
     r"scripts/experiments/halves\.py\b": "wants a real capture; ctest runs it on one (real_capture)",
     r"python3 tests/end_to_end/golden_demo_test\.py ": "wants a build by another compiler; ctest runs it with this one (golden_demo)",
+    r"python3 tests/end_to_end/two_builds\.py ": "wants a build by another compiler; ctest runs it with this one (two_builds)",
     r"scripts/(compare_open3d|open3d_reconstruction)\.py\b": "minutes, and needs another program",
     r"scripts/train/train\.sh\b": "trains for hours",
     r"scripts/path_agreement\.py\b": "needs packages of PyPI",
