@@ -12,7 +12,7 @@ namespace deepslam {
 // To be called once, before there are threads: what is let go may be used again at once.
 void KeepFreedMemory();
 
-// Gives back what is free, if that is more than `most_kept_bytes`.
-void ReturnFreedMemory(std::size_t most_kept_bytes);
+// Gives back what is free if that and what is in use are more than `most_bytes` together.
+void ReturnFreedMemory(std::size_t most_bytes);
 
 }  // namespace deepslam
