@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
-#include <optional>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <nanoflann.hpp>
+
+#include "deepslam/scene/set_pixels.h"
 
 namespace deepslam::associate {
 namespace {
@@ -34,25 +34,10 @@ struct PointList {
   }
 };
 
-// Cells of a grid in space: which of them were there before.
-class Cells {
- public:
-  using Cell = std::array<long, 3>;
+using Cell = std::array<long, 3>;
 
-  explicit Cells(std::size_t most) : slots_(std::bit_ceil(2 * most + 1)) {}
-
-  // False where it was there. No more than `most` are added.
-  bool Add(const Cell& cell) {
-    std::size_t at = Hash(cell) & (slots_.size() - 1);
-    for (; slots_[at]; at = (at + 1) & (slots_.size() - 1)) {
-      if (*slots_[at] == cell) return false;
-    }
-    slots_[at] = cell;
-    return true;
-  }
-
- private:
-  static std::size_t Hash(const Cell& cell) {
+struct HashOfCell {
+  std::size_t operator()(const Cell& cell) const {
     std::uint64_t hash = 0;
     for (const long place : cell) {
       hash = (hash ^ static_cast<std::uint64_t>(place)) * 0x9e3779b97f4a7c15;
@@ -60,19 +45,7 @@ class Cells {
     }
     return static_cast<std::size_t>(hash);
   }
-
-  std::vector<std::optional<Cell>> slots_;  // a power of two, half of them free
 };
-
-// The first pixel of a row that is set.
-const std::uint8_t* NextSet(const std::uint8_t* pixel, const std::uint8_t* end) {
-  for (std::uint64_t word = 0; end - pixel >= static_cast<std::ptrdiff_t>(sizeof(word));
-       pixel += sizeof(word)) {
-    std::memcpy(&word, pixel, sizeof(word));
-    if (word != 0) break;
-  }
-  return std::find_if(pixel, end, [](std::uint8_t value) { return value != 0; });
-}
 
 using Tree = nanoflann::
     KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointList>, PointList, 3>;
@@ -151,8 +124,8 @@ std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
     const std::uint8_t* const row = mask.row(v);
     const std::uint8_t* const end = row + mask.width();
     const float* const depth_row_m = depth_m.row(v);
-    for (const std::uint8_t* pixel = NextSet(row, end); pixel < end;
-         pixel = NextSet(pixel + 1, end)) {
+    for (const std::uint8_t* pixel = FirstSet(row, end); pixel < end;
+         pixel = FirstSet(pixel + 1, end)) {
       const auto u = static_cast<int>(pixel - row);
       if (depth_row_m[u] > 0) measured.push_back({u, v});
     }
@@ -169,12 +142,12 @@ std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
 }
 
 std::vector<Eigen::Vector3f> Thinned(const std::vector<Eigen::Vector3f>& points, double cell_m) {
-  Cells taken(points.size());
+  std::unordered_set<Cell, HashOfCell> taken(points.size());
   std::vector<Eigen::Vector3f> thinned;
   for (const Eigen::Vector3f& p : points) {
-    const Cells::Cell cell = {
+    const Cell cell = {
         std::lround(p.x() / cell_m), std::lround(p.y() / cell_m), std::lround(p.z() / cell_m)};
-    if (taken.Add(cell)) thinned.push_back(p);
+    if (taken.insert(cell).second) thinned.push_back(p);
   }
   return thinned;
 }

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "deepslam/mesh/check_mesh.h"
-#include "deepslam/mesh/closed_manifold.h"
 #include "deepslam/mesh/relax_boundary.h"
 #include "deepslam/mesh/voxel_boundary.h"
 
@@ -47,8 +46,7 @@ Result<SurfaceMesh> Triangulated(const std::vector<Eigen::Vector3d>& points,
   soup_quads.reserve(boundary.quads.size());
   for (const auto& quad : boundary.quads)
     soup_quads.push_back({quad[0], quad[1], quad[2], quad[3]});
-  if (!IsClosedManifold(soup_quads, points.size()) &&
-      !pmp::is_polygon_soup_a_polygon_mesh(soup_quads)) {
+  if (!pmp::is_polygon_soup_a_polygon_mesh(soup_quads)) {
     return Failed("voxel boundary is not a manifold");
   }
   SurfaceMesh mesh;
@@ -110,8 +108,7 @@ bool SelfIntersects(const TriangleMesh& mesh) {
   std::vector<std::array<std::size_t, 3>> faces;
   faces.reserve(mesh.faces.size());
   for (const auto& face : mesh.faces) faces.push_back({face[0], face[1], face[2]});
-  if (!IsClosedManifold(faces, points.size()) && !pmp::is_polygon_soup_a_polygon_mesh(faces))
-    return true;
+  if (!pmp::is_polygon_soup_a_polygon_mesh(faces)) return true;
   SurfaceMesh surface;
   pmp::polygon_soup_to_polygon_mesh(points, faces, surface);
   return pmp::does_self_intersect(surface);

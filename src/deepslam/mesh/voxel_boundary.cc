@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "deepslam/shape/outside_voxels.h"
+
 namespace deepslam::mesh {
 namespace {
 
@@ -61,89 +63,30 @@ std::size_t Flood(const Solid& solid, std::ptrdiff_t seed, int label, std::vecto
   return queue.size();
 }
 
-// The bits of `free` that runs of it join to those of `seeds`.
-std::uint64_t AlongRow(std::uint64_t seeds, std::uint64_t free) {
-  std::uint64_t up = seeds & free;
-  std::uint64_t down = up;
-  std::uint64_t free_below = free;
-  std::uint64_t free_above = free;
-  for (int step = 1; step < kGridSize; step *= 2) {
-    up |= free_below & (up << step);
-    free_below &= free_below << step;
-    down |= free_above & (down >> step);
-    free_above &= free_above >> step;
-  }
-  return up | down;
+// Of the unpadded grid's row, its first voxel.
+std::ptrdiff_t FirstOf(std::size_t row) {
+  return Offset(static_cast<int>(row / kGridSize) + 1, static_cast<int>(row % kGridSize) + 1, 1);
 }
 
-// The empty voxels of a grid, row by row along its last axis, and which of them the outside
-// reaches.
-class Outside {
- public:
-  explicit Outside(const Solid& solid) : empty_(kNumRows), reached_(kNumRows) {
-    for (std::size_t row = 0; row < kNumRows; ++row) {
-      const std::uint8_t* voxels = solid.data() + FirstOf(row);
-      for (int k = 0; k < kGridSize; ++k)
-        empty_[row] |= static_cast<std::uint64_t>(voxels[k] == 0 ? 1 : 0) << k;
-    }
-    for (std::size_t row = 0; row < kNumRows; ++row) Enter(row, IsAtRim(row) ? kAll : kEnds);
-    while (!open_.empty()) {
-      const std::size_t row = open_.back();
-      open_.pop_back();
-      Spread(row);
-    }
+// Makes solid what the outside does not reach. Returns whether anything changed.
+bool FillCavities(Solid& solid) {
+  shape::VoxelRows empty(shape::kNumVoxelRows, 0);
+  for (std::size_t row = 0; row < empty.size(); ++row) {
+    const std::uint8_t* const voxels = &At(solid, FirstOf(row));
+    for (int k = 0; k < kGridSize; ++k)
+      empty[row] |= static_cast<std::uint64_t>(voxels[k] == 0 ? 1 : 0) << k;
   }
-
-  // Makes what it does not reach solid; whether there is any.
-  bool FillRest(Solid& solid) const {
-    bool changed = false;
-    for (std::size_t row = 0; row < kNumRows; ++row) {
-      const std::uint64_t rest = empty_[row] & ~reached_[row];
-      if (rest == 0) continue;
-      changed = true;
-      std::uint8_t* voxels = solid.data() + FirstOf(row);
-      for (int k = 0; k < kGridSize; ++k) voxels[k] |= static_cast<std::uint8_t>((rest >> k) & 1U);
-    }
-    return changed;
+  const shape::VoxelRows outside = shape::OutsideVoxels(empty);
+  bool changed = false;
+  for (std::size_t row = 0; row < empty.size(); ++row) {
+    const std::uint64_t rest = empty[row] & ~outside[row];
+    if (rest == 0) continue;
+    changed = true;
+    std::uint8_t* const voxels = &At(solid, FirstOf(row));
+    for (int k = 0; k < kGridSize; ++k) voxels[k] |= static_cast<std::uint8_t>((rest >> k) & 1U);
   }
-
- private:
-  static_assert(kGridSize == 64);
-  static constexpr std::size_t kRows = kGridSize;
-  static constexpr std::size_t kNumRows = kRows * kRows;
-  static constexpr std::uint64_t kAll = ~std::uint64_t{0};
-  static constexpr std::uint64_t kEnds = (std::uint64_t{1} << (kGridSize - 1)) | 1U;
-
-  static std::size_t FirstOf(std::size_t row) {
-    return static_cast<std::size_t>(
-        Offset(static_cast<int>(row / kRows) + 1, static_cast<int>(row % kRows) + 1, 1));
-  }
-  static bool IsAtRim(std::size_t row) {
-    const std::size_t i = row / kRows;
-    const std::size_t j = row % kRows;
-    return i == 0 || i == kRows - 1 || j == 0 || j == kRows - 1;
-  }
-
-  void Enter(std::size_t row, std::uint64_t from) {
-    if ((from & empty_[row] & ~reached_[row]) == 0) return;
-    reached_[row] |= AlongRow(from, empty_[row]);
-    open_.push_back(row);
-  }
-  void Spread(std::size_t row) {
-    const std::uint64_t reached = reached_[row];
-    if (row >= kRows) Enter(row - kRows, reached);
-    if (row + kRows < kNumRows) Enter(row + kRows, reached);
-    if (row % kRows != 0) Enter(row - 1, reached);
-    if (row % kRows != kRows - 1) Enter(row + 1, reached);
-  }
-
-  std::vector<std::uint64_t> empty_;
-  std::vector<std::uint64_t> reached_;
-  std::vector<std::size_t> open_;
-};
-
-// Returns whether anything changed.
-bool FillCavities(Solid& solid) { return Outside(solid).FillRest(solid); }
+  return changed;
+}
 
 void DropSmallParts(Solid& solid, double min_share) {
   std::vector<int> labels(kCount, 0);

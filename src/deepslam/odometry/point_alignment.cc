@@ -10,6 +10,7 @@
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/odometry/batch_columns.h"
 #include "deepslam/odometry/brightness_fit.h"
+#include "deepslam/odometry/four_floats.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -156,32 +157,18 @@ struct Selection {
   [[nodiscard]] std::span<const std::int32_t> span() const { return {points.data(), size}; }
 };
 
-// Four numbers from `first` on, wherever they lie.
-using FourFloats [[gnu::vector_size(4 * sizeof(float)), gnu::may_alias]] = float;
-using FourAnywhere [[gnu::aligned(alignof(float))]] = FourFloats;
-
-FourFloats FourFrom(const float* first) { return reinterpret_cast<const FourAnywhere&>(*first); }
-
-struct FourPoints {
-  FourFloats a, b, c, d;
-};
-
 template <typename Point>
-FourPoints FourOf(const Point& point, std::size_t k) {
+FourByFour FourOf(const Point& point, std::size_t k) {
   return {point(k), point(k + 1), point(k + 2), point(k + 3)};
 }
 
 // The first three numbers of four points, to where their columns go on; gives the fourth ones.
-FourFloats ToColumns(const FourPoints& points, float* x, float* y, float* z) {
-  const auto& [a, b, c, d] = points;
-  const FourFloats ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
-  const FourFloats cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-  const FourFloats ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  const FourFloats cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-  reinterpret_cast<FourFloats&>(*x) = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
-  reinterpret_cast<FourFloats&>(*y) = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
-  reinterpret_cast<FourFloats&>(*z) = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
-  return __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+FourFloats ToColumns(const FourByFour& points, float* x, float* y, float* z) {
+  const FourByFour columns = Transposed(points);
+  FourAt(x) = columns.a;
+  FourAt(y) = columns.b;
+  FourAt(z) = columns.c;
+  return columns.d;
 }
 
 // Points p_i and, for each, the target's tangent plane and the source's normal in frame j.
@@ -215,8 +202,7 @@ struct GeometricPairs {
     const auto of_target = [&](std::size_t k) { return FourFrom(&target_surface[target[k]].nx); };
     const auto of_source = [&](std::size_t k) { return FourFrom(&source_surface[source[k]].a); };
     for (std::size_t k = 0; k < size; k += 4) {
-      reinterpret_cast<FourFloats&>(offset_m[k]) =
-          ToColumns(FourOf(of_target, k), &nx[k], &ny[k], &nz[k]);
+      FourAt(&offset_m[k]) = ToColumns(FourOf(of_target, k), &nx[k], &ny[k], &nz[k]);
       ToColumns(FourOf(of_source, k), &source_nx[k], &source_ny[k], &source_nz[k]);
     }
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "deepslam/scene/set_pixels.h"
+
 namespace deepslam {
 namespace {
 
@@ -18,12 +20,6 @@ std::uint64_t WordAt(const std::uint8_t* pixels, std::size_t count = kAtOnce) {
     std::memcpy(&word, pixels, count);
   }
   return word;
-}
-
-const std::uint8_t* FirstSet(const std::uint8_t* begin, const std::uint8_t* end) {
-  while (end - begin >= static_cast<std::ptrdiff_t>(kAtOnce) && WordAt(begin) == 0)
-    begin += kAtOnce;
-  return std::find_if(begin, end, [](std::uint8_t pixel) { return pixel != 0; });
 }
 
 // Of a row with a pixel that is set.

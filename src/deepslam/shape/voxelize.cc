@@ -10,6 +10,7 @@
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/box.h"
+#include "deepslam/shape/outside_voxels.h"
 #include "deepslam/shape/stretch.h"
 
 namespace deepslam::shape {
@@ -108,53 +109,14 @@ void MarkTriangle(const Triangle& any, Blocks& shell) {
   }
 }
 
-// The voxels along z of every (i, j), a bit each.
-using Rows = std::array<std::uint64_t, std::size_t{kGridSize} * kGridSize>;
-static_assert(kGridSize == 64);
-
-// All of `within` that `from` reaches along the row (Kogge, Stone 1973: in steps of 1, 2, 4, ...).
-std::uint64_t ReachAlong(std::uint64_t from, std::uint64_t within) {
-  std::uint64_t up = from;
-  std::uint64_t down = from;
-  std::uint64_t open_up = within;
-  std::uint64_t open_down = within;
-  for (int step = 1; step < kGridSize; step *= 2) {
-    up |= open_up & (up << step);
-    open_up &= open_up << step;
-    down |= open_down & (down >> step);
-    open_down &= open_down >> step;
-  }
-  return up | down;
-}
-
 // Voxels that the rim of the cube reaches without crossing a shell voxel: gaps narrower than a
 // voxel let nothing in.
-Rows OutsideVoxels(const Blocks& shell) {
-  Rows free{};
+VoxelRows OutsideOf(const Blocks& shell) {
+  VoxelRows free(kNumVoxelRows, 0);
   for (std::size_t n = 0; n < kVoxels; ++n) {
     if (shell[n] == 0) free[n / kGridSize] |= std::uint64_t{1} << n % kGridSize;
   }
-  Rows outside{};
-  outside[0] = ReachAlong(1, free[0]);
-  const auto grow = [&](std::size_t row) {
-    const std::size_t i = row / kGridSize;
-    const std::size_t j = row % kGridSize;
-    std::uint64_t reached = outside[row];
-    if (i > 0) reached |= outside[row - kGridSize];
-    if (i + 1 < kGridSize) reached |= outside[row + kGridSize];
-    if (j > 0) reached |= outside[row - 1];
-    if (j + 1 < kGridSize) reached |= outside[row + 1];
-    reached &= free[row];
-    if (reached == outside[row]) return false;
-    outside[row] = ReachAlong(reached, free[row]);
-    return true;
-  };
-  for (bool grown = true; grown;) {
-    grown = false;
-    for (std::size_t row = 0; row < outside.size(); ++row) grown = grow(row) || grown;
-    for (std::size_t row = outside.size(); row-- > 0;) grown = grow(row) || grown;
-  }
-  return outside;
+  return OutsideVoxels(free);
 }
 
 // All free cells of a voxel that those in `from` reach within it.
@@ -183,7 +145,7 @@ constexpr std::array<Side, 3> kAxes = {{{std::ptrdiff_t{kGridSize} * kGridSize, 
                                         {1, kLowZ, kStepZ}}};
 
 // Of each shell voxel, the cells that the outside reaches through the free ones.
-Blocks ReachedCells(const Blocks& shell, const Rows& outside) {
+Blocks ReachedCells(const Blocks& shell, const VoxelRows& outside) {
   Blocks reached(kVoxels, 0);
   std::vector<std::size_t> waiting;
   const auto is_outside = [&](std::size_t n) {
@@ -216,7 +178,7 @@ Blocks ReachedCells(const Blocks& shell, const Rows& outside) {
 }
 
 VoxelGrid SolidWithin(const Blocks& shell) {
-  const Rows outside = OutsideVoxels(shell);
+  const VoxelRows outside = OutsideOf(shell);
   const Blocks reached = ReachedCells(shell, outside);
   std::vector<float> shares(kVoxels, 1.0F);
   for (std::size_t n = 0; n < kVoxels; ++n) {
