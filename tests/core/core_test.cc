@@ -10,6 +10,7 @@
 
 #include "deepslam/core/base64.h"
 #include "deepslam/core/clock_stretches.h"
+#include "deepslam/core/disjoint_sets.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/parallel_ahead.h"
@@ -32,6 +33,25 @@ TEST(Sha256, DoesNotDependOnHowTheBytesArrive) {
   for (std::size_t i = 0; i < bytes.size(); i += 7)
     sha.Update(std::string_view(bytes).substr(i, 7));
   EXPECT_EQ(sha.HexDigest(), Sha256Hex(bytes));
+}
+
+TEST(DisjointSets, JoinWhatPairsLeadTo) {
+  Random random(3, "pairs", 0);
+  constexpr std::size_t kSize = 40;
+  DisjointSets sets(kSize);
+  std::vector<std::set<std::uint32_t>> expected(kSize);  // by brute force: who is with whom
+  for (std::uint32_t x = 0; x < kSize; ++x) expected[x] = {x};
+  for (int k = 0; k < 30; ++k) {
+    const auto a = static_cast<std::uint32_t>(random.Index(kSize));
+    const auto b = static_cast<std::uint32_t>(random.Index(kSize));
+    EXPECT_EQ(sets.Join(a, b), !expected[a].contains(b));
+    std::set<std::uint32_t> both = expected[a];
+    both.insert(expected[b].begin(), expected[b].end());
+    for (const std::uint32_t x : both) expected[x] = both;
+    for (std::uint32_t x = 0; x < kSize; ++x) EXPECT_EQ(sets.LeastOf(x), *expected[x].begin());
+  }
+  const std::vector<std::uint32_t> least = sets.LeastOfEach();
+  for (std::uint32_t x = 0; x < kSize; ++x) EXPECT_EQ(least[x], *expected[x].begin());
 }
 
 TEST(Base64, ReadsBackAndRefusesDamage) {

@@ -4,19 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <tuple>
 #include <vector>
 
+#include "deepslam/scene/mesh_pieces.h"
+
 namespace deepslam::fuse {
-namespace {
-
-std::uint32_t FindRoot(std::vector<std::uint32_t>& parent, std::uint32_t x) {
-  while (parent[x] != x) x = parent[x] = parent[parent[x]];
-  return x;
-}
-
-}  // namespace
 
 TriangleMesh CanonicalMesh(const TriangleMesh& mesh) {
   std::vector<std::uint8_t> used(mesh.vertices.size(), 0);
@@ -60,22 +53,14 @@ TriangleMesh CanonicalMesh(const TriangleMesh& mesh) {
 }
 
 TriangleMesh WithoutSmallComponents(const TriangleMesh& mesh, int min_faces) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  for (const auto& face : mesh.faces) {
-    for (const std::uint32_t v : {face[1], face[2]}) {
-      const std::uint32_t a = FindRoot(parent, face[0]);
-      const std::uint32_t b = FindRoot(parent, v);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
+  const std::vector<std::uint32_t> piece = PieceOfVertex(mesh.faces, mesh.vertices.size());
   std::vector<int> sizes(mesh.vertices.size(), 0);
-  for (const auto& face : mesh.faces) ++sizes[FindRoot(parent, face[0])];
+  for (const auto& face : mesh.faces) ++sizes[piece[face[0]]];
   TriangleMesh result;
   result.vertices = mesh.vertices;
   result.colours = mesh.colours;
   for (const auto& face : mesh.faces) {
-    if (sizes[FindRoot(parent, face[0])] >= min_faces) result.faces.push_back(face);
+    if (sizes[piece[face[0]]] >= min_faces) result.faces.push_back(face);
   }
   return result;
 }

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "deepslam/core/disjoint_sets.h"
+
 namespace deepslam::gltf {
 namespace {
 
@@ -54,17 +56,6 @@ std::vector<Eigen::Vector3d> FaceNormals(const TriangleMesh& mesh, const std::ve
   return normals;
 }
 
-std::uint32_t FindRoot(std::vector<std::uint32_t>& parent, std::uint32_t x) {
-  while (parent[x] != x) x = parent[x] = parent[parent[x]];
-  return x;
-}
-
-void Join(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-  a = FindRoot(parent, a);
-  b = FindRoot(parent, b);
-  parent[std::max(a, b)] = std::min(a, b);
-}
-
 // Side of a face, between the corners (3 * face + n) at its vertices.
 struct Side {
   std::uint32_t low, high, corner_low, corner_high;
@@ -105,8 +96,7 @@ std::vector<std::uint32_t> SmoothCorners(const std::vector<Face>& faces,
                                          const std::vector<Eigen::Vector3d>& normals,
                                          double crease_angle_rad) {
   const std::vector<Side> sides = SortedSides(faces, num_vertices);
-  std::vector<std::uint32_t> parent(3 * faces.size());
-  std::iota(parent.begin(), parent.end(), 0U);
+  DisjointSets smooth(3 * faces.size());
   const double min_cosine = std::cos(crease_angle_rad);
   for (std::size_t n = 1; n < sides.size(); ++n) {
     const Side& a = sides[n - 1];
@@ -115,11 +105,10 @@ std::vector<std::uint32_t> SmoothCorners(const std::vector<Face>& faces,
     const Eigen::Vector3d& na = normals[a.corner_low / 3];
     const Eigen::Vector3d& nb = normals[b.corner_low / 3];
     if (na.dot(nb) < min_cosine * na.norm() * nb.norm()) continue;
-    Join(parent, a.corner_low, b.corner_low);
-    Join(parent, a.corner_high, b.corner_high);
+    smooth.Join(a.corner_low, b.corner_low);
+    smooth.Join(a.corner_high, b.corner_high);
   }
-  for (std::uint32_t c = 0; c < parent.size(); ++c) parent[c] = FindRoot(parent, c);
-  return parent;
+  return smooth.LeastOfEach();
 }
 
 }  // namespace

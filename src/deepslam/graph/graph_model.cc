@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <utility>
 
+#include "deepslam/core/disjoint_sets.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/graph/information.h"
 
@@ -106,26 +106,16 @@ class ModelBuilder {
 
   // Each keyframe must hang on the first one, else the problem is singular.
   void TieLooseKeyframes() {
-    std::vector<int> parent(static_cast<std::size_t>(model_.num_keyframes()));
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&parent](int node) {
-      while (parent[static_cast<std::size_t>(node)] != node) {
-        int& up = parent[static_cast<std::size_t>(node)];
-        up = parent[static_cast<std::size_t>(up)];
-        node = up;
-      }
-      return node;
-    };
-    for (const PoseEdge& edge : model_.pose_edges) {
-      parent[static_cast<std::size_t>(root(edge.b))] = root(edge.a);
-    }
+    DisjointSets joined(model_.keyframes.size());
+    for (const PoseEdge& edge : model_.pose_edges)
+      joined.Join(static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b));
     Vector6d deviation;
     deviation << Eigen::Vector3d::Constant(kTieDeviation_m),
         Eigen::Vector3d::Constant(kTieDeviation_rad);
     const Matrix6d information = deviation.cwiseAbs2().cwiseInverse().asDiagonal();
     for (int node = 1; node < model_.num_keyframes(); ++node) {
-      if (root(node) == root(node - 1)) continue;
-      parent[static_cast<std::size_t>(root(node))] = root(node - 1);
+      const auto here = static_cast<std::uint32_t>(node);
+      if (!joined.Join(here - 1, here)) continue;
       const Pose3 a_from_b = Node(node - 1).Inverse() * Node(node);
       model_.pose_edges.push_back({EdgeKind::kOdometry, node - 1, node, a_from_b, information});
       ++model_.num_ties;

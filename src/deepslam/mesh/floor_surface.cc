@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/mesh/ground_polygon.h"
 #include "deepslam/mesh/surface_distance.h"
+#include "deepslam/scene/mesh_pieces.h"
 
 namespace deepslam::mesh {
 namespace {
@@ -99,29 +99,15 @@ bool IsLevel(const TriangleMesh& room, const std::array<std::uint32_t, 3>& face)
   return std::abs(normal.z()) >= kMinLevel * static_cast<double>(normal.norm());
 }
 
-std::uint32_t FindRoot(std::vector<std::uint32_t>& parent, std::uint32_t x) {
-  while (parent[x] != x) x = parent[x] = parent[parent[x]];
-  return x;
-}
-
 // Pieces of the mesh that lie in the band as a whole, and mostly over the polygon.
 void DropRags(const std::vector<Place>& places, TriangleMesh& room) {
-  std::vector<std::uint32_t> parent(room.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0U);
-  for (const auto& face : room.faces) {
-    for (const std::uint32_t v : {face[1], face[2]}) {
-      const std::uint32_t a = FindRoot(parent, face[0]);
-      const std::uint32_t b = FindRoot(parent, v);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
+  const std::vector<std::uint32_t> piece = PieceOfVertex(room.faces, room.vertices.size());
   std::vector<std::array<int, 3>> counts(room.vertices.size(), {0, 0, 0});
   for (const auto& face : room.faces) {
-    for (const std::uint32_t v : face)
-      ++counts[FindRoot(parent, v)][static_cast<std::size_t>(places[v])];
+    for (const std::uint32_t v : face) ++counts[piece[v]][static_cast<std::size_t>(places[v])];
   }
   std::erase_if(room.faces, [&](const auto& face) {
-    const auto& [off, beside, over] = counts[FindRoot(parent, face[0])];
+    const auto& [off, beside, over] = counts[piece[face[0]]];
     return off == 0 && over > beside;
   });
 }

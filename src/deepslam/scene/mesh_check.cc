@@ -10,6 +10,9 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/disjoint_sets.h"
+#include "deepslam/scene/mesh_pieces.h"
+
 namespace deepslam {
 namespace {
 
@@ -20,21 +23,6 @@ struct HalfEdge {
   std::uint32_t high = 0;
   bool forward = false;  // runs from low to high
   std::uint32_t face = 0;
-};
-
-struct UnionFind {
-  std::vector<std::uint32_t> parent;
-
-  explicit UnionFind(std::size_t size) : parent(size) {
-    std::iota(parent.begin(), parent.end(), 0U);
-  }
-  std::uint32_t Find(std::uint32_t x) {
-    while (parent[x] != x) x = parent[x] = parent[parent[x]];
-    return x;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) {
-    parent[std::max(Find(a), Find(b))] = std::min(Find(a), Find(b));
-  }
 };
 
 // For each vertex the lowest index of a vertex at the same position.
@@ -96,7 +84,7 @@ void NoteFault(MeshCheck& check, const std::string& fault) {
 // faces that lie side by side.
 void CheckEdges(const std::vector<HalfEdge>& edges,
                 const std::vector<Face>& faces,
-                UnionFind& corners,
+                DisjointSets& corners,
                 MeshCheck& check) {
   const auto corner_of = [&](std::uint32_t face, std::uint32_t vertex) {
     const Face& f = faces[face];
@@ -134,13 +122,13 @@ void CheckEdges(const std::vector<HalfEdge>& edges,
 // All corners at a vertex must be one fan.
 bool OneFanPerVertex(const std::vector<Face>& faces,
                      std::size_t num_vertices,
-                     UnionFind& corners,
+                     DisjointSets& corners,
                      MeshCheck& check) {
   constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   std::vector<std::uint32_t> fan(num_vertices, kNone);
   for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
     const std::uint32_t vertex = faces[corner / 3][corner % 3];
-    const std::uint32_t root = corners.Find(corner);
+    const std::uint32_t root = corners.LeastOf(corner);
     if (fan[vertex] == kNone) fan[vertex] = root;
     if (fan[vertex] != root) {
       NoteFault(check, "vertex " + std::to_string(vertex) + " joins two fans of faces");
@@ -151,13 +139,9 @@ bool OneFanPerVertex(const std::vector<Face>& faces,
 }
 
 int CountComponents(const std::vector<Face>& faces, std::size_t num_vertices) {
-  UnionFind parts(num_vertices);
-  for (const Face& face : faces) {
-    parts.Join(face[0], face[1]);
-    parts.Join(face[0], face[2]);
-  }
+  const std::vector<std::uint32_t> piece = PieceOfVertex(faces, num_vertices);
   std::vector<std::uint8_t> is_root(num_vertices, 0);
-  for (const Face& face : faces) is_root[parts.Find(face[0])] = 1;
+  for (const Face& face : faces) is_root[piece[face[0]]] = 1;
   return static_cast<int>(std::count(is_root.begin(), is_root.end(), 1));
 }
 
@@ -192,7 +176,7 @@ MeshCheck CheckMesh(const TriangleMesh& mesh) {
     }
     faces.push_back(welded);
   }
-  UnionFind corners(3 * faces.size());
+  DisjointSets corners(3 * faces.size());
   CheckEdges(SortedHalfEdges(faces), faces, corners, check);
   const bool fans = OneFanPerVertex(faces, mesh.vertices.size(), corners, check);
   check.num_components = CountComponents(faces, mesh.vertices.size());
