@@ -307,14 +307,64 @@ TEST(OptimizeGraph, ObjectsWithoutUsableViewsKeepTheirPlaceBesideTheirKeyframe) 
 
 TEST(OptimizeGraph, BytesDoNotDependOnTheNumberOfThreads) {
   const World world = MakeWorld(100, 6, 2, kDrift);
-  std::string first;
-  for (const int threads : {1, 2, 2}) {
-    const ThreadLimit limit(threads);
-    const OptimizedMap map = Optimize(world);
-    const std::string text =
-        *GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, world.bottom_m, &map);
-    if (first.empty()) first = text;
-    EXPECT_TRUE(text == first);
+  for (const int max_direct_keyframes : {600, 0}) {
+    GraphOptions options;
+    options.max_direct_keyframes = max_direct_keyframes;
+    std::string first;
+    for (const int threads : {1, 2, 2}) {
+      const ThreadLimit limit(threads);
+      const OptimizedMap map = Optimize(world, options);
+      const std::string text = *GraphToG2o(
+          world.odometry, world.ground, world.map, world.loops, {}, world.bottom_m, &map);
+      if (first.empty()) first = text;
+      EXPECT_TRUE(text == first);
+    }
+  }
+}
+
+// Three rounds, measured over gaps up to ten keyframes, each tied to the rounds before.
+World MeasuredRounds(std::uint64_t seed) {
+  constexpr int kRound = 60;
+  World world = MakeWorld(3 * kRound, 6, 3, kDrift, seed);
+  Random random(seed, "rounds", 0);
+  const auto measured = [&](int i, int j) {
+    return RelativePose{FrameIdx{i},
+                        FrameIdx{j},
+                        world.world_from_camera[static_cast<std::size_t>(i)].Inverse() *
+                            world.world_from_camera[static_cast<std::size_t>(j)] *
+                            testing_support::Disturbance(random, 0.004, 0.003),
+                        testing_support::Information(0.004, 0.003),
+                        false};
+  };
+  for (int j = 5; j < 3 * kRound; ++j) {
+    for (const int i : {j - 5, j - 10})
+      if (i >= 0) world.odometry.edges.push_back(measured(i, j));
+    for (int i = j - kRound; i >= 0; i -= kRound) world.loops.edges.push_back(measured(i, j));
+  }
+  return world;
+}
+
+TEST(OptimizeGraph, ConjugateGradientsFindWhatAFactorisationFinds) {
+  GraphOptions direct;
+  direct.max_direct_keyframes = 1000;
+  GraphOptions gradients;
+  gradients.max_direct_keyframes = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const World world = MeasuredRounds(seed);
+    const OptimizedMap a = Optimize(world, direct);
+    const OptimizedMap b = Optimize(world, gradients);
+    EXPECT_TRUE(b.summary.converged) << b.summary.message;
+    EXPECT_NEAR(Energy(b, true), Energy(a, true), 1e-5 * Energy(a, true));
+    ASSERT_EQ(b.frames.size(), a.frames.size());
+    for (std::size_t k = 0; k < a.frames.size(); ++k) {
+      EXPECT_THAT(b.frames[k].world_from_camera,
+                  PoseNear(a.frames[k].world_from_camera, 1e-4, 0.005))
+          << k;
+    }
+    for (std::size_t k = 0; k < a.map.objects.size(); ++k) {
+      EXPECT_THAT(b.map.objects[k].world_from_object,
+                  PoseNear(a.map.objects[k].world_from_object, 1e-4, 0.005));
+    }
   }
 }
 

@@ -260,6 +260,12 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options) {
                 "m",
                 "objects whose bottom starts farther from the ground do not stand on it");
   visitor.Field("max_iterations", options.max_iterations, {1, 10000}, "1", "per round");
+  visitor.Field(
+      "max_direct_keyframes",
+      options.max_direct_keyframes,
+      {0, 1e6},
+      "1",
+      "graphs of more are solved by conjugate gradients, in memory that grows with edges");
   visitor.Field("interpolate_frames",
                 options.interpolate_frames,
                 "frames between keyframes blend the corrections of both; else rigid");

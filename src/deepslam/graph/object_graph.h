@@ -35,7 +35,8 @@
 //
 // Determinism: residuals are evaluated and summed on one thread (Ceres sums per-thread parts in an
 // order that depends on scheduling), linear systems are solved by Eigen's sparse Cholesky
-// (single-threaded, unlike BLAS-backed ones).
+// (single-threaded, unlike BLAS-backed ones), those of large graphs by conjugate gradients that the
+// Cholesky factor of some of the edges preconditions (carrying_edges.h).
 #pragma once
 
 #include <map>
@@ -81,14 +82,17 @@ struct GraphOptions {
 
   bool use_objects = true;  // r_io and r_po; else objects follow their keyframes
   bool use_ground = true;   // r_pi, r_po, stand
-  // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges. Wide, since
-  // the bottom of a model is good to half a voxel however many views there are, and what the views
-  // agree on must not be moved for it.
+  // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges. Wide,
+  // since the bottom of a model is good to half a voxel however many views there are, and what the
+  // views agree on must not be moved for it.
   double stand_floor_m = 0.1;
   // Objects whose bottom is seen farther than this from the ground hang, or stand on something.
   double stand_max_gap_m = 0.25;
 
   int max_iterations = 60;  // per round
+  // Graphs of more keyframes are solved by conjugate gradients, in time and memory that grow with
+  // the number of edges; up to here a factorisation is as fast.
+  int max_direct_keyframes = 600;
   bool interpolate_frames =
       true;  // frames between keyframes: blend of both corrections; else rigid
 };

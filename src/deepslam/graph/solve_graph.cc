@@ -2,9 +2,13 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include <ceres/ceres.h>
 
+#include "deepslam/graph/carrying_edges.h"
 #include "deepslam/graph/graph_model.h"
 #include "deepslam/graph/information.h"
 #include "deepslam/graph/residuals.h"
@@ -16,6 +20,7 @@ constexpr int kPoseSize = 7;
 constexpr double kRoundFactor = 4.0;  // widths of successive rounds
 constexpr double kCoarseTolerance = 1e-4;
 constexpr double kFineTolerance = 1e-9;
+constexpr int kMaxConjugateGradients = 500;  // steps; some twenty are usual
 
 // One contiguous block, since Ceres orders parameter blocks by address.
 class Parameters {
@@ -91,47 +96,54 @@ GroundResidual Residual(const GroundEdge& edge) {
           SqrtInformation<3>(edge.information)};
 }
 
-void AddPoseEdges(const GraphModel& model,
-                  const GraphOptions& options,
-                  double width,
-                  Parameters& parameters,
-                  ceres::Problem& problem) {
+using Residuals = std::vector<ceres::ResidualBlockId>;  // in the order of what they are of
+
+Residuals AddPoseEdges(const GraphModel& model,
+                       const GraphOptions& options,
+                       double width,
+                       Parameters& parameters,
+                       ceres::Problem& problem) {
+  Residuals residuals;
   for (const PoseEdge& edge : model.pose_edges) {
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PoseResidual, 6, kPoseSize, kPoseSize>(
-                                 new PoseResidual(Residual(edge))),
-                             Loss(LossName(edge.kind, options), width, Lambda(edge.kind, options)),
-                             parameters.Pose(edge.a),
-                             parameters.Pose(edge.b));
+    residuals.push_back(problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PoseResidual, 6, kPoseSize, kPoseSize>(
+            new PoseResidual(Residual(edge))),
+        Loss(LossName(edge.kind, options), width, Lambda(edge.kind, options)),
+        parameters.Pose(edge.a),
+        parameters.Pose(edge.b)));
   }
+  return residuals;
 }
 
-void AddGroundEdges(const GraphModel& model,
-                    const GraphOptions& options,
-                    double width,
-                    Parameters& parameters,
-                    ceres::Problem& problem) {
-  if (!model.plane) return;
+Residuals AddGroundEdges(const GraphModel& model,
+                         const GraphOptions& options,
+                         double width,
+                         Parameters& parameters,
+                         ceres::Problem& problem) {
+  Residuals residuals;
+  if (!model.plane) return residuals;
+  const auto add = [&](ceres::CostFunction* term, ceres::LossFunction* loss, int node) {
+    residuals.push_back(
+        problem.AddResidualBlock(term, loss, parameters.Pose(node), parameters.Plane()));
+  };
   for (const GroundEdge& edge : model.ground_edges) {
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
-                                 new GroundResidual(Residual(edge))),
-                             Loss(options.ground_loss, width, options.lambda_ground),
-                             parameters.Pose(edge.node),
-                             parameters.Plane());
+    add(new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
+            new GroundResidual(Residual(edge))),
+        Loss(options.ground_loss, width, options.lambda_ground),
+        edge.node);
   }
   for (const int node : model.upright) {
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<UprightResidual, 3, kPoseSize, 4>(new UprightResidual()),
+    add(new ceres::AutoDiffCostFunction<UprightResidual, 3, kPoseSize, 4>(new UprightResidual()),
         Loss("none", width, options.lambda_upright),
-        parameters.Pose(node),
-        parameters.Plane());
+        node);
   }
   for (const StandEdge& edge : model.stands) {
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<StandResidual, 1, kPoseSize, 4>(
-                                 new StandResidual{edge.bottom_m}),
-                             Loss("none", width, edge.information),
-                             parameters.Pose(edge.node),
-                             parameters.Plane());
+    add(new ceres::AutoDiffCostFunction<StandResidual, 1, kPoseSize, 4>(
+            new StandResidual{edge.bottom_m}),
+        Loss("none", width, edge.information),
+        edge.node);
   }
+  return residuals;
 }
 
 void AddVariables(const GraphModel& model, Parameters& parameters, ceres::Problem& problem) {
@@ -151,6 +163,20 @@ void AddVariables(const GraphModel& model, Parameters& parameters, ceres::Proble
   if (model.ground_edges.empty()) problem.SetParameterBlockConstant(parameters.Plane());
 }
 
+// The factor of a path that goes round and round grows with the square of the rounds, the edges
+// that carry it do not: conjugate gradients preconditioned by the factor of those alone.
+void UseConjugateGradients(const GraphModel& model,
+                           const Residuals& of_pose_edges,
+                           const Residuals& of_ground,
+                           ceres::Solver::Options& solver) {
+  std::unordered_set<ceres::ResidualBlockId> carrying(of_ground.begin(), of_ground.end());
+  for (const std::size_t edge : CarryingEdges(model)) carrying.insert(of_pose_edges[edge]);
+  solver.linear_solver_type = ceres::CGNR;
+  solver.preconditioner_type = ceres::SUBSET;
+  solver.residual_blocks_for_subset_preconditioner = std::move(carrying);
+  solver.max_linear_solver_iterations = kMaxConjugateGradients;
+}
+
 ceres::Solver::Summary SolveRound(const GraphModel& model,
                                   const GraphOptions& options,
                                   double width,
@@ -158,8 +184,8 @@ ceres::Solver::Summary SolveRound(const GraphModel& model,
                                   Parameters& parameters) {
   ceres::Problem problem;
   AddVariables(model, parameters, problem);
-  AddPoseEdges(model, options, width, parameters, problem);
-  AddGroundEdges(model, options, width, parameters, problem);
+  const Residuals of_pose_edges = AddPoseEdges(model, options, width, parameters, problem);
+  const Residuals of_ground = AddGroundEdges(model, options, width, parameters, problem);
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
@@ -172,6 +198,8 @@ ceres::Solver::Summary SolveRound(const GraphModel& model,
   solver.gradient_tolerance = 1e-12;
   solver.parameter_tolerance = 1e-12;
   solver.logging_type = ceres::SILENT;
+  if (model.num_keyframes() > options.max_direct_keyframes)
+    UseConjugateGradients(model, of_pose_edges, of_ground, solver);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   return summary;

@@ -171,7 +171,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      24,
+      25,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
@@ -183,7 +183,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
        "optimize"},
       kFrames | kChoices,
       RunLoops);
-  add("optimize", 3, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
+  add("optimize", 4, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
   add("mesh",
       2,
       {"track", "ground", "segment", "loops", "optimize"},

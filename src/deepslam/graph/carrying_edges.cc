@@ -1,0 +1,46 @@
+#include "deepslam/graph/carrying_edges.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "deepslam/core/disjoint_sets.h"
+
+namespace deepslam::graph {
+namespace {
+
+// Keyframes between the two.
+int Reach(const PoseEdge& edge) { return std::abs(edge.a - edge.b); }
+
+// Edges between keyframes, those that reach least first.
+std::vector<std::size_t> ShortestFirst(const GraphModel& model) {
+  std::vector<std::size_t> edges;
+  for (std::size_t k = 0; k < model.pose_edges.size(); ++k) {
+    if (model.pose_edges[k].kind != EdgeKind::kObject) edges.push_back(k);
+  }
+  std::ranges::stable_sort(edges, {}, [&](std::size_t k) { return Reach(model.pose_edges[k]); });
+  return edges;
+}
+
+}  // namespace
+
+std::vector<std::size_t> CarryingEdges(const GraphModel& model) {
+  std::vector<std::size_t> carrying;
+  DisjointSets joined(model.keyframes.size());
+  std::vector<bool> has_loop(model.keyframes.size());
+  for (const std::size_t k : ShortestFirst(model)) {
+    const PoseEdge& edge = model.pose_edges[k];
+    const auto [older, newer] =
+        std::minmax({static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b)});
+    const bool joins = joined.Join(older, newer);
+    const bool ties_rounds = !joins && edge.kind == EdgeKind::kLoop && !has_loop[newer];
+    if (ties_rounds) has_loop[newer] = true;
+    if (joins || ties_rounds) carrying.push_back(k);
+  }
+  for (std::size_t k = 0; k < model.pose_edges.size(); ++k) {
+    if (model.pose_edges[k].kind == EdgeKind::kObject) carrying.push_back(k);
+  }
+  std::ranges::sort(carrying);
+  return carrying;
+}
+
+}  // namespace deepslam::graph

@@ -1,0 +1,21 @@
+// The edges that carry a graph: those that hold every keyframe near where all edges together hold
+// it, and few enough that the factor of their system stays sparse however often the path comes back
+// to a place. They precondition the solution of large graphs (Dellaert et al. 2010 do so with a
+// subgraph of a bundle adjustment).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "deepslam/graph/graph_model.h"
+
+namespace deepslam::graph {
+
+// Indices into GraphModel::pose_edges, ascending:
+// - of edges between keyframes those of a spanning forest, made of the shortest along the path;
+// - of each keyframe's other loop edges to earlier ones that which reaches back least: it ties a
+//   round to the one before;
+// - all edges to objects.
+[[nodiscard]] std::vector<std::size_t> CarryingEdges(const GraphModel& model);
+
+}  // namespace deepslam::graph

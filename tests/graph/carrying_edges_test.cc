@@ -1,0 +1,94 @@
+#include "deepslam/graph/carrying_edges.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "deepslam/core/disjoint_sets.h"
+
+namespace deepslam::graph {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Not;
+
+GraphModel Keyframes(int num_keyframes) {
+  GraphModel model;
+  for (int k = 0; k < num_keyframes; ++k) model.keyframes.push_back(FrameIdx{3 * k});
+  model.world_from_node.resize(model.keyframes.size());
+  return model;
+}
+
+void Add(EdgeKind kind, int a, int b, GraphModel& model) {
+  model.pose_edges.push_back({kind, a, b, {}, Matrix6d::Identity()});
+}
+
+std::set<std::pair<int, int>> Pairs(const GraphModel& model) {
+  std::set<std::pair<int, int>> pairs;
+  for (const std::size_t k : CarryingEdges(model))
+    pairs.insert({model.pose_edges[k].a, model.pose_edges[k].b});
+  return pairs;
+}
+
+// A path that goes round again and again, each keyframe measured against many before it and tied to
+// two earlier rounds.
+GraphModel Rounds(int num_keyframes, int round) {
+  GraphModel model = Keyframes(num_keyframes);
+  for (int b = 1; b < num_keyframes; ++b) {
+    for (int a = std::max(0, b - 12); a < b; ++a) Add(EdgeKind::kOdometry, a, b, model);
+    for (int a = b - round; a >= 0; a -= round) Add(EdgeKind::kLoop, a, b, model);
+  }
+  return model;
+}
+
+TEST(CarryingEdges, JoinEveryKeyframeWithAtMostTwoEdgesEach) {
+  const GraphModel model = Rounds(100, 20);
+  const std::vector<std::size_t> carrying = CarryingEdges(model);
+  EXPECT_TRUE(std::ranges::is_sorted(carrying));
+  EXPECT_EQ(std::ranges::adjacent_find(carrying), carrying.end());
+  EXPECT_LT(carrying.size(), 2 * model.keyframes.size());
+  DisjointSets joined(model.keyframes.size());
+  for (const std::size_t k : carrying)
+    joined.Join(static_cast<std::uint32_t>(model.pose_edges[k].a),
+                static_cast<std::uint32_t>(model.pose_edges[k].b));
+  for (std::uint32_t k = 0; k < 100; ++k) EXPECT_EQ(joined.LeastOf(k), 0U) << k;
+}
+
+TEST(CarryingEdges, AreThePathAndOneRoundBack) {
+  const std::set<std::pair<int, int>> pairs = Pairs(Rounds(70, 20));
+  for (int k = 1; k < 70; ++k) EXPECT_THAT(pairs, Contains(std::pair(k - 1, k)));
+  EXPECT_THAT(pairs, Contains(std::pair(45, 65)));
+  EXPECT_THAT(pairs, Not(Contains(std::pair(25, 65))));
+  EXPECT_THAT(pairs, Not(Contains(std::pair(60, 65))));
+}
+
+// Tracking was lost between 2 and 3: what leads over the gap carries, however far it reaches.
+TEST(CarryingEdges, LeadOverABreakByTheShortestWay) {
+  GraphModel model = Keyframes(6);
+  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {3, 4}, {4, 5}})
+    Add(EdgeKind::kOdometry, a, b, model);
+  Add(EdgeKind::kLoop, 0, 5, model);
+  Add(EdgeKind::kLoop, 1, 4, model);
+  EXPECT_THAT(Pairs(model),
+              ElementsAre(std::pair(0, 1),
+                          std::pair(0, 5),
+                          std::pair(1, 2),
+                          std::pair(1, 4),
+                          std::pair(3, 4),
+                          std::pair(4, 5)));
+}
+
+TEST(CarryingEdges, HoldAllOfAnObject) {
+  GraphModel model = Keyframes(3);
+  Add(EdgeKind::kObject, 0, 3, model);
+  Add(EdgeKind::kObject, 2, 3, model);
+  EXPECT_THAT(CarryingEdges(model), ElementsAre(0, 1));
+  EXPECT_TRUE(CarryingEdges(GraphModel{}).empty());
+}
+
+}  // namespace
+}  // namespace deepslam::graph
