@@ -97,6 +97,25 @@ Result<std::vector<RelativePose>> MeasureAgain(const StageContext& context,
   return loop::AcceptNeighbours(proposed, *registrations, options);
 }
 
+struct ByAppearance {
+  loop::AcceptedAppearance loops;
+  std::vector<RelativePose> neighbours;  // measured again
+};
+
+// Features of all keyframes, the largest of what is held here, are gone when the graph is solved.
+Result<ByAppearance> MeasureByAppearance(const StageContext& context,
+                                         const RunInputs& inputs,
+                                         const Odometry& odometry) {
+  const Result<std::vector<loop::KeyframeFeatures>> features =
+      ExtractAll(context, inputs, odometry);
+  if (!features.ok()) return features.error();
+  Result<loop::AcceptedAppearance> loops = FindLoops(context, inputs, odometry, *features);
+  if (!loops.ok()) return loops.error();
+  Result<std::vector<RelativePose>> neighbours = MeasureAgain(context, inputs, odometry, *features);
+  if (!neighbours.ok()) return neighbours.error();
+  return ByAppearance{std::move(loops).value(), std::move(neighbours).value()};
+}
+
 int CountKept(const std::vector<RelativePose>& of, const std::vector<RelativePose>& edges) {
   return static_cast<int>(std::count_if(of.begin(), of.end(), [&](const RelativePose& edge) {
     return std::any_of(edges.begin(), edges.end(), [&](const RelativePose& kept) {
@@ -114,23 +133,19 @@ Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
   ClosedTrajectory closed{odometry, ground, {}, 0};
   const loop::AppearanceOptions& options = inputs.config.appearance;
   if (!inputs.config.loops.enabled || !options.enabled) return closed;
-  const Result<std::vector<loop::KeyframeFeatures>> features =
-      ExtractAll(context, inputs, odometry);
-  if (!features.ok()) return features.error();
-  Result<loop::AcceptedAppearance> loops = FindLoops(context, inputs, odometry, *features);
-  if (!loops.ok()) return loops.error();
-  Result<std::vector<RelativePose>> neighbours = MeasureAgain(context, inputs, odometry, *features);
-  if (!neighbours.ok()) return neighbours.error();
-  closed.appearance = std::move(loops).value();
+  Result<ByAppearance> measured = MeasureByAppearance(context, inputs, odometry);
+  if (!measured.ok()) return measured.error();
+  const std::vector<RelativePose>& neighbours = measured->neighbours;
+  closed.appearance = std::move(measured->loops);
   std::vector<RelativePose>& edges = closed.appearance.edges;
-  edges.insert(edges.end(), neighbours->begin(), neighbours->end());
+  edges.insert(edges.end(), neighbours.begin(), neighbours.end());
   while (!edges.empty()) {
     Result<SolvedPath> solved = SolvePath(odometry, ground, edges, inputs.config.optimize);
     if (!solved.ok()) return solved.error();
     closed.odometry.frames = std::move(solved->frames);
     closed.ground = std::move(solved->ground);
     if (loop::RefuseContradicted(closed.odometry, options, closed.appearance)) continue;
-    closed.num_measured_again = CountKept(*neighbours, edges);
+    closed.num_measured_again = CountKept(neighbours, edges);
     return closed;
   }
   closed.odometry = odometry;
