@@ -222,8 +222,9 @@ RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,
     if (groups.empty()) rejoined.whole.insert(object);
     if (groups.size() != 1 || loose.empty()) continue;
     const ObjectId group = *groups.begin();
+    const std::set<ObjectId>& own_visits = of_object;  // clang 14 captures no binding
     const bool others = std::ranges::any_of(kept, [&](const auto& entry) {
-      return entry.second == group && !of_object.contains(entry.first);
+      return entry.second == group && !own_visits.contains(entry.first);
     });
     if (others) continue;
     loose.insert(group);

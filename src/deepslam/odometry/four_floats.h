@@ -1,15 +1,21 @@
 // Four numbers of a texel or point at once, and four texels turned into a column of each number.
 #pragma once
 
+#include <cstring>
+
 namespace deepslam::odometry {
 
-using FourFloats [[gnu::vector_size(4 * sizeof(float)), gnu::may_alias]] = float;
-using FourAnywhere [[gnu::aligned(alignof(float))]] = FourFloats;  // wherever they lie
+using FourFloats [[gnu::vector_size(4 * sizeof(float))]] = float;
 
-inline const FourAnywhere& FourFrom(const float* first) {
-  return reinterpret_cast<const FourAnywhere&>(*first);
+// By bytes: they may lie anywhere.
+inline FourFloats FourFrom(const float* first) {
+  FourFloats four;
+  std::memcpy(&four, first, sizeof(four));
+  return four;
 }
-inline FourAnywhere& FourAt(float* first) { return reinterpret_cast<FourAnywhere&>(*first); }
+inline void WriteFour(const FourFloats& four, float* first) {
+  std::memcpy(first, &four, sizeof(four));
+}
 
 struct FourByFour {
   FourFloats a, b, c, d;

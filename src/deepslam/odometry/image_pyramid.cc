@@ -103,7 +103,7 @@ struct MedianTest {
     std::uint32_t valid = 0, num_within = 0;
     for (const float value : values) {
       valid += value >= 0 ? 1U : 0U;
-      num_within += (value >= 0) & (factor * value <= bound) ? 1U : 0U;
+      num_within += ((value >= 0) & (factor * value <= bound)) ? 1U : 0U;
     }
     num_valid = valid;
     within = num_within > valid / 2;
@@ -195,7 +195,7 @@ float FourPixelDepth(const float* upper,
       one(same(first)) + one(same(second)) + one(same(third)) + one(same(fourth));
   const float mean =
       (one_surface ? sum : sum_same) / (one_surface ? greater(count, 1) : count_same);
-  return one_surface | in_any_order ? mean : -1.0F;
+  return (one_surface | in_any_order) ? mean : -1.0F;
 }
 
 // Valid depths of a block of factor x factor pixels are gathered and reduced to one.
@@ -445,10 +445,10 @@ class TexelRow {
                                             FourFrom(&numbers_[2][k]),
                                             FourFrom(&numbers_[kNumbers - 1][k])});
       // Where a texel has three numbers the next one begins with the fourth.
-      FourAt(to) = texels.a;
-      FourAt(to + kNumbers) = texels.b;
-      FourAt(to + 2 * kNumbers) = texels.c;
-      FourAt(to + 3 * kNumbers) = texels.d;
+      WriteFour(texels.a, to);
+      WriteFour(texels.b, to + kNumbers);
+      WriteFour(texels.c, to + 2 * kNumbers);
+      WriteFour(texels.d, to + 3 * kNumbers);
     }
     image.insert(
         image.end(), texels_.begin(), texels_.begin() + static_cast<std::ptrdiff_t>(size_));

@@ -165,9 +165,9 @@ FourByFour FourOf(const Point& point, std::size_t k) {
 // The first three numbers of four points, to where their columns go on; gives the fourth ones.
 FourFloats ToColumns(const FourByFour& points, float* x, float* y, float* z) {
   const FourByFour columns = Transposed(points);
-  FourAt(x) = columns.a;
-  FourAt(y) = columns.b;
-  FourAt(z) = columns.c;
+  WriteFour(columns.a, x);
+  WriteFour(columns.b, y);
+  WriteFour(columns.c, z);
   return columns.d;
 }
 
@@ -202,7 +202,7 @@ struct GeometricPairs {
     const auto of_target = [&](std::size_t k) { return FourFrom(&target_surface[target[k]].nx); };
     const auto of_source = [&](std::size_t k) { return FourFrom(&source_surface[source[k]].a); };
     for (std::size_t k = 0; k < size; k += 4) {
-      FourAt(&offset_m[k]) = ToColumns(FourOf(of_target, k), &nx[k], &ny[k], &nz[k]);
+      WriteFour(ToColumns(FourOf(of_target, k), &nx[k], &ny[k], &nz[k]), &offset_m[k]);
       ToColumns(FourOf(of_source, k), &source_nx[k], &source_ny[k], &source_nz[k]);
     }
   }

@@ -67,7 +67,7 @@ void SourcePoints::AddRow(int v) {
     has_normal_[n] = has_normal ? 1 : 0;
     has_texture_[n] = has_texture ? 1 : 0;
     num_with_normal_ += has_normal ? 1 : 0;
-    n += has_depth & (has_normal | has_texture) ? 1 : 0;
+    n += (has_depth & (has_normal | has_texture)) ? 1 : 0;
   }
   size_ = n;
 }

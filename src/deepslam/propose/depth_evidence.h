@@ -57,7 +57,7 @@ struct EvidenceColumns {
       is_free[n] = is_farther;
       is_behind[n] = is_nearer;
       is_surface[n] = is_object & is_known & ~is_farther & ~is_nearer;
-      behind_m[n] = (is_object != 0) & (beyond_m > 0) ? beyond_m : 0.0F;
+      behind_m[n] = ((is_object != 0) & (beyond_m > 0)) ? beyond_m : 0.0F;
     }
   }
 };

@@ -79,7 +79,7 @@ void Add(const EvidenceColumns& evidence, std::size_t size, float slack_m, Tally
     tally.free[n] += evidence.is_free[n];
     tally.surface[n] += evidence.is_surface[n];
     tally.behind[n] |= is_behind ? 1 : 0;
-    tally.shell[n] |= is_behind & (behind_m < kShell_m + slack_m) ? 1 : 0;
+    tally.shell[n] |= (is_behind & (behind_m < kShell_m + slack_m)) ? 1 : 0;
   }
 }
 

@@ -59,9 +59,9 @@ class CarvingView {
                             (depth_m[k] <= std::numeric_limits<float>::max()) &
                             (column.z_m[k] <= depth_m[k] + behind_m_);
       const bool is_before = column.z_m[k] < depth_m[k] - before_m_;
-      votes.free[k] += is_known & is_before ? 1 : 0;
-      votes.object[k] += is_known & !is_before & (is_object[k] != 0) ? 1 : 0;
-      votes.other[k] += is_known & !is_before & (is_object[k] == 0) ? 1 : 0;
+      votes.free[k] += (is_known & is_before) ? 1 : 0;
+      votes.object[k] += (is_known & !is_before & (is_object[k] != 0)) ? 1 : 0;
+      votes.other[k] += (is_known & !is_before & (is_object[k] == 0)) ? 1 : 0;
     }
   }
 

@@ -94,7 +94,7 @@ void FindCosines(const Crosses& crosses, float f, double ray_y, PointColumn& cos
         std::sqrt(x * x + y * y + z * z) * std::sqrt(ray_x * ray_x + ray_y * ray_y + 1.0);
     const auto cosine = static_cast<float>(std::abs(x * ray_x + y * ray_y + z) / length);
     const float bounded = cosine > kMinCosine ? cosine : kMinCosine;
-    cosines[n] = is_smooth & (length > 0) ? bounded : 1.0F;
+    cosines[n] = (is_smooth & (length > 0)) ? bounded : 1.0F;
   }
 }
 
