@@ -130,6 +130,41 @@ inline World MakeWorld(
   return world;
 }
 
+// Edges over more than one keyframe, and loops to every earlier round of so many keyframes, or to
+// two of them, by turns.
+struct RoundEdges {
+  int keyframes_per_round = 0;
+  std::vector<int> gaps;
+  bool two_loops_each = false;
+};
+
+inline void AddMeasured(const RoundEdges& edges,
+                        const Noise& noise,
+                        std::uint64_t seed,
+                        World& world) {
+  Random random(seed, "rounds", 0);
+  const auto measured = [&](int i, int j) {
+    return RelativePose{FrameIdx{i},
+                        FrameIdx{j},
+                        world.world_from_camera[static_cast<std::size_t>(i)].Inverse() *
+                            world.world_from_camera[static_cast<std::size_t>(j)] *
+                            Disturbance(random, noise.translation_m, noise.rotation_rad),
+                        Information(noise.translation_m, noise.rotation_rad),
+                        false};
+  };
+  const int num_frames = static_cast<int>(world.world_from_camera.size());
+  for (int j = 0; j < num_frames; ++j) {
+    for (const int gap : edges.gaps)
+      if (j >= gap) world.odometry.edges.push_back(measured(j - gap, j));
+    const int round = j / edges.keyframes_per_round;
+    for (int back = 1; back <= round; ++back) {
+      const bool in_turn = back == 1 + j % round || back == 1 + (7 * j + 3) % round;
+      if (in_turn || !edges.two_loops_each)
+        world.loops.edges.push_back(measured(j - back * edges.keyframes_per_round, j));
+    }
+  }
+}
+
 inline double TrajectoryError(const std::vector<TrackedFrame>& frames, const World& world) {
   double sum = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {

@@ -58,6 +58,7 @@ Odometry LongPath(int num_keyframes) {
 std::vector<TrackedFrame> Solved(const Odometry& odometry, const Stretches& stretches) {
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
+  robust.max_direct_keyframes = 1000;
   const Result<std::vector<TrackedFrame>> frames = SolveStretches(odometry, robust, stretches);
   EXPECT_TRUE(frames.ok());
   return frames.ok() ? *frames : std::vector<TrackedFrame>{};

@@ -92,7 +92,7 @@ struct GraphOptions {
   int max_iterations = 60;  // per round
   // Graphs of more keyframes are solved by conjugate gradients, in time and memory that grow with
   // the number of edges; up to here a factorisation is as fast.
-  int max_direct_keyframes = 600;
+  int max_direct_keyframes = 200;
   bool interpolate_frames =
       true;  // frames between keyframes: blend of both corrections; else rigid
 };

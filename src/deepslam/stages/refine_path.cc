@@ -79,8 +79,9 @@ Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& od
   // The options of `optimize` are that stage's own: they must not change what tracking is.
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
-  Result<std::vector<TrackedFrame>> solved =
-      SolveStretches(odometry, robust, StretchesFor(inputs.config));
+  const Stretches stretches = StretchesFor(inputs.config);
+  robust.max_direct_keyframes = stretches.num_keyframes;  // without loops the factor stays sparse
+  Result<std::vector<TrackedFrame>> solved = SolveStretches(odometry, robust, stretches);
   std::vector<RelativePose> measured(begin(), odometry.edges.end());
   odometry.edges.erase(begin(), odometry.edges.end());
   if (!solved.ok()) {
