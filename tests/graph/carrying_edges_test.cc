@@ -1,6 +1,7 @@
 #include "deepslam/graph/carrying_edges.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 #include <vector>
@@ -12,9 +13,7 @@
 namespace deepslam::graph {
 namespace {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
-using ::testing::Not;
 
 GraphModel Keyframes(int num_keyframes) {
   GraphModel model;
@@ -45,12 +44,12 @@ GraphModel Rounds(int num_keyframes, int round) {
   return model;
 }
 
-TEST(CarryingEdges, JoinEveryKeyframeWithAtMostTwoEdgesEach) {
+TEST(CarryingEdges, JoinEveryKeyframeWithFewEdges) {
   const GraphModel model = Rounds(100, 20);
   const std::vector<std::size_t> carrying = CarryingEdges(model);
   EXPECT_TRUE(std::ranges::is_sorted(carrying));
   EXPECT_EQ(std::ranges::adjacent_find(carrying), carrying.end());
-  EXPECT_LT(carrying.size(), 2 * model.keyframes.size());
+  EXPECT_LT(carrying.size(), model.keyframes.size() + 10);
   DisjointSets joined(model.keyframes.size());
   for (const std::size_t k : carrying)
     joined.Join(static_cast<std::uint32_t>(model.pose_edges[k].a),
@@ -58,12 +57,18 @@ TEST(CarryingEdges, JoinEveryKeyframeWithAtMostTwoEdgesEach) {
   for (std::uint32_t k = 0; k < 100; ++k) EXPECT_EQ(joined.LeastOf(k), 0U) << k;
 }
 
-TEST(CarryingEdges, AreThePathAndOneRoundBack) {
-  const std::set<std::pair<int, int>> pairs = Pairs(Rounds(70, 20));
-  for (int k = 1; k < 70; ++k) EXPECT_THAT(pairs, Contains(std::pair(k - 1, k)));
-  EXPECT_THAT(pairs, Contains(std::pair(45, 65)));
-  EXPECT_THAT(pairs, Not(Contains(std::pair(25, 65))));
-  EXPECT_THAT(pairs, Not(Contains(std::pair(60, 65))));
+TEST(CarryingEdges, AreThePathAndNowAndThenALoopToTheRoundBefore) {
+  constexpr int kRound = 20;
+  std::set<std::pair<int, int>> pairs = Pairs(Rounds(90, kRound));
+  for (int k = 1; k < 90; ++k) EXPECT_EQ(pairs.erase({k - 1, k}), 1U) << k;
+  std::set<int> newer;
+  for (const auto& [a, b] : pairs) {
+    EXPECT_EQ(b - a, kRound);
+    newer.insert(b);
+  }
+  ASSERT_GE(newer.size(), 4U);
+  for (auto next = std::next(newer.begin()); next != newer.end(); ++next)
+    EXPECT_GT(*next - *std::prev(next), 10);
 }
 
 // Tracking was lost between 2 and 3: what leads over the gap carries, however far it reaches.
@@ -71,15 +76,12 @@ TEST(CarryingEdges, LeadOverABreakByTheShortestWay) {
   GraphModel model = Keyframes(6);
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {3, 4}, {4, 5}})
     Add(EdgeKind::kOdometry, a, b, model);
-  Add(EdgeKind::kLoop, 0, 5, model);
-  Add(EdgeKind::kLoop, 1, 4, model);
-  EXPECT_THAT(Pairs(model),
-              ElementsAre(std::pair(0, 1),
-                          std::pair(0, 5),
-                          std::pair(1, 2),
-                          std::pair(1, 4),
-                          std::pair(3, 4),
-                          std::pair(4, 5)));
+  Add(EdgeKind::kOdometry, 0, 5, model);
+  Add(EdgeKind::kOdometry, 1, 4, model);
+  EXPECT_THAT(
+      Pairs(model),
+      ElementsAre(
+          std::pair(0, 1), std::pair(1, 2), std::pair(1, 4), std::pair(3, 4), std::pair(4, 5)));
 }
 
 TEST(CarryingEdges, HoldAllOfAnObject) {

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
 #include "deepslam/core/disjoint_sets.h"
 
 namespace deepslam::graph {
 namespace {
+
+constexpr int kLoopSpacing = 10;  // keyframes: the factor of closer ones fills and helps no more
 
 // Keyframes between the two.
 int Reach(const PoseEdge& edge) { return std::abs(edge.a - edge.b); }
@@ -21,19 +24,24 @@ std::vector<std::size_t> ShortestFirst(const GraphModel& model) {
   return edges;
 }
 
+bool IsApart(int newer, const std::set<int>& loops) {
+  const auto nearest = loops.lower_bound(newer - kLoopSpacing);
+  return nearest == loops.end() || *nearest > newer + kLoopSpacing;
+}
+
 }  // namespace
 
 std::vector<std::size_t> CarryingEdges(const GraphModel& model) {
   std::vector<std::size_t> carrying;
   DisjointSets joined(model.keyframes.size());
-  std::vector<bool> has_loop(model.keyframes.size());
+  std::set<int> loops;  // their newer keyframes
   for (const std::size_t k : ShortestFirst(model)) {
     const PoseEdge& edge = model.pose_edges[k];
-    const auto [older, newer] =
-        std::minmax({static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b)});
-    const bool joins = joined.Join(older, newer);
-    const bool ties_rounds = !joins && edge.kind == EdgeKind::kLoop && !has_loop[newer];
-    if (ties_rounds) has_loop[newer] = true;
+    const int newer = std::max(edge.a, edge.b);
+    const bool joins =
+        joined.Join(static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b));
+    const bool ties_rounds = !joins && edge.kind == EdgeKind::kLoop && IsApart(newer, loops);
+    if (ties_rounds) loops.insert(newer);
     if (joins || ties_rounds) carrying.push_back(k);
   }
   for (std::size_t k = 0; k < model.pose_edges.size(); ++k) {

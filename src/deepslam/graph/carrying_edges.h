@@ -13,8 +13,8 @@ namespace deepslam::graph {
 
 // Indices into GraphModel::pose_edges, ascending:
 // - of edges between keyframes those of a spanning forest, made of the shortest along the path;
-// - of each keyframe's other loop edges to earlier ones that which reaches back least: it ties a
-//   round to the one before;
+// - of the other loop edges those that reach back least, no two of which end within ten keyframes:
+//   they tie a round to the one before;
 // - all edges to objects.
 [[nodiscard]] std::vector<std::size_t> CarryingEdges(const GraphModel& model);
 
