@@ -1,7 +1,7 @@
 // The edges that carry a graph: those that hold every keyframe near where all edges together hold
 // it, and few enough that the factor of their system stays sparse however often the path comes back
-// to a place. They precondition the solution of large graphs (Dellaert et al. 2010 do so with a
-// subgraph of a bundle adjustment).
+// to a place. They precondition the solution of large graphs (Dellaert et al. 2010,
+// subgraph-preconditioned conjugate gradients for SLAM).
 #pragma once
 
 #include <cstddef>
