@@ -236,6 +236,7 @@ Result<BatchWork> ReadWork(const fs::path& root) {
   if (!config.ok()) return config.error();
   work.config = std::move(config).value();
   work.models = std::make_shared<stages::ModelCache>();
+  work.hashes = std::make_shared<stages::ContentHashes>();
   return work;
 }
 
@@ -287,6 +288,7 @@ Result<CaptureRecord> RunPlanned(const BatchWork& work,
   run.data_folder = work.plan.data_folder;
   run.until = work.plan.until;
   run.models = work.models;
+  run.hashes = work.hashes;
   run.lock_patience_s = WasRequeued() ? kLostNodePatience_s : 0;
   if (work.plan.keep_final) {
     run.keep = kFinalStages;

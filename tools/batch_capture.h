@@ -8,6 +8,7 @@
 #include "deepslam/batch/capture_record.h"
 #include "deepslam/core/result.h"
 #include "deepslam/stages/config.h"
+#include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/model_cache.h"
 
 namespace deepslam::tools {
@@ -18,6 +19,7 @@ struct BatchWork {
   batch::BatchPlan plan;
   stages::Config config;
   std::shared_ptr<stages::ModelCache> models;
+  std::shared_ptr<stages::ContentHashes> hashes;
 };
 
 // Reads the plan in a batch's folder.

@@ -10,9 +10,11 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/store.h"
+#include "deepslam/core/parallel.h"
 #include "deepslam/dataset/kept_frames.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/prepared_models.h"
 
 namespace deepslam::tools {
 namespace {
@@ -26,6 +28,8 @@ constexpr std::string_view kRunFormat = "deepslam/run";
 constexpr int kRunVersion = 1;
 // Decoded frames that stay in memory: 60 of 640 x 480 px.
 constexpr std::size_t kKeptFrameBytes = std::size_t{128} << 20;
+// And 40 models.
+constexpr std::size_t kPreparedModelBytes = std::size_t{64} << 20;
 
 // timing.html beside the report, which opens it in a hidden frame and is told the times: they are
 // no part of any artifact, and a page that was copied away goes without them.
@@ -49,6 +53,20 @@ Status WriteTimingPage(std::span<const pipeline::StageTiming> timings,
                                        "<!DOCTYPE html><meta charset=utf-8><title>times</title>"
                                        "<script>\nparent.postMessage({deepslamTiming: " +
                                            *json + "}, '*');\n</script>\n");
+}
+
+// Opening waits for the disk and works by itself at times, in which models are hashed.
+Result<dataset::Capture> OpenBesideModels(const fs::path& capture,
+                                          const stages::RunInputs& inputs) {
+  Result<dataset::Capture> opened = InvalidInput("");
+  ParallelFor(2, [&](std::size_t n) {
+    if (n == 0) {
+      opened = dataset::OpenCapture(capture);
+    } else {
+      stages::HashModels(inputs, *inputs.hashes);
+    }
+  });
+  return opened;
 }
 
 }  // namespace
@@ -109,14 +127,17 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   if (!record.ok()) return record.error();
   const Result<artifact::Overrides> overrides = ReadOverrides(run.workspace, run.overrides);
   if (!overrides.ok()) return overrides.error();
-  Result<dataset::Capture> opened = dataset::OpenCapture(run.capture);
+  stages::RunInputs inputs{config, *classes, nullptr, run.data_folder, *overrides, run.models};
+  inputs.hashes = run.hashes ? run.hashes : std::make_shared<stages::ContentHashes>();
+  Result<dataset::Capture> opened = OpenBesideModels(run.capture, inputs);
   if (!opened.ok()) return opened.error();
   for (const std::string& warning : opened->warnings) LogWarning(warning);
   opened->frames = dataset::KeepFrames(std::move(opened->frames), kKeptFrameBytes);
   const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
-  const auto inputs = std::make_shared<const stages::RunInputs>(
-      stages::RunInputs{config, *classes, capture, run.data_folder, *overrides, run.models});
-  const std::vector<pipeline::Stage> plan = stages::MakePlan(inputs);
+  inputs.capture = capture;
+  inputs.prepared = std::make_shared<stages::PreparedModels>(kPreparedModelBytes);
+  const std::vector<pipeline::Stage> plan =
+      stages::MakePlan(std::make_shared<const stages::RunInputs>(std::move(inputs)));
   pipeline::RunRequest request;
   request.workspace = run.workspace;
   request.until = run.until;

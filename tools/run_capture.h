@@ -14,6 +14,7 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/stages/config.h"
+#include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/model_cache.h"
 
 namespace deepslam::tools {
@@ -41,7 +42,8 @@ struct CaptureRun {
   std::set<std::string> keep;       // stages whose files stay; empty: all
   std::filesystem::path overrides;  // empty: overrides.yaml of the workspace, if there is one
   int lock_patience_s = 0;          // how long to wait for another run in the workspace
-  std::shared_ptr<stages::ModelCache> models;  // none: models are loaded for this run alone
+  std::shared_ptr<stages::ModelCache> models;     // none: models are loaded for this run alone
+  std::shared_ptr<stages::ContentHashes> hashes;  // of models; none: hashed for this run alone
 };
 
 struct CaptureRunResult {

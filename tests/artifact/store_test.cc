@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/artifact/mapped_file.h"
 #include "deepslam/artifact/store.h"
 #include "deepslam/core/sha256.h"
 #include "support/temp_dir.h"
@@ -92,6 +93,27 @@ TEST(Store, RefusesFoldersAndMissingFiles) {
   const TempDir dir;
   EXPECT_THAT(ReadFile(dir.path()).error().message, HasSubstr("is not a file"));
   EXPECT_EQ(ReadFile(dir.path() / "none").error().code, ErrorCode::kInvalidInput);
+}
+
+TEST(MappedFile, HoldsTheBytesOfAFile) {
+  const TempDir dir;
+  const std::string text(100'000, 'x');
+  WriteText(dir.path() / "large", text);
+  WriteText(dir.path() / "empty", "");
+  Result<MappedFile> large = MappedFile::Open(dir.path() / "large");
+  ASSERT_TRUE(large.ok());
+  std::filesystem::remove(dir.path() / "large");
+  const MappedFile moved = std::move(large).value();
+  EXPECT_EQ(moved.bytes(), text);
+  const Result<MappedFile> empty = MappedFile::Open(dir.path() / "empty");
+  ASSERT_TRUE(empty.ok());
+  EXPECT_TRUE(empty->bytes().empty());
+}
+
+TEST(MappedFile, RefusesWhatReadFileRefuses) {
+  const TempDir dir;
+  for (const std::filesystem::path& file : {dir.path(), dir.path() / "none"})
+    EXPECT_EQ(MappedFile::Open(file).error().message, ReadFile(file).error().message);
 }
 
 TEST(Store, HashesContentNotPlace) {

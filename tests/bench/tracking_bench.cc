@@ -44,9 +44,15 @@ void TrackAndRefine(benchmark::State& state) {
   const FrameSource& frames = *inputs.capture->frames;
   SilentProgress progress;
   for (auto _ : state) {
-    Result<Odometry> odometry = odometry::EstimateOdometry(frames, inputs.config.track, progress);
+    stages::KeyframePyramids pyramids = stages::PyramidsToRefine(inputs);
+    const auto take = [&](odometry::ReadKeyframe keyframe) {
+      pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
+    };
+    Result<Odometry> odometry =
+        odometry::EstimateOdometry(frames, inputs.config.track, progress, take);
     if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
-    const Result<int> num_edges = stages::RefinePath(inputs, progress, *odometry);
+    const Result<int> num_edges =
+        stages::RefinePath(inputs, std::move(pyramids), progress, *odometry);
     if (!num_edges.ok()) return state.SkipWithError(num_edges.error().message.c_str());
   }
   Report(state, frames.num_frames());

@@ -14,6 +14,7 @@
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/parallel_ahead.h"
+#include "deepslam/core/parallel_in_order.h"
 #include "deepslam/core/random.h"
 #include "deepslam/core/result.h"
 #include "deepslam/core/sha256.h"
@@ -115,6 +116,22 @@ TEST(ParallelAhead, UsesNothingAfterAStop) {
       });
   EXPECT_EQ(last, 10U);
   EXPECT_LE(num_prepared, 10 + 1 + 4);
+}
+
+TEST(ParallelInOrder, BeginsEveryIndexOnceAndInOrder) {
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    std::vector<std::atomic<int>> visits(300);
+    std::atomic<std::size_t> num_begun = 0;
+    std::atomic<bool> far_ahead = false;
+    ParallelInOrder(visits.size(), [&](std::size_t i) {
+      // Others may have begun between this body's number and its first line.
+      if (i > num_begun++ + static_cast<std::size_t>(threads)) far_ahead = true;
+      ++visits[i];
+    });
+    for (const auto& v : visits) EXPECT_EQ(v, 1);
+    EXPECT_FALSE(far_ahead);
+  }
 }
 
 TEST(ParallelFor, VisitsEveryIndexOnceForAnyThreadCount) {

@@ -122,6 +122,33 @@ TEST(KeepFrames, KeepsNoMoreThanTheMemoryGiven) {
   EXPECT_EQ(reads[0], 8);
 }
 
+TEST(KeepFrames, DepthThatIsGivenBackIsNotReadAgain) {
+  std::vector<int> reads;
+  const auto kept = KeepFrames(std::make_unique<CountedFrames>(2, reads), 100 * kFrameBytes);
+  Result<Frame> depth = kept->ReadDepth({1});
+  ASSERT_TRUE(depth.ok());
+  kept->GiveBack({1}, std::move(depth->depth_m));
+  for (int turn = 0; turn < 3; ++turn) {
+    const Result<Frame> again = kept->ReadDepth({1});
+    ASSERT_TRUE(again.ok());
+    EXPECT_EQ(again->depth_m, SomeFrames(2)[1].depth_m);
+  }
+  EXPECT_EQ(reads, (std::vector<int>{0, 1}));
+}
+
+TEST(KeepFrames, NoMoreIsGivenBackThanThereIsMemoryFor) {
+  std::vector<int> reads;
+  const auto kept =
+      KeepFrames(std::make_unique<CountedFrames>(2, reads), kWidth * kHeight * sizeof(float));
+  for (const int n : {0, 1}) {
+    Result<Frame> depth = kept->ReadDepth({n});
+    ASSERT_TRUE(depth.ok());
+    kept->GiveBack({n}, std::move(depth->depth_m));
+    ASSERT_TRUE(kept->ReadDepth({n}).ok());
+  }
+  EXPECT_EQ(reads, (std::vector<int>{1, 2}));
+}
+
 TEST(KeepFrames, AnErrorIsNotKept) {
   std::vector<int> reads;
   auto source = std::make_unique<CountedFrames>(2, reads);

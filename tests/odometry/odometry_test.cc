@@ -13,6 +13,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/memory_frame_source.h"
 #include "deepslam/odometry/pose_interpolation.h"
+#include "deepslam/odometry/read_pyramid.h"
 #include "odometry/tracked_sequence.h"
 
 namespace deepslam::odometry {
@@ -206,6 +207,28 @@ TEST(EstimateOdometry, IsByteEqualForAnyNumberOfThreads) {
   ASSERT_EQ(one.edges.size(), two.edges.size());
   for (std::size_t k = 0; k < one.edges.size(); ++k)
     EXPECT_EQ(one.edges[k].information, two.edges[k].information);
+}
+
+// What others would read again.
+TEST(EstimateOdometry, HandsOverKeyframesAsTheyWereRead) {
+  const std::vector<Frame> frames = Render(BoxWorld::Furnished(), Arc(14));
+  const MemoryFrameSource source(kSmallCamera, frames);
+  const OdometryOptions options;
+  SilentProgress progress;
+  std::vector<ReadKeyframe> taken;
+  const auto take = [&](ReadKeyframe keyframe) { taken.push_back(std::move(keyframe)); };
+  const Result<Odometry> odometry = EstimateOdometry(source, options, progress, take);
+  ASSERT_TRUE(odometry.ok());
+  ASSERT_GT(odometry->keyframes.size(), 2U);
+  std::vector<FrameIdx> frames_taken;
+  for (const ReadKeyframe& keyframe : taken) {
+    frames_taken.push_back(keyframe.frame);
+    EXPECT_EQ(keyframe.depth_m, frames[static_cast<std::size_t>(keyframe.frame.value)].depth_m);
+    const Result<ReadFrame> read = ReadPyramid(source, keyframe.frame, options.alignment.pyramid);
+    ASSERT_TRUE(read.ok());
+    EXPECT_EQ(keyframe.pyramid->levels.front().depth_m, read->pyramid.levels.front().depth_m);
+  }
+  EXPECT_EQ(frames_taken, odometry->keyframes);
 }
 
 TEST(EstimateOdometry, RefusesCapturesWithNothingToTrack) {

@@ -112,6 +112,7 @@ TEST(ShapeModel, DistanceOfABoxIsThatOfItsFaces) {
   EXPECT_NEAR(model.Distance({0, 0, 2.0F}), 2.0F - 0.375F, 1e-3F);
   EXPECT_NEAR(model.Distance({1.25F, 1.125F, 0}), std::sqrt(2.0F), 0.02F);
   EXPECT_NEAR(model.bottom(), -0.375F, 1e-6F);
+  EXPECT_EQ(BottomOf(model.grid()), model.bottom());
   EXPECT_TRUE(model.extent().isApprox(Eigen::Vector3f(0.5F, 0.25F, 0.75F), 1e-5F));
 }
 

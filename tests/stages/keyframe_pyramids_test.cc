@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/dataset/memory_frame_source.h"
+#include "deepslam/odometry/read_pyramid.h"
 
 namespace deepslam::stages {
 namespace {
@@ -82,6 +83,36 @@ TEST(KeyframePyramids, MoreThanAreKeptMayBeWanted) {
   KeyframePyramids pyramids(walls, {}, 2);
   EXPECT_THAT(pyramids.Hold(Frames({0, 1, 2, 3, 4})), IsEmpty());
   for (const int n : {0, 1, 2, 3, 4}) EXPECT_FALSE(pyramids[FrameIdx{n}].empty()) << n;
+}
+
+std::shared_ptr<const odometry::FramePyramid> PyramidOf(const FrameSource& frames, int frame) {
+  Result<odometry::ReadFrame> read = odometry::ReadPyramid(frames, FrameIdx{frame}, {});
+  EXPECT_TRUE(read.ok());
+  return std::make_shared<const odometry::FramePyramid>(std::move(read->pyramid));
+}
+
+TEST(KeyframePyramids, WhatWasTakenIsNotReadAgain) {
+  const CountedWalls walls;
+  KeyframePyramids pyramids(walls, {}, 3);
+  for (const int n : {2, 4}) pyramids.Take(FrameIdx{n}, PyramidOf(walls, n));
+  walls.reads = 0;
+  EXPECT_THAT(pyramids.Hold(Frames({0, 2, 4})), IsEmpty());
+  EXPECT_EQ(walls.reads, 1);
+  EXPECT_FLOAT_EQ(pyramids[FrameIdx{4}].levels.front().depth_m.front(), 1.4F);
+}
+
+TEST(KeyframePyramids, WhatWillBeAskedForOutlastsWhatWas) {
+  const CountedWalls walls;
+  KeyframePyramids pyramids(walls, {}, 3);
+  for (const int n : {0, 1, 2, 3}) pyramids.Take(FrameIdx{n}, PyramidOf(walls, n));  // 3: no room
+  walls.reads = 0;
+  EXPECT_THAT(pyramids.Hold(Frames({0})), IsEmpty());
+  EXPECT_THAT(pyramids.Hold(Frames({5})), IsEmpty());  // instead of 0
+  EXPECT_EQ(walls.reads, 1);
+  EXPECT_THAT(pyramids.Hold(Frames({1, 2})), IsEmpty());
+  EXPECT_EQ(walls.reads, 1);
+  EXPECT_THAT(pyramids.Hold(Frames({3, 6, 7})), IsEmpty());  // all others go
+  for (const int n : {3, 6, 7}) EXPECT_FALSE(pyramids[FrameIdx{n}].empty()) << n;
 }
 
 TEST(KeyframePyramids, WhatCannotBeReadIsEmptyAndTold) {

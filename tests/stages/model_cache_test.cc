@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/core/sha256.h"
+#include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/model_cache.h"
 #include "support/temp_dir.h"
 #include "support/tiny_onnx.h"
@@ -70,20 +71,20 @@ TEST(ModelCache, OtherOptionsAreAnotherDetector) {
   EXPECT_EQ(BestScore(**cache.Detector(file, strict)), 0);
 }
 
-TEST(ModelCache, HashesFollowTheFile) {
+TEST(ContentHashes, FollowTheFile) {
   const TempDir dir;
   const fs::path file = dir.path() / "a.txt";
   WriteText(file, "one");
-  ModelCache cache;
-  EXPECT_EQ(*cache.Hash(file), Sha256Hex("one"));
-  EXPECT_EQ(*cache.Hash(file), Sha256Hex("one"));
+  ContentHashes hashes;
+  EXPECT_EQ(*hashes.Of(file), Sha256Hex("one"));
+  EXPECT_EQ(*hashes.Of(file), Sha256Hex("one"));
   WriteText(file, "three");
-  EXPECT_EQ(*cache.Hash(file), Sha256Hex("three"));
-  const std::string folder = *cache.Hash(dir.path());
+  EXPECT_EQ(*hashes.Of(file), Sha256Hex("three"));
+  const std::string folder = *hashes.Of(dir.path());
   WriteText(dir.path() / "deep" / "b.txt", "x");
-  EXPECT_NE(*cache.Hash(dir.path()), folder);
+  EXPECT_NE(*hashes.Of(dir.path()), folder);
   fs::remove(file);
-  EXPECT_FALSE(cache.Hash(file).ok());
+  EXPECT_FALSE(hashes.Of(file).ok());
 }
 
 TEST(ModelCache, FaultsNameTheFile) {

@@ -63,7 +63,7 @@ class RefineTheWinner : public testing::Test {
     const int id = static_cast<int>(contest_.candidates.size());
     ShapeCandidate candidate = CandidateFor(0.5, max_size_m, 0, id);
     candidate.model = "model_" + std::to_string(id);
-    contest_.models.merge(PrepareModels({{candidate.model, grid}}));
+    contest_.models.merge(PrepareModels({}, {{candidate.model, grid}}));
     contest_.candidates.push_back(candidate);
     contest_.registrations.push_back(registration);
     contest_.registrations.back().candidate = candidate.id;
@@ -290,7 +290,7 @@ TEST(CompleteBest, IsAsLargeAsItWasMeasured) {
   const std::vector<ObjectView> views = world.Views({0.2, 1.1, 2.0, 2.9, 3.8, 4.7, 5.6});
   Contest contest = {ObjectId{3}, "chair", {}, {}, {}, {}, {}};
   contest.candidates.push_back(CandidateFor(0.8 * kSize_m, 1.2 * kSize_m));
-  contest.models = PrepareModels({{"model", ChairGrid()}});
+  contest.models = PrepareModels({}, {{"model", ChairGrid()}});
   contest.registrations.push_back(PlacedAt(world.world_from_object(), views));
   ScoreAll(views, {}, contest);
   Proposals all;

@@ -10,35 +10,18 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "deepslam/artifact/file_descriptor.h"
 #include "deepslam/core/sha256.h"
 
 namespace deepslam::artifact {
 namespace {
 
 namespace fs = std::filesystem;
-
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd) : fd_(fd) {}
-  ~FileDescriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-  int Close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return ::close(fd);
-  }
-
- private:
-  int fd_;
-};
 
 std::string Remedy(int error) {
   switch (error) {
@@ -115,8 +98,8 @@ bool IsLeftAside(const std::string& name) {
 
 }  // namespace
 
-Result<std::string> ReadFile(const fs::path& file) {
-  const FileDescriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+Result<FileToRead> OpenToRead(const fs::path& file) {
+  FileDescriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (fd.get() < 0)
     return InvalidInput(fmt::format("{}: cannot open: {}", file.string(), std::strerror(errno)));
   struct stat status {};
@@ -129,10 +112,16 @@ Result<std::string> ReadFile(const fs::path& file) {
                                     status.st_size,
                                     kMaxFileBytes));
   }
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  return FileToRead{std::move(fd), static_cast<std::size_t>(status.st_size)};
+}
+
+Result<std::string> ReadFile(const fs::path& file) {
+  const Result<FileToRead> opened = OpenToRead(file);
+  if (!opened.ok()) return opened.error();
+  std::string bytes(opened->num_bytes, '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t got = ::read(fd.get(), bytes.data() + done, bytes.size() - done);
+    const ssize_t got = ::read(opened->fd.get(), bytes.data() + done, bytes.size() - done);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
       return InvalidInput(fmt::format("{}: cannot read: {}", file.string(), std::strerror(errno)));

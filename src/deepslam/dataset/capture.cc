@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/dataset/capture_frame_source.h"
 #include "deepslam/dataset/doubts.h"
 #include "deepslam/dataset/file_frames.h"
@@ -53,6 +54,19 @@ Status Probe(const FrameSource& frames, const fs::path& folder) {
                                   first_error->message));
 }
 
+// Some, of frames spread over the capture that can be read.
+std::vector<DepthImage> DepthsAcross(const FrameSource& frames) {
+  const int num_looks = std::min(kNumDoubtedFrames, frames.num_frames());
+  std::vector<DepthImage> depths_m(static_cast<std::size_t>(num_looks));
+  ParallelFor(depths_m.size(), [&](std::size_t n) {
+    const FrameIdx idx{static_cast<int>(n) * (frames.num_frames() / num_looks)};
+    Result<Frame> frame = frames.ReadDepth(idx);
+    if (frame) depths_m[n] = std::move(frame->depth_m);
+  });
+  std::erase_if(depths_m, [](const DepthImage& depth_m) { return depth_m.empty(); });
+  return depths_m;
+}
+
 // Of what is not wrong for sure.
 std::vector<std::string> AllDoubts(const Capture& capture) {
   std::vector<std::string> doubts = CameraDoubts(capture.frames->camera());
@@ -64,14 +78,7 @@ std::vector<std::string> AllDoubts(const Capture& capture) {
     for (const StoredFrame& frame : capture.stored->frames()) times_s.push_back(frame.depth_time_s);
     add(TimeDoubts(times_s));
   }
-  std::vector<DepthImage> depths_m;
-  const int num_frames = capture.frames->num_frames();
-  const int num_looks = std::min(kNumDoubtedFrames, num_frames);
-  for (int i = 0; i < num_looks; ++i) {
-    Result<Frame> frame = capture.frames->ReadDepth(FrameIdx{i * (num_frames / num_looks)});
-    if (frame) depths_m.push_back(std::move(frame->depth_m));
-  }
-  add(DepthDoubts(depths_m));
+  add(DepthDoubts(DepthsAcross(*capture.frames)));
   return doubts;
 }
 

@@ -21,12 +21,13 @@ class KeptImages {
   // An image that was read; `free_bytes` shrinks when it is kept.
   void Offer(FrameIdx frame, const Image<T>& image, std::size_t& free_bytes) {
     Entry& entry = entries_[static_cast<std::size_t>(frame.value)];
-    const std::size_t num_bytes = sizeof(T) * image.size();
-    if (entry.asked && !entry.image && num_bytes <= free_bytes) {
-      entry.image = std::make_shared<const Image<T>>(image);
-      free_bytes -= num_bytes;
-    }
+    if (entry.asked && IsWanted(entry, image, free_bytes)) Keep(image, entry, free_bytes);
     entry.asked = true;
+  }
+  // One that nobody else needs.
+  void TakeBack(FrameIdx frame, Image<T> image, std::size_t& free_bytes) {
+    Entry& entry = entries_[static_cast<std::size_t>(frame.value)];
+    if (IsWanted(entry, image, free_bytes)) Keep(std::move(image), entry, free_bytes);
   }
 
  private:
@@ -34,6 +35,16 @@ class KeptImages {
     bool asked = false;
     std::shared_ptr<const Image<T>> image;
   };
+
+  static std::size_t NumBytes(const Image<T>& image) { return sizeof(T) * image.size(); }
+  static bool IsWanted(const Entry& entry, const Image<T>& image, std::size_t free_bytes) {
+    return !entry.image && NumBytes(image) <= free_bytes;
+  }
+  static void Keep(Image<T> image, Entry& entry, std::size_t& free_bytes) {
+    free_bytes -= NumBytes(image);
+    entry.image = std::make_shared<const Image<T>>(std::move(image));
+  }
+
   std::vector<Entry> entries_;
 };
 
@@ -75,6 +86,11 @@ class KeptFrameSource final : public FrameSource {
     Result<Frame> read = frames_->ReadColour(frame);
     if (read.ok()) Offer(colour_, frame, read->colour);
     return read;
+  }
+
+  void GiveBack(FrameIdx frame, DepthImage depth_m) const override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    depth_m_.TakeBack(frame, std::move(depth_m), free_bytes_);
   }
 
   // Not made of a kept colour: what a decoder makes of the file may be rounded otherwise.

@@ -1,9 +1,9 @@
 // Frames that are looked at again and again stay decoded.
 //
 // A run reads every frame once to track it, and its keyframes in most stages after that. An image
-// (colour or depth) stays in memory from the second time it is asked for until the memory given is
-// full; what is kept then stays, since stages go through their frames in turn, and of a turn the
-// oldest is needed next.
+// (colour or depth) stays in memory from the second time it is asked for, or from when it is given
+// back, until the memory given is full; what is kept then stays, since stages go through their
+// frames in turn, and of a turn the oldest is needed next.
 #pragma once
 
 #include <cstddef>

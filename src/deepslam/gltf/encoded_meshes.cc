@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 
 #include "deepslam/gltf/check_scene.h"
 
@@ -9,6 +10,9 @@ namespace deepslam::gltf {
 
 EncodedMeshes::EncodedMeshes(const std::vector<Wanted>& wanted) {
   for (const Wanted& mesh : wanted) entries_.push_back({mesh, {}});
+  std::ranges::stable_sort(entries_, std::greater(), [](const Entry& entry) {
+    return entry.wanted.source->faces.size();
+  });
 }
 
 // What a library throws here it throws to the writer of the file again, which is left to say it.

@@ -18,7 +18,7 @@ struct EncodedMesh {
   std::optional<Result<DracoPayload>> draco;  // nothing: not compressed yet
 };
 
-// Two calls for different meshes may run side by side.
+// Two calls for different meshes may run side by side. The largest comes first.
 class EncodedMeshes {
  public:
   struct Wanted {

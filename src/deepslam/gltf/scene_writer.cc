@@ -12,7 +12,7 @@
 #include <sstream>
 #include <utility>
 
-#include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_in_order.h"
 #include "deepslam/core/utf8.h"
 #include "deepslam/gltf/check_scene.h"
 #include "deepslam/gltf/draco_mesh.h"
@@ -547,7 +547,7 @@ std::vector<Result<std::string>> WriteGlbs(const GltfScene& scene,
                                            const GltfOptions& options,
                                            std::span<const GlbKind> kinds) {
   EncodedMeshes meshes(MeshesOf(scene, options));
-  ParallelFor(meshes.size(), [&](std::size_t n) { meshes.Render(n); });
+  ParallelInOrder(meshes.size(), [&](std::size_t n) { meshes.Render(n); });
   std::vector<Result<std::string>> files(kinds.size(), Result<std::string>(std::string()));
   // Files without compression are written while meshes are compressed for the others.
   std::vector<std::function<void()>> first, then;
@@ -561,7 +561,7 @@ std::vector<Result<std::string>> WriteGlbs(const GltfScene& scene,
     });
   }
   for (const auto& tasks : {std::cref(first), std::cref(then)})
-    ParallelFor(tasks.get().size(), [&](std::size_t n) { tasks.get()[n](); });
+    ParallelInOrder(tasks.get().size(), [&](std::size_t n) { tasks.get()[n](); });
   return files;
 }
 

@@ -208,17 +208,15 @@ struct DepthReduction {
         tolerance(kSameSurfaceSigmas * noise.SigmaM(0.4F)),
         block(static_cast<std::size_t>(by * by)) {}
 
-  // Of the `factor` rows of pixels of which `depth` is the first one.
-  void Reduce(const float* depth, int width, std::vector<float>& out) {
+  // `size` blocks of the `factor` rows of pixels of which `depth` is the first one.
+  void Reduce(const float* depth, int width, int size, float* out) {
     constexpr int kRun = 32;
-    const int size = static_cast<int>(out.size());
     for (int begin = 0; begin < size; begin += kRun) {
       const int end = std::min(size, begin + kRun);
       if (factor == 2) {
-        ReduceByTwo(depth, width, begin, end, out.data());
+        ReduceByTwo(depth, width, begin, end, out);
       } else {
-        for (int u = begin; u < end; ++u)
-          out[static_cast<std::size_t>(u)] = OfBlock(depth + factor * u, width);
+        for (int u = begin; u < end; ++u) out[u] = OfBlock(depth + factor * u, width);
       }
     }
   }
@@ -260,20 +258,17 @@ struct DepthReduction {
   std::vector<float> block;  // what is valid of it first
 };
 
-std::vector<float> ReduceDepth(const float* depth,
-                               int width,
-                               const PinholeCamera& reduced,
-                               int factor,
-                               const PyramidOptions& options,
-                               double noise_scale) {
+UnfilledVector<float> ReduceDepth(const float* depth,
+                                  int width,
+                                  const PinholeCamera& reduced,
+                                  int factor,
+                                  const PyramidOptions& options,
+                                  double noise_scale) {
   DepthReduction reduction(factor, options, noise_scale);
-  std::vector<float> result;
-  result.reserve(NumTexels(reduced));
-  std::vector<float> row(static_cast<std::size_t>(reduced.width));
+  UnfilledVector<float> result(NumTexels(reduced));
   for (int v = 0; v < reduced.height; ++v) {
     const float* const first = depth + static_cast<std::ptrdiff_t>(v) * factor * width;
-    reduction.Reduce(first, width, row);
-    result.insert(result.end(), row.begin(), row.end());
+    reduction.Reduce(first, width, reduced.width, result.data() + Offset(reduced, 0, v));
   }
   return result;
 }
@@ -385,18 +380,16 @@ int WindowRadius(double noise_scale) {
 // Weighted mean over a window of what lies on the same surface (a bilateral filter with the depth
 // noise as range). The slope of white noise smoothed over a window falls with the window's area, so
 // an area in proportion to the noise keeps the normals as good as they are at scale 1.
-std::vector<float> SmoothDepth(const std::vector<float>& depth,
-                               const PinholeCamera& camera,
-                               const DepthNoise& model,
-                               double noise_scale) {
+UnfilledVector<float> SmoothDepth(const UnfilledVector<float>& depth,
+                                  const PinholeCamera& camera,
+                                  const DepthNoise& model,
+                                  double noise_scale) {
   const DepthNoise noise = model.Scaled(noise_scale);
   const int radius = WindowRadius(noise_scale);
   const float spread = 4.5F * static_cast<float>(noise_scale);
   const std::size_t width = static_cast<std::size_t>(camera.width);
-  std::vector<float> result;
-  result.reserve(depth.size());
+  UnfilledVector<float> result(depth.size());
   WindowSums sums(width);
-  std::vector<float> out(width);
   const std::size_t taps = static_cast<std::size_t>(2 * radius + 1);
   const std::vector<float> tap_weights = TapWeights(radius, spread);
   for (int v = 0; v < camera.height; ++v) {
@@ -415,21 +408,20 @@ std::vector<float> SmoothDepth(const std::vector<float>& depth,
       const float* const row = depth.data() + Offset(camera, 0, v + dv);
       AddTaps(centre, row, {of_row, taps}, camera.width, sums);
     }
+    float* const out = result.data() + Offset(camera, 0, v);
+#pragma GCC ivdep
     for (std::size_t u = 0; u < width; ++u)
       out[u] = centre[u] > 0 ? centre[u] + sums.difference[u] / sums.weight[u] : 0.0F;
-    result.insert(result.end(), out.begin(), out.end());
   }
   return result;
 }
 
-// Numbers of a row's texels, one array per quantity so that loops are vectorised; then one row of
-// texels, to be copied at once.
+// Numbers of a row's texels, one array per quantity so that loops are vectorised; then texels.
 template <typename Texel>
 class TexelRow {
  public:
-  explicit TexelRow(int width)
-      : size_(static_cast<std::size_t>(width)), texels_(WholeFours(size_) + 1) {
-    for (std::vector<float>& numbers : numbers_) numbers.resize(WholeFours(size_));
+  explicit TexelRow(int width) : size_(static_cast<std::size_t>(width)) {
+    for (std::vector<float>& numbers : numbers_) numbers.resize(size_);
   }
 
   [[nodiscard]] float* operator[](std::size_t quantity) { return numbers_[quantity].data(); }
@@ -437,9 +429,10 @@ class TexelRow {
   void Clear() {
     for (std::vector<float>& numbers : numbers_) std::ranges::fill(numbers, 0.0F);
   }
-  void AppendTo(std::vector<Texel>& image) {
-    float* to = &FirstOf(texels_.front());
-    for (std::size_t k = 0; k < size_; k += 4, to += 4 * kNumbers) {
+  void WriteTo(Texel* texels_of_row) const {
+    float* to = &FirstOf(*texels_of_row);
+    std::size_t k = 0;
+    for (; k + 4 < size_; k += 4, to += 4 * kNumbers) {
       const FourByFour texels = Transposed({FourFrom(&numbers_[0][k]),
                                             FourFrom(&numbers_[1][k]),
                                             FourFrom(&numbers_[2][k]),
@@ -450,20 +443,19 @@ class TexelRow {
       WriteFour(texels.c, to + 2 * kNumbers);
       WriteFour(texels.d, to + 3 * kNumbers);
     }
-    image.insert(
-        image.end(), texels_.begin(), texels_.begin() + static_cast<std::ptrdiff_t>(size_));
+    for (; k < size_; ++k) {
+      for (const std::vector<float>& numbers : numbers_) *to++ = numbers[k];
+    }
   }
 
  private:
   static constexpr std::size_t kNumbers = sizeof(Texel) / sizeof(float);
   static_assert(kNumbers == 3 || kNumbers == 4);
-  static constexpr std::size_t WholeFours(std::size_t size) { return (size + 3) / 4 * 4; }
   static float& FirstOf(SurfaceTexel& texel) { return texel.nx; }
   static float& FirstOf(IntensityTexel& texel) { return texel.value; }
 
   std::size_t size_;
   std::array<std::vector<float>, kNumbers> numbers_;
-  std::vector<Texel> texels_;
 };
 
 // A texel has a normal where the three texels in its row and in its column lie on one surface, a
@@ -517,8 +509,7 @@ void ComputeRow(const PyramidLevel& level,
 // Row by row, so that each texel is written once. Gives the number of texels with a normal.
 int ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
   const PinholeCamera& camera = level.camera;
-  level.surface.clear();
-  level.surface.reserve(NumTexels(camera));
+  level.surface.resize(NumTexels(camera));
   TexelRow<SurfaceTexel> row(camera.width);
   int num_normals = 0;
   for (int v = 0; v < camera.height; ++v) {
@@ -530,16 +521,15 @@ int ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
     }
     const float* const offset_m = row[3];
     for (int u = 0; u < camera.width; ++u) num_normals += offset_m[u] < 0 ? 1 : 0;
-    row.AppendTo(level.surface);
+    row.WriteTo(level.surface.data() + Offset(camera, 0, v));
   }
   return num_normals;
 }
 
 // The image and its derivatives, which are 0 at the border.
-std::vector<IntensityTexel> WithGradients(const BrightnessImage& image) {
+UnfilledVector<IntensityTexel> WithGradients(const BrightnessImage& image) {
   const int width = image.width(), height = image.height();
-  std::vector<IntensityTexel> result;
-  result.reserve(image.size());
+  UnfilledVector<IntensityTexel> result(image.size());
   TexelRow<IntensityTexel> texels(width);
   float *const value = texels[0], *const du = texels[1], *const dv = texels[2];
   for (int v = 0; v < height; ++v) {
@@ -552,7 +542,7 @@ std::vector<IntensityTexel> WithGradients(const BrightnessImage& image) {
       du[u] = inside ? 0.5F * (row[u + 1] - row[u - 1]) : 0.0F;
       dv[u] = 0.5F * (below[u] - above[u]);
     }
-    texels.AppendTo(result);
+    texels.WriteTo(result.data() + static_cast<std::ptrdiff_t>(v) * width);
   }
   return result;
 }

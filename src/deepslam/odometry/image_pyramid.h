@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "deepslam/core/options.h"
+#include "deepslam/core/unfilled.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/scene/frame.h"
 
@@ -55,9 +56,9 @@ struct IntensityTexel {
 // All images are row-major, width * height.
 struct PyramidLevel {
   PinholeCamera camera;
-  std::vector<float> depth_m;  // 0 = invalid
-  std::vector<SurfaceTexel> surface;
-  std::vector<IntensityTexel> intensity;  // empty when the frame had no colour
+  UnfilledVector<float> depth_m;  // 0 = invalid
+  UnfilledVector<SurfaceTexel> surface;
+  UnfilledVector<IntensityTexel> intensity;  // empty when the frame had no colour
 };
 
 struct FramePyramid {

@@ -189,7 +189,7 @@ std::shared_ptr<const FramePyramid> WithoutMoved(const PlacedPyramid& frame,
   const Mask moved = WithWhatHangsOn(Where(testimony.seen_through, 1, kMinTogether, true),
                                      testimony.told,
                                      LevelOf(*frame.pyramid));
-  const std::vector<float>& depth_m = LevelOf(*frame.pyramid).depth_m;
+  const UnfilledVector<float>& depth_m = LevelOf(*frame.pyramid).depth_m;
   const auto num_valid = std::ranges::count_if(depth_m, [](float z) { return z > 0; });
   const auto num_moved = std::ranges::count(moved, std::uint8_t{1});
   if (static_cast<double>(num_moved) <= kMinShare * static_cast<double>(num_valid))

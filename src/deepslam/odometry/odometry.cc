@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,13 +25,15 @@ constexpr int kMaxWarnings = 10;
 
 struct PreparedFrame {
   std::shared_ptr<const FramePyramid> pyramid;  // null: unreadable
+  DepthImage depth_m;
   std::string fault;
 };
 
 PreparedFrame Prepare(const FrameSource& frames, FrameIdx idx, const OdometryOptions& options) {
-  Result<FramePyramid> pyramid = ReadPyramid(frames, idx, options.alignment.pyramid);
-  if (!pyramid.ok()) return {nullptr, pyramid.error().message};
-  return {std::make_shared<const FramePyramid>(std::move(pyramid).value()), {}};
+  Result<ReadFrame> read = ReadPyramid(frames, idx, options.alignment.pyramid);
+  if (!read.ok()) return {nullptr, {}, read.error().message};
+  return {
+      std::make_shared<const FramePyramid>(std::move(read->pyramid)), std::move(read->depth_m), {}};
 }
 
 class FaultCount {
@@ -54,8 +58,11 @@ class FaultCount {
 // Aligns frames in their order while the next ones are decoded.
 class Pipeline {
  public:
-  Pipeline(const FrameSource& frames, const OdometryOptions& options, Progress& progress)
-      : frames_(frames), options_(options), progress_(progress), tracker_(options) {}
+  Pipeline(const FrameSource& frames,
+           const OdometryOptions& options,
+           Progress& progress,
+           const std::function<void(ReadKeyframe)>& take)
+      : frames_(frames), options_(options), progress_(progress), take_(take), tracker_(options) {}
 
   Result<Odometry> Run() {
     const std::size_t num_frames = static_cast<std::size_t>(frames_.num_frames());
@@ -81,7 +88,16 @@ class Pipeline {
 
   void Align(FrameIdx frame, PreparedFrame prepared) {
     if (prepared.pyramid == nullptr) faults_.Add(frame, prepared.fault, progress_);
-    tracker_.Add(frame, frames_.time_s(frame), std::move(prepared.pyramid));
+    tracker_.Add(frame, frames_.time_s(frame), prepared.pyramid);
+    if (take_) HandOver({frame, std::move(prepared.pyramid), std::move(prepared.depth_m)});
+  }
+
+  // Whether a frame is a keyframe is known with the next one at the latest, but for a few.
+  void HandOver(ReadKeyframe frame) {
+    const std::optional<FrameIdx> newest = tracker_.newest_keyframe();
+    if (before_.pyramid && newest == before_.frame) take_(std::exchange(before_, {}));
+    before_ = std::move(frame);
+    if (before_.pyramid && newest == before_.frame) take_(std::exchange(before_, {}));
   }
 
   Result<Odometry> Conclude(std::size_t num_frames) {
@@ -103,7 +119,9 @@ class Pipeline {
   const FrameSource& frames_;
   const OdometryOptions& options_;
   Progress& progress_;
+  const std::function<void(ReadKeyframe)>& take_;
   Tracker tracker_;
+  ReadKeyframe before_;  // the frame before, while it may still become one
   FaultCount faults_;
 };
 
@@ -111,9 +129,10 @@ class Pipeline {
 
 Result<Odometry> EstimateOdometry(const FrameSource& frames,
                                   const OdometryOptions& options,
-                                  Progress& progress) {
+                                  Progress& progress,
+                                  const std::function<void(ReadKeyframe)>& take) {
   if (frames.num_frames() <= 0) return InvalidInput("the capture has no frames");
-  return Pipeline(frames, options, progress).Run();
+  return Pipeline(frames, options, progress, take).Run();
 }
 
 void Describe(OptionsVisitor& visitor, OdometryOptions& options) {

@@ -13,6 +13,8 @@
 // on the length of the capture. Same result for any thread count.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "deepslam/core/options.h"
@@ -46,11 +48,20 @@ struct OdometryOptions {
 
 void Describe(OptionsVisitor& visitor, OdometryOptions& options);
 
-// Stage `track`. InvalidInput when no frame, or less than half of them, could be read, or none has
-// usable depth.
+// A keyframe as it was read, for who looks at it next: nothing is hidden from its pyramid.
+struct ReadKeyframe {
+  FrameIdx frame;
+  std::shared_ptr<const FramePyramid> pyramid;
+  DepthImage depth_m;
+};
+
+// Stage `track`. `take` is given keyframes as they are found, in their order and one at a time:
+// most of them, and some that are given up later. InvalidInput when no frame, or less than half of
+// them, could be read, or none has usable depth.
 [[nodiscard]] Result<Odometry> EstimateOdometry(const FrameSource& frames,
                                                 const OdometryOptions& options,
-                                                Progress& progress);
+                                                Progress& progress,
+                                                const std::function<void(ReadKeyframe)>& take = {});
 
 // The poses that came with the capture, in the tracking world (--poses capture). Frames without one
 // are interpolated between their neighbours (kLost); keyframes by the same rule of distance and

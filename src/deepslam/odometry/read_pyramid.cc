@@ -4,18 +4,18 @@
 
 namespace deepslam::odometry {
 
-Result<FramePyramid> ReadPyramid(const FrameSource& frames,
-                                 FrameIdx frame,
-                                 const PyramidOptions& options) {
+Result<ReadFrame> ReadPyramid(const FrameSource& frames,
+                              FrameIdx frame,
+                              const PyramidOptions& options) {
   const PinholeCamera& camera = frames.camera();
-  const Result<Frame> depth = frames.ReadDepth(frame);
+  Result<Frame> depth = frames.ReadDepth(frame);
   if (!depth.ok()) return depth.error();
   const Result<BrightnessImage> brightness =
       frames.ReadBrightness(frame, WorkReduction(camera, options));
   if (!brightness.ok()) return brightness.error();
   FramePyramid pyramid = BuildPyramid(depth->depth_m, *brightness, camera, options);
   if (pyramid.empty()) return InvalidInput("depth image has not the size of the camera");
-  return pyramid;
+  return ReadFrame{std::move(pyramid), std::move(depth->depth_m)};
 }
 
 }  // namespace deepslam::odometry

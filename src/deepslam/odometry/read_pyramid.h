@@ -9,9 +9,14 @@
 
 namespace deepslam::odometry {
 
-// Never empty. An error where the frame cannot be read or its depth has not the camera's size.
-[[nodiscard]] Result<FramePyramid> ReadPyramid(const FrameSource& frames,
-                                               FrameIdx frame,
-                                               const PyramidOptions& options);
+struct ReadFrame {
+  FramePyramid pyramid;  // never empty
+  DepthImage depth_m;    // what it was made of
+};
+
+// An error where the frame cannot be read or its depth has not the camera's size.
+[[nodiscard]] Result<ReadFrame> ReadPyramid(const FrameSource& frames,
+                                            FrameIdx frame,
+                                            const PyramidOptions& options);
 
 }  // namespace deepslam::odometry

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -115,18 +116,31 @@ double Correlation(const CentredImage& i, const CentredImage& j, int shift_u, in
   return (product / count - mean_i * mean_j) / std::sqrt(var_i * var_j);
 }
 
+// Small overlaps correlate by chance: this shrinks them.
+double OverlapFactor(const PinholeCamera& camera, int u, int v) {
+  const double overlap = (1 - std::abs(u) / static_cast<double>(camera.width)) *
+                         (1 - std::abs(v) / static_cast<double>(camera.height));
+  return std::sqrt(overlap);
+}
+
 Shift BestShift(const PyramidLevel& i, const PyramidLevel& j) {
+  // No correlation is above 1, but for rounding.
+  constexpr double kMostCorrelation = 1.0001;
   const int max_u = static_cast<int>(kMaxShiftShare * i.camera.width);
   const int max_v = static_cast<int>(kMaxShiftShare * i.camera.height);
   const CentredImage centred_i(i), centred_j(j);
+  const auto correlation = [&](int u, int v) {
+    return Correlation(centred_i, centred_j, u, v) * OverlapFactor(i.camera, u, v);
+  };
+  // Images that follow each other leave few shifts that could be better than none.
+  const double of_none = correlation(0, 0);
   Shift best;
   for (int v = -max_v; v <= max_v; ++v) {
     for (int u = -max_u; u <= max_u; ++u) {
-      // Small overlaps correlate by chance: shrink them.
-      const double overlap = (1 - std::abs(u) / static_cast<double>(i.camera.width)) *
-                             (1 - std::abs(v) / static_cast<double>(i.camera.height));
-      const double correlation = Correlation(centred_i, centred_j, u, v) * std::sqrt(overlap);
-      if (correlation > best.correlation) best = {u, v, correlation};
+      const double most = kMostCorrelation * OverlapFactor(i.camera, u, v);
+      if (most < std::max(of_none, best.correlation)) continue;
+      const double found = correlation(u, v);
+      if (found > best.correlation) best = {u, v, found};
     }
   }
   return best;
@@ -146,42 +160,123 @@ struct RotationSystem {
   int count = 0;
 };
 
-RotationSystem BuildRotationSystem(const PyramidLevel& i,
-                                   const PyramidLevel& j,
-                                   const Eigen::Quaterniond& i_from_j) {
-  const PinholeCamera& camera = i.camera;
-  RotationSystem system;
-  for (int v = 1; v + 1 < camera.height; ++v) {
-    for (int u = 1; u + 1 < camera.width; ++u) {
-      const Eigen::Vector3d ray = i_from_j * camera.Ray(u, v);
-      const auto pixel = camera.Project(ray);
-      if (!pixel || pixel->x() < 1 || pixel->y() < 1 || pixel->x() >= camera.width - 2 ||
-          pixel->y() >= camera.height - 2) {
-        continue;
-      }
-      const std::size_t width = static_cast<std::size_t>(camera.width);
-      const std::size_t target = static_cast<std::size_t>(pixel->y() + 0.5) * width +
-                                 static_cast<std::size_t>(pixel->x() + 0.5);
-      const IntensityTexel& to = i.intensity[target];
-      const IntensityTexel& from =
-          j.intensity[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)];
-      // First order from the nearest texel's centre.
-      const double offset_u = pixel->x() - std::floor(pixel->x() + 0.5);
-      const double offset_v = pixel->y() - std::floor(pixel->y() + 0.5);
-      const double du = static_cast<double>(to.du), dv = static_cast<double>(to.dv);
-      const double residual = static_cast<double>(to.value) + du * offset_u + dv * offset_v -
-                              static_cast<double>(from.value);
-      const double gx = du * camera.fx / ray.z(), gy = dv * camera.fy / ray.z();
-      const Eigen::Vector3d direction(gx, gy, -(gx * ray.x() + gy * ray.y()) / ray.z());
-      const Eigen::Vector3d jacobian = ray.cross(direction);
+// Numbers of a row of j's texels turned into camera i, one array per quantity so that loops are
+// vectorised.
+class TurnedRow {
+ public:
+  explicit TurnedRow(const PinholeCamera& camera)
+      : camera_(camera), width_(static_cast<std::size_t>(camera.width)), target_(width_) {
+    for (std::vector<double>& numbers : numbers_) numbers.resize(width_);
+  }
+
+  // Where the texels of row v lie in image i; target -1 outside it.
+  void Turn(const Eigen::Quaterniond& i_from_j, int v) {
+    const Eigen::Vector3d axis = i_from_j.vec();
+    const double w = i_from_j.w(), ax = axis.x(), ay = axis.y(), az = axis.z();
+    const double fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
+    const double right = camera_.width - 2, bottom = camera_.height - 2;
+    const double y = (v - cy) / fy;
+    double *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
+    double *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
+    std::int32_t* const target = target_.data();
+    const std::int32_t width = camera_.width;
+#pragma GCC ivdep
+    for (std::int32_t u = 1; u < width - 1; ++u) {
+      const double x = (u - cx) / fx;
+      double tx = ay - az * y, ty = az * x - ax, tz = ax * y - ay * x;  // axis x ray
+      tx += tx;
+      ty += ty;
+      tz += tz;
+      rx[u] = x + w * tx + (ay * tz - az * ty);
+      ry[u] = y + w * ty + (az * tx - ax * tz);
+      rz[u] = 1.0 + w * tz + (ax * ty - ay * tx);
+      const bool in_front = rz[u] > 1e-6;
+      const double at_u = in_front ? fx * rx[u] / rz[u] + cx : 0.0;
+      const double at_v = in_front ? fy * ry[u] / rz[u] + cy : 0.0;
+      const bool inside = (at_u >= 1) & (at_v >= 1) & (at_u < right) & (at_v < bottom);
+      const auto nearest_u = static_cast<std::int32_t>(inside ? at_u + 0.5 : 0.0);
+      const auto nearest_v = static_cast<std::int32_t>(inside ? at_v + 0.5 : 0.0);
+      off_u[u] = at_u - nearest_u;
+      off_v[u] = at_v - nearest_v;
+      target[u] = inside ? nearest_v * width + nearest_u : -1;
+    }
+  }
+
+  // Residuals to first order from the nearest texel's centre, their weights and Jacobians.
+  void Compare(const UnfilledVector<IntensityTexel>& i, const IntensityTexel* row_of_j) {
+    double *const value = (*this)[kResidual], *const du = (*this)[kDu], *const dv = (*this)[kDv];
+    for (std::size_t u = 1; u + 1 < width_; ++u) {
+      const IntensityTexel& to = i[static_cast<std::size_t>(std::max(0, target_[u]))];
+      value[u] = static_cast<double>(to.value);
+      du[u] = static_cast<double>(to.du);
+      dv[u] = static_cast<double>(to.dv);
+    }
+    const double fx = camera_.fx, fy = camera_.fy;
+    double *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
+    double *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
+    double* const weight = (*this)[kWeight];
+#pragma GCC ivdep
+    for (std::size_t u = 1; u < width_ - 1; ++u) {
+      const double residual =
+          value[u] + du[u] * off_u[u] + dv[u] * off_v[u] - static_cast<double>(row_of_j[u].value);
+      const double x = rx[u], y = ry[u], z = rz[u];
+      const double gx = du[u] * fx / z, gy = dv[u] * fy / z;
+      const double gz = -(gx * x + gy * y) / z;
       // Huber at 15 grey levels: exposure and parallax leave residuals of that order at this
       // resolution.
-      const double weight = std::abs(residual) > 15 ? 15 / std::abs(residual) : 1.0;
+      weight[u] = std::abs(residual) > 15 ? 15 / std::abs(residual) : 1.0;
+      value[u] = residual;
+      rx[u] = y * gz - z * gy;  // ray x gradient
+      ry[u] = z * gx - x * gz;
+      rz[u] = x * gy - y * gx;
+    }
+  }
+
+  // What Compare() found, in order.
+  void AddTo(RotationSystem& system) const {
+    for (std::size_t u = 1; u + 1 < width_; ++u) {
+      if (target_[u] < 0) continue;
+      const Eigen::Vector3d jacobian(numbers_[kRayX][u], numbers_[kRayY][u], numbers_[kRayZ][u]);
+      const double weight = numbers_[kWeight][u], residual = numbers_[kResidual][u];
       system.hessian += weight * jacobian * jacobian.transpose();
       system.gradient += weight * residual * jacobian;
       system.sum_squared += weight * residual * residual;
       ++system.count;
     }
+  }
+
+ private:
+  // The ray becomes the Jacobian, the value the residual.
+  enum Quantity : std::size_t {
+    kRayX,
+    kRayY,
+    kRayZ,
+    kOffsetU,
+    kOffsetV,
+    kResidual,
+    kDu,
+    kDv,
+    kWeight,
+    kNumQuantities
+  };
+  [[nodiscard]] double* operator[](Quantity quantity) { return numbers_[quantity].data(); }
+
+  PinholeCamera camera_;
+  std::size_t width_;
+  std::vector<std::int32_t> target_;
+  std::array<std::vector<double>, kNumQuantities> numbers_;
+};
+
+RotationSystem BuildRotationSystem(const PyramidLevel& i,
+                                   const PyramidLevel& j,
+                                   const Eigen::Quaterniond& i_from_j) {
+  const PinholeCamera& camera = i.camera;
+  RotationSystem system;
+  TurnedRow row(camera);
+  for (int v = 1; v + 1 < camera.height; ++v) {
+    row.Turn(i_from_j, v);
+    row.Compare(i.intensity, j.intensity.data() + static_cast<std::ptrdiff_t>(v) * camera.width);
+    row.AddTo(system);
   }
   return system;
 }

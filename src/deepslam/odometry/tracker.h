@@ -19,6 +19,12 @@ class Tracker {
   // Frames must come in order, none left out. Null: the frame was unreadable.
   void Add(FrameIdx frame, double time_s, std::shared_ptr<const FramePyramid> pyramid);
 
+  // Nothing before the first.
+  [[nodiscard]] std::optional<FrameIdx> newest_keyframe() const {
+    if (odometry_.keyframes.empty()) return std::nullopt;
+    return odometry_.keyframes.back();
+  }
+
   // Keyframes may be empty when no frame was usable.
   [[nodiscard]] Odometry Finish() &&;
 

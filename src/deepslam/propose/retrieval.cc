@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -92,7 +93,6 @@ class RetrievalProposer final : public Proposer {
         classes_(std::move(classes)),
         options_(options),
         sight_(sight),
-        shapes_(library_->models.size()),
         made_(library_->models.size()) {}
 
   [[nodiscard]] std::string name() const override { return "retrieval"; }
@@ -102,6 +102,7 @@ class RetrievalProposer final : public Proposer {
   [[nodiscard]] std::vector<std::size_t> ModelsFor(const std::string& class_name,
                                                    const Measured& measured) const;
   [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
+  void MakeCoarse(std::span<const std::size_t> models) const;
   [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
   [[nodiscard]] PlaceLimits Limits() const { return {options_.stretch_min, options_.stretch_max}; }
   [[nodiscard]] double Score(const Measured& measured, const Match& match) const;
@@ -115,15 +116,29 @@ class RetrievalProposer final : public Proposer {
   RetrievalOptions options_;
   Sight sight_;
   // Made on first use: most runs need a few classes only.
-  mutable std::vector<std::unique_ptr<const CoarseShape>> shapes_;
-  mutable std::vector<std::once_flag> made_;
+  struct Made {
+    std::mutex mutex;
+    std::unique_ptr<const CoarseShape> shape;
+  };
+  mutable std::vector<Made> made_;
 };
 
 const CoarseShape& RetrievalProposer::Coarse(std::size_t model) const {
-  std::call_once(made_[model], [&] {
-    shapes_[model] = std::make_unique<const CoarseShape>(library_->models[model].shape);
+  Made& made = made_[model];
+  const std::lock_guard<std::mutex> lock(made.mutex);
+  if (!made.shape) made.shape = std::make_unique<const CoarseShape>(library_->models[model].shape);
+  return *made.shape;
+}
+
+// Objects of one class come for the same models at once: those that another thread is at are left
+// to it instead of waited for.
+void RetrievalProposer::MakeCoarse(std::span<const std::size_t> models) const {
+  ParallelFor(models.size(), [&](std::size_t n) {
+    Made& made = made_[models[n]];
+    const std::unique_lock<std::mutex> lock(made.mutex, std::try_to_lock);
+    if (lock && !made.shape)
+      made.shape = std::make_unique<const CoarseShape>(library_->models[models[n]].shape);
   });
-  return *shapes_[model];
 }
 
 // Models of the classes that may stand for the object's; for an object of unknown class, or of one
@@ -251,6 +266,7 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
     proposals.notes.push_back(subject + "no library model of its class or size");
     return proposals;
   }
+  MakeCoarse(models);
   std::vector<Match> matches(models.size());
   ParallelFor(models.size(),
               [&](std::size_t n) { matches[n] = BestPlacement(models[n], measured); });

@@ -10,4 +10,6 @@ Result<BrightnessImage> FrameSource::ReadBrightness(FrameIdx frame, int factor) 
   return BrightnessOf(read->colour, factor);
 }
 
+void FrameSource::GiveBack(FrameIdx /*frame*/, DepthImage /*depth_m*/) const {}
+
 }  // namespace deepslam

@@ -87,7 +87,14 @@ Eigen::Vector3f OutwardGradient(const std::vector<float>& blurred, int i, int j,
                           at(i, j, k + 1) - at(i, j, k - 1));
 }
 
+Eigen::Array3f LowCorner(const VoxelBox& box) { return box.low.cast<float>() * kVoxel - 0.5F; }
+
 }  // namespace
+
+float BottomOf(const VoxelGrid& grid) {
+  const std::optional<VoxelBox> box = OccupiedBox(grid);
+  return box ? LowCorner(*box).z() : 0.0F;
+}
 
 ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(grid)) {
   // A flat face of a solid gives a gradient of 10/16, both sides of a plate one voxel thin cancel
@@ -117,7 +124,7 @@ ShapeModel::ShapeModel(const VoxelGrid& grid) : grid_(grid), field_(SignedField(
   }
   const std::optional<VoxelBox> box = OccupiedBox(grid);
   if (!box) return;
-  box_min_ = box->low.cast<float>() * kVoxel - 0.5F;
+  box_min_ = LowCorner(*box);
   box_max_ = (box->high + 1).cast<float>() * kVoxel - 0.5F;
 }
 

@@ -93,4 +93,7 @@ class ShapeModel {
   Eigen::Vector3f box_max_ = Eigen::Vector3f::Zero();
 };
 
+// ShapeModel(grid).bottom(), for nothing else.
+[[nodiscard]] float BottomOf(const VoxelGrid& grid);
+
 }  // namespace deepslam::shape

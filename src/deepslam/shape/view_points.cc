@@ -13,6 +13,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "deepslam/core/unfilled.h"
 #include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::shape {
@@ -61,18 +62,36 @@ class PaddedDepth {
   DepthImage padded_m_;
 };
 
-// Which pixels of a row have neighbours that mostly agree with them: no edges, no flying pixels.
+// Columns [first, end) of a row.
+struct Span {
+  int first = 0;
+  int end = 0;
+};
+
+// From the first to the last column that belongs to the mask.
+Span MaskedSpan(const Mask& mask, int v) {
+  const std::uint8_t* const row = mask.row(v);
+  Span span{0, mask.width()};
+  while (span.first < span.end && row[span.first] == 0) ++span.first;
+  while (span.end > span.first && row[span.end - 1] == 0) --span.end;
+  return span;
+}
+
+// Which pixels of the mask, 1 or 0, have neighbours that mostly agree with them: no edges, no
+// flying pixels.
 DEEPSLAM_WIDE_VECTORS void FindCoherent(const PaddedDepth& depth_m,
+                                        const std::uint8_t* in_mask,
                                         float steepest,
                                         int v,
+                                        Span span,
                                         std::vector<std::int32_t>& is_coherent) {
   constexpr std::int32_t kMinAgreeing = 6;
   const float* const above = depth_m.Row(v - 1);
   const float* const row = depth_m.Row(v);
   const float* const below = depth_m.Row(v + 1);
   std::int32_t* const coherent = is_coherent.data();
-  const int width = depth_m.width();
-  for (int u = 0; u < width; ++u) {
+#pragma GCC ivdep
+  for (int u = span.first; u < span.end; ++u) {
     const float center = row[u];
     const float limit = kNoise_m + steepest * center;
     const auto agrees = [&](float other) -> std::int32_t {
@@ -81,7 +100,7 @@ DEEPSLAM_WIDE_VECTORS void FindCoherent(const PaddedDepth& depth_m,
     const std::int32_t agreeing = agrees(above[u - 1]) + agrees(above[u]) + agrees(above[u + 1]) +
                                   agrees(row[u - 1]) + agrees(row[u + 1]) + agrees(below[u - 1]) +
                                   agrees(below[u]) + agrees(below[u + 1]);
-    coherent[u] = (center > 0) & (agreeing >= kMinAgreeing);
+    coherent[u] = (in_mask[u] != 0) & (center > 0) & (agreeing >= kMinAgreeing);
   }
 }
 
@@ -180,11 +199,11 @@ std::optional<Eigen::Vector3f> PatchNormal(const PaddedDepth& depth_m,
 
 // Pixels in scan order and their points, one array per quantity.
 struct Pixels {
-  std::vector<std::int16_t> u;
-  std::vector<std::int16_t> v;
-  std::vector<float> x_m;
-  std::vector<float> y_m;
-  std::vector<float> z_m;
+  UnfilledVector<std::int16_t> u;
+  UnfilledVector<std::int16_t> v;
+  UnfilledVector<float> x_m;
+  UnfilledVector<float> y_m;
+  UnfilledVector<float> z_m;
 
   [[nodiscard]] std::size_t size() const { return z_m.size(); }
   [[nodiscard]] Eigen::Vector3f point(std::size_t n) const { return {x_m[n], y_m[n], z_m[n]}; }
@@ -197,31 +216,40 @@ struct Pixels {
   }
 };
 
-Pixels CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
-  Pixels pixels;
-  const float steepest = SteepestPerPixel(view.camera);
-  const int width = view.mask_crop.width();
-  std::vector<std::int32_t> is_coherent(static_cast<std::size_t>(width));
-  std::vector<double> rays_x(static_cast<std::size_t>(width));
-  for (int u = 0; u < width; ++u) {
-    rays_x[static_cast<std::size_t>(u)] = view.camera.Ray(u, 0).x();
+// Columns of a row where there is a 1, in order; their number. Room for one more is needed.
+std::size_t ColumnsOf(const std::vector<std::int32_t>& ones, Span span, std::int16_t* columns) {
+  std::size_t count = 0;
+  for (int u = span.first; u < span.end; ++u) {
+    columns[count] = static_cast<std::int16_t>(u);
+    count += static_cast<std::size_t>(ones[static_cast<std::size_t>(u)]);
   }
+  return count;
+}
+
+Pixels CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
+  const float steepest = SteepestPerPixel(view.camera);
+  const auto width = static_cast<std::size_t>(view.mask_crop.width());
+  std::vector<std::int32_t> is_coherent(width);
+  std::vector<double> rays_x(width);
+  for (std::size_t u = 0; u < width; ++u)
+    rays_x[u] = view.camera.Ray(static_cast<double>(u), 0).x();
+  Pixels pixels;
+  pixels.Resize(view.mask_crop.size() + 1);
   std::size_t count = 0;
   for (int v = 0; v < view.mask_crop.height(); ++v) {
-    FindCoherent(depth_m, steepest, v, is_coherent);
-    const std::uint8_t* const in_mask = view.mask_crop.row(v);
+    const Span span = MaskedSpan(view.mask_crop, v);
+    FindCoherent(depth_m, view.mask_crop.row(v), steepest, v, span, is_coherent);
+    const float* const row_m = depth_m.Row(v);
     const double ray_y = view.camera.Ray(0, v).y();
-    pixels.Resize(count + static_cast<std::size_t>(width));
-    for (int u = 0; u < width; ++u) {
-      const auto column = static_cast<std::size_t>(u);
-      if (in_mask[u] == 0 || is_coherent[column] == 0) continue;
-      const float z = depth_m.Row(v)[u];
-      pixels.u[count] = static_cast<std::int16_t>(u);
+    const std::size_t end = count + ColumnsOf(is_coherent, span, pixels.u.data() + count);
+    for (; count < end; ++count) {
+      const std::int16_t u = pixels.u[count];
+      const float z = row_m[u];
       pixels.v[count] = static_cast<std::int16_t>(v);
-      pixels.x_m[count] = static_cast<float>(static_cast<double>(z) * rays_x[column]);
+      pixels.x_m[count] =
+          static_cast<float>(static_cast<double>(z) * rays_x[static_cast<std::size_t>(u)]);
       pixels.y_m[count] = static_cast<float>(static_cast<double>(z) * ray_y);
       pixels.z_m[count] = z;
-      ++count;
     }
   }
   pixels.Resize(count);
@@ -303,25 +331,29 @@ std::vector<std::size_t> OnePerCell(const Pixels& pixels, float cell_m, std::siz
   std::vector<std::uint64_t> cells(pixels.size());
   FindCells(pixels, 1, cell_m, cells);
   CellNumbers numbers(max_cells + 1);
-  std::vector<std::uint32_t> cell_of(pixels.size());
-  std::uint64_t last_cell = ~std::uint64_t{0};  // none
-  std::uint32_t number = 0;
-  for (std::size_t n = 0; n < cells.size(); ++n) {
-    // Most pixels fall into the cell of the one beside them.
-    if (cells[n] != last_cell) {
-      number = numbers.NumberOf(cells[n]);
-      last_cell = cells[n];
-      if (numbers.count() > max_cells) return {};
-    }
-    cell_of[n] = number;
+  // Most pixels fall into the cell of the one beside them.
+  struct Run {
+    std::uint32_t cell, size;
+  };
+  std::vector<Run> runs;
+  for (std::size_t n = 0; n < cells.size();) {
+    const std::size_t first = n;
+    const std::uint64_t cell = cells[n];
+    while (n < cells.size() && cells[n] == cell) ++n;
+    runs.push_back({numbers.NumberOf(cell), static_cast<std::uint32_t>(n - first)});
+    if (numbers.count() > max_cells) return {};
   }
   std::vector<std::uint32_t> until_middle(numbers.count(), 0);
-  for (const std::uint32_t cell : cell_of) ++until_middle[cell];
+  for (const Run& run : runs) until_middle[run.cell] += run.size;
   for (std::uint32_t& count : until_middle) count = count / 2 + 1;
   std::vector<std::size_t> chosen;
   chosen.reserve(numbers.count());
-  for (std::size_t n = 0; n < pixels.size(); ++n) {
-    if (--until_middle[cell_of[n]] == 0) chosen.push_back(n);
+  std::size_t begin = 0;
+  for (const Run& run : runs) {
+    std::uint32_t& left = until_middle[run.cell];  // 0 behind the middle
+    if (left > 0 && left <= run.size) chosen.push_back(begin + left - 1);
+    left -= std::min(left, run.size);
+    begin += run.size;
   }
   return chosen;
 }

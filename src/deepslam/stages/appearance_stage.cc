@@ -63,12 +63,13 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
   odometry::AlignmentOptions options = inputs.config.track.alignment;
   options.photometric = true;
   PairAlignment alignment;
-  alignment.pyramid = options.pyramid;
   alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
     return odometry::AlignPyramids(older, newer, {&start, 1}, options);
   };
   alignment.without = "not measured against others that look alike";
-  return RegisterPairs(*inputs.capture->frames, pairs, alignment, context.progress());
+  constexpr std::size_t kMostPyramids = 32;
+  KeyframePyramids pyramids(*inputs.capture->frames, options.pyramid, kMostPyramids);
+  return RegisterPairs(pyramids, pairs, alignment, context.progress());
 }
 
 Result<loop::AcceptedAppearance> FindLoops(const StageContext& context,

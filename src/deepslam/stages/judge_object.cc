@@ -17,6 +17,7 @@
 namespace deepslam::stages {
 
 Result<ModelMap> LoadModels(const pipeline::StageContext& context,
+                            const RunInputs& inputs,
                             std::span<const ShapeCandidate> candidates,
                             const std::map<std::string, VoxelGrid>& own) {
   std::map<std::string, VoxelGrid> grids;
@@ -30,16 +31,18 @@ Result<ModelMap> LoadModels(const pipeline::StageContext& context,
     if (!grid.ok()) return grid.error();
     grids.emplace(candidate.model, std::move(grid).value());
   }
-  return PrepareModels(grids);
+  return PrepareModels(inputs, grids);
 }
 
-ModelMap PrepareModels(const std::map<std::string, VoxelGrid>& grids) {
-  std::map<std::string, std::optional<shape::ShapeModel>> wanted;
-  std::vector<std::pair<std::optional<shape::ShapeModel>*, const VoxelGrid*>> places;
-  for (const auto& [key, grid] : grids) places.emplace_back(&wanted[key], &grid);
-  ParallelFor(places.size(), [&](std::size_t i) { places[i].first->emplace(*places[i].second); });
+ModelMap PrepareModels(const RunInputs& inputs, const std::map<std::string, VoxelGrid>& grids) {
   ModelMap models;
-  for (auto& [key, model] : wanted) models.emplace(key, *std::move(model));
+  std::vector<std::pair<ModelMap::iterator, const VoxelGrid*>> places;
+  for (const auto& [name, grid] : grids)
+    places.emplace_back(models.emplace(name, nullptr).first, &grid);
+  ParallelFor(places.size(), [&](std::size_t i) {
+    const auto& [place, grid] = places[i];
+    place->second = Prepared(inputs, place->first, *grid);
+  });
   return models;
 }
 
@@ -66,7 +69,7 @@ std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> c
   std::vector<CandidateRegistration> registrations(candidates.size());
   ParallelFor(candidates.size(), [&](std::size_t i) {
     registrations[i] = registration::RegisterCandidate(
-        candidates[i], models.at(candidates[i].model), std::span(prepared), options);
+        candidates[i], *models.at(candidates[i].model), std::span(prepared), options);
   });
   return registrations;
 }
@@ -81,7 +84,7 @@ void ScoreAll(std::span<const ObjectView> views,
   ParallelFor(contest.candidates.size() - first, [&](std::size_t n) {
     const std::size_t i = first + n;
     contest.scores[i] = select::ScoreCandidate(contest.candidates[i],
-                                               contest.models.at(contest.candidates[i].model),
+                                               *contest.models.at(contest.candidates[i].model),
                                                contest.registrations[i],
                                                std::span(std::as_const(contest.judged_views)),
                                                options);
@@ -96,7 +99,7 @@ void Enter(Proposals made,
            Proposals& all) {
   int next_id = first_id + static_cast<int>(all.candidates.size());
   for (ShapeCandidate& candidate : made.candidates) candidate.id = CandidateId{next_id++};
-  contest.models.merge(PrepareModels(made.models));
+  contest.models.merge(PrepareModels(inputs, made.models));
   std::vector<CandidateRegistration> registrations =
       RegisterAll(made.candidates, contest.models, views, inputs.config.registration);
   for (std::size_t n = 0; n < made.candidates.size(); ++n) {
@@ -123,7 +126,7 @@ Result<MapObject> SelectOrChoose(const Contest& contest,
   const auto judged = [&](MapObject object) {
     if (object.chosen.valid()) {
       object.confidence = select::Confidence(object,
-                                             contest.models.at(object.model),
+                                             *contest.models.at(object.model),
                                              contest.candidates,
                                              contest.registrations,
                                              contest.scores,

@@ -14,19 +14,21 @@
 #include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/select/agreement.h"
-#include "deepslam/shape/shape_model.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/prepared_models.h"
 
 namespace deepslam::stages {
 
-using ModelMap = std::map<std::string, shape::ShapeModel>;
+using ModelMap = std::map<std::string, PreparedModel>;
 
 // The models of the candidates, prepared: `own`, or from the stages that made them.
 [[nodiscard]] Result<ModelMap> LoadModels(const pipeline::StageContext& context,
+                                          const RunInputs& inputs,
                                           std::span<const ShapeCandidate> candidates,
                                           const std::map<std::string, VoxelGrid>& own = {});
 
-[[nodiscard]] ModelMap PrepareModels(const std::map<std::string, VoxelGrid>& grids);
+[[nodiscard]] ModelMap PrepareModels(const RunInputs& inputs,
+                                     const std::map<std::string, VoxelGrid>& grids);
 
 // The candidates of one object, in order of ids.
 [[nodiscard]] std::vector<ShapeCandidate> CandidatesOf(const Proposals& proposals, ObjectId object);

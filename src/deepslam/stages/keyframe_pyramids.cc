@@ -17,6 +17,10 @@ KeyframePyramids::KeyframePyramids(const FrameSource& frames,
                                    std::size_t most)
     : frames_(frames), options_(options), most_(most) {}
 
+void KeyframePyramids::Take(FrameIdx keyframe, std::shared_ptr<const FramePyramid> pyramid) {
+  if (entries_.size() < most_) entries_.try_emplace(keyframe, Entry{std::move(pyramid), 0});
+}
+
 std::vector<std::string> KeyframePyramids::Hold(std::span<const FrameIdx> wanted) {
   ++round_;
   std::vector<FrameIdx> missing;
@@ -26,29 +30,38 @@ std::vector<std::string> KeyframePyramids::Hold(std::span<const FrameIdx> wanted
     if (is_new) missing.push_back(keyframe);
   }
   GiveUpOldest();
-  std::vector<Result<FramePyramid>> made(missing.size(), FramePyramid{});
+  std::vector<Result<odometry::ReadFrame>> made(missing.size(), odometry::ReadFrame{});
   ParallelFor(missing.size(), [&](std::size_t n) {
     made[n] = odometry::ReadPyramid(frames_, missing[n], options_);
   });
   std::vector<std::string> faults;
   for (std::size_t n = 0; n < missing.size(); ++n) {
+    FramePyramid pyramid;
     if (made[n].ok()) {
-      entries_.at(missing[n]).pyramid = std::move(made[n]).value();
+      pyramid = std::move(made[n]->pyramid);
     } else {
       faults.push_back(fmt::format("frame {} {}", missing[n].value, made[n].error().message));
     }
+    entries_.at(missing[n]).pyramid = std::make_shared<const FramePyramid>(std::move(pyramid));
   }
   return faults;
 }
 
 const FramePyramid& KeyframePyramids::operator[](FrameIdx keyframe) const {
-  return entries_.at(keyframe).pyramid;
+  return *entries_.at(keyframe).pyramid;
+}
+
+int KeyframePyramids::Age(const Entry& entry) const {
+  constexpr int kNow = 0;
+  constexpr int kNotYet = 1;
+  if (entry.last_round == 0) return kNotYet;
+  return entry.last_round == round_ ? kNow : kNotYet + round_ - entry.last_round;
 }
 
 void KeyframePyramids::GiveUpOldest() {
   while (entries_.size() > most_) {
-    const auto oldest = std::min_element(entries_.begin(), entries_.end(), [](auto& a, auto& b) {
-      return a.second.last_round < b.second.last_round;
+    const auto oldest = std::max_element(entries_.begin(), entries_.end(), [&](auto& a, auto& b) {
+      return Age(a.second) < Age(b.second);
     });
     if (oldest->second.last_round == round_) return;
     entries_.erase(oldest);

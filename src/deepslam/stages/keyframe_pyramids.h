@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +22,13 @@ class KeyframePyramids {
                    const odometry::PyramidOptions& options,
                    std::size_t most);
 
-  // Makes those of `wanted` (again and again the same, if need be) that are not there, side by side,
-  // and gives up others. What cannot be
-  // read stays empty; its fault is in the answer, "frame N ...", once for each time it is tried.
+  // One that was made elsewhere of the same options, kept until it was asked for as far as there is
+  // room.
+  void Take(FrameIdx keyframe, std::shared_ptr<const odometry::FramePyramid> pyramid);
+
+  // Makes those of `wanted` (again and again the same, if need be) that are not there, side by
+  // side, and gives up others. What cannot be read stays empty; its fault is in the answer, "frame
+  // N ...", once for each time it is tried.
   [[nodiscard]] std::vector<std::string> Hold(std::span<const FrameIdx> wanted);
 
   // One of those wanted last.
@@ -31,10 +36,12 @@ class KeyframePyramids {
 
  private:
   struct Entry {
-    odometry::FramePyramid pyramid;
-    int last_round = 0;
+    std::shared_ptr<const odometry::FramePyramid> pyramid;
+    int last_round = 0;  // in which it was asked for; 0: not yet
   };
 
+  // What was asked for is given up before what will be.
+  [[nodiscard]] int Age(const Entry& entry) const;
   void GiveUpOldest();
 
   const FrameSource& frames_;

@@ -140,7 +140,7 @@ Status JudgeAnew(const StageContext& context,
                  LoopWorld& world,
                  MapObject& object) {
   Contest contest{object.id, object.class_name, AllCandidatesOf(world, object.id), {}, {}, {}, {}};
-  Result<ModelMap> models = LoadModels(context, contest.candidates, world.made.models);
+  Result<ModelMap> models = LoadModels(context, inputs, contest.candidates, world.made.models);
   if (!models.ok()) return models.error();
   contest.models = std::move(models).value();
   contest.registrations =

@@ -26,6 +26,7 @@
 #include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/loop_world.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/prepared_models.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -140,8 +141,8 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
     if (!grid.ok()) return grid.error();
     const Similarity3 world_from_model =
         Similarity3::From(object.world_from_object, object.scale_m);
-    const shape::ShapeModel model(*grid);
-    for (const Eigen::Vector3f& p : model.surface_points()) {
+    const PreparedModel model = Prepared(inputs, object.model, *grid);
+    for (const Eigen::Vector3f& p : model->surface_points()) {
       own.model_points_world.push_back((world_from_model * p.cast<double>()).cast<float>());
     }
   }

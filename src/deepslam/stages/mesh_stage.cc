@@ -15,6 +15,7 @@
 
 #include "deepslam/artifact/ply.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_in_order.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/colour_mesh.h"
 #include "deepslam/stages/object_mesh.h"
@@ -75,7 +76,7 @@ Meshes MakeShapes(const StageContext& context,
                   const std::vector<VoxelGrid>& grids) {
   Meshes shapes(objects.size(), Interrupted());
   const std::vector<std::size_t> order = LargestFirst(grids);
-  ParallelFor(objects.size(), [&](std::size_t i) {
+  ParallelInOrder(objects.size(), [&](std::size_t i) {
     const std::size_t n = order[i];
     if (context.progress().StopRequested()) return;
     shapes[n] =

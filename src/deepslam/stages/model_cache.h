@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -15,13 +14,9 @@
 
 namespace deepslam::stages {
 
-// For one thread at a time. Files are taken as unchanged while their sizes, inodes and times of
-// change are.
+// For one thread at a time. Files are taken as unchanged while StateOf() is (content_hashes.h).
 class ModelCache {
  public:
-  // SHA-256 of a file's bytes, or of names and bytes of a folder's files (artifact::HashFile,
-  // HashFolder).
-  [[nodiscard]] Result<std::string> Hash(const std::filesystem::path& file_or_folder);
   // Messages name the file. Another file, or other options, take the place of what was held.
   [[nodiscard]] Result<std::shared_ptr<const detect::Detector>> Detector(
       const std::filesystem::path& onnx_file, const detect::DetectorOptions& options);
@@ -36,11 +31,6 @@ class ModelCache {
     std::string source;  // path and state of the files, and the options, it was loaded from
     std::shared_ptr<const T> value;
   };
-  struct HeldHash {
-    std::string state;
-    std::string hash;
-  };
-  std::map<std::filesystem::path, HeldHash> hashes_;
   Held<detect::Detector> detector_;
   Held<ModelLibrary> library_;
   Held<propose::ShapePriors> priors_;

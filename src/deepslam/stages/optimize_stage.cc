@@ -21,7 +21,7 @@ Result<std::map<ObjectId, double>> Bottoms(const StageContext& context, const Ob
   for (const MapObject& object : map.objects) {
     const Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
     if (!grid.ok()) return grid.error();
-    bottom_m[object.id] = object.scale_m * shape::ShapeModel(*grid).bottom();
+    bottom_m[object.id] = object.scale_m * shape::BottomOf(*grid);
   }
   return bottom_m;
 }

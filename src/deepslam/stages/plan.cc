@@ -41,7 +41,7 @@ Status AddContent(const RunInputs& inputs,
                   ContentHash hash_of,
                   StringMap& hashes) {
   if (!place.ok()) return place.error();
-  const Result<std::string> hash = inputs.models ? inputs.models->Hash(*place) : hash_of(*place);
+  const Result<std::string> hash = inputs.hashes ? inputs.hashes->Of(*place) : hash_of(*place);
   if (!hash.ok()) return hash.error();
   hashes.emplace(key, *hash);
   return Ok();
@@ -118,6 +118,13 @@ Result<ClassTable> LoadClasses(const Config& config) {
   const Result<std::string> text = artifact::ReadFile(config.classes_file);
   if (!text.ok()) return Error{ErrorCode::kInvalidConfig, "classes.file: " + text.error().message};
   return artifact::DecodeClassTable(*text, config.classes_file);
+}
+
+void HashModels(const RunInputs& inputs, ContentHashes& hashes) {
+  RunInputs models = inputs;
+  models.hashes = std::shared_ptr<ContentHashes>(std::shared_ptr<ContentHashes>(), &hashes);
+  for (const unsigned what : {kDetector, kLibrary, kPriors})
+    static_cast<void>(Externals(models, what));
 }
 
 std::vector<Stage> MakePlan(SharedInputs inputs) {

@@ -14,9 +14,12 @@
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/object_class.h"
 #include "deepslam/stages/config.h"
+#include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/model_cache.h"
 
 namespace deepslam::stages {
+
+class PreparedModels;
 
 // What every stage may use. Shared by the stages of one plan, which are copied about by value.
 struct RunInputs {
@@ -28,6 +31,10 @@ struct RunInputs {
   // Networks and libraries kept between the runs of a process. None: each stage loads what it needs
   // and lets it go, so that a single run's later stages have the memory.
   std::shared_ptr<ModelCache> models = {};
+  // What HashModels(), or an earlier run of the process, has hashed already. None: nothing.
+  std::shared_ptr<ContentHashes> hashes = {};
+  // What stages of this run have prepared for each other. None: each prepares for itself.
+  std::shared_ptr<PreparedModels> prepared = {};
 };
 using SharedInputs = std::shared_ptr<const RunInputs>;
 
@@ -37,6 +44,10 @@ using SharedInputs = std::shared_ptr<const RunInputs>;
 // External inputs that come from overrides.yaml.
 inline constexpr std::array<std::string_view, 3> kOverrideInputs = {
     "ground_hint", "track_overrides", "choices"};
+
+// Hashes what networks and libraries of all stages hold, for MakePlan's stages to ask for; faults
+// are met again, and told, by the stage that they stop.
+void HashModels(const RunInputs& inputs, ContentHashes& hashes);
 
 // track, ground, detect ... report, in order.
 [[nodiscard]] std::vector<pipeline::Stage> MakePlan(SharedInputs inputs);

@@ -202,7 +202,7 @@ Proposals CompleteBest(const Contest& contest,
   };
   const auto placed = PlacedViews(views, static_cast<std::size_t>(options.max_views), place);
   std::optional<refine::CompletedModel> model =
-      refine::CompleteModel(contest.models.at(start.model), placed, options);
+      refine::CompleteModel(*contest.models.at(start.model), placed, options);
   if (!model) return completed;
   Add(start, CandidateSource::kCompleted, change, {}, std::move(model->grid), completed);
   ShapeCandidate& candidate = completed.candidates.back();
@@ -220,7 +220,7 @@ std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
   const std::optional<std::size_t> winner = WinnerOf(contest, views, inputs.config.select);
   if (!winner) return std::nullopt;
   const ShapeCandidate& candidate = contest.candidates[*winner];
-  const shape::ShapeModel& model = contest.models.at(candidate.model);
+  const shape::ShapeModel& model = *contest.models.at(candidate.model);
   CandidateRegistration& registration = contest.registrations[*winner];
   CandidateScore& score = contest.scores[*winner];
   CandidateRegistration other_registration = registration::RegisterCandidateNear(

@@ -22,6 +22,7 @@ using loop::CovisiblePair;
 constexpr std::size_t kPairsAtOnce = 96;  // of eight keyframes
 
 Result<std::vector<loop::KeyframeRegistration>> RegisterAll(const RunInputs& inputs,
+                                                            KeyframePyramids pyramids,
                                                             const Odometry& odometry,
                                                             std::span<const CovisiblePair> proposed,
                                                             Progress& progress) {
@@ -31,15 +32,12 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterAll(const RunInputs& inp
     pairs.push_back({keyframe(pair.older), keyframe(pair.newer), pair.older_from_newer});
   const odometry::AlignmentOptions& options = inputs.config.track.alignment;
   PairAlignment alignment;
-  alignment.pyramid = options.pyramid;
   alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
     return odometry::RefineAlignment(older, newer, start, options);
   };
   alignment.pairs_at_once = kPairsAtOnce;
-  // Pairs reach back by so many keyframes.
-  alignment.most_pyramids = static_cast<std::size_t>(inputs.config.covisible.max_gap_keyframes) + 8;
   alignment.without = "not measured against others that see the same";
-  return RegisterPairs(*inputs.capture->frames, pairs, alignment, progress);
+  return RegisterPairs(pyramids, pairs, alignment, progress);
 }
 
 // No edge is longer than what stretches share: a dropped one would be a tie that is lost.
@@ -54,22 +52,33 @@ Stretches StretchesFor(const Config& config) {
 
 // Edges that tracking has not: of keyframes that see the same.
 Result<std::vector<RelativePose>> MeasureCovisible(const RunInputs& inputs,
+                                                   KeyframePyramids pyramids,
                                                    const Odometry& odometry,
                                                    Progress& progress) {
   const loop::CovisibleOptions& options = inputs.config.covisible;
   const std::vector<CovisiblePair> pairs = loop::ProposeCovisible(odometry, options);
-  const auto registrations = RegisterAll(inputs, odometry, pairs, progress);
+  const auto registrations = RegisterAll(inputs, std::move(pyramids), odometry, pairs, progress);
   if (!registrations.ok()) return registrations.error();
   return loop::AcceptCovisible(pairs, *registrations, odometry, options);
 }
 
 }  // namespace
 
-Result<int> RefinePath(const RunInputs& inputs, Progress& progress, Odometry& odometry) {
+KeyframePyramids PyramidsToRefine(const RunInputs& inputs) {
+  // Pairs reach back by so many keyframes, and a few are registered at once.
+  const auto most = static_cast<std::size_t>(inputs.config.covisible.max_gap_keyframes) + 8;
+  return {*inputs.capture->frames, inputs.config.track.alignment.pyramid, most};
+}
+
+Result<int> RefinePath(const RunInputs& inputs,
+                       KeyframePyramids pyramids,
+                       Progress& progress,
+                       Odometry& odometry) {
   const loop::CovisibleOptions& options = inputs.config.covisible;
   if (!options.enabled) return 0;
   const auto num_tracked = static_cast<std::ptrdiff_t>(odometry.edges.size());
-  Result<std::vector<RelativePose>> covisible = MeasureCovisible(inputs, odometry, progress);
+  Result<std::vector<RelativePose>> covisible =
+      MeasureCovisible(inputs, std::move(pyramids), odometry, progress);
   ::malloc_trim(0);  // the pyramids' memory
   if (!covisible.ok()) return covisible.error();
   std::ranges::move(*covisible, std::back_inserter(odometry.edges));

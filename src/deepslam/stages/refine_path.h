@@ -5,14 +5,19 @@
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/trajectory.h"
+#include "deepslam/stages/keyframe_pyramids.h"
 #include "deepslam/stages/plan.h"
 
 namespace deepslam::stages {
+
+// For the keyframes of the capture: to be given those that tracking has read, then to RefinePath.
+[[nodiscard]] KeyframePyramids PyramidsToRefine(const RunInputs& inputs);
 
 // Adds the edges that are borne out to the odometry's, moves its poses to where the graph of
 // cameras has them, and returns how many edges these are. Keyframes that cannot be read take no
 // part, with a warning. Memory does not depend on the length of the capture.
 [[nodiscard]] Result<int> RefinePath(const RunInputs& inputs,
+                                     KeyframePyramids pyramids,
                                      Progress& progress,
                                      Odometry& odometry);
 

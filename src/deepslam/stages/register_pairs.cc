@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
-#include "deepslam/stages/keyframe_pyramids.h"
 
 namespace deepslam::stages {
 namespace {
@@ -27,11 +26,10 @@ loop::KeyframeRegistration RegistrationOf(const odometry::FrameAlignment& found)
 
 }  // namespace
 
-Result<std::vector<loop::KeyframeRegistration>> RegisterPairs(const FrameSource& frames,
+Result<std::vector<loop::KeyframeRegistration>> RegisterPairs(KeyframePyramids& pyramids,
                                                               std::span<const KeyframePair> pairs,
                                                               const PairAlignment& alignment,
                                                               Progress& progress) {
-  KeyframePyramids pyramids(frames, alignment.pyramid, alignment.most_pyramids);
   std::vector<loop::KeyframeRegistration> registrations(pairs.size());
   for (std::size_t begin = 0; begin < pairs.size(); begin += alignment.pairs_at_once) {
     if (progress.StopRequested()) return Interrupted();

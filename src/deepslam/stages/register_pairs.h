@@ -12,7 +12,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/loop/appearance.h"
 #include "deepslam/odometry/frame_alignment.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/stages/keyframe_pyramids.h"
 
 namespace deepslam::stages {
 
@@ -23,19 +23,17 @@ struct KeyframePair {
 };
 
 struct PairAlignment {
-  odometry::PyramidOptions pyramid;
   std::function<odometry::FrameAlignment(
       const odometry::FramePyramid& older, const odometry::FramePyramid& newer, const Pose3& start)>
       align;
   std::size_t pairs_at_once = 16;
-  std::size_t most_pyramids = 32;  // kept for pairs to come, 3 MB each
   std::string_view without;  // what a keyframe that cannot be read goes without, for the warning
 };
 
 // One for each pair, in their order; not ok where a keyframe cannot be read, of which a warning
 // tells. Interrupted when asked to stop.
 [[nodiscard]] Result<std::vector<loop::KeyframeRegistration>> RegisterPairs(
-    const FrameSource& frames,
+    KeyframePyramids& pyramids,
     std::span<const KeyframePair> pairs,
     const PairAlignment& alignment,
     Progress& progress);

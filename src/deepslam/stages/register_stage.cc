@@ -26,7 +26,7 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   using Registrations = std::vector<CandidateRegistration>;
   const auto register_all = [&](const TrackViews& of_track) -> Result<Registrations> {
     const std::vector<ShapeCandidate> candidates = CandidatesOf(*proposals, of_track.track->id);
-    const Result<ModelMap> models = LoadModels(context, candidates);
+    const Result<ModelMap> models = LoadModels(context, inputs, candidates);
     if (!models.ok()) return models.error();
     return RegisterAll(candidates, *models, of_track.views, inputs.config.registration);
   };

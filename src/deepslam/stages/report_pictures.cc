@@ -342,9 +342,8 @@ std::vector<Eigen::Vector3f> MeasuredPoints(const MapObject& object,
   return points_world;
 }
 
-report::Picture Thumbnail(const VoxelGrid& grid, Rgb8 colour) {
+report::Picture Thumbnail(const shape::ShapeModel& model, Rgb8 colour) {
   constexpr int kSide_px = 128;
-  const shape::ShapeModel model(grid);
   if (model.empty()) return {};
   // The unit cube just fills the picture from here.
   const PinholeCamera camera{kSide_px, kSide_px, 290, 290, 0.5 * kSide_px, 0.5 * kSide_px};

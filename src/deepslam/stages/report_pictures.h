@@ -15,7 +15,7 @@
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/triangle_mesh.h"
-#include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/shape_model.h"
 
 namespace deepslam::stages {
 
@@ -68,7 +68,7 @@ struct PictureLimits {
                                                           int max_points_per_view);
 
 // A model by itself, seen from front left above, on white. No bytes when it is empty.
-[[nodiscard]] report::Picture Thumbnail(const VoxelGrid& model, Rgb8 colour);
+[[nodiscard]] report::Picture Thumbnail(const shape::ShapeModel& model, Rgb8 colour);
 
 // Up to six keyframes of `shown` with detections and segments; those of one object share a colour.
 [[nodiscard]] std::vector<report::Picture> FramePictures(std::span<const Segment> segments,

@@ -14,6 +14,7 @@
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/report/report.h"
+#include "deepslam/stages/prepared_models.h"
 #include "deepslam/stages/report_pictures.h"
 #include "deepslam/stages/room_beside.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -220,6 +221,7 @@ void AddPaths(const Odometry& odometry, const Ground& ground, report::ReportCont
 
 // `rows` as CandidateRows gives them.
 void AddThumbnails(const StageContext& context,
+                   const RunInputs& inputs,
                    const PicturedObject& pictured,
                    const CandidatesById& by_id,
                    int max_thumbnails,
@@ -232,7 +234,8 @@ void AddThumbnails(const StageContext& context,
     const std::string_view stage = rows[i].chosen ? "loops" : StageOfModel(candidate.source);
     Result<VoxelGrid> model = ReadModel(context, stage, candidate.model);
     if (!model.ok()) model = ReadModel(context, "loops", candidate.model);  // made, not chosen
-    if (model.ok()) rows[i].thumbnail = Thumbnail(*model, pictured.colour);
+    if (!model.ok()) return;
+    rows[i].thumbnail = Thumbnail(*Prepared(inputs, candidate.model, *model), pictured.colour);
   });
 }
 
@@ -306,6 +309,7 @@ TriangleMesh RoomWithout(std::span<const PicturedObject> pictured, const Triangl
 
 // Rows of all objects; false when the user asked to stop.
 bool AddObjects(const StageContext& context,
+                const RunInputs& inputs,
                 const Sources& sources,
                 std::span<const PicturedObject> pictured,
                 const FrameSource& frames,
@@ -327,7 +331,7 @@ bool AddObjects(const StageContext& context,
         ObjectPictures(object, sources.segments, sources.map, frames, shown, limits.crops);
     row.measured_world = MeasuredPoints(
         *object.object, sources.segments, sources.map, frames, limits.points_per_view);
-    AddThumbnails(context, object, by_id, limits.thumbnails, row.candidates);
+    AddThumbnails(context, inputs, object, by_id, limits.thumbnails, row.candidates);
   });
   return !stopped;
 }
@@ -354,7 +358,8 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   report::Picture thumbnail;
   const std::vector<PicturedObject> pictured =
       ReadPictured(context, sources->map.map, inputs.classes);
-  if (!AddObjects(context, *sources, pictured, frames, shown, content)) return Interrupted();
+  if (!AddObjects(context, inputs, *sources, pictured, frames, shown, content))
+    return Interrupted();
   const std::array<std::function<void()>, 4> pictures = {
       [&] {
         content.photographs = Photographs(

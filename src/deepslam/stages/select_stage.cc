@@ -104,7 +104,7 @@ Result<Judged> Judge(const StageContext& context,
       RegistrationsOf(contest.candidates, registrations);
   if (!own.ok()) return own.error();
   contest.registrations = std::move(own).value();
-  Result<ModelMap> models = LoadModels(context, contest.candidates);
+  Result<ModelMap> models = LoadModels(context, inputs, contest.candidates);
   if (!models.ok()) return models.error();
   contest.models = std::move(models).value();
   ScoreAll(of_track.views, inputs.config.select, contest);

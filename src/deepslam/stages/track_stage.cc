@@ -15,27 +15,57 @@ namespace deepslam::stages {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
-  const FrameSource& frames = *inputs.capture->frames;
-  const bool capture_poses = inputs.config.track_stage.poses == "capture";
-  Result<Odometry> odometry =
-      capture_poses
-          ? odometry::OdometryFromCapturePoses(frames, inputs.config.track, context.progress())
-          : odometry::EstimateOdometry(frames, inputs.config.track, context.progress());
-  if (!odometry.ok()) return odometry.error();
-  const auto as_tracked = artifact::StampedPoses(odometry->frames);
+namespace {
+
+// Tracked, and refined by keyframes that see the same; how many edges these are.
+struct TrackedPath {
+  Odometry odometry;
+  std::vector<artifact::StampedPose> as_tracked;
   int num_covisible = 0;
-  if (!capture_poses) {
-    const Result<int> refined = RefinePath(inputs, context.progress(), *odometry);
-    if (!refined.ok()) return refined.error();
-    num_covisible = *refined;
-  }
+};
+
+// What tracking has read of keyframes is not read again.
+Result<TrackedPath> TrackAll(const RunInputs& inputs, Progress& progress) {
+  const FrameSource& frames = *inputs.capture->frames;
+  KeyframePyramids pyramids = PyramidsToRefine(inputs);
+  const auto take = [&](odometry::ReadKeyframe keyframe) {
+    pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
+    frames.GiveBack(keyframe.frame, std::move(keyframe.depth_m));
+  };
+  Result<Odometry> odometry =
+      odometry::EstimateOdometry(frames, inputs.config.track, progress, take);
+  if (!odometry.ok()) return odometry.error();
+  TrackedPath path{std::move(odometry).value(), {}, 0};
+  path.as_tracked = artifact::StampedPoses(path.odometry.frames);
+  const Result<int> refined = RefinePath(inputs, std::move(pyramids), progress, path.odometry);
+  if (!refined.ok()) return refined.error();
+  path.num_covisible = *refined;
+  return path;
+}
+
+Result<TrackedPath> TakePosesOfCapture(const RunInputs& inputs, Progress& progress) {
+  Result<Odometry> odometry =
+      odometry::OdometryFromCapturePoses(*inputs.capture->frames, inputs.config.track, progress);
+  if (!odometry.ok()) return odometry.error();
+  TrackedPath path{std::move(odometry).value(), {}, 0};
+  path.as_tracked = artifact::StampedPoses(path.odometry.frames);
+  return path;
+}
+
+}  // namespace
+
+Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
+  const bool capture_poses = inputs.config.track_stage.poses == "capture";
+  const Result<TrackedPath> path = capture_poses ? TakePosesOfCapture(inputs, context.progress())
+                                                 : TrackAll(inputs, context.progress());
+  if (!path.ok()) return path.error();
+  const Odometry* const odometry = &path->odometry;
   const auto trajectory = artifact::StampedPoses(odometry->frames);
   const auto keyframes = artifact::KeyframePoses(odometry->frames, odometry->keyframes);
   const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
       {"trajectory.tum", artifact::EncodeTum(trajectory, "trajectory.tum")},
       {"keyframes.tum", artifact::EncodeTum(keyframes, "keyframes.tum")},
-      {"as_tracked.tum", artifact::EncodeTum(as_tracked, "as_tracked.tum")},
+      {"as_tracked.tum", artifact::EncodeTum(path->as_tracked, "as_tracked.tum")},
       {"odometry.g2o",
        artifact::EncodeG2o(odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o")},
       {"frames.json",
@@ -63,13 +93,13 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
           degenerate,
           odometry->keyframes.size(),
           odometry->edges.size(),
-          num_covisible),
+          path->num_covisible),
       {{"num_frames", static_cast<double>(total)},
        {"num_lost", static_cast<double>(lost)},
        {"num_unreadable", static_cast<double>(unreadable)},
        {"num_degenerate", static_cast<double>(degenerate)},
        {"num_keyframes", static_cast<double>(odometry->keyframes.size())},
-       {"num_covisible", static_cast<double>(num_covisible)}}};
+       {"num_covisible", static_cast<double>(path->num_covisible)}}};
 }
 
 }  // namespace deepslam::stages

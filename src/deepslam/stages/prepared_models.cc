@@ -1,0 +1,38 @@
+#include "deepslam/stages/prepared_models.h"
+
+#include <utility>
+
+#include "deepslam/stages/plan.h"
+
+namespace deepslam::stages {
+namespace {
+
+std::size_t NumBytes(const shape::ShapeModel& model) {
+  return model.grid().occupied.size() * (sizeof(std::uint8_t) + sizeof(float)) +
+         model.surface_points().size() * 2 * sizeof(Eigen::Vector3f);
+}
+
+}  // namespace
+
+PreparedModel PreparedModels::Find(const std::string& name) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = models_.find(name);
+  return found == models_.end() ? nullptr : found->second;
+}
+
+PreparedModel PreparedModels::Prepare(const std::string& name, const VoxelGrid& grid) {
+  PreparedModel known = Find(name);
+  if (known && known->grid().occupied == grid.occupied) return known;
+  auto made = std::make_shared<const shape::ShapeModel>(grid);
+  const std::size_t num_bytes = NumBytes(*made);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (num_bytes <= free_bytes_ && models_.try_emplace(name, made).second) free_bytes_ -= num_bytes;
+  return made;
+}
+
+PreparedModel Prepared(const RunInputs& inputs, const std::string& name, const VoxelGrid& grid) {
+  if (inputs.prepared) return inputs.prepared->Prepare(name, grid);
+  return std::make_shared<const shape::ShapeModel>(grid);
+}
+
+}  // namespace deepslam::stages

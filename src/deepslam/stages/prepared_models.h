@@ -1,0 +1,43 @@
+// Models prepared for matching that several stages of a run look at: registering, selecting and the
+// report take the same ones, and objects share candidates.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "deepslam/scene/voxel_grid.h"
+#include "deepslam/shape/shape_model.h"
+
+namespace deepslam::stages {
+
+using PreparedModel = std::shared_ptr<const shape::ShapeModel>;
+
+struct RunInputs;
+
+// Of the run, where it keeps models; else for the caller alone. Costs about a millisecond where it
+// is made.
+[[nodiscard]] PreparedModel Prepared(const RunInputs& inputs,
+                                     const std::string& name,
+                                     const VoxelGrid& grid);
+
+// Thread-safe. What fits into the memory given stays; all else is made anew each time, since stages
+// go through their objects in turn, and of a turn the oldest is needed next.
+class PreparedModels {
+ public:
+  explicit PreparedModels(std::size_t max_bytes) : free_bytes_(max_bytes) {}
+
+  // The model of that grid. Another one of the same name counts for nothing.
+  [[nodiscard]] PreparedModel Prepare(const std::string& name, const VoxelGrid& grid);
+
+ private:
+  [[nodiscard]] PreparedModel Find(const std::string& name) const;
+
+  mutable std::mutex mutex_;
+  std::size_t free_bytes_;
+  std::map<std::string, PreparedModel> models_;
+};
+
+}  // namespace deepslam::stages
