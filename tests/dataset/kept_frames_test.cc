@@ -122,18 +122,18 @@ TEST(KeepFrames, KeepsNoMoreThanTheMemoryGiven) {
   EXPECT_EQ(reads[0], 8);
 }
 
-TEST(KeepFrames, DepthThatIsGivenBackIsNotReadAgain) {
+TEST(KeepFrames, WhatIsGivenBackIsNotReadAgain) {
   std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<CountedFrames>(2, reads), 100 * kFrameBytes);
-  Result<Frame> depth = kept->ReadDepth({1});
-  ASSERT_TRUE(depth.ok());
-  kept->GiveBack({1}, std::move(depth->depth_m));
-  for (int turn = 0; turn < 3; ++turn) {
-    const Result<Frame> again = kept->ReadDepth({1});
-    ASSERT_TRUE(again.ok());
-    EXPECT_EQ(again->depth_m, SomeFrames(2)[1].depth_m);
+  const auto kept = KeepFrames(std::make_unique<CountedFrames>(3, reads), 100 * kFrameBytes);
+  kept->GiveBack(*kept->ReadDepth({0}));
+  kept->GiveBack(*kept->ReadColour({1}));
+  kept->GiveBack(*kept->Read({2}));
+  for (int turn = 0; turn < 4; ++turn) {
+    EXPECT_EQ(kept->ReadDepth({0})->depth_m, SomeFrames(1)[0].depth_m);
+    EXPECT_EQ(kept->ReadColour({1})->colour, SomeFrames(2)[1].colour);
+    ExpectFrame(kept->Read({2}), 2);
   }
-  EXPECT_EQ(reads, (std::vector<int>{0, 1}));
+  EXPECT_EQ(reads, (std::vector<int>{1, 1, 2}));
 }
 
 TEST(KeepFrames, NoMoreIsGivenBackThanThereIsMemoryFor) {
@@ -143,7 +143,7 @@ TEST(KeepFrames, NoMoreIsGivenBackThanThereIsMemoryFor) {
   for (const int n : {0, 1}) {
     Result<Frame> depth = kept->ReadDepth({n});
     ASSERT_TRUE(depth.ok());
-    kept->GiveBack({n}, std::move(depth->depth_m));
+    kept->GiveBack(std::move(depth).value());
     ASSERT_TRUE(kept->ReadDepth({n}).ok());
   }
   EXPECT_EQ(reads, (std::vector<int>{1, 2}));

@@ -88,9 +88,10 @@ class KeptFrameSource final : public FrameSource {
     return read;
   }
 
-  void GiveBack(FrameIdx frame, DepthImage depth_m) const override {
+  void GiveBack(Frame frame) const override {
     const std::lock_guard<std::mutex> lock(mutex_);
-    depth_m_.TakeBack(frame, std::move(depth_m), free_bytes_);
+    if (!frame.depth_m.empty()) depth_m_.TakeBack(frame.idx, std::move(frame.depth_m), free_bytes_);
+    if (!frame.colour.empty()) colour_.TakeBack(frame.idx, std::move(frame.colour), free_bytes_);
   }
 
   // Not made of a kept colour: what a decoder makes of the file may be rounded otherwise.

@@ -154,7 +154,7 @@ Eigen::Quaterniond RotationOfShift(const PinholeCamera& camera, const Shift& shi
 }
 
 struct RotationSystem {
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();  // its lower triangle
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double sum_squared = 0;
   int count = 0;
@@ -215,6 +215,7 @@ class TurnedRow {
     double *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
     double *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
     double* const weight = (*this)[kWeight];
+    const std::int32_t* const target = target_.data();
 #pragma GCC ivdep
     for (std::size_t u = 1; u < width_ - 1; ++u) {
       const double residual =
@@ -224,25 +225,39 @@ class TurnedRow {
       const double gz = -(gx * x + gy * y) / z;
       // Huber at 15 grey levels: exposure and parallax leave residuals of that order at this
       // resolution.
+      const bool counts = target[u] >= 0;
       weight[u] = std::abs(residual) > 15 ? 15 / std::abs(residual) : 1.0;
-      value[u] = residual;
-      rx[u] = y * gz - z * gy;  // ray x gradient
-      ry[u] = z * gx - x * gz;
-      rz[u] = x * gy - y * gx;
+      value[u] = counts ? residual : 0.0;
+      rx[u] = counts ? y * gz - z * gy : 0.0;  // ray x gradient
+      ry[u] = counts ? z * gx - x * gz : 0.0;
+      rz[u] = counts ? x * gy - y * gx : 0.0;
     }
   }
 
-  // What Compare() found, in order.
+  // What Compare() found; of the Hessian the part below the diagonal and that itself.
   void AddTo(RotationSystem& system) const {
+    const double *const jx = numbers_[kRayX].data(), *const jy = numbers_[kRayY].data(),
+                        *const jz = numbers_[kRayZ].data();
+    const double *const weights = numbers_[kWeight].data(), *const residuals =
+                                                                numbers_[kResidual].data();
+    RotationSystem sum = system;
     for (std::size_t u = 1; u + 1 < width_; ++u) {
-      if (target_[u] < 0) continue;
-      const Eigen::Vector3d jacobian(numbers_[kRayX][u], numbers_[kRayY][u], numbers_[kRayZ][u]);
-      const double weight = numbers_[kWeight][u], residual = numbers_[kResidual][u];
-      system.hessian += weight * jacobian * jacobian.transpose();
-      system.gradient += weight * residual * jacobian;
-      system.sum_squared += weight * residual * residual;
-      ++system.count;
+      const double x = jx[u], y = jy[u], z = jz[u], residual = residuals[u];
+      const double wx = weights[u] * x, wy = weights[u] * y, wz = weights[u] * z;
+      const double wr = weights[u] * residual;
+      sum.hessian(0, 0) += wx * x;
+      sum.hessian(1, 0) += wy * x;
+      sum.hessian(2, 0) += wz * x;
+      sum.hessian(1, 1) += wy * y;
+      sum.hessian(2, 1) += wz * y;
+      sum.hessian(2, 2) += wz * z;
+      sum.gradient(0) += wr * x;
+      sum.gradient(1) += wr * y;
+      sum.gradient(2) += wr * z;
+      sum.sum_squared += wr * residual;
+      sum.count += target_[u] >= 0 ? 1 : 0;
     }
+    system = sum;
   }
 
  private:
@@ -269,10 +284,10 @@ class TurnedRow {
 
 RotationSystem BuildRotationSystem(const PyramidLevel& i,
                                    const PyramidLevel& j,
-                                   const Eigen::Quaterniond& i_from_j) {
+                                   const Eigen::Quaterniond& i_from_j,
+                                   TurnedRow& row) {
   const PinholeCamera& camera = i.camera;
   RotationSystem system;
-  TurnedRow row(camera);
   for (int v = 1; v + 1 < camera.height; ++v) {
     row.Turn(i_from_j, v);
     row.Compare(i.intensity, j.intensity.data() + static_cast<std::ptrdiff_t>(v) * camera.width);
@@ -295,8 +310,9 @@ DEEPSLAM_WIDE_VECTORS std::optional<Eigen::Quaterniond> SearchRotation(const Fra
   Eigen::Quaterniond best = RotationOfShift(coarse_i.camera, shift);
   Eigen::Quaterniond rotation = best;
   double best_error = -1;
+  TurnedRow row(coarse_i.camera);
   for (int n = 0; n < kMaxRefinements; ++n) {
-    const RotationSystem system = BuildRotationSystem(coarse_i, coarse_j, rotation);
+    const RotationSystem system = BuildRotationSystem(coarse_i, coarse_j, rotation, row);
     if (system.count < 30) break;
     const double error = system.sum_squared / system.count;
     if (best_error >= 0 && error >= best_error) break;

@@ -10,6 +10,6 @@ Result<BrightnessImage> FrameSource::ReadBrightness(FrameIdx frame, int factor) 
   return BrightnessOf(read->colour, factor);
 }
 
-void FrameSource::GiveBack(FrameIdx /*frame*/, DepthImage /*depth_m*/) const {}
+void FrameSource::GiveBack(Frame /*frame*/) const {}
 
 }  // namespace deepslam

@@ -30,9 +30,9 @@ class FrameSource {
   // of the colour here; sources whose files can be decoded at that size do so, which may differ by
   // the rounding of grey levels. The same whatever was read before.
   [[nodiscard]] virtual Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const;
-  // Takes back the depth of a frame that was read here and will be asked for again. Thread-safe.
-  // Nothing comes of it where a source keeps no images.
-  virtual void GiveBack(FrameIdx frame, DepthImage depth_m) const;
+  // Takes back an image that was read here, or both of a frame, that will be asked for again.
+  // Thread-safe. Nothing comes of it where a source keeps no images.
+  virtual void GiveBack(Frame frame) const;
   // Pose that came with the capture (truth or an AR session), in the capture's own world; nothing
   // where it has none.
   [[nodiscard]] virtual std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const = 0;

@@ -206,7 +206,7 @@ class Lookout {
     if (!detector_.ok()) return;
     FrameFinds& finds = finds_[place];
     const FrameIdx idx = wanted_[place];
-    const Result<Frame> frame = inputs_.capture->frames->ReadColour(idx);
+    Result<Frame> frame = inputs_.capture->frames->ReadColour(idx);
     if (!frame.ok()) {
       finds.unread_colour = frame.error();
     } else if (*detector_ != nullptr) {
@@ -219,6 +219,7 @@ class Lookout {
       } else {
         finds.warning = fmt::format("frame {}: {}", idx.value, raw.error().message);
       }
+      inputs_.capture->frames->GiveBack(std::move(frame).value());
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     context_.progress().Report(++num_looked_at_, wanted_.size());

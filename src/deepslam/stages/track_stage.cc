@@ -30,7 +30,7 @@ Result<TrackedPath> TrackAll(const RunInputs& inputs, Progress& progress) {
   KeyframePyramids pyramids = PyramidsToRefine(inputs);
   const auto take = [&](odometry::ReadKeyframe keyframe) {
     pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
-    frames.GiveBack(keyframe.frame, std::move(keyframe.depth_m));
+    frames.GiveBack({keyframe.frame, 0, {}, std::move(keyframe.depth_m)});
   };
   Result<Odometry> odometry =
       odometry::EstimateOdometry(frames, inputs.config.track, progress, take);
