@@ -105,15 +105,19 @@ std::vector<Match> MatchByVotes(std::span<const int> current,
                                 const PinholeCamera& camera,
                                 const Pose3& camera_from_world,
                                 const AssociateOptions& options) {
+  std::vector<std::map<ObjectId, Tally>> all_tallies(current.size());
+  ParallelFor(current.size(), [&](std::size_t n) {
+    const Observation& observation = all[static_cast<std::size_t>(current[n])];
+    all_tallies[n] = CollectVotes(observation, voters, all, camera, camera_from_world, options);
+  });
   std::vector<Match> candidates;
-  for (const int i : current) {
-    const std::map<ObjectId, Tally> tallies = CollectVotes(
-        all[static_cast<std::size_t>(i)], voters, all, camera, camera_from_world, options);
+  for (std::size_t n = 0; n < current.size(); ++n) {
+    const std::map<ObjectId, Tally>& tallies = all_tallies[n];
     int total = 0;
     for (const auto& [object, tally] : tallies) total += tally.num_votes;
     for (const auto& [object, tally] : tallies) {
       if (tally.num_votes < options.min_consensus * total) continue;
-      candidates.push_back({i, object, tally.num_votes, tally.sum_m / tally.num_votes});
+      candidates.push_back({current[n], object, tally.num_votes, tally.sum_m / tally.num_votes});
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const Match& a, const Match& b) {

@@ -11,10 +11,14 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -57,28 +61,56 @@ double PeakMemoryMib() {
   return 0;
 }
 
+Status CannotRename(const fs::path& target, const std::error_code& error) {
+  return Failed(fmt::format("{}: cannot rename into place: {}", target.string(), error.message()));
+}
+
 // Puts the finished folder in place of an old one at once where the file system can swap, else in
 // two renames: a run killed between them finds the stage missing and makes it again.
-Status PutInPlace(const fs::path& partial, const fs::path& target) {
+Status PutInPlaceOf(const fs::path& partial, const fs::path& target) {
   const fs::path old = fmt::format("{}.old-{}", target.string(), ::getpid());
   std::error_code error;
-  if (fs::exists(target, error)) {
-    if (::renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) {
-      fs::rename(partial, old, error);
-    } else {
-      fs::rename(target, old, error);
-      if (!error) fs::rename(partial, target, error);
-    }
+  if (::renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) {
+    fs::rename(partial, old, error);
   } else {
-    fs::rename(partial, target, error);
+    fs::rename(target, old, error);
+    if (!error) fs::rename(partial, target, error);
   }
-  if (error)
-    return Failed(
-        fmt::format("{}: cannot rename into place: {}", target.string(), error.message()));
+  if (error) return CannotRename(target, error);
   if (Status status = artifact::SyncFolder(target.parent_path()); !status.ok()) return status;
   fs::remove_all(old, error);
   return Ok();
 }
+
+// These files of the folder, and itself, are on the disk.
+Status SyncStage(const fs::path& folder, const std::vector<std::string>& files) {
+  std::vector<fs::path> paths;
+  for (const std::string& file : files) paths.push_back(folder / file);
+  if (Status status = artifact::SyncFiles(paths); !status.ok()) return status;
+  return artifact::SyncFolder(folder);
+}
+
+// A stage in its place whose files are on their way to the disk.
+class Syncing {
+ public:
+  Syncing(fs::path folder, std::vector<std::string> files)
+      : folder_(std::move(folder)), done_(std::async(std::launch::async, [this, files] {
+          if (Status status = SyncStage(folder_, files); !status.ok()) return status;
+          return artifact::SyncFolder(folder_.parent_path());
+        })) {}
+
+  // To be asked once. What may not be on the disk is taken away.
+  Status Wait() {
+    Status status = done_.get();
+    std::error_code ignored;
+    if (!status.ok()) fs::remove_all(folder_, ignored);
+    return status;
+  }
+
+ private:
+  fs::path folder_;
+  std::future<Status> done_;
+};
 
 class Run {
  public:
@@ -115,11 +147,10 @@ class Run {
       external_inputs.push_back(std::move(inputs).value());
     }
     needed_again_ = DroppedAndNeeded(wanted, external_inputs);
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      if (listener_.StopRequested()) return Interrupted();
-      if (Status status = Update(wanted[i], external_inputs[i]); !status.ok())
-        return status.error();
-    }
+    const Status updated = UpdateAll(wanted, external_inputs);
+    const Status synced = AwaitSync();
+    if (!updated.ok()) return updated.error();
+    if (!synced.ok()) return synced.error();
     if (Status status = DropOthers(wanted); !status.ok()) return status.error();
     return report_;
   }
@@ -171,6 +202,21 @@ class Run {
       if (Status status = DropOutputs(request_.workspace, stage.name); !status.ok()) return status;
     }
     return Ok();
+  }
+
+  Status UpdateAll(std::span<const Stage> wanted, std::span<const StringMap> external_inputs) {
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (listener_.StopRequested()) return Interrupted();
+      if (Status status = Update(wanted[i], external_inputs[i]); !status.ok()) return status;
+    }
+    return Ok();
+  }
+
+  // The stage made before this one is on the disk.
+  Status AwaitSync() {
+    if (!syncing_) return Ok();
+    const std::unique_ptr<Syncing> last = std::move(syncing_);
+    return last->Wait();
   }
 
   Status Update(const Stage& stage, const StringMap& external_inputs) {
@@ -225,7 +271,6 @@ class Run {
     Result<StageSummary> summary = stage.run(context);
     ReturnFreedMemory(kMostHeldBytes);
     if (!summary.ok()) return summary.error();
-    if (Status status = context.Sync(); !status.ok()) return status.error();
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     const Timing timing{wall.count(), CpuSeconds() - start_cpu_s, PeakMemoryMib()};
     manifest.outputs = context.outputs();
@@ -239,12 +284,26 @@ class Run {
       if (Status status = artifact::WriteFileUnsynced(partial / file, *text); !status.ok())
         return status.error();
     }
-    const std::array records = {partial / kTimingFile, partial / kManifestFile};
-    if (Status status = artifact::SyncFiles(records); !status.ok()) return status.error();
-    if (Status status = artifact::SyncFolder(partial); !status.ok()) return status.error();
-    if (Status status = PutInPlace(partial, request_.workspace / stage.name); !status.ok())
-      return status.error();
+    if (Status status = Place(partial, stage, manifest); !status.ok()) return status.error();
     return timing;
+  }
+
+  // Only behind what was made before. An older result is replaced by one that is on the disk; where
+  // there is none, the next stage need not wait for that.
+  Status Place(const fs::path& partial, const Stage& stage, const Manifest& manifest) {
+    std::vector<std::string> files = {std::string(kTimingFile), std::string(kManifestFile)};
+    for (const auto& [file, output] : manifest.outputs) files.push_back(file);
+    const fs::path target = request_.workspace / stage.name;
+    if (Status status = AwaitSync(); !status.ok()) return status;
+    std::error_code error;
+    if (fs::exists(target, error)) {
+      if (Status status = SyncStage(partial, files); !status.ok()) return status;
+      return PutInPlaceOf(partial, target);
+    }
+    fs::rename(partial, target, error);
+    if (error) return CannotRename(target, error);
+    syncing_ = std::make_unique<Syncing>(target, std::move(files));
+    return Ok();
   }
 
   std::span<const Stage> stages_;
@@ -253,6 +312,7 @@ class Run {
   StringMap content_hashes_;
   std::set<std::string> needed_again_;
   RunReport report_;
+  std::unique_ptr<Syncing> syncing_;
 };
 
 std::vector<std::string> Names(std::span<const Stage> stages) {

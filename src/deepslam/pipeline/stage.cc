@@ -33,12 +33,6 @@ Status StageContext::Write(std::string_view file, std::string_view bytes) {
   return Ok();
 }
 
-Status StageContext::Sync() const {
-  std::vector<std::filesystem::path> files;
-  for (const auto& [file, output] : outputs_) files.push_back(folder_ / file);
-  return artifact::SyncFiles(files);
-}
-
 std::string StageContext::DisplayName(std::string_view stage, std::string_view file) {
   return fmt::format("{}/{}", stage, file);
 }

@@ -40,8 +40,6 @@ class StageContext {
   [[nodiscard]] Result<std::string> Read(std::string_view stage, std::string_view file) const;
   // Writes a file of this stage's output, `file` relative ("models/a.binvox").
   [[nodiscard]] Status Write(std::string_view file, std::string_view bytes);
-  // Waits until all that was written is on the disk.
-  [[nodiscard]] Status Sync() const;
   // The stages whose files may be read, in the order declared.
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
   [[nodiscard]] Progress& progress() const { return progress_; }

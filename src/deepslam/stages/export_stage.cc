@@ -22,6 +22,7 @@
 #include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/expand.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/read_side_by_side.h"
 #include "deepslam/stages/room_beside.h"
 #include "deepslam/stages/scene_files.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -55,13 +56,6 @@ Result<std::vector<RelativePose>> ReadEdges(const StageContext& context) {
   return edges;
 }
 
-template <typename T>
-Status Take(Result<T> result, T& value) {
-  if (!result.ok()) return result.error();
-  value = std::move(result).value();
-  return Ok();
-}
-
 Status ReadObjects(const StageContext& context, Content& content) {
   Status status = Take(ReadOptimized(context), content.map);
   if (!status.ok()) return status;
@@ -90,18 +84,13 @@ Status ReadLibraryChecksums(const StageContext& context, Content& content) {
 
 Result<Content> ReadContent(const StageContext& context) {
   Content content;
-  // Side by side, what takes longest first.
   const std::array<std::function<Status()>, 5> readers = {
       [&] { return ReadObjects(context, content); },
       [&] { return Take(ReadCandidates(context, "loops"), content.proposals); },
       [&] { return Take(ReadMesh(context, "fuse", "room.ply"), content.room); },
       [&] { return Take(ReadEdges(context), content.edges); },
       [&] { return ReadLibraryChecksums(context, content); }};
-  std::array<Status, readers.size()> statuses;
-  ParallelFor(readers.size(), [&](std::size_t n) { statuses[n] = readers[n](); });
-  for (const Status& status : statuses) {
-    if (!status.ok()) return status.error();
-  }
+  if (Status status = ReadSideBySide(readers); !status.ok()) return status.error();
   return content;
 }
 

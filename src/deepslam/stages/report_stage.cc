@@ -15,6 +15,7 @@
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/report/report.h"
 #include "deepslam/stages/prepared_models.h"
+#include "deepslam/stages/read_side_by_side.h"
 #include "deepslam/stages/report_pictures.h"
 #include "deepslam/stages/room_beside.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -255,13 +256,6 @@ struct Sources {
   TriangleMesh room;
 };
 
-template <typename T>
-Status Take(Result<T> result, T& value) {
-  if (!result.ok()) return result.error();
-  value = std::move(result).value();
-  return Ok();
-}
-
 Result<Sources> ReadSources(const StageContext& context) {
   Sources sources;
   const auto read_map = [&] {
@@ -274,7 +268,6 @@ Result<Sources> ReadSources(const StageContext& context) {
       sources.room = std::move(room).value();
     return Ok();
   };
-  // Side by side, what takes longest first.
   const std::vector<std::function<Status()>> readers = {
       [&] { return Take(ReadSegments(context), sources.segments); },
       [&] { return Take(ReadCandidates(context, "loops"), sources.proposals); },
@@ -288,11 +281,7 @@ Result<Sources> ReadSources(const StageContext& context) {
       [&] { return Take(Corrections(context), sources.corrections); },
       [&] { return Take(context.Read("export", "scene.glb"), sources.scene_glb); },
       read_map};
-  std::vector<Status> statuses(readers.size());
-  ParallelFor(readers.size(), [&](std::size_t n) { statuses[n] = readers[n](); });
-  for (const Status& status : statuses) {
-    if (!status.ok()) return status.error();
-  }
+  if (Status status = ReadSideBySide(readers); !status.ok()) return status.error();
   return sources;
 }
 

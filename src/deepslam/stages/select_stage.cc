@@ -1,6 +1,8 @@
 // select: which candidate is the object's shape.
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -14,6 +16,7 @@
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/read_side_by_side.h"
 #include "deepslam/stages/refine_object.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -132,7 +135,7 @@ void NumberBehind(int num_before, Judged& judged) {
 }
 
 // The object's winner, and what was made for it, into what the stage makes.
-Status Take(const TrackViews& of_track,
+Status Keep(const TrackViews& of_track,
             const RunInputs& inputs,
             Judged judged,
             Selection& selection) {
@@ -149,31 +152,51 @@ Status Take(const TrackViews& of_track,
   return Ok();
 }
 
+struct Sources {
+  Odometry odometry;
+  Ground ground;
+  Association association;
+  Proposals proposals;
+  std::vector<CandidateRegistration> registrations;
+};
+
+Result<Sources> ReadSources(const StageContext& context) {
+  Sources sources;
+  const std::array<std::function<Status()>, 5> readers = {
+      [&] { return Take(ReadRegistrations(context), sources.registrations); },
+      [&] { return Take(ReadOdometry(context), sources.odometry); },
+      [&] { return Take(ReadProposals(context), sources.proposals); },
+      [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
+      [&] { return Take(ReadGround(context, "ground"), sources.ground); }};
+  if (Status status = ReadSideBySide(readers); !status.ok()) return status.error();
+  return sources;
+}
+
 Result<Selection> SelectAll(const StageContext& context,
                             const RunInputs& inputs,
-                            const Odometry& odometry,
-                            const Ground& ground,
-                            const Association& association) {
-  const Result<Proposals> proposals = ReadProposals(context);
-  if (!proposals.ok()) return proposals.error();
-  const Result<std::vector<CandidateRegistration>> registrations = ReadRegistrations(context);
-  if (!registrations.ok()) return registrations.error();
-  const auto priors = PriorsToRefine(inputs, *proposals);
+                            const Sources& sources) {
+  const auto priors = PriorsToRefine(inputs, sources.proposals);
   if (!priors.ok()) return priors.error();
-  const int first_made = NextId(*proposals);
+  const int first_made = NextId(sources.proposals);
   Selection selection;
   const Status status = ForEachTrackViews<Judged>(
       context,
       inputs,
-      odometry,
-      ground,
-      association.tracks,
+      sources.odometry,
+      sources.ground,
+      sources.association.tracks,
       observe::ViewContent::kDepth,
       [&](const TrackViews& of_track) {
-        return Judge(context, inputs, *proposals, *registrations, *priors, first_made, of_track);
+        return Judge(context,
+                     inputs,
+                     sources.proposals,
+                     sources.registrations,
+                     *priors,
+                     first_made,
+                     of_track);
       },
       [&](const TrackViews& of_track, Judged judged) {
-        return Take(of_track, inputs, std::move(judged), selection);
+        return Keep(of_track, inputs, std::move(judged), selection);
       });
   if (!status.ok()) return status.error();
   return selection;
@@ -197,15 +220,11 @@ Status WriteSelection(StageContext& context, const Selection& selection) {
 }  // namespace
 
 Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
-  const Result<Ground> ground = ReadGround(context, "ground");
-  if (!ground.ok()) return ground.error();
-  const Result<Association> association = ReadAssociation(context, "associate");
-  if (!association.ok()) return association.error();
-  if (Status status = CheckChoices(inputs.overrides, association->tracks); !status.ok())
+  const Result<Sources> sources = ReadSources(context);
+  if (!sources.ok()) return sources.error();
+  if (Status status = CheckChoices(inputs.overrides, sources->association.tracks); !status.ok())
     return status.error();
-  const Result<Selection> selection = SelectAll(context, inputs, *odometry, *ground, *association);
+  const Result<Selection> selection = SelectAll(context, inputs, *sources);
   if (!selection.ok()) return selection.error();
   if (Status status = WriteSelection(context, *selection); !status.ok()) return status.error();
   const ObjectMap& map = selection->map;

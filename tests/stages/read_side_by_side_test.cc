@@ -1,0 +1,33 @@
+#include "deepslam/stages/read_side_by_side.h"
+
+#include <array>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace deepslam::stages {
+namespace {
+
+TEST(ReadSideBySide, ReadsAll) {
+  int number = 0;
+  std::string word;
+  const std::array<std::function<Status()>, 2> readers = {
+      [&] { return Take(Result<int>(7), number); },
+      [&] { return Take(Result<std::string>("seven"), word); }};
+  EXPECT_TRUE(ReadSideBySide(readers).ok());
+  EXPECT_EQ(number, 7);
+  EXPECT_EQ(word, "seven");
+}
+
+TEST(ReadSideBySide, GivesTheFirstErrorWhoeverIsDoneFirst) {
+  int number = 0;
+  const std::array<std::function<Status()>, 3> readers = {
+      [&] { return Take(Result<int>(7), number); },
+      [] { return Status(InvalidInput("second")); },
+      [] { return Status(InvalidInput("third")); }};
+  for (int turn = 0; turn < 50; ++turn)
+    EXPECT_EQ(ReadSideBySide(readers).error().message, "second");
+}
+
+}  // namespace
+}  // namespace deepslam::stages
