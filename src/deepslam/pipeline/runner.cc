@@ -34,10 +34,6 @@ namespace {
 namespace fs = std::filesystem;
 using StringMap = std::map<std::string, std::string>;
 
-// What a stage let go stays for the next one up to here. Beyond, the capture is a long one whose
-// stages each need their memory for themselves.
-constexpr std::size_t kMostHeldBytes = std::size_t{320} << 20;
-
 double CpuSeconds() {
   struct rusage usage {};
   ::getrusage(RUSAGE_SELF, &usage);

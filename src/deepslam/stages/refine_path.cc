@@ -1,7 +1,5 @@
 #include "deepslam/stages/refine_path.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <iterator>
 #include <span>
@@ -9,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "deepslam/core/freed_memory.h"
 #include "deepslam/loop/covisible.h"
 #include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/stages/keyframe_graph.h"
@@ -79,7 +78,7 @@ Result<int> RefinePath(const RunInputs& inputs,
   const auto num_tracked = static_cast<std::ptrdiff_t>(odometry.edges.size());
   Result<std::vector<RelativePose>> covisible =
       MeasureCovisible(inputs, std::move(pyramids), odometry, progress);
-  ::malloc_trim(0);  // the pyramids' memory
+  ReturnFreedMemory(kMostHeldBytes);  // the pyramids'
   if (!covisible.ok()) return covisible.error();
   std::ranges::move(*covisible, std::back_inserter(odometry.edges));
   if (progress.StopRequested()) return Interrupted();
