@@ -1,7 +1,9 @@
 #include "deepslam/stages/stage_inputs.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -17,6 +19,7 @@
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/shape/binvox.h"
 
@@ -25,7 +28,7 @@ namespace {
 
 using pipeline::StageContext;
 
-constexpr std::size_t kBatch = 8;                           // frames held at once, twice: 2 MB each
+constexpr std::size_t kFramesAhead = 8;                     // 2 MB each
 constexpr std::size_t kBatchBytes = std::size_t{96} << 20;  // of views, until a batch has enough
 
 template <typename T>
@@ -264,39 +267,27 @@ Status ForFrames(const StageContext& context,
                  const FrameSource& frames,
                  std::span<const FrameIdx> wanted,
                  const std::function<Status(const Frame&)>& use) {
-  using Frames = std::vector<std::optional<Result<Frame>>>;
-  const auto use_all = [&](std::size_t begin, const Frames& read) -> Status {
-    for (std::size_t i = 0; i < read.size(); ++i) {
-      const Result<Frame>& frame = *read[i];
-      if (!frame.ok()) {
-        context.progress().Warn(
-            fmt::format("frame {} skipped: {}", wanted[begin + i].value, frame.error().message));
-      } else if (Status status = use(*frame); !status.ok()) {
-        return status;
-      }
-    }
+  std::array<std::optional<Result<Frame>>, kFramesAhead> read;
+  Status status;
+  const auto use_one = [&](std::size_t n) -> Status {
+    if (context.progress().StopRequested()) return Interrupted();
+    const Result<Frame> frame = *std::exchange(read[n % kFramesAhead], std::nullopt);
+    if (n % kFramesAhead == 0) context.progress().Report(n, wanted.size());
+    if (frame.ok()) return use(*frame);
+    context.progress().Warn(
+        fmt::format("frame {} skipped: {}", wanted[n].value, frame.error().message));
     return Ok();
   };
-  // Task 0 of the loop uses one batch while the others read the next.
-  Frames ready;
-  std::size_t ready_begin = 0;
-  for (std::size_t begin = 0; begin < wanted.size() + kBatch; begin += kBatch) {
-    if (context.progress().StopRequested()) return Interrupted();
-    Frames next(begin < wanted.size() ? std::min(kBatch, wanted.size() - begin) : 0);
-    Status used;
-    ParallelFor(next.size() + 1, [&](std::size_t task) {
-      if (task == 0) {
-        used = use_all(ready_begin, ready);
-      } else {
-        next[task - 1] = frames.Read(wanted[begin + task - 1]);
-      }
-    });
-    if (!used.ok()) return used;
-    ready = std::move(next);
-    ready_begin = begin;
-    context.progress().Report(std::min(begin, wanted.size()), wanted.size());
-  }
-  return Ok();
+  ParallelAhead(
+      wanted.size(),
+      kFramesAhead,
+      [&](std::size_t n) { read[n % kFramesAhead] = frames.Read(wanted[n]); },
+      [&](std::size_t n) {
+        status = use_one(n);
+        return status.ok();
+      });
+  if (status.ok()) context.progress().Report(wanted.size(), wanted.size());
+  return status;
 }
 
 std::string ObjectName(const MapObject& object) {
