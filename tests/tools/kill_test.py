@@ -64,12 +64,14 @@ def digests(workspace):
 
 
 def bytes_below(folder):
+    """Of a folder that may be renamed meanwhile."""
     total = 0
-    for path in folder.rglob("*"):
-        try:
-            total += path.stat().st_size
-        except OSError:
-            pass
+    for place, _, files in os.walk(folder):
+        for file in files:
+            try:
+                total += os.stat(os.path.join(place, file)).st_size
+            except OSError:
+                pass
     return total
 
 
