@@ -28,8 +28,8 @@ constexpr std::string_view kRunFormat = "deepslam/run";
 constexpr int kRunVersion = 1;
 // Decoded frames that stay in memory: 60 of 640 x 480 px.
 constexpr std::size_t kKeptFrameBytes = std::size_t{128} << 20;
-// And 40 models.
-constexpr std::size_t kPreparedModelBytes = std::size_t{64} << 20;
+// And 60 models, of four or five objects.
+constexpr std::size_t kPreparedModelBytes = std::size_t{96} << 20;
 
 // timing.html beside the report, which opens it in a hidden frame and is told the times: they are
 // no part of any artifact, and a page that was copied away goes without them.

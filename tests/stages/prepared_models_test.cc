@@ -29,14 +29,18 @@ TEST(PreparedModels, AnotherGridOfTheSameNameIsAnotherModel) {
   EXPECT_EQ(ball, models.Prepare("chair", Sphere(20))) << "the first one stays";
 }
 
-TEST(PreparedModels, KeepsNoMoreThanTheMemoryGiven) {
+TEST(PreparedModels, KeepsNoneWhereAllAreTooMany) {
   const std::size_t num_voxels = VoxelGrid().occupied.size();
   PreparedModels models(8 * num_voxels);  // a grid, its field and its surface; not twice
-  const PreparedModel kept = models.Prepare("a", Sphere(20));
-  const PreparedModel not_kept = models.Prepare("b", Sphere(20));
-  EXPECT_EQ(kept, models.Prepare("a", Sphere(20)));
-  EXPECT_NE(not_kept, models.Prepare("b", Sphere(20)));
-  EXPECT_EQ(kept->grid().occupied, not_kept->grid().occupied);
+  const PreparedModel alone = models.Prepare("a", Sphere(20));
+  EXPECT_EQ(alone, models.Prepare("a", Sphere(20)));
+  const PreparedModel second = models.Prepare("b", Sphere(20));
+  EXPECT_EQ(alone.use_count(), 1) << "let go";
+  for (const char* const name : {"a", "b"}) {
+    const PreparedModel again = models.Prepare(name, Sphere(20));
+    EXPECT_EQ(again.use_count(), 1);
+    EXPECT_EQ(again->grid().occupied, second->grid().occupied);
+  }
 }
 
 TEST(PreparedModels, ManyThreadsGetTheSameShape) {

@@ -20,13 +20,19 @@ PreparedModel PreparedModels::Find(const std::string& name) const {
   return found == models_.end() ? nullptr : found->second;
 }
 
+void PreparedModels::Keep(const std::string& name, const PreparedModel& model) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (num_bytes_ > max_bytes_ || models_.contains(name)) return;
+  num_bytes_ += NumBytes(*model);
+  models_.emplace(name, model);
+  if (num_bytes_ > max_bytes_) models_.clear();
+}
+
 PreparedModel PreparedModels::Prepare(const std::string& name, const VoxelGrid& grid) {
   PreparedModel known = Find(name);
   if (known && known->grid().occupied == grid.occupied) return known;
-  auto made = std::make_shared<const shape::ShapeModel>(grid);
-  const std::size_t num_bytes = NumBytes(*made);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (num_bytes <= free_bytes_ && models_.try_emplace(name, made).second) free_bytes_ -= num_bytes;
+  const auto made = std::make_shared<const shape::ShapeModel>(grid);
+  Keep(name, made);
   return made;
 }
 

@@ -23,20 +23,22 @@ struct RunInputs;
                                      const std::string& name,
                                      const VoxelGrid& grid);
 
-// Thread-safe. What fits into the memory given stays; all else is made anew each time, since stages
-// go through their objects in turn, and of a turn the oldest is needed next.
+// Thread-safe. All models stay while they fit into the memory given. Where they do not, none does:
+// the map is a large one, whose stages need the memory themselves.
 class PreparedModels {
  public:
-  explicit PreparedModels(std::size_t max_bytes) : free_bytes_(max_bytes) {}
+  explicit PreparedModels(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   // The model of that grid. Another one of the same name counts for nothing.
   [[nodiscard]] PreparedModel Prepare(const std::string& name, const VoxelGrid& grid);
 
  private:
   [[nodiscard]] PreparedModel Find(const std::string& name) const;
+  void Keep(const std::string& name, const PreparedModel& model);
 
   mutable std::mutex mutex_;
-  std::size_t free_bytes_;
+  const std::size_t max_bytes_;
+  std::size_t num_bytes_ = 0;
   std::map<std::string, PreparedModel> models_;
 };
 
