@@ -125,8 +125,8 @@ void Matcher::Retire(std::span<const int> voters) {
   for (const int i : voters) {
     Observation& observation = all_[static_cast<std::size_t>(i)];
     observation.cloud_world = PointCloud({});
-    // Orphans are looked at again when all objects are known.
-    if (observation.object.valid()) observation.points_world = {};
+    // Orphans are looked at again when all objects are known. (= {} would keep the memory.)
+    if (observation.object.valid()) observation.points_world = std::vector<Eigen::Vector3f>();
   }
 }
 

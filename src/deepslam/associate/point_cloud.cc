@@ -133,6 +133,7 @@ std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
   const std::size_t step =
       std::max<std::size_t>(1, measured.size() / static_cast<std::size_t>(max_points));
   std::vector<Eigen::Vector3f> points;
+  points.reserve((measured.size() + step - 1) / step);
   for (std::size_t n = 0; n < measured.size(); n += step) {
     const auto [u, v] = measured[n];
     const Eigen::Vector3d p = world_from_camera * camera.Unproject(u, v, depth_m(u, v));

@@ -8,7 +8,6 @@
 #include <tbb/task_arena.h>
 
 #include "deepslam/core/parallel_ahead.h"
-#include "deepslam/core/parallel_in_order.h"
 
 namespace deepslam {
 
@@ -19,11 +18,6 @@ void ParallelFor(std::size_t count, const std::function<void(std::size_t)>& body
         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
       },
       tbb::simple_partitioner());
-}
-
-void ParallelInOrder(std::size_t count, const std::function<void(std::size_t)>& body) {
-  std::atomic<std::size_t> next = 0;
-  ParallelFor(count, [&](std::size_t) { body(next++); });
 }
 
 void ParallelAhead(std::size_t count,
