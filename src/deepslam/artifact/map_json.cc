@@ -32,8 +32,7 @@ JsonValue ShapeToJson(const MapShape& shape) {
     if (shape.stretch != Eigen::Vector3d::Ones()) row.emplace("stretch", ToJson(shape.stretch));
     if (!shape.voxels_checksum.empty()) row.emplace("voxels_checksum", shape.voxels_checksum);
   }
-  if (!shape.voxel_code.empty())
-    row.emplace("voxels_base64", EncodeBase64(shape.voxel_code));
+  if (!shape.voxel_code.empty()) row.emplace("voxels_base64", EncodeBase64(shape.voxel_code));
   return JsonValue(std::move(row));
 }
 

@@ -98,23 +98,6 @@ bool IsLeftAside(const std::string& name) {
 
 }  // namespace
 
-Result<FileToRead> OpenToRead(const fs::path& file) {
-  FileDescriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (fd.get() < 0)
-    return InvalidInput(fmt::format("{}: cannot open: {}", file.string(), std::strerror(errno)));
-  struct stat status {};
-  if (::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    return InvalidInput(fmt::format("{}: is not a file", file.string()));
-  }
-  if (static_cast<std::uintmax_t>(status.st_size) > kMaxFileBytes) {
-    return InvalidInput(fmt::format("{}: {} bytes are more than the {} that are read",
-                                    file.string(),
-                                    status.st_size,
-                                    kMaxFileBytes));
-  }
-  return FileToRead{std::move(fd), static_cast<std::size_t>(status.st_size)};
-}
-
 Result<std::string> ReadFile(const fs::path& file) {
   const Result<FileToRead> opened = OpenToRead(file);
   if (!opened.ok()) return opened.error();

@@ -190,10 +190,10 @@ class TurnedRow {
       rx[u] = x + w * tx + (ay * tz - az * ty);
       ry[u] = y + w * ty + (az * tx - ax * tz);
       rz[u] = 1.0 + w * tz + (ax * ty - ay * tx);
-      const bool in_front = rz[u] > 1e-6;
-      const double at_u = in_front ? fx * rx[u] / rz[u] + cx : 0.0;
-      const double at_v = in_front ? fy * ry[u] / rz[u] + cy : 0.0;
-      const bool inside = (at_u >= 1) & (at_v >= 1) & (at_u < right) & (at_v < bottom);
+      const double at_u = fx * rx[u] / rz[u] + cx;
+      const double at_v = fy * ry[u] / rz[u] + cy;
+      const bool inside =
+          (rz[u] > 1e-6) & (at_u >= 1) & (at_v >= 1) & (at_u < right) & (at_v < bottom);
       const auto nearest_u = static_cast<std::int32_t>(inside ? at_u + 0.5 : 0.0);
       const auto nearest_v = static_cast<std::int32_t>(inside ? at_v + 0.5 : 0.0);
       off_u[u] = at_u - nearest_u;
@@ -226,7 +226,7 @@ class TurnedRow {
       // Huber at 15 grey levels: exposure and parallax leave residuals of that order at this
       // resolution.
       const bool counts = target[u] >= 0;
-      weight[u] = std::abs(residual) > 15 ? 15 / std::abs(residual) : 1.0;
+      weight[u] = 15 / std::max(15.0, std::abs(residual));
       value[u] = counts ? residual : 0.0;
       rx[u] = counts ? y * gz - z * gy : 0.0;  // ray x gradient
       ry[u] = counts ? z * gx - x * gz : 0.0;

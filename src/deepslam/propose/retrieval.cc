@@ -119,6 +119,11 @@ class RetrievalProposer final : public Proposer {
   struct Made {
     std::mutex mutex;
     std::unique_ptr<const CoarseShape> shape;
+
+    // While the mutex is held.
+    void Ensure(const VoxelGrid& grid) {
+      if (!shape) shape = std::make_unique<const CoarseShape>(grid);
+    }
   };
   mutable std::vector<Made> made_;
 };
@@ -126,7 +131,7 @@ class RetrievalProposer final : public Proposer {
 const CoarseShape& RetrievalProposer::Coarse(std::size_t model) const {
   Made& made = made_[model];
   const std::lock_guard<std::mutex> lock(made.mutex);
-  if (!made.shape) made.shape = std::make_unique<const CoarseShape>(library_->models[model].shape);
+  made.Ensure(library_->models[model].shape);
   return *made.shape;
 }
 
@@ -136,8 +141,7 @@ void RetrievalProposer::MakeCoarse(std::span<const std::size_t> models) const {
   ParallelFor(models.size(), [&](std::size_t n) {
     Made& made = made_[models[n]];
     const std::unique_lock<std::mutex> lock(made.mutex, std::try_to_lock);
-    if (lock && !made.shape)
-      made.shape = std::make_unique<const CoarseShape>(library_->models[models[n]].shape);
+    if (lock) made.Ensure(library_->models[models[n]].shape);
   });
 }
 
