@@ -63,7 +63,7 @@ Result<dataset::Capture> OpenBesideModels(const fs::path& capture,
     if (n == 0) {
       opened = dataset::OpenCapture(capture);
     } else {
-      stages::HashModels(inputs, *inputs.hashes);
+      stages::HashModels(inputs);
     }
   });
   return opened;

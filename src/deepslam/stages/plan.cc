@@ -32,16 +32,14 @@ enum External : unsigned {
   kPriors = 128,
 };
 
-using ContentHash = Result<std::string> (*)(const std::filesystem::path&);
-
 // What lies at a place enters a key by its content.
 Status AddContent(const RunInputs& inputs,
                   const std::string& key,
                   const Result<std::filesystem::path>& place,
-                  ContentHash hash_of,
                   StringMap& hashes) {
   if (!place.ok()) return place.error();
-  const Result<std::string> hash = inputs.hashes ? inputs.hashes->Of(*place) : hash_of(*place);
+  const Result<std::string> hash =
+      inputs.hashes ? inputs.hashes->Of(*place) : ContentHashes().Of(*place);
   if (!hash.ok()) return hash.error();
   hashes.emplace(key, *hash);
   return Ok();
@@ -52,19 +50,18 @@ Status AddDetector(const RunInputs& inputs, StringMap& hashes) {
   if (options.source == "none") return Ok();
   if (options.source == "network") {
     const Result<std::filesystem::path> file = FindWeights(inputs.data_folder, options.weights);
-    return AddContent(inputs, "weights", file, artifact::HashFile, hashes);
+    return AddContent(inputs, "weights", file, hashes);
   }
   if (options.file.empty())
     return InvalidConfig("detect.source is file, but detect.file names none");
-  return AddContent(
-      inputs, "coco_file", std::filesystem::path(options.file), artifact::HashFile, hashes);
+  return AddContent(inputs, "coco_file", std::filesystem::path(options.file), hashes);
 }
 
 Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
   const ProposeStageOptions& options = inputs.config.propose_stage;
   if (!options.retrieval) return Ok();
   const Result<std::filesystem::path> folder = FindLibrary(inputs.data_folder, options.library);
-  return AddContent(inputs, "library", folder, artifact::HashFolder, hashes);
+  return AddContent(inputs, "library", folder, hashes);
 }
 
 Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
@@ -73,7 +70,7 @@ Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
   const auto folder = FindPriors(inputs.data_folder, options.priors);
   if (!folder.ok()) return folder.error();
   if (!*folder) return Ok();
-  return AddContent(inputs, "priors", **folder, artifact::HashFolder, hashes);
+  return AddContent(inputs, "priors", **folder, hashes);
 }
 
 Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
@@ -120,11 +117,9 @@ Result<ClassTable> LoadClasses(const Config& config) {
   return artifact::DecodeClassTable(*text, config.classes_file);
 }
 
-void HashModels(const RunInputs& inputs, ContentHashes& hashes) {
-  RunInputs models = inputs;
-  models.hashes = std::shared_ptr<ContentHashes>(std::shared_ptr<ContentHashes>(), &hashes);
+void HashModels(const RunInputs& inputs) {
   for (const unsigned what : {kDetector, kLibrary, kPriors})
-    static_cast<void>(Externals(models, what));
+    static_cast<void>(Externals(inputs, what));
 }
 
 std::vector<Stage> MakePlan(SharedInputs inputs) {

@@ -45,9 +45,9 @@ using SharedInputs = std::shared_ptr<const RunInputs>;
 inline constexpr std::array<std::string_view, 3> kOverrideInputs = {
     "ground_hint", "track_overrides", "choices"};
 
-// Hashes what networks and libraries of all stages hold, for MakePlan's stages to ask for; faults
-// are met again, and told, by the stage that they stop.
-void HashModels(const RunInputs& inputs, ContentHashes& hashes);
+// Fills inputs.hashes with what networks and libraries of all stages hold, for MakePlan's stages to
+// ask for; faults are met again, and told, by the stage that they stop.
+void HashModels(const RunInputs& inputs);
 
 // track, ground, detect ... report, in order.
 [[nodiscard]] std::vector<pipeline::Stage> MakePlan(SharedInputs inputs);
