@@ -66,10 +66,10 @@ Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_fol
   if (!capture.ok()) return capture.error();
   const Result<std::string> tum = ReadTracking(workspace);
   if (!tum.ok()) return tum.error();
-  const auto table = DecodeFile<artifact::FrameTable>(
-      workspace / "track" / "frames.json", [&](std::string_view text, std::string_view name) {
-        return artifact::DecodeFrames(text, *tum, name);
-      });
+  const auto table = DecodeFile<Trajectory>(workspace / "track" / "frames.json",
+                                            [&](std::string_view text, std::string_view name) {
+                                              return artifact::DecodeTrajectory(text, *tum, name);
+                                            });
   if (!table.ok()) return table.error();
   if (static_cast<int>(table->frames.size()) != capture->frames->num_frames())
     return InvalidInput(fmt::format("{}: holds {} frames, the workspace {}: not of one capture",

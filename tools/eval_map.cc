@@ -97,8 +97,8 @@ Result<std::int64_t> CountCloudPoints(const fs::path& workspace, const fs::path&
   if (!frames_json.ok()) return frames_json.error();
   const Result<std::string> tum = artifact::ReadFile(workspace / "optimize" / "trajectory.tum");
   if (!tum.ok()) return tum.error();
-  const auto table =
-      artifact::DecodeFrames(*frames_json, *tum, (workspace / "optimize" / "frames.json").string());
+  const auto table = artifact::DecodeTrajectory(
+      *frames_json, *tum, (workspace / "optimize" / "frames.json").string());
   if (!table.ok()) return table.error();
   if (static_cast<int>(table->frames.size()) != capture->frames->num_frames())
     return InvalidInput(fmt::format("{}: holds {} frames, the workspace {}: not of one capture",

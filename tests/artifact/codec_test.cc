@@ -92,7 +92,7 @@ std::vector<CodecCase> Cases() {
   cases.push_back({"frames",
                    *EncodeFrames(odometry.frames, odometry.keyframes, odometry.edges, "file"),
                    [tum, odometry](std::string_view text) -> Result<std::string> {
-                     const Result<FrameTable> table = DecodeFrames(text, tum, "file");
+                     const Result<Trajectory> table = DecodeTrajectory(text, tum, "file");
                      if (!table.ok()) return table.error();
                      return EncodeFrames(table->frames, table->keyframes, odometry.edges, "file");
                    }});
@@ -297,6 +297,91 @@ TEST(Json, MinusZeroIsWrittenAsItIsReadAgain) {
 
 TEST(Json, RefusesDeepNesting) {
   EXPECT_FALSE(ParseJson(std::string(100'000, '[') + std::string(100'000, ']'), "deep.json").ok());
+}
+
+JsonObject Numbered(std::size_t k) {
+  JsonObject row;
+  row.emplace("number", static_cast<std::int64_t>(k));
+  if (k % 3 == 0) row.emplace("long", std::string(150, 'x'));
+  return row;
+}
+
+TEST(Json, RowsAreWrittenAsTheArrayOfThemIs) {
+  for (const std::size_t count : {0, 1, 3, 200}) {
+    JsonArray array;
+    for (std::size_t k = 0; k < count; ++k) array.emplace_back(Numbered(k));
+    JsonObject of_array = NewDocument("f", 1);
+    of_array.emplace("rows", std::move(array));
+    JsonObject of_rows = NewDocument("f", 1);
+    of_rows.emplace("rows", JsonRows{count, Numbered});
+    EXPECT_EQ(*DumpJson(std::move(of_rows), "f"), *DumpJson(std::move(of_array), "f")) << count;
+  }
+  JsonObject broken;
+  broken.emplace("rows", JsonRows{9, [](std::size_t k) { return JsonValue(k < 7 ? 1.0 : NAN); }});
+  EXPECT_THAT(DumpJson(std::move(broken), "f").error().message, HasSubstr("rows[7]"));
+}
+
+TEST(Json, TablesAreReadRowByRow) {
+  constexpr int kRows = 200;
+  JsonObject document = NewDocument("f", 1);
+  document.emplace("rows", JsonRows{kRows, Numbered});
+  document.emplace("whole", JsonArray{1, 2});
+  const std::string text = *DumpJson(std::move(document), "f");
+  std::vector<int> numbers;
+  std::size_t most_at_once = 0;
+  const auto read = [&](std::span<const JsonNode> rows) {
+    most_at_once = std::max(most_at_once, rows.size());
+    for (const JsonNode& row : rows) numbers.push_back(row["number"].Int(0, kRows));
+  };
+  JsonReader reader(text, "f", "f", 1, {{"rows", read}});
+  EXPECT_TRUE(reader.ok());
+  ASSERT_EQ(numbers.size(), static_cast<std::size_t>(kRows));
+  for (int k = 0; k < kRows; ++k) EXPECT_EQ(numbers[static_cast<std::size_t>(k)], k);
+  EXPECT_LT(most_at_once, 100u);
+  EXPECT_TRUE(reader.root()["rows"].Items().empty()) << "rows stay with nobody";
+  EXPECT_EQ(reader.root()["whole"].Items().size(), 2u);
+}
+
+TEST(Json, ATableMustBeThereOnceAndBeOne) {
+  const auto fault = [](const std::string& members, int version = 1) {
+    const auto read = [](std::span<const JsonNode> rows) {
+      for (const JsonNode& row : rows) static_cast<void>(row["number"].Int(0, 9));
+    };
+    const std::string text = "{\"format\": \"f\", \"version\": 1" + members + "}";
+    return JsonReader(text, "file", "f", version, {{"rows", read}}).error().message;
+  };
+  EXPECT_EQ(fault(R"(, "rows": [{"number": 3}])"), "");
+  EXPECT_THAT(fault(""), HasSubstr("rows is missing"));
+  EXPECT_THAT(fault(R"(, "rows": {})"), HasSubstr("rows must be an array"));
+  EXPECT_THAT(fault(R"(, "rows": 3)"), HasSubstr("rows must be an array"));
+  EXPECT_THAT(fault(R"(, "rows": [], "rows": [])"), HasSubstr("\"rows\" comes twice"));
+  EXPECT_THAT(fault(R"(, "rows": [{"number": 3}, {"number": 12}, {}])"),
+              HasSubstr("rows[1].number is 12"));
+  EXPECT_THAT(fault(R"(, "rows": [{"number": 12}])", 2), HasSubstr("version is 1"))
+      << "what is wrong with the rows says less";
+  EXPECT_EQ(fault(R"(, "rows": [{"number": 1}], "more": {"rows": [{}], "deep": [[{}]]})"), "")
+      << "a member of that name further down is none";
+}
+
+TEST(Segments, KeepTheirMasksHoweverMany) {
+  std::vector<Segment> segments(150);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    Segment& segment = segments[k];
+    segment.detection = DetectionId{static_cast<int>(k)};
+    segment.frame = FrameIdx{static_cast<int>(k / 2)};
+    segment.class_name = "chair";
+    if (k % 5 == 0) continue;  // without a mask
+    Mask mask(40, 30);
+    mask(static_cast<int>(k % 40), static_cast<int>(k % 30)) = 1;
+    segment.mask = mask;
+  }
+  const Result<std::vector<Segment>> read = DecodeSegments(*EncodeSegments(segments, "f"), "f");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  ASSERT_EQ(read->size(), segments.size());
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    EXPECT_EQ((*read)[k].detection, segments[k].detection);
+    EXPECT_EQ((*read)[k].mask, segments[k].mask) << k;
+  }
 }
 
 TEST(GroundJson, HoldsWhatTheUserSaysOfThePicturesIfAnything) {

@@ -1,5 +1,9 @@
 #include "deepslam/loop/neighbours.h"
 
+#include <algorithm>
+#include <iterator>
+#include <span>
+
 #include <gtest/gtest.h>
 
 #include "deepslam/core/parallel.h"
@@ -31,14 +35,20 @@ std::vector<Pose3> Slid(std::vector<Pose3> poses, const Pose3& slide) {
   return poses;
 }
 
+std::vector<AppearanceLoop> ProposeAll(std::span<const KeyframeFeatures> features,
+                                       const Odometry& odometry,
+                                       bool depth_alone,
+                                       const AppearanceOptions& options = {}) {
+  return ProposeNeighbours(PoorlyMeasured(odometry, depth_alone), features, 0, options);
+}
+
 const Pose3 kSlide{Eigen::Quaterniond::Identity(), {0.5, 0.3, 0}};
 
 TEST(Neighbours, WhatDepthAloneTrackedIsMeasuredAgainWhereverItSlid) {
   const TexturedRoom room;
   const std::vector<Pose3> truth = Along();
   const Odometry slid = Tracked(Slid(truth, kSlide));
-  const std::vector<AppearanceLoop> proposed =
-      ProposeNeighbours(FeaturesAlong(room, truth), slid, true, {});
+  const std::vector<AppearanceLoop> proposed = ProposeAll(FeaturesAlong(room, truth), slid, true);
   ASSERT_EQ(proposed.size(), slid.edges.size());
   for (std::size_t k = 0; k < proposed.size(); ++k) {
     EXPECT_EQ(proposed[k].old_keyframe, slid.edges[k].i);
@@ -54,10 +64,10 @@ TEST(Neighbours, WhatImagesTrackedStandsButAcrossALoss) {
   const TexturedRoom room;
   const std::vector<Pose3> truth = Along();
   const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
-  EXPECT_TRUE(ProposeNeighbours(features, Tracked(truth), false, {}).empty());
+  EXPECT_TRUE(ProposeAll(features, Tracked(truth), false).empty());
   Odometry lost = Tracked(Slid(truth, kSlide));
   lost.edges[5].composed = true;  // from keyframe 5 to 6
-  const std::vector<AppearanceLoop> proposed = ProposeNeighbours(features, lost, false, {});
+  const std::vector<AppearanceLoop> proposed = ProposeAll(features, lost, false);
   EXPECT_GE(proposed.size(), 5u);
   EXPECT_LE(proposed.size(), 9u);
   for (const AppearanceLoop& pair : proposed) {
@@ -71,11 +81,44 @@ TEST(Neighbours, WhatImagesTrackedStandsButAcrossALoss) {
   }
 }
 
+TEST(Neighbours, PieceByPieceAreThoseOfTheWhole) {
+  const TexturedRoom room;
+  const std::vector<Pose3> truth = Along();
+  const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
+  Odometry lost = Tracked(Slid(truth, kSlide));
+  lost.edges[5].composed = true;
+  const std::vector<NeighbourPair> pairs = PoorlyMeasured(lost, true);
+  ASSERT_FALSE(pairs.empty());
+  for (const NeighbourPair& pair : pairs) {
+    EXPECT_LT(pair.older, pair.newer);
+    EXPECT_LE(pair.newer - pair.older, kMostNeighbourGap);
+  }
+  const std::vector<AppearanceLoop> whole = ProposeNeighbours(pairs, features, 0, {});
+  std::vector<AppearanceLoop> pieces;
+  for (int newer = 0; newer < 12; ++newer) {  // one more keyframe at a time
+    std::vector<NeighbourPair> own;
+    std::ranges::copy_if(pairs, std::back_inserter(own), [&](const NeighbourPair& pair) {
+      return pair.newer == newer;
+    });
+    const int first = std::max(0, newer - kMostNeighbourGap);
+    const auto run = std::span(features).subspan(static_cast<std::size_t>(first),
+                                                 static_cast<std::size_t>(newer + 1 - first));
+    std::ranges::move(ProposeNeighbours(own, run, first, {}), std::back_inserter(pieces));
+  }
+  ASSERT_EQ(pieces.size(), whole.size());
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    EXPECT_EQ(pieces[k].old_keyframe, whole[k].old_keyframe);
+    EXPECT_EQ(pieces[k].new_keyframe, whole[k].new_keyframe);
+    EXPECT_EQ(pieces[k].old_from_new, whole[k].old_from_new);
+  }
+  EXPECT_TRUE(ProposeNeighbours(pairs, std::span(features).first(1), 0, {}).empty());
+}
+
 TEST(Neighbours, RegistrationHasToBearThemOut) {
   const TexturedRoom room;
   const std::vector<Pose3> truth = Along();
   const std::vector<AppearanceLoop> proposed =
-      ProposeNeighbours(FeaturesAlong(room, truth), Tracked(truth), true, {});
+      ProposeAll(FeaturesAlong(room, truth), Tracked(truth), true);
   ASSERT_FALSE(proposed.empty());
   ExpectRegistrationToBearOut(proposed, [&](const auto& registrations) {
     return AcceptNeighbours(proposed, registrations, {}).size();
@@ -89,9 +132,8 @@ TEST(Neighbours, TilesAndBareWallsGiveNothingWrong) {
   tiled.boxes.clear();
   TexturedRoom bare;
   bare.contrast = 0;
-  EXPECT_TRUE(ProposeNeighbours(FeaturesAlong(bare, truth), Tracked(truth), true, {}).empty());
-  for (const AppearanceLoop& pair :
-       ProposeNeighbours(FeaturesAlong(tiled, truth), Tracked(truth), true, {})) {
+  EXPECT_TRUE(ProposeAll(FeaturesAlong(bare, truth), Tracked(truth), true).empty());
+  for (const AppearanceLoop& pair : ProposeAll(FeaturesAlong(tiled, truth), Tracked(truth), true)) {
     const auto n = static_cast<std::size_t>(pair.old_keyframe.value);
     EXPECT_THAT(pair.old_from_new, PoseNear(truth[n].Inverse() * truth[n + 1], 0.05, 2.0));
   }
@@ -103,9 +145,9 @@ TEST(Neighbours, NothingAndOff) {
   const TexturedRoom room;
   const std::vector<Pose3> truth = Along();
   const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
-  EXPECT_TRUE(ProposeNeighbours(features, Tracked(truth), true, off).empty());
-  EXPECT_TRUE(ProposeNeighbours({}, {}, true, {}).empty());
-  EXPECT_TRUE(ProposeNeighbours({}, Tracked(truth), true, {}).empty()) << "features are missing";
+  EXPECT_TRUE(ProposeAll(features, Tracked(truth), true, off).empty());
+  EXPECT_TRUE(ProposeAll({}, {}, true).empty());
+  EXPECT_TRUE(ProposeAll({}, Tracked(truth), true).empty()) << "features are missing";
   EXPECT_TRUE(AcceptNeighbours({}, {}, {}).empty());
 }
 
@@ -115,7 +157,7 @@ TEST(Neighbours, TheNumberOfThreadsChangesNothing) {
   const std::vector<KeyframeFeatures> features = FeaturesAlong(room, truth);
   const auto propose = [&](int threads) {
     const ThreadLimit limit(threads);
-    return ProposeNeighbours(features, Tracked(truth), true, {});
+    return ProposeAll(features, Tracked(truth), true);
   };
   const std::vector<AppearanceLoop> one = propose(1);
   const std::vector<AppearanceLoop> four = propose(4);

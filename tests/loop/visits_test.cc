@@ -52,6 +52,14 @@ Points Top(float x_m, float length_m) {
   return points;
 }
 
+// Each but the first against the one before.
+std::vector<bool> Judged(const std::vector<ObjectEvidence>& visits) {
+  std::vector<bool> apart;
+  for (std::size_t k = 1; k < visits.size(); ++k)
+    apart.push_back(StandApart(visits[k - 1], visits[k], kUp, {}));
+  return apart;
+}
+
 TEST(Visits, EndWhereTheObjectIsNotSeenForLong) {
   const LoopOptions options;  // 30 frames
   const std::vector<ObjectTrack> visits = Visits(Track(7, {0, 29, 58, 88, 90, 200}), options);
@@ -96,9 +104,10 @@ TEST(Visits, AreCountedBehindTheLastId) {
       {Track(2, {0, 1, 100, 101, 200, 201}), Track(4, {0, 100}), Track(9, {0, 100})}, {}};
   const Points there = ChairPoints();
   const Points away = Moved(there, Yawed(0.25, 0, 0, 0));
-  const VisitEvidence evidence = {{ObjectId{2}, {Measured(there), Measured(away), Measured(away)}},
-                                  {ObjectId{4}, {Measured(there), Measured(there)}}};
-  const PartedObjects parted = PartVisits(association, evidence, kUp, {});
+  const StandingApart apart = {
+      {ObjectId{2}, Judged({Measured(there), Measured(away), Measured(away)})},
+      {ObjectId{4}, Judged({Measured(there), Measured(there)})}};
+  const PartedObjects parted = PartVisits(association, apart, {});
   ASSERT_EQ(parted.visits.size(), 2U);  // 4 stands still, of 9 nothing is known
   ASSERT_EQ(parted.tracks.size(), 2U);
   EXPECT_EQ(parted.visits[0].visit, ObjectId{2});
@@ -130,7 +139,7 @@ TEST(Visits, ANeighbourTakenForTheObjectIsGivenBack) {
 
   const auto seen = [&](int id) { return scene.evidence.at(ObjectId{id}); };
   const PartedObjects parted =
-      PartVisits(mistaken.association, {{ObjectId{0}, {seen(0), seen(3)}}}, kUp, {});
+      PartVisits(mistaken.association, {{ObjectId{0}, Judged({seen(0), seen(3)})}}, {});
   ASSERT_EQ(parted.tracks.size(), 2U);
   EXPECT_EQ(parted.tracks[0].members.size(), scene.association.tracks[0].members.size());
   EXPECT_EQ(parted.tracks[1].id,

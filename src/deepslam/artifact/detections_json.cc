@@ -21,6 +21,26 @@ std::map<std::string, int> CategoryIds(const DetectionTable& table) {
   return ids;
 }
 
+JsonValue ImageToJson(const DetectedImage& image) {
+  JsonObject row;
+  row.emplace("id", ToJson(image.frame));
+  row.emplace("file_name", image.file_name);
+  row.emplace("width", image.width);
+  row.emplace("height", image.height);
+  if (image.contains_person) row.emplace("contains_person", *image.contains_person);
+  return JsonValue(std::move(row));
+}
+
+DetectedImage ReadImage(const JsonNode& row) {
+  DetectedImage image{ReadId<FrameIdx>(row["id"]),
+                      row["file_name"].String(),
+                      row["width"].Int(1, kMaxImageSide),
+                      row["height"].Int(1, kMaxImageSide)};
+  const JsonNode person = row.Maybe("contains_person");
+  if (person.exists()) image.contains_person = person.Bool();
+  return image;
+}
+
 JsonValue AnnotationToJson(const Detection& detection, int category_id, JsonValue segmentation) {
   JsonObject row;
   row.emplace("id", ToJson(detection.id));
@@ -52,16 +72,9 @@ Detection ReadAnnotation(const JsonNode& row) {
 
 Result<std::string> EncodeDetections(const DetectionTable& table, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray images;
-  for (const DetectedImage& image : table.images) {
-    JsonObject row;
-    row.emplace("id", ToJson(image.frame));
-    row.emplace("file_name", image.file_name);
-    row.emplace("width", image.width);
-    row.emplace("height", image.height);
-    if (image.contains_person) row.emplace("contains_person", *image.contains_person);
-    images.emplace_back(std::move(row));
-  }
+  document.emplace("images", JsonRows{table.images.size(), [&](std::size_t i) {
+                                        return ImageToJson(table.images[i]);
+                                      }});
   const std::map<std::string, int> category_ids = CategoryIds(table);
   JsonArray categories;
   for (const auto& [class_name, id] : category_ids) {
@@ -70,40 +83,31 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
     row.emplace("name", class_name);
     categories.emplace_back(std::move(row));
   }
-  std::vector<const PixelMask*> masks;
-  for (const Detection& detection : table.detections) masks.push_back(&detection.mask);
-  std::vector<JsonValue> segmentations = MasksToJson(masks);
-  JsonArray annotations;
-  for (const Detection& detection : table.detections) {
-    annotations.push_back(AnnotationToJson(detection,
-                                           category_ids.at(detection.class_name),
-                                           std::move(segmentations[annotations.size()])));
-  }
-  document.emplace("images", std::move(images));
+  MasksToJson masks(table.detections.size(),
+                    [&](std::size_t i) -> const PixelMask& { return table.detections[i].mask; });
+  const auto annotation = [&](std::size_t i) {
+    const Detection& detection = table.detections[i];
+    return AnnotationToJson(detection, category_ids.at(detection.class_name), masks.Take(i));
+  };
   document.emplace("categories", std::move(categories));
-  document.emplace("annotations", std::move(annotations));
+  document.emplace("annotations", JsonRows{table.detections.size(), annotation});
   return DumpJson(std::move(document), name);
 }
 
 Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
-  const JsonNode root = reader.root();
   DetectionTable table;
-  for (const JsonNode& row : root["images"].Items()) {
-    table.images.push_back({ReadId<FrameIdx>(row["id"]),
-                            row["file_name"].String(),
-                            row["width"].Int(1, kMaxImageSide),
-                            row["height"].Int(1, kMaxImageSide)});
-    const JsonNode person = row.Maybe("contains_person");
-    if (person.exists()) table.images.back().contains_person = person.Bool();
-  }
-  std::vector<JsonNode> segmentations;
-  for (const JsonNode& row : root["annotations"].Items()) {
-    table.detections.push_back(ReadAnnotation(row));
-    segmentations.push_back(row.Maybe("segmentation"));
-  }
-  std::vector<PixelMask> masks = ReadMasks(segmentations);
-  for (std::size_t i = 0; i < masks.size(); ++i) table.detections[i].mask = std::move(masks[i]);
+  const auto read_images = [&](std::span<const JsonNode> rows) {
+    for (const JsonNode& row : rows) table.images.push_back(ReadImage(row));
+  };
+  const auto read_annotations = [&](std::span<const JsonNode> rows) {
+    std::vector<PixelMask> masks = ReadMasks(MembersOf(rows, "segmentation"));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      table.detections.push_back(ReadAnnotation(rows[i]));
+      table.detections.back().mask = std::move(masks[i]);
+    }
+  };
+  const JsonReader reader(
+      text, name, kFormat, kVersion, {{"images", read_images}, {"annotations", read_annotations}});
   return reader.Finish(std::move(table));
 }
 

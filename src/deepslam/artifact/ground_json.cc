@@ -16,21 +16,32 @@ QuarterTurn ReadTurn(const JsonNode& node) {
   return static_cast<QuarterTurn>(deg / 90);
 }
 
+JsonValue ObservationToJson(const GroundObservation& observation) {
+  JsonObject row;
+  row.emplace("keyframe", ToJson(observation.keyframe));
+  row.emplace("plane_camera", ToJson(observation.plane_camera));
+  row.emplace("information", ToJson(observation.information));
+  row.emplace("num_inliers", observation.num_inliers);
+  return JsonValue(std::move(row));
+}
+
+GroundObservation ReadObservation(const JsonNode& row) {
+  GroundObservation observation;
+  observation.keyframe = ReadId<FrameIdx>(row["keyframe"]);
+  observation.plane_camera = ReadPlane(row["plane_camera"]);
+  observation.information = ReadMatrix3(row["information"]);
+  observation.num_inliers = row["num_inliers"].Int(0, kMaxId);
+  return observation;
+}
+
 }  // namespace
 
 Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
   document.emplace("plane_world", ground.plane_world ? ToJson(*ground.plane_world) : JsonValue());
-  JsonArray observations;
-  for (const GroundObservation& observation : ground.observations) {
-    JsonObject row;
-    row.emplace("keyframe", ToJson(observation.keyframe));
-    row.emplace("plane_camera", ToJson(observation.plane_camera));
-    row.emplace("information", ToJson(observation.information));
-    row.emplace("num_inliers", observation.num_inliers);
-    observations.emplace_back(std::move(row));
-  }
-  document.emplace("observations", std::move(observations));
+  document.emplace("observations", JsonRows{ground.observations.size(), [&](std::size_t i) {
+                                              return ObservationToJson(ground.observations[i]);
+                                            }});
   JsonArray apart;
   for (const GroundApart& stretch : ground.apart) {
     JsonObject row;
@@ -45,19 +56,14 @@ Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
 }
 
 Result<Ground> DecodeGround(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
-  const JsonNode root = reader.root();
   Ground ground;
+  const auto read = [&](std::span<const JsonNode> rows) {
+    for (const JsonNode& row : rows) ground.observations.push_back(ReadObservation(row));
+  };
+  JsonReader reader(text, name, kFormat, kVersion, {{"observations", read}});
+  const JsonNode root = reader.root();
   if (const JsonNode plane = root.Maybe("plane_world"); plane.exists())
     ground.plane_world = ReadPlane(plane);
-  for (const JsonNode& row : root["observations"].Items()) {
-    GroundObservation observation;
-    observation.keyframe = ReadId<FrameIdx>(row["keyframe"]);
-    observation.plane_camera = ReadPlane(row["plane_camera"]);
-    observation.information = ReadMatrix3(row["information"]);
-    observation.num_inliers = row["num_inliers"].Int(0, kMaxId);
-    ground.observations.push_back(observation);
-  }
   if (const JsonNode apart = root.Maybe("apart"); apart.exists()) {
     for (const JsonNode& row : apart.Items()) {
       GroundApart stretch{ReadId<FrameIdx>(row["first"]), ReadId<FrameIdx>(row["end"]), {}};

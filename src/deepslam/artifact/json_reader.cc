@@ -1,6 +1,7 @@
 #include "deepslam/artifact/json_reader.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -109,15 +110,38 @@ void JsonNode::Fail(std::string_view what) const { reader_->Fail(path_, what); }
 JsonReader::JsonReader(std::string_view text,
                        std::string_view name,
                        std::string_view format,
-                       int version)
+                       int version,
+                       std::vector<JsonTable> tables)
     : name_(name) {
-  Result<JsonValue> parsed = ParseJson(text, name);
+  std::vector<JsonStream> streams;
+  for (const JsonTable& table : tables) {
+    streams.push_back({table.key, [&](std::size_t first, std::span<const JsonValue> values) {
+                         if (!ok()) return;
+                         std::vector<JsonNode> rows;
+                         for (std::size_t i = 0; i < values.size(); ++i) {
+                           rows.push_back(JsonNode(
+                               this, &values[i], fmt::format("{}[{}]", table.key, first + i)));
+                         }
+                         table.read(rows);
+                       }});
+  }
+  Result<JsonValue> parsed = ParseJson(text, name, streams);
   if (!parsed.ok()) {
     fault_ = parsed.error().message;
     return;
   }
   document_ = std::move(parsed).value();
-  if (format.empty()) return;
+  // Rows come before the version, which says more than what is wrong in them.
+  const std::string fault_of_rows = std::exchange(fault_, {});
+  if (!format.empty()) CheckFormat(format, version);
+  if (ok()) fault_ = fault_of_rows;
+  for (const JsonTable& table : tables) {
+    const JsonNode rows = root()[table.key];
+    if (rows.value_ != nullptr && !rows.is_array()) rows.Fail("must be an array");
+  }
+}
+
+void JsonReader::CheckFormat(std::string_view format, int version) {
   const JsonNode document = root();
   const JsonNode found_format = document.Maybe("format");
   if (!found_format.is_string() || found_format.String() != format) {

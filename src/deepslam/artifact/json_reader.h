@@ -2,7 +2,9 @@
 // decoders stay straight lines: read everything, then ask Finish() whether it was sound.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -60,11 +62,23 @@ class JsonNode {
   std::string path_;
 };
 
+// An array among the document's members whose rows are read as they are parsed, a few at a time and
+// in their order, and gone then: for tables that grow with the length of a capture. It must be
+// there.
+struct JsonTable {
+  std::string_view key;
+  std::function<void(std::span<const JsonNode> rows)> read;
+};
+
 class JsonReader {
  public:
   // `name` is the file's name for messages. Checks the document's "format" and "version" fields;
   // pass an empty format for foreign documents that have none.
-  JsonReader(std::string_view text, std::string_view name, std::string_view format, int version);
+  JsonReader(std::string_view text,
+             std::string_view name,
+             std::string_view format,
+             int version,
+             std::vector<JsonTable> tables = {});
   JsonReader(const JsonReader&) = delete;
   JsonReader& operator=(const JsonReader&) = delete;
 
@@ -80,6 +94,7 @@ class JsonReader {
   }
 
  private:
+  void CheckFormat(std::string_view format, int version);
   std::string name_;
   JsonValue document_;
   std::string fault_;

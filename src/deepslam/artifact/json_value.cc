@@ -17,10 +17,13 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kElementsAtOnce = 64;  // of a stream; enough to work on side by side
 
 // Takes a text's values as the parser finds them.
 class Builder final : public nlohmann::json_sax<nlohmann::json> {
  public:
+  explicit Builder(std::span<const JsonStream> streams) : streams_(streams) {}
+
   bool null() override { return Add({}); }
   bool boolean(bool value) override { return Add(value); }
   bool number_integer(std::int64_t value) override { return Add(value); }
@@ -43,6 +46,7 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
     return Add(std::move(value));
   }
   bool end_array() override {
+    if (open_.back().stream != nullptr) Flush(open_.back());
     JsonValue value(std::move(open_.back().array));
     open_.pop_back();
     return Add(std::move(value));
@@ -63,13 +67,34 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
     bool is_object = false;
     JsonArray array;
     JsonObject object;
-    std::string key;  // of the member that comes next
+    std::string key;                     // of the member that comes next
+    const JsonStream* stream = nullptr;  // that takes the array's elements
+    std::size_t num_taken = 0;
   };
 
   bool Open(bool is_object) {
     too_deep_ = open_.size() > kMaxDepth;
-    open_.emplace_back().is_object = is_object;
+    const JsonStream* const stream = is_object || open_.size() != 1 ? nullptr : StreamOf(open_[0]);
+    if (stream != nullptr && open_[0].object.contains(stream->key)) {
+      fault_ = fmt::format("\"{}\" comes twice", stream->key);
+      return false;
+    }
+    OpenValue& opened = open_.emplace_back();
+    opened.is_object = is_object;
+    opened.stream = stream;
     return !too_deep_;
+  }
+
+  [[nodiscard]] const JsonStream* StreamOf(const OpenValue& document) const {
+    if (!document.is_object) return nullptr;
+    const auto found = std::ranges::find(streams_, document.key, &JsonStream::key);
+    return found == streams_.end() ? nullptr : &*found;
+  }
+
+  static void Flush(OpenValue& streamed) {
+    streamed.stream->take(streamed.num_taken, streamed.array);
+    streamed.num_taken += streamed.array.size();
+    streamed.array.clear();
   }
 
   bool Add(JsonValue value) {
@@ -84,10 +109,12 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
       into.object.insert_or_assign(into.object.end(), std::move(into.key), std::move(value));
     } else {
       into.array.push_back(std::move(value));
+      if (into.stream != nullptr && into.array.size() == kElementsAtOnce) Flush(into);
     }
     return !too_deep_;
   }
 
+  std::span<const JsonStream> streams_;
   std::vector<OpenValue> open_;
   JsonValue root_;
   bool too_deep_ = false;
@@ -120,6 +147,8 @@ class Writer {
   void Write(const JsonValue& value, const Place& place, std::size_t indent) {
     if (const auto* array = value.As<JsonArray>()) {
       WriteArray(*array, place, indent);
+    } else if (const auto* rows = value.As<JsonRows>()) {
+      WriteRows(*rows, place, indent);
     } else if (const auto* object = value.As<JsonObject>()) {
       WriteObject(*object, place, indent);
     } else {
@@ -162,7 +191,8 @@ class Writer {
   }
 
   static bool IsScalar(const JsonValue& value) {
-    return value.As<JsonArray>() == nullptr && value.As<JsonObject>() == nullptr;
+    return value.As<JsonArray>() == nullptr && value.As<JsonObject>() == nullptr &&
+           value.As<JsonRows>() == nullptr;
   }
 
   // Arrays of scalars stay on one line; everything else does when it is short.
@@ -179,6 +209,20 @@ class Writer {
     if (!scalars) NewLine(indent);
     text += ']';
     if (!scalars) Squeeze(start);
+  }
+
+  // As an array of objects.
+  void WriteRows(const JsonRows& rows, const Place& place, std::size_t indent) {
+    const std::size_t start = text.size();
+    text += '[';
+    for (std::size_t i = 0; i < rows.count; ++i) {
+      if (i > 0) text += ',';
+      NewLine(indent + 1);
+      Write(rows.row(i), {&place, nullptr, i}, indent + 1);
+    }
+    if (rows.count > 0) NewLine(indent);
+    text += ']';
+    Squeeze(start);
   }
 
   void WriteObject(const JsonObject& object, const Place& place, std::size_t indent) {
@@ -230,8 +274,10 @@ std::string ShortestDecimal(double value) {
   return {buffer.data(), end};
 }
 
-Result<JsonValue> ParseJson(std::string_view text, std::string_view name) {
-  Builder builder;
+Result<JsonValue> ParseJson(std::string_view text,
+                            std::string_view name,
+                            std::span<const JsonStream> streams) {
+  Builder builder(streams);
   if (nlohmann::json::sax_parse(text, &builder)) return builder.Take();
   if (builder.too_deep())
     return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxDepth));

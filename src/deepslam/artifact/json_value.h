@@ -2,8 +2,11 @@
 // shortest form that reads back exactly; a number that is not finite refuses to be written.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,10 +21,24 @@ class JsonValue;
 using JsonArray = std::vector<JsonValue>;
 using JsonObject = std::map<std::string, JsonValue, std::less<>>;
 
+// An array whose elements are made as they are written, each once and in their order: a table with
+// rows for each frame of a long capture is never there as values. `row` refers to what it is made
+// of, which has to outlive the writing.
+struct JsonRows {
+  std::size_t count = 0;
+  std::function<JsonValue(std::size_t index)> row;
+};
+
 class JsonValue {
  public:
-  using Content =
-      std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, JsonArray, JsonObject>;
+  using Content = std::variant<std::nullptr_t,
+                               bool,
+                               std::int64_t,
+                               double,
+                               std::string,
+                               JsonArray,
+                               JsonObject,
+                               JsonRows>;
 
   JsonValue() : content_(nullptr) {}
   JsonValue(std::nullptr_t) : content_(nullptr) {}  // NOLINT(google-explicit-constructor)
@@ -40,7 +57,8 @@ class JsonValue {
       : content_(std::string(value)) {}                       // NOLINT(google-explicit-constructor)
   JsonValue(JsonArray value) : content_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
   JsonValue(JsonObject value)
-      : content_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+      : content_(std::move(value)) {}                      // NOLINT(google-explicit-constructor)
+  JsonValue(JsonRows rows) : content_(std::move(rows)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] const Content& content() const { return content_; }
   [[nodiscard]] bool is_null() const { return std::holds_alternative<std::nullptr_t>(content_); }
@@ -54,9 +72,19 @@ class JsonValue {
   Content content_;
 };
 
+// The same on the way in: elements of an array that is a member of the document, handed over a few
+// at a time; of the value the array is left empty.
+struct JsonStream {
+  std::string_view key;
+  std::function<void(std::size_t first, std::span<const JsonValue> elements)> take;
+};
+
 // `name` is what messages call the text (a file name). Refuses text that is no JSON, nested deeper
-// than 64 levels or with numbers out of range, with line and column.
-[[nodiscard]] Result<JsonValue> ParseJson(std::string_view text, std::string_view name);
+// than 64 levels or with numbers out of range, with line and column; and a streamed array that
+// comes twice.
+[[nodiscard]] Result<JsonValue> ParseJson(std::string_view text,
+                                          std::string_view name,
+                                          std::span<const JsonStream> streams = {});
 
 // Fails on numbers that are not finite and on strings that are not UTF-8, naming the place.
 [[nodiscard]] Result<std::string> DumpJson(const JsonValue& value, std::string_view name);

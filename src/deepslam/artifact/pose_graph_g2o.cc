@@ -1,5 +1,6 @@
 #include "deepslam/artifact/pose_graph_g2o.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -97,6 +98,9 @@ Result<std::string> EncodeG2o(std::span<const TrackedFrame> frames,
 
 Result<std::vector<RelativePose>> DecodeG2oEdges(std::string_view text, std::string_view name) {
   std::vector<RelativePose> edges;
+  const std::size_t most_edges = text.size() / (2 * kEdgeWords);  // a digit and a blank each
+  const auto num_lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
+  edges.reserve(std::min(num_lines, most_edges));
   for (int line_number = 1; !text.empty(); ++line_number) {
     const std::vector<std::string_view> words = Words(TakeLine(text));
     if (words.empty() || words[0].front() == '#' || words[0].starts_with("VERTEX_") ||

@@ -92,7 +92,7 @@ Result<Proposals> DecodeProposals(std::string_view text, std::string_view name) 
   for (const JsonNode& node : root["models"].Items()) {
     std::string key = node.String();
     if (!IsModelKey(key)) node.Fail(fmt::format("\"{}\" is no model key", key));
-    proposals.models.emplace(std::move(key), VoxelGrid());
+    proposals.models.emplace(std::move(key), VoxelGrid{{}});
     if (!reader.ok()) break;
   }
   for (const JsonNode& row : root["candidates"].Items()) {

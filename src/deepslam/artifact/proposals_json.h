@@ -14,8 +14,9 @@ namespace deepslam::artifact {
 // The models themselves are not written.
 [[nodiscard]] Result<std::string> EncodeProposals(const Proposals& proposals,
                                                   std::string_view name);
-// `models` of the result has every key with an empty grid. Keys are plain file stems: letters,
-// digits, '_', '-', '.' not in front; others are refused, since they become paths.
+// `models` of the result has every key, with a grid without any voxels, not even empty ones: the
+// grids of hundreds of models would be the largest of what a stage holds. Keys are plain file
+// stems: letters, digits, '_', '-', '.' not in front; others are refused, since they become paths.
 [[nodiscard]] Result<Proposals> DecodeProposals(std::string_view text, std::string_view name);
 
 [[nodiscard]] bool IsModelKey(std::string_view key);

@@ -81,17 +81,21 @@ JsonValue ToJson(const Box3& box) {
   return JsonValue(std::move(object));
 }
 
-std::vector<JsonValue> MasksToJson(std::span<const PixelMask* const> masks) {
-  std::vector<JsonValue> values(masks.size());
-  ParallelFor(masks.size(), [&](std::size_t i) {
-    const PixelMask& mask = *masks[i];
-    if (mask.empty()) return;
-    JsonObject object;
-    object.emplace("size", JsonArray{mask.height(), mask.width()});
-    object.emplace("counts", EncodeRle(mask.Unpacked()));
-    values[i] = JsonValue(std::move(object));
-  });
-  return values;
+JsonValue MasksToJson::Take(std::size_t index) {
+  constexpr std::size_t kAtOnce = 64;
+  if (index >= first_ + encoded_.size()) {
+    first_ = index;
+    encoded_.assign(std::min(kAtOnce, count_ - index), {});
+    ParallelFor(encoded_.size(), [&](std::size_t n) {
+      const PixelMask& mask = mask_(first_ + n);
+      if (mask.empty()) return;
+      JsonObject object;
+      object.emplace("size", JsonArray{mask.height(), mask.width()});
+      object.emplace("counts", EncodeRle(mask.Unpacked()));
+      encoded_[n] = JsonValue(std::move(object));
+    });
+  }
+  return std::move(encoded_[index - first_]);
 }
 
 JsonValue ToJson(const PinholeCamera& camera) {
@@ -142,6 +146,12 @@ Plane ReadPlane(const JsonNode& node) {
 Box3 ReadBox3(const JsonNode& node) {
   if (!node.exists()) return {};
   return {ReadVector3(node["min"]), ReadVector3(node["max"])};
+}
+
+std::vector<JsonNode> MembersOf(std::span<const JsonNode> rows, std::string_view key) {
+  std::vector<JsonNode> members;
+  for (const JsonNode& row : rows) members.push_back(row.Maybe(key));
+  return members;
 }
 
 std::vector<PixelMask> ReadMasks(std::span<const JsonNode> nodes) {

@@ -1,7 +1,11 @@
 // JSON forms of the vocabulary's small values, shared by the codecs of this room.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,8 +31,21 @@ inline constexpr int kMaxId = 100'000'000;
 [[nodiscard]] JsonValue ToJson(const Pose3& b_from_a);  // {rotation_xyzw, translation_m}
 [[nodiscard]] JsonValue ToJson(const Plane& plane);     // {normal, d_m}
 [[nodiscard]] JsonValue ToJson(const Box3& box);        // {min, max} or null when empty
-// COCO {size: [h, w], counts}, null where a mask is empty; side by side.
-[[nodiscard]] std::vector<JsonValue> MasksToJson(std::span<const PixelMask* const> masks);
+// Masks as COCO {size: [h, w], counts}, null where one is empty; a few are encoded side by side
+// when the first of them is asked for. Each is to be taken once, in their order.
+class MasksToJson {
+ public:
+  MasksToJson(std::size_t count, std::function<const PixelMask&(std::size_t index)> mask)
+      : count_(count), mask_(std::move(mask)) {}
+
+  [[nodiscard]] JsonValue Take(std::size_t index);
+
+ private:
+  std::size_t count_;
+  std::function<const PixelMask&(std::size_t index)> mask_;
+  std::size_t first_ = 0;
+  std::vector<JsonValue> encoded_;  // from `first_` on
+};
 [[nodiscard]] JsonValue ToJson(const PinholeCamera& camera);
 // Row-major.
 [[nodiscard]] JsonValue ToJson(const Eigen::Matrix3d& matrix);
@@ -45,7 +62,9 @@ template <typename Tag>
     const JsonNode& node);  // refuses rotations that are no unit quaternions
 [[nodiscard]] Plane ReadPlane(const JsonNode& node);
 [[nodiscard]] Box3 ReadBox3(const JsonNode& node);
-// Those of a document, side by side.
+// Of each row the member of that name, which may be missing.
+[[nodiscard]] std::vector<JsonNode> MembersOf(std::span<const JsonNode> rows, std::string_view key);
+// Those of some rows, side by side.
 [[nodiscard]] std::vector<PixelMask> ReadMasks(std::span<const JsonNode> nodes);
 [[nodiscard]] PinholeCamera ReadCamera(const JsonNode& node);
 [[nodiscard]] Eigen::Matrix3d ReadMatrix3(const JsonNode& node);

@@ -37,6 +37,36 @@ Result<StampedPose> DecodeTumLine(std::span<const std::string_view> words) {
   return pose;
 }
 
+JsonValue FrameToJson(const TrackedFrame& frame) {
+  JsonObject row;
+  row.emplace("frame", ToJson(frame.frame));
+  row.emplace("time_s", frame.time_s);
+  row.emplace("status", NameOf(frame.status));
+  row.emplace("keyframe", ToJson(frame.keyframe));
+  row.emplace("rmse_m", frame.rmse_m);
+  row.emplace("inlier_share", frame.inlier_share);
+  return JsonValue(std::move(row));
+}
+
+// Entry `index` of as many as there are poses.
+TrackedFrame ReadFrame(const JsonNode& row, std::size_t index, std::span<const StampedPose> poses) {
+  TrackedFrame frame;
+  frame.frame = ReadId<FrameIdx>(row["frame"]);
+  frame.time_s = row["time_s"].Number();
+  frame.world_from_camera = poses[index].world_from_camera;
+  frame.status = ReadTrackingStatus(row["status"]);
+  frame.keyframe = ReadId<FrameIdx>(row.Maybe("keyframe"));
+  frame.rmse_m = row["rmse_m"].Number();
+  frame.inlier_share = row["inlier_share"].Number();
+  // Frames are addressed by their index all over the program.
+  if (frame.frame.value != static_cast<int>(index))
+    row.Fail(fmt::format("is frame {}, must be {}", frame.frame.value, index));
+  if (frame.time_s != poses[index].time_s) row.Fail("differs in time from the trajectory");
+  if (frame.keyframe.value >= static_cast<int>(poses.size()))
+    row.Fail("names a keyframe that does not exist");
+  return frame;
+}
+
 }  // namespace
 
 Result<std::string> EncodeTum(std::span<const StampedPose> poses, std::string_view name) {
@@ -91,87 +121,65 @@ Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
                                  std::span<const RelativePose> edges,
                                  std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray rows;
-  for (const TrackedFrame& frame : frames) {
-    JsonObject row;
-    row.emplace("frame", ToJson(frame.frame));
-    row.emplace("time_s", frame.time_s);
-    row.emplace("status", NameOf(frame.status));
-    row.emplace("keyframe", ToJson(frame.keyframe));
-    row.emplace("rmse_m", frame.rmse_m);
-    row.emplace("inlier_share", frame.inlier_share);
-    rows.emplace_back(std::move(row));
-  }
   JsonArray keyframe_list;
   for (const FrameIdx keyframe : keyframes) keyframe_list.push_back(ToJson(keyframe));
   JsonArray composed;
   for (const RelativePose& edge : edges) {
     if (edge.composed) composed.emplace_back(JsonArray{ToJson(edge.i), ToJson(edge.j)});
   }
-  document.emplace("frames", std::move(rows));
+  document.emplace("frames",
+                   JsonRows{frames.size(), [&](std::size_t i) { return FrameToJson(frames[i]); }});
   document.emplace("keyframes", std::move(keyframe_list));
   document.emplace("composed_edges", std::move(composed));
   return DumpJson(std::move(document), name);
 }
 
-Result<FrameTable> DecodeFrames(std::string_view frames_json,
-                                std::string_view tum_text,
-                                std::string_view name) {
+Result<Trajectory> DecodeTrajectory(std::string_view frames_json,
+                                    std::string_view tum_text,
+                                    std::string_view name) {
   const Result<std::vector<StampedPose>> poses = DecodeTum(tum_text, name);
   if (!poses.ok()) return poses.error();
-  JsonReader reader(frames_json, name, kFormat, kVersion);
-  FrameTable table;
-  const std::vector<JsonNode> rows = reader.root()["frames"].Items();
-  if (reader.ok() && rows.size() != poses->size()) {
+  Trajectory trajectory;
+  std::size_t num_rows = 0;
+  const auto read = [&](std::span<const JsonNode> rows) {
+    for (const JsonNode& row : rows) {
+      if (num_rows < poses->size()) trajectory.frames.push_back(ReadFrame(row, num_rows, *poses));
+      ++num_rows;
+    }
+  };
+  JsonReader reader(frames_json, name, kFormat, kVersion, {{"frames", read}});
+  if (num_rows != poses->size()) {
     reader.Fail(
         "frames",
-        fmt::format("has {} entries, the trajectory has {} poses", rows.size(), poses->size()));
-  }
-  for (std::size_t i = 0; i < rows.size() && reader.ok(); ++i) {
-    const JsonNode& row = rows[i];
-    TrackedFrame frame;
-    frame.frame = ReadId<FrameIdx>(row["frame"]);
-    frame.time_s = row["time_s"].Number();
-    frame.world_from_camera = (*poses)[i].world_from_camera;
-    frame.status = ReadTrackingStatus(row["status"]);
-    frame.keyframe = ReadId<FrameIdx>(row.Maybe("keyframe"));
-    frame.rmse_m = row["rmse_m"].Number();
-    frame.inlier_share = row["inlier_share"].Number();
-    // Frames are addressed by their index all over the program.
-    if (frame.frame.value != static_cast<int>(i))
-      row.Fail(fmt::format("is frame {}, must be {}", frame.frame.value, i));
-    if (frame.time_s != (*poses)[i].time_s) row.Fail("differs in time from the trajectory");
-    if (frame.keyframe.value >= static_cast<int>(rows.size()))
-      row.Fail("names a keyframe that does not exist");
-    table.frames.push_back(frame);
+        fmt::format("has {} entries, the trajectory has {} poses", num_rows, poses->size()));
   }
   FrameIdx last;
   for (const JsonNode& node : reader.root()["keyframes"].Items()) {
-    const FrameIdx keyframe{node.Int(0, std::max(0, static_cast<int>(rows.size()) - 1))};
+    const FrameIdx keyframe{node.Int(0, std::max(0, static_cast<int>(num_rows) - 1))};
     if (keyframe <= last) node.Fail("is not ascending");
     last = keyframe;
-    table.keyframes.push_back(keyframe);
+    trajectory.keyframes.push_back(keyframe);
   }
-  return reader.Finish(std::move(table));
+  return reader.Finish(std::move(trajectory));
 }
 
 Result<Odometry> DecodeOdometry(std::string_view frames_json,
                                 std::string_view tum_text,
                                 std::string_view g2o_text,
                                 std::string_view name) {
-  Result<FrameTable> table = DecodeFrames(frames_json, tum_text, name);
-  if (!table.ok()) return table.error();
+  Result<Trajectory> trajectory = DecodeTrajectory(frames_json, tum_text, name);
+  if (!trajectory.ok()) return trajectory.error();
   Result<std::vector<RelativePose>> edges = DecodeG2oEdges(g2o_text, name);
   if (!edges.ok()) return edges.error();
-  JsonReader reader(frames_json, name, kFormat, kVersion);
+  const auto read_already = [](std::span<const JsonNode> /*rows*/) {};
+  JsonReader reader(frames_json, name, kFormat, kVersion, {{"frames", read_already}});
   std::set<std::pair<FrameIdx, FrameIdx>> composed;
   for (const JsonNode& node : reader.root()["composed_edges"].Items()) {
     const std::vector<JsonNode> pair = node.Items(2);
     composed.emplace(ReadId<FrameIdx>(pair[0]), ReadId<FrameIdx>(pair[1]));
   }
-  const int num_frames = static_cast<int>(table->frames.size());
-  Odometry odometry{
-      std::move(table->frames), std::move(table->keyframes), std::move(edges).value()};
+  const int num_frames = static_cast<int>(trajectory->frames.size());
+  Odometry odometry{std::move(trajectory).value(), std::move(edges).value()};
   for (RelativePose& edge : odometry.edges) {
     edge.composed = composed.contains({edge.i, edge.j});
     if (edge.i.value >= num_frames || edge.j.value >= num_frames) {

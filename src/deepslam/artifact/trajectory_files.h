@@ -37,15 +37,11 @@ struct StampedPose {
                                                std::span<const RelativePose> edges,
                                                std::string_view name);
 
-struct FrameTable {
-  std::vector<TrackedFrame> frames;  // with the poses of the TUM text
-  std::vector<FrameIdx> keyframes;
-};
-// Joins both texts: line n of the TUM text is entry n of frames.json; differing counts or times are
-// refused.
-[[nodiscard]] Result<FrameTable> DecodeFrames(std::string_view frames_json,
-                                              std::string_view tum_text,
-                                              std::string_view name);
+// Joins both texts: line n of the TUM text is the pose of entry n of frames.json; differing counts
+// or times are refused.
+[[nodiscard]] Result<Trajectory> DecodeTrajectory(std::string_view frames_json,
+                                                  std::string_view tum_text,
+                                                  std::string_view name);
 // All of a tracking result; `composed` flags of the edges come from frames.json.
 [[nodiscard]] Result<Odometry> DecodeOdometry(std::string_view frames_json,
                                               std::string_view tum_text,

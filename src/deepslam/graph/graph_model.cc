@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <set>
 #include <utility>
 
 #include "deepslam/core/disjoint_sets.h"
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/graph/condense.h"
 #include "deepslam/graph/information.h"
 
 namespace deepslam::graph {
@@ -38,7 +38,7 @@ Vector6d Floor(double floor_m, double floor_deg) {
   return floor;
 }
 
-int NodeOfKeyframe(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe) {
+int PositionOf(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe) {
   const auto it = std::lower_bound(keyframes.begin(), keyframes.end(), keyframe);
   if (it == keyframes.end() || *it != keyframe) return -1;
   return static_cast<int>(it - keyframes.begin());
@@ -67,41 +67,24 @@ Status CheckOdometry(const Odometry& odometry) {
   return Ok();
 }
 
-// What loops measured again stands for what tracking measured between the same two keyframes.
-std::vector<RelativePose> NotMeasuredAgain(const std::vector<RelativePose>& tracked,
-                                           const std::vector<RelativePose>& again) {
-  std::set<std::pair<FrameIdx, FrameIdx>> pairs;
-  for (const RelativePose& edge : again) pairs.insert({edge.i, edge.j});
-  std::vector<RelativePose> kept;
-  std::copy_if(
-      tracked.begin(), tracked.end(), std::back_inserter(kept), [&](const RelativePose& edge) {
-        return !pairs.contains({edge.i, edge.j});
-      });
-  return kept;
-}
-
 class ModelBuilder {
  public:
   ModelBuilder(const Odometry& odometry, const GraphOptions& options)
       : odometry_(odometry), options_(options) {
     model_.keyframes = odometry.keyframes;
     for (const FrameIdx keyframe : odometry.keyframes) {
+      model_.node_of_keyframe.push_back(static_cast<int>(model_.world_from_node.size()));
       model_.world_from_node.push_back(odometry.at(keyframe).world_from_camera);
     }
   }
 
-  void AddRelativePoses(const std::vector<RelativePose>& edges, EdgeKind kind) {
-    const Vector6d floor = Floor(options_.odometry_floor_m, options_.odometry_floor_deg);
-    for (const RelativePose& edge : edges) {
-      // Loop edges come with an honest covariance of their own; their number of points says
-      // nothing.
-      const double scale = kind == EdgeKind::kLoop ? 1.0 : options_.odometry_variance_scale;
-      AddPoseEdge({kind,
-                   NodeOfKeyframe(model_.keyframes, edge.i),
-                   NodeOfKeyframe(model_.keyframes, edge.j),
-                   edge.i_from_j,
-                   BalancedInformation<6>(edge.information, scale, floor)});
-    }
+  // What loops measured again stands for what tracking measured between the same two keyframes.
+  void AddPath(const std::vector<RelativePose>& tracked, const std::vector<RelativePose>& again) {
+    std::set<std::pair<FrameIdx, FrameIdx>> pairs;
+    for (const RelativePose& edge : again) pairs.insert({edge.i, edge.j});
+    model_.pose_edges.reserve(tracked.size() + again.size());  // most of what there will be
+    AddRelativePoses(tracked, EdgeKind::kOdometry, pairs);
+    AddRelativePoses(again, EdgeKind::kLoop, {});
   }
 
   // Each keyframe must hang on the first one, else the problem is singular.
@@ -144,7 +127,7 @@ class ModelBuilder {
         options_.ground_floor_m;
     for (const GroundObservation& observation : ground.observations) {
       const std::optional<Plane> plane = UnitPlane(observation.plane_camera);
-      const int node = NodeOfKeyframe(model_.keyframes, observation.keyframe);
+      const int node = PositionOf(model_.keyframes, observation.keyframe);
       const Eigen::Matrix3d information =
           BalancedInformation<3>(observation.information, options_.ground_variance_scale, floor);
       if (!plane || node < 0 || information.diagonal().maxCoeff() <= 0) {
@@ -189,6 +172,22 @@ class ModelBuilder {
     return model_.world_from_node[static_cast<std::size_t>(node)];
   }
 
+  void AddRelativePoses(const std::vector<RelativePose>& edges,
+                        EdgeKind kind,
+                        const std::set<std::pair<FrameIdx, FrameIdx>>& left_out) {
+    const Vector6d floor = Floor(options_.odometry_floor_m, options_.odometry_floor_deg);
+    // Loop edges come with an honest covariance of their own; their number of points says nothing.
+    const double scale = kind == EdgeKind::kLoop ? 1.0 : options_.odometry_variance_scale;
+    for (const RelativePose& edge : edges) {
+      if (left_out.contains({edge.i, edge.j})) continue;
+      AddPoseEdge({kind,
+                   PositionOf(model_.keyframes, edge.i),
+                   PositionOf(model_.keyframes, edge.j),
+                   edge.i_from_j,
+                   BalancedInformation<6>(edge.information, scale, floor)});
+    }
+  }
+
   void AddPoseEdge(const PoseEdge& edge) {
     if (edge.a < 0 || edge.b < 0 || edge.a == edge.b || !IsFinite(edge.a_from_b) ||
         edge.information.diagonal().maxCoeff() <= 0) {
@@ -226,7 +225,7 @@ class ModelBuilder {
     std::vector<PoseEdge> edges;
     for (const ViewRegistration& view : object.views) {
       if (!view.ok) continue;
-      const int node = NodeOfFrame(odometry_, view.frame);
+      const int node = KeyframeOfFrame(odometry_, view.frame);
       if (node < 0 || !IsFinite(view.camera_from_object) || !view.information.allFinite()) {
         ++model_.num_bad_edges;
         continue;
@@ -264,18 +263,23 @@ class ModelBuilder {
 
 }  // namespace
 
-int NodeOfFrame(const Odometry& odometry, FrameIdx frame) {
-  const std::vector<FrameIdx>& keyframes = odometry.keyframes;
+int KeyframeOfFrame(const Trajectory& trajectory, FrameIdx frame) {
+  const std::vector<FrameIdx>& keyframes = trajectory.keyframes;
   if (keyframes.empty() || !frame.valid() ||
-      frame.value >= static_cast<int>(odometry.frames.size())) {
+      frame.value >= static_cast<int>(trajectory.frames.size())) {
     return -1;
   }
-  const int itself = NodeOfKeyframe(keyframes, frame);
+  const int itself = PositionOf(keyframes, frame);
   if (itself >= 0) return itself;
-  const int own = NodeOfKeyframe(keyframes, odometry.at(frame).keyframe);
+  const int own = PositionOf(keyframes, trajectory.at(frame).keyframe);
   if (own >= 0) return own;
   const auto after = std::upper_bound(keyframes.begin(), keyframes.end(), frame);
   return after == keyframes.begin() ? 0 : static_cast<int>(after - keyframes.begin()) - 1;
+}
+
+int NodeOfFrame(const GraphModel& model, const Trajectory& trajectory, FrameIdx frame) {
+  const int keyframe = KeyframeOfFrame(trajectory, frame);
+  return keyframe < 0 ? -1 : model.node_of_keyframe[static_cast<std::size_t>(keyframe)];
 }
 
 Result<GraphModel> BuildGraphModel(const Odometry& odometry,
@@ -286,15 +290,14 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const std::map<ObjectId, double>& bottom_m) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
   ModelBuilder builder(odometry, options);
-  builder.AddRelativePoses(NotMeasuredAgain(odometry.edges, loops.edges), EdgeKind::kOdometry);
-  builder.AddRelativePoses(loops.edges, EdgeKind::kLoop);
+  builder.AddPath(odometry.edges, loops.edges);
   builder.TieLooseKeyframes();
   if (options.use_objects) builder.AddObjects(map);
   if (options.use_ground) {
     builder.AddGround(ground);
     builder.AddObjectsOnGround(map, bottom_m);
   }
-  return builder.Take();
+  return Condensed(builder.Take(), odometry, options.max_keyframes);
 }
 
 }  // namespace deepslam::graph

@@ -19,6 +19,7 @@ struct PoseEdge {
   int b = 0;  // node
   Pose3 a_from_b;
   Matrix6d information = Matrix6d::Zero();  // balanced, without lambda
+  double weight = 1;                        // measurements that it stands for
 };
 
 struct GroundEdge {
@@ -35,8 +36,9 @@ struct StandEdge {
 
 struct GraphModel {
   std::vector<Pose3> world_from_node;  // keyframes in order, then the objects with usable views
-  std::vector<FrameIdx> keyframes;
-  std::vector<std::size_t> objects;  // index into ObjectMap::objects of node keyframes.size() + k
+  std::vector<FrameIdx> keyframes;     // that are nodes: all, or those that stand for the others
+  std::vector<int> node_of_keyframe;   // of all of the path; ascending
+  std::vector<std::size_t> objects;    // index into ObjectMap::objects of node keyframes.size() + k
   std::vector<PoseEdge> pose_edges;
   std::optional<Plane> plane;            // tracking world
   std::vector<GroundEdge> ground_edges;  // ascending nodes; none: the plane is held
@@ -56,9 +58,15 @@ struct GraphModel {
                                                  const GraphOptions& options,
                                                  const std::map<ObjectId, double>& bottom_m);
 
-// The node of the keyframe that `frame` is or was tracked against; where that is none, the last
-// keyframe not after it, else the first. -1 without keyframes or for a frame that does not exist.
-[[nodiscard]] int NodeOfFrame(const Odometry& odometry, FrameIdx frame);
+// The keyframe that `frame` is or was tracked against, as its position among all of the path; where
+// that is none, the last keyframe not after it, else the first. -1 without keyframes or for a frame
+// that does not exist.
+[[nodiscard]] int KeyframeOfFrame(const Trajectory& trajectory, FrameIdx frame);
+
+// The node that it moves with; -1 for none.
+[[nodiscard]] int NodeOfFrame(const GraphModel& model,
+                              const Trajectory& trajectory,
+                              FrameIdx frame);
 
 // Moves `model` to the optimum; the terms' energies before and after, robust losses left out of
 // them.

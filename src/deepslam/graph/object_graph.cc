@@ -35,7 +35,7 @@ std::vector<Pose3> CarryFrames(const Odometry& odometry,
   std::vector<Pose3> poses;
   poses.reserve(odometry.frames.size());
   for (const TrackedFrame& frame : odometry.frames) {
-    const int node = NodeOfFrame(odometry, frame.frame);
+    const int node = NodeOfFrame(model, odometry, frame.frame);
     if (node < 0) {
       poses.push_back(frame.world_from_camera);
       continue;
@@ -59,7 +59,7 @@ std::vector<Pose3> CarryFrames(const Odometry& odometry,
 const ViewRegistration* BestView(const Odometry& odometry, const MapObject& object) {
   const ViewRegistration* best = nullptr;
   for (const ViewRegistration& view : object.views) {
-    if (NodeOfFrame(odometry, view.frame) < 0) continue;
+    if (KeyframeOfFrame(odometry, view.frame) < 0) continue;
     if (best == nullptr || view.inlier_share > best->inlier_share) best = &view;
   }
   return best;
@@ -73,7 +73,7 @@ std::vector<Pose3> CarryObjects(const Odometry& odometry,
     Pose3 pose = object.world_from_object;
     const ViewRegistration* view = BestView(odometry, object);
     if (!model.keyframes.empty()) {
-      const int node = view == nullptr ? 0 : NodeOfFrame(odometry, view->frame);
+      const int node = view == nullptr ? 0 : NodeOfFrame(model, odometry, view->frame);
       const Pose3& before =
           odometry.at(model.keyframes[static_cast<std::size_t>(node)]).world_from_camera;
       pose = model.world_from_node[static_cast<std::size_t>(node)] * (before.Inverse() * pose);
@@ -121,6 +121,10 @@ void CompleteMessage(const GraphModel& model, double tilt_deg, OptimizationSumma
     summary.message += "; " + std::to_string(model.num_ties) +
                        " keyframes without measurements tied by their tracked pose";
   }
+  if (model.node_of_keyframe.size() > model.keyframes.size()) {
+    summary.message += "; " + std::to_string(model.node_of_keyframe.size()) +
+                       " keyframes solved as " + std::to_string(model.keyframes.size());
+  }
   if (model.plane) summary.message += "; largest tilt of an object " + Number(tilt_deg) + " deg";
 }
 
@@ -138,7 +142,8 @@ G2oGraph ToG2oGraph(const GraphModel& model, const ObjectMap& map, const GraphOp
   if (!ids.empty()) graph.fixed.push_back(ids.front());
   for (const PoseEdge& edge : model.pose_edges) {
     const double lambda = edge.kind == EdgeKind::kObject ? 1.0 : options.lambda_odometry;
-    graph.edges.push_back({id(edge.a), id(edge.b), edge.a_from_b, lambda * edge.information});
+    graph.edges.push_back(
+        {id(edge.a), id(edge.b), edge.a_from_b, lambda * edge.weight * edge.information});
   }
   graph.plane = model.plane;
   for (const GroundEdge& edge : model.ground_edges) {
@@ -266,6 +271,11 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options) {
       {0, 1e6},
       "1",
       "graphs of more are solved by conjugate gradients, in memory that grows with edges");
+  visitor.Field("max_keyframes",
+                options.max_keyframes,
+                {2, 1e6},
+                "1",
+                "of paths with more, keyframes that follow each other are one in the graph");
   visitor.Field("interpolate_frames",
                 options.interpolate_frames,
                 "frames between keyframes blend the corrections of both; else rigid");

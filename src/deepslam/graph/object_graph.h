@@ -93,6 +93,8 @@ struct GraphOptions {
   // Graphs of more keyframes are solved by conjugate gradients, in time and memory that grow with
   // the number of edges; up to here a factorisation is as fast.
   int max_direct_keyframes = 200;
+  // Longer paths are solved by fewer nodes (condense.h), so that memory does not grow with them.
+  int max_keyframes = 1500;
   bool interpolate_frames =
       true;  // frames between keyframes: blend of both corrections; else rigid
 };

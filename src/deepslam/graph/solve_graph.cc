@@ -74,8 +74,9 @@ const std::string& LossName(EdgeKind kind, const GraphOptions& options) {
   return options.odometry_loss;
 }
 
-double Lambda(EdgeKind kind, const GraphOptions& options) {
-  return kind == EdgeKind::kObject ? 1.0 : options.lambda_odometry;
+// Of its kind, as often as it was measured.
+double Lambda(const PoseEdge& edge, const GraphOptions& options) {
+  return edge.weight * (edge.kind == EdgeKind::kObject ? 1.0 : options.lambda_odometry);
 }
 
 // lambda * loss(r^T r); the width is in deviations, whatever lambda.
@@ -108,7 +109,7 @@ Residuals AddPoseEdges(const GraphModel& model,
     residuals.push_back(problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<PoseResidual, 6, kPoseSize, kPoseSize>(
             new PoseResidual(Residual(edge))),
-        Loss(LossName(edge.kind, options), width, Lambda(edge.kind, options)),
+        Loss(LossName(edge.kind, options), width, Lambda(edge, options)),
         parameters.Pose(edge.a),
         parameters.Pose(edge.b)));
   }
@@ -235,9 +236,9 @@ std::vector<EnergyTerm> Energies(const GraphModel& model,
                       : edge.kind == EdgeKind::kLoop ? kLoopTerm
                                                      : kIj;
     add(term,
-        Lambda(edge.kind, options) * SquaredNorm<PoseResidual, 6>(Residual(edge),
-                                                                  parameters.Pose(edge.a),
-                                                                  parameters.Pose(edge.b)));
+        Lambda(edge, options) * SquaredNorm<PoseResidual, 6>(Residual(edge),
+                                                             parameters.Pose(edge.a),
+                                                             parameters.Pose(edge.b)));
   }
   for (const GroundEdge& edge : model.ground_edges) {
     add(kPi,

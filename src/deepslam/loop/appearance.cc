@@ -156,11 +156,16 @@ void Describe(OptionsVisitor& visitor, AppearanceOptions& options) {
   constexpr Range kAngle_deg{0, 180};
   visitor.Field("enabled", options.enabled, "look for loops by the appearance of keyframes");
   visitor.Field("max_features", options.max_features, {10, 10000}, "1", "corners of a keyframe");
+  visitor.Field("max_keyframes",
+                options.max_keyframes,
+                {2, 1e6},
+                "1",
+                "keyframes looked at, so that memory is bounded; of more every second, third, ...");
   visitor.Field("min_gap_keyframes",
                 options.min_gap_keyframes,
                 {1, 1e6},
                 "1",
-                "keyframes between the two of a loop");
+                "keyframes looked at between the two of a loop");
   visitor.Field(
       "max_candidates", options.max_candidates, {1, 100}, "1", "earlier keyframes tried for each");
   visitor.Field("min_similarity",
@@ -305,7 +310,7 @@ AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> propose
   return result;
 }
 
-bool RefuseContradicted(const Odometry& solved,
+bool RefuseContradicted(const Trajectory& solved,
                         const AppearanceOptions& options,
                         AcceptedAppearance& accepted) {
   const double most_m = kFloors * options.edge_floor_m + options.drift_share;

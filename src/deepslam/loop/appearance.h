@@ -37,6 +37,7 @@ namespace deepslam::loop {
 struct AppearanceOptions {
   bool enabled = true;
   int max_features = 500;       // per keyframe
+  int max_keyframes = 4000;     // that are looked at; of longer paths every second, third, ...
   int min_gap_keyframes = 20;   // between two keyframes of a loop: about 2 m, or half a turn
   int max_candidates = 5;       // per keyframe
   double min_similarity = 0.3;  // of what a keyframe and the one before it have in common
@@ -69,8 +70,8 @@ struct KeyframeRegistration {
   double brightness_correlation = 0;
 };
 
-// Proposals in the order of the new keyframes. `features` in the order of odometry.keyframes;
-// entries that are no keyframes of it are left out.
+// Proposals in the order of the new keyframes. `features` of some or all of odometry.keyframes, in
+// their order; entries that are no keyframes of it are left out.
 [[nodiscard]] std::vector<AppearanceLoop> ProposeAppearanceLoops(
     std::span<const KeyframeFeatures> features,
     const Odometry& odometry,
@@ -91,7 +92,7 @@ struct AcceptedAppearance {
 // After the graph was solved with the edges: those that the solution contradicts (by more than
 // three edge_floor and what tracking drifts within a metre) are refused. True when there were any,
 // so that the graph is to be solved again.
-[[nodiscard]] bool RefuseContradicted(const Odometry& solved,
+[[nodiscard]] bool RefuseContradicted(const Trajectory& solved,
                                       const AppearanceOptions& options,
                                       AcceptedAppearance& accepted);
 

@@ -63,10 +63,10 @@ std::vector<CovisiblePair> ProposeCovisible(const Odometry& odometry,
 
 std::vector<RelativePose> AcceptCovisible(std::span<const CovisiblePair> pairs,
                                           std::span<const KeyframeRegistration> registrations,
-                                          const Odometry& odometry,
+                                          const Trajectory& trajectory,
                                           const CovisibleOptions& options) {
   DEEPSLAM_CHECK(pairs.size() == registrations.size(), "one registration for each pair");
-  const auto keyframe = [&](int n) { return odometry.keyframes[static_cast<std::size_t>(n)]; };
+  const auto keyframe = [&](int n) { return trajectory.keyframes[static_cast<std::size_t>(n)]; };
   std::vector<RelativePose> edges;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!BearsOut(registrations[k], pairs[k], options)) continue;
@@ -79,14 +79,11 @@ std::vector<RelativePose> AcceptCovisible(std::span<const CovisiblePair> pairs,
   return edges;
 }
 
-std::vector<RelativePose> Consistent(std::vector<RelativePose> edges,
-                                     const Odometry& solved,
-                                     const CovisibleOptions& options) {
-  std::erase_if(edges, [&](const RelativePose& edge) {
-    return !Agrees(
-        solved, edge.i, edge.j, edge.i_from_j, options.max_residual_m, options.max_residual_deg);
-  });
-  return edges;
+bool IsConsistent(const RelativePose& edge,
+                  const Trajectory& solved,
+                  const CovisibleOptions& options) {
+  return Agrees(
+      solved, edge.i, edge.j, edge.i_from_j, options.max_residual_m, options.max_residual_deg);
 }
 
 void Describe(OptionsVisitor& visitor, CovisibleOptions& options) {

@@ -52,12 +52,12 @@ struct CovisiblePair {
 [[nodiscard]] std::vector<RelativePose> AcceptCovisible(
     std::span<const CovisiblePair> pairs,
     std::span<const KeyframeRegistration> registrations,
-    const Odometry& odometry,
+    const Trajectory& trajectory,
     const CovisibleOptions& options);
 
-// Those of the edges that the poses of `solved` agree with.
-[[nodiscard]] std::vector<RelativePose> Consistent(std::vector<RelativePose> edges,
-                                                   const Odometry& solved,
-                                                   const CovisibleOptions& options);
+// That the poses of `solved` agree with the edge.
+[[nodiscard]] bool IsConsistent(const RelativePose& edge,
+                                const Trajectory& solved,
+                                const CovisibleOptions& options);
 
 }  // namespace deepslam::loop

@@ -15,44 +15,47 @@ namespace {
 
 constexpr int kAcrossLoss = 3;  // keyframes on either side
 constexpr int kTracked = 2;     // keyframes on that tracking itself joins
+static_assert(kMostNeighbourGap == 2 * kAcrossLoss - 1 && kTracked <= kMostNeighbourGap);
 
-using Pair = std::pair<int, int>;  // positions in Odometry::keyframes, ascending
+using Pairs = std::set<NeighbourPair>;
 
-void AddAcross(int before, int after, int num_keyframes, std::set<Pair>& pairs) {
+void AddAcross(int before, int after, int num_keyframes, Pairs& pairs) {
   for (int i = std::max(0, before - kAcrossLoss + 1); i <= before; ++i) {
     for (int j = after; j < std::min(num_keyframes, after + kAcrossLoss); ++j) pairs.insert({i, j});
   }
 }
 
-std::set<Pair> PoorlyMeasured(const Odometry& odometry,
-                              const KeyframePath& path,
-                              bool depth_alone) {
-  std::set<Pair> pairs;
+}  // namespace
+
+std::vector<NeighbourPair> PoorlyMeasured(const Odometry& odometry, bool depth_alone) {
+  const KeyframePath path(odometry, 0);
+  Pairs poor;
   for (const RelativePose& edge : odometry.edges) {
     const int i = path.IndexOf(edge.i);
     const int j = path.IndexOf(edge.j);
     if (i < 0 || j <= i) continue;
-    if (edge.composed) AddAcross(j - 1, j, static_cast<int>(odometry.keyframes.size()), pairs);
-    if (depth_alone && j - i <= kTracked) pairs.insert({i, j});
+    if (edge.composed) AddAcross(j - 1, j, static_cast<int>(odometry.keyframes.size()), poor);
+    if (depth_alone && j - i <= kTracked) poor.insert({i, j});
   }
+  std::vector<NeighbourPair> pairs(poor.begin(), poor.end());
+  std::ranges::stable_sort(pairs, {}, &NeighbourPair::newer);
   return pairs;
 }
 
-}  // namespace
-
-std::vector<AppearanceLoop> ProposeNeighbours(std::span<const KeyframeFeatures> features,
-                                              const Odometry& odometry,
-                                              bool depth_alone,
+std::vector<AppearanceLoop> ProposeNeighbours(std::span<const NeighbourPair> pairs,
+                                              std::span<const KeyframeFeatures> features,
+                                              int first,
                                               const AppearanceOptions& options) {
-  if (!options.enabled || features.size() != odometry.keyframes.size()) return {};
-  const KeyframePath path(odometry, options.drift_share);
-  const std::set<Pair> poor = PoorlyMeasured(odometry, path, depth_alone);
-  const std::vector<Pair> pairs(poor.begin(), poor.end());
+  if (!options.enabled) return {};
+  const int end = first + static_cast<int>(features.size());
+  const auto at = [&](int position) -> const KeyframeFeatures& {
+    return features[static_cast<std::size_t>(position - first)];
+  };
   std::vector<std::optional<AppearanceLoop>> found(pairs.size());
   ParallelFor(pairs.size(), [&](std::size_t k) {
-    const auto [i, j] = pairs[k];
-    const KeyframeFeatures& older = features[static_cast<std::size_t>(i)];
-    const KeyframeFeatures& newer = features[static_cast<std::size_t>(j)];
+    if (pairs[k].older < first || pairs[k].newer >= end) return;
+    const KeyframeFeatures& older = at(pairs[k].older);
+    const KeyframeFeatures& newer = at(pairs[k].newer);
     const auto pose = PoseFromFeatures(older, newer, options.min_inliers);
     if (!pose || !BearsOut(*pose, options)) return;
     found[k] = {older.keyframe,

@@ -11,6 +11,7 @@
 // All poses in the tracking world. Deterministic, for any thread count.
 #pragma once
 
+#include <compare>
 #include <span>
 #include <vector>
 
@@ -18,13 +19,25 @@
 
 namespace deepslam::loop {
 
-// Pairs whose corners tell one pose (min_inliers, min_spread_deg, ambiguity_ratio), in the order of
-// the keyframes. What tracking says of their poses is what is in doubt, so it bounds nothing.
-// `features` in the order of odometry.keyframes.
+// Positions in Odometry::keyframes, older < newer <= older + kMostNeighbourGap.
+struct NeighbourPair {
+  int older = 0;
+  int newer = 0;
+  friend auto operator<=>(const NeighbourPair&, const NeighbourPair&) = default;
+};
+inline constexpr int kMostNeighbourGap = 5;
+
+// Ascending by the newer one, then by the older one.
+[[nodiscard]] std::vector<NeighbourPair> PoorlyMeasured(const Odometry& odometry, bool depth_alone);
+
+// Of the pairs those whose corners tell one pose (min_inliers, min_spread_deg, ambiguity_ratio), in
+// their order. What tracking says of their poses is what is in doubt, so it bounds nothing.
+// `features`: of keyframes that follow each other, the first of them at position `first`; pairs of
+// others are left out. So a long path can be gone through piece by piece.
 [[nodiscard]] std::vector<AppearanceLoop> ProposeNeighbours(
+    std::span<const NeighbourPair> pairs,
     std::span<const KeyframeFeatures> features,
-    const Odometry& odometry,
-    bool depth_alone,
+    int first,
     const AppearanceOptions& options);
 
 // An edge for each proposal that its registration bears out. Their errors average out along the

@@ -21,7 +21,7 @@ bool Within(const Pose3& pose, double max_m, double max_deg) {
          RotationAngle(pose.rotation) <= std::numbers::pi / 180 * max_deg;
 }
 
-bool Agrees(const Odometry& solved,
+bool Agrees(const Trajectory& solved,
             FrameIdx i,
             FrameIdx j,
             const Pose3& i_from_j,

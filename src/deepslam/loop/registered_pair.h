@@ -26,7 +26,7 @@ struct RegistrationBounds {
 [[nodiscard]] bool Within(const Pose3& pose, double max_m, double max_deg);
 
 // The solved poses of both keyframes are as measured.
-[[nodiscard]] bool Agrees(const Odometry& solved,
+[[nodiscard]] bool Agrees(const Trajectory& solved,
                           FrameIdx i,
                           FrameIdx j,
                           const Pose3& i_from_j,

@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 
-#include "deepslam/core/parallel.h"
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/level_icp.h"
 #include "deepslam/loop/point_agreement.h"
@@ -50,44 +49,11 @@ struct Seen {
   PointIndex object_index;
 };
 
-// Two visits that follow each other.
-struct Followers {
-  const ObjectEvidence* older = nullptr;
-  const ObjectEvidence* newer = nullptr;
-  bool apart = false;
-};
-using FollowersOf = std::map<ObjectId, std::vector<Followers>>;
-
-// Of all objects, judged side by side.
-FollowersOf JudgeFollowers(const Association& association,
-                           const VisitEvidence& evidence,
-                           const Eigen::Vector3d& up_world,
-                           const LoopOptions& options) {
-  FollowersOf all;
-  for (const ObjectTrack& track : association.tracks) {
-    const auto visits = evidence.find(track.id);
-    if (visits == evidence.end()) continue;
-    std::vector<Followers>& own = all[track.id];
-    own.clear();
-    for (std::size_t k = 1; k < visits->second.size(); ++k)
-      own.push_back({&visits->second[k - 1], &visits->second[k], false});
-  }
-  std::vector<Followers*> work;
-  for (auto& [id, own] : all) {
-    for (Followers& pair : own) work.push_back(&pair);
-  }
-  ParallelFor(work.size(), [&](std::size_t n) {
-    work[n]->apart = StandApart(*work[n]->older, *work[n]->newer, up_world, options);
-  });
-  return all;
-}
-
 // The visits that stand together, in order.
-std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits,
-                               const std::vector<Followers>& followers) {
+std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits, const std::vector<bool>& apart) {
   std::vector<ObjectTrack> parts;
   for (std::size_t k = 0; k < visits.size(); ++k) {
-    if (k == 0 || (k <= followers.size() && followers[k - 1].apart)) {
+    if (k == 0 || (k <= apart.size() && apart[k - 1])) {
       parts.push_back(std::move(visits[k]));
       continue;
     }
@@ -140,17 +106,15 @@ bool StandApart(const ObjectEvidence& old_visit,
 }
 
 PartedObjects PartVisits(const Association& association,
-                         const VisitEvidence& evidence,
-                         const Eigen::Vector3d& up_world,
+                         const StandingApart& apart,
                          const LoopOptions& options) {
-  const FollowersOf followers = JudgeFollowers(association, evidence, up_world, options);
   int next_id = 0;
   for (const ObjectTrack& track : association.tracks)
     next_id = std::max(next_id, track.id.value + 1);
   PartedObjects parted;
   for (const ObjectTrack& track : association.tracks) {
-    const auto own = followers.find(track.id);
-    if (own == followers.end()) continue;
+    const auto own = apart.find(track.id);
+    if (own == apart.end()) continue;
     std::vector<ObjectTrack> parts = Parts(Visits(track, options), own->second);
     if (parts.size() < 2) continue;
     for (std::size_t k = 0; k < parts.size(); ++k) {

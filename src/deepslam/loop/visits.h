@@ -36,8 +36,8 @@ inline constexpr double kApart_m = 0.10;
                               const Eigen::Vector3d& up_world,
                               const LoopOptions& options);
 
-// What every visit of an object measured, in the order of Visits.
-using VisitEvidence = std::map<ObjectId, std::vector<ObjectEvidence>>;
+// Per object and for each of its Visits but the first: whether it stands apart from the one before.
+using StandingApart = std::map<ObjectId, std::vector<bool>>;
 
 struct PartedObjects {
   std::vector<ObjectTrack> tracks;  // of the visits, each under an id of its own, ascending
@@ -45,11 +45,10 @@ struct PartedObjects {
 };
 
 // Objects parted where a visit stands apart from the one before; the first part keeps the id,
-// others get the next free ones of `association`. Objects without evidence stay whole and are not
-// among the tracks.
+// others get the next free ones of `association`. Objects of which nothing is said stay whole and
+// are not among the tracks.
 [[nodiscard]] PartedObjects PartVisits(const Association& association,
-                                       const VisitEvidence& evidence,
-                                       const Eigen::Vector3d& up_world,
+                                       const StandingApart& apart,
                                        const LoopOptions& options);
 
 // Visits of one object, one after the other, as single pairs: association says that they are one

@@ -27,7 +27,7 @@ struct Candidate {
 
 std::vector<Candidate> CandidatesOf(const ObjectTrack& track,
                                     const std::map<DetectionId, const Segment*>& segments,
-                                    const Odometry& odometry,
+                                    const Trajectory& trajectory,
                                     const ViewOptions& options) {
   std::vector<Candidate> candidates;
   int largest = 1;
@@ -36,10 +36,10 @@ std::vector<Candidate> CandidatesOf(const ObjectTrack& track,
     if (found == segments.end()) continue;
     const Segment& segment = *found->second;
     if (segment.frame.value < 0 || segment.extent_camera.empty() ||
-        segment.frame.value >= static_cast<int>(odometry.frames.size())) {
+        segment.frame.value >= static_cast<int>(trajectory.frames.size())) {
       continue;
     }
-    const Pose3& world_from_camera = odometry.at(segment.frame).world_from_camera;
+    const Pose3& world_from_camera = trajectory.at(segment.frame).world_from_camera;
     candidates.push_back({&segment,
                           world_from_camera * segment.extent_camera.Center(),
                           world_from_camera.translation_m,
@@ -199,7 +199,7 @@ void Describe(OptionsVisitor& visitor, ViewOptions& options) {
                 "factor on the rank of views that touch the image border");
 }
 
-ViewPlan PlanObjectViews(const Odometry& odometry,
+ViewPlan PlanObjectViews(const Trajectory& trajectory,
                          std::span<const Segment> segments,
                          std::span<const ObjectTrack> tracks,
                          const ViewOptions& options) {
@@ -208,7 +208,7 @@ ViewPlan PlanObjectViews(const Odometry& odometry,
   ViewPlan plan;
   for (const ObjectTrack& track : tracks) {
     std::vector<const Segment*>& chosen = plan[track.id];
-    std::vector<Candidate> candidates = CandidatesOf(track, by_detection, odometry, options);
+    std::vector<Candidate> candidates = CandidatesOf(track, by_detection, trajectory, options);
     ChooseViews(candidates, options);
     for (const Candidate& candidate : candidates) {
       if (candidate.chosen) chosen.push_back(candidate.segment);
@@ -234,7 +234,7 @@ std::size_t NumBytes(std::span<const Segment* const> planned,
 }
 
 Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSource& frames,
-                                                                   const Odometry& odometry,
+                                                                   const Trajectory& trajectory,
                                                                    const Ground& ground,
                                                                    const ViewPlan& plan,
                                                                    const ViewOptions& options,
@@ -269,7 +269,7 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSo
                       " left out: " + cut[n].fault);
         continue;
       }
-      const Pose3& world_from_camera = odometry.at(frame_idx).world_from_camera;
+      const Pose3& world_from_camera = trajectory.at(frame_idx).world_from_camera;
       for (std::size_t k = 0; k < of_frame.size(); ++k) {
         std::optional<ObjectView>& view = cut[n].views[k];
         if (!view) continue;
@@ -285,16 +285,16 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSo
 
 Result<std::map<ObjectId, std::vector<ObjectView>>> CollectObjectViews(
     const FrameSource& frames,
-    const Odometry& odometry,
+    const Trajectory& trajectory,
     const Ground& ground,
     std::span<const Segment> segments,
     std::span<const ObjectTrack> tracks,
     const ViewOptions& options,
     Progress& progress) {
   return CutObjectViews(frames,
-                        odometry,
+                        trajectory,
                         ground,
-                        PlanObjectViews(odometry, segments, tracks, options),
+                        PlanObjectViews(trajectory, segments, tracks, options),
                         options,
                         ViewContent::kColourAndDepth,
                         progress);

@@ -33,7 +33,7 @@ void Describe(OptionsVisitor& visitor, ViewOptions& options);
 // and spread of viewpoints; ascending frames. A track without usable segments has none. Points into
 // `segments`.
 using ViewPlan = std::map<ObjectId, std::vector<const Segment*>>;
-[[nodiscard]] ViewPlan PlanObjectViews(const Odometry& odometry,
+[[nodiscard]] ViewPlan PlanObjectViews(const Trajectory& trajectory,
                                        std::span<const Segment> segments,
                                        std::span<const ObjectTrack> tracks,
                                        const ViewOptions& options);
@@ -53,7 +53,7 @@ enum class ViewContent {
 // whose frames can be read has an empty list. Errors: Interrupted only.
 [[nodiscard]] Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(
     const FrameSource& frames,
-    const Odometry& odometry,
+    const Trajectory& trajectory,
     const Ground& ground,
     const ViewPlan& plan,
     const ViewOptions& options,
@@ -63,7 +63,7 @@ enum class ViewContent {
 // Both at once, for few objects: all views are held together.
 [[nodiscard]] Result<std::map<ObjectId, std::vector<ObjectView>>> CollectObjectViews(
     const FrameSource& frames,
-    const Odometry& odometry,
+    const Trajectory& trajectory,
     const Ground& ground,
     std::span<const Segment> segments,
     std::span<const ObjectTrack> tracks,

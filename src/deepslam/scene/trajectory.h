@@ -45,14 +45,18 @@ struct RelativePose {
   bool composed = false;  // chained from frame-to-frame poses because the direct alignment failed
 };
 
-struct Odometry {
+struct Trajectory {
   std::vector<TrackedFrame> frames;
   std::vector<FrameIdx> keyframes;  // ascending
-  std::vector<RelativePose> edges;  // between keyframes; consecutive ones always joined
 
   [[nodiscard]] const TrackedFrame& at(FrameIdx frame) const {
     return frames[static_cast<std::size_t>(frame.value)];
   }
+};
+
+// A trajectory and what it was measured by, which is by far the larger part of it.
+struct Odometry : Trajectory {
+  std::vector<RelativePose> edges;  // between keyframes; consecutive ones always joined
 };
 
 }  // namespace deepslam

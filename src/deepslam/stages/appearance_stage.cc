@@ -1,7 +1,9 @@
 #include "deepslam/stages/appearance_stage.h"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,37 +21,96 @@ namespace {
 
 using pipeline::StageContext;
 
-constexpr std::size_t kBatch = 32;  // frames in work at a time
+constexpr std::size_t kBatch = 32;  // keyframes looked at side by side
 
-Result<std::vector<loop::KeyframeFeatures>> ExtractAll(const StageContext& context,
-                                                       const RunInputs& inputs,
-                                                       const Odometry& odometry) {
+Result<std::vector<loop::KeyframeFeatures>> Extract(const StageContext& context,
+                                                    const RunInputs& inputs,
+                                                    std::span<const FrameIdx> keyframes) {
+  if (context.progress().StopRequested()) return Interrupted();
   const FrameSource& frames = *inputs.capture->frames;
-  const std::vector<FrameIdx>& keyframes = odometry.keyframes;
   std::vector<loop::KeyframeFeatures> features(keyframes.size());
   std::vector<std::string> faults(keyframes.size());
-  for (std::size_t begin = 0; begin < keyframes.size(); begin += kBatch) {
-    if (context.progress().StopRequested()) return Interrupted();
-    const std::size_t count = std::min(kBatch, keyframes.size() - begin);
-    ParallelFor(count, [&](std::size_t n) {
-      const std::size_t k = begin + n;
-      features[k].keyframe = keyframes[k];
-      const Result<Frame> frame = frames.Read(keyframes[k]);
-      if (frame.ok()) {
-        features[k] =
-            loop::ExtractFeatures(*frame, frames.camera(), inputs.config.appearance.max_features);
-      } else {
-        faults[k] = frame.error().message;
-      }
-    });
-    context.progress().Report(begin + count, keyframes.size());
-  }
+  ParallelFor(keyframes.size(), [&](std::size_t k) {
+    features[k].keyframe = keyframes[k];
+    const Result<Frame> frame = frames.Read(keyframes[k]);
+    if (frame.ok()) {
+      features[k] =
+          loop::ExtractFeatures(*frame, frames.camera(), inputs.config.appearance.max_features);
+    } else {
+      faults[k] = frame.error().message;
+    }
+  });
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     if (faults[k].empty()) continue;
     context.progress().Warn(
         fmt::format("frame {} is not looked at for loops: {}", keyframes[k].value, faults[k]));
   }
   return features;
+}
+
+// Pairs whose newer keyframe lies in [begin, end); `pairs` ascend by it.
+std::span<const loop::NeighbourPair> PairsUpTo(std::span<const loop::NeighbourPair> pairs,
+                                               int begin,
+                                               int end) {
+  const auto first = std::ranges::lower_bound(pairs, begin, {}, &loop::NeighbourPair::newer);
+  const auto last = std::ranges::lower_bound(pairs, end, {}, &loop::NeighbourPair::newer);
+  return {first, last};
+}
+
+struct Seen {
+  std::vector<loop::KeyframeFeatures> features;  // of at most max_keyframes, evenly along the path
+  std::vector<AppearanceLoop> neighbours;        // proposed; in the order of the older keyframes
+};
+
+// Goes along the path once. Neighbours are compared while the features of both are at hand.
+Result<Seen> LookAtKeyframes(const StageContext& context,
+                             const RunInputs& inputs,
+                             const Odometry& odometry) {
+  const loop::AppearanceOptions& options = inputs.config.appearance;
+  const bool depth_alone =
+      inputs.config.track_stage.poses != "capture" && !inputs.config.track.alignment.photometric;
+  const std::vector<loop::NeighbourPair> pairs = loop::PoorlyMeasured(odometry, depth_alone);
+  const std::span<const FrameIdx> keyframes = odometry.keyframes;
+  const auto most = static_cast<std::size_t>(options.max_keyframes);
+  const std::size_t step = (keyframes.size() + most - 1) / most;
+  Seen seen;
+  std::vector<loop::KeyframeFeatures> run;  // the batch, behind the last ones before it
+  for (std::size_t begin = 0; begin < keyframes.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, keyframes.size() - begin);
+    Result<std::vector<loop::KeyframeFeatures>> batch =
+        Extract(context, inputs, keyframes.subspan(begin, count));
+    if (!batch.ok()) return batch.error();
+    if (run.size() > loop::kMostNeighbourGap)
+      run.erase(run.begin(), run.end() - loop::kMostNeighbourGap);
+    const auto first = static_cast<int>(begin - run.size());
+    std::ranges::move(*batch, std::back_inserter(run));
+    const auto own = PairsUpTo(pairs, static_cast<int>(begin), static_cast<int>(begin + count));
+    std::ranges::move(loop::ProposeNeighbours(own, run, first, options),
+                      std::back_inserter(seen.neighbours));
+    for (std::size_t k = 0; k < count; ++k) {
+      if ((begin + k) % step == 0) seen.features.push_back(run[run.size() - count + k]);
+    }
+    context.progress().Report(begin + count, keyframes.size());
+  }
+  std::ranges::stable_sort(seen.neighbours, {}, [](const AppearanceLoop& pair) {
+    return std::pair(pair.old_keyframe, pair.new_keyframe);
+  });
+  return seen;
+}
+
+struct Proposed {
+  std::vector<AppearanceLoop> loops;
+  std::vector<AppearanceLoop> neighbours;
+};
+
+// Features, the largest of what is held here, are gone when what they propose is registered.
+Result<Proposed> Propose(const StageContext& context,
+                         const RunInputs& inputs,
+                         const Odometry& odometry) {
+  Result<Seen> seen = LookAtKeyframes(context, inputs, odometry);
+  if (!seen.ok()) return seen.error();
+  return Proposed{loop::ProposeAppearanceLoops(seen->features, odometry, inputs.config.appearance),
+                  std::move(seen->neighbours)};
 }
 
 Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
@@ -72,49 +133,23 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
   return RegisterPairs(pyramids, pairs, alignment, context.progress());
 }
 
-Result<loop::AcceptedAppearance> FindLoops(const StageContext& context,
-                                           const RunInputs& inputs,
-                                           const Odometry& odometry,
-                                           std::span<const loop::KeyframeFeatures> features) {
-  const loop::AppearanceOptions& options = inputs.config.appearance;
-  const std::vector<AppearanceLoop> proposed =
-      loop::ProposeAppearanceLoops(features, odometry, options);
-  const auto registrations = RegisterLoops(context, inputs, proposed);
-  if (!registrations.ok()) return registrations.error();
-  return loop::AcceptAppearanceLoops(proposed, *registrations, odometry, options);
-}
-
-Result<std::vector<RelativePose>> MeasureAgain(const StageContext& context,
-                                               const RunInputs& inputs,
-                                               const Odometry& odometry,
-                                               std::span<const loop::KeyframeFeatures> features) {
-  const loop::AppearanceOptions& options = inputs.config.appearance;
-  const bool depth_alone =
-      inputs.config.track_stage.poses != "capture" && !inputs.config.track.alignment.photometric;
-  const std::vector<AppearanceLoop> proposed =
-      loop::ProposeNeighbours(features, odometry, depth_alone, options);
-  const auto registrations = RegisterLoops(context, inputs, proposed);
-  if (!registrations.ok()) return registrations.error();
-  return loop::AcceptNeighbours(proposed, *registrations, options);
-}
-
 struct ByAppearance {
   loop::AcceptedAppearance loops;
   std::vector<RelativePose> neighbours;  // measured again
 };
 
-// Features of all keyframes, the largest of what is held here, are gone when the graph is solved.
 Result<ByAppearance> MeasureByAppearance(const StageContext& context,
                                          const RunInputs& inputs,
                                          const Odometry& odometry) {
-  const Result<std::vector<loop::KeyframeFeatures>> features =
-      ExtractAll(context, inputs, odometry);
-  if (!features.ok()) return features.error();
-  Result<loop::AcceptedAppearance> loops = FindLoops(context, inputs, odometry, *features);
+  const loop::AppearanceOptions& options = inputs.config.appearance;
+  const Result<Proposed> proposed = Propose(context, inputs, odometry);
+  if (!proposed.ok()) return proposed.error();
+  const auto loops = RegisterLoops(context, inputs, proposed->loops);
   if (!loops.ok()) return loops.error();
-  Result<std::vector<RelativePose>> neighbours = MeasureAgain(context, inputs, odometry, *features);
+  const auto neighbours = RegisterLoops(context, inputs, proposed->neighbours);
   if (!neighbours.ok()) return neighbours.error();
-  return ByAppearance{std::move(loops).value(), std::move(neighbours).value()};
+  return ByAppearance{loop::AcceptAppearanceLoops(proposed->loops, *loops, odometry, options),
+                      loop::AcceptNeighbours(proposed->neighbours, *neighbours, options)};
 }
 
 int CountKept(const std::vector<RelativePose>& of, const std::vector<RelativePose>& edges) {
@@ -131,7 +166,7 @@ Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
                                            const RunInputs& inputs,
                                            const Odometry& odometry,
                                            const Ground& ground) {
-  ClosedTrajectory closed{odometry, ground, {}, 0};
+  ClosedTrajectory closed{odometry.frames, ground, {}, 0};
   const loop::AppearanceOptions& options = inputs.config.appearance;
   if (!inputs.config.loops.enabled || !options.enabled) return closed;
   Result<ByAppearance> measured = MeasureByAppearance(context, inputs, odometry);
@@ -143,14 +178,13 @@ Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
   while (!edges.empty()) {
     Result<SolvedPath> solved = SolvePath(odometry, ground, edges, inputs.config.optimize);
     if (!solved.ok()) return solved.error();
-    closed.odometry.frames = std::move(solved->frames);
+    const Trajectory path{std::move(solved->frames), odometry.keyframes};
+    if (loop::RefuseContradicted(path, options, closed.appearance)) continue;
+    closed.frames = path.frames;
     closed.ground = std::move(solved->ground);
-    if (loop::RefuseContradicted(closed.odometry, options, closed.appearance)) continue;
     closed.num_measured_again = CountKept(neighbours, edges);
-    return closed;
+    break;
   }
-  closed.odometry = odometry;
-  closed.ground = ground;
   return closed;
 }
 

@@ -2,6 +2,8 @@
 // again, and the trajectory that they make.
 #pragma once
 
+#include <vector>
+
 #include "deepslam/core/result.h"
 #include "deepslam/loop/appearance.h"
 #include "deepslam/pipeline/stage.h"
@@ -15,7 +17,7 @@ namespace deepslam::stages {
 // Cameras and ground as tracked, or as the graph has them with the loops' edges; in the tracking
 // world either way (the first keyframe stays).
 struct ClosedTrajectory {
-  Odometry odometry;
+  std::vector<TrackedFrame> frames;
   Ground ground;
   loop::AcceptedAppearance appearance;  // edges: those of neighbours behind those of loops
   int num_measured_again = 0;           // edges of neighbours

@@ -209,7 +209,7 @@ Result<std::vector<std::string>> ApplyToTracks(const Overrides& overrides,
 }
 
 std::vector<std::string> ApplyToGround(const Overrides& overrides,
-                                       const Odometry& odometry,
+                                       const Trajectory& trajectory,
                                        Ground& ground) {
   if (!overrides.ground) return {};
   // The world is the first camera's, so the hint is a plane of the world as it stands.
@@ -222,7 +222,7 @@ std::vector<std::string> ApplyToGround(const Overrides& overrides,
   const std::size_t before = ground.observations.size();
   std::erase_if(ground.observations, [&](const GroundObservation& observation) {
     if (ApartAt(ground, observation.keyframe) != nullptr) return false;
-    const Pose3& world_from_camera = odometry.at(observation.keyframe).world_from_camera;
+    const Pose3& world_from_camera = trajectory.at(observation.keyframe).world_from_camera;
     return !agrees(Transformed(world_from_camera, observation.plane_camera));
   });
   const std::size_t removed = before - ground.observations.size();

@@ -25,7 +25,7 @@ namespace deepslam::stages {
 // Ground that agrees with the hint (10 degrees, 0.15 m) stays; all other is left out, and the hint
 // stands in for it.
 [[nodiscard]] std::vector<std::string> ApplyToGround(const artifact::Overrides& overrides,
-                                                     const Odometry& odometry,
+                                                     const Trajectory& trajectory,
                                                      Ground& ground);
 
 // Every `choose` names one of `tracks`, to which all else was applied.

@@ -45,17 +45,17 @@ Result<std::shared_ptr<const detect::Detector>> LoadDetector(const RunInputs& in
 }
 
 // Keyframes or all frames, and those the user's file speaks of.
-std::vector<FrameIdx> FramesToLookAt(const Odometry& odometry,
+std::vector<FrameIdx> FramesToLookAt(const Trajectory& trajectory,
                                      const DetectStageOptions& options,
                                      std::span<const Detection> given) {
-  std::set<FrameIdx> wanted(odometry.keyframes.begin(), odometry.keyframes.end());
+  std::set<FrameIdx> wanted(trajectory.keyframes.begin(), trajectory.keyframes.end());
   for (const Detection& detection : given) wanted.insert(detection.frame);
   if (options.frames == "all") {
-    for (const TrackedFrame& frame : odometry.frames) wanted.insert(frame.frame);
+    for (const TrackedFrame& frame : trajectory.frames) wanted.insert(frame.frame);
   }
   // Where a frame stands is unknown when tracking lost it: its detections could match anything.
   std::erase_if(wanted, [&](FrameIdx idx) {
-    const TrackingStatus status = odometry.at(idx).status;
+    const TrackingStatus status = trajectory.at(idx).status;
     return status == TrackingStatus::kLost || status == TrackingStatus::kUnreadable;
   });
   return {wanted.begin(), wanted.end()};
@@ -159,15 +159,15 @@ class Lookout {
  public:
   Lookout(const StageContext& context,
           const RunInputs& inputs,
-          const Odometry& odometry,
+          const Trajectory& trajectory,
           const Ground& ground,
           std::span<const FrameIdx> wanted)
       : context_(context),
         inputs_(inputs),
-        odometry_(odometry),
+        trajectory_(trajectory),
         ground_(ground),
         wanted_(wanted),
-        upright_(UprightTurns(odometry.frames, ground)),
+        upright_(UprightTurns(trajectory.frames, ground)),
         finds_(wanted.size()) {}
 
   // By place in `wanted`. An error is the detector's, which could not be loaded, or that the user
@@ -228,7 +228,7 @@ class Lookout {
   }
 
   void LookAtDepth(std::size_t place) {
-    const TrackedFrame& tracked = odometry_.at(wanted_[place]);
+    const TrackedFrame& tracked = trajectory_.at(wanted_[place]);
     const Result<Frame> frame = inputs_.capture->frames->ReadDepth(tracked.frame);
     if (!frame.ok()) {
       finds_[place].unread_depth = frame.error();
@@ -247,7 +247,7 @@ class Lookout {
 
   const StageContext& context_;
   const RunInputs& inputs_;
-  const Odometry& odometry_;
+  const Trajectory& trajectory_;
   const Ground& ground_;
   std::span<const FrameIdx> wanted_;
   std::vector<QuarterTurn> upright_;
@@ -279,17 +279,17 @@ void WarnOf(const FrameFinds& finds, FrameIdx frame, Progress& progress) {
 }
 
 Result<artifact::DetectionTable> DetectAll(const StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
+  const Result<Trajectory> trajectory = ReadTrajectory(context);
+  if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const std::vector<artifact::DetectedImage> images = AllImages(*inputs.capture);
   const Result<artifact::CocoDetections> from_file = ReadFileDetections(inputs, context, images);
   if (!from_file.ok()) return from_file.error();
   const std::vector<FrameIdx> wanted =
-      FramesToLookAt(*odometry, inputs.config.detect_stage, from_file->detections);
+      FramesToLookAt(*trajectory, inputs.config.detect_stage, from_file->detections);
   Result<std::vector<FrameFinds>> found =
-      Lookout(context, inputs, *odometry, *ground, wanted).Run();
+      Lookout(context, inputs, *trajectory, *ground, wanted).Run();
   if (!found.ok()) return found.error();
   artifact::DetectionTable table;
   for (std::size_t i = 0; i < wanted.size(); ++i) {

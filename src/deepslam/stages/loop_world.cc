@@ -18,8 +18,8 @@ namespace {
 
 using pipeline::StageContext;
 
-std::optional<Pose3> AfterFromBefore(const Odometry& before,
-                                     const Odometry& after,
+std::optional<Pose3> AfterFromBefore(const Trajectory& before,
+                                     const Trajectory& after,
                                      FrameIdx frame) {
   if (!frame.valid() || frame.value >= static_cast<int>(before.frames.size())) return std::nullopt;
   const Pose3& from = before.at(frame).world_from_camera;
@@ -206,7 +206,7 @@ void Remove(ObjectId visit, LoopWorld& world) {
 
 }  // namespace
 
-Pose3 MovedWith(const Odometry& before, const Odometry& after, const MapObject& object) {
+Pose3 MovedWith(const Trajectory& before, const Trajectory& after, const MapObject& object) {
   Pose3 best;
   double share = -1;
   for (const ViewRegistration& view : object.views) {
@@ -218,8 +218,8 @@ Pose3 MovedWith(const Odometry& before, const Odometry& after, const MapObject& 
   return best;
 }
 
-double MovedApart_m(const Odometry& before,
-                    const Odometry& after,
+double MovedApart_m(const Trajectory& before,
+                    const Trajectory& after,
                     const MapObject& object,
                     const Eigen::Vector3d& centre) {
   const Pose3 best = MovedWith(before, after, object);
@@ -231,7 +231,7 @@ double MovedApart_m(const Odometry& before,
   return apart_m;
 }
 
-void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map) {
+void MoveObjects(const Trajectory& before, const Trajectory& after, ObjectMap& map) {
   for (MapObject& object : map.objects)
     object.world_from_object = MovedWith(before, after, object) * object.world_from_object;
 }
@@ -305,7 +305,7 @@ Status JudgeMerged(const StageContext& context,
 
 Status JudgeMovedApart(const StageContext& context,
                        const RunInputs& inputs,
-                       const Odometry& before,
+                       const Trajectory& before,
                        const std::set<ObjectId>& just_judged,
                        LoopWorld& world) {
   for (MapObject& object : world.map.objects) {
@@ -362,9 +362,9 @@ Status Rejoin(const StageContext& context,
     const MapObject& before = parted.objects.at(id);
     MapObject object = before;
     object.world_from_object =
-        MovedWith(parted.odometry, world.odometry, before) * before.world_from_object;
+        MovedWith(parted.trajectory, world.odometry, before) * before.world_from_object;
     const Eigen::Vector3d& centre = before.world_from_object.translation_m;
-    if (MovedApart_m(parted.odometry, world.odometry, before, centre) > loop::kApart_m) {
+    if (MovedApart_m(parted.trajectory, world.odometry, before, centre) > loop::kApart_m) {
       if (Status status = JudgeWhole(context, inputs, "closed", world, object); !status.ok())
         return status;
     }

@@ -25,7 +25,7 @@
 namespace deepslam::stages {
 
 struct LoopWorld {
-  Odometry tracked;
+  Trajectory tracked;
   Odometry odometry;  // as closed so far
   Ground ground;
   std::vector<RelativePose> edges;  // of loops of both kinds, and of neighbours measured again
@@ -39,19 +39,19 @@ struct LoopWorld {
 };
 
 // How what the object's best view saw moves from one path to another; without views: not at all.
-[[nodiscard]] Pose3 MovedWith(const Odometry& before,
-                              const Odometry& after,
+[[nodiscard]] Pose3 MovedWith(const Trajectory& before,
+                              const Trajectory& after,
                               const MapObject& object);
 
 // The largest distance by which that moves what a view saw of the object against what its best view
 // saw: views of both ends of a stretch that is corrected. `centre` is the object's in the world of
 // `before`.
-[[nodiscard]] double MovedApart_m(const Odometry& before,
-                                  const Odometry& after,
+[[nodiscard]] double MovedApart_m(const Trajectory& before,
+                                  const Trajectory& after,
                                   const MapObject& object,
                                   const Eigen::Vector3d& centre);
 
-void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map);
+void MoveObjects(const Trajectory& before, const Trajectory& after, ObjectMap& map);
 
 // Of all candidates of the objects judged anew, in the order of the map, moved with their object so
 // that the chosen one stands where it stands now.
@@ -79,13 +79,13 @@ void MoveObjects(const Odometry& before, const Odometry& after, ObjectMap& map);
 // judged.
 [[nodiscard]] Status JudgeMovedApart(const pipeline::StageContext& context,
                                      const RunInputs& inputs,
-                                     const Odometry& before,
+                                     const Trajectory& before,
                                      const std::set<ObjectId>& just_judged,
                                      LoopWorld& world);
 
 // Objects as they were before their visits were parted, by id.
 struct PartedWorld {
-  Odometry odometry;  // at that time
+  Trajectory trajectory;  // at that time
   std::vector<PartedVisit> visits;
   std::map<ObjectId, MapObject> objects;
   std::map<ObjectId, ObjectTrack> tracks;

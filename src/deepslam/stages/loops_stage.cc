@@ -49,7 +49,7 @@ Result<LoopWorld> ReadWorld(const StageContext& context,
   LoopWorld world;
   Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
-  world.tracked = std::move(odometry).value();
+  world.odometry = std::move(odometry).value();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   Result<Association> association = ReadAssociation(context, "associate");
@@ -62,10 +62,11 @@ Result<LoopWorld> ReadWorld(const StageContext& context,
   if (!map.ok()) return map.error();
   world.map = std::move(map).value();
   Result<ClosedTrajectory> by_appearance =
-      CloseByAppearance(context, inputs, world.tracked, *ground);
+      CloseByAppearance(context, inputs, world.odometry, *ground);
   if (!by_appearance.ok()) return by_appearance.error();
   closed = std::move(by_appearance).value();
-  world.odometry = closed.odometry;
+  world.tracked = static_cast<const Trajectory&>(world.odometry);
+  world.odometry.frames = closed.frames;
   world.ground = closed.ground;
   world.edges = closed.appearance.edges;
   MoveObjects(world.tracked, world.odometry, world.map);
@@ -108,14 +109,6 @@ void Append(std::span<const ObjectView> views, loop::ObjectEvidence& evidence) {
   }
 }
 
-// What the views of the batch's objects measured; `of` gives the place for a track's.
-template <typename Of>
-void AddMeasured(std::span<const TrackViews> batch, const Of& of) {
-  std::vector<loop::ObjectEvidence*> own;
-  for (const TrackViews& of_track : batch) own.push_back(&of(*of_track.track));
-  ParallelFor(batch.size(), [&](std::size_t n) { Append(batch[n].views, *own[n]); });
-}
-
 // Of these objects of the map.
 Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
                                            const RunInputs& inputs,
@@ -128,8 +121,8 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
                        std::back_inserter(tracks),
                        [&](const ObjectTrack& track) { return evidence.contains(track.id); });
   const auto add = [&](std::span<TrackViews> batch) {
-    AddMeasured(
-        batch, [&](const ObjectTrack& track) -> auto& { return evidence[track.id]; });
+    ParallelFor(batch.size(),
+                [&](std::size_t n) { Append(batch[n].views, evidence.at(batch[n].track->id)); });
     return Ok();
   };
   const Status measured = ForDepthViews(context, inputs, world, tracks, add);
@@ -189,37 +182,72 @@ Result<Loops> DetectLoops(const StageContext& context,
   return loop::AcceptLoops(verified, world.map, world.association, options, world.odometry);
 }
 
+// Visits of objects that were known again, one object's after the other's.
+struct KnownAgain {
+  std::vector<ObjectTrack> visits;  // ids are places in the list: views are planned by them
+  std::vector<ObjectId> objects;    // of the visits
+};
+
+KnownAgain VisitsOfMap(const LoopWorld& world, const loop::LoopOptions& options) {
+  KnownAgain known;
+  for (const ObjectTrack& track : world.association.tracks) {
+    if (std::ranges::find(world.map.objects, track.id, &MapObject::id) == world.map.objects.end())
+      continue;
+    std::vector<ObjectTrack> own = loop::Visits(track, options);
+    if (own.size() < 2) continue;
+    for (ObjectTrack& visit : own) {
+      visit.id = ObjectId{static_cast<int>(known.visits.size())};
+      known.visits.push_back(std::move(visit));
+      known.objects.push_back(track.id);
+    }
+  }
+  return known;
+}
+
+// Which of the visits stand apart from the one before. What was measured is held for a batch of
+// visits and the one before it: a camera that goes round for an hour visits everything many times.
+Result<loop::StandingApart> JudgeVisits(const StageContext& context,
+                                        const RunInputs& inputs,
+                                        const KnownAgain& known,
+                                        const LoopWorld& world) {
+  const Eigen::Vector3d up_world = loop::UpDirection(world.map);
+  loop::StandingApart apart;
+  std::size_t first = 0;        // visit of the batch
+  loop::ObjectEvidence before;  // of the visit before it
+  const auto judge = [&](std::span<TrackViews> batch) {
+    std::vector<loop::ObjectEvidence> measured(1 + batch.size());  // that one, then the batch's
+    measured.front() = std::move(before);
+    ParallelFor(batch.size(), [&](std::size_t n) { Append(batch[n].views, measured[n + 1]); });
+    const auto follows = [&](std::size_t n) {
+      return first + n > 0 && known.objects[first + n - 1] == known.objects[first + n];
+    };
+    std::vector<char> is_apart(batch.size());
+    ParallelFor(batch.size(), [&](std::size_t n) {
+      is_apart[n] = follows(n) &&
+                    loop::StandApart(measured[n], measured[n + 1], up_world, inputs.config.loops);
+    });
+    for (std::size_t n = 0; n < batch.size(); ++n) {
+      if (follows(n)) apart[known.objects[first + n]].push_back(is_apart[n] != 0);
+    }
+    first += batch.size();
+    before = std::move(measured.back());
+    return Ok();
+  };
+  const Status judged = ForDepthViews(context, inputs, world, known.visits, judge);
+  if (!judged.ok()) return judged.error();
+  return apart;
+}
+
 // The visits of objects that were known again, where they stand apart.
 Result<loop::PartedObjects> FindParted(const StageContext& context,
                                        const RunInputs& inputs,
                                        const LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
-  std::vector<ObjectTrack> visits;
-  for (const ObjectTrack& track : world.association.tracks) {
-    const bool placed =
-        std::ranges::find(world.map.objects, track.id, &MapObject::id) != world.map.objects.end();
-    std::vector<ObjectTrack> own = loop::Visits(track, options);
-    if (placed && own.size() > 1) std::ranges::move(own, std::back_inserter(visits));
-  }
-  if (!options.constellations || visits.empty()) return loop::PartedObjects();
-  // Views are planned by id, and every visit has to have its own.
-  std::vector<ObjectId> objects;
-  for (std::size_t k = 0; k < visits.size(); ++k)
-    objects.push_back(std::exchange(visits[k].id, ObjectId{static_cast<int>(k)}));
-  std::vector<loop::ObjectEvidence> measured(visits.size());
-  const auto add = [&](std::span<TrackViews> batch) {
-    AddMeasured(
-        batch, [&](const ObjectTrack& visit) -> auto& {
-          return measured[static_cast<std::size_t>(visit.id.value)];
-        });
-    return Ok();
-  };
-  const Status status = ForDepthViews(context, inputs, world, visits, add);
-  if (!status.ok()) return status.error();
-  loop::VisitEvidence evidence;
-  for (std::size_t k = 0; k < visits.size(); ++k)
-    evidence[objects[k]].push_back(std::move(measured[k]));
-  return loop::PartVisits(world.association, evidence, loop::UpDirection(world.map), options);
+  const KnownAgain known = VisitsOfMap(world, options);
+  if (!options.constellations || known.visits.empty()) return loop::PartedObjects();
+  const Result<loop::StandingApart> apart = JudgeVisits(context, inputs, known, world);
+  if (!apart.ok()) return apart.error();
+  return loop::PartVisits(world.association, *apart, options);
 }
 
 // The path is closed by what ties it together so far, where that moves what was seen of an object
@@ -233,14 +261,14 @@ Result<bool> Close(const StageContext& context,
   Result<SolvedPath> solved =
       SolvePath(world.odometry, world.ground, world.edges, options, world.map);
   if (!solved.ok()) return solved.error();
-  Odometry closed = world.odometry;
-  closed.frames = std::move(solved->frames);
+  Trajectory closed{std::move(solved->frames), world.odometry.keyframes};
   const bool apart = std::ranges::any_of(world.map.objects, [&](const MapObject& object) {
     const Eigen::Vector3d& centre = object.world_from_object.translation_m;
     return MovedApart_m(world.odometry, closed, object, centre) > loop::kApart_m;
   });
   if (!apart) return false;
-  const Odometry before = std::exchange(world.odometry, std::move(closed));
+  const Trajectory before{std::exchange(world.odometry.frames, std::move(closed.frames)),
+                          world.odometry.keyframes};
   world.ground = std::move(solved->ground);
   for (std::size_t k = 0; k < world.map.objects.size(); ++k)
     world.map.objects[k].world_from_object = solved->world_from_object[k];
@@ -355,16 +383,18 @@ Status AddModelsOfCopies(const StageContext& context, Proposals& made) {
 Status Write(StageContext& context, const LoopWorld& world, const Loops& loops) {
   Proposals made = MadeForMap(world.made, world.map);
   if (Status status = AddModelsOfCopies(context, made); !status.ok()) return status;
-  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
-      {"loops.json", artifact::EncodeLoops(loops, "loops.json")},
-      {"objects.json", artifact::EncodeObjectMap(world.map, "objects.json")},
-      {"candidates.json", artifact::EncodeProposals(made, "candidates.json")},
-      {"registrations.json",
-       artifact::EncodeRegistrations(PlacedRegistrations(world), "registrations.json")},
-      {"tracks.json", artifact::EncodeAssociation(world.association, "tracks.json")}};
-  for (const auto& [file, text] : files) {
-    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
-  }
+  const Status written = WriteFiles(
+      context,
+      {{"loops.json", [&] { return artifact::EncodeLoops(loops, "loops.json"); }},
+       {"objects.json", [&] { return artifact::EncodeObjectMap(world.map, "objects.json"); }},
+       {"candidates.json", [&] { return artifact::EncodeProposals(made, "candidates.json"); }},
+       {"registrations.json",
+        [&] {
+          return artifact::EncodeRegistrations(PlacedRegistrations(world), "registrations.json");
+        }},
+       {"tracks.json",
+        [&] { return artifact::EncodeAssociation(world.association, "tracks.json"); }}});
+  if (!written.ok()) return written;
   if (Status status = WriteModels(context, made.models); !status.ok()) return status;
   return CopyChosenModels(context, world.map, made.models);
 }

@@ -100,7 +100,7 @@ void Colour(const MapObject& object,
 
 Status ColourAll(const StageContext& context,
                  const RunInputs& inputs,
-                 const Odometry& odometry,
+                 const Trajectory& trajectory,
                  const Ground& ground,
                  const Association& association,
                  const OptimizedMap& map,
@@ -127,7 +127,7 @@ Status ColourAll(const StageContext& context,
   };
   const Status status = ForTrackViews(context,
                                       inputs,
-                                      odometry,
+                                      trajectory,
                                       ground,
                                       tracks,
                                       observe::ViewContent::kColourAndDepth,
@@ -162,8 +162,8 @@ std::vector<Checked> Check(const std::vector<MapObject>& objects, const Meshes& 
 }  // namespace
 
 Result<StageSummary> RunMesh(StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
+  const Result<Trajectory> trajectory = ReadTrajectory(context);
+  if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "loops");
@@ -180,7 +180,7 @@ Result<StageSummary> RunMesh(StageContext& context, const RunInputs& inputs) {
   }
   Meshes meshes = MakeShapes(context, inputs, objects, grids);
   if (context.progress().StopRequested()) return Interrupted();
-  if (Status status = ColourAll(context, inputs, *odometry, *ground, *association, *map, meshes);
+  if (Status status = ColourAll(context, inputs, *trajectory, *ground, *association, *map, meshes);
       !status.ok()) {
     return status.error();
   }

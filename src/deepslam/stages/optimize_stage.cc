@@ -67,21 +67,26 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
       optimized->summary, optimized->ground_world, optimized->has_ground};
   const auto trajectory = artifact::StampedPoses(optimized->frames);
   const auto keyframes = artifact::KeyframePoses(optimized->frames, optimized->keyframes);
-  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
-      {"trajectory.tum", artifact::EncodeTum(trajectory, "trajectory.tum")},
-      {"keyframes.tum", artifact::EncodeTum(keyframes, "keyframes.tum")},
-      {"frames.json",
-       artifact::EncodeFrames(
-           optimized->frames, optimized->keyframes, odometry->edges, "frames.json")},
-      {"graph_before.g2o", graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m)},
-      {"graph.g2o",
-       graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m, &*optimized)},
-      {"objects.json", artifact::EncodeObjectMap(optimized->map, "objects.json")},
-      {"ground.json", artifact::EncodeGround(final_ground, "ground.json")},
-      {"summary.json", artifact::EncodeOptimization(record, "summary.json")}};
-  for (const auto& [file, text] : files) {
-    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
-  }
+  const Status written = WriteFiles(
+      context,
+      {{"trajectory.tum", [&] { return artifact::EncodeTum(trajectory, "trajectory.tum"); }},
+       {"keyframes.tum", [&] { return artifact::EncodeTum(keyframes, "keyframes.tum"); }},
+       {"frames.json",
+        [&] {
+          return artifact::EncodeFrames(
+              optimized->frames, optimized->keyframes, odometry->edges, "frames.json");
+        }},
+       {"graph_before.g2o",
+        [&] { return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m); }},
+       {"graph.g2o",
+        [&] {
+          return graph::GraphToG2o(
+              *odometry, *ground, *map, *loops, options, *bottom_m, &*optimized);
+        }},
+       {"objects.json", [&] { return artifact::EncodeObjectMap(optimized->map, "objects.json"); }},
+       {"ground.json", [&] { return artifact::EncodeGround(final_ground, "ground.json"); }},
+       {"summary.json", [&] { return artifact::EncodeOptimization(record, "summary.json"); }}});
+  if (!written.ok()) return written.error();
   return Summarise(*optimized);
 }
 

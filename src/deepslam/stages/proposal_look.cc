@@ -86,12 +86,12 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
   const auto priors = PriorsOf(inputs);
   if (!priors.ok()) return priors.error();
   if (!*priors) return InvalidInput("no shape networks are there; name a folder by propose.priors");
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
+  const Result<Trajectory> trajectory = ReadTrajectory(context);
+  if (!trajectory.ok()) return trajectory.error();
   const Result<std::vector<Segment>> segments = ReadSegments(context);
   if (!segments.ok()) return segments.error();
   if (const Status status =
-          CheckOfThisCapture(odometry->frames.size(), *segments, *inputs.capture->frames);
+          CheckOfThisCapture(trajectory->frames.size(), *segments, *inputs.capture->frames);
       !status.ok())
     return status.error();
   const Result<Ground> ground = ReadGround(context, "ground");
@@ -100,7 +100,8 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
   if (!association.ok()) return association.error();
   const Result<std::map<ObjectId, VoxelGrid>> retrieved = FirstRetrieved(context);
   if (!retrieved.ok()) return retrieved.error();
-  const Result<ObjectViews> views = CollectViews(context, inputs, *odometry, *ground, *association);
+  const Result<ObjectViews> views =
+      CollectViews(context, inputs, *trajectory, *ground, *association);
   if (!views.ok()) return views.error();
 
   std::vector<ProposalLook> looks;

@@ -113,7 +113,7 @@ Result<Proposals> ProposeOne(const Sources& sources, const TrackViews& of_track)
 Result<Proposals> ProposeAll(const StageContext& context,
                              const RunInputs& inputs,
                              const Sources& sources,
-                             const Odometry& odometry,
+                             const Trajectory& trajectory,
                              const Ground& ground,
                              const Association& association) {
   Proposals all;
@@ -126,7 +126,7 @@ Result<Proposals> ProposeAll(const StageContext& context,
   const Status status = ForEachTrackViews<Proposals>(
       context,
       inputs,
-      odometry,
+      trajectory,
       ground,
       association.tracks,
       observe::ViewContent::kColourAndDepth,
@@ -155,8 +155,8 @@ Result<std::string> EncodeLibraryModels(const Sources& sources, const Proposals&
 }  // namespace
 
 Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
+  const Result<Trajectory> trajectory = ReadTrajectory(context);
+  if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
@@ -164,7 +164,7 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   const Result<Sources> sources = MakeSources(inputs, context.progress());
   if (!sources.ok()) return sources.error();
   const Result<Proposals> proposals =
-      ProposeAll(context, inputs, *sources, *odometry, *ground, *association);
+      ProposeAll(context, inputs, *sources, *trajectory, *ground, *association);
   if (!proposals.ok()) return proposals.error();
 
   if (Status status = WriteEncoded(

@@ -20,23 +20,13 @@ using loop::CovisiblePair;
 
 constexpr std::size_t kPairsAtOnce = 96;  // of eight keyframes
 
-Result<std::vector<loop::KeyframeRegistration>> RegisterAll(const RunInputs& inputs,
-                                                            KeyframePyramids pyramids,
-                                                            const Odometry& odometry,
-                                                            std::span<const CovisiblePair> proposed,
-                                                            Progress& progress) {
-  const auto keyframe = [&](int k) { return odometry.keyframes[static_cast<std::size_t>(k)]; };
+std::vector<KeyframePair> KeyframesOf(std::span<const CovisiblePair> proposed,
+                                      const Trajectory& trajectory) {
+  const auto keyframe = [&](int k) { return trajectory.keyframes[static_cast<std::size_t>(k)]; };
   std::vector<KeyframePair> pairs;
   for (const CovisiblePair& pair : proposed)
     pairs.push_back({keyframe(pair.older), keyframe(pair.newer), pair.older_from_newer});
-  const odometry::AlignmentOptions& options = inputs.config.track.alignment;
-  PairAlignment alignment;
-  alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
-    return odometry::RefineAlignment(older, newer, start, options);
-  };
-  alignment.pairs_at_once = kPairsAtOnce;
-  alignment.without = "not measured against others that see the same";
-  return RegisterPairs(pyramids, pairs, alignment, progress);
+  return pairs;
 }
 
 // No edge is longer than what stretches share: a dropped one would be a tie that is lost.
@@ -49,16 +39,33 @@ Stretches StretchesFor(const Config& config) {
   return stretches;
 }
 
-// Edges that tracking has not: of keyframes that see the same.
-Result<std::vector<RelativePose>> MeasureCovisible(const RunInputs& inputs,
-                                                   KeyframePyramids pyramids,
-                                                   const Odometry& odometry,
-                                                   Progress& progress) {
-  const loop::CovisibleOptions& options = inputs.config.covisible;
-  const std::vector<CovisiblePair> pairs = loop::ProposeCovisible(odometry, options);
-  const auto registrations = RegisterAll(inputs, std::move(pyramids), odometry, pairs, progress);
-  if (!registrations.ok()) return registrations.error();
-  return loop::AcceptCovisible(pairs, *registrations, odometry, options);
+// Adds the edges that tracking has not: of keyframes that see the same. No more is held than the
+// edges themselves, which are the largest part of a long path.
+Status MeasureCovisible(const RunInputs& inputs,
+                        KeyframePyramids pyramids,
+                        Progress& progress,
+                        Odometry& odometry) {
+  const odometry::AlignmentOptions& options = inputs.config.track.alignment;
+  PairAlignment alignment;
+  alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
+    return odometry::RefineAlignment(older, newer, start, options);
+  };
+  alignment.pairs_at_once = kPairsAtOnce;
+  alignment.without = "not measured against others that see the same";
+  const std::vector<CovisiblePair> pairs =
+      loop::ProposeCovisible(odometry, inputs.config.covisible);
+  odometry.edges.reserve(odometry.edges.size() + pairs.size());
+  for (std::size_t begin = 0; begin < pairs.size(); begin += kPairsAtOnce) {
+    const auto batch =
+        std::span(pairs).subspan(begin, std::min(kPairsAtOnce, pairs.size() - begin));
+    const auto registrations =
+        RegisterPairs(pyramids, KeyframesOf(batch, odometry), alignment, progress);
+    if (!registrations.ok()) return registrations.error();
+    std::ranges::move(
+        loop::AcceptCovisible(batch, *registrations, odometry, inputs.config.covisible),
+        std::back_inserter(odometry.edges));
+  }
+  return Ok();
 }
 
 }  // namespace
@@ -76,30 +83,31 @@ Result<int> RefinePath(const RunInputs& inputs,
   const loop::CovisibleOptions& options = inputs.config.covisible;
   if (!options.enabled) return 0;
   const auto num_tracked = static_cast<std::ptrdiff_t>(odometry.edges.size());
-  Result<std::vector<RelativePose>> covisible =
-      MeasureCovisible(inputs, std::move(pyramids), odometry, progress);
+  const Status measured = MeasureCovisible(inputs, std::move(pyramids), progress, odometry);
   ReturnFreedMemory(kMostHeldBytes);  // the pyramids'
-  if (!covisible.ok()) return covisible.error();
-  std::ranges::move(*covisible, std::back_inserter(odometry.edges));
+  if (!measured.ok()) return measured.error();
   if (progress.StopRequested()) return Interrupted();
-  const auto begin = [&] { return odometry.edges.begin() + num_tracked; };
-  if (begin() == odometry.edges.end()) return 0;
+  const auto covisible = [&] { return odometry.edges.begin() + num_tracked; };
+  if (covisible() == odometry.edges.end()) return 0;
   // The options of `optimize` are that stage's own: they must not change what tracking is.
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
   const Stretches stretches = StretchesFor(inputs.config);
   robust.max_direct_keyframes = stretches.num_keyframes;  // without loops the factor stays sparse
+  robust.max_keyframes = stretches.num_keyframes;
   Result<std::vector<TrackedFrame>> solved = SolveStretches(odometry, robust, stretches);
-  std::vector<RelativePose> measured(begin(), odometry.edges.end());
-  odometry.edges.erase(begin(), odometry.edges.end());
   if (!solved.ok()) {
+    odometry.edges.erase(covisible(), odometry.edges.end());
     progress.Warn("the path stays as tracked: " + solved.error().message);
     return 0;
   }
   odometry.frames = std::move(solved).value();
-  measured = loop::Consistent(std::move(measured), odometry, options);
-  odometry.edges.insert(odometry.edges.end(), measured.begin(), measured.end());
-  return static_cast<int>(measured.size());
+  const auto contradicted =
+      std::remove_if(covisible(), odometry.edges.end(), [&](const RelativePose& edge) {
+        return !loop::IsConsistent(edge, odometry, options);
+      });
+  odometry.edges.erase(contradicted, odometry.edges.end());
+  return static_cast<int>(odometry.edges.end() - covisible());
 }
 
 }  // namespace deepslam::stages

@@ -14,8 +14,8 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
+  const Result<Trajectory> trajectory = ReadTrajectory(context);
+  if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
@@ -37,7 +37,7 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   };
   const Status registered = ForEachTrackViews<Registrations>(context,
                                                              inputs,
-                                                             *odometry,
+                                                             *trajectory,
                                                              *ground,
                                                              association->tracks,
                                                              observe::ViewContent::kDepth,

@@ -202,12 +202,12 @@ std::set<FrameIdx> ShownFrames(const artifact::DetectionTable& table,
 
 // The tracked path laid onto the first final pose, so that what the graph changed shows; and the
 // heights read off the floor against both paths.
-void AddPaths(const Odometry& odometry, const Ground& ground, report::ReportContent& content) {
+void AddPaths(const Trajectory& trajectory, const Ground& ground, report::ReportContent& content) {
   const std::vector<TrackedFrame>& final_frames = content.map.frames;
-  if (final_frames.empty() || odometry.frames.size() != final_frames.size()) return;
-  const Pose3 world_from_tracking =
-      final_frames.front().world_from_camera * odometry.frames.front().world_from_camera.Inverse();
-  for (const TrackedFrame& frame : odometry.frames)
+  if (final_frames.empty() || trajectory.frames.size() != final_frames.size()) return;
+  const Pose3 world_from_tracking = final_frames.front().world_from_camera *
+                                    trajectory.frames.front().world_from_camera.Inverse();
+  for (const TrackedFrame& frame : trajectory.frames)
     content.tracked_world_from_camera.push_back(world_from_tracking * frame.world_from_camera);
   if (!content.map.has_ground) return;
   for (const GroundObservation& seen : ground.observations) {
@@ -242,7 +242,7 @@ void AddThumbnails(const StageContext& context,
 
 // What the page is made of, read from the stages.
 struct Sources {
-  Odometry odometry;
+  Trajectory trajectory;
   Ground ground;
   Loops loops;
   artifact::DetectionTable detections;
@@ -273,7 +273,7 @@ Result<Sources> ReadSources(const StageContext& context) {
       [&] { return Take(ReadCandidates(context, "loops"), sources.proposals); },
       [&] { return Take(ReadOptimized(context), sources.map); },
       [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
-      [&] { return Take(ReadOdometry(context), sources.odometry); },
+      [&] { return Take(ReadTrajectory(context), sources.trajectory); },
       [&] { return Take(ReadDetections(context), sources.detections); },
       read_room,
       [&] { return Take(ReadGround(context, "ground"), sources.ground); },
@@ -341,7 +341,7 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   content.map = sources->map;
   content.loops = sources->loops;
   content.scene_glb = sources->scene_glb;
-  AddPaths(sources->odometry, sources->ground, content);
+  AddPaths(sources->trajectory, sources->ground, content);
   const std::set<FrameIdx> shown = ShownFrames(sources->detections, content);
   const FrameSource& frames = *inputs.capture->frames;
   report::Picture thumbnail;

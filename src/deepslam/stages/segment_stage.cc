@@ -35,7 +35,7 @@ std::vector<std::span<const Detection>> ByFrame(std::span<const Detection> detec
 }
 
 std::vector<Segment> SegmentOne(const RunInputs& inputs,
-                                const Odometry& odometry,
+                                const Trajectory& trajectory,
                                 const Ground& ground,
                                 std::span<const QuarterTurn> upright,
                                 std::span<const Detection> detections) {
@@ -45,7 +45,7 @@ std::vector<Segment> SegmentOne(const RunInputs& inputs,
   if (!frame.ok()) return {};
   return segment::SegmentFrame(*frame,
                                frames.camera(),
-                               GroundInCamera(ground, idx, odometry.at(idx).world_from_camera),
+                               GroundInCamera(ground, idx, trajectory.at(idx).world_from_camera),
                                detections,
                                inputs.config.segment,
                                upright[static_cast<std::size_t>(idx.value)]);
@@ -54,19 +54,19 @@ std::vector<Segment> SegmentOne(const RunInputs& inputs,
 }  // namespace
 
 Result<StageSummary> RunSegment(StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
-  if (!odometry.ok()) return odometry.error();
+  const Result<Trajectory> trajectory = ReadTrajectory(context);
+  if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const Result<artifact::DetectionTable> table = ReadDetections(context);
   if (!table.ok()) return table.error();
   const std::vector<std::span<const Detection>> groups = ByFrame(table->detections);
-  const std::vector<QuarterTurn> upright = UprightTurns(odometry->frames, *ground);
+  const std::vector<QuarterTurn> upright = UprightTurns(trajectory->frames, *ground);
   std::vector<Segment> segments;
   std::vector<std::vector<Segment>> found(kAhead);
   const auto look = [&](std::size_t i) {
     if (context.progress().StopRequested()) return;
-    found[i % kAhead] = SegmentOne(inputs, *odometry, *ground, upright, groups[i]);
+    found[i % kAhead] = SegmentOne(inputs, *trajectory, *ground, upright, groups[i]);
   };
   const auto take = [&](std::size_t i) {
     if (context.progress().StopRequested()) return false;

@@ -153,7 +153,7 @@ Status Keep(const TrackViews& of_track,
 }
 
 struct Sources {
-  Odometry odometry;
+  Trajectory trajectory;
   Ground ground;
   Association association;
   Proposals proposals;
@@ -164,7 +164,7 @@ Result<Sources> ReadSources(const StageContext& context) {
   Sources sources;
   const std::array<std::function<Status()>, 5> readers = {
       [&] { return Take(ReadRegistrations(context), sources.registrations); },
-      [&] { return Take(ReadOdometry(context), sources.odometry); },
+      [&] { return Take(ReadTrajectory(context), sources.trajectory); },
       [&] { return Take(ReadProposals(context), sources.proposals); },
       [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
       [&] { return Take(ReadGround(context, "ground"), sources.ground); }};
@@ -182,7 +182,7 @@ Result<Selection> SelectAll(const StageContext& context,
   const Status status = ForEachTrackViews<Judged>(
       context,
       inputs,
-      sources.odometry,
+      sources.trajectory,
       sources.ground,
       sources.association.tracks,
       observe::ViewContent::kDepth,
@@ -205,14 +205,15 @@ Result<Selection> SelectAll(const StageContext& context,
 // overrides.json, objects.json, candidates.json, registrations.json and models/.
 Status WriteSelection(StageContext& context, const Selection& selection) {
   if (Status status = WriteApplied(context, selection.applied); !status.ok()) return status;
-  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
-      {"objects.json", artifact::EncodeObjectMap(selection.map, "objects.json")},
-      {"candidates.json", artifact::EncodeProposals(selection.made, "candidates.json")},
-      {"registrations.json",
-       artifact::EncodeRegistrations(selection.made_registrations, "registrations.json")}};
-  for (const auto& [file, text] : files) {
-    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status;
-  }
+  const Status written = WriteFiles(
+      context,
+      {{"objects.json", [&] { return artifact::EncodeObjectMap(selection.map, "objects.json"); }},
+       {"candidates.json",
+        [&] { return artifact::EncodeProposals(selection.made, "candidates.json"); }},
+       {"registrations.json", [&] {
+          return artifact::EncodeRegistrations(selection.made_registrations, "registrations.json");
+        }}});
+  if (!written.ok()) return written;
   if (Status status = WriteModels(context, selection.made.models); !status.ok()) return status;
   return CopyChosenModels(context, selection.map, selection.made.models);
 }

@@ -41,6 +41,14 @@ Result<T> Decode(const StageContext& context,
   return decode(*text, StageContext::DisplayName(stage, file));
 }
 
+Result<Trajectory> ReadTrajectoryOf(const StageContext& context, std::string_view stage) {
+  const Result<std::string> frames = context.Read(stage, "frames.json");
+  if (!frames.ok()) return frames.error();
+  const Result<std::string> tum = context.Read(stage, "trajectory.tum");
+  if (!tum.ok()) return tum.error();
+  return artifact::DecodeTrajectory(*frames, *tum, StageContext::DisplayName(stage, "frames.json"));
+}
+
 }  // namespace
 
 Result<Odometry> ReadOdometry(const StageContext& context) {
@@ -51,6 +59,10 @@ Result<Odometry> ReadOdometry(const StageContext& context) {
     if (!text->ok()) return text->error();
   }
   return artifact::DecodeOdometry(*frames, *tum, *g2o, "track/frames.json");
+}
+
+Result<Trajectory> ReadTrajectory(const StageContext& context) {
+  return ReadTrajectoryOf(context, "track");
 }
 
 Result<Ground> ReadGround(const StageContext& context, std::string_view stage) {
@@ -119,13 +131,8 @@ Result<Loops> ReadLoops(const StageContext& context) {
 }
 
 Result<OptimizedMap> ReadOptimized(const StageContext& context) {
-  const Result<std::string> frames_json = context.Read("optimize", "frames.json");
-  const Result<std::string> tum = context.Read("optimize", "trajectory.tum");
-  if (!frames_json.ok()) return frames_json.error();
-  if (!tum.ok()) return tum.error();
-  Result<artifact::FrameTable> frames =
-      artifact::DecodeFrames(*frames_json, *tum, "optimize/frames.json");
-  if (!frames.ok()) return frames.error();
+  Result<Trajectory> trajectory = ReadTrajectoryOf(context, "optimize");
+  if (!trajectory.ok()) return trajectory.error();
   Result<artifact::OptimizationRecord> record =
       Decode(context, "optimize", "summary.json", artifact::DecodeOptimization);
   if (!record.ok()) return record.error();
@@ -133,8 +140,8 @@ Result<OptimizedMap> ReadOptimized(const StageContext& context) {
   if (!ground.ok()) return ground.error();
   Result<ObjectMap> map = ReadObjects(context, "optimize");
   if (!map.ok()) return map.error();
-  return OptimizedMap{std::move(frames->frames),
-                      std::move(frames->keyframes),
+  return OptimizedMap{std::move(trajectory->frames),
+                      std::move(trajectory->keyframes),
                       record->ground_world,
                       record->has_ground,
                       std::move(map).value(),
@@ -153,6 +160,14 @@ Result<TriangleMesh> ReadMesh(const StageContext& context,
 Status WriteEncoded(StageContext& context, std::string_view file, const Result<std::string>& text) {
   if (!text.ok()) return text.error();
   return context.Write(file, *text);
+}
+
+Status WriteFiles(StageContext& context, const std::vector<EncodedFile>& files) {
+  for (const EncodedFile& file : files) {
+    if (Status status = WriteEncoded(context, file.name, file.encode()); !status.ok())
+      return status;
+  }
+  return Ok();
 }
 
 Status WriteApplied(StageContext& context, const std::vector<std::string>& applied) {
@@ -196,13 +211,13 @@ Status CopyChosenModels(StageContext& context,
 
 Result<ObjectViews> CollectViews(const StageContext& context,
                                  const RunInputs& inputs,
-                                 const Odometry& odometry,
+                                 const Trajectory& trajectory,
                                  const Ground& ground,
                                  const Association& association) {
   const Result<std::vector<Segment>> segments = ReadSegments(context);
   if (!segments.ok()) return segments.error();
   return observe::CollectObjectViews(*inputs.capture->frames,
-                                     odometry,
+                                     trajectory,
                                      ground,
                                      *segments,
                                      association.tracks,
@@ -212,7 +227,7 @@ Result<ObjectViews> CollectViews(const StageContext& context,
 
 Status ForTrackViews(const StageContext& context,
                      const RunInputs& inputs,
-                     const Odometry& odometry,
+                     const Trajectory& trajectory,
                      const Ground& ground,
                      std::span<const ObjectTrack> tracks,
                      observe::ViewContent content,
@@ -221,7 +236,7 @@ Status ForTrackViews(const StageContext& context,
   if (!segments.ok()) return segments.error();
   const FrameSource& frames = *inputs.capture->frames;
   const observe::ViewOptions& options = inputs.config.views;
-  observe::ViewPlan plan = observe::PlanObjectViews(odometry, *segments, tracks, options);
+  observe::ViewPlan plan = observe::PlanObjectViews(trajectory, *segments, tracks, options);
   for (std::size_t begin = 0; begin < tracks.size();) {
     observe::ViewPlan of_batch;
     std::size_t num_bytes = 0;
@@ -233,7 +248,7 @@ Status ForTrackViews(const StageContext& context,
       of_batch.insert(plan.extract(planned));
     }
     Result<ObjectViews> views = observe::CutObjectViews(
-        frames, odometry, ground, of_batch, options, content, context.progress());
+        frames, trajectory, ground, of_batch, options, content, context.progress());
     if (!views.ok()) return views.error();
     std::vector<TrackViews> batch;
     for (std::size_t t = begin; t < end; ++t)

@@ -35,6 +35,8 @@ namespace deepslam::stages {
 using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 
 [[nodiscard]] Result<Odometry> ReadOdometry(const pipeline::StageContext& context);
+// Without the edges, for what asks for none: of a long capture they are most of it.
+[[nodiscard]] Result<Trajectory> ReadTrajectory(const pipeline::StageContext& context);
 [[nodiscard]] Result<Ground> ReadGround(const pipeline::StageContext& context,
                                         std::string_view stage);
 [[nodiscard]] Result<artifact::DetectionTable> ReadDetections(
@@ -71,6 +73,13 @@ void Join(Proposals more, Proposals& all);
 [[nodiscard]] Status WriteEncoded(pipeline::StageContext& context,
                                   std::string_view file,
                                   const Result<std::string>& text);
+struct EncodedFile {
+  std::string_view name;
+  std::function<Result<std::string>()> encode;
+};
+// One after another, so that no two texts are in memory; the first error ends it.
+[[nodiscard]] Status WriteFiles(pipeline::StageContext& context,
+                                const std::vector<EncodedFile>& files);
 // overrides.json: what the stage applied of a person's corrections (mostly nothing).
 [[nodiscard]] Status WriteApplied(pipeline::StageContext& context,
                                   const std::vector<std::string>& applied);
@@ -89,7 +98,7 @@ void Join(Proposals more, Proposals& all);
 // Views of all tracks at once, with the frames' tracked poses: for captures known to be small.
 [[nodiscard]] Result<ObjectViews> CollectViews(const pipeline::StageContext& context,
                                                const RunInputs& inputs,
-                                               const Odometry& odometry,
+                                               const Trajectory& trajectory,
                                                const Ground& ground,
                                                const Association& association);
 
@@ -102,7 +111,7 @@ struct TrackViews {
 // of objects; every track comes once. Stops at the first error of `use` and when the user asks to.
 [[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
                                    const RunInputs& inputs,
-                                   const Odometry& odometry,
+                                   const Trajectory& trajectory,
                                    const Ground& ground,
                                    std::span<const ObjectTrack> tracks,
                                    observe::ViewContent content,
@@ -114,7 +123,7 @@ template <typename Value>
 [[nodiscard]] Status ForEachTrackViews(
     const pipeline::StageContext& context,
     const RunInputs& inputs,
-    const Odometry& odometry,
+    const Trajectory& trajectory,
     const Ground& ground,
     std::span<const ObjectTrack> tracks,
     observe::ViewContent content,
@@ -134,7 +143,7 @@ template <typename Value>
     }
     return Ok();
   };
-  return ForTrackViews(context, inputs, odometry, ground, tracks, content, use_batch);
+  return ForTrackViews(context, inputs, trajectory, ground, tracks, content, use_batch);
 }
 
 // That a workspace of so many frames and with these segments was made of this capture; InvalidInput

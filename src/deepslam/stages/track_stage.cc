@@ -62,18 +62,21 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
   const Odometry* const odometry = &path->odometry;
   const auto trajectory = artifact::StampedPoses(odometry->frames);
   const auto keyframes = artifact::KeyframePoses(odometry->frames, odometry->keyframes);
-  const std::vector<std::pair<std::string_view, Result<std::string>>> files = {
-      {"trajectory.tum", artifact::EncodeTum(trajectory, "trajectory.tum")},
-      {"keyframes.tum", artifact::EncodeTum(keyframes, "keyframes.tum")},
-      {"as_tracked.tum", artifact::EncodeTum(path->as_tracked, "as_tracked.tum")},
-      {"odometry.g2o",
-       artifact::EncodeG2o(odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o")},
-      {"frames.json",
-       artifact::EncodeFrames(
-           odometry->frames, odometry->keyframes, odometry->edges, "frames.json")}};
-  for (const auto& [file, text] : files) {
-    if (Status status = WriteEncoded(context, file, text); !status.ok()) return status.error();
-  }
+  const Status written = WriteFiles(
+      context,
+      {{"trajectory.tum", [&] { return artifact::EncodeTum(trajectory, "trajectory.tum"); }},
+       {"keyframes.tum", [&] { return artifact::EncodeTum(keyframes, "keyframes.tum"); }},
+       {"as_tracked.tum", [&] { return artifact::EncodeTum(path->as_tracked, "as_tracked.tum"); }},
+       {"odometry.g2o",
+        [&] {
+          return artifact::EncodeG2o(
+              odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o");
+        }},
+       {"frames.json", [&] {
+          return artifact::EncodeFrames(
+              odometry->frames, odometry->keyframes, odometry->edges, "frames.json");
+        }}});
+  if (!written.ok()) return written.error();
   const auto count = [&](TrackingStatus status) {
     return std::count_if(odometry->frames.begin(),
                          odometry->frames.end(),
