@@ -354,7 +354,7 @@ TEST(Json, ATableMustBeThereOnceAndBeOne) {
   EXPECT_THAT(fault(""), HasSubstr("rows is missing"));
   EXPECT_THAT(fault(R"(, "rows": {})"), HasSubstr("rows must be an array"));
   EXPECT_THAT(fault(R"(, "rows": 3)"), HasSubstr("rows must be an array"));
-  EXPECT_THAT(fault(R"(, "rows": [], "rows": [])"), HasSubstr("\"rows\" comes twice"));
+  EXPECT_THAT(fault(R"(, "rows": [], "rows": [])"), HasSubstr("holds \"rows\" twice"));
   EXPECT_THAT(fault(R"(, "rows": [{"number": 3}, {"number": 12}, {}])"),
               HasSubstr("rows[1].number is 12"));
   EXPECT_THAT(fault(R"(, "rows": [{"number": 12}])", 2), HasSubstr("version is 1"))

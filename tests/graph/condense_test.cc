@@ -20,6 +20,7 @@ using testing_support::AddMeasured;
 using testing_support::Disturbance;
 using testing_support::MakeWorld;
 using testing_support::Noise;
+using testing_support::RefineLocally;
 using testing_support::TrajectoryError;
 using testing_support::World;
 
@@ -36,18 +37,6 @@ OptimizedMap Optimize(const World& world, int max_keyframes) {
       OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, world.bottom_m);
   EXPECT_TRUE(result.ok());
   return *std::move(result);
-}
-
-// As stage `track` leaves a path: what is measured within a stretch is settled, rounds are not.
-void RefineLocally(World& world) {
-  Odometry& odometry = world.odometry;
-  const OptimizedMap refined = *OptimizeGraph(odometry, {}, {}, {}, {});
-  const Pose3 tracking_from_refined = odometry.frames.front().world_from_camera *
-                                      refined.frames.front().world_from_camera.Inverse();
-  for (std::size_t k = 0; k < odometry.frames.size(); ++k) {
-    odometry.frames[k].world_from_camera =
-        tracking_from_refined * refined.frames[k].world_from_camera;
-  }
 }
 
 // A pose block of residuals.h.
@@ -116,6 +105,60 @@ TEST(Condensed, ANodeEndsWhereTrackingWasLost) {
   world.odometry.edges[5].composed = true;  // from keyframe 5 to 6
   const GraphModel condensed = Condensed(WholeModel(world), world.odometry, 3);
   EXPECT_THAT(condensed.node_of_keyframe, ElementsAre(0, 0, 0, 0, 1, 1, 2, 2, 2, 2, 3, 3));
+}
+
+// A walk in two pieces, the second of which a loop puts elsewhere.
+TEST(Condensed, WhatLiesBeforeALossIsNotDrawnBehindIt) {
+  World world = MakeWorld(60, 0, 0.6, {});
+  world.ground = {};
+  world.odometry.edges[29].composed = true;  // from keyframe 29 to 30
+  world.odometry.edges[29].information *= 1e-10;
+  const Pose3 lost{Eigen::Quaterniond::Identity(), {2, 0.5, 0}};
+  for (std::size_t k = 30; k < 60; ++k) {
+    Pose3& tracked = world.odometry.frames[k].world_from_camera;
+    tracked = lost * tracked;
+  }
+  world.odometry.edges[29].i_from_j = world.odometry.frames[29].world_from_camera.Inverse() *
+                                      world.odometry.frames[30].world_from_camera;
+  world.loops.edges.push_back({FrameIdx{3},
+                               FrameIdx{55},
+                               world.world_from_camera[3].Inverse() * world.world_from_camera[55],
+                               testing_support::Information(0.01, 0.01),
+                               false});
+  const std::vector<TrackedFrame> frames = Optimize(world, 9).frames;
+  for (std::size_t k = 1; k < 60; ++k) {
+    if (k == 30) continue;
+    EXPECT_THAT(
+        frames[k - 1].world_from_camera.Inverse() * frames[k].world_from_camera,
+        PoseNear(world.world_from_camera[k - 1].Inverse() * world.world_from_camera[k], 1e-3, 0.05))
+        << k;
+  }
+  EXPECT_THAT(
+      frames[3].world_from_camera.Inverse() * frames[55].world_from_camera,
+      PoseNear(world.world_from_camera[3].Inverse() * world.world_from_camera[55], 0.01, 0.2));
+}
+
+// As where depth slid and images measured the same two keyframes again.
+TEST(Condensed, ANodeEndsWhereAMeasurementWithinItContradictsThePath) {
+  World world = MakeWorld(12, 0, 0.2, {});
+  for (std::size_t k = 6; k < 12; ++k)
+    world.odometry.frames[k].world_from_camera.translation_m.x() += 0.2;
+  world.odometry.edges[5].i_from_j = world.odometry.frames[5].world_from_camera.Inverse() *
+                                     world.odometry.frames[6].world_from_camera;
+  const RelativePose again{FrameIdx{5},
+                           FrameIdx{6},
+                           world.world_from_camera[5].Inverse() * world.world_from_camera[6],
+                           testing_support::Information(0.01, 0.01),
+                           false};
+  EXPECT_THAT(Condensed(WholeModel(world), world.odometry, 3).node_of_keyframe,
+              ElementsAre(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2));
+  world.loops.edges.push_back(again);
+  EXPECT_THAT(Condensed(WholeModel(world), world.odometry, 3).node_of_keyframe,
+              ElementsAre(0, 0, 0, 0, 1, 1, 2, 2, 2, 2, 3, 3));
+  const std::vector<TrackedFrame> frames = Optimize(world, 3).frames;
+  EXPECT_THAT(
+      frames[4].world_from_camera.Inverse() * frames[7].world_from_camera,
+      PoseNear(world.world_from_camera[4].Inverse() * world.world_from_camera[7], 0.01, 0.2));
 }
 
 // What all edges say of nodes that are off is what they said of their keyframes.

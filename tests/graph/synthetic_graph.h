@@ -165,6 +165,18 @@ inline void AddMeasured(const RoundEdges& edges,
   }
 }
 
+// As stage `track` leaves a path: what is measured within a stretch is settled, rounds are not.
+inline void RefineLocally(World& world) {
+  Odometry& odometry = world.odometry;
+  const OptimizedMap refined = *OptimizeGraph(odometry, {}, {}, {}, {});
+  const Pose3 tracking_from_refined = odometry.frames.front().world_from_camera *
+                                      refined.frames.front().world_from_camera.Inverse();
+  for (std::size_t k = 0; k < odometry.frames.size(); ++k) {
+    odometry.frames[k].world_from_camera =
+        tracking_from_refined * refined.frames[k].world_from_camera;
+  }
+}
+
 inline double TrajectoryError(const std::vector<TrackedFrame>& frames, const World& world) {
   double sum = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {

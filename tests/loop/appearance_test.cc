@@ -14,10 +14,10 @@ namespace deepslam::loop {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
-using testing_support::kCamera;
 using testing_support::AsProposed;
 using testing_support::ExpectRegistrationToBearOut;
 using testing_support::FeaturesAlong;
+using testing_support::kCamera;
 using testing_support::kFeatures;
 using testing_support::Looking;
 using testing_support::Photograph;
@@ -237,6 +237,21 @@ TEST(AcceptAppearanceLoops, NeedsNeighboursThatSayTheSame) {
   const std::vector<AppearanceLoop> three = {
       Loop(truth, 1, 61), Loop(truth, 3, 63), Loop(truth, 5, 65)};
   EXPECT_EQ(AcceptAppearanceLoops(three, AsProposed(three), odometry, options).edges.size(), 3u);
+}
+
+// Of a long path few keyframes are looked at, and those near each other lie further apart on it.
+TEST(AcceptAppearanceLoops, NeighboursAreThoseThatWereLookedAt) {
+  const std::vector<Pose3> truth = Round(90, 1.5);
+  const Odometry odometry = Tracked(truth);
+  const std::vector<AppearanceLoop> apart = {
+      Loop(truth, 1, 61), Loop(truth, 17, 77), Loop(truth, 29, 89)};
+  AppearanceOptions options;
+  EXPECT_EQ(KeyframeStep(90, options), 1);
+  EXPECT_TRUE(AcceptAppearanceLoops(apart, AsProposed(apart), odometry, options).edges.empty());
+  options.max_keyframes = 12;
+  EXPECT_EQ(KeyframeStep(90, options), 8);
+  EXPECT_EQ(KeyframeStep(0, options), 1);
+  EXPECT_EQ(AcceptAppearanceLoops(apart, AsProposed(apart), odometry, options).edges.size(), 3u);
 }
 
 TEST(AcceptAppearanceLoops, ContradictionsAreSettledByTheMajorityOrNotAtAll) {

@@ -83,7 +83,7 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
     row.emplace("name", class_name);
     categories.emplace_back(std::move(row));
   }
-  MasksToJson masks(table.detections.size(),
+  MaskEncoder masks(table.detections.size(),
                     [&](std::size_t i) -> const PixelMask& { return table.detections[i].mask; });
   const auto annotation = [&](std::size_t i) {
     const Detection& detection = table.detections[i];
@@ -100,11 +100,11 @@ Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view 
     for (const JsonNode& row : rows) table.images.push_back(ReadImage(row));
   };
   const auto read_annotations = [&](std::span<const JsonNode> rows) {
+    std::vector<Detection>& all = table.detections;
+    const std::size_t first = all.size();
+    for (const JsonNode& row : rows) all.push_back(ReadAnnotation(row));
     std::vector<PixelMask> masks = ReadMasks(MembersOf(rows, "segmentation"));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      table.detections.push_back(ReadAnnotation(rows[i]));
-      table.detections.back().mask = std::move(masks[i]);
-    }
+    for (std::size_t i = 0; i < masks.size(); ++i) all[first + i].mask = std::move(masks[i]);
   };
   const JsonReader reader(
       text, name, kFormat, kVersion, {{"images", read_images}, {"annotations", read_annotations}});

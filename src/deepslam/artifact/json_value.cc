@@ -59,6 +59,7 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
   }
 
   [[nodiscard]] bool too_deep() const { return too_deep_; }
+  [[nodiscard]] std::string_view twice() const { return twice_; }    // a streamed array's key
   [[nodiscard]] const std::string& fault() const { return fault_; }  // empty where there is none
   [[nodiscard]] JsonValue Take() { return std::move(root_); }
 
@@ -76,7 +77,7 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
     too_deep_ = open_.size() > kMaxDepth;
     const JsonStream* const stream = is_object || open_.size() != 1 ? nullptr : StreamOf(open_[0]);
     if (stream != nullptr && open_[0].object.contains(stream->key)) {
-      fault_ = fmt::format("\"{}\" comes twice", stream->key);
+      twice_ = stream->key;
       return false;
     }
     OpenValue& opened = open_.emplace_back();
@@ -118,6 +119,7 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
   std::vector<OpenValue> open_;
   JsonValue root_;
   bool too_deep_ = false;
+  std::string_view twice_;
   std::string fault_;
 };
 
@@ -281,6 +283,8 @@ Result<JsonValue> ParseJson(std::string_view text,
   if (nlohmann::json::sax_parse(text, &builder)) return builder.Take();
   if (builder.too_deep())
     return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxDepth));
+  if (!builder.twice().empty())
+    return InvalidInput(fmt::format("{}: holds \"{}\" twice", name, builder.twice()));
   // "[json.exception.parse_error.101] parse error at line 3, column 4: ..." -> from "parse error"
   // on.
   std::string what = builder.fault();

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/rle.h"
+#include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::artifact {
@@ -81,8 +82,9 @@ JsonValue ToJson(const Box3& box) {
   return JsonValue(std::move(object));
 }
 
-JsonValue MasksToJson::Take(std::size_t index) {
+JsonValue MaskEncoder::Take(std::size_t index) {
   constexpr std::size_t kAtOnce = 64;
+  DEEPSLAM_CHECK(first_ <= index && index < count_, "masks are taken in their order");
   if (index >= first_ + encoded_.size()) {
     first_ = index;
     encoded_.assign(std::min(kAtOnce, count_ - index), {});

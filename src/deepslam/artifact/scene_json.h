@@ -33,9 +33,9 @@ inline constexpr int kMaxId = 100'000'000;
 [[nodiscard]] JsonValue ToJson(const Box3& box);        // {min, max} or null when empty
 // Masks as COCO {size: [h, w], counts}, null where one is empty; a few are encoded side by side
 // when the first of them is asked for. Each is to be taken once, in their order.
-class MasksToJson {
+class MaskEncoder {
  public:
-  MasksToJson(std::size_t count, std::function<const PixelMask&(std::size_t index)> mask)
+  MaskEncoder(std::size_t count, std::function<const PixelMask&(std::size_t index)> mask)
       : count_(count), mask_(std::move(mask)) {}
 
   [[nodiscard]] JsonValue Take(std::size_t index);

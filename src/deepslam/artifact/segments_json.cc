@@ -51,7 +51,7 @@ Segment ReadSegment(const JsonNode& row) {
 }  // namespace
 
 Result<std::string> EncodeSegments(std::span<const Segment> segments, std::string_view name) {
-  MasksToJson masks(segments.size(),
+  MaskEncoder masks(segments.size(),
                     [&](std::size_t i) -> const PixelMask& { return segments[i].mask; });
   JsonObject document = NewDocument(kFormat, kVersion);
   document.emplace("segments", JsonRows{segments.size(), [&](std::size_t i) {
@@ -63,11 +63,10 @@ Result<std::string> EncodeSegments(std::span<const Segment> segments, std::strin
 Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_view name) {
   std::vector<Segment> segments;
   const auto read = [&](std::span<const JsonNode> rows) {
+    const std::size_t first = segments.size();
+    for (const JsonNode& row : rows) segments.push_back(ReadSegment(row));
     std::vector<PixelMask> masks = ReadMasks(MembersOf(rows, "segmentation"));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      segments.push_back(ReadSegment(rows[i]));
-      segments.back().mask = std::move(masks[i]);
-    }
+    for (std::size_t i = 0; i < masks.size(); ++i) segments[first + i].mask = std::move(masks[i]);
   };
   const JsonReader reader(text, name, kFormat, kVersion, {{"segments", read}});
   return reader.Finish(std::move(segments));

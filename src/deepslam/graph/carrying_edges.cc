@@ -9,7 +9,7 @@
 namespace deepslam::graph {
 namespace {
 
-constexpr int kLoopSpacing = 10;  // keyframes: the factor of closer ones fills and helps no more
+constexpr int kLoopSpacing = 10;  // nodes: the factor of closer ones fills and helps no more
 
 // Keyframes between the two.
 int Reach(const PoseEdge& edge) { return std::abs(edge.a - edge.b); }

@@ -13,7 +13,7 @@ namespace deepslam::graph {
 
 // Indices into GraphModel::pose_edges, ascending:
 // - of edges between keyframes those of a spanning forest, made of the shortest along the path;
-// - of the other loop edges those that reach back least, no two of which end within ten keyframes:
+// - of the other loop edges those that reach back least, no two of which end within ten nodes:
 //   they tie a round to the one before;
 // - all edges to objects.
 [[nodiscard]] std::vector<std::size_t> CarryingEdges(const GraphModel& model);

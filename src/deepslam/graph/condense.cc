@@ -2,22 +2,31 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
+#include <vector>
 
-#include <Eigen/QR>
+#include <Eigen/Eigenvalues>
 
 namespace deepslam::graph {
 namespace {
 
-constexpr double kAgree = 25;  // chi^2 of six degrees of freedom; 0.9997 of those that are right
+// Chi^2 of six degrees of freedom, and beyond what nearly all measurements reach that are right.
+constexpr double kAgree = 25;
+
+double Chi2(const Pose3& expected, const PoseEdge& edge) {
+  const Vector6d off = T2v(edge.a_from_b.Inverse() * expected);
+  return off.dot(edge.information * off);
+}
 
 // Per keyframe: tracking measured it from the one before.
 std::vector<bool> Follows(const Odometry& odometry) {
   std::vector<bool> follows(odometry.keyframes.size(), false);
   for (const RelativePose& edge : odometry.edges) {
-    if (edge.composed) continue;
+    if (edge.composed || !(edge.information.diagonal().maxCoeff() > 0)) continue;
     const auto newer = std::ranges::lower_bound(odometry.keyframes, edge.j);
     if (newer == odometry.keyframes.begin() || newer == odometry.keyframes.end()) continue;
     if (*newer == edge.j && *std::prev(newer) == edge.i)
@@ -26,20 +35,46 @@ std::vector<bool> Follows(const Odometry& odometry) {
   return follows;
 }
 
-std::vector<int> NodesOfKeyframes(const Odometry& odometry, int keyframes_per_node) {
-  const std::vector<bool> follows = Follows(odometry);
-  std::vector<int> nodes;
-  int num_nodes = 0;
-  int in_node = keyframes_per_node;
+// Keyframes that measurements from up to `reach` before them put elsewhere begin a new node.
+void LeaveOutContradicted(const GraphModel& model, int reach, std::vector<bool>& follows) {
+  for (const PoseEdge& edge : model.pose_edges) {
+    if (edge.kind == EdgeKind::kObject || std::abs(edge.b - edge.a) >= reach) continue;
+    const Pose3& world_from_a = model.world_from_node[static_cast<std::size_t>(edge.a)];
+    const Pose3& world_from_b = model.world_from_node[static_cast<std::size_t>(edge.b)];
+    if (Chi2(world_from_a.Inverse() * world_from_b, edge) > kAgree)
+      follows[static_cast<std::size_t>(std::max(edge.a, edge.b))] = false;
+  }
+}
+
+// Which keyframes one node stands for: ascending, and whether the next node follows.
+struct Nodes {
+  std::vector<int> of_keyframe;
+  std::vector<bool> next_follows;
+};
+
+Nodes NodesOf(const std::vector<bool>& follows, int keyframes_per_node) {
+  Nodes nodes;
+  int in_node = 0;
   for (const bool goes_on : follows) {
-    if (!goes_on || in_node == keyframes_per_node) {
-      ++num_nodes;
+    if (nodes.of_keyframe.empty() || !goes_on || in_node == keyframes_per_node) {
+      if (!nodes.next_follows.empty()) nodes.next_follows.back() = goes_on;
+      nodes.next_follows.push_back(false);
       in_node = 0;
     }
     ++in_node;
-    nodes.push_back(num_nodes - 1);
+    nodes.of_keyframe.push_back(static_cast<int>(nodes.next_follows.size()) - 1);
   }
   return nodes;
+}
+
+// Without directions that next to nothing was measured in.
+Vector6d Solve(const Matrix6d& information, const Vector6d& right_side) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  const double least = 1e-9 * solver.eigenvalues().maxCoeff();
+  const Vector6d inverse =
+      solver.eigenvalues().unaryExpr([&](double l) { return l > least ? 1 / l : 0.0; });
+  const Matrix6d& basis = solver.eigenvectors();
+  return basis * (inverse.asDiagonal() * (basis.transpose() * right_side));
 }
 
 // Measurements between two nodes that agree.
@@ -50,21 +85,20 @@ struct Bundle {
 
   explicit Bundle(const PoseEdge& edge) : first(edge), information(edge.information) {}
 
-  // Whether it agrees, and is one of them from now on.
+  // Whether it agrees, and is one of them from now on. Both are off, so half of the square is
+  // compared; where one is less sure, that is as far as it can tell.
   [[nodiscard]] bool Take(const PoseEdge& edge) {
-    const Vector6d off = T2v(first.a_from_b.Inverse() * edge.a_from_b);
-    if (off.dot(edge.information * off) > kAgree) return false;
+    const double chi2 = std::min(Chi2(edge.a_from_b, first), Chi2(first.a_from_b, edge));
+    if (0.5 * chi2 > kAgree) return false;
     information += edge.information;
-    weighted_off += edge.information * off;
+    weighted_off += edge.information * T2v(first.a_from_b.Inverse() * edge.a_from_b);
     first.weight += edge.weight;
     return true;
   }
 
   [[nodiscard]] PoseEdge Mean() const {
     PoseEdge mean = first;
-    const Vector6d off =
-        information.completeOrthogonalDecomposition().solve(weighted_off);  // some are singular
-    mean.a_from_b = first.a_from_b * V2t(off);
+    mean.a_from_b = first.a_from_b * V2t(Solve(information, weighted_off));
     mean.information = information / first.weight;
     return mean;
   }
@@ -72,15 +106,18 @@ struct Bundle {
 
 class Condenser {
  public:
-  Condenser(GraphModel model, std::vector<int> node_of_keyframe)
+  Condenser(GraphModel model, const Nodes& nodes)
       : model_(std::move(model)), num_keyframes_(model_.num_keyframes()) {
-    condensed_.node_of_keyframe = std::move(node_of_keyframe);
+    condensed_.node_of_keyframe = nodes.of_keyframe;
     for (int k = 0; k < num_keyframes_; ++k) {
       const int node = NodeOf(k);
       if (node == condensed_.num_keyframes()) {
         condensed_.keyframes.push_back(model_.keyframes[static_cast<std::size_t>(k)]);
+        condensed_.blend_from.push_back(model_.keyframes[static_cast<std::size_t>(k)]);
         condensed_.world_from_node.push_back(Before(k));
       }
+      if (!nodes.next_follows[static_cast<std::size_t>(node)])
+        condensed_.blend_from.back() = model_.keyframes[static_cast<std::size_t>(k)];
       node_from_before_.push_back(condensed_.world_from_node.back().Inverse() * Before(k));
     }
     for (std::size_t k = static_cast<std::size_t>(num_keyframes_);
@@ -179,7 +216,9 @@ class Condenser {
 GraphModel Condensed(GraphModel model, const Odometry& odometry, int max_nodes) {
   if (model.num_keyframes() <= max_nodes) return model;
   const int keyframes_per_node = (model.num_keyframes() + max_nodes - 1) / max_nodes;
-  return Condenser(std::move(model), NodesOfKeyframes(odometry, keyframes_per_node)).Take();
+  std::vector<bool> follows = Follows(odometry);
+  LeaveOutContradicted(model, keyframes_per_node, follows);
+  return Condenser(std::move(model), NodesOf(follows, keyframes_per_node)).Take();
 }
 
 }  // namespace deepslam::graph

@@ -2,22 +2,25 @@
 // which every keyframe brings a dozen; a camera that films one home for an hour must not need more
 // than one that does for ten minutes.
 //
-// Every n keyframes that follow each other become one node, that of the first of them, and move
-// with it: what lies between them was measured many times over and settled by then
-// (stages/refine_path.h). A node ends where tracking did not measure from one keyframe to the next.
-// What was measured from or to a keyframe is carried to its node,
+// Every n keyframes that follow each other become one node, that of the first of them. The others
+// keep their place beside it while the graph is solved: what lies between them is taken as true,
+// since they were measured against each other many times and less than a metre is left to drift
+// (stages/refine_path.h). So a node ends where tracking did not measure from one keyframe to the
+// next, and where a measurement within it contradicts the path as it is. What was measured from or
+// to a keyframe is carried to its node,
 //   a'_from_b' = a'_from_a a_from_b b_from_b',   Omega' = Ad(b_from_b')^T Omega Ad(b_from_b'),
 // and what was measured between the same two nodes and agrees becomes one edge: their mean by
 // information, with the mean information and the number of them as weight, so that robust losses
-// judge it as they would judge each. After condensed measurements (Grisetti et al. 2012).
+// judge it as they would judge each. After condensed measurements (Grisetti et al. 2012), without
+// what is unsure within a node.
 #pragma once
 
 #include "deepslam/graph/graph_model.h"
 
 namespace deepslam::graph {
 
-// The model with at most about `max_nodes` nodes for its keyframes (more where tracking lost the
-// camera more often); as it is where it has no more. `model` has a node for each keyframe.
+// The model with about `max_nodes` nodes for its keyframes at most (more where many of them end
+// early); as it is where it has no more. `model` has a node for each keyframe.
 [[nodiscard]] GraphModel Condensed(GraphModel model, const Odometry& odometry, int max_nodes);
 
 }  // namespace deepslam::graph

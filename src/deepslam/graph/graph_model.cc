@@ -69,9 +69,12 @@ Status CheckOdometry(const Odometry& odometry) {
 
 class ModelBuilder {
  public:
-  ModelBuilder(const Odometry& odometry, const GraphOptions& options)
+  // `num_edges`: about how many there will be.
+  ModelBuilder(const Odometry& odometry, const GraphOptions& options, std::size_t num_edges)
       : odometry_(odometry), options_(options) {
+    model_.pose_edges.reserve(num_edges);
     model_.keyframes = odometry.keyframes;
+    model_.blend_from = odometry.keyframes;
     for (const FrameIdx keyframe : odometry.keyframes) {
       model_.node_of_keyframe.push_back(static_cast<int>(model_.world_from_node.size()));
       model_.world_from_node.push_back(odometry.at(keyframe).world_from_camera);
@@ -82,7 +85,6 @@ class ModelBuilder {
   void AddPath(const std::vector<RelativePose>& tracked, const std::vector<RelativePose>& again) {
     std::set<std::pair<FrameIdx, FrameIdx>> pairs;
     for (const RelativePose& edge : again) pairs.insert({edge.i, edge.j});
-    model_.pose_edges.reserve(tracked.size() + again.size());  // most of what there will be
     AddRelativePoses(tracked, EdgeKind::kOdometry, pairs);
     AddRelativePoses(again, EdgeKind::kLoop, {});
   }
@@ -289,7 +291,9 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const GraphOptions& options,
                                    const std::map<ObjectId, double>& bottom_m) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
-  ModelBuilder builder(odometry, options);
+  std::size_t num_edges = odometry.edges.size() + loops.edges.size();
+  for (const MapObject& object : map.objects) num_edges += object.views.size();
+  ModelBuilder builder(odometry, options, num_edges);
   builder.AddPath(odometry.edges, loops.edges);
   builder.TieLooseKeyframes();
   if (options.use_objects) builder.AddObjects(map);

@@ -38,6 +38,9 @@ struct GraphModel {
   std::vector<Pose3> world_from_node;  // keyframes in order, then the objects with usable views
   std::vector<FrameIdx> keyframes;     // that are nodes: all, or those that stand for the others
   std::vector<int> node_of_keyframe;   // of all of the path; ascending
+  // Per node of a keyframe: behind this frame poses blend into the next node's. The keyframe, or
+  // where the next one was not tracked from there, the last one that moves with it.
+  std::vector<FrameIdx> blend_from;
   std::vector<std::size_t> objects;    // index into ObjectMap::objects of node keyframes.size() + k
   std::vector<PoseEdge> pose_edges;
   std::optional<Plane> plane;            // tracking world

@@ -41,7 +41,7 @@ std::vector<Pose3> CarryFrames(const Odometry& odometry,
       continue;
     }
     const Pose3 rigid = carried(frame, node);
-    const int here = model.keyframes[static_cast<std::size_t>(node)].value;
+    const int here = model.blend_from[static_cast<std::size_t>(node)].value;
     const bool between = node + 1 < model.num_keyframes() && frame.frame.value > here &&
                          frame.frame < model.keyframes[static_cast<std::size_t>(node) + 1];
     if (!interpolate || !between) {
@@ -67,16 +67,17 @@ const ViewRegistration* BestView(const Odometry& odometry, const MapObject& obje
 
 std::vector<Pose3> CarryObjects(const Odometry& odometry,
                                 const ObjectMap& map,
-                                const GraphModel& model) {
+                                const GraphModel& model,
+                                const std::vector<Pose3>& cameras) {
   std::vector<Pose3> poses;
   for (const MapObject& object : map.objects) {
     Pose3 pose = object.world_from_object;
     const ViewRegistration* view = BestView(odometry, object);
-    if (!model.keyframes.empty()) {
-      const int node = view == nullptr ? 0 : NodeOfFrame(model, odometry, view->frame);
-      const Pose3& before =
-          odometry.at(model.keyframes[static_cast<std::size_t>(node)]).world_from_camera;
-      pose = model.world_from_node[static_cast<std::size_t>(node)] * (before.Inverse() * pose);
+    if (!odometry.keyframes.empty()) {
+      const int k = view == nullptr ? 0 : KeyframeOfFrame(odometry, view->frame);
+      const FrameIdx keyframe = odometry.keyframes[static_cast<std::size_t>(k)];
+      const Pose3& before = odometry.at(keyframe).world_from_camera;
+      pose = cameras[static_cast<std::size_t>(keyframe.value)] * (before.Inverse() * pose);
     }
     poses.push_back(pose);
   }
@@ -301,7 +302,7 @@ Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
   result.upright = ground.upright;
 
   const std::vector<Pose3> cameras = CarryFrames(odometry, model, options.interpolate_frames);
-  const std::vector<Pose3> objects = CarryObjects(odometry, map, model);
+  const std::vector<Pose3> objects = CarryObjects(odometry, map, model, cameras);
   const Pose3 first = !model.keyframes.empty() ? model.world_from_node.front()
                       : cameras.empty()        ? Pose3{}
                                                : cameras.front();

@@ -93,7 +93,7 @@ struct GraphOptions {
   // Graphs of more keyframes are solved by conjugate gradients, in time and memory that grow with
   // the number of edges; up to here a factorisation is as fast.
   int max_direct_keyframes = 200;
-  // Longer paths are solved by fewer nodes (condense.h), so that memory does not grow with them.
+  // Longer paths are solved by fewer nodes (condense.h), in memory that hardly grows with them.
   int max_keyframes = 1500;
   bool interpolate_frames =
       true;  // frames between keyframes: blend of both corrections; else rigid
@@ -106,10 +106,10 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options);
 //
 // `bottom_m`: per object the lowest z of its model in the metric object frame (negative), for the
 // standing edges; objects that are missing get none. Objects without a usable view keep their pose
-// relative to the keyframe of their best view. Frames between keyframes: where a frame was tracked
-// against its preceding keyframe, its poses as carried by the keyframe before and the one after are
-// blended by frame number, so that no jump appears at a keyframe; else it moves rigidly with the
-// keyframe it was tracked against. An object that leans more than 5 deg afterwards, or does not
+// relative to the keyframe of their best view. Frames between keyframes that are nodes (all, but of
+// long paths: condense.h): where a frame was tracked against its preceding keyframe, its poses as
+// carried by the keyframe before and the one after are blended by frame number, so that no jump
+// appears at a keyframe; else it moves rigidly with the keyframe it was tracked against. An object that leans more than 5 deg afterwards, or does not
 // stand, says so in its note; the largest tilt is in the summary's message. A solver that fails
 // leaves the poses as they were: summary.converged = false and the reason. Errors (kInvalidInput):
 // frames not numbered 0..n-1, keyframes not ascending or out of range, poses not finite. Bad edges
@@ -124,7 +124,7 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options);
 // The same graph as g2o text (g2o.h): VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX, ground terms as
 // comments. Vertices stand at the poses of `after` when given, else at the input's. Edges carry the
 // balanced information, lambda included, without robust losses (g2o files have none). Keyframes
-// have their frame number as id, objects kObjectVertexOffset + id.
+// that are nodes have their frame number as id, objects kObjectVertexOffset + id.
 [[nodiscard]] Result<std::string> GraphToG2o(const Odometry& odometry,
                                              const Ground& ground,
                                              const ObjectMap& map,

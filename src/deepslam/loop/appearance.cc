@@ -16,7 +16,7 @@ namespace deepslam::loop {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr int kNeighbours = 15;  // keyframes about a keyframe whose loops are compared
+constexpr int kNeighbours = 15;  // keyframes looked at about one whose loops are compared
 // What two right poses of neighbours differ by, beside drift.
 constexpr double kSame_m = 0.10;
 constexpr double kSame_deg = 4;
@@ -32,7 +32,9 @@ struct Placed {
 class Consistency {
  public:
   Consistency(const Odometry& odometry, const AppearanceOptions& options)
-      : path_(odometry, options.drift_share), options_(options) {}
+      : path_(odometry, options.drift_share),
+        reach_(kNeighbours * KeyframeStep(odometry.keyframes.size(), options)),
+        options_(options) {}
 
   [[nodiscard]] Placed Place(const AppearanceLoop& loop) const {
     return {path_.IndexOf(loop.old_keyframe), path_.IndexOf(loop.new_keyframe), loop.old_from_new};
@@ -63,18 +65,22 @@ class Consistency {
                kRadPerDeg * (kSame_deg + options_.drift_deg_per_m * length_m);
   }
 
-  [[nodiscard]] static bool Near(int a, int b) { return std::abs(a - b) <= kNeighbours; }
+  [[nodiscard]] bool Near(int a, int b) const { return std::abs(a - b) <= reach_; }
 
  private:
   KeyframePath path_;
+  const int reach_;  // keyframes
   const AppearanceOptions& options_;
 };
 
 // Indices of the loops whose new keyframe is near that of `k`; `placed` ascends in j.
 template <typename Visit>
-void ForNeighbours(const std::vector<Placed>& placed, std::size_t k, const Visit& visit) {
-  for (std::size_t n = k; n-- > 0 && Consistency::Near(placed[n].j, placed[k].j);) visit(n);
-  for (std::size_t n = k + 1; n < placed.size() && Consistency::Near(placed[n].j, placed[k].j);
+void ForNeighbours(const Consistency& consistency,
+                   const std::vector<Placed>& placed,
+                   std::size_t k,
+                   const Visit& visit) {
+  for (std::size_t n = k; n-- > 0 && consistency.Near(placed[n].j, placed[k].j);) visit(n);
+  for (std::size_t n = k + 1; n < placed.size() && consistency.Near(placed[n].j, placed[k].j);
        ++n) {
     visit(n);
   }
@@ -86,8 +92,8 @@ int Support(const Consistency& consistency,
             const std::vector<bool>& counts,
             std::size_t k) {
   std::set<int> supporters;
-  ForNeighbours(placed, k, [&](std::size_t n) {
-    if (counts[n] && placed[n].j != placed[k].j && Consistency::Near(placed[n].i, placed[k].i) &&
+  ForNeighbours(consistency, placed, k, [&](std::size_t n) {
+    if (counts[n] && placed[n].j != placed[k].j && consistency.Near(placed[n].i, placed[k].i) &&
         consistency.Same(placed[k], placed[n])) {
       supporters.insert(placed[n].j);
     }
@@ -137,7 +143,7 @@ void SettleContradictions(const Odometry& odometry,
       continue;
     }
     int against = 0;
-    ForNeighbours(placed, k, [&](std::size_t n) {
+    ForNeighbours(consistency, placed, k, [&](std::size_t n) {
       if (good[n] && !consistency.Same(placed[k], placed[n]))
         against = std::max(against, loops[n].num_support);
     });
@@ -235,6 +241,11 @@ void Describe(OptionsVisitor& visitor, AppearanceOptions& options) {
       "edge_floor_m", options.edge_floor_m, {1e-6, 10}, "m", "least deviation of an edge");
   visitor.Field(
       "edge_floor_deg", options.edge_floor_deg, {1e-4, 90}, "deg", "least deviation of an edge");
+}
+
+int KeyframeStep(std::size_t num_keyframes, const AppearanceOptions& options) {
+  const auto most = static_cast<std::size_t>(options.max_keyframes);
+  return static_cast<int>(std::max<std::size_t>(1, (num_keyframes + most - 1) / most));
 }
 
 std::vector<AppearanceLoop> ProposeAppearanceLoops(std::span<const KeyframeFeatures> features,

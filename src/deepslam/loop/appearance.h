@@ -1,6 +1,7 @@
 // Loops by appearance: keyframes far apart along the path that show one place.
 //
-// Four steps. Features of every keyframe (keyframe_features.h) go into an index of words
+// Four steps. Features of every keyframe (keyframe_features.h), of long paths of every second or
+// third (KeyframeStep), go into an index of words
 // (similar_keyframes.h), which names at most max_candidates earlier keyframes for each, so that
 // work grows with the number of keyframes, not with its square. ProposeAppearanceLoops keeps the
 // candidates that geometry bears out. The caller registers them by dense depth and brightness (as
@@ -24,6 +25,7 @@
 // All poses in the tracking world. Deterministic, for any thread count.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -38,7 +40,7 @@ struct AppearanceOptions {
   bool enabled = true;
   int max_features = 500;       // per keyframe
   int max_keyframes = 4000;     // that are looked at; of longer paths every second, third, ...
-  int min_gap_keyframes = 20;   // between two keyframes of a loop: about 2 m, or half a turn
+  int min_gap_keyframes = 20;   // looked at between the two of a loop: about 2 m, or half a turn
   int max_candidates = 5;       // per keyframe
   double min_similarity = 0.3;  // of what a keyframe and the one before it have in common
   int min_inliers = 20;
@@ -60,6 +62,9 @@ struct AppearanceOptions {
 };
 
 void Describe(OptionsVisitor& visitor, AppearanceOptions& options);
+
+// One keyframe in so many is looked at, so that they are max_keyframes at most.
+[[nodiscard]] int KeyframeStep(std::size_t num_keyframes, const AppearanceOptions& options);
 
 // What dense registration found of a proposal.
 struct KeyframeRegistration {

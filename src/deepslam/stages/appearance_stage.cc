@@ -23,8 +23,36 @@ using pipeline::StageContext;
 
 constexpr std::size_t kBatch = 32;  // keyframes looked at side by side
 
+// Which keyframes are looked at, by their place along the path.
+struct Look {
+  std::vector<char> for_loops;  // at most max_keyframes, evenly
+  std::vector<char> at_all;     // these, and those of neighbours
+  std::vector<loop::NeighbourPair> neighbours;
+};
+
+Look PlanLook(const RunInputs& inputs, const Odometry& odometry) {
+  const std::size_t num_keyframes = odometry.keyframes.size();
+  const auto step =
+      static_cast<std::size_t>(loop::KeyframeStep(num_keyframes, inputs.config.appearance));
+  const bool depth_alone =
+      inputs.config.track_stage.poses != "capture" && !inputs.config.track.alignment.photometric;
+  Look look;
+  look.for_loops.assign(num_keyframes, 0);
+  for (std::size_t k = 0; k < num_keyframes; k += step) look.for_loops[k] = 1;
+  look.at_all = look.for_loops;
+  look.neighbours = loop::PoorlyMeasured(odometry, depth_alone);
+  for (const loop::NeighbourPair& pair : look.neighbours) {
+    look.at_all[static_cast<std::size_t>(pair.older)] = 1;
+    look.at_all[static_cast<std::size_t>(pair.newer)] = 1;
+  }
+  return look;
+}
+
+// Of keyframes from place `begin` on; none of those that are not looked at.
 Result<std::vector<loop::KeyframeFeatures>> Extract(const StageContext& context,
                                                     const RunInputs& inputs,
+                                                    const Look& look,
+                                                    std::size_t begin,
                                                     std::span<const FrameIdx> keyframes) {
   if (context.progress().StopRequested()) return Interrupted();
   const FrameSource& frames = *inputs.capture->frames;
@@ -32,6 +60,7 @@ Result<std::vector<loop::KeyframeFeatures>> Extract(const StageContext& context,
   std::vector<std::string> faults(keyframes.size());
   ParallelFor(keyframes.size(), [&](std::size_t k) {
     features[k].keyframe = keyframes[k];
+    if (look.at_all[begin + k] == 0) return;
     const Result<Frame> frame = frames.Read(keyframes[k]);
     if (frame.ok()) {
       features[k] =
@@ -49,47 +78,45 @@ Result<std::vector<loop::KeyframeFeatures>> Extract(const StageContext& context,
 }
 
 // Pairs whose newer keyframe lies in [begin, end); `pairs` ascend by it.
-std::span<const loop::NeighbourPair> PairsUpTo(std::span<const loop::NeighbourPair> pairs,
-                                               int begin,
-                                               int end) {
-  const auto first = std::ranges::lower_bound(pairs, begin, {}, &loop::NeighbourPair::newer);
-  const auto last = std::ranges::lower_bound(pairs, end, {}, &loop::NeighbourPair::newer);
-  return {first, last};
+std::span<const loop::NeighbourPair> PairsOf(std::span<const loop::NeighbourPair> pairs,
+                                             std::size_t begin,
+                                             std::size_t end) {
+  const auto first_from = [&](std::size_t place) {
+    return std::ranges::lower_bound(
+        pairs, static_cast<int>(place), {}, &loop::NeighbourPair::newer);
+  };
+  return {first_from(begin), first_from(end)};
 }
 
 struct Seen {
-  std::vector<loop::KeyframeFeatures> features;  // of at most max_keyframes, evenly along the path
-  std::vector<AppearanceLoop> neighbours;        // proposed; in the order of the older keyframes
+  std::vector<loop::KeyframeFeatures> for_loops;
+  std::vector<AppearanceLoop> neighbours;  // proposed; in the order of the older keyframes
 };
 
 // Goes along the path once. Neighbours are compared while the features of both are at hand.
 Result<Seen> LookAtKeyframes(const StageContext& context,
                              const RunInputs& inputs,
                              const Odometry& odometry) {
-  const loop::AppearanceOptions& options = inputs.config.appearance;
-  const bool depth_alone =
-      inputs.config.track_stage.poses != "capture" && !inputs.config.track.alignment.photometric;
-  const std::vector<loop::NeighbourPair> pairs = loop::PoorlyMeasured(odometry, depth_alone);
+  const Look look = PlanLook(inputs, odometry);
   const std::span<const FrameIdx> keyframes = odometry.keyframes;
-  const auto most = static_cast<std::size_t>(options.max_keyframes);
-  const std::size_t step = (keyframes.size() + most - 1) / most;
   Seen seen;
-  std::vector<loop::KeyframeFeatures> run;  // the batch, behind the last ones before it
+  std::vector<loop::KeyframeFeatures> run;  // of the batch, behind the last ones before it
   for (std::size_t begin = 0; begin < keyframes.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, keyframes.size() - begin);
     Result<std::vector<loop::KeyframeFeatures>> batch =
-        Extract(context, inputs, keyframes.subspan(begin, count));
+        Extract(context, inputs, look, begin, keyframes.subspan(begin, count));
     if (!batch.ok()) return batch.error();
     if (run.size() > loop::kMostNeighbourGap)
       run.erase(run.begin(), run.end() - loop::kMostNeighbourGap);
     const auto first = static_cast<int>(begin - run.size());
-    std::ranges::move(*batch, std::back_inserter(run));
-    const auto own = PairsUpTo(pairs, static_cast<int>(begin), static_cast<int>(begin + count));
-    std::ranges::move(loop::ProposeNeighbours(own, run, first, options),
-                      std::back_inserter(seen.neighbours));
     for (std::size_t k = 0; k < count; ++k) {
-      if ((begin + k) % step == 0) seen.features.push_back(run[run.size() - count + k]);
+      if (look.for_loops[begin + k] != 0) seen.for_loops.push_back((*batch)[k]);
     }
+    std::ranges::move(*batch, std::back_inserter(run));
+    std::ranges::move(
+        loop::ProposeNeighbours(
+            PairsOf(look.neighbours, begin, begin + count), run, first, inputs.config.appearance),
+        std::back_inserter(seen.neighbours));
     context.progress().Report(begin + count, keyframes.size());
   }
   std::ranges::stable_sort(seen.neighbours, {}, [](const AppearanceLoop& pair) {
@@ -109,7 +136,7 @@ Result<Proposed> Propose(const StageContext& context,
                          const Odometry& odometry) {
   Result<Seen> seen = LookAtKeyframes(context, inputs, odometry);
   if (!seen.ok()) return seen.error();
-  return Proposed{loop::ProposeAppearanceLoops(seen->features, odometry, inputs.config.appearance),
+  return Proposed{loop::ProposeAppearanceLoops(seen->for_loops, odometry, inputs.config.appearance),
                   std::move(seen->neighbours)};
 }
 
@@ -178,9 +205,9 @@ Result<ClosedTrajectory> CloseByAppearance(const StageContext& context,
   while (!edges.empty()) {
     Result<SolvedPath> solved = SolvePath(odometry, ground, edges, inputs.config.optimize);
     if (!solved.ok()) return solved.error();
-    const Trajectory path{std::move(solved->frames), odometry.keyframes};
+    Trajectory path{std::move(solved->frames), odometry.keyframes};
     if (loop::RefuseContradicted(path, options, closed.appearance)) continue;
-    closed.frames = path.frames;
+    closed.frames = std::move(path.frames);
     closed.ground = std::move(solved->ground);
     closed.num_measured_again = CountKept(neighbours, edges);
     break;

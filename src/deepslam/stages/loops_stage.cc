@@ -206,37 +206,44 @@ KnownAgain VisitsOfMap(const LoopWorld& world, const loop::LoopOptions& options)
 
 // Which of the visits stand apart from the one before. What was measured is held for a batch of
 // visits and the one before it: a camera that goes round for an hour visits everything many times.
-Result<loop::StandingApart> JudgeVisits(const StageContext& context,
-                                        const RunInputs& inputs,
-                                        const KnownAgain& known,
-                                        const LoopWorld& world) {
-  const Eigen::Vector3d up_world = loop::UpDirection(world.map);
-  loop::StandingApart apart;
-  std::size_t first = 0;        // visit of the batch
-  loop::ObjectEvidence before;  // of the visit before it
-  const auto judge = [&](std::span<TrackViews> batch) {
-    std::vector<loop::ObjectEvidence> measured(1 + batch.size());  // that one, then the batch's
-    measured.front() = std::move(before);
+class VisitJudge {
+ public:
+  VisitJudge(const KnownAgain& known,
+             const Eigen::Vector3d& up_world,
+             const loop::LoopOptions& options)
+      : known_(known), up_world_(up_world), options_(options) {}
+
+  // The next visits.
+  void Judge(std::span<const TrackViews> batch) {
+    std::vector<loop::ObjectEvidence> measured(1 + batch.size());  // the one before, then these
+    measured.front() = std::move(before_);
     ParallelFor(batch.size(), [&](std::size_t n) { Append(batch[n].views, measured[n + 1]); });
-    const auto follows = [&](std::size_t n) {
-      return first + n > 0 && known.objects[first + n - 1] == known.objects[first + n];
-    };
     std::vector<char> is_apart(batch.size());
     ParallelFor(batch.size(), [&](std::size_t n) {
-      is_apart[n] = follows(n) &&
-                    loop::StandApart(measured[n], measured[n + 1], up_world, inputs.config.loops);
+      is_apart[n] = Follows(num_judged_ + n) &&
+                    loop::StandApart(measured[n], measured[n + 1], up_world_, options_);
     });
-    for (std::size_t n = 0; n < batch.size(); ++n) {
-      if (follows(n)) apart[known.objects[first + n]].push_back(is_apart[n] != 0);
+    for (const char apart : is_apart) {
+      if (Follows(num_judged_)) apart_[known_.objects[num_judged_]].push_back(apart != 0);
+      ++num_judged_;
     }
-    first += batch.size();
-    before = std::move(measured.back());
-    return Ok();
-  };
-  const Status judged = ForDepthViews(context, inputs, world, known.visits, judge);
-  if (!judged.ok()) return judged.error();
-  return apart;
-}
+    before_ = std::move(measured.back());
+  }
+  [[nodiscard]] loop::StandingApart Take() && { return std::move(apart_); }
+
+ private:
+  // Of the same object as the visit before.
+  [[nodiscard]] bool Follows(std::size_t visit) const {
+    return visit > 0 && known_.objects[visit - 1] == known_.objects[visit];
+  }
+
+  const KnownAgain& known_;
+  const Eigen::Vector3d up_world_;
+  const loop::LoopOptions& options_;
+  std::size_t num_judged_ = 0;
+  loop::ObjectEvidence before_;  // of the last visit
+  loop::StandingApart apart_;
+};
 
 // The visits of objects that were known again, where they stand apart.
 Result<loop::PartedObjects> FindParted(const StageContext& context,
@@ -245,9 +252,14 @@ Result<loop::PartedObjects> FindParted(const StageContext& context,
   const loop::LoopOptions& options = inputs.config.loops;
   const KnownAgain known = VisitsOfMap(world, options);
   if (!options.constellations || known.visits.empty()) return loop::PartedObjects();
-  const Result<loop::StandingApart> apart = JudgeVisits(context, inputs, known, world);
-  if (!apart.ok()) return apart.error();
-  return loop::PartVisits(world.association, *apart, options);
+  VisitJudge judge(known, loop::UpDirection(world.map), options);
+  const auto use = [&](std::span<TrackViews> batch) {
+    judge.Judge(batch);
+    return Ok();
+  };
+  const Status judged = ForDepthViews(context, inputs, world, known.visits, use);
+  if (!judged.ok()) return judged.error();
+  return loop::PartVisits(world.association, std::move(judge).Take(), options);
 }
 
 // The path is closed by what ties it together so far, where that moves what was seen of an object

@@ -20,8 +20,8 @@ using loop::CovisiblePair;
 
 constexpr std::size_t kPairsAtOnce = 96;  // of eight keyframes
 
-std::vector<KeyframePair> KeyframesOf(std::span<const CovisiblePair> proposed,
-                                      const Trajectory& trajectory) {
+std::vector<KeyframePair> PairsOfKeyframes(std::span<const CovisiblePair> proposed,
+                                           const Trajectory& trajectory) {
   const auto keyframe = [&](int k) { return trajectory.keyframes[static_cast<std::size_t>(k)]; };
   std::vector<KeyframePair> pairs;
   for (const CovisiblePair& pair : proposed)
@@ -39,8 +39,8 @@ Stretches StretchesFor(const Config& config) {
   return stretches;
 }
 
-// Adds the edges that tracking has not: of keyframes that see the same. No more is held than the
-// edges themselves, which are the largest part of a long path.
+// Adds the edges that tracking has not: of keyframes that see the same. They are the largest part
+// of a long path, so they are held once.
 Status MeasureCovisible(const RunInputs& inputs,
                         KeyframePyramids pyramids,
                         Progress& progress,
@@ -59,7 +59,7 @@ Status MeasureCovisible(const RunInputs& inputs,
     const auto batch =
         std::span(pairs).subspan(begin, std::min(kPairsAtOnce, pairs.size() - begin));
     const auto registrations =
-        RegisterPairs(pyramids, KeyframesOf(batch, odometry), alignment, progress);
+        RegisterPairs(pyramids, PairsOfKeyframes(batch, odometry), alignment, progress);
     if (!registrations.ok()) return registrations.error();
     std::ranges::move(
         loop::AcceptCovisible(batch, *registrations, odometry, inputs.config.covisible),

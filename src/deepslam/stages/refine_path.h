@@ -15,7 +15,8 @@ namespace deepslam::stages {
 
 // Adds the edges that are borne out to the odometry's, moves its poses to where the graph of
 // cameras has them, and returns how many edges these are. Keyframes that cannot be read take no
-// part, with a warning. Memory does not depend on the length of the capture.
+// part, with a warning. Beside the edges and poses themselves memory does not depend on the length
+// of the capture. After an error the odometry is unfinished.
 [[nodiscard]] Result<int> RefinePath(const RunInputs& inputs,
                                      KeyframePyramids pyramids,
                                      Progress& progress,
