@@ -41,7 +41,7 @@ struct GraphModel {
   // Per node of a keyframe: behind this frame poses blend into the next node's. The keyframe, or
   // where the next one was not tracked from there, the last one that moves with it.
   std::vector<FrameIdx> blend_from;
-  std::vector<std::size_t> objects;    // index into ObjectMap::objects of node keyframes.size() + k
+  std::vector<std::size_t> objects;  // index into ObjectMap::objects of node keyframes.size() + k
   std::vector<PoseEdge> pose_edges;
   std::optional<Plane> plane;            // tracking world
   std::vector<GroundEdge> ground_edges;  // ascending nodes; none: the plane is held
