@@ -168,7 +168,9 @@ inline void AddMeasured(const RoundEdges& edges,
 // As stage `track` leaves a path: what is measured within a stretch is settled, rounds are not.
 inline void RefineLocally(World& world) {
   Odometry& odometry = world.odometry;
-  const OptimizedMap refined = *OptimizeGraph(odometry, {}, {}, {}, {});
+  GraphOptions whole;
+  whole.max_keyframes = static_cast<int>(odometry.keyframes.size());
+  const OptimizedMap refined = *OptimizeGraph(odometry, {}, {}, {}, whole);
   const Pose3 tracking_from_refined = odometry.frames.front().world_from_camera *
                                       refined.frames.front().world_from_camera.Inverse();
   for (std::size_t k = 0; k < odometry.frames.size(); ++k) {
