@@ -8,6 +8,7 @@
 #include "deepslam/core/random.h"
 #include "deepslam/graph/information.h"
 #include "deepslam/graph/residuals.h"
+#include "graph/expect_truth.h"
 #include "graph/synthetic_graph.h"
 #include "support/pose_matchers.h"
 
@@ -18,6 +19,7 @@ using ::deepslam::testing_support::PoseNear;
 using ::testing::ElementsAre;
 using testing_support::AddMeasured;
 using testing_support::Disturbance;
+using testing_support::ExpectTruth;
 using testing_support::MakeWorld;
 using testing_support::Noise;
 using testing_support::RefineLocally;
@@ -233,12 +235,7 @@ TEST(Condensed, TheTruthStaysTheTruth) {
   double before = 0;
   for (const EnergyTerm& term : map.summary.terms) before += term.before;
   EXPECT_LT(before, 1e-12);
-  for (std::size_t k = 0; k < map.frames.size(); ++k)
-    EXPECT_THAT(map.frames[k].world_from_camera, PoseNear(world.world_from_camera[k], 1e-6, 1e-4));
-  for (std::size_t k = 0; k < map.map.objects.size(); ++k) {
-    EXPECT_THAT(map.map.objects[k].world_from_object,
-                PoseNear(world.world_from_object[k], 1e-6, 1e-4));
-  }
+  ExpectTruth(map, world);
 }
 
 TEST(Condensed, APathThatGoesRoundComesHomeAsTheWholeGraphBringsIt) {

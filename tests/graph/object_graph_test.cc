@@ -9,6 +9,7 @@
 #include "deepslam/geometry/upright.h"
 #include "deepslam/graph/g2o.h"
 #include "deepslam/graph/gravity_world.h"
+#include "graph/expect_truth.h"
 #include "graph/synthetic_graph.h"
 #include "support/pose_matchers.h"
 
@@ -16,6 +17,7 @@ namespace deepslam::graph {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
+using testing_support::ExpectTruth;
 using testing_support::MakeWorld;
 using testing_support::Noise;
 using testing_support::TrajectoryError;
@@ -54,13 +56,7 @@ TEST(OptimizeGraph, ResidualIsZeroAtTheTruth) {
   EXPECT_LT(Energy(map, false), 1e-12);
   EXPECT_TRUE(map.summary.converged) << map.summary.message;
   EXPECT_EQ(map.summary.ground_observed, 1.0);
-  for (std::size_t k = 0; k < map.frames.size(); ++k) {
-    EXPECT_THAT(map.frames[k].world_from_camera, PoseNear(world.world_from_camera[k], 1e-6, 1e-4));
-  }
-  for (std::size_t k = 0; k < map.map.objects.size(); ++k) {
-    EXPECT_THAT(map.map.objects[k].world_from_object,
-                PoseNear(world.world_from_object[k], 1e-6, 1e-4));
-  }
+  ExpectTruth(map, world);
 }
 
 TEST(OptimizeGraph, ADriftedLoopComesHome) {

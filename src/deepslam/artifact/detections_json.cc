@@ -72,9 +72,7 @@ Detection ReadAnnotation(const JsonNode& row) {
 
 Result<std::string> EncodeDetections(const DetectionTable& table, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  document.emplace("images", JsonRows{table.images.size(), [&](std::size_t i) {
-                                        return ImageToJson(table.images[i]);
-                                      }});
+  document.emplace("images", RowsOf(table.images, ImageToJson));
   const std::map<std::string, int> category_ids = CategoryIds(table);
   JsonArray categories;
   for (const auto& [class_name, id] : category_ids) {
@@ -100,11 +98,7 @@ Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view 
     for (const JsonNode& row : rows) table.images.push_back(ReadImage(row));
   };
   const auto read_annotations = [&](std::span<const JsonNode> rows) {
-    std::vector<Detection>& all = table.detections;
-    const std::size_t first = all.size();
-    for (const JsonNode& row : rows) all.push_back(ReadAnnotation(row));
-    std::vector<PixelMask> masks = ReadMasks(MembersOf(rows, "segmentation"));
-    for (std::size_t i = 0; i < masks.size(); ++i) all[first + i].mask = std::move(masks[i]);
+    AppendMasked(rows, ReadAnnotation, table.detections);
   };
   const JsonReader reader(
       text, name, kFormat, kVersion, {{"images", read_images}, {"annotations", read_annotations}});

@@ -39,9 +39,7 @@ GroundObservation ReadObservation(const JsonNode& row) {
 Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
   document.emplace("plane_world", ground.plane_world ? ToJson(*ground.plane_world) : JsonValue());
-  document.emplace("observations", JsonRows{ground.observations.size(), [&](std::size_t i) {
-                                              return ObservationToJson(ground.observations[i]);
-                                            }});
+  document.emplace("observations", RowsOf(ground.observations, ObservationToJson));
   JsonArray apart;
   for (const GroundApart& stretch : ground.apart) {
     JsonObject row;

@@ -72,6 +72,13 @@ class JsonValue {
   Content content_;
 };
 
+// The rows of a list, each as `to_json` has its element.
+template <typename List, typename ToJson>
+[[nodiscard]] JsonValue RowsOf(const List& list, const ToJson& to_json) {
+  return JsonRows{list.size(),
+                  [&list, to_json](std::size_t i) { return JsonValue(to_json(list[i])); }};
+}
+
 // The same on the way in: elements of an array that is a member of the document, handed over a few
 // at a time; of the value the array is left empty.
 struct JsonStream {

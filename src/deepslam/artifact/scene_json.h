@@ -66,6 +66,16 @@ template <typename Tag>
 [[nodiscard]] std::vector<JsonNode> MembersOf(std::span<const JsonNode> rows, std::string_view key);
 // Those of some rows, side by side.
 [[nodiscard]] std::vector<PixelMask> ReadMasks(std::span<const JsonNode> nodes);
+// Appends what the rows hold, each with its mask.
+template <typename Masked>
+void AppendMasked(std::span<const JsonNode> rows,
+                  Masked (*read_without_mask)(const JsonNode& row),
+                  std::vector<Masked>& all) {
+  const std::size_t first = all.size();
+  for (const JsonNode& row : rows) all.push_back(read_without_mask(row));
+  std::vector<PixelMask> masks = ReadMasks(MembersOf(rows, "segmentation"));
+  for (std::size_t i = 0; i < masks.size(); ++i) all[first + i].mask = std::move(masks[i]);
+}
 [[nodiscard]] PinholeCamera ReadCamera(const JsonNode& node);
 [[nodiscard]] Eigen::Matrix3d ReadMatrix3(const JsonNode& node);
 [[nodiscard]] Matrix6d ReadMatrix6(const JsonNode& node);

@@ -63,10 +63,7 @@ Result<std::string> EncodeSegments(std::span<const Segment> segments, std::strin
 Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_view name) {
   std::vector<Segment> segments;
   const auto read = [&](std::span<const JsonNode> rows) {
-    const std::size_t first = segments.size();
-    for (const JsonNode& row : rows) segments.push_back(ReadSegment(row));
-    std::vector<PixelMask> masks = ReadMasks(MembersOf(rows, "segmentation"));
-    for (std::size_t i = 0; i < masks.size(); ++i) segments[first + i].mask = std::move(masks[i]);
+    AppendMasked(rows, ReadSegment, segments);
   };
   const JsonReader reader(text, name, kFormat, kVersion, {{"segments", read}});
   return reader.Finish(std::move(segments));

@@ -127,8 +127,7 @@ Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
   for (const RelativePose& edge : edges) {
     if (edge.composed) composed.emplace_back(JsonArray{ToJson(edge.i), ToJson(edge.j)});
   }
-  document.emplace("frames",
-                   JsonRows{frames.size(), [&](std::size_t i) { return FrameToJson(frames[i]); }});
+  document.emplace("frames", RowsOf(frames, FrameToJson));
   document.emplace("keyframes", std::move(keyframe_list));
   document.emplace("composed_edges", std::move(composed));
   return DumpJson(std::move(document), name);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
-#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -27,10 +26,9 @@ std::vector<bool> Follows(const Odometry& odometry) {
   std::vector<bool> follows(odometry.keyframes.size(), false);
   for (const RelativePose& edge : odometry.edges) {
     if (edge.composed || !(edge.information.diagonal().maxCoeff() > 0)) continue;
-    const auto newer = std::ranges::lower_bound(odometry.keyframes, edge.j);
-    if (newer == odometry.keyframes.begin() || newer == odometry.keyframes.end()) continue;
-    if (*newer == edge.j && *std::prev(newer) == edge.i)
-      follows[static_cast<std::size_t>(newer - odometry.keyframes.begin())] = true;
+    const int newer = PositionOf(odometry.keyframes, edge.j);
+    if (newer > 0 && odometry.keyframes[static_cast<std::size_t>(newer) - 1] == edge.i)
+      follows[static_cast<std::size_t>(newer)] = true;
   }
   return follows;
 }

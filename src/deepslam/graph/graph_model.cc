@@ -38,12 +38,6 @@ Vector6d Floor(double floor_m, double floor_deg) {
   return floor;
 }
 
-int PositionOf(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe) {
-  const auto it = std::lower_bound(keyframes.begin(), keyframes.end(), keyframe);
-  if (it == keyframes.end() || *it != keyframe) return -1;
-  return static_cast<int>(it - keyframes.begin());
-}
-
 Status CheckOdometry(const Odometry& odometry) {
   for (std::size_t k = 0; k < odometry.frames.size(); ++k) {
     const TrackedFrame& frame = odometry.frames[k];
@@ -264,6 +258,12 @@ class ModelBuilder {
 };
 
 }  // namespace
+
+int PositionOf(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe) {
+  const auto it = std::lower_bound(keyframes.begin(), keyframes.end(), keyframe);
+  if (it == keyframes.end() || *it != keyframe) return -1;
+  return static_cast<int>(it - keyframes.begin());
+}
 
 int KeyframeOfFrame(const Trajectory& trajectory, FrameIdx frame) {
   const std::vector<FrameIdx>& keyframes = trajectory.keyframes;

@@ -61,6 +61,9 @@ struct GraphModel {
                                                  const GraphOptions& options,
                                                  const std::map<ObjectId, double>& bottom_m);
 
+// In an ascending list; -1 for none of it.
+[[nodiscard]] int PositionOf(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe);
+
 // The keyframe that `frame` is or was tracked against, as its position among all of the path; where
 // that is none, the last keyframe not after it, else the first. -1 without keyframes or for a frame
 // that does not exist.

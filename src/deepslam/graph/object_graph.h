@@ -109,11 +109,12 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options);
 // relative to the keyframe of their best view. Frames between keyframes that are nodes (all, but of
 // long paths: condense.h): where a frame was tracked against its preceding keyframe, its poses as
 // carried by the keyframe before and the one after are blended by frame number, so that no jump
-// appears at a keyframe; else it moves rigidly with the keyframe it was tracked against. An object that leans more than 5 deg afterwards, or does not
-// stand, says so in its note; the largest tilt is in the summary's message. A solver that fails
-// leaves the poses as they were: summary.converged = false and the reason. Errors (kInvalidInput):
-// frames not numbered 0..n-1, keyframes not ascending or out of range, poses not finite. Bad edges
-// (out of range, not finite, no information) are left out and counted in the message.
+// appears at a keyframe; else it moves rigidly with the keyframe it was tracked against. An object
+// that leans more than 5 deg afterwards, or does not stand, says so in its note; the largest tilt
+// is in the summary's message. A solver that fails leaves the poses as they were: summary.converged
+// = false and the reason. Errors (kInvalidInput): frames not numbered 0..n-1, keyframes not
+// ascending or out of range, poses not finite. Bad edges (out of range, not finite, no information)
+// are left out and counted in the message.
 [[nodiscard]] Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
                                                  const Ground& ground,
                                                  const ObjectMap& map,
