@@ -231,8 +231,11 @@ Result<Verdict> JudgeCandidate(const fs::path& workspace,
         registration->second.world_from_object;
     verdict.agreement += eval::JudgeHeldOut(*mesh, camera_from_object, camera, frame->depth_m);
     if (judge.mask == nullptr) continue;
-    verdict.measured += eval::JudgeMeasured(
-        model, Similarity3::From(camera_from_object, scale_m), camera, frame->depth_m, *judge.mask);
+    verdict.measured += eval::JudgeMeasured(model,
+                                            Similarity3::From(camera_from_object, scale_m),
+                                            camera,
+                                            frame->depth_m,
+                                            judge.mask->Unpacked());
   }
   return verdict;
 }

@@ -26,10 +26,17 @@ using artifact::JsonObject;
 constexpr std::string_view kTimingPage = "timing.html";
 constexpr std::string_view kRunFormat = "deepslam/run";
 constexpr int kRunVersion = 1;
-// Decoded frames that stay in memory: 60 of 640 x 480 px.
+// Decoded frames that stay in memory: 60 of 640 x 480 px. The longer a capture, the less of it they
+// are, and the more memory its poses and masks take: beyond so many frames they are fewer.
 constexpr std::size_t kKeptFrameBytes = std::size_t{128} << 20;
+constexpr std::size_t kFramesWithAllKept = 3000;
 // And 60 models, of four or five objects.
 constexpr std::size_t kPreparedModelBytes = std::size_t{96} << 20;
+
+std::size_t KeptFrameBytes(int num_frames) {
+  const std::size_t times = std::max(kFramesWithAllKept, static_cast<std::size_t>(num_frames));
+  return kKeptFrameBytes * kFramesWithAllKept / times;
+}
 
 // timing.html beside the report, which opens it in a hidden frame and is told the times: they are
 // no part of any artifact, and a page that was copied away goes without them.
@@ -132,7 +139,8 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   Result<dataset::Capture> opened = OpenBesideModels(run.capture, inputs);
   if (!opened.ok()) return opened.error();
   for (const std::string& warning : opened->warnings) LogWarning(warning);
-  opened->frames = dataset::KeepFrames(std::move(opened->frames), kKeptFrameBytes);
+  const std::size_t kept_bytes = KeptFrameBytes(opened->frames->num_frames());
+  opened->frames = dataset::KeepFrames(std::move(opened->frames), kept_bytes);
   const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
   inputs.capture = capture;
   inputs.prepared = std::make_shared<stages::PreparedModels>(kPreparedModelBytes);

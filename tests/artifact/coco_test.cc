@@ -4,7 +4,7 @@
 #include "artifact/sample_values.h"
 #include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/coco_file.h"
-#include "deepslam/artifact/rle.h"
+#include "deepslam/scene/run_lengths.h"
 
 namespace deepslam::artifact {
 namespace {

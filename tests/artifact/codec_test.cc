@@ -61,8 +61,10 @@ PlyMesh SamplePly() {
   return ply;
 }
 
-Result<std::string> EncodeOdometryText(const Odometry& odometry) {
-  return EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "file");
+Result<std::vector<RelativePose>> DecodeG2oEdges(std::string_view text, std::string_view name) {
+  G2oEdgeReader reader(name);
+  if (Status status = reader.Read(text); !status.ok()) return status.error();
+  return reader.TakeEdges();
 }
 
 std::vector<CodecCase> Cases() {
@@ -79,12 +81,12 @@ std::vector<CodecCase> Cases() {
                    false});
   cases.push_back(
       {"g2o",
-       *EncodeOdometryText(odometry),
+       *G2oText(odometry),
        MakeRecode<std::vector<RelativePose>>(DecodeG2oEdges,
                                              [odometry](const std::vector<RelativePose>& edges) {
                                                Odometry same = odometry;
                                                same.edges = edges;
-                                               return EncodeOdometryText(same);
+                                               return G2oText(same);
                                              }),
        false,
        false});
@@ -232,7 +234,7 @@ TEST(Codecs, KeepOdometryToTheLastBit) {
   const Result<Odometry> read =
       DecodeOdometry(*EncodeFrames(odometry.frames, odometry.keyframes, odometry.edges, "f"),
                      *EncodeTum(StampedPoses(odometry.frames), "f"),
-                     *EncodeOdometryText(odometry),
+                     *DecodeG2oEdges(*G2oText(odometry), "f"),
                      "f");
   ASSERT_TRUE(read.ok()) << read.error().message;
   ASSERT_EQ(read->frames.size(), odometry.frames.size());
@@ -252,6 +254,47 @@ TEST(Codecs, KeepOdometryToTheLastBit) {
 
 // The file's chi^2 by g2o's convention (translation; quaternion vector part) is the program's r^T
 // Omega r on t2v.
+// As the lines of a file come: any number of whole ones at a time.
+TEST(PoseGraphG2o, IsReadByPiecesAsAWhole) {
+  const std::string text = *G2oText(SampleOdometry());
+  const std::string faulty = text + "EDGE_SE3:QUAT 0 1\n";
+  const auto whole = DecodeG2oEdges(text, "f");
+  ASSERT_TRUE(whole.ok()) << whole.error().message;
+  ASSERT_FALSE(whole->empty());
+  const std::string fault = DecodeG2oEdges(faulty, "f").error().message;
+  G2oEdgeReader reader("f");
+  Status status;
+  std::string_view left = faulty;
+  while (status.ok() && !left.empty()) {
+    const std::size_t end = left.find('\n') + 1;
+    status = reader.Read(left.substr(0, end));
+    left.remove_prefix(end);
+  }
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().message, fault) << "with the line's number in the file";
+  const std::vector<RelativePose> edges = reader.TakeEdges();
+  ASSERT_EQ(edges.size(), whole->size());
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    EXPECT_EQ(edges[k].i, (*whole)[k].i);
+    EXPECT_EQ(edges[k].i_from_j, (*whole)[k].i_from_j);
+    EXPECT_EQ(edges[k].information, (*whole)[k].information);
+  }
+}
+
+TEST(PoseGraphG2o, EndsWhereItsSinkDoes) {
+  Odometry odometry = SampleOdometry();
+  odometry.edges.resize(5000, odometry.edges.front());
+  int num_pieces = 0;
+  const Status status = EncodeG2o(
+      odometry.frames, odometry.keyframes, odometry.edges, "f", [&](std::string_view piece) {
+        EXPECT_LT(piece.size(), std::size_t{1} << 20) << "some edges, not all of them";
+        return ++num_pieces < 2 ? Ok() : Status(Failed("full"));
+      });
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error().message, "full");
+  EXPECT_EQ(num_pieces, 2);
+}
+
 TEST(PoseGraphG2o, MeansTheSameErrorByG2osConvention) {
   Random random(7);
   Odometry odometry = SampleOdometry();
@@ -260,7 +303,7 @@ TEST(PoseGraphG2o, MeansTheSameErrorByG2osConvention) {
   const Vector6d own = T2v(error);
   const double chi2 = own.dot(edge.information * own);
 
-  const std::string text = *EncodeOdometryText(odometry);
+  const std::string text = *G2oText(odometry);
   const std::size_t begin = text.find("EDGE_SE3:QUAT 0 2");
   std::vector<double> numbers;
   std::istringstream line(text.substr(begin + 17, text.find('\n', begin) - begin - 17));

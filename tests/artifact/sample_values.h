@@ -3,6 +3,7 @@
 
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/artifact/map_json.h"
+#include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/summary_json.h"
 #include "deepslam/core/random.h"
 #include "deepslam/scene/ground.h"
@@ -53,6 +54,19 @@ inline Odometry SampleOdometry() {
       {FrameIdx{0}, FrameIdx{2}, SamplePose(random), SampleInformation(random), false},
       {FrameIdx{2}, FrameIdx{4}, SamplePose(random), SampleInformation(random), true}};
   return odometry;
+}
+
+// odometry.g2o.
+inline Result<std::string> G2oText(const Odometry& odometry) {
+  std::string text;
+  const auto add = [&text](std::string_view piece) {
+    text += piece;
+    return Ok();
+  };
+  const Status status =
+      artifact::EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "file", add);
+  if (!status.ok()) return status.error();
+  return text;
 }
 
 inline Ground SampleGround() {

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/scene/measured_parts.h"
 #include "support/box_world.h"
 
 namespace deepslam::associate {
@@ -74,12 +75,17 @@ BoxWorldSource Round(int count, double step_deg) {
   return {ChairsRoundTable(), Orbit({0, 0, 0.4}, 2.8, 1.5, -120, step_deg, count)};
 }
 
+std::vector<int> PartsOf(const Odometry& odometry) {
+  return PartsOfFrames(odometry, JoinsOf(odometry.edges));
+}
+
 Association AssociateAll(const FrameSource& source,
                          const Odometry& odometry,
                          const std::vector<Segment>& segments,
                          const AssociateOptions& options = {}) {
   SilentProgress progress;
-  Result<Association> result = Associate(source, odometry, Ground(), segments, options, progress);
+  Result<Association> result =
+      Associate(source, odometry, PartsOf(odometry), segments, options, progress);
   EXPECT_TRUE(result.ok());
   return *std::move(result);
 }
@@ -272,8 +278,9 @@ class StoppingProgress final : public Progress {
 TEST(Associate, StopsOnRequest) {
   const BoxWorldSource source = Round(2, 4);
   StoppingProgress progress;
+  const Odometry odometry = source.TrueOdometry();
   const auto result =
-      Associate(source, source.TrueOdometry(), Ground(), TrueSegments(source, 1), {}, progress);
+      Associate(source, odometry, PartsOf(odometry), TrueSegments(source, 1), {}, progress);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().code, ErrorCode::kInterrupted);
 }

@@ -14,6 +14,7 @@
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/ground/ground_plane.h"
 #include "deepslam/observe/object_views.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/segment/segment_objects.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
@@ -98,8 +99,9 @@ Outcome RunFrontEnd(const FrameSource& frames, int step, const std::string& weig
       outcome.segments.push_back(std::move(segment));
     }
   }
-  outcome.association = *associate::Associate(
-      frames, outcome.odometry, outcome.ground, outcome.segments, {}, progress);
+  const std::vector<int> parts = PartsOfFrames(outcome.odometry, JoinsOf(outcome.odometry.edges));
+  outcome.association =
+      *associate::Associate(frames, outcome.odometry, parts, outcome.segments, {}, progress);
   return outcome;
 }
 

@@ -16,13 +16,13 @@
 #include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
-#include "deepslam/artifact/rle.h"
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/batch/batch_plan.h"
 #include "deepslam/batch/batch_state.h"
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/pipeline/manifest.h"
+#include "deepslam/scene/run_lengths.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/voxel_code.h"
 #include "gltf/test_scene.h"
@@ -96,7 +96,7 @@ void PutArtifacts(Corpus& corpus) {
   corpus.Put("map_json", "map", *EncodeMap(SampleMap(), "f"));
   const Odometry odometry = SampleOdometry();
   const std::string tum = *EncodeTum(StampedPoses(odometry.frames), "f");
-  const std::string g2o = *EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "f");
+  const std::string g2o = *G2oText(odometry);
   const std::string frames =
       *EncodeFrames(odometry.frames, odometry.keyframes, odometry.edges, "f");
   corpus.Put("odometry", "whole", frames + "\n%\n" + tum + "\n%\n" + g2o);

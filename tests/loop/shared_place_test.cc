@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "deepslam/scene/measured_parts.h"
+
 namespace deepslam::loop {
 namespace {
 
@@ -53,10 +55,11 @@ TEST(SharedPlace, NobodyIntrudesFromAPartOfThePathThatNothingTies) {
     frame.frame = frame.keyframe = FrameIdx{k};
     odometry.keyframes.push_back(FrameIdx{k});
   }
-  EXPECT_EQ(SuspectIntruders(map, {}, odometry).size(), 1U);
+  const auto parts = [&odometry] { return PartsOfFrames(odometry, JoinsOf(odometry.edges)); };
+  EXPECT_EQ(SuspectIntruders(map, {}, parts()).size(), 1U);
   odometry.frames[1].status = TrackingStatus::kLost;
   odometry.edges.push_back({FrameIdx{0}, FrameIdx{1}, {}, Matrix6d::Identity(), true});
-  EXPECT_TRUE(SuspectIntruders(map, {}, odometry).empty());
+  EXPECT_TRUE(SuspectIntruders(map, {}, parts()).empty());
 }
 
 TEST(SharedPlace, TheSurestIsTheHostWhateverTheOrder) {

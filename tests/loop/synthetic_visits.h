@@ -9,6 +9,7 @@
 
 #include "deepslam/core/random.h"
 #include "deepslam/loop/constellation.h"
+#include "deepslam/scene/measured_parts.h"
 
 namespace deepslam::loop::testing_support {
 
@@ -131,7 +132,11 @@ inline void AddVisit(Scene& scene,
 inline Loops Detect(const Scene& scene, const LoopOptions& options = {}) {
   std::vector<Constellation> verified;
   const FoundConstellations found =
-      FindConstellations(scene.map, scene.association, options, scene.odometry);
+      FindConstellations(scene.map,
+                         scene.association,
+                         options,
+                         scene.odometry,
+                         PartsOfFrames(scene.odometry, JoinsOf(scene.odometry.edges)));
   for (const Constellation& proposed : found.constellations)
     verified.push_back(VerifyConstellation(proposed, scene.map, scene.evidence, options));
   return AcceptLoops(verified, scene.map, scene.association, options, scene.odometry);

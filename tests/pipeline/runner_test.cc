@@ -69,7 +69,11 @@ struct Chain {
     const auto c = [](StageContext& context) -> Result<StageSummary> {
       const Result<std::string> text = context.Read("b", "deep/b.txt");
       if (!text.ok()) return text.error();
-      if (Status s = context.Write("c.txt", *text); !s.ok()) return s.error();
+      const auto write = [&](const artifact::TextSink& sink) {
+        const Status s = sink(std::string_view(*text).substr(0, 1));
+        return s.ok() ? sink(std::string_view(*text).substr(1)) : s;
+      };
+      if (Status s = context.Write("c.txt", write); !s.ok()) return s.error();
       return StageSummary{"copied", {}};
     };
     const auto d = [option = d_option](StageContext& context) -> Result<StageSummary> {

@@ -186,10 +186,12 @@ TEST(SegmentFrame, PartsTableAndChairsWhoseBoxesOverlap) {
     EXPECT_TRUE(segment.usable) << i << ": " << segment.reason;
     EXPECT_THAT(MaskIoU(segment.mask, scene.view, i), Ge(0.8)) << segment.class_name << " " << i;
   }
+  std::vector<Mask> masks;
+  for (const Segment& segment : segments) masks.push_back(segment.mask.Unpacked());
   for (int v = 0; v < 240; ++v) {
     for (int u = 0; u < 320; ++u) {
       int owners = 0;
-      for (const Segment& segment : segments) owners += segment.mask(u, v);
+      for (const Mask& mask : masks) owners += mask(u, v);
       ASSERT_LE(owners, 1) << "pixel " << u << ", " << v << " belongs to two segments";
     }
   }
@@ -200,13 +202,14 @@ TEST(SegmentFrame, KeepsWhatStandsOnATableOutOfTheTable) {
   world.push_back({1, {-0.15, -0.1, 0.74}, {0.15, 0.15, 0.95}});
   const Scene scene = Make(std::move(world), {0.4, -2.4, 1.6}, {0, 0, 0.5});
   const auto segments = SegmentsOf(scene, {"table"});
+  const Mask mask = segments[0].mask.Unpacked();
   int inside = 0;
   int total = 0;
   for (int v = 0; v < 240; ++v) {
     for (int u = 0; u < 320; ++u) {
       if (scene.view.object(u, v) != 1) continue;
       ++total;
-      inside += segments[0].mask(u, v);
+      inside += mask(u, v);
     }
   }
   ASSERT_GT(total, 100);
@@ -243,6 +246,7 @@ TEST(SegmentFrame, FindsATableByTheRimOfItsTop) {
   const auto segments = SegmentsOf(scene, {"table", "chair", "chair"});
   ASSERT_EQ(segments.size(), 3U);
   for (int i = 0; i < 3; ++i) {
+    const Mask mask = segments[static_cast<std::size_t>(i)].mask.Unpacked();
     int measured = 0;
     int right = 0;
     int of_object = 0;
@@ -250,7 +254,7 @@ TEST(SegmentFrame, FindsATableByTheRimOfItsTop) {
       for (int u = 0; u < depth_m.width(); ++u) {
         if (!(depth_m(u, v) > 0)) continue;
         const bool is_object = scene.view.object(u, v) == i;
-        const bool in_mask = segments[static_cast<std::size_t>(i)].mask(u, v) != 0;
+        const bool in_mask = mask(u, v) != 0;
         of_object += is_object ? 1 : 0;
         measured += in_mask ? 1 : 0;
         right += in_mask && is_object ? 1 : 0;
@@ -262,7 +266,8 @@ TEST(SegmentFrame, FindsATableByTheRimOfItsTop) {
 }
 
 // Share of what object 0 shows between two heights (metres) that the mask holds.
-double KeptShare(const Scene& scene, const PixelMask& mask, double low_m, double high_m) {
+double KeptShare(const Scene& scene, const PixelMask& pixels, double low_m, double high_m) {
+  const Mask mask = pixels.Unpacked();
   int seen = 0;
   int kept = 0;
   for (int v = 0; v < mask.height(); ++v) {
@@ -308,11 +313,12 @@ TEST(SegmentFrame, CutsByAnInstanceMask) {
   const auto segments =
       SegmentFrame(scene.view.frame, SmallCamera(), scene.ground, detections, options);
   ASSERT_TRUE(segments[0].usable) << segments[0].reason;
+  const Mask mask = segments[0].mask.Unpacked();
   for (int v = 0; v < 240; ++v) {
     for (int u = static_cast<int>(0.5 * (box.u_min + box.u_max) + options.mask_dilation_px) + 1;
          u < 320;
          ++u) {
-      ASSERT_EQ(segments[0].mask(u, v), 0) << u << ", " << v;
+      ASSERT_EQ(mask(u, v), 0) << u << ", " << v;
     }
   }
 }

@@ -177,33 +177,28 @@ TEST(Verdict, NamesTheFrameAtWhichTheCameraJumps) {
 // Keyframes every ten frames; tracking starts anew at each of `starts`, as its lost keyframes.
 struct BrokenWalk {
   OptimizedMap map = MapOfAWalk(0, 0);
-  std::vector<RelativePose> edges;
+  std::vector<KeyframeJoin> joins;
 
   explicit BrokenWalk(const std::set<int>& starts) {
     map.keyframes.clear();
     for (int k = 0; k < 100; k += 10) {
       map.keyframes.push_back(FrameIdx{k});
       if (k == 0) continue;
-      edges.push_back(Edge(k - 10, k));
-      edges.back().composed = starts.contains(k);
+      joins.push_back(Join(k - 10, k));
+      joins.back().composed = starts.contains(k);
       if (starts.contains(k))
         map.frames[static_cast<std::size_t>(k)].status = TrackingStatus::kLost;
     }
   }
 
-  static RelativePose Edge(int i, int j) {
-    RelativePose edge;
-    edge.i = FrameIdx{i};
-    edge.j = FrameIdx{j};
-    return edge;
-  }
+  static KeyframeJoin Join(int i, int j) { return {FrameIdx{i}, FrameIdx{j}}; }
 };
 
 TEST(Verdict, NamesThePartsWhosePlaceNobodyMeasured) {
   BrokenWalk walk({60});
-  EXPECT_EQ(JudgeRun(BrokenWalk({}).map, walk.edges).verdict, artifact::Verdict::kGood)
+  EXPECT_EQ(JudgeRun(BrokenWalk({}).map, walk.joins).verdict, artifact::Verdict::kGood)
       << "a chain of tracked frames is measured";
-  const RunVerdict two = JudgeRun(walk.map, walk.edges);
+  const RunVerdict two = JudgeRun(walk.map, walk.joins);
   EXPECT_EQ(two.verdict, artifact::Verdict::kBad);
   EXPECT_THAT(two.reasons,
               testing::ElementsAre(testing::AllOf(HasSubstr("at frame 60"),
@@ -212,23 +207,23 @@ TEST(Verdict, NamesThePartsWhosePlaceNobodyMeasured) {
                                                   HasSubstr("40 %"),
                                                   HasSubstr("overlap"))));
   // A loop, or keyframes measured again across the loss.
-  walk.edges.push_back(BrokenWalk::Edge(20, 80));
-  EXPECT_EQ(JudgeRun(walk.map, walk.edges).verdict, artifact::Verdict::kGood);
+  walk.joins.push_back(BrokenWalk::Join(20, 80));
+  EXPECT_EQ(JudgeRun(walk.map, walk.joins).verdict, artifact::Verdict::kGood);
 }
 
 TEST(Verdict, TheSmallerPartIsAdriftWhereverItStands) {
   const BrokenWalk first({10});
-  const RunVerdict early = JudgeRun(first.map, first.edges);
+  const RunVerdict early = JudgeRun(first.map, first.joins);
   EXPECT_EQ(early.verdict, artifact::Verdict::kDoubtful);
   EXPECT_THAT(
       early.reasons,
       testing::ElementsAre(testing::AllOf(HasSubstr("at frame 10"), HasSubstr("frames 0 to 9 "))));
   // The last part has met the first again, so that what lies between alone hangs in the air.
   BrokenWalk between({30, 40});
-  EXPECT_THAT(JudgeRun(between.map, between.edges).reasons,
+  EXPECT_THAT(JudgeRun(between.map, between.joins).reasons,
               testing::ElementsAre(HasSubstr("1 more such part")));
-  between.edges.push_back(BrokenWalk::Edge(10, 70));
-  const RunVerdict middle = JudgeRun(between.map, between.edges);
+  between.joins.push_back(BrokenWalk::Join(10, 70));
+  const RunVerdict middle = JudgeRun(between.map, between.joins);
   EXPECT_EQ(middle.verdict, artifact::Verdict::kDoubtful);
   EXPECT_THAT(middle.reasons,
               testing::ElementsAre(testing::AllOf(
@@ -240,8 +235,8 @@ TEST(Verdict, AFrameThatIsFoundAgainDoesNotVouchForWhatIsBetween) {
   // 20 and a composed one to its neighbour.
   BrokenWalk found({30, 40});
   found.map.frames[40].status = TrackingStatus::kTracked;
-  found.edges.push_back(BrokenWalk::Edge(20, 40));
-  EXPECT_THAT(JudgeRun(found.map, found.edges).reasons,
+  found.joins.push_back(BrokenWalk::Join(20, 40));
+  EXPECT_THAT(JudgeRun(found.map, found.joins).reasons,
               testing::ElementsAre(HasSubstr("frames 30 to 39 ")));
 }
 

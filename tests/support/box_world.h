@@ -120,8 +120,8 @@ inline std::optional<Detection> DetectTruth(const BoxView& view,
   return detection;
 }
 
-template <typename AnyMask>
-double MaskIoU(const AnyMask& mask, const BoxView& view, int object) {
+inline double MaskIoU(const PixelMask& pixels, const BoxView& view, int object) {
+  const Mask mask = pixels.Unpacked();
   double both = 0;
   double either = 0;
   for (int v = 0; v < mask.height(); ++v) {

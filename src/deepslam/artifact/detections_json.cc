@@ -41,7 +41,7 @@ DetectedImage ReadImage(const JsonNode& row) {
   return image;
 }
 
-JsonValue AnnotationToJson(const Detection& detection, int category_id, JsonValue segmentation) {
+JsonValue AnnotationToJson(const Detection& detection, int category_id) {
   JsonObject row;
   row.emplace("id", ToJson(detection.id));
   row.emplace("image_id", ToJson(detection.frame));
@@ -52,11 +52,10 @@ JsonValue AnnotationToJson(const Detection& detection, int category_id, JsonValu
   row.emplace("iscrowd", 0);
   row.emplace("score", detection.score);
   row.emplace("source", NameOf(detection.source));
-  if (!segmentation.is_null()) row.emplace("segmentation", std::move(segmentation));
+  if (!detection.mask.empty()) row.emplace("segmentation", ToJson(detection.mask));
   return JsonValue(std::move(row));
 }
 
-// Without its mask.
 Detection ReadAnnotation(const JsonNode& row) {
   Detection detection;
   detection.id = ReadId<DetectionId>(row["id"]);
@@ -65,6 +64,7 @@ Detection ReadAnnotation(const JsonNode& row) {
   detection.box_px = ReadCocoBox(row["bbox"]);
   detection.score = row["score"].Number(0, 1);
   detection.source = ReadDetectionSource(row["source"]);
+  detection.mask = ReadMask(row.Maybe("segmentation"));
   return detection;
 }
 
@@ -81,11 +81,9 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
     row.emplace("name", class_name);
     categories.emplace_back(std::move(row));
   }
-  MaskEncoder masks(table.detections.size(),
-                    [&](std::size_t i) -> const PixelMask& { return table.detections[i].mask; });
   const auto annotation = [&](std::size_t i) {
     const Detection& detection = table.detections[i];
-    return AnnotationToJson(detection, category_ids.at(detection.class_name), masks.Take(i));
+    return AnnotationToJson(detection, category_ids.at(detection.class_name));
   };
   document.emplace("categories", std::move(categories));
   document.emplace("annotations", JsonRows{table.detections.size(), annotation});
@@ -98,7 +96,7 @@ Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view 
     for (const JsonNode& row : rows) table.images.push_back(ReadImage(row));
   };
   const auto read_annotations = [&](std::span<const JsonNode> rows) {
-    AppendMasked(rows, ReadAnnotation, table.detections);
+    for (const JsonNode& row : rows) table.detections.push_back(ReadAnnotation(row));
   };
   const JsonReader reader(
       text, name, kFormat, kVersion, {{"images", read_images}, {"annotations", read_annotations}});

@@ -12,6 +12,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::size_t kEdgeWords = 3 + 7 + 21;
+constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
 
 void AppendPose(const Pose3& pose, std::string& text) {
   const Eigen::Vector4d q = pose.rotation.coeffs();
@@ -65,15 +66,23 @@ Result<RelativePose> DecodeEdge(std::span<const std::string_view> words) {
 
 }  // namespace
 
-Result<std::string> EncodeG2o(std::span<const TrackedFrame> frames,
-                              std::span<const FrameIdx> keyframes,
-                              std::span<const RelativePose> edges,
-                              std::string_view name) {
+Status EncodeG2o(std::span<const TrackedFrame> frames,
+                 std::span<const FrameIdx> keyframes,
+                 std::span<const RelativePose> edges,
+                 std::string_view name,
+                 const TextSink& sink) {
   std::string text;
+  const auto pass_on = [&](std::size_t most_bytes) {
+    if (text.size() <= most_bytes) return Ok();
+    Status status = sink(text);
+    text.clear();
+    return status;
+  };
   for (const FrameIdx keyframe : keyframes) {
     text += fmt::format("VERTEX_SE3:QUAT {}", keyframe.value);
     AppendPose(frames[static_cast<std::size_t>(keyframe.value)].world_from_camera, text);
     text += '\n';
+    if (Status status = pass_on(kPieceBytes); !status.ok()) return status;
   }
   if (!keyframes.empty()) text += fmt::format("FIX {}\n", keyframes.front().value);
   for (const RelativePose& edge : edges) {
@@ -92,30 +101,28 @@ Result<std::string> EncodeG2o(std::span<const TrackedFrame> frames,
       }
     }
     text += '\n';
+    if (Status status = pass_on(kPieceBytes); !status.ok()) return status;
   }
-  return text;
+  return pass_on(0);
 }
 
-Result<std::vector<RelativePose>> DecodeG2oEdges(std::string_view text, std::string_view name) {
-  std::vector<RelativePose> edges;
-  const std::size_t most_edges = text.size() / (2 * kEdgeWords);  // a digit and a blank each
-  const auto num_lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
-  edges.reserve(std::min(num_lines, most_edges));
-  for (int line_number = 1; !text.empty(); ++line_number) {
-    const std::vector<std::string_view> words = Words(TakeLine(text));
+Status G2oEdgeReader::Read(std::string_view lines) {
+  while (!lines.empty()) {
+    ++line_number_;
+    const std::vector<std::string_view> words = Words(TakeLine(lines));
     if (words.empty() || words[0].front() == '#' || words[0].starts_with("VERTEX_") ||
         words[0] == "FIX")
       continue;
     if (words[0] != "EDGE_SE3:QUAT") {
       return InvalidInput(
-          fmt::format("{}:{}: \"{}\" is no tag this program reads", name, line_number, words[0]));
+          fmt::format("{}:{}: \"{}\" is no tag this program reads", name_, line_number_, words[0]));
     }
     const Result<RelativePose> edge = DecodeEdge(words);
     if (!edge.ok())
-      return InvalidInput(fmt::format("{}:{}: {}", name, line_number, edge.error().message));
-    edges.push_back(*edge);
+      return InvalidInput(fmt::format("{}:{}: {}", name_, line_number_, edge.error().message));
+    edges_.push_back(*edge);
   }
-  return edges;
+  return Ok();
 }
 
 }  // namespace deepslam::artifact

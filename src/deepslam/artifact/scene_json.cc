@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/rle.h"
 #include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
 
@@ -82,22 +82,12 @@ JsonValue ToJson(const Box3& box) {
   return JsonValue(std::move(object));
 }
 
-JsonValue MaskEncoder::Take(std::size_t index) {
-  constexpr std::size_t kAtOnce = 64;
-  DEEPSLAM_CHECK(first_ <= index && index < count_, "masks are taken in their order");
-  if (index >= first_ + encoded_.size()) {
-    first_ = index;
-    encoded_.assign(std::min(kAtOnce, count_ - index), {});
-    ParallelFor(encoded_.size(), [&](std::size_t n) {
-      const PixelMask& mask = mask_(first_ + n);
-      if (mask.empty()) return;
-      JsonObject object;
-      object.emplace("size", JsonArray{mask.height(), mask.width()});
-      object.emplace("counts", EncodeRle(mask.Unpacked()));
-      encoded_[n] = JsonValue(std::move(object));
-    });
-  }
-  return std::move(encoded_[index - first_]);
+JsonValue ToJson(const PixelMask& mask) {
+  if (mask.empty()) return {};
+  JsonObject object;
+  object.emplace("size", JsonArray{mask.height(), mask.width()});
+  object.emplace("counts", mask.rle());
+  return JsonValue(std::move(object));
 }
 
 JsonValue ToJson(const PinholeCamera& camera) {
@@ -150,41 +140,16 @@ Box3 ReadBox3(const JsonNode& node) {
   return {ReadVector3(node["min"]), ReadVector3(node["max"])};
 }
 
-std::vector<JsonNode> MembersOf(std::span<const JsonNode> rows, std::string_view key) {
-  std::vector<JsonNode> members;
-  for (const JsonNode& row : rows) members.push_back(row.Maybe(key));
-  return members;
-}
-
-std::vector<PixelMask> ReadMasks(std::span<const JsonNode> nodes) {
-  struct Runs {
-    int width = 0;  // 0: no mask
-    int height = 0;
-    std::string counts;
-  };
-  std::vector<Runs> runs(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!nodes[i].exists()) continue;
-    const std::vector<JsonNode> size = nodes[i]["size"].Items(2);
-    const int height = size[0].Int(1, kMaxImageSide);
-    const int width = size[1].Int(1, kMaxImageSide);
-    runs[i] = {width, height, nodes[i]["counts"].String()};
-  }
-  std::vector<PixelMask> masks(nodes.size());
-  std::vector<std::string> faults(nodes.size());
-  ParallelFor(nodes.size(), [&](std::size_t i) {
-    if (runs[i].width == 0) return;
-    const Result<Mask> mask = DecodeRle(runs[i].counts, runs[i].width, runs[i].height);
-    if (mask.ok()) {
-      masks[i] = *mask;
-    } else {
-      faults[i] = mask.error().message;
-    }
-  });
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!faults[i].empty()) nodes[i]["counts"].Fail(": " + faults[i]);
-  }
-  return masks;
+PixelMask ReadMask(const JsonNode& node) {
+  if (!node.exists()) return {};
+  const std::vector<JsonNode> size = node["size"].Items(2);
+  const int height = size[0].Int(1, kMaxImageSide);
+  const int width = size[1].Int(1, kMaxImageSide);
+  const JsonNode counts = node["counts"];
+  Result<PixelMask> mask = PixelMask::FromRle(counts.String(), width, height);
+  if (mask.ok()) return std::move(mask).value();
+  counts.Fail(": " + mask.error().message);
+  return {};
 }
 
 PinholeCamera ReadCamera(const JsonNode& node) {

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kFormat = "deepslam/segments";
 constexpr int kVersion = 1;
 
-JsonValue SegmentToJson(const Segment& segment, JsonValue segmentation) {
+JsonValue SegmentToJson(const Segment& segment) {
   JsonObject row;
   row.emplace("detection", ToJson(segment.detection));
   row.emplace("frame", ToJson(segment.frame));
@@ -19,7 +19,7 @@ JsonValue SegmentToJson(const Segment& segment, JsonValue segmentation) {
   row.emplace("score", segment.score);
   row.emplace("source", NameOf(segment.source));
   row.emplace("bbox", ToCocoBox(segment.box_px));
-  row.emplace("segmentation", std::move(segmentation));
+  row.emplace("segmentation", ToJson(segment.mask));
   row.emplace("num_points", segment.num_points);
   row.emplace("extent_camera_m", ToJson(segment.extent_camera));
   row.emplace("depth_support", segment.depth_support);
@@ -29,7 +29,6 @@ JsonValue SegmentToJson(const Segment& segment, JsonValue segmentation) {
   return JsonValue(std::move(row));
 }
 
-// Without its mask.
 Segment ReadSegment(const JsonNode& row) {
   Segment segment;
   segment.detection = ReadId<DetectionId>(row["detection"]);
@@ -39,6 +38,7 @@ Segment ReadSegment(const JsonNode& row) {
   if (const JsonNode source = row.Maybe("source"); source.is_string())
     segment.source = ReadDetectionSource(source);
   segment.box_px = ReadCocoBox(row["bbox"]);
+  segment.mask = ReadMask(row.Maybe("segmentation"));
   segment.num_points = row["num_points"].Int(0, kMaxId);
   segment.extent_camera = ReadBox3(row.Maybe("extent_camera_m"));
   segment.depth_support = row["depth_support"].Number();
@@ -51,19 +51,15 @@ Segment ReadSegment(const JsonNode& row) {
 }  // namespace
 
 Result<std::string> EncodeSegments(std::span<const Segment> segments, std::string_view name) {
-  MaskEncoder masks(segments.size(),
-                    [&](std::size_t i) -> const PixelMask& { return segments[i].mask; });
   JsonObject document = NewDocument(kFormat, kVersion);
-  document.emplace("segments", JsonRows{segments.size(), [&](std::size_t i) {
-                                          return SegmentToJson(segments[i], masks.Take(i));
-                                        }});
+  document.emplace("segments", RowsOf(segments, SegmentToJson));
   return DumpJson(std::move(document), name);
 }
 
 Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_view name) {
   std::vector<Segment> segments;
   const auto read = [&](std::span<const JsonNode> rows) {
-    AppendMasked(rows, ReadSegment, segments);
+    for (const JsonNode& row : rows) segments.push_back(ReadSegment(row));
   };
   const JsonReader reader(text, name, kFormat, kVersion, {{"segments", read}});
   return reader.Finish(std::move(segments));

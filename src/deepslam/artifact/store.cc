@@ -49,10 +49,7 @@ Error WriteError(const fs::path& file, std::string_view what, int error) {
 
 enum class Sync { kNow, kLater };
 
-// Messages name `told`, which people know of, where `file` is only on its way to it.
-Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync, const fs::path& told) {
-  FileDescriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (fd.get() < 0) return WriteError(told, "create", errno);
+Status WriteBytes(const FileDescriptor& fd, std::string_view bytes, const fs::path& told) {
   while (!bytes.empty()) {
     const ssize_t written =
         ::write(fd.get(), bytes.data(), std::min<std::size_t>(bytes.size(), 1U << 24));
@@ -60,9 +57,37 @@ Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync, const f
     if (written < 0) return WriteError(told, "write", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+  return Ok();
+}
+
+// Messages name `told`, which people know of, where `file` is only on its way to it.
+Status WriteAll(const fs::path& file, const TextWriter& text, Sync sync, const fs::path& told) {
+  FileDescriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (fd.get() < 0) return WriteError(told, "create", errno);
+  if (Status status = text([&](std::string_view piece) { return WriteBytes(fd, piece, told); });
+      !status.ok())
+    return status;
   if (sync == Sync::kNow && ::fsync(fd.get()) != 0) return WriteError(told, "write to disk", errno);
   if (fd.Close() != 0) return WriteError(told, "close", errno);
   return Ok();
+}
+
+Status WriteAll(const fs::path& file, std::string_view bytes, Sync sync, const fs::path& told) {
+  return WriteAll(
+      file, [bytes](const TextSink& sink) { return sink(bytes); }, sync, told);
+}
+
+// How many bytes came, 0 at the end.
+Result<std::size_t> ReadSome(const FileDescriptor& fd,
+                             char* into,
+                             std::size_t most,
+                             const fs::path& file) {
+  while (true) {
+    const ssize_t got = ::read(fd.get(), into, most);
+    if (got >= 0) return static_cast<std::size_t>(got);
+    if (errno != EINTR)
+      return InvalidInput(fmt::format("{}: cannot read: {}", file.string(), std::strerror(errno)));
+  }
 }
 
 // A file put in its place would take away what others read from or write to.
@@ -104,15 +129,34 @@ Result<std::string> ReadFile(const fs::path& file) {
   std::string bytes(opened->num_bytes, '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t got = ::read(opened->fd.get(), bytes.data() + done, bytes.size() - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0)
-      return InvalidInput(fmt::format("{}: cannot read: {}", file.string(), std::strerror(errno)));
-    if (got == 0) break;
-    done += static_cast<std::size_t>(got);
+    const Result<std::size_t> got =
+        ReadSome(opened->fd, bytes.data() + done, bytes.size() - done, file);
+    if (!got.ok()) return got.error();
+    if (*got == 0) break;
+    done += *got;
   }
   bytes.resize(done);
   return bytes;
+}
+
+Status ReadLines(const fs::path& file, const TextSink& use) {
+  constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+  const Result<FileToRead> opened = OpenToRead(file);
+  if (!opened.ok()) return opened.error();
+  std::string text;  // what was read and not used yet
+  while (true) {
+    const std::size_t known = text.size();
+    text.resize(known + kBlockBytes);
+    const Result<std::size_t> got = ReadSome(opened->fd, text.data() + known, kBlockBytes, file);
+    if (!got.ok()) return got.error();
+    text.resize(known + *got);
+    if (*got == 0) return text.empty() ? Ok() : use(text);
+    const std::size_t end_of_lines = text.rfind('\n') + 1;  // 0: no line ends yet
+    if (end_of_lines == 0) continue;
+    if (Status status = use(std::string_view(text).substr(0, end_of_lines)); !status.ok())
+      return status;
+    text.erase(0, end_of_lines);
+  }
 }
 
 Status WriteFileAtomically(const fs::path& file, std::string_view bytes) {
@@ -137,6 +181,10 @@ Status WriteFileSynced(const fs::path& file, std::string_view bytes) {
 
 Status WriteFileUnsynced(const fs::path& file, std::string_view bytes) {
   return WriteAll(file, bytes, Sync::kLater, file);
+}
+
+Status WriteFileUnsynced(const fs::path& file, const TextWriter& text) {
+  return WriteAll(file, text, Sync::kLater, file);
 }
 
 Status SyncFiles(std::span<const fs::path> files) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 
 namespace deepslam::artifact {
@@ -17,6 +18,9 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 
 // kInvalidInput when the file is missing, no file, too large or unreadable.
 [[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& file);
+// The same by pieces of whole lines, a megabyte or a line at a time; the last one may lack its line
+// break. The first error of `use` ends it.
+[[nodiscard]] Status ReadLines(const std::filesystem::path& file, const TextSink& use);
 
 // Writes to FILE.tmp-<pid>, syncs, renames, syncs the folder. kFailed on any error; the old file
 // then still stands.
@@ -30,6 +34,7 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 // Many of them: written first, synced together. Syncing all takes hardly longer than syncing one,
 // as the file system writes down what they have in common.
 [[nodiscard]] Status WriteFileUnsynced(const std::filesystem::path& file, std::string_view bytes);
+[[nodiscard]] Status WriteFileUnsynced(const std::filesystem::path& file, const TextWriter& text);
 [[nodiscard]] Status SyncFiles(std::span<const std::filesystem::path> files);
 [[nodiscard]] Status SyncFolder(const std::filesystem::path& folder);
 // Takes away what killed processes left of WriteFileAtomically in a folder (not in folders in it):

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/artifact/text_numbers.h"
 
@@ -164,12 +163,10 @@ Result<Trajectory> DecodeTrajectory(std::string_view frames_json,
 
 Result<Odometry> DecodeOdometry(std::string_view frames_json,
                                 std::string_view tum_text,
-                                std::string_view g2o_text,
+                                std::vector<RelativePose> edges,
                                 std::string_view name) {
   Result<Trajectory> trajectory = DecodeTrajectory(frames_json, tum_text, name);
   if (!trajectory.ok()) return trajectory.error();
-  Result<std::vector<RelativePose>> edges = DecodeG2oEdges(g2o_text, name);
-  if (!edges.ok()) return edges.error();
   const auto read_already = [](std::span<const JsonNode> /*rows*/) {};
   JsonReader reader(frames_json, name, kFormat, kVersion, {{"frames", read_already}});
   std::set<std::pair<FrameIdx, FrameIdx>> composed;
@@ -178,7 +175,7 @@ Result<Odometry> DecodeOdometry(std::string_view frames_json,
     composed.emplace(ReadId<FrameIdx>(pair[0]), ReadId<FrameIdx>(pair[1]));
   }
   const int num_frames = static_cast<int>(trajectory->frames.size());
-  Odometry odometry{std::move(trajectory).value(), std::move(edges).value()};
+  Odometry odometry{std::move(trajectory).value(), std::move(edges)};
   for (RelativePose& edge : odometry.edges) {
     edge.composed = composed.contains({edge.i, edge.j});
     if (edge.i.value >= num_frames || edge.j.value >= num_frames) {

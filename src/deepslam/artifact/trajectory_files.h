@@ -42,10 +42,11 @@ struct StampedPose {
 [[nodiscard]] Result<Trajectory> DecodeTrajectory(std::string_view frames_json,
                                                   std::string_view tum_text,
                                                   std::string_view name);
-// All of a tracking result; `composed` flags of the edges come from frames.json.
+// All of a tracking result; `edges` as G2oEdgeReader gives them, their `composed` flags come from
+// frames.json.
 [[nodiscard]] Result<Odometry> DecodeOdometry(std::string_view frames_json,
                                               std::string_view tum_text,
-                                              std::string_view g2o_text,
+                                              std::vector<RelativePose> edges,
                                               std::string_view name);
 
 }  // namespace deepslam::artifact

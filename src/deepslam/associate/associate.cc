@@ -17,7 +17,6 @@
 #include "deepslam/associate/review_objects.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel_ahead.h"
-#include "deepslam/scene/measured_parts.h"
 
 namespace deepslam::associate {
 namespace {
@@ -68,10 +67,10 @@ class Matcher {
  public:
   // `num_started`: objects, of all matchers that share it.
   Matcher(const PinholeCamera& camera,
-          const Odometry& odometry,
+          const Trajectory& trajectory,
           const AssociateOptions& options,
           int& num_started)
-      : camera_(camera), odometry_(odometry), options_(options), num_started_(num_started) {}
+      : camera_(camera), trajectory_(trajectory), options_(options), num_started_(num_started) {}
 
   void AddFrame(FrameIdx frame, std::span<const Segment* const> segments, FrameLook look);
   void Finish(Association& association);
@@ -91,7 +90,7 @@ class Matcher {
   }
 
   const PinholeCamera& camera_;
-  const Odometry& odometry_;
+  const Trajectory& trajectory_;
   const AssociateOptions& options_;
   std::vector<Observation> all_;
   std::vector<ObjectHypothesis> objects_;
@@ -177,7 +176,7 @@ void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments,
     for (const Segment* segment : segments) Reject(*segment, "frame cannot be read");
     return;
   }
-  const Pose3 camera_from_world = odometry_.at(frame).world_from_camera.Inverse();
+  const Pose3 camera_from_world = trajectory_.at(frame).world_from_camera.Inverse();
   sights_.Add(frame, camera_from_world, look.frame->depth_m);
   const std::vector<int> current = MakeObservations(segments, std::move(look.measured));
   if (current.empty()) return;
@@ -354,8 +353,8 @@ void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
 }
 
 Result<Association> Associate(const FrameSource& frames,
-                              const Odometry& odometry,
-                              const Ground& /*ground*/,
+                              const Trajectory& trajectory,
+                              std::span<const int> part_of_frame,
                               std::span<const Segment> segments,
                               const AssociateOptions& options,
                               Progress& progress) {
@@ -364,9 +363,8 @@ Result<Association> Associate(const FrameSource& frames,
   const std::vector<std::pair<FrameIdx, std::vector<const Segment*>>> by_frame(segments_of.begin(),
                                                                                segments_of.end());
   const auto is_known = [&](FrameIdx frame) {
-    return frame.value >= 0 && frame.value < static_cast<int>(odometry.frames.size());
+    return frame.value >= 0 && frame.value < static_cast<int>(trajectory.frames.size());
   };
-  const std::vector<int> parts = PartsOfFrames(odometry);
   int num_started = 0;
   std::map<int, Matcher> matchers;  // by part
   std::vector<Rejection> unknown;
@@ -375,7 +373,7 @@ Result<Association> Associate(const FrameSource& frames,
     const auto& [frame, of_frame] = by_frame[n];
     if (!is_known(frame)) return;
     looks[n % kLooksAhead] =
-        LookAt(frames, frame, odometry.at(frame).world_from_camera, of_frame, options);
+        LookAt(frames, frame, trajectory.at(frame).world_from_camera, of_frame, options);
   };
   const auto match = [&](std::size_t n) {
     if (progress.StopRequested()) return false;
@@ -383,9 +381,10 @@ Result<Association> Associate(const FrameSource& frames,
     if (!is_known(frame)) {
       for (const Segment* s : of_frame) unknown.push_back({s->detection, frame, "frame unknown"});
     } else {
-      const int part = parts[static_cast<std::size_t>(frame.value)];
+      const int part = part_of_frame[static_cast<std::size_t>(frame.value)];
       Matcher& matcher =
-          matchers.try_emplace(part, frames.camera(), odometry, options, num_started).first->second;
+          matchers.try_emplace(part, frames.camera(), trajectory, options, num_started)
+              .first->second;
       matcher.AddFrame(frame, of_frame, *std::move(looks[n % kLooksAhead]));
     }
     progress.Report(n + 1, by_frame.size());

@@ -3,8 +3,8 @@
 //
 // Each detection of a frame collects votes of the previous detected frames: the depth points of
 // their segments, moved into this frame by the tracked poses, that fall inside its box and lie near
-// its own points. Without a consensus the objects that have no detection in this frame yet are tried
-// with all their points; only then a new object starts.
+// its own points. Without a consensus the objects that have no detection in this frame yet are
+// tried with all their points; only then a new object starts.
 //
 // Places are compared within a part of the path (scene/measured_parts.h): where tracking found
 // nothing in common with the frames before, the world goes on at the last pose, and what stands in
@@ -18,7 +18,6 @@
 #include "deepslam/core/result.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/frame_source.h"
-#include "deepslam/scene/ground.h"
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/trajectory.h"
 
@@ -48,13 +47,13 @@ struct AssociateOptions {
 };
 void Describe(OptionsVisitor& visitor, AssociateOptions& options);
 
-// `segments` of the whole capture in ascending frames. Every detection ends in exactly one track or
-// one rejection; one detection per object and frame. Ids count from 0 in the order in which objects
-// appear; a merged object keeps the lower id. Frames whose depth cannot be read reject their
-// detections. Errors: Interrupted only.
+// `part_of_frame`: of each frame of the trajectory. `segments` of the whole capture in ascending
+// frames. Every detection ends in exactly one track or one rejection; one detection per object and
+// frame. Ids count from 0 in the order in which objects appear; a merged object keeps the lower id.
+// Frames whose depth cannot be read reject their detections. Errors: Interrupted only.
 [[nodiscard]] Result<Association> Associate(const FrameSource& frames,
-                                            const Odometry& odometry,
-                                            const Ground& ground,
+                                            const Trajectory& trajectory,
+                                            std::span<const int> part_of_frame,
                                             std::span<const Segment> segments,
                                             const AssociateOptions& options,
                                             Progress& progress);

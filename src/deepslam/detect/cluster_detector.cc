@@ -467,11 +467,12 @@ bool IsFurniture(const ClusterOptions& options, Cluster& cluster) {
 // Of a cluster's pixels, which are those of its mask.
 double CoveredShare(const Detection& cluster, std::span<const Detection> covered) {
   const Box2& box = cluster.box_px;
+  const Mask mask = cluster.mask.Unpacked();
   std::size_t num_pixels = 0;
   std::size_t num_covered = 0;
   for (int v = static_cast<int>(box.v_min); v <= static_cast<int>(box.v_max); ++v) {
     for (int u = static_cast<int>(box.u_min); u <= static_cast<int>(box.u_max); ++u) {
-      if (cluster.mask(u, v) == 0) continue;
+      if (mask(u, v) == 0) continue;
       ++num_pixels;
       num_covered += std::any_of(covered.begin(),
                                  covered.end(),

@@ -57,7 +57,7 @@ MeasuredShare JudgeMeasured(const shape::ShapeModel& model,
                             const Similarity3& camera_from_object,
                             const PinholeCamera& camera,
                             const DepthImage& depth_m,
-                            const PixelMask& mask) {
+                            const Mask& mask) {
   DEEPSLAM_CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height &&
                      mask.width() == camera.width && mask.height() == camera.height,
                  "depth, mask and camera differ in size");

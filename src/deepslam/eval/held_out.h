@@ -55,6 +55,6 @@ struct MeasuredShare {
                                           const Similarity3& camera_from_object,
                                           const PinholeCamera& camera,
                                           const DepthImage& depth_m,
-                                          const PixelMask& mask);
+                                          const Mask& mask);
 
 }  // namespace deepslam::eval

@@ -63,8 +63,8 @@ void RefuseContradictions(const LoopOptions& options, std::vector<Constellation>
 // Groups of objects that are one.
 class Groups {
  public:
-  Groups(const ObjectMap& map, const Association& association, const Odometry& odometry)
-      : sightings_(map, association, odometry) {
+  Groups(const ObjectMap& map, const Association& association, const Trajectory& trajectory)
+      : sightings_(map, association, trajectory, {}) {
     for (std::size_t k = 0; k < map.objects.size(); ++k) {
       const ObjectId id = map.objects[k].id;
       index_.emplace(id, k);
@@ -123,19 +123,19 @@ bool JoinAll(const Constellation& constellation, Groups& groups) {
 }
 
 // Keyframe of the object's best registered view; an invalid one without any.
-FrameIdx BestKeyframe(const ObjectMap& map, ObjectId id, const Odometry& odometry) {
+FrameIdx BestKeyframe(const ObjectMap& map, ObjectId id, const Trajectory& trajectory) {
   FrameIdx best;
   double best_share = -1;
   for (const MapObject& object : map.objects) {
     if (object.id != id) continue;
     for (const ViewRegistration& view : object.views) {
       if (!view.ok || !view.frame.valid() ||
-          view.frame.value >= static_cast<int>(odometry.frames.size()) ||
+          view.frame.value >= static_cast<int>(trajectory.frames.size()) ||
           view.inlier_share <= best_share) {
         continue;
       }
       best_share = view.inlier_share;
-      best = odometry.at(view.frame).keyframe;
+      best = trajectory.at(view.frame).keyframe;
     }
   }
   return best;
@@ -143,7 +143,7 @@ FrameIdx BestKeyframe(const ObjectMap& map, ObjectId id, const Odometry& odometr
 
 void AddEdges(const Constellation& constellation,
               const ObjectMap& map,
-              const Odometry& odometry,
+              const Trajectory& trajectory,
               const LoopOptions& options,
               std::vector<RelativePose>& edges) {
   const double deviation_m = std::max(options.edge_floor_m, constellation.position_error_m);
@@ -151,10 +151,10 @@ void AddEdges(const Constellation& constellation,
   deviation << Eigen::Vector3d::Constant(deviation_m),
       Eigen::Vector3d::Constant(options.edge_floor_deg * kRadPerDeg);
   for (const ObjectMerge& pair : constellation.pairs) {
-    const FrameIdx i = BestKeyframe(map, pair.kept, odometry);
-    const FrameIdx j = BestKeyframe(map, pair.merged, odometry);
-    const auto known = [&odometry](FrameIdx frame) {
-      return std::binary_search(odometry.keyframes.begin(), odometry.keyframes.end(), frame);
+    const FrameIdx i = BestKeyframe(map, pair.kept, trajectory);
+    const FrameIdx j = BestKeyframe(map, pair.merged, trajectory);
+    const auto known = [&trajectory](FrameIdx frame) {
+      return std::binary_search(trajectory.keyframes.begin(), trajectory.keyframes.end(), frame);
     };
     const bool there = std::any_of(edges.begin(), edges.end(), [i, j](const RelativePose& edge) {
       return edge.i == i && edge.j == j;
@@ -163,8 +163,8 @@ void AddEdges(const Constellation& constellation,
     RelativePose edge;
     edge.i = i;
     edge.j = j;
-    edge.i_from_j = odometry.at(i).world_from_camera.Inverse() *
-                    constellation.old_world_from_new_world * odometry.at(j).world_from_camera;
+    edge.i_from_j = trajectory.at(i).world_from_camera.Inverse() *
+                    constellation.old_world_from_new_world * trajectory.at(j).world_from_camera;
     edge.information = deviation.cwiseAbs2().cwiseInverse().asDiagonal();
     edges.push_back(edge);
   }
@@ -176,7 +176,7 @@ Loops AcceptLoops(std::span<const Constellation> verified,
                   const ObjectMap& map,
                   const Association& association,
                   const LoopOptions& options,
-                  const Odometry& odometry) {
+                  const Trajectory& trajectory) {
   Loops loops;
   loops.constellations.assign(verified.begin(), verified.end());
   RefuseContradictions(options, loops.constellations);
@@ -187,7 +187,7 @@ Loops AcceptLoops(std::span<const Constellation> verified,
                      if (a.pairs.size() != b.pairs.size()) return a.pairs.size() > b.pairs.size();
                      return a.position_error_m < b.position_error_m;
                    });
-  Groups groups(map, association, odometry);
+  Groups groups(map, association, trajectory);
   for (Constellation& constellation : loops.constellations) {
     if (!constellation.accepted) continue;
     if (!JoinAll(constellation, groups)) {
@@ -196,7 +196,7 @@ Loops AcceptLoops(std::span<const Constellation> verified,
       continue;
     }
     if (options.add_edges && constellation.pairs.size() > 1) {
-      AddEdges(constellation, map, odometry, options, loops.edges);
+      AddEdges(constellation, map, trajectory, options, loops.edges);
     }
   }
   loops.merges = groups.Merges();

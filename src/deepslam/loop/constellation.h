@@ -99,12 +99,14 @@ struct FoundConstellations {
   bool complete = true;  // false: max_seeds ended the search
 };
 
-// Proposals, unverified (accepted = false), those with most pairs first. `odometry` gives the path
-// lengths; without it every path counts as 0, so that only the base terms bound the drift.
+// Proposals, unverified (accepted = false), those with most pairs first. `trajectory` gives the
+// path lengths; without it every path counts as 0, so that only the base terms bound the drift.
+// Parts of the path by frame (scene/measured_parts.h): one where none is given.
 [[nodiscard]] FoundConstellations FindConstellations(const ObjectMap& map,
                                                      const Association& association,
                                                      const LoopOptions& options,
-                                                     const Odometry& odometry = {});
+                                                     const Trajectory& trajectory = {},
+                                                     std::span<const int> part_of_frame = {});
 
 // The constellation with refined correction, verdict and reason.
 //
@@ -141,7 +143,7 @@ struct FoundConstellations {
                                 const ObjectMap& map,
                                 const Association& association,
                                 const LoopOptions& options,
-                                const Odometry& odometry = {});
+                                const Trajectory& trajectory = {});
 
 // What a further search found, in the map that the merges of `all` made. Merged objects still go to
 // what is kept at last; refused constellations that come again take the place of the earlier ones.

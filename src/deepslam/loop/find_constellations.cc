@@ -35,10 +35,11 @@ class ConstellationFinder {
   ConstellationFinder(const ObjectMap& map,
                       const Association& association,
                       const LoopOptions& options,
-                      const Odometry& odometry)
+                      const Trajectory& trajectory,
+                      std::span<const int> part_of_frame)
       : map_(map),
         options_(options),
-        sightings_(map, association, odometry),
+        sightings_(map, association, trajectory, part_of_frame),
         level_from_world_(LevelFromWorld(UpDirection(map))) {
     std::istringstream classes(options.yaw_free_classes);
     for (std::string name; classes >> name;) yaw_free_classes_.insert(name);
@@ -406,9 +407,10 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options) {
 FoundConstellations FindConstellations(const ObjectMap& map,
                                        const Association& association,
                                        const LoopOptions& options,
-                                       const Odometry& odometry) {
+                                       const Trajectory& trajectory,
+                                       std::span<const int> part_of_frame) {
   if (!options.enabled) return {};
-  return ConstellationFinder(map, association, options, odometry).Find();
+  return ConstellationFinder(map, association, options, trajectory, part_of_frame).Find();
 }
 
 }  // namespace deepslam::loop

@@ -43,10 +43,10 @@ bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& optio
 
 std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
                                        const LoopOptions& options,
-                                       const Odometry& odometry) {
+                                       std::span<const int> part_of_frame) {
   std::vector<Intruder> suspects;
   if (!options.merge_overlapping) return suspects;
-  const Sightings sightings(map, {}, odometry);
+  const Sightings sightings(map, {}, {}, part_of_frame);
   for (std::size_t k = 0; k < map.objects.size(); ++k) {
     const MapObject& object = map.objects[k];
     for (std::size_t h = 0; h < map.objects.size(); ++h) {

@@ -2,6 +2,7 @@
 // is no thing of its own.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "deepslam/core/ids.h"
@@ -23,10 +24,10 @@ struct Intruder {
 
 // Those less than half as sure as another one that they may touch, with every such one, in the
 // order of the map. None without merge_overlapping; none of two that were seen in parts of the path
-// which nothing ties together (Sightings::Tied).
+// which nothing ties together (Sightings::Tied); by frame, one part where none is given.
 [[nodiscard]] std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
                                                      const LoopOptions& options,
-                                                     const Odometry& odometry = {});
+                                                     std::span<const int> part_of_frame = {});
 
 // The suspects that share the place of a host of their class, or that are no more than a piece of
 // the host, whatever their class: four fifths of what was measured of them lie within

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "deepslam/scene/measured_parts.h"
-
 namespace deepslam::loop {
 
-Sightings::Sightings(const ObjectMap& map, const Association& association, const Odometry& odometry)
-    : part_of_frame_(PartsOfFrames(odometry)) {
+Sightings::Sightings(const ObjectMap& map,
+                     const Association& association,
+                     const Trajectory& trajectory,
+                     std::span<const int> part_of_frame)
+    : part_of_frame_(part_of_frame.begin(), part_of_frame.end()) {
   std::map<ObjectId, const ObjectTrack*> tracks;
   for (const ObjectTrack& track : association.tracks) tracks.emplace(track.id, &track);
   for (const MapObject& object : map.objects) {
@@ -29,9 +30,9 @@ Sightings::Sightings(const ObjectMap& map, const Association& association, const
 
   // Keyframes only: the jitter of single frames is not travel.
   const Eigen::Vector3d* previous = nullptr;
-  for (const FrameIdx keyframe : odometry.keyframes) {
-    if (!keyframe.valid() || keyframe.value >= static_cast<int>(odometry.frames.size())) continue;
-    const Eigen::Vector3d& here = odometry.at(keyframe).world_from_camera.translation_m;
+  for (const FrameIdx keyframe : trajectory.keyframes) {
+    if (!keyframe.valid() || keyframe.value >= static_cast<int>(trajectory.frames.size())) continue;
+    const Eigen::Vector3d& here = trajectory.at(keyframe).world_from_camera.translation_m;
     const double step_m = previous == nullptr ? 0.0 : (here - *previous).norm();
     const double before_m = path_m_.empty() ? 0.0 : path_m_.back();
     path_frames_.push_back(keyframe.value);

@@ -99,7 +99,8 @@ Image<T> Crop(const Image<T>& image, int u0, int v0, int width, int height) {
 }
 
 // The pixels of the mask that have depth, in the window of the depth crop.
-Mask Measured(const PixelMask& mask, int u0, int v0, const DepthImage& depth_crop_m) {
+Mask Measured(const PixelMask& pixels, int u0, int v0, const DepthImage& depth_crop_m) {
+  const Mask mask = pixels.Unpacked();
   Mask measured(depth_crop_m.width(), depth_crop_m.height());
   for (int v = 0; v < measured.height(); ++v) {
     for (int u = 0; u < measured.width(); ++u)

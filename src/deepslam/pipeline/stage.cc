@@ -19,17 +19,40 @@ StageContext::StageContext(std::filesystem::path workspace,
       inputs_(std::move(inputs)),
       progress_(progress) {}
 
-Result<std::string> StageContext::Read(std::string_view stage, std::string_view file) const {
+std::filesystem::path StageContext::PathTo(std::string_view stage, std::string_view file) const {
   DEEPSLAM_CHECK(std::find(inputs_.begin(), inputs_.end(), stage) != inputs_.end(),
                  fmt::format("stage {} is not declared as an input", stage));
-  return artifact::ReadFile(workspace_ / stage / file);
+  return workspace_ / stage / file;
+}
+
+Result<std::string> StageContext::Read(std::string_view stage, std::string_view file) const {
+  return artifact::ReadFile(PathTo(stage, file));
+}
+
+Status StageContext::ReadLines(std::string_view stage,
+                               std::string_view file,
+                               const artifact::TextSink& use) const {
+  return artifact::ReadLines(PathTo(stage, file), use);
 }
 
 Status StageContext::Write(std::string_view file, std::string_view bytes) {
+  return Write(file, [bytes](const artifact::TextSink& sink) { return sink(bytes); });
+}
+
+Status StageContext::Write(std::string_view file, const artifact::TextWriter& text) {
   const std::filesystem::path path = folder_ / file;
   if (Status status = artifact::MakeFolders(path.parent_path()); !status.ok()) return status;
-  if (Status status = artifact::WriteFileUnsynced(path, bytes); !status.ok()) return status;
-  outputs_[std::string(file)] = {Sha256Hex(bytes), bytes.size()};
+  Sha256 hash;
+  std::uintmax_t num_bytes = 0;
+  const auto hashed = [&](const artifact::TextSink& to_file) {
+    return text([&](std::string_view piece) {
+      hash.Update(piece);
+      num_bytes += piece.size();
+      return to_file(piece);
+    });
+  };
+  if (Status status = artifact::WriteFileUnsynced(path, hashed); !status.ok()) return status;
+  outputs_[std::string(file)] = {hash.HexDigest(), num_bytes};
   return Ok();
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 
@@ -38,8 +39,13 @@ class StageContext {
   // Bytes of a file another stage wrote; the stage must be among the declared inputs. `file` is
   // relative to its folder.
   [[nodiscard]] Result<std::string> Read(std::string_view stage, std::string_view file) const;
+  // The same by pieces of whole lines (artifact/store.h).
+  [[nodiscard]] Status ReadLines(std::string_view stage,
+                                 std::string_view file,
+                                 const artifact::TextSink& use) const;
   // Writes a file of this stage's output, `file` relative ("models/a.binvox").
   [[nodiscard]] Status Write(std::string_view file, std::string_view bytes);
+  [[nodiscard]] Status Write(std::string_view file, const artifact::TextWriter& text);
   // The stages whose files may be read, in the order declared.
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
   [[nodiscard]] Progress& progress() const { return progress_; }
@@ -48,6 +54,8 @@ class StageContext {
   [[nodiscard]] const std::map<std::string, OutputFile>& outputs() const { return outputs_; }
 
  private:
+  [[nodiscard]] std::filesystem::path PathTo(std::string_view stage, std::string_view file) const;
+
   std::filesystem::path workspace_;
   std::filesystem::path folder_;
   std::vector<std::string> inputs_;

@@ -36,8 +36,8 @@ class Positions {
  public:
   explicit Positions(std::span<const FrameIdx> keyframes) : keyframes_(keyframes) {}
 
-  [[nodiscard]] bool Find(const RelativePose& edge, std::size_t& older, std::size_t& newer) const {
-    const auto [low, high] = std::minmax(edge.i, edge.j);
+  [[nodiscard]] bool Find(const KeyframeJoin& join, std::size_t& older, std::size_t& newer) const {
+    const auto [low, high] = std::minmax(join.i, join.j);
     return Find(low, older) && Find(high, newer) && older != newer;
   }
 
@@ -56,15 +56,15 @@ class Positions {
 // keyframe it stands for a loss.
 std::vector<bool> JoinedByGuess(std::span<const TrackedFrame> frames,
                                 std::span<const FrameIdx> keyframes,
-                                std::span<const RelativePose> edges,
+                                std::span<const KeyframeJoin> joins,
                                 const Positions& positions) {
   std::vector<bool> composed(keyframes.size(), false);
   std::vector<bool> measured(keyframes.size(), false);
   std::size_t older = 0, newer = 0;
-  for (const RelativePose& edge : edges) {
-    if (!positions.Find(edge, older, newer)) continue;
-    if (!edge.composed) measured[newer] = true;
-    if (edge.composed && newer == older + 1) composed[newer] = true;
+  for (const KeyframeJoin& join : joins) {
+    if (!positions.Find(join, older, newer)) continue;
+    if (!join.composed) measured[newer] = true;
+    if (join.composed && newer == older + 1) composed[newer] = true;
   }
   std::vector<bool> guessed(keyframes.size(), false);
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
@@ -76,18 +76,28 @@ std::vector<bool> JoinedByGuess(std::span<const TrackedFrame> frames,
 
 }  // namespace
 
+std::vector<KeyframeJoin> JoinsOf(std::span<const RelativePose> edges,
+                                  std::span<const RelativePose> later) {
+  std::vector<KeyframeJoin> joins;
+  joins.reserve(edges.size() + later.size());
+  for (const std::span<const RelativePose> some : {edges, later}) {
+    for (const RelativePose& edge : some) joins.push_back({edge.i, edge.j, edge.composed});
+  }
+  return joins;
+}
+
 std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> frames,
                                                std::span<const FrameIdx> keyframes,
-                                               std::span<const RelativePose> edges) {
+                                               std::span<const KeyframeJoin> joins) {
   const Positions positions(keyframes);
   Parts parts(keyframes.size());
-  const std::vector<bool> guessed = JoinedByGuess(frames, keyframes, edges, positions);
+  const std::vector<bool> guessed = JoinedByGuess(frames, keyframes, joins, positions);
   for (std::size_t k = 1; k < keyframes.size(); ++k) {
     if (!guessed[k]) parts.Join(k - 1, k);
   }
   std::size_t older = 0, newer = 0;
-  for (const RelativePose& edge : edges) {
-    if (!edge.composed && positions.Find(edge, older, newer)) parts.Join(older, newer);
+  for (const KeyframeJoin& join : joins) {
+    if (!join.composed && positions.Find(join, older, newer)) parts.Join(older, newer);
   }
   std::map<std::size_t, int> number_of;  // by root; roots come first, so in order of appearance
   std::vector<MeasuredStretch> stretches;
@@ -102,14 +112,13 @@ std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> fra
   return stretches;
 }
 
-std::vector<int> PartsOfFrames(const Odometry& odometry) {
-  std::vector<int> parts(odometry.frames.size(), 0);
+std::vector<int> PartsOfFrames(const Trajectory& trajectory, std::span<const KeyframeJoin> joins) {
+  std::vector<int> parts(trajectory.frames.size(), 0);
   std::vector<FrameIdx> keyframes;
-  std::ranges::copy_if(odometry.keyframes, std::back_inserter(keyframes), [&](FrameIdx keyframe) {
+  std::ranges::copy_if(trajectory.keyframes, std::back_inserter(keyframes), [&](FrameIdx keyframe) {
     return keyframe.valid() && static_cast<std::size_t>(keyframe.value) < parts.size();
   });
-  for (const MeasuredStretch& stretch :
-       MeasuredStretches(odometry.frames, keyframes, odometry.edges)) {
+  for (const MeasuredStretch& stretch : MeasuredStretches(trajectory.frames, keyframes, joins)) {
     const FrameIdx first = keyframes[static_cast<std::size_t>(stretch.first_keyframe)];
     if (stretch.first_keyframe > 0)
       std::fill(parts.begin() + first.value, parts.end(), stretch.part);

@@ -21,15 +21,25 @@ struct MeasuredStretch {
   int end_keyframe = 0;
 };
 
-// Ascending; together they hold every keyframe. One stretch where everything was measured. `edges`:
-// those between keyframes, of tracking and whatever was measured later; edges of other frames say
-// nothing.
+// What an edge says of parts. The measurements themselves take thirty times as much memory.
+struct KeyframeJoin {
+  FrameIdx i;
+  FrameIdx j;
+  bool composed = false;
+};
+// In the order of the edges: those of tracking, and whatever was measured later.
+[[nodiscard]] std::vector<KeyframeJoin> JoinsOf(std::span<const RelativePose> edges,
+                                                std::span<const RelativePose> later = {});
+
+// Ascending; together they hold every keyframe. One stretch where everything was measured. Joins of
+// frames that are no keyframes say nothing.
 [[nodiscard]] std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> frames,
                                                              std::span<const FrameIdx> keyframes,
-                                                             std::span<const RelativePose> edges);
+                                                             std::span<const KeyframeJoin> joins);
 
 // The part of each frame. A stretch reaches from its first keyframe to before the next one's; what
 // comes before all keyframes is the first stretch's. All 0 without keyframes.
-[[nodiscard]] std::vector<int> PartsOfFrames(const Odometry& odometry);
+[[nodiscard]] std::vector<int> PartsOfFrames(const Trajectory& trajectory,
+                                             std::span<const KeyframeJoin> joins);
 
 }  // namespace deepslam

@@ -1,8 +1,11 @@
 // associate: which detections are the same object.
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/associate/associate.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -12,16 +15,31 @@ namespace deepslam::stages {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs) {
-  const Result<Odometry> odometry = ReadOdometry(context);
+namespace {
+
+struct PartedTrajectory {
+  Trajectory trajectory;
+  std::vector<int> part_of_frame;
+};
+
+// The edges, most of what was read, are gone before segments come.
+Result<PartedTrajectory> ReadParted(const StageContext& context) {
+  Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
-  const Result<Ground> ground = ReadGround(context, "ground");
-  if (!ground.ok()) return ground.error();
+  std::vector<int> parts = PartsOfFrames(*odometry, JoinsOf(odometry->edges));
+  return PartedTrajectory{std::move(static_cast<Trajectory&>(*odometry)), std::move(parts)};
+}
+
+}  // namespace
+
+Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs) {
+  const Result<PartedTrajectory> path = ReadParted(context);
+  if (!path.ok()) return path.error();
   const Result<std::vector<Segment>> segments = ReadSegments(context);
   if (!segments.ok()) return segments.error();
   Result<Association> association = associate::Associate(*inputs.capture->frames,
-                                                         *odometry,
-                                                         *ground,
+                                                         path->trajectory,
+                                                         path->part_of_frame,
                                                          *segments,
                                                          inputs.config.associate,
                                                          context.progress());

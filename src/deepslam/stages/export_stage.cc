@@ -19,6 +19,7 @@
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/floor_surface.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/expand.h"
 #include "deepslam/stages/plan.h"
@@ -42,18 +43,16 @@ struct Content {
   Proposals proposals;
   std::map<std::string, std::string> library_checksums;
   std::map<std::string, std::string> voxels_checksums;  // by model key
-  std::vector<RelativePose> edges;                      // between keyframes, loops included
+  std::vector<KeyframeJoin> joins;                      // loops included
 };
 
-// What was measured between keyframes, by tracking and by the loops.
-Result<std::vector<RelativePose>> ReadEdges(const StageContext& context) {
-  Result<Odometry> odometry = ReadOdometry(context);
+// Between which keyframes tracking and the loops measured something.
+Result<std::vector<KeyframeJoin>> ReadJoins(const StageContext& context) {
+  const Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
   const Result<Loops> loops = ReadLoops(context);
   if (!loops.ok()) return loops.error();
-  std::vector<RelativePose> edges = std::move(odometry->edges);
-  edges.insert(edges.end(), loops->edges.begin(), loops->edges.end());
-  return edges;
+  return JoinsOf(odometry->edges, loops->edges);
 }
 
 Status ReadObjects(const StageContext& context, Content& content) {
@@ -88,7 +87,7 @@ Result<Content> ReadContent(const StageContext& context) {
       [&] { return ReadObjects(context, content); },
       [&] { return Take(ReadCandidates(context, "loops"), content.proposals); },
       [&] { return Take(ReadMesh(context, "fuse", "room.ply"), content.room); },
-      [&] { return Take(ReadEdges(context), content.edges); },
+      [&] { return Take(ReadJoins(context), content.joins); },
       [&] { return ReadLibraryChecksums(context, content); }};
   if (Status status = ReadSideBySide(readers); !status.ok()) return status.error();
   return content;
@@ -225,7 +224,7 @@ Result<artifact::MapFile> MakeMap(const StageContext& context,
   map.capture_name = inputs.capture->name;
   map.capture_hash = inputs.capture->content_hash;
   if (content.map.has_ground) map.ground_world = content.map.ground_world;
-  const RunVerdict verdict = JudgeRun(content.map, content.edges, inputs.capture->doubts);
+  const RunVerdict verdict = JudgeRun(content.map, content.joins, inputs.capture->doubts);
   if (scene.ground) map.ground_outline_m = mesh::OutlineOf(*scene.ground);
   for (const gltf::GltfObject& object : scene.objects) {
     map.class_colours[object.class_name] = object.class_colour;

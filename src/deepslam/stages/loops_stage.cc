@@ -21,6 +21,7 @@
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/shared_place.h"
 #include "deepslam/loop/visits.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/shape/view_points.h"
 #include "deepslam/stages/appearance_stage.h"
 #include "deepslam/stages/keyframe_graph.h"
@@ -142,11 +143,9 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
   return evidence;
 }
 
-// With what loops have measured so far among the edges.
-Odometry Measured(const LoopWorld& world) {
-  Odometry measured = world.odometry;
-  measured.edges.insert(measured.edges.end(), world.edges.begin(), world.edges.end());
-  return measured;
+// With what loops have measured so far.
+std::vector<int> PartsOf(const LoopWorld& world) {
+  return PartsOfFrames(world.odometry, JoinsOf(world.odometry.edges, world.edges));
 }
 
 Result<Loops> DetectLoops(const StageContext& context,
@@ -154,8 +153,8 @@ Result<Loops> DetectLoops(const StageContext& context,
                           const std::vector<PartedVisit>& visits,
                           const LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
-  loop::FoundConstellations found =
-      loop::FindConstellations(world.map, world.association, options, Measured(world));
+  loop::FoundConstellations found = loop::FindConstellations(
+      world.map, world.association, options, world.odometry, PartsOf(world));
   if (!found.complete) {
     context.progress().Warn(
         fmt::format("loops.max_seeds: {} starts of constellations were tried and more are left, so "
@@ -344,8 +343,7 @@ Result<Loops> CloseByObjects(const StageContext& context,
 Status DropIntruders(const StageContext& context, const RunInputs& inputs, LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
   ObjectMap& map = world.map;
-  const std::vector<loop::Intruder> suspects =
-      loop::SuspectIntruders(map, options, Measured(world));
+  const std::vector<loop::Intruder> suspects = loop::SuspectIntruders(map, options, PartsOf(world));
   if (suspects.empty()) return Ok();
   std::set<ObjectId> wanted;
   for (const loop::Intruder& suspect : suspects) wanted.insert({suspect.id, suspect.host});

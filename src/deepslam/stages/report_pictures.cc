@@ -189,11 +189,12 @@ void AppendPoints(const Segment& segment,
                   std::vector<Eigen::Vector3f>& points_world) {
   const DepthImage& depth = frame.depth_m;
   if (segment.mask.width() != depth.width() || segment.mask.height() != depth.height()) return;
+  const Mask mask = segment.mask.Unpacked();
   const int step = segment.num_points / std::max(1, max_points) + 1;
   int count = 0;
   for (int v = 0; v < depth.height(); ++v) {
     for (int u = 0; u < depth.width(); ++u) {
-      if (segment.mask(u, v) == 0 || depth(u, v) <= 0 || count++ % step != 0) continue;
+      if (mask(u, v) == 0 || depth(u, v) <= 0 || count++ % step != 0) continue;
       const Eigen::Vector3d p_camera = camera.Unproject(u, v, static_cast<double>(depth(u, v)));
       points_world.push_back((world_from_camera * p_camera).cast<float>());
     }

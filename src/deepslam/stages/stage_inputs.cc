@@ -14,6 +14,7 @@
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/ply.h"
+#include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/segments_json.h"
@@ -54,11 +55,14 @@ Result<Trajectory> ReadTrajectoryOf(const StageContext& context, std::string_vie
 Result<Odometry> ReadOdometry(const StageContext& context) {
   const Result<std::string> frames = context.Read("track", "frames.json");
   const Result<std::string> tum = context.Read("track", "trajectory.tum");
-  const Result<std::string> g2o = context.Read("track", "odometry.g2o");
-  for (const Result<std::string>* text : {&frames, &tum, &g2o}) {
+  for (const Result<std::string>* text : {&frames, &tum}) {
     if (!text->ok()) return text->error();
   }
-  return artifact::DecodeOdometry(*frames, *tum, *g2o, "track/frames.json");
+  artifact::G2oEdgeReader edges("track/odometry.g2o");
+  const auto read = [&edges](std::string_view lines) { return edges.Read(lines); };
+  if (Status status = context.ReadLines("track", "odometry.g2o", read); !status.ok())
+    return status.error();
+  return artifact::DecodeOdometry(*frames, *tum, edges.TakeEdges(), "track/frames.json");
 }
 
 Result<Trajectory> ReadTrajectory(const StageContext& context) {

@@ -67,16 +67,16 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
       {{"trajectory.tum", [&] { return artifact::EncodeTum(trajectory, "trajectory.tum"); }},
        {"keyframes.tum", [&] { return artifact::EncodeTum(keyframes, "keyframes.tum"); }},
        {"as_tracked.tum", [&] { return artifact::EncodeTum(path->as_tracked, "as_tracked.tum"); }},
-       {"odometry.g2o",
-        [&] {
-          return artifact::EncodeG2o(
-              odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o");
-        }},
        {"frames.json", [&] {
           return artifact::EncodeFrames(
               odometry->frames, odometry->keyframes, odometry->edges, "frames.json");
         }}});
   if (!written.ok()) return written.error();
+  const Status edges = context.Write("odometry.g2o", [&](const artifact::TextSink& sink) {
+    return artifact::EncodeG2o(
+        odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o", sink);
+  });
+  if (!edges.ok()) return edges.error();
   const auto count = [&](TrackingStatus status) {
     return std::count_if(odometry->frames.begin(),
                          odometry->frames.end(),

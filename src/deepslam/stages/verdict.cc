@@ -82,8 +82,8 @@ struct Adrift {
   std::size_t cut_frame = 0;  // where tracking found nothing in common with the frames before
 };
 
-std::optional<Adrift> FindAdrift(const OptimizedMap& map, std::span<const RelativePose> edges) {
-  const auto stretches = MeasuredStretches(map.frames, map.keyframes, edges);
+std::optional<Adrift> FindAdrift(const OptimizedMap& map, std::span<const KeyframeJoin> joins) {
+  const auto stretches = MeasuredStretches(map.frames, map.keyframes, joins);
   if (stretches.size() < 2) return std::nullopt;
   // A stretch reaches from its first keyframe to the next stretch's; what is before the first
   // keyframe is the first stretch's.
@@ -134,7 +134,7 @@ std::string InWords(const Adrift& adrift) {
 }  // namespace
 
 RunVerdict JudgeRun(const OptimizedMap& map,
-                    std::span<const RelativePose> edges,
+                    std::span<const KeyframeJoin> joins,
                     std::span<const std::string> capture_doubts) {
   RunVerdict verdict;
   const auto note = [&](artifact::Verdict level, std::string reason) {
@@ -160,7 +160,7 @@ RunVerdict JudgeRun(const OptimizedMap& map,
     note(artifact::Verdict::kDoubtful,
          fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate));
   }
-  if (const std::optional<Adrift> adrift = FindAdrift(map, edges)) {
+  if (const std::optional<Adrift> adrift = FindAdrift(map, joins)) {
     note(adrift->share > kBadAdriftShare ? artifact::Verdict::kBad : artifact::Verdict::kDoubtful,
          InWords(*adrift));
   }

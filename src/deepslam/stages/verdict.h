@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "deepslam/artifact/map_json.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/scene/optimized_map.h"
-#include "deepslam/scene/trajectory.h"
 
 namespace deepslam::stages {
 
@@ -20,10 +20,10 @@ struct RunVerdict {
 // the rest, or no object. Doubtful: more than 5 % lost, any frames without a measured place, more
 // than a quarter weakly constrained, a camera that jumps, few keyframes, no ground, a graph that
 // did not converge, objects of little confidence, and whatever is doubted of the capture itself
-// (`capture_doubts`: dataset/doubts.h), which stands first. `edges`: all measurements between
-// keyframes, of tracking and of the loops.
+// (`capture_doubts`: dataset/doubts.h), which stands first. `joins`: what is known between
+// keyframes, by tracking and by the loops.
 [[nodiscard]] RunVerdict JudgeRun(const OptimizedMap& map,
-                                  std::span<const RelativePose> edges,
+                                  std::span<const KeyframeJoin> joins,
                                   std::span<const std::string> capture_doubts = {});
 
 }  // namespace deepslam::stages

@@ -1,5 +1,5 @@
 // Run-length masks. Width and height come first, two bytes each.
-#include "deepslam/artifact/rle.h"
+#include "deepslam/scene/run_lengths.h"
 #include "fuzz/entry.h"
 
 DEEPSLAM_FUZZ(mask) {
@@ -8,9 +8,9 @@ DEEPSLAM_FUZZ(mask) {
     return static_cast<int>(static_cast<unsigned char>(bytes[i])) |
            static_cast<int>(static_cast<unsigned char>(bytes[i + 1])) << 8;
   };
-  const auto mask = artifact::DecodeRle(bytes.substr(4), side(0), side(2));
+  const auto mask = DecodeRle(bytes.substr(4), side(0), side(2));
   if (!mask.ok()) return Refused(mask.error(), "mask");
-  const auto again = artifact::DecodeRle(artifact::EncodeRle(*mask), side(0), side(2));
+  const auto again = DecodeRle(EncodeRle(*mask), side(0), side(2));
   DEEPSLAM_CHECK(again.ok() && *again == *mask, "coding loses nothing");
   return true;
 }

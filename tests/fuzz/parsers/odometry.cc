@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "fuzz/entry.h"
 
@@ -13,7 +14,9 @@ DEEPSLAM_FUZZ(odometry) {
     text = bytes.substr(0, end);
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 2);
   }
-  const auto odometry = artifact::DecodeOdometry(texts[0], texts[1], texts[2], kFile);
+  artifact::G2oEdgeReader edges(kFile);
+  if (const Status read = edges.Read(texts[2]); !read.ok()) return Refused(read.error());
+  const auto odometry = artifact::DecodeOdometry(texts[0], texts[1], edges.TakeEdges(), kFile);
   if (!odometry.ok()) return Refused(odometry.error());
   for (const RelativePose& edge : odometry->edges) {
     DEEPSLAM_CHECK(edge.i.value < static_cast<int>(odometry->frames.size()) &&

@@ -1,15 +1,16 @@
-#include "deepslam/artifact/rle.h"
+#include "deepslam/scene/run_lengths.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
-namespace deepslam::artifact {
+namespace deepslam {
 namespace {
 
 // Five bits per character, sign-extended, from '0' on; from the third run on the difference to the
@@ -23,6 +24,14 @@ void AppendNumber(std::int64_t value, std::string& text) {
     if (more) bits |= 0x20;
     text += static_cast<char>(bits + 48);
   }
+}
+
+std::string EncodeRuns(std::span<const std::int64_t> runs) {
+  std::string text;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    AppendNumber(i > 2 ? runs[i] - runs[i - 2] : runs[i], text);
+  text.shrink_to_fit();
+  return text;
 }
 
 // The runs, which fill the mask exactly; nothing as large as the mask is needed to know that.
@@ -141,11 +150,26 @@ std::string EncodeRle(const Mask& mask) {
   if (!mask.empty()) runs = ChangesByColumns(mask);
   runs.push_back(static_cast<std::int64_t>(mask.size()));
   std::adjacent_difference(runs.begin(), runs.end(), runs.begin());
-  std::string text;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    AppendNumber(i > 2 ? runs[i] - runs[i - 2] : runs[i], text);
+  return EncodeRuns(runs);
+}
+
+Result<std::string> CanonicalRle(std::string_view counts, int width, int height) {
+  const Result<std::vector<std::int64_t>> runs = DecodeRuns(counts, width, height);
+  if (!runs.ok()) return runs.error();
+  std::vector<std::int64_t> joined;
+  bool before_is_set = true;
+  for (std::size_t index = 0; index < runs->size(); ++index) {
+    const bool is_set = index % 2 == 1;
+    const bool is_empty = index > 0 && (*runs)[index] == 0;
+    if (is_empty) continue;
+    if (is_set == before_is_set && !joined.empty()) {
+      joined.back() += (*runs)[index];
+    } else {
+      joined.push_back((*runs)[index]);
+    }
+    before_is_set = is_set;
   }
-  return text;
+  return EncodeRuns(joined);
 }
 
 Result<Mask> DecodeRle(std::string_view counts, int width, int height) {
@@ -186,4 +210,4 @@ Result<Mask> DecodeRleResized(
   return mask;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam
