@@ -148,12 +148,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses | kDetector,
       RunDetect);
   add("segment", 7, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
-  add("associate",
-      7,
-      {"track", "ground", "segment"},
-      {"associate"},
-      kFrames | kTrackOverrides,
-      RunAssociate);
+  add("associate", 7, {"track", "segment"}, {"associate"}, kFrames | kTrackOverrides, RunAssociate);
   add("propose",
       8,
       {"track", "ground", "segment", "associate"},
