@@ -61,7 +61,7 @@ tests/bench/whole_run.py build/release/tools/deepslam "$capture" --runs "$runs" 
   --json "$out/whole_run.json" --page "$out/whole_run.md" "${more[@]}"
 bench tracking "$repetitions"
 bench peers "$peer_repetitions"
-bench graph "$peer_repetitions"
+bench graph 1  # minutes each
 bench loop "$peer_repetitions"
 bench selection "$peer_repetitions"
 bench kernels "$peer_repetitions"
