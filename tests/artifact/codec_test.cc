@@ -252,8 +252,6 @@ TEST(Codecs, KeepOdometryToTheLastBit) {
   }
 }
 
-// The file's chi^2 by g2o's convention (translation; quaternion vector part) is the program's r^T
-// Omega r on t2v.
 // As the lines of a file come: any number of whole ones at a time.
 TEST(PoseGraphG2o, IsReadByPiecesAsAWhole) {
   const std::string text = *G2oText(SampleOdometry());
@@ -295,6 +293,8 @@ TEST(PoseGraphG2o, EndsWhereItsSinkDoes) {
   EXPECT_EQ(num_pieces, 2);
 }
 
+// The file's chi^2 by g2o's convention (translation; quaternion vector part) is the program's r^T
+// Omega r on t2v.
 TEST(PoseGraphG2o, MeansTheSameErrorByG2osConvention) {
   Random random(7);
   Odometry odometry = SampleOdometry();

@@ -24,7 +24,7 @@ struct Intruder {
 
 // Those less than half as sure as another one that they may touch, with every such one, in the
 // order of the map. None without merge_overlapping; none of two that were seen in parts of the path
-// which nothing ties together (Sightings::Tied); by frame, one part where none is given.
+// which nothing ties together (Sightings::Tied). Parts by frame; all is one where none is given.
 [[nodiscard]] std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
                                                      const LoopOptions& options,
                                                      std::span<const int> part_of_frame = {});

@@ -157,17 +157,14 @@ Result<std::string> CanonicalRle(std::string_view counts, int width, int height)
   const Result<std::vector<std::int64_t>> runs = DecodeRuns(counts, width, height);
   if (!runs.ok()) return runs.error();
   std::vector<std::int64_t> joined;
-  bool before_is_set = true;
   for (std::size_t index = 0; index < runs->size(); ++index) {
-    const bool is_set = index % 2 == 1;
-    const bool is_empty = index > 0 && (*runs)[index] == 0;
-    if (is_empty) continue;
-    if (is_set == before_is_set && !joined.empty()) {
-      joined.back() += (*runs)[index];
-    } else {
-      joined.push_back((*runs)[index]);
+    const std::int64_t run = (*runs)[index];
+    if (index > 0 && run == 0) continue;
+    if (joined.size() % 2 == index % 2) {
+      joined.push_back(run);
+    } else {  // of the value of the last one, as what lay between was empty
+      joined.back() += run;
     }
-    before_is_set = is_set;
   }
   return EncodeRuns(joined);
 }

@@ -1,4 +1,5 @@
 // Run-length masks. Width and height come first, two bytes each.
+#include "deepslam/scene/pixel_mask.h"
 #include "deepslam/scene/run_lengths.h"
 #include "fuzz/entry.h"
 
@@ -12,5 +13,8 @@ DEEPSLAM_FUZZ(mask) {
   if (!mask.ok()) return Refused(mask.error(), "mask");
   const auto again = DecodeRle(EncodeRle(*mask), side(0), side(2));
   DEEPSLAM_CHECK(again.ok() && *again == *mask, "coding loses nothing");
+  const auto kept = PixelMask::FromRle(bytes.substr(4), side(0), side(2));
+  DEEPSLAM_CHECK(kept.ok() && *kept == PixelMask(*mask) && kept->Unpacked() == *mask,
+                 "runs cut into others are the same mask");
   return true;
 }
