@@ -4,6 +4,7 @@
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/pose_graph_g2o.h"
+#include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/summary_json.h"
 #include "deepslam/core/random.h"
 #include "deepslam/scene/ground.h"
@@ -56,17 +57,29 @@ inline Odometry SampleOdometry() {
   return odometry;
 }
 
-// odometry.g2o.
-inline Result<std::string> G2oText(const Odometry& odometry) {
+// All pieces of a text, or its error.
+inline Result<std::string> Whole(const artifact::TextWriter& writer) {
   std::string text;
   const auto add = [&text](std::string_view piece) {
     text += piece;
     return Ok();
   };
-  const Status status =
-      artifact::EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "file", add);
-  if (!status.ok()) return status.error();
+  if (Status status = writer(add); !status.ok()) return status.error();
   return text;
+}
+
+// odometry.g2o.
+inline Result<std::string> G2oText(const Odometry& odometry) {
+  return Whole([&](const artifact::TextSink& sink) {
+    return artifact::EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "file", sink);
+  });
+}
+
+// segments.json.
+inline Result<std::string> SegmentsText(const std::vector<Segment>& segments) {
+  return Whole([&](const artifact::TextSink& sink) {
+    return artifact::EncodeSegments(segments, "file", sink);
+  });
 }
 
 inline Ground SampleGround() {

@@ -42,46 +42,27 @@ TEST(Store, KeepsTheOldFileWhenTheNewOneCannotBeWritten) {
                              HasSubstr("make its folder first")));
 }
 
-TEST(Store, HandsOverWholeLinesWhateverTheirLength) {
+TEST(Store, GivesATextByPieces) {
   const TempDir dir;
   const auto file = dir.path() / "a.txt";
-  const std::string longer_than_a_block(std::size_t{3} << 20, 'x');
-  for (const std::string end : {"", "\n", "last"}) {
-    std::string text = "\nfirst\n\n" + longer_than_a_block + "\n";
-    for (int k = 0; k < 200'000; ++k) text += "line " + std::to_string(k) + "\n";
-    text += end;
-    WriteText(file, text);
+  std::string text;
+  for (int k = 0; k < 200'000; ++k) text += "line " + std::to_string(k) + "\n";
+  for (const std::string& whole : {std::string(), std::string("short"), text}) {
+    WriteText(file, whole);
+    Result<TextSource> opened = OpenText(file);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
     std::string read;
-    bool was_last = false;
-    const Status status = ReadLines(file, [&](std::string_view lines) {
-      EXPECT_FALSE(was_last) << "only the last piece lacks its line break";
-      EXPECT_FALSE(lines.empty());
-      was_last = lines.back() != '\n';
-      read += lines;
-      return Ok();
-    });
-    ASSERT_TRUE(status.ok()) << status.error().message;
-    EXPECT_EQ(read, text);
-    EXPECT_EQ(was_last, end == "last");
+    while (true) {
+      const Result<std::string_view> piece = opened->Next();
+      ASSERT_TRUE(piece.ok()) << piece.error().message;
+      if (piece->empty()) break;
+      EXPECT_LT(piece->size(), std::size_t{1} << 20) << "not all of a long text";
+      read += *piece;
+    }
+    EXPECT_EQ(read, whole);
+    EXPECT_TRUE(opened->Next()->empty()) << "it stays at its end";
   }
-  WriteText(file, "");
-  EXPECT_TRUE(ReadLines(file, [](std::string_view) { return Status(Failed("never")); }).ok());
-}
-
-TEST(Store, LinesEndWhereTheirUserSaysSoAndWhereThereAreNone) {
-  const TempDir dir;
-  const auto file = dir.path() / "a.txt";
-  WriteText(file, std::string(std::size_t{5} << 20, '\n'));
-  int num_pieces = 0;
-  const Status stopped = ReadLines(file, [&](std::string_view) {
-    ++num_pieces;
-    return Status(InvalidInput("line 1"));
-  });
-  ASSERT_FALSE(stopped.ok());
-  EXPECT_EQ(stopped.error().message, "line 1");
-  EXPECT_EQ(num_pieces, 1);
-  const Status missing =
-      ReadLines(dir.path() / "missing.txt", [](std::string_view) { return Ok(); });
+  const Result<TextSource> missing = OpenText(dir.path() / "missing.txt");
   ASSERT_FALSE(missing.ok());
   EXPECT_THAT(missing.error().message, HasSubstr("missing.txt"));
 }

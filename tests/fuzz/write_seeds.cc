@@ -59,7 +59,7 @@ void PutArtifacts(Corpus& corpus) {
   json("objects", EncodeObjectMap(SampleObjects(), "f"));
   json("loops", EncodeLoops(SampleLoops(), "f"));
   json("optimization", EncodeOptimization(SampleOptimization(), "f"));
-  json("segments", EncodeSegments(SampleSegments(), "f"));
+  json("segments", SegmentsText(SampleSegments()));
   json("registrations", EncodeRegistrations(SampleRegistrations(), "f"));
   json("overrides", EncodeApplied({"drop 4"}, "f"));
   pipeline::Manifest manifest;

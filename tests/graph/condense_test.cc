@@ -1,6 +1,7 @@
 #include "deepslam/graph/condense.h"
 
 #include <algorithm>
+#include <functional>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -74,18 +75,46 @@ Eigen::Matrix<double, N, N> AnyInformation(Random& random) {
   return 1e4 * (root.transpose() * root + Eigen::Matrix<double, N, N>::Identity());
 }
 
+// All measurements are the model's own.
+GraphModel Condense(const GraphModel& model, const Odometry& odometry, int max_nodes) {
+  const auto none = [](const std::function<void(const PoseEdge&)>& /*use*/) {};
+  return Condensed(model, none, odometry, max_nodes);
+}
+
 TEST(Condensed, IsTheModelItselfWhereItIsSmallEnough) {
   const World world = MakeWorld(40, 4, 1, kDrift);
   const GraphModel whole = WholeModel(world);
-  const GraphModel same = Condensed(whole, world.odometry, 40);
+  const GraphModel same = Condense(whole, world.odometry, 40);
   EXPECT_EQ(same.keyframes, whole.keyframes);
   EXPECT_EQ(same.pose_edges.size(), whole.pose_edges.size());
   EXPECT_EQ(same.num_keyframes(), 40);
 }
 
+TEST(Condensed, MeasurementsHandedOverOneByOneAreAsTheModelsOwn) {
+  const World world = MakeWorld(41, 4, 1, kDrift);
+  const GraphModel whole = WholeModel(world);
+  GraphModel rest = whole;
+  rest.pose_edges.erase(rest.pose_edges.begin(), rest.pose_edges.begin() + 30);
+  const auto first = [&](const std::function<void(const PoseEdge&)>& use) {
+    std::for_each(whole.pose_edges.begin(), whole.pose_edges.begin() + 30, use);
+  };
+  for (const int max_nodes : {100, 11}) {
+    const GraphModel at_once = Condense(whole, world.odometry, max_nodes);
+    const GraphModel one_by_one = Condensed(rest, first, world.odometry, max_nodes);
+    ASSERT_EQ(one_by_one.pose_edges.size(), at_once.pose_edges.size());
+    for (std::size_t k = 0; k < at_once.pose_edges.size(); ++k) {
+      EXPECT_EQ(one_by_one.pose_edges[k].a, at_once.pose_edges[k].a);
+      EXPECT_EQ(one_by_one.pose_edges[k].b, at_once.pose_edges[k].b);
+      EXPECT_EQ(one_by_one.pose_edges[k].a_from_b, at_once.pose_edges[k].a_from_b);
+      EXPECT_EQ(one_by_one.pose_edges[k].information, at_once.pose_edges[k].information);
+      EXPECT_EQ(one_by_one.pose_edges[k].weight, at_once.pose_edges[k].weight);
+    }
+  }
+}
+
 TEST(Condensed, NodesAreRunsOfKeyframesAndObjectsStay) {
   const World world = MakeWorld(41, 4, 1, kDrift);
-  const GraphModel condensed = Condensed(WholeModel(world), world.odometry, 11);
+  const GraphModel condensed = Condense(WholeModel(world), world.odometry, 11);
   EXPECT_EQ(condensed.num_keyframes(), 11);
   EXPECT_EQ(condensed.node_of_keyframe.size(), 41u);
   EXPECT_TRUE(std::ranges::is_sorted(condensed.node_of_keyframe));
@@ -105,7 +134,7 @@ TEST(Condensed, NodesAreRunsOfKeyframesAndObjectsStay) {
 TEST(Condensed, ANodeEndsWhereTrackingWasLost) {
   World world = MakeWorld(12, 1, 0.2, kDrift);
   world.odometry.edges[5].composed = true;  // from keyframe 5 to 6
-  const GraphModel condensed = Condensed(WholeModel(world), world.odometry, 3);
+  const GraphModel condensed = Condense(WholeModel(world), world.odometry, 3);
   EXPECT_THAT(condensed.node_of_keyframe, ElementsAre(0, 0, 0, 0, 1, 1, 2, 2, 2, 2, 3, 3));
 }
 
@@ -152,10 +181,10 @@ TEST(Condensed, ANodeEndsWhereAMeasurementWithinItContradictsThePath) {
                            world.world_from_camera[5].Inverse() * world.world_from_camera[6],
                            testing_support::Information(0.01, 0.01),
                            false};
-  EXPECT_THAT(Condensed(WholeModel(world), world.odometry, 3).node_of_keyframe,
+  EXPECT_THAT(Condense(WholeModel(world), world.odometry, 3).node_of_keyframe,
               ElementsAre(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2));
   world.loops.edges.push_back(again);
-  EXPECT_THAT(Condensed(WholeModel(world), world.odometry, 3).node_of_keyframe,
+  EXPECT_THAT(Condense(WholeModel(world), world.odometry, 3).node_of_keyframe,
               ElementsAre(0, 0, 0, 0, 1, 1, 2, 2, 2, 2, 3, 3));
   const std::vector<TrackedFrame> frames = Optimize(world, 3).frames;
   EXPECT_THAT(
@@ -178,7 +207,7 @@ TEST(Condensed, CarriesMeasurementsWithTheirInformation) {
   whole.plane = plane;
   whole.ground_edges = {
       {5, Transformed(whole.world_from_node[5].Inverse(), plane), AnyInformation<3>(random)}};
-  const GraphModel condensed = Condensed(whole, world.odometry, 2);
+  const GraphModel condensed = Condense(whole, world.odometry, 2);
   ASSERT_EQ(condensed.pose_edges.size(), 1u);
   ASSERT_EQ(condensed.ground_edges.size(), 1u);
   EXPECT_NEAR(Cost(condensed.pose_edges[0], condensed.world_from_node), 0, 1e-12);
@@ -216,7 +245,7 @@ TEST(Condensed, WhatAgreesIsOneEdgeAndWhatDoesNotStaysApart) {
     add(n % 4, 4, off);
   }
   add(2, 4, Pose3{Eigen::Quaterniond::Identity(), {0.3, 0, 0}});
-  const GraphModel condensed = Condensed(whole, world.odometry, 2);
+  const GraphModel condensed = Condense(whole, world.odometry, 2);
   ASSERT_EQ(condensed.pose_edges.size(), 2u);
   const PoseEdge& mean = condensed.pose_edges[0];
   EXPECT_EQ(mean.weight, 9);

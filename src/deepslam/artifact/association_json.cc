@@ -1,5 +1,7 @@
 #include "deepslam/artifact/association_json.h"
 
+#include <utility>
+
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
@@ -44,35 +46,37 @@ ObjectTrack ReadTrack(const JsonNode& row) {
   return track;
 }
 
+JsonValue RejectionToJson(const Rejection& rejection) {
+  JsonObject row;
+  row.emplace("detection", ToJson(rejection.detection));
+  row.emplace("frame", ToJson(rejection.frame));
+  row.emplace("reason", rejection.reason);
+  return JsonValue(std::move(row));
+}
+
+Rejection ReadRejection(const JsonNode& row) {
+  return {ReadId<DetectionId>(row["detection"]),
+          ReadId<FrameIdx>(row["frame"]),
+          row["reason"].String()};
+}
+
 }  // namespace
 
 Result<std::string> EncodeAssociation(const Association& association, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray tracks;
-  for (const ObjectTrack& track : association.tracks) tracks.push_back(TrackToJson(track));
-  JsonArray rejections;
-  for (const Rejection& rejection : association.rejections) {
-    JsonObject row;
-    row.emplace("detection", ToJson(rejection.detection));
-    row.emplace("frame", ToJson(rejection.frame));
-    row.emplace("reason", rejection.reason);
-    rejections.emplace_back(std::move(row));
-  }
-  document.emplace("tracks", std::move(tracks));
-  document.emplace("rejections", std::move(rejections));
+  document.emplace("tracks", RowsOf(association.tracks, TrackToJson));
+  document.emplace("rejections", RowsOf(association.rejections, RejectionToJson));
   return DumpJson(std::move(document), name);
 }
 
-Result<Association> DecodeAssociation(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
+Result<Association> DecodeAssociation(TextSource text, std::string_view name) {
   Association association;
-  for (const JsonNode& row : reader.root()["tracks"].Items())
-    association.tracks.push_back(ReadTrack(row));
-  for (const JsonNode& row : reader.root()["rejections"].Items()) {
-    association.rejections.push_back({ReadId<DetectionId>(row["detection"]),
-                                      ReadId<FrameIdx>(row["frame"]),
-                                      row["reason"].String()});
-  }
+  const JsonReader reader(std::move(text),
+                          name,
+                          kFormat,
+                          kVersion,
+                          {{"tracks", AppendRows(association.tracks, ReadTrack)},
+                           {"rejections", AppendRows(association.rejections, ReadRejection)}});
   return reader.Finish(std::move(association));
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/object_track.h"
 
@@ -11,6 +12,6 @@ namespace deepslam::artifact {
 
 [[nodiscard]] Result<std::string> EncodeAssociation(const Association& association,
                                                     std::string_view name);
-[[nodiscard]] Result<Association> DecodeAssociation(std::string_view text, std::string_view name);
+[[nodiscard]] Result<Association> DecodeAssociation(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -90,16 +90,14 @@ Result<std::string> EncodeDetections(const DetectionTable& table, std::string_vi
   return DumpJson(std::move(document), name);
 }
 
-Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view name) {
+Result<DetectionTable> DecodeDetections(TextSource text, std::string_view name) {
   DetectionTable table;
-  const auto read_images = [&](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) table.images.push_back(ReadImage(row));
-  };
-  const auto read_annotations = [&](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) table.detections.push_back(ReadAnnotation(row));
-  };
-  const JsonReader reader(
-      text, name, kFormat, kVersion, {{"images", read_images}, {"annotations", read_annotations}});
+  const JsonReader reader(std::move(text),
+                          name,
+                          kFormat,
+                          kVersion,
+                          {{"images", AppendRows(table.images, ReadImage)},
+                           {"annotations", AppendRows(table.detections, ReadAnnotation)}});
   return reader.Finish(std::move(table));
 }
 

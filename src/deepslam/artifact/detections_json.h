@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/object_class.h"
@@ -31,6 +32,6 @@ struct DetectionTable {
 
 [[nodiscard]] Result<std::string> EncodeDetections(const DetectionTable& table,
                                                    std::string_view name);
-[[nodiscard]] Result<DetectionTable> DecodeDetections(std::string_view text, std::string_view name);
+[[nodiscard]] Result<DetectionTable> DecodeDetections(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

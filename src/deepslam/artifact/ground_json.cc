@@ -1,5 +1,7 @@
 #include "deepslam/artifact/ground_json.h"
 
+#include <utility>
+
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
@@ -53,12 +55,13 @@ Result<std::string> EncodeGround(const Ground& ground, std::string_view name) {
   return DumpJson(std::move(document), name);
 }
 
-Result<Ground> DecodeGround(std::string_view text, std::string_view name) {
+Result<Ground> DecodeGround(TextSource text, std::string_view name) {
   Ground ground;
-  const auto read = [&](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) ground.observations.push_back(ReadObservation(row));
-  };
-  JsonReader reader(text, name, kFormat, kVersion, {{"observations", read}});
+  JsonReader reader(std::move(text),
+                    name,
+                    kFormat,
+                    kVersion,
+                    {{"observations", AppendRows(ground.observations, ReadObservation)}});
   const JsonNode root = reader.root();
   if (const JsonNode plane = root.Maybe("plane_world"); plane.exists())
     ground.plane_world = ReadPlane(plane);

@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/ground.h"
 
 namespace deepslam::artifact {
 
 [[nodiscard]] Result<std::string> EncodeGround(const Ground& ground, std::string_view name);
-[[nodiscard]] Result<Ground> DecodeGround(std::string_view text, std::string_view name);
+[[nodiscard]] Result<Ground> DecodeGround(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

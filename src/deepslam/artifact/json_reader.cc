@@ -107,7 +107,7 @@ std::vector<std::pair<std::string, JsonNode>> JsonNode::Members() const {
 
 void JsonNode::Fail(std::string_view what) const { reader_->Fail(path_, what); }
 
-JsonReader::JsonReader(std::string_view text,
+JsonReader::JsonReader(TextSource text,
                        std::string_view name,
                        std::string_view format,
                        int version,
@@ -125,7 +125,7 @@ JsonReader::JsonReader(std::string_view text,
                          table.read(rows);
                        }});
   }
-  Result<JsonValue> parsed = ParseJson(text, name, streams);
+  Result<JsonValue> parsed = ParseJson(std::move(text), name, streams);
   if (!parsed.ok()) {
     fault_ = parsed.error().message;
     return;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "deepslam/artifact/json_value.h"
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 
 namespace deepslam::artifact {
@@ -70,11 +71,20 @@ struct JsonTable {
   std::function<void(std::span<const JsonNode> rows)> read;
 };
 
+// Reads rows into a list that outlives the reading.
+template <typename List, typename Read>
+[[nodiscard]] std::function<void(std::span<const JsonNode> rows)> AppendRows(List& list,
+                                                                             const Read& read) {
+  return [&list, read](std::span<const JsonNode> rows) {
+    for (const JsonNode& row : rows) list.push_back(read(row));
+  };
+}
+
 class JsonReader {
  public:
   // `name` is the file's name for messages. Checks the document's "format" and "version" fields;
   // pass an empty format for foreign documents that have none.
-  JsonReader(std::string_view text,
+  JsonReader(TextSource text,
              std::string_view name,
              std::string_view format,
              int version,

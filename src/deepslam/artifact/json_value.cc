@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +18,67 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kSqueezable = 2 * kLineWidth;  // with line breaks and indents
+constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
 constexpr std::size_t kElementsAtOnce = 64;  // of a stream; enough to work on side by side
+
+// Where the parser stands in a text that comes by pieces.
+class Cursor {
+ public:
+  explicit Cursor(TextSource text) : text_(std::move(text)) {}
+
+  // Whether there is a character here; moves on to the next piece where one ends.
+  [[nodiscard]] bool HasCharacter() { return at_ != end_ || Refill(); }
+  [[nodiscard]] const char& character() const { return *at_; }
+  void Advance() { ++at_; }
+  [[nodiscard]] const Status& status() const { return status_; }
+
+ private:
+  bool Refill() {
+    if (is_done_) return false;
+    const Result<std::string_view> piece = text_.Next();
+    if (!piece.ok()) status_ = piece.error();
+    is_done_ = !piece.ok() || piece->empty();
+    if (is_done_) return false;
+    at_ = piece->data();
+    end_ = at_ + piece->size();
+    return true;
+  }
+
+  TextSource text_;
+  const char* at_ = nullptr;
+  const char* end_ = nullptr;
+  bool is_done_ = false;
+  Status status_;
+};
+
+// The cursor as the parser wants it: a pair of iterators, of which the one without a cursor is the
+// end.
+class CursorIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  CursorIterator() = default;
+  explicit CursorIterator(Cursor& cursor) : cursor_(&cursor) {}
+
+  reference operator*() const { return cursor_->character(); }
+  CursorIterator& operator++() {
+    cursor_->Advance();
+    return *this;
+  }
+  CursorIterator operator++(int) { return ++*this; }
+  friend bool operator==(const CursorIterator& a, const CursorIterator& b) {
+    return a.IsAtEnd() == b.IsAtEnd();
+  }
+
+ private:
+  [[nodiscard]] bool IsAtEnd() const { return cursor_ == nullptr || !cursor_->HasCharacter(); }
+  Cursor* cursor_ = nullptr;
+};
 
 // Takes a text's values as the parser finds them.
 class Builder final : public nlohmann::json_sax<nlohmann::json> {
@@ -146,6 +207,18 @@ bool IsPlain(const std::string& string) {
 
 class Writer {
  public:
+  explicit Writer(const TextSink& sink) : sink_(sink) {}
+
+  // All of it; `name` is the file's.
+  Status WriteDocument(const JsonValue& value, std::string_view name) {
+    Write(value, {}, 0);
+    text_ += '\n';
+    PassOn(0);
+    if (!fault_.empty()) return Failed(fmt::format("{}: {}", name, fault_));
+    return status_;
+  }
+
+ private:
   void Write(const JsonValue& value, const Place& place, std::size_t indent) {
     if (const auto* array = value.As<JsonArray>()) {
       WriteArray(*array, place, indent);
@@ -157,38 +230,45 @@ class Writer {
       WriteScalar(value, place);
     }
   }
-  std::string text;
-  std::string fault;  // place and reason of the first value that cannot be written
 
- private:
+  // All but the last `keep` characters, to which somebody may still go back.
+  void PassOn(std::size_t keep) {
+    const std::size_t count = text_.size() - std::min(keep, text_.size());
+    if (status_.ok() && fault_.empty()) status_ = sink_(std::string_view(text_).substr(0, count));
+    text_.erase(0, count);
+    num_passed_on_ += count;
+  }
+  // Characters of the document so far.
+  [[nodiscard]] std::size_t size() const { return num_passed_on_ + text_.size(); }
+
   void WriteScalar(const JsonValue& value, const Place& place) {
     if (const auto* flag = value.As<bool>()) {
-      text += *flag ? "true" : "false";
+      text_ += *flag ? "true" : "false";
     } else if (const auto* integer = value.As<std::int64_t>()) {
-      text += std::to_string(*integer);
+      text_ += std::to_string(*integer);
     } else if (const auto* number = value.As<double>()) {
-      if (!std::isfinite(*number) && fault.empty()) {
-        fault = place.Path() + " is " + ShortestDecimal(*number) + ", which JSON cannot hold";
+      if (!std::isfinite(*number) && fault_.empty()) {
+        fault_ = place.Path() + " is " + ShortestDecimal(*number) + ", which JSON cannot hold";
       }
-      text += ShortestDecimal(*number);
+      text_ += ShortestDecimal(*number);
     } else if (const auto* string = value.As<std::string>()) {
       WriteString(*string, place);
     } else {
-      text += "null";
+      text_ += "null";
     }
   }
 
   void WriteString(const std::string& string, const Place& place) {
     if (IsPlain(string)) {
-      text += '"';
-      text += string;
-      text += '"';
+      text_ += '"';
+      text_ += string;
+      text_ += '"';
       return;
     }
     try {
-      text += nlohmann::json(string).dump();
+      text_ += nlohmann::json(string).dump();
     } catch (const nlohmann::json::exception&) {
-      if (fault.empty()) fault = place.Path() + " is not UTF-8";
+      if (fault_.empty()) fault_ = place.Path() + " is not UTF-8";
     }
   }
 
@@ -201,69 +281,77 @@ class Writer {
   void WriteArray(const JsonArray& array, const Place& place, std::size_t indent) {
     bool scalars = true;
     for (const JsonValue& item : array) scalars = scalars && IsScalar(item);
-    const std::size_t start = text.size();
-    text += '[';
+    const std::size_t start = size();
+    text_ += '[';
     for (std::size_t i = 0; i < array.size(); ++i) {
-      if (i > 0) text += scalars ? ", " : ",";
+      if (i > 0) text_ += scalars ? ", " : ",";
       if (!scalars) NewLine(indent + 1);
       Write(array[i], {&place, nullptr, i}, indent + 1);
     }
     if (!scalars) NewLine(indent);
-    text += ']';
+    text_ += ']';
     if (!scalars) Squeeze(start);
   }
 
   // As an array of objects.
   void WriteRows(const JsonRows& rows, const Place& place, std::size_t indent) {
-    const std::size_t start = text.size();
-    text += '[';
-    for (std::size_t i = 0; i < rows.count; ++i) {
-      if (i > 0) text += ',';
+    const std::size_t start = size();
+    text_ += '[';
+    for (std::size_t i = 0; i < rows.count && status_.ok(); ++i) {
+      if (i > 0) text_ += ',';
       NewLine(indent + 1);
       Write(rows.row(i), {&place, nullptr, i}, indent + 1);
+      if (text_.size() > kPieceBytes) PassOn(kSqueezable);
     }
     if (rows.count > 0) NewLine(indent);
-    text += ']';
+    text_ += ']';
     Squeeze(start);
   }
 
   void WriteObject(const JsonObject& object, const Place& place, std::size_t indent) {
-    const std::size_t start = text.size();
-    text += '{';
+    const std::size_t start = size();
+    text_ += '{';
     bool first = true;
     for (const auto& [key, item] : object) {
-      if (!first) text += ',';
+      if (!first) text_ += ',';
       first = false;
       NewLine(indent + 1);
       WriteString(key, place);
-      text += ": ";
+      text_ += ": ";
       Write(item, {&place, &key}, indent + 1);
     }
     if (!object.empty()) NewLine(indent);
-    text += '}';
+    text_ += '}';
     Squeeze(start);
   }
 
   void NewLine(std::size_t indent) {
-    text += '\n';
-    text.append(indent, ' ');
+    text_ += '\n';
+    text_.append(indent, ' ');
   }
 
   // Joins what was written since `start` into one line where that is short. Strings hold no raw
   // line breaks.
   void Squeeze(std::size_t start) {
-    if (text.size() - start > 2 * kLineWidth) return;
+    if (size() - start > kSqueezable) return;
+    const std::size_t begin = start - num_passed_on_;
     std::string line;
-    for (std::size_t i = start; i < text.size(); ++i) {
-      if (text[i] != '\n') {
-        line += text[i];
+    for (std::size_t i = begin; i < text_.size(); ++i) {
+      if (text_[i] != '\n') {
+        line += text_[i];
         continue;
       }
-      while (i + 1 < text.size() && text[i + 1] == ' ') ++i;
+      while (i + 1 < text_.size() && text_[i + 1] == ' ') ++i;
       if (line.back() == ',') line += ' ';
     }
-    if (line.size() <= kLineWidth) text.replace(start, std::string::npos, line);
+    if (line.size() <= kLineWidth) text_.replace(begin, std::string::npos, line);
   }
+
+  const TextSink& sink_;
+  Status status_;                  // of the sink
+  std::string text_;               // what was not handed over yet
+  std::size_t num_passed_on_ = 0;  // characters before it
+  std::string fault_;              // place and reason of the first value that cannot be written
 };
 
 }  // namespace
@@ -276,11 +364,15 @@ std::string ShortestDecimal(double value) {
   return {buffer.data(), end};
 }
 
-Result<JsonValue> ParseJson(std::string_view text,
+Result<JsonValue> ParseJson(TextSource text,
                             std::string_view name,
                             std::span<const JsonStream> streams) {
   Builder builder(streams);
-  if (nlohmann::json::sax_parse(text, &builder)) return builder.Take();
+  Cursor cursor(std::move(text));
+  const bool is_sound =
+      nlohmann::json::sax_parse(CursorIterator(cursor), CursorIterator(), &builder);
+  if (!cursor.status().ok()) return cursor.status().error();
+  if (is_sound) return builder.Take();
   if (builder.too_deep())
     return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxDepth));
   if (!builder.twice().empty())
@@ -293,12 +385,18 @@ Result<JsonValue> ParseJson(std::string_view text,
   return InvalidInput(fmt::format("{}: not valid JSON: {}", name, what));
 }
 
+Status DumpJson(const JsonValue& value, std::string_view name, const TextSink& sink) {
+  return Writer(sink).WriteDocument(value, name);
+}
+
 Result<std::string> DumpJson(const JsonValue& value, std::string_view name) {
-  Writer writer;
-  writer.Write(value, {}, 0);
-  if (!writer.fault.empty()) return Failed(fmt::format("{}: {}", name, writer.fault));
-  writer.text += '\n';
-  return std::move(writer.text);
+  std::string text;
+  const auto append = [&text](std::string_view piece) {
+    text += piece;
+    return Ok();
+  };
+  if (Status status = DumpJson(value, name, append); !status.ok()) return status.error();
+  return text;
 }
 
 }  // namespace deepslam::artifact

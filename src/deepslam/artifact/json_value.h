@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 
 namespace deepslam::artifact {
@@ -88,12 +89,14 @@ struct JsonStream {
 
 // `name` is what messages call the text (a file name). Refuses text that is no JSON, nested deeper
 // than 64 levels or with numbers out of range, with line and column; and a streamed array that
-// comes twice.
-[[nodiscard]] Result<JsonValue> ParseJson(std::string_view text,
+// comes twice. Errors of the text come as they are.
+[[nodiscard]] Result<JsonValue> ParseJson(TextSource text,
                                           std::string_view name,
                                           std::span<const JsonStream> streams = {});
 
-// Fails on numbers that are not finite and on strings that are not UTF-8, naming the place.
+// Fails on numbers that are not finite and on strings that are not UTF-8, naming the place. By
+// pieces of some rows each, or as a whole; the pieces before a fault were handed over.
+[[nodiscard]] Status DumpJson(const JsonValue& value, std::string_view name, const TextSink& sink);
 [[nodiscard]] Result<std::string> DumpJson(const JsonValue& value, std::string_view name);
 
 // Shortest decimal form that reads back as the same double ("0.1", "1e-07"); "nan" and "inf" for

@@ -1,5 +1,7 @@
 #include "deepslam/artifact/loops_json.h"
 
+#include <utility>
+
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
@@ -38,6 +40,16 @@ JsonValue ConstellationToJson(const Constellation& constellation) {
   return JsonValue(std::move(row));
 }
 
+Constellation ReadConstellation(const JsonNode& row) {
+  Constellation constellation;
+  constellation.pairs = ReadMerges(row["pairs"]);
+  constellation.old_world_from_new_world = ReadPose(row["old_world_from_new_world"]);
+  constellation.position_error_m = row["position_error_m"].Number();
+  constellation.accepted = row["accepted"].Bool();
+  constellation.reason = row["reason"].String();
+  return constellation;
+}
+
 JsonValue AppearanceToJson(const AppearanceLoop& loop) {
   JsonObject row;
   row.emplace("old_keyframe", ToJson(loop.old_keyframe));
@@ -74,6 +86,16 @@ JsonValue EdgeToJson(const RelativePose& edge) {
   return JsonValue(std::move(row));
 }
 
+RelativePose ReadEdge(const JsonNode& row) {
+  RelativePose edge;
+  edge.i = ReadId<FrameIdx>(row["i"]);
+  edge.j = ReadId<FrameIdx>(row["j"]);
+  edge.i_from_j = ReadPose(row["i_from_j"]);
+  edge.information = ReadMatrix6(row["information"]);
+  edge.composed = row["composed"].Bool();
+  return edge;
+}
+
 JsonValue VisitToJson(const PartedVisit& visit) {
   JsonObject row;
   row.emplace("visit", ToJson(visit.visit));
@@ -83,59 +105,36 @@ JsonValue VisitToJson(const PartedVisit& visit) {
   return JsonValue(std::move(row));
 }
 
+PartedVisit ReadVisit(const JsonNode& row) {
+  return {ReadId<ObjectId>(row["visit"]),
+          ReadId<ObjectId>(row["object"]),
+          ReadId<FrameIdx>(row["first"]),
+          ReadId<FrameIdx>(row["last"])};
+}
+
 }  // namespace
 
 Result<std::string> EncodeLoops(const Loops& loops, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray constellations;
-  for (const Constellation& constellation : loops.constellations) {
-    constellations.push_back(ConstellationToJson(constellation));
-  }
-  JsonArray edges;
-  for (const RelativePose& edge : loops.edges) edges.push_back(EdgeToJson(edge));
-  document.emplace("constellations", std::move(constellations));
+  document.emplace("constellations", RowsOf(loops.constellations, ConstellationToJson));
   document.emplace("merges", MergesToJson(loops.merges));
-  document.emplace("edges", std::move(edges));
-  JsonArray appearance;
-  for (const AppearanceLoop& loop : loops.appearance) appearance.push_back(AppearanceToJson(loop));
-  document.emplace("appearance", std::move(appearance));
-  JsonArray visits;
-  for (const PartedVisit& visit : loops.visits) visits.push_back(VisitToJson(visit));
-  document.emplace("visits", std::move(visits));
+  document.emplace("edges", RowsOf(loops.edges, EdgeToJson));
+  document.emplace("appearance", RowsOf(loops.appearance, AppearanceToJson));
+  document.emplace("visits", RowsOf(loops.visits, VisitToJson));
   return DumpJson(std::move(document), name);
 }
 
-Result<Loops> DecodeLoops(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
-  const JsonNode root = reader.root();
+Result<Loops> DecodeLoops(TextSource text, std::string_view name) {
   Loops loops;
-  for (const JsonNode& row : root["constellations"].Items()) {
-    Constellation constellation;
-    constellation.pairs = ReadMerges(row["pairs"]);
-    constellation.old_world_from_new_world = ReadPose(row["old_world_from_new_world"]);
-    constellation.position_error_m = row["position_error_m"].Number();
-    constellation.accepted = row["accepted"].Bool();
-    constellation.reason = row["reason"].String();
-    loops.constellations.push_back(std::move(constellation));
-  }
-  loops.merges = ReadMerges(root["merges"]);
-  for (const JsonNode& row : root["edges"].Items()) {
-    RelativePose edge;
-    edge.i = ReadId<FrameIdx>(row["i"]);
-    edge.j = ReadId<FrameIdx>(row["j"]);
-    edge.i_from_j = ReadPose(row["i_from_j"]);
-    edge.information = ReadMatrix6(row["information"]);
-    edge.composed = row["composed"].Bool();
-    loops.edges.push_back(edge);
-  }
-  for (const JsonNode& row : root["appearance"].Items())
-    loops.appearance.push_back(ReadAppearance(row));
-  for (const JsonNode& row : root["visits"].Items()) {
-    loops.visits.push_back({ReadId<ObjectId>(row["visit"]),
-                            ReadId<ObjectId>(row["object"]),
-                            ReadId<FrameIdx>(row["first"]),
-                            ReadId<FrameIdx>(row["last"])});
-  }
+  JsonReader reader(std::move(text),
+                    name,
+                    kFormat,
+                    kVersion,
+                    {{"constellations", AppendRows(loops.constellations, ReadConstellation)},
+                     {"edges", AppendRows(loops.edges, ReadEdge)},
+                     {"appearance", AppendRows(loops.appearance, ReadAppearance)},
+                     {"visits", AppendRows(loops.visits, ReadVisit)}});
+  loops.merges = ReadMerges(reader.root()["merges"]);
   return reader.Finish(std::move(loops));
 }
 

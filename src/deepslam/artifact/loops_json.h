@@ -5,12 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/loop.h"
 
 namespace deepslam::artifact {
 
 [[nodiscard]] Result<std::string> EncodeLoops(const Loops& loops, std::string_view name);
-[[nodiscard]] Result<Loops> DecodeLoops(std::string_view text, std::string_view name);
+[[nodiscard]] Result<Loops> DecodeLoops(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -175,8 +176,8 @@ Result<std::string> EncodeMap(const MapFile& map, std::string_view name) {
   return DumpJson(std::move(document), name);
 }
 
-Result<MapFile> DecodeMap(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
+Result<MapFile> DecodeMap(TextSource text, std::string_view name) {
+  JsonReader reader(std::move(text), name, kFormat, kVersion);
   const JsonNode root = reader.root();
   MapFile map;
   map.tool_version = root["tool_version"].String();

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/plane.h"
@@ -28,8 +29,8 @@ struct MapShape {
   // First digits of the sha256 of the library model's voxels, and of the stretched model as binvox.
   std::string library_checksum;
   Eigen::Vector3d stretch = Eigen::Vector3d::Ones();  // ones = the library's model as it is
-  std::string voxels_checksum;  // empty = unknown
-  std::string voxel_code;       // bytes of shape::EncodeVoxels; base64 in the file
+  std::string voxels_checksum;                        // empty = unknown
+  std::string voxel_code;  // bytes of shape::EncodeVoxels; base64 in the file
 };
 
 struct MapEntry {
@@ -66,6 +67,6 @@ struct MapFile {
 };
 
 [[nodiscard]] Result<std::string> EncodeMap(const MapFile& map, std::string_view name);
-[[nodiscard]] Result<MapFile> DecodeMap(std::string_view text, std::string_view name);
+[[nodiscard]] Result<MapFile> DecodeMap(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -1,5 +1,7 @@
 #include "deepslam/artifact/objects_json.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "deepslam/artifact/proposals_json.h"
@@ -137,20 +139,17 @@ MapObject ReadObject(const JsonNode& row) {
 
 Result<std::string> EncodeObjectMap(const ObjectMap& map, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray objects;
-  for (const MapObject& object : map.objects) objects.push_back(ObjectToJson(object));
   JsonArray dropped;
   for (const std::string& line : map.dropped) dropped.emplace_back(line);
-  document.emplace("objects", std::move(objects));
+  document.emplace("objects", RowsOf(map.objects, ObjectToJson));
   document.emplace("dropped", std::move(dropped));
   return DumpJson(std::move(document), name);
 }
 
-Result<ObjectMap> DecodeObjectMap(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
+Result<ObjectMap> DecodeObjectMap(TextSource text, std::string_view name) {
   ObjectMap map;
-  for (const JsonNode& row : reader.root()["objects"].Items())
-    map.objects.push_back(ReadObject(row));
+  JsonReader reader(
+      std::move(text), name, kFormat, kVersion, {{"objects", AppendRows(map.objects, ReadObject)}});
   for (const JsonNode& line : reader.root()["dropped"].Items())
     map.dropped.push_back(line.String());
   return reader.Finish(std::move(map));

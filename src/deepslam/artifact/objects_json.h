@@ -5,12 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/object_map.h"
 
 namespace deepslam::artifact {
 
 [[nodiscard]] Result<std::string> EncodeObjectMap(const ObjectMap& map, std::string_view name);
-[[nodiscard]] Result<ObjectMap> DecodeObjectMap(std::string_view text, std::string_view name);
+[[nodiscard]] Result<ObjectMap> DecodeObjectMap(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -301,8 +301,8 @@ Result<std::string> EncodeApplied(const std::vector<std::string>& applied, std::
   return DumpJson(std::move(document), name);
 }
 
-Result<std::vector<std::string>> DecodeApplied(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kAppliedFormat, kAppliedVersion);
+Result<std::vector<std::string>> DecodeApplied(TextSource text, std::string_view name) {
+  JsonReader reader(std::move(text), name, kAppliedFormat, kAppliedVersion);
   std::vector<std::string> applied;
   for (const JsonNode& row : reader.root()["applied"].Items()) applied.push_back(row.String());
   return reader.Finish(std::move(applied));

@@ -20,6 +20,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/core/result.h"
 
@@ -88,7 +89,7 @@ struct Overrides {
 // overrides.json: one sentence per override that a stage applied.
 [[nodiscard]] Result<std::string> EncodeApplied(const std::vector<std::string>& applied,
                                                 std::string_view name);
-[[nodiscard]] Result<std::vector<std::string>> DecodeApplied(std::string_view text,
+[[nodiscard]] Result<std::vector<std::string>> DecodeApplied(TextSource text,
                                                              std::string_view name);
 
 }  // namespace deepslam::artifact

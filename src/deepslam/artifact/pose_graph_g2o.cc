@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -106,23 +108,22 @@ Status EncodeG2o(std::span<const TrackedFrame> frames,
   return pass_on(0);
 }
 
-Status G2oEdgeReader::Read(std::string_view lines) {
-  while (!lines.empty()) {
-    ++line_number_;
-    const std::vector<std::string_view> words = Words(TakeLine(lines));
+Result<std::vector<RelativePose>> DecodeG2oEdges(TextSource text, std::string_view name) {
+  std::vector<RelativePose> edges;
+  const auto decode = [&](std::string_view line) -> Status {
+    const std::vector<std::string_view> words = Words(line);
     if (words.empty() || words[0].front() == '#' || words[0].starts_with("VERTEX_") ||
         words[0] == "FIX")
-      continue;
-    if (words[0] != "EDGE_SE3:QUAT") {
-      return InvalidInput(
-          fmt::format("{}:{}: \"{}\" is no tag this program reads", name_, line_number_, words[0]));
-    }
+      return Ok();
+    if (words[0] != "EDGE_SE3:QUAT")
+      return InvalidInput(fmt::format("\"{}\" is no tag this program reads", words[0]));
     const Result<RelativePose> edge = DecodeEdge(words);
-    if (!edge.ok())
-      return InvalidInput(fmt::format("{}:{}: {}", name_, line_number_, edge.error().message));
-    edges_.push_back(*edge);
-  }
-  return Ok();
+    if (!edge.ok()) return edge.error();
+    edges.push_back(*edge);
+    return Ok();
+  };
+  if (Status status = ForLines(std::move(text), name, decode); !status.ok()) return status.error();
+  return edges;
 }
 
 }  // namespace deepslam::artifact

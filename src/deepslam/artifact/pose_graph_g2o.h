@@ -5,9 +5,7 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "deepslam/artifact/text_pieces.h"
@@ -25,20 +23,8 @@ namespace deepslam::artifact {
                                const TextSink& sink);
 
 // The EDGE_SE3:QUAT lines, information converted back; other known tags are skipped. The `composed`
-// flag is not in the file.
-class G2oEdgeReader {
- public:
-  // `name` is the file's name for messages.
-  explicit G2oEdgeReader(std::string_view name) : name_(name) {}
-
-  // The next lines of the file, whole ones. A fault names the line.
-  [[nodiscard]] Status Read(std::string_view lines);
-  [[nodiscard]] std::vector<RelativePose> TakeEdges() { return std::move(edges_); }
-
- private:
-  std::string name_;
-  int line_number_ = 0;
-  std::vector<RelativePose> edges_;
-};
+// flag is not in the file. A fault names the line.
+[[nodiscard]] Result<std::vector<RelativePose>> DecodeG2oEdges(TextSource text,
+                                                               std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -1,6 +1,7 @@
 #include "deepslam/artifact/proposals_json.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -85,8 +86,8 @@ Result<std::string> EncodeProposals(const Proposals& proposals, std::string_view
   return DumpJson(std::move(document), name);
 }
 
-Result<Proposals> DecodeProposals(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
+Result<Proposals> DecodeProposals(TextSource text, std::string_view name) {
+  JsonReader reader(std::move(text), name, kFormat, kVersion);
   const JsonNode root = reader.root();
   Proposals proposals;
   for (const JsonNode& node : root["models"].Items()) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/shape_candidate.h"
 
@@ -17,7 +18,7 @@ namespace deepslam::artifact {
 // `models` of the result has every key, with a grid without any voxels, not even empty ones: the
 // grids of hundreds of models would be the largest of what a stage holds. Keys are plain file
 // stems: letters, digits, '_', '-', '.' not in front; others are refused, since they become paths.
-[[nodiscard]] Result<Proposals> DecodeProposals(std::string_view text, std::string_view name);
+[[nodiscard]] Result<Proposals> DecodeProposals(TextSource text, std::string_view name);
 
 [[nodiscard]] bool IsModelKey(std::string_view key);
 

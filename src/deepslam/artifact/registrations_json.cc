@@ -1,5 +1,7 @@
 #include "deepslam/artifact/registrations_json.h"
 
+#include <utility>
+
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
@@ -7,6 +9,31 @@ namespace {
 
 constexpr std::string_view kFormat = "deepslam/registrations";
 constexpr int kVersion = 1;
+
+JsonValue RegistrationToJson(const CandidateRegistration& registration) {
+  JsonArray views;
+  for (const ViewRegistration& view : registration.views) views.push_back(ToJson(view));
+  JsonObject row;
+  row.emplace("candidate", ToJson(registration.candidate));
+  row.emplace("ok", registration.ok);
+  row.emplace("reason", registration.reason);
+  row.emplace("scale_m", registration.scale_m);
+  row.emplace("world_from_object", ToJson(registration.world_from_object));
+  row.emplace("views", std::move(views));
+  return JsonValue(std::move(row));
+}
+
+CandidateRegistration ReadRegistration(const JsonNode& row) {
+  CandidateRegistration registration;
+  registration.candidate = ReadId<CandidateId>(row["candidate"]);
+  registration.ok = row["ok"].Bool();
+  registration.reason = row["reason"].String();
+  registration.scale_m = row["scale_m"].Number(0, 1e3);
+  registration.world_from_object = ReadPose(row["world_from_object"]);
+  for (const JsonNode& view : row["views"].Items())
+    registration.views.push_back(ReadViewRegistration(view));
+  return registration;
+}
 
 }  // namespace
 
@@ -41,38 +68,18 @@ ViewRegistration ReadViewRegistration(const JsonNode& row) {
 Result<std::string> EncodeRegistrations(std::span<const CandidateRegistration> registrations,
                                         std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray rows;
-  for (const CandidateRegistration& registration : registrations) {
-    JsonArray views;
-    for (const ViewRegistration& view : registration.views) views.push_back(ToJson(view));
-    JsonObject row;
-    row.emplace("candidate", ToJson(registration.candidate));
-    row.emplace("ok", registration.ok);
-    row.emplace("reason", registration.reason);
-    row.emplace("scale_m", registration.scale_m);
-    row.emplace("world_from_object", ToJson(registration.world_from_object));
-    row.emplace("views", std::move(views));
-    rows.emplace_back(std::move(row));
-  }
-  document.emplace("registrations", std::move(rows));
+  document.emplace("registrations", RowsOf(registrations, RegistrationToJson));
   return DumpJson(std::move(document), name);
 }
 
-Result<std::vector<CandidateRegistration>> DecodeRegistrations(std::string_view text,
+Result<std::vector<CandidateRegistration>> DecodeRegistrations(TextSource text,
                                                                std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
   std::vector<CandidateRegistration> registrations;
-  for (const JsonNode& row : reader.root()["registrations"].Items()) {
-    CandidateRegistration registration;
-    registration.candidate = ReadId<CandidateId>(row["candidate"]);
-    registration.ok = row["ok"].Bool();
-    registration.reason = row["reason"].String();
-    registration.scale_m = row["scale_m"].Number(0, 1e3);
-    registration.world_from_object = ReadPose(row["world_from_object"]);
-    for (const JsonNode& view : row["views"].Items())
-      registration.views.push_back(ReadViewRegistration(view));
-    registrations.push_back(std::move(registration));
-  }
+  const JsonReader reader(std::move(text),
+                          name,
+                          kFormat,
+                          kVersion,
+                          {{"registrations", AppendRows(registrations, ReadRegistration)}});
   return reader.Finish(std::move(registrations));
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deepslam/artifact/json_reader.h"
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/registration.h"
 
@@ -14,7 +15,7 @@ namespace deepslam::artifact {
 
 [[nodiscard]] Result<std::string> EncodeRegistrations(
     std::span<const CandidateRegistration> registrations, std::string_view name);
-[[nodiscard]] Result<std::vector<CandidateRegistration>> DecodeRegistrations(std::string_view text,
+[[nodiscard]] Result<std::vector<CandidateRegistration>> DecodeRegistrations(TextSource text,
                                                                              std::string_view name);
 
 // One view, as it also stands in objects.json.

@@ -50,18 +50,18 @@ Segment ReadSegment(const JsonNode& row) {
 
 }  // namespace
 
-Result<std::string> EncodeSegments(std::span<const Segment> segments, std::string_view name) {
+Status EncodeSegments(std::span<const Segment> segments,
+                      std::string_view name,
+                      const TextSink& sink) {
   JsonObject document = NewDocument(kFormat, kVersion);
   document.emplace("segments", RowsOf(segments, SegmentToJson));
-  return DumpJson(std::move(document), name);
+  return DumpJson(std::move(document), name, sink);
 }
 
-Result<std::vector<Segment>> DecodeSegments(std::string_view text, std::string_view name) {
+Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name) {
   std::vector<Segment> segments;
-  const auto read = [&](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) segments.push_back(ReadSegment(row));
-  };
-  const JsonReader reader(text, name, kFormat, kVersion, {{"segments", read}});
+  const JsonReader reader(
+      std::move(text), name, kFormat, kVersion, {{"segments", AppendRows(segments, ReadSegment)}});
   return reader.Finish(std::move(segments));
 }
 

@@ -2,18 +2,19 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/detection.h"
 
 namespace deepslam::artifact {
 
-[[nodiscard]] Result<std::string> EncodeSegments(std::span<const Segment> segments,
-                                                 std::string_view name);
-[[nodiscard]] Result<std::vector<Segment>> DecodeSegments(std::string_view text,
-                                                          std::string_view name);
+// By pieces: a capture of an hour has fifty megabytes of them.
+[[nodiscard]] Status EncodeSegments(std::span<const Segment> segments,
+                                    std::string_view name,
+                                    const TextSink& sink);
+[[nodiscard]] Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -139,24 +140,17 @@ Result<std::string> ReadFile(const fs::path& file) {
   return bytes;
 }
 
-Status ReadLines(const fs::path& file, const TextSink& use) {
-  constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
-  const Result<FileToRead> opened = OpenToRead(file);
+Result<TextSource> OpenText(const fs::path& file) {
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
+  Result<FileToRead> opened = OpenToRead(file);
   if (!opened.ok()) return opened.error();
-  std::string text;  // what was read and not used yet
-  while (true) {
-    const std::size_t known = text.size();
-    text.resize(known + kBlockBytes);
-    const Result<std::size_t> got = ReadSome(opened->fd, text.data() + known, kBlockBytes, file);
+  const auto fd = std::make_shared<FileDescriptor>(std::move(opened->fd));
+  const auto piece = std::make_shared<std::string>(kPieceBytes, '\0');
+  return TextSource([fd, piece, file]() -> Result<std::string_view> {
+    const Result<std::size_t> got = ReadSome(*fd, piece->data(), piece->size(), file);
     if (!got.ok()) return got.error();
-    text.resize(known + *got);
-    if (*got == 0) return text.empty() ? Ok() : use(text);
-    const std::size_t end_of_lines = text.rfind('\n') + 1;  // 0: no line ends yet
-    if (end_of_lines == 0) continue;
-    if (Status status = use(std::string_view(text).substr(0, end_of_lines)); !status.ok())
-      return status;
-    text.erase(0, end_of_lines);
-  }
+    return std::string_view(*piece).substr(0, *got);
+  });
 }
 
 Status WriteFileAtomically(const fs::path& file, std::string_view bytes) {

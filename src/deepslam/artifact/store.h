@@ -18,9 +18,8 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 
 // kInvalidInput when the file is missing, no file, too large or unreadable.
 [[nodiscard]] Result<std::string> ReadFile(const std::filesystem::path& file);
-// The same by pieces of whole lines, a megabyte or a line at a time; the last one may lack its line
-// break. The first error of `use` ends it.
-[[nodiscard]] Status ReadLines(const std::filesystem::path& file, const TextSink& use);
+// The same by pieces of a quarter of a megabyte.
+[[nodiscard]] Result<TextSource> OpenText(const std::filesystem::path& file);
 
 // Writes to FILE.tmp-<pid>, syncs, renames, syncs the folder. kFailed on any error; the old file
 // then still stands.

@@ -1,5 +1,7 @@
 #include "deepslam/artifact/summary_json.h"
 
+#include <utility>
+
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
@@ -31,8 +33,8 @@ Result<std::string> EncodeOptimization(const OptimizationRecord& record, std::st
   return DumpJson(std::move(document), name);
 }
 
-Result<OptimizationRecord> DecodeOptimization(std::string_view text, std::string_view name) {
-  JsonReader reader(text, name, kFormat, kVersion);
+Result<OptimizationRecord> DecodeOptimization(TextSource text, std::string_view name) {
+  JsonReader reader(std::move(text), name, kFormat, kVersion);
   const JsonNode root = reader.root();
   OptimizationRecord record;
   record.summary.converged = root["converged"].Bool();

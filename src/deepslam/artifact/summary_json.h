@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/optimized_map.h"
 
@@ -17,7 +18,6 @@ struct OptimizationRecord {
 
 [[nodiscard]] Result<std::string> EncodeOptimization(const OptimizationRecord& record,
                                                      std::string_view name);
-[[nodiscard]] Result<OptimizationRecord> DecodeOptimization(std::string_view text,
-                                                            std::string_view name);
+[[nodiscard]] Result<OptimizationRecord> DecodeOptimization(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -66,6 +66,45 @@ TrackedFrame ReadFrame(const JsonNode& row, std::size_t index, std::span<const S
   return frame;
 }
 
+struct FramesFile {
+  Trajectory trajectory;
+  std::set<std::pair<FrameIdx, FrameIdx>> composed;  // edges
+};
+
+Result<FramesFile> DecodeFrames(TextSource frames_json,
+                                TextSource tum_text,
+                                std::string_view name) {
+  const Result<std::vector<StampedPose>> poses = DecodeTum(std::move(tum_text), name);
+  if (!poses.ok()) return poses.error();
+  FramesFile file;
+  std::vector<TrackedFrame>& frames = file.trajectory.frames;
+  std::size_t num_rows = 0;
+  const auto read = [&](std::span<const JsonNode> rows) {
+    for (const JsonNode& row : rows) {
+      if (num_rows < poses->size()) frames.push_back(ReadFrame(row, num_rows, *poses));
+      ++num_rows;
+    }
+  };
+  JsonReader reader(std::move(frames_json), name, kFormat, kVersion, {{"frames", read}});
+  if (num_rows != poses->size()) {
+    reader.Fail(
+        "frames",
+        fmt::format("has {} entries, the trajectory has {} poses", num_rows, poses->size()));
+  }
+  FrameIdx last;
+  for (const JsonNode& node : reader.root()["keyframes"].Items()) {
+    const FrameIdx keyframe{node.Int(0, std::max(0, static_cast<int>(num_rows) - 1))};
+    if (keyframe <= last) node.Fail("is not ascending");
+    last = keyframe;
+    file.trajectory.keyframes.push_back(keyframe);
+  }
+  for (const JsonNode& node : reader.root()["composed_edges"].Items()) {
+    const std::vector<JsonNode> pair = node.Items(2);
+    file.composed.emplace(ReadId<FrameIdx>(pair[0]), ReadId<FrameIdx>(pair[1]));
+  }
+  return reader.Finish(std::move(file));
+}
+
 }  // namespace
 
 Result<std::string> EncodeTum(std::span<const StampedPose> poses, std::string_view name) {
@@ -86,16 +125,17 @@ Result<std::string> EncodeTum(std::span<const StampedPose> poses, std::string_vi
   return text;
 }
 
-Result<std::vector<StampedPose>> DecodeTum(std::string_view text, std::string_view name) {
+Result<std::vector<StampedPose>> DecodeTum(TextSource text, std::string_view name) {
   std::vector<StampedPose> poses;
-  for (int line_number = 1; !text.empty(); ++line_number) {
-    const std::vector<std::string_view> words = Words(TakeLine(text));
-    if (words.empty() || words.front().front() == '#') continue;
+  const auto decode = [&](std::string_view line) -> Status {
+    const std::vector<std::string_view> words = Words(line);
+    if (words.empty() || words.front().front() == '#') return Ok();
     const Result<StampedPose> pose = DecodeTumLine(words);
-    if (!pose.ok())
-      return InvalidInput(fmt::format("{}:{}: {}", name, line_number, pose.error().message));
+    if (!pose.ok()) return pose.error();
     poses.push_back(*pose);
-  }
+    return Ok();
+  };
+  if (Status status = ForLines(std::move(text), name, decode); !status.ok()) return status.error();
   return poses;
 }
 
@@ -132,59 +172,33 @@ Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
   return DumpJson(std::move(document), name);
 }
 
-Result<Trajectory> DecodeTrajectory(std::string_view frames_json,
-                                    std::string_view tum_text,
+Result<Trajectory> DecodeTrajectory(TextSource frames_json,
+                                    TextSource tum_text,
                                     std::string_view name) {
-  const Result<std::vector<StampedPose>> poses = DecodeTum(tum_text, name);
-  if (!poses.ok()) return poses.error();
-  Trajectory trajectory;
-  std::size_t num_rows = 0;
-  const auto read = [&](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) {
-      if (num_rows < poses->size()) trajectory.frames.push_back(ReadFrame(row, num_rows, *poses));
-      ++num_rows;
-    }
-  };
-  JsonReader reader(frames_json, name, kFormat, kVersion, {{"frames", read}});
-  if (num_rows != poses->size()) {
-    reader.Fail(
-        "frames",
-        fmt::format("has {} entries, the trajectory has {} poses", num_rows, poses->size()));
-  }
-  FrameIdx last;
-  for (const JsonNode& node : reader.root()["keyframes"].Items()) {
-    const FrameIdx keyframe{node.Int(0, std::max(0, static_cast<int>(num_rows) - 1))};
-    if (keyframe <= last) node.Fail("is not ascending");
-    last = keyframe;
-    trajectory.keyframes.push_back(keyframe);
-  }
-  return reader.Finish(std::move(trajectory));
+  Result<FramesFile> file = DecodeFrames(std::move(frames_json), std::move(tum_text), name);
+  if (!file.ok()) return file.error();
+  return std::move(file->trajectory);
 }
 
-Result<Odometry> DecodeOdometry(std::string_view frames_json,
-                                std::string_view tum_text,
+Result<Odometry> DecodeOdometry(TextSource frames_json,
+                                TextSource tum_text,
                                 std::vector<RelativePose> edges,
                                 std::string_view name) {
-  Result<Trajectory> trajectory = DecodeTrajectory(frames_json, tum_text, name);
-  if (!trajectory.ok()) return trajectory.error();
-  const auto read_already = [](std::span<const JsonNode> /*rows*/) {};
-  JsonReader reader(frames_json, name, kFormat, kVersion, {{"frames", read_already}});
-  std::set<std::pair<FrameIdx, FrameIdx>> composed;
-  for (const JsonNode& node : reader.root()["composed_edges"].Items()) {
-    const std::vector<JsonNode> pair = node.Items(2);
-    composed.emplace(ReadId<FrameIdx>(pair[0]), ReadId<FrameIdx>(pair[1]));
-  }
-  const int num_frames = static_cast<int>(trajectory->frames.size());
-  Odometry odometry{std::move(trajectory).value(), std::move(edges)};
+  Result<FramesFile> file = DecodeFrames(std::move(frames_json), std::move(tum_text), name);
+  if (!file.ok()) return file.error();
+  const int num_frames = static_cast<int>(file->trajectory.frames.size());
+  Odometry odometry{std::move(file->trajectory), std::move(edges)};
   for (RelativePose& edge : odometry.edges) {
-    edge.composed = composed.contains({edge.i, edge.j});
+    edge.composed = file->composed.contains({edge.i, edge.j});
     if (edge.i.value >= num_frames || edge.j.value >= num_frames) {
-      reader.Fail(
-          "odometry.g2o",
-          fmt::format("joins frames {} and {} of {}", edge.i.value, edge.j.value, num_frames));
+      return InvalidInput(fmt::format("{}: odometry.g2o joins frames {} and {} of {}",
+                                      name,
+                                      edge.i.value,
+                                      edge.j.value,
+                                      num_frames));
     }
   }
-  return reader.Finish(std::move(odometry));
+  return odometry;
 }
 
 }  // namespace deepslam::artifact

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/trajectory.h"
@@ -23,8 +24,7 @@ struct StampedPose {
                                             std::string_view name);
 // Comments (#) and empty lines are skipped; a fault names the line. Quaternions far from unit
 // length are refused.
-[[nodiscard]] Result<std::vector<StampedPose>> DecodeTum(std::string_view text,
-                                                         std::string_view name);
+[[nodiscard]] Result<std::vector<StampedPose>> DecodeTum(TextSource text, std::string_view name);
 
 [[nodiscard]] std::vector<StampedPose> StampedPoses(std::span<const TrackedFrame> frames);
 [[nodiscard]] std::vector<StampedPose> KeyframePoses(std::span<const TrackedFrame> frames,
@@ -39,13 +39,13 @@ struct StampedPose {
 
 // Joins both texts: line n of the TUM text is the pose of entry n of frames.json; differing counts
 // or times are refused.
-[[nodiscard]] Result<Trajectory> DecodeTrajectory(std::string_view frames_json,
-                                                  std::string_view tum_text,
+[[nodiscard]] Result<Trajectory> DecodeTrajectory(TextSource frames_json,
+                                                  TextSource tum_text,
                                                   std::string_view name);
-// All of a tracking result; `edges` as G2oEdgeReader gives them, their `composed` flags come from
+// All of a tracking result; `edges` as DecodeG2oEdges gives them, their `composed` flags come from
 // frames.json.
-[[nodiscard]] Result<Odometry> DecodeOdometry(std::string_view frames_json,
-                                              std::string_view tum_text,
+[[nodiscard]] Result<Odometry> DecodeOdometry(TextSource frames_json,
+                                              TextSource tum_text,
                                               std::vector<RelativePose> edges,
                                               std::string_view name);
 

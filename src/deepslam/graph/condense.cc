@@ -34,14 +34,17 @@ std::vector<bool> Follows(const Odometry& odometry) {
 }
 
 // Keyframes that measurements from up to `reach` before them put elsewhere begin a new node.
-void LeaveOutContradicted(const GraphModel& model, int reach, std::vector<bool>& follows) {
-  for (const PoseEdge& edge : model.pose_edges) {
-    if (edge.kind == EdgeKind::kObject || std::abs(edge.b - edge.a) >= reach) continue;
+void LeaveOutContradicted(const GraphModel& model,
+                          const EachPoseEdge& measured,
+                          int reach,
+                          std::vector<bool>& follows) {
+  measured([&](const PoseEdge& edge) {
+    if (edge.kind == EdgeKind::kObject || std::abs(edge.b - edge.a) >= reach) return;
     const Pose3& world_from_a = model.world_from_node[static_cast<std::size_t>(edge.a)];
     const Pose3& world_from_b = model.world_from_node[static_cast<std::size_t>(edge.b)];
     if (Chi2(world_from_a.Inverse() * world_from_b, edge) > kAgree)
       follows[static_cast<std::size_t>(std::max(edge.a, edge.b))] = false;
-  }
+  });
 }
 
 // Which keyframes one node stands for: ascending, and whether the next node follows.
@@ -126,8 +129,8 @@ class Condenser {
     }
   }
 
-  GraphModel Take() && {
-    CarryPoseEdges();
+  GraphModel Take(const EachPoseEdge& measured) && {
+    CarryPoseEdges(measured);
     for (const GroundEdge& edge : model_.ground_edges)
       condensed_.ground_edges.push_back(Carried(edge));
     for (const int node : model_.upright) condensed_.upright.push_back(NodeOf(node));
@@ -187,17 +190,16 @@ class Condenser {
     return carried;
   }
 
-  void CarryPoseEdges() {
+  void CarryPoseEdges(const EachPoseEdge& measured) {
     std::map<std::tuple<EdgeKind, int, int>, std::vector<Bundle>> bundles;
-    for (const PoseEdge& edge : model_.pose_edges) {
+    measured([&](const PoseEdge& edge) {
       const PoseEdge carried = Carried(edge);
-      if (carried.a == carried.b) continue;
+      if (carried.a == carried.b) return;
       std::vector<Bundle>& of_pair = bundles[{carried.kind, carried.a, carried.b}];
       const bool taken =
           std::ranges::any_of(of_pair, [&](Bundle& bundle) { return bundle.Take(carried); });
       if (!taken) of_pair.emplace_back(carried);
-    }
-    model_.pose_edges = std::vector<PoseEdge>();
+    });
     for (const auto& [pair, of_pair] : bundles) {
       for (const Bundle& bundle : of_pair) condensed_.pose_edges.push_back(bundle.Mean());
     }
@@ -211,12 +213,24 @@ class Condenser {
 
 }  // namespace
 
-GraphModel Condensed(GraphModel model, const Odometry& odometry, int max_nodes) {
-  if (model.num_keyframes() <= max_nodes) return model;
+GraphModel Condensed(GraphModel model,
+                     const EachPoseEdge& along_path,
+                     const Odometry& odometry,
+                     int max_nodes) {
+  const std::vector<PoseEdge> own = std::move(model.pose_edges);
+  model.pose_edges = {};
+  const EachPoseEdge measured = [&](const std::function<void(const PoseEdge&)>& use) {
+    along_path(use);
+    std::ranges::for_each(own, use);
+  };
+  if (model.num_keyframes() <= max_nodes) {
+    measured([&](const PoseEdge& edge) { model.pose_edges.push_back(edge); });
+    return model;
+  }
   const int keyframes_per_node = (model.num_keyframes() + max_nodes - 1) / max_nodes;
   std::vector<bool> follows = Follows(odometry);
-  LeaveOutContradicted(model, keyframes_per_node, follows);
-  return Condenser(std::move(model), NodesOf(follows, keyframes_per_node)).Take();
+  LeaveOutContradicted(model, measured, keyframes_per_node, follows);
+  return Condenser(std::move(model), NodesOf(follows, keyframes_per_node)).Take(measured);
 }
 
 }  // namespace deepslam::graph

@@ -15,12 +15,22 @@
 // what is unsure within a node.
 #pragma once
 
+#include <functional>
+
 #include "deepslam/graph/graph_model.h"
 
 namespace deepslam::graph {
 
+// Hands over measurements one after another, the same ones each time: those of a long path are made
+// as they are asked for, since all of them are as large as the odometry once more.
+using EachPoseEdge = std::function<void(const std::function<void(const PoseEdge&)>& use)>;
+
 // The model with about `max_nodes` nodes for its keyframes at most (more where many of them end
-// early); as it is where it has no more. `model` has a node for each keyframe.
-[[nodiscard]] GraphModel Condensed(GraphModel model, const Odometry& odometry, int max_nodes);
+// early), or as it is where it has no more; measured by what was measured `along_path` and behind
+// it by its own pose edges. `model` has a node for each keyframe.
+[[nodiscard]] GraphModel Condensed(GraphModel model,
+                                   const EachPoseEdge& along_path,
+                                   const Odometry& odometry,
+                                   int max_nodes);
 
 }  // namespace deepslam::graph

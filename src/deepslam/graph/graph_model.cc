@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -61,12 +62,62 @@ Status CheckOdometry(const Odometry& odometry) {
   return Ok();
 }
 
+// Between nodes that exist, finite, and measured at all.
+bool IsUsable(const PoseEdge& edge) {
+  return edge.a >= 0 && edge.b >= 0 && edge.a != edge.b && IsFinite(edge.a_from_b) &&
+         edge.information.diagonal().maxCoeff() > 0;
+}
+
+// What was measured along the path as the graph has it: by tracking, then by loops. What loops
+// measured again stands for what tracking measured between the same two keyframes.
+class PathEdges {
+ public:
+  PathEdges(const Odometry& odometry, const Loops& loops, const GraphOptions& options)
+      : odometry_(odometry), loops_(loops), options_(options) {
+    for (const RelativePose& edge : loops.edges) measured_again_.insert({edge.i, edge.j});
+  }
+
+  // Those that are usable; how many are not.
+  int ForEach(const std::function<void(const PoseEdge&)>& use) const {
+    int num_bad = 0;
+    const auto take = [&](const RelativePose& measured, EdgeKind kind) {
+      PoseEdge edge = ToPoseEdge(measured, kind);
+      if (!IsUsable(edge)) {
+        ++num_bad;
+        return;
+      }
+      edge.a_from_b.rotation.normalize();
+      use(edge);
+    };
+    for (const RelativePose& edge : odometry_.edges) {
+      if (!measured_again_.contains({edge.i, edge.j})) take(edge, EdgeKind::kOdometry);
+    }
+    for (const RelativePose& edge : loops_.edges) take(edge, EdgeKind::kLoop);
+    return num_bad;
+  }
+
+ private:
+  [[nodiscard]] PoseEdge ToPoseEdge(const RelativePose& measured, EdgeKind kind) const {
+    const Vector6d floor = Floor(options_.odometry_floor_m, options_.odometry_floor_deg);
+    // Loop edges come with an honest covariance of their own; their number of points says nothing.
+    const double scale = kind == EdgeKind::kLoop ? 1.0 : options_.odometry_variance_scale;
+    return {kind,
+            PositionOf(odometry_.keyframes, measured.i),
+            PositionOf(odometry_.keyframes, measured.j),
+            measured.i_from_j,
+            BalancedInformation<6>(measured.information, scale, floor)};
+  }
+
+  const Odometry& odometry_;
+  const Loops& loops_;
+  const GraphOptions& options_;
+  std::set<std::pair<FrameIdx, FrameIdx>> measured_again_;
+};
+
 class ModelBuilder {
  public:
-  // `num_edges`: about how many there will be.
-  ModelBuilder(const Odometry& odometry, const GraphOptions& options, std::size_t num_edges)
+  ModelBuilder(const Odometry& odometry, const GraphOptions& options)
       : odometry_(odometry), options_(options) {
-    model_.pose_edges.reserve(num_edges);
     model_.keyframes = odometry.keyframes;
     model_.blend_from = odometry.keyframes;
     for (const FrameIdx keyframe : odometry.keyframes) {
@@ -75,19 +126,12 @@ class ModelBuilder {
     }
   }
 
-  // What loops measured again stands for what tracking measured between the same two keyframes.
-  void AddPath(const std::vector<RelativePose>& tracked, const std::vector<RelativePose>& again) {
-    std::set<std::pair<FrameIdx, FrameIdx>> pairs;
-    for (const RelativePose& edge : again) pairs.insert({edge.i, edge.j});
-    AddRelativePoses(tracked, EdgeKind::kOdometry, pairs);
-    AddRelativePoses(again, EdgeKind::kLoop, {});
-  }
-
   // Each keyframe must hang on the first one, else the problem is singular.
-  void TieLooseKeyframes() {
+  void TieLooseKeyframes(const PathEdges& path) {
     DisjointSets joined(model_.keyframes.size());
-    for (const PoseEdge& edge : model_.pose_edges)
+    model_.num_bad_edges += path.ForEach([&](const PoseEdge& edge) {
       joined.Join(static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b));
+    });
     Vector6d deviation;
     deviation << Eigen::Vector3d::Constant(kTieDeviation_m),
         Eigen::Vector3d::Constant(kTieDeviation_rad);
@@ -166,32 +210,6 @@ class ModelBuilder {
  private:
   const Pose3& Node(int node) const {
     return model_.world_from_node[static_cast<std::size_t>(node)];
-  }
-
-  void AddRelativePoses(const std::vector<RelativePose>& edges,
-                        EdgeKind kind,
-                        const std::set<std::pair<FrameIdx, FrameIdx>>& left_out) {
-    const Vector6d floor = Floor(options_.odometry_floor_m, options_.odometry_floor_deg);
-    // Loop edges come with an honest covariance of their own; their number of points says nothing.
-    const double scale = kind == EdgeKind::kLoop ? 1.0 : options_.odometry_variance_scale;
-    for (const RelativePose& edge : edges) {
-      if (left_out.contains({edge.i, edge.j})) continue;
-      AddPoseEdge({kind,
-                   PositionOf(model_.keyframes, edge.i),
-                   PositionOf(model_.keyframes, edge.j),
-                   edge.i_from_j,
-                   BalancedInformation<6>(edge.information, scale, floor)});
-    }
-  }
-
-  void AddPoseEdge(const PoseEdge& edge) {
-    if (edge.a < 0 || edge.b < 0 || edge.a == edge.b || !IsFinite(edge.a_from_b) ||
-        edge.information.diagonal().maxCoeff() <= 0) {
-      ++model_.num_bad_edges;
-      return;
-    }
-    model_.pose_edges.push_back(edge);
-    model_.pose_edges.back().a_from_b.rotation.normalize();
   }
 
   // Height of the object's bottom above the ground: median over the keyframes that saw both, where
@@ -291,17 +309,18 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const GraphOptions& options,
                                    const std::map<ObjectId, double>& bottom_m) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
-  std::size_t num_edges = odometry.edges.size() + loops.edges.size();
-  for (const MapObject& object : map.objects) num_edges += object.views.size();
-  ModelBuilder builder(odometry, options, num_edges);
-  builder.AddPath(odometry.edges, loops.edges);
-  builder.TieLooseKeyframes();
+  const PathEdges path(odometry, loops, options);
+  ModelBuilder builder(odometry, options);
+  builder.TieLooseKeyframes(path);
   if (options.use_objects) builder.AddObjects(map);
   if (options.use_ground) {
     builder.AddGround(ground);
     builder.AddObjectsOnGround(map, bottom_m);
   }
-  return Condensed(builder.Take(), odometry, options.max_keyframes);
+  const auto along_path = [&](const std::function<void(const PoseEdge&)>& use) {
+    path.ForEach(use);
+  };
+  return Condensed(builder.Take(), along_path, odometry, options.max_keyframes);
 }
 
 }  // namespace deepslam::graph

@@ -29,10 +29,9 @@ Result<std::string> StageContext::Read(std::string_view stage, std::string_view 
   return artifact::ReadFile(PathTo(stage, file));
 }
 
-Status StageContext::ReadLines(std::string_view stage,
-                               std::string_view file,
-                               const artifact::TextSink& use) const {
-  return artifact::ReadLines(PathTo(stage, file), use);
+Result<artifact::TextSource> StageContext::Open(std::string_view stage,
+                                                std::string_view file) const {
+  return artifact::OpenText(PathTo(stage, file));
 }
 
 Status StageContext::Write(std::string_view file, std::string_view bytes) {

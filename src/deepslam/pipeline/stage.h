@@ -39,10 +39,9 @@ class StageContext {
   // Bytes of a file another stage wrote; the stage must be among the declared inputs. `file` is
   // relative to its folder.
   [[nodiscard]] Result<std::string> Read(std::string_view stage, std::string_view file) const;
-  // The same by pieces of whole lines (artifact/store.h).
-  [[nodiscard]] Status ReadLines(std::string_view stage,
-                                 std::string_view file,
-                                 const artifact::TextSink& use) const;
+  // The same by pieces, for texts that grow with the capture.
+  [[nodiscard]] Result<artifact::TextSource> Open(std::string_view stage,
+                                                  std::string_view file) const;
   // Writes a file of this stage's output, `file` relative ("models/a.binvox").
   [[nodiscard]] Status Write(std::string_view file, std::string_view bytes);
   [[nodiscard]] Status Write(std::string_view file, const artifact::TextWriter& text);

@@ -77,11 +77,10 @@ Result<StageSummary> RunSegment(StageContext& context, const RunInputs& inputs) 
   };
   ParallelAhead(groups.size(), kAhead, look, take);
   if (context.progress().StopRequested()) return Interrupted();
-  if (Status status = WriteEncoded(
-          context, "segments.json", artifact::EncodeSegments(segments, "segments.json"));
-      !status.ok()) {
-    return status.error();
-  }
+  const Status written = context.Write("segments.json", [&](const artifact::TextSink& sink) {
+    return artifact::EncodeSegments(segments, "segments.json", sink);
+  });
+  if (!written.ok()) return written.error();
   const auto usable = std::count_if(
       segments.begin(), segments.end(), [](const Segment& segment) { return segment.usable; });
   return StageSummary{

@@ -36,33 +36,37 @@ template <typename T>
 Result<T> Decode(const StageContext& context,
                  std::string_view stage,
                  std::string_view file,
-                 Result<T> (*decode)(std::string_view, std::string_view)) {
-  const Result<std::string> text = context.Read(stage, file);
+                 Result<T> (*decode)(artifact::TextSource, std::string_view)) {
+  Result<artifact::TextSource> text = context.Open(stage, file);
   if (!text.ok()) return text.error();
-  return decode(*text, StageContext::DisplayName(stage, file));
+  return decode(std::move(text).value(), StageContext::DisplayName(stage, file));
 }
 
 Result<Trajectory> ReadTrajectoryOf(const StageContext& context, std::string_view stage) {
-  const Result<std::string> frames = context.Read(stage, "frames.json");
+  Result<artifact::TextSource> frames = context.Open(stage, "frames.json");
   if (!frames.ok()) return frames.error();
-  const Result<std::string> tum = context.Read(stage, "trajectory.tum");
+  Result<artifact::TextSource> tum = context.Open(stage, "trajectory.tum");
   if (!tum.ok()) return tum.error();
-  return artifact::DecodeTrajectory(*frames, *tum, StageContext::DisplayName(stage, "frames.json"));
+  return artifact::DecodeTrajectory(std::move(frames).value(),
+                                    std::move(tum).value(),
+                                    StageContext::DisplayName(stage, "frames.json"));
 }
 
 }  // namespace
 
 Result<Odometry> ReadOdometry(const StageContext& context) {
-  const Result<std::string> frames = context.Read("track", "frames.json");
-  const Result<std::string> tum = context.Read("track", "trajectory.tum");
-  for (const Result<std::string>* text : {&frames, &tum}) {
+  Result<artifact::TextSource> frames = context.Open("track", "frames.json");
+  Result<artifact::TextSource> tum = context.Open("track", "trajectory.tum");
+  for (const Result<artifact::TextSource>* text : {&frames, &tum}) {
     if (!text->ok()) return text->error();
   }
-  artifact::G2oEdgeReader edges("track/odometry.g2o");
-  const auto read = [&edges](std::string_view lines) { return edges.Read(lines); };
-  if (Status status = context.ReadLines("track", "odometry.g2o", read); !status.ok())
-    return status.error();
-  return artifact::DecodeOdometry(*frames, *tum, edges.TakeEdges(), "track/frames.json");
+  Result<std::vector<RelativePose>> edges =
+      Decode(context, "track", "odometry.g2o", artifact::DecodeG2oEdges);
+  if (!edges.ok()) return edges.error();
+  return artifact::DecodeOdometry(std::move(frames).value(),
+                                  std::move(tum).value(),
+                                  std::move(edges).value(),
+                                  "track/frames.json");
 }
 
 Result<Trajectory> ReadTrajectory(const StageContext& context) {
@@ -156,7 +160,10 @@ Result<OptimizedMap> ReadOptimized(const StageContext& context) {
 Result<TriangleMesh> ReadMesh(const StageContext& context,
                               std::string_view stage,
                               const std::string& file) {
-  Result<artifact::PlyMesh> ply = Decode(context, stage, file, artifact::DecodePly);
+  const Result<std::string> bytes = context.Read(stage, file);
+  if (!bytes.ok()) return bytes.error();
+  Result<artifact::PlyMesh> ply =
+      artifact::DecodePly(*bytes, StageContext::DisplayName(stage, file));
   if (!ply.ok()) return ply.error();
   return std::move(ply->mesh);
 }

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/artifact/detections_json.h"
@@ -31,6 +32,17 @@ Reader Of(Decode decode, Encode encode) {
   return [=](std::string_view bytes) { return RoundTrip(bytes, decode, encode); };
 }
 
+Result<std::string> SegmentsText(const std::vector<Segment>& segments, std::string_view name) {
+  std::string text;
+  const auto add = [&text](std::string_view piece) {
+    text += piece;
+    return Ok();
+  };
+  if (Status status = artifact::EncodeSegments(segments, name, add); !status.ok())
+    return status.error();
+  return text;
+}
+
 const std::map<std::string, Reader, std::less<>>& Readers() {
   static const std::map<std::string, Reader, std::less<>> readers = {
       {"deepslam/tracks", Of(artifact::DecodeAssociation, artifact::EncodeAssociation)},
@@ -39,7 +51,7 @@ const std::map<std::string, Reader, std::less<>>& Readers() {
       {"deepslam/loops", Of(artifact::DecodeLoops, artifact::EncodeLoops)},
       {"deepslam/objects", Of(artifact::DecodeObjectMap, artifact::EncodeObjectMap)},
       {"deepslam/candidates", Of(artifact::DecodeProposals, artifact::EncodeProposals)},
-      {"deepslam/segments", Of(artifact::DecodeSegments, artifact::EncodeSegments)},
+      {"deepslam/segments", Of(artifact::DecodeSegments, SegmentsText)},
       {"deepslam/registrations", Of(artifact::DecodeRegistrations, artifact::EncodeRegistrations)},
       {"deepslam/optimization", Of(artifact::DecodeOptimization, artifact::EncodeOptimization)},
       {"deepslam/overrides", Of(artifact::DecodeApplied, artifact::EncodeApplied)},

@@ -6,8 +6,8 @@
 #include "fuzz/entry.h"
 
 DEEPSLAM_FUZZ(g2o) {
-  artifact::G2oEdgeReader edges(kFile);
-  if (const Status read = edges.Read(bytes); !read.ok()) Refused(read.error());
+  if (const auto edges = artifact::DecodeG2oEdges(bytes, kFile); !edges.ok())
+    Refused(edges.error());
   const Result<graph::G2oGraph> graph = graph::ParseG2o(bytes);
   if (!graph.ok()) return Refused(graph.error(), "line ");
   (void)graph::Chi2(*graph);

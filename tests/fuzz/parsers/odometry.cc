@@ -14,9 +14,9 @@ DEEPSLAM_FUZZ(odometry) {
     text = bytes.substr(0, end);
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 2);
   }
-  artifact::G2oEdgeReader edges(kFile);
-  if (const Status read = edges.Read(texts[2]); !read.ok()) return Refused(read.error());
-  const auto odometry = artifact::DecodeOdometry(texts[0], texts[1], edges.TakeEdges(), kFile);
+  const auto edges = artifact::DecodeG2oEdges(texts[2], kFile);
+  if (!edges.ok()) return Refused(edges.error());
+  const auto odometry = artifact::DecodeOdometry(texts[0], texts[1], *edges, kFile);
   if (!odometry.ok()) return Refused(odometry.error());
   for (const RelativePose& edge : odometry->edges) {
     DEEPSLAM_CHECK(edge.i.value < static_cast<int>(odometry->frames.size()) &&
