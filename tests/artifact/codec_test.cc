@@ -265,7 +265,7 @@ TEST(PoseGraphG2o, MeansTheSameErrorByG2osConvention) {
   const RelativePose& edge = odometry.edges[0];
   const Pose3 error = V2t((Vector6d() << 1e-3, -2e-3, 1e-3, 2e-3, 1e-3, -1e-3).finished());
   const Vector6d own = T2v(error);
-  const double chi2 = own.dot(edge.information * own);
+  const double chi2 = own.dot(edge.information.Full() * own);
 
   const std::string text = *G2oText(odometry);
   const std::size_t begin = text.find("EDGE_SE3:QUAT 0 2");
@@ -370,7 +370,7 @@ TEST(Json, ATableMustBeThereOnceAndBeOne) {
       << "a member of that name further down is none";
 }
 
-TEST(Segments, KeepTheirMasksHoweverMany) {
+std::vector<Segment> ManySegments() {
   std::vector<Segment> segments(150);
   for (std::size_t k = 0; k < segments.size(); ++k) {
     Segment& segment = segments[k];
@@ -382,6 +382,11 @@ TEST(Segments, KeepTheirMasksHoweverMany) {
     mask(static_cast<int>(k % 40), static_cast<int>(k % 30)) = 1;
     segment.mask = mask;
   }
+  return segments;
+}
+
+TEST(Segments, KeepTheirMasksHoweverMany) {
+  const std::vector<Segment> segments = ManySegments();
   const Result<std::vector<Segment>> read = DecodeSegments(*SegmentsText(segments), "f");
   ASSERT_TRUE(read.ok()) << read.error().message;
   ASSERT_EQ(read->size(), segments.size());
@@ -389,6 +394,19 @@ TEST(Segments, KeepTheirMasksHoweverMany) {
     EXPECT_EQ((*read)[k].detection, segments[k].detection);
     EXPECT_EQ((*read)[k].mask, segments[k].mask) << k;
   }
+}
+
+TEST(Segments, AreReadWithoutMasksOrInPart) {
+  std::vector<Segment> segments = ManySegments();
+  const std::string text = *SegmentsText(segments);
+  const Result<std::vector<Segment>> some =
+      DecodeSegmentsOf({DetectionId{3}, DetectionId{77}, DetectionId{4000}}, text, "f");
+  ASSERT_TRUE(some.ok()) << some.error().message;
+  EXPECT_EQ(*SegmentsText(*some), *SegmentsText({segments[3], segments[77]}));
+  const Result<std::vector<Segment>> bare = DecodeSegmentsWithoutMasks(text, "f");
+  ASSERT_TRUE(bare.ok()) << bare.error().message;
+  for (Segment& segment : segments) segment.mask = {};
+  EXPECT_EQ(*SegmentsText(*bare), *SegmentsText(segments));
 }
 
 TEST(GroundJson, HoldsWhatTheUserSaysOfThePicturesIfAnything) {

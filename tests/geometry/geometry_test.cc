@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/geometry/similarity.h"
+#include "deepslam/geometry/symmetric_matrix6.h"
 #include "deepslam/scene/ground.h"
 #include "support/pose_matchers.h"
 
@@ -131,6 +133,18 @@ TEST(BackShown, IsTheShareOfTheWayRoundFromTheFront) {
   EXPECT_NEAR(shown({{1, 5, 0}, {1, -1, 0}}), 0.5, 1e-12);
   EXPECT_EQ(shown({}), 0.5);
   EXPECT_NEAR(shown({{1, 2, 3}}), 0.5, 1e-12);  // straight above
+}
+
+TEST(SymmetricMatrix6, IsTheMatrixItWasMadeOf) {
+  Matrix6d root;
+  for (int k = 0; k < 36; ++k) root.data()[k] = std::sin(1.0 + k);
+  const Matrix6d lower = (root * root.transpose()).triangularView<Eigen::Lower>();
+  const Matrix6d symmetric = lower.selfadjointView<Eigen::Lower>();
+  const SymmetricMatrix6d packed = symmetric;
+  EXPECT_EQ(packed.Full(), symmetric);
+  EXPECT_EQ(packed, SymmetricMatrix6d(packed.Full()));
+  EXPECT_EQ(SymmetricMatrix6d().Full(), Matrix6d::Zero());
+  EXPECT_LT(sizeof(packed), sizeof(symmetric) * 2 / 3);
 }
 
 }  // namespace

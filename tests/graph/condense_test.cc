@@ -143,7 +143,7 @@ TEST(Condensed, WhatLiesBeforeALossIsNotDrawnBehindIt) {
   World world = MakeWorld(60, 0, 0.6, {});
   world.ground = {};
   world.odometry.edges[29].composed = true;  // from keyframe 29 to 30
-  world.odometry.edges[29].information *= 1e-10;
+  world.odometry.edges[29].information = 1e-10 * world.odometry.edges[29].information.Full();
   const Pose3 lost{Eigen::Quaterniond::Identity(), {2, 0.5, 0}};
   for (std::size_t k = 30; k < 60; ++k) {
     Pose3& tracked = world.odometry.frames[k].world_from_camera;

@@ -111,7 +111,7 @@ TEST(OptimizeGraph, APairMeasuredAgainHasThatEdgeAlone) {
   RelativePose& slid = world.odometry.edges[kSlid];
   const RelativePose right = slid;
   slid.i_from_j.translation_m.x() += 0.4;
-  slid.information *= 1e3;
+  slid.information = 1e3 * slid.information.Full();
   const Pose3 moved = world.odometry.at(slid.i).world_from_camera * slid.i_from_j *
                       world.odometry.at(slid.j).world_from_camera.Inverse();
   for (auto k = static_cast<std::size_t>(slid.j.value); k < world.odometry.frames.size(); ++k) {

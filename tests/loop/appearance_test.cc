@@ -160,7 +160,7 @@ TEST(AppearanceLoops, ATrueRevisitIsFoundAndItsDriftMeasured) {
                              truth[static_cast<std::size_t>(edge.j.value)],
                          0.03,
                          1.0));
-    const Eigen::LLT<Matrix6d> factor(edge.information);
+    const Eigen::LLT<Matrix6d> factor(edge.information.Full());
     EXPECT_EQ(factor.info(), Eigen::Success) << "positive definite";
   }
 }

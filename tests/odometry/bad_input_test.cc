@@ -33,7 +33,7 @@ void ExpectHonestEdges(const Odometry& odometry, const std::vector<Pose3>& truth
                                 truth[static_cast<std::size_t>(edge.j.value)];
     const Vector6d error = T2v(edge.i_from_j.Inverse() * true_i_from_j);
     // Five standard deviations.
-    EXPECT_LT(error.dot(edge.information * error), 25) << edge.i << " to " << edge.j;
+    EXPECT_LT(error.dot(edge.information.Full() * error), 25) << edge.i << " to " << edge.j;
   }
 }
 

@@ -129,7 +129,7 @@ TEST(EstimateOdometry, AMotionThatNothingShowsAges) {
   const Odometry odometry = Track(Render(hall, poses), options);
   std::vector<double> along_m;  // x of the camera is along the wall
   for (const RelativePose& edge : odometry.edges)
-    along_m.push_back(std::sqrt(edge.information.inverse()(0, 0)));
+    along_m.push_back(std::sqrt(edge.information.Full().inverse()(0, 0)));
   ASSERT_GE(along_m.size(), 4U);
   // The first edge has no motion to go by.
   for (std::size_t k = 2; k < along_m.size(); ++k) EXPECT_GT(along_m[k], along_m[k - 1]) << k;
@@ -188,7 +188,8 @@ TEST(EstimateOdometry, TwoCapturesInOneAreJoinedByAnEdgeThatSaysSo) {
   });
   ASSERT_NE(across, odometry.edges.end());
   EXPECT_TRUE(across->composed);
-  EXPECT_LT(across->information(0, 0), 0.01 * odometry.edges.front().information(0, 0));
+  EXPECT_LT(across->information.Full()(0, 0),
+            0.01 * odometry.edges.front().information.Full()(0, 0));
 }
 
 TEST(EstimateOdometry, IsByteEqualForAnyNumberOfThreads) {

@@ -81,7 +81,7 @@ inline void ExpectConsistent(const Odometry& odometry) {
   for (const FrameIdx keyframe : odometry.keyframes)
     EXPECT_EQ(odometry.at(keyframe).keyframe, keyframe);
   for (const RelativePose& edge : odometry.edges) {
-    EXPECT_EQ(edge.information.llt().info(), Eigen::Success);
+    EXPECT_EQ(edge.information.Full().llt().info(), Eigen::Success);
   }
 }
 

@@ -47,8 +47,10 @@ Odometry LongPath(int num_keyframes) {
       RelativePose edge{FrameIdx{i}, FrameIdx{k}, {}, Matrix6d::Identity(), false};
       edge.i_from_j =
           Disturbed(truth[static_cast<std::size_t>(i)].Inverse() * truth[at], random, 1);
-      edge.information.diagonal().head<3>().setConstant(1 / (kNoiseM * kNoiseM));
-      edge.information.diagonal().tail<3>().setConstant(1 / (kNoiseRad * kNoiseRad));
+      Vector6d information;
+      information << Eigen::Vector3d::Constant(1 / (kNoiseM * kNoiseM)),
+          Eigen::Vector3d::Constant(1 / (kNoiseRad * kNoiseRad));
+      edge.information = information.asDiagonal();
       odometry.edges.push_back(edge);
     }
   }

@@ -85,8 +85,11 @@ class CocoReader {
              std::span<const DetectedImage> images,
              const ClassTable& classes,
              const PictureSize& colour)
-      : reader_(reader), images_(images), classes_(classes), colour_(colour) {
-    for (const DetectedImage& image : images) by_stem_.emplace(Stem(image.file_name), &image);
+      : reader_(reader), classes_(classes), colour_(colour) {
+    for (const DetectedImage& image : images) {
+      by_stem_.emplace(Stem(image.file_name), &image);
+      by_frame_.emplace(image.frame.value, &image);
+    }
     for (const auto& [id, label] : kCocoIds) labels_[std::to_string(id)] = label;
   }
 
@@ -160,11 +163,8 @@ class CocoReader {
     if (const auto it = by_stem_.find(stem); !stem.empty() && it != by_stem_.end())
       return it->second;
     if (!document_images_.empty() || !image_id.is_number()) return nullptr;
-    const double idx = image_id.Number();
-    const auto it = std::find_if(images_.begin(), images_.end(), [&](const DetectedImage& image) {
-      return image.frame.value == idx;
-    });
-    return it == images_.end() ? nullptr : &*it;
+    const auto it = by_frame_.find(image_id.Number());
+    return it == by_frame_.end() ? nullptr : it->second;
   }
 
   std::string Label(const JsonNode& entry) const {
@@ -266,10 +266,10 @@ class CocoReader {
   }
 
   JsonReader& reader_;
-  std::span<const DetectedImage> images_;
   const ClassTable& classes_;
   PictureSize colour_;
   std::map<std::string, const DetectedImage*> by_stem_;
+  std::map<double, const DetectedImage*> by_frame_;     // as documents number images
   std::map<std::string, std::string> document_images_;  // id -> stem
   std::map<std::string, PictureSize> sizes_;            // id -> what the document says
   std::map<std::string, PictureSize> stem_sizes_;

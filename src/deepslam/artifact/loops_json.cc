@@ -81,7 +81,7 @@ JsonValue EdgeToJson(const RelativePose& edge) {
   row.emplace("i", ToJson(edge.i));
   row.emplace("j", ToJson(edge.j));
   row.emplace("i_from_j", ToJson(edge.i_from_j));
-  row.emplace("information", ToJson(edge.information));
+  row.emplace("information", ToJson(edge.information.Full()));
   row.emplace("composed", edge.composed);
   return JsonValue(std::move(row));
 }

@@ -88,14 +88,14 @@ Status EncodeG2o(std::span<const TrackedFrame> frames,
   }
   if (!keyframes.empty()) text += fmt::format("FIX {}\n", keyframes.front().value);
   for (const RelativePose& edge : edges) {
-    if (!edge.information.allFinite() || !edge.i_from_j.translation_m.allFinite() ||
+    if (!edge.information.Full().allFinite() || !edge.i_from_j.translation_m.allFinite() ||
         !edge.i_from_j.rotation.coeffs().allFinite()) {
       return Failed(
           fmt::format("{}: edge {} -> {} is not finite", name, edge.i.value, edge.j.value));
     }
     text += fmt::format("EDGE_SE3:QUAT {} {}", edge.i.value, edge.j.value);
     AppendPose(edge.i_from_j, text);
-    const Matrix6d information = ScaleRotation(edge.information, 2.0);
+    const Matrix6d information = ScaleRotation(edge.information.Full(), 2.0);
     for (int row = 0; row < 6; ++row) {
       for (int col = row; col < 6; ++col) {
         text += ' ';

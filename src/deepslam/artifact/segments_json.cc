@@ -29,6 +29,7 @@ JsonValue SegmentToJson(const Segment& segment) {
   return JsonValue(std::move(row));
 }
 
+// All but its mask.
 Segment ReadSegment(const JsonNode& row) {
   Segment segment;
   segment.detection = ReadId<DetectionId>(row["detection"]);
@@ -38,7 +39,6 @@ Segment ReadSegment(const JsonNode& row) {
   if (const JsonNode source = row.Maybe("source"); source.is_string())
     segment.source = ReadDetectionSource(source);
   segment.box_px = ReadCocoBox(row["bbox"]);
-  segment.mask = ReadMask(row.Maybe("segmentation"));
   segment.num_points = row["num_points"].Int(0, kMaxId);
   segment.extent_camera = ReadBox3(row.Maybe("extent_camera_m"));
   segment.depth_support = row["depth_support"].Number();
@@ -46,6 +46,19 @@ Segment ReadSegment(const JsonNode& row) {
   segment.usable = row["usable"].Bool();
   segment.reason = row["reason"].String();
   return segment;
+}
+
+// Of the rows, what `take` makes of them.
+Result<std::vector<Segment>> DecodeRows(
+    TextSource text,
+    std::string_view name,
+    const std::function<void(const JsonNode& row, std::vector<Segment>& segments)>& take) {
+  std::vector<Segment> segments;
+  const auto read = [&](std::span<const JsonNode> rows) {
+    for (const JsonNode& row : rows) take(row, segments);
+  };
+  const JsonReader reader(std::move(text), name, kFormat, kVersion, {{"segments", read}});
+  return reader.Finish(std::move(segments));
 }
 
 }  // namespace
@@ -59,10 +72,27 @@ Status EncodeSegments(std::span<const Segment> segments,
 }
 
 Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name) {
-  std::vector<Segment> segments;
-  const JsonReader reader(
-      std::move(text), name, kFormat, kVersion, {{"segments", AppendRows(segments, ReadSegment)}});
-  return reader.Finish(std::move(segments));
+  return DecodeRows(std::move(text), name, [](const JsonNode& row, std::vector<Segment>& segments) {
+    segments.push_back(ReadSegment(row));
+    segments.back().mask = ReadMask(row.Maybe("segmentation"));
+  });
+}
+
+Result<std::vector<Segment>> DecodeSegmentsWithoutMasks(TextSource text, std::string_view name) {
+  return DecodeRows(std::move(text), name, [](const JsonNode& row, std::vector<Segment>& segments) {
+    segments.push_back(ReadSegment(row));
+  });
+}
+
+Result<std::vector<Segment>> DecodeSegmentsOf(const std::set<DetectionId>& wanted,
+                                              TextSource text,
+                                              std::string_view name) {
+  return DecodeRows(
+      std::move(text), name, [&](const JsonNode& row, std::vector<Segment>& segments) {
+        if (!wanted.contains(ReadId<DetectionId>(row["detection"]))) return;
+        segments.push_back(ReadSegment(row));
+        segments.back().mask = ReadMask(row.Maybe("segmentation"));
+      });
 }
 
 }  // namespace deepslam::artifact

@@ -1,6 +1,7 @@
 // segments.json: the pixels of every detection that are the object, masks as COCO run lengths.
 #pragma once
 
+#include <set>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -16,5 +17,12 @@ namespace deepslam::artifact {
                                     std::string_view name,
                                     const TextSink& sink);
 [[nodiscard]] Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name);
+
+// Masks are most of what segments take, and most stages look at those of a few.
+[[nodiscard]] Result<std::vector<Segment>> DecodeSegmentsWithoutMasks(TextSource text,
+                                                                      std::string_view name);
+[[nodiscard]] Result<std::vector<Segment>> DecodeSegmentsOf(const std::set<DetectionId>& wanted,
+                                                            TextSource text,
+                                                            std::string_view name);
 
 }  // namespace deepslam::artifact

@@ -25,7 +25,7 @@ double Chi2(const Pose3& expected, const PoseEdge& edge) {
 std::vector<bool> Follows(const Odometry& odometry) {
   std::vector<bool> follows(odometry.keyframes.size(), false);
   for (const RelativePose& edge : odometry.edges) {
-    if (edge.composed || !(edge.information.diagonal().maxCoeff() > 0)) continue;
+    if (edge.composed || !(edge.information.Full().diagonal().maxCoeff() > 0)) continue;
     const int newer = PositionOf(odometry.keyframes, edge.j);
     if (newer > 0 && odometry.keyframes[static_cast<std::size_t>(newer) - 1] == edge.i)
       follows[static_cast<std::size_t>(newer)] = true;

@@ -105,7 +105,7 @@ class PathEdges {
             PositionOf(odometry_.keyframes, measured.i),
             PositionOf(odometry_.keyframes, measured.j),
             measured.i_from_j,
-            BalancedInformation<6>(measured.information, scale, floor)};
+            BalancedInformation<6>(measured.information.Full(), scale, floor)};
   }
 
   const Odometry& odometry_;

@@ -481,9 +481,9 @@ void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
   // the Birge ratio scales them down. The edge to the last keyframe is the one just added.
   const Matrix6d covariance = direct.information.inverse() + skip.information.inverse();
   const double birge = std::max(1.0, difference.dot(covariance.ldlt().solve(difference)) / 6);
-  odometry_.edges.back().information /= birge;
+  odometry_.edges.back().information = direct.information / birge;
   AddEdge(before_last, frame, skip);
-  odometry_.edges.back().information /= birge;
+  odometry_.edges.back().information = skip.information / birge;
   // Least squares over the two.
   const Matrix6d joint = direct.information + skip.information;
   const Vector6d step = joint.ldlt().solve(skip.information * difference);

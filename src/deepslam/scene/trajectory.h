@@ -6,6 +6,7 @@
 
 #include "deepslam/core/ids.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/geometry/symmetric_matrix6.h"
 
 namespace deepslam {
 
@@ -39,9 +40,9 @@ struct RelativePose {
   FrameIdx i;
   FrameIdx j;
   Pose3 i_from_j;
-  // Information of t2v(measured^-1 * true) in (translation m; rotation rad) order; symmetric,
-  // positive definite.
-  Matrix6d information = Matrix6d::Identity();
+  // Information of t2v(measured^-1 * true) in (translation m; rotation rad) order; positive
+  // definite.
+  SymmetricMatrix6d information = Matrix6d::Identity();
   bool composed = false;  // chained from frame-to-frame poses because the direct alignment failed
 };
 

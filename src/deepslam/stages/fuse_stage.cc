@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 // Per frame the pixels of objects that are in the map; empty when they are not to be left out.
-using ObjectMasks = std::map<FrameIdx, Mask>;
+using ObjectMasks = std::map<FrameIdx, std::vector<PixelMask>>;
 
 void Cover(const Mask& part, Mask& whole) {
   if (whole.empty()) whole = Mask(part.width(), part.height());
@@ -30,9 +31,16 @@ void Cover(const Mask& part, Mask& whole) {
       });
 }
 
+// Empty where there are none.
+Mask Union(const ObjectMasks& masks, FrameIdx frame) {
+  Mask whole;
+  if (const auto of_frame = masks.find(frame); of_frame != masks.end()) {
+    for (const PixelMask& mask : of_frame->second) Cover(mask.Unpacked(), whole);
+  }
+  return whole;
+}
+
 Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& map) {
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
-  if (!segments.ok()) return segments.error();
   const Result<Association> association = ReadAssociation(context, "loops");
   if (!association.ok()) return association.error();
   std::set<ObjectId> mapped;
@@ -42,15 +50,14 @@ Result<ObjectMasks> ReadMasks(const StageContext& context, const OptimizedMap& m
     if (!mapped.contains(track.id)) continue;
     for (const TrackMember& member : track.members) members.insert(member.detection);
   }
+  const Result<std::vector<Segment>> segments = ReadSegmentsOf(context, members);
+  if (!segments.ok()) return segments.error();
   // Frames in which nothing was found have nothing to leave out.
   const Result<artifact::DetectionTable> detections = ReadDetections(context);
   if (!detections.ok()) return detections.error();
   ObjectMasks masks;
   for (const artifact::DetectedImage& image : detections->images) masks[image.frame];
-  for (const Segment& segment : *segments) {
-    Mask& mask = masks[segment.frame];
-    if (members.contains(segment.detection)) Cover(segment.mask.Unpacked(), mask);
-  }
+  for (const Segment& segment : *segments) masks[segment.frame].push_back(segment.mask);
   return masks;
 }
 
@@ -82,11 +89,11 @@ Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
   if (wanted.empty()) context.progress().Warn("no frame to fuse: the room stays empty");
   fuse::TsdfFusion fusion(inputs.config.fuse);
   const auto integrate = [&](const Frame& frame) -> Status {
-    const auto mask = masks.find(frame.idx);
-    const Mask* leave_out = mask == masks.end() || mask->second.empty() ? nullptr : &mask->second;
+    const Mask objects = Union(masks, frame.idx);
     const Pose3& world_from_camera =
         map->frames[static_cast<std::size_t>(frame.idx.value)].world_from_camera;
-    return fusion.Integrate(frame, frames.camera(), world_from_camera, leave_out);
+    return fusion.Integrate(
+        frame, frames.camera(), world_from_camera, objects.empty() ? nullptr : &objects);
   };
   if (Status status = ForFrames(context, frames, wanted, integrate); !status.ok())
     return status.error();

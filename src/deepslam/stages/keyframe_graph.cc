@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <utility>
 
 #include "deepslam/core/check.h"
@@ -11,28 +10,54 @@
 namespace deepslam::stages {
 namespace {
 
-// Keyframes from `begin` to before `end` and the edges among them; frames keep their numbers.
-Odometry Stretch(const Odometry& odometry, std::ptrdiff_t begin, std::ptrdiff_t end) {
-  Odometry stretch;
-  stretch.frames = odometry.frames;
-  stretch.keyframes.assign(odometry.keyframes.begin() + begin, odometry.keyframes.begin() + end);
+// Frames [first_frame, end_frame), numbered from 0.
+struct Stretch {
+  int first_frame = 0;
+  Odometry odometry;
+};
+
+// Keyframes from `begin` to before `end`, the edges among them, and the frames up to the last of
+// them; with all that is before the first keyframe and behind the last one of the path.
+Stretch Cut(const Odometry& odometry, std::size_t begin, std::size_t end) {
+  const std::vector<FrameIdx>& keyframes = odometry.keyframes;
+  const FrameIdx last = keyframes[end - 1];
+  const int first_frame = begin == 0 ? 0 : keyframes[begin].value;
+  const int end_frame =
+      end == keyframes.size() ? static_cast<int>(odometry.frames.size()) : last.value + 1;
+  const auto renumbered = [&](FrameIdx frame) { return FrameIdx{frame.value - first_frame}; };
+  Stretch stretch{first_frame, {}};
+  for (int k = first_frame; k < end_frame; ++k) {
+    TrackedFrame& frame =
+        stretch.odometry.frames.emplace_back(odometry.frames[static_cast<std::size_t>(k)]);
+    frame.frame = renumbered(frame.frame);
+    if (frame.keyframe.valid()) frame.keyframe = renumbered(frame.keyframe);
+  }
+  for (std::size_t n = begin; n < end; ++n)
+    stretch.odometry.keyframes.push_back(renumbered(keyframes[n]));
   const auto inside = [&](FrameIdx keyframe) {
-    return stretch.keyframes.front() <= keyframe && keyframe <= stretch.keyframes.back();
+    return keyframes[begin] <= keyframe && keyframe <= last;
   };
-  std::ranges::copy_if(odometry.edges,
-                       std::back_inserter(stretch.edges),
-                       [&](const RelativePose& edge) { return inside(edge.i) && inside(edge.j); });
+  for (RelativePose edge : odometry.edges) {
+    if (!inside(edge.i) || !inside(edge.j)) continue;
+    edge.i = renumbered(edge.i);
+    edge.j = renumbered(edge.j);
+    stretch.odometry.edges.push_back(edge);
+  }
   return stretch;
 }
 
-// Everything from `seam` on goes to where the solved frames lie about it.
+// Everything from `seam` on goes to where the solved frames, of which the first is `first_frame`,
+// lie about it.
 void LayOn(FrameIdx seam,
+           int first_frame,
            const std::vector<TrackedFrame>& solved,
            std::vector<TrackedFrame>& frames) {
-  const auto first = static_cast<std::size_t>(seam.value);
-  const Pose3 moved = frames[first].world_from_camera * solved[first].world_from_camera.Inverse();
-  for (std::size_t k = first; k < frames.size(); ++k)
-    frames[k].world_from_camera = moved * solved[k].world_from_camera;
+  const auto before = static_cast<std::size_t>(first_frame);
+  const auto at = static_cast<std::size_t>(seam.value) - before;
+  const Pose3 moved =
+      frames[before + at].world_from_camera * solved[at].world_from_camera.Inverse();
+  for (std::size_t k = at; k < solved.size(); ++k)
+    frames[before + k].world_from_camera = moved * solved[k].world_from_camera;
 }
 
 }  // namespace
@@ -72,21 +97,23 @@ Result<std::vector<TrackedFrame>> SolveStretches(const Odometry& odometry,
                                                  const Stretches& stretches) {
   DEEPSLAM_CHECK(0 <= stretches.overlap && stretches.overlap < stretches.num_keyframes,
                  "stretches have to go on");
-  const auto num_keyframes = static_cast<std::ptrdiff_t>(odometry.keyframes.size());
-  if (num_keyframes <= stretches.num_keyframes) {
+  const std::size_t num_keyframes = odometry.keyframes.size();
+  const auto num_at_once = static_cast<std::size_t>(stretches.num_keyframes);
+  const auto overlap = static_cast<std::size_t>(stretches.overlap);
+  if (num_keyframes <= num_at_once) {
     Result<SolvedPath> whole = SolvePath(odometry, Ground{}, {}, options);
     if (!whole.ok()) return whole.error();
     return std::move(whole->frames);
   }
   std::vector<TrackedFrame> frames = odometry.frames;
-  std::ptrdiff_t begin = 0;
-  for (std::ptrdiff_t end = 0; end < num_keyframes; begin = end - stretches.overlap) {
-    end = std::min<std::ptrdiff_t>(begin + stretches.num_keyframes, num_keyframes);
-    const Result<SolvedPath> solved =
-        SolvePath(Stretch(odometry, begin, end), Ground{}, {}, options);
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end < num_keyframes; begin = end - overlap) {
+    end = std::min(begin + num_at_once, num_keyframes);
+    const Stretch stretch = Cut(odometry, begin, end);
+    const Result<SolvedPath> solved = SolvePath(stretch.odometry, Ground{}, {}, options);
     if (!solved.ok()) return solved.error();
-    const std::ptrdiff_t seam = begin == 0 ? 0 : begin + stretches.overlap / 2;
-    LayOn(odometry.keyframes[static_cast<std::size_t>(seam)], solved->frames, frames);
+    const std::size_t seam = begin == 0 ? 0 : begin + overlap / 2;
+    LayOn(odometry.keyframes[seam], stretch.first_frame, solved->frames, frames);
   }
   return frames;
 }

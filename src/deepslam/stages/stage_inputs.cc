@@ -32,11 +32,11 @@ using pipeline::StageContext;
 constexpr std::size_t kFramesAhead = 8;                     // 2 MB each
 constexpr std::size_t kBatchBytes = std::size_t{96} << 20;  // of views, until a batch has enough
 
-template <typename T>
-Result<T> Decode(const StageContext& context,
-                 std::string_view stage,
-                 std::string_view file,
-                 Result<T> (*decode)(artifact::TextSource, std::string_view)) {
+template <typename Decoder>
+auto Decode(const StageContext& context,
+            std::string_view stage,
+            std::string_view file,
+            const Decoder& decode) -> decltype(decode(std::declval<artifact::TextSource>(), file)) {
   Result<artifact::TextSource> text = context.Open(stage, file);
   if (!text.ok()) return text.error();
   return decode(std::move(text).value(), StageContext::DisplayName(stage, file));
@@ -50,6 +50,36 @@ Result<Trajectory> ReadTrajectoryOf(const StageContext& context, std::string_vie
   return artifact::DecodeTrajectory(std::move(frames).value(),
                                     std::move(tum).value(),
                                     StageContext::DisplayName(stage, "frames.json"));
+}
+
+// Segments of which some are the views of tracks.
+struct PlannedViews {
+  std::vector<Segment> segments;
+  observe::ViewPlan plan;  // of them
+};
+
+// All segments are looked at for the plan, and the masks of those in it are read then.
+Result<PlannedViews> PlanViews(const StageContext& context,
+                               const Trajectory& trajectory,
+                               std::span<const ObjectTrack> tracks,
+                               const observe::ViewOptions& options) {
+  const Result<std::vector<Segment>> all =
+      Decode(context, "segment", "segments.json", artifact::DecodeSegmentsWithoutMasks);
+  if (!all.ok()) return all.error();
+  PlannedViews views{{}, observe::PlanObjectViews(trajectory, *all, tracks, options)};
+  std::set<DetectionId> wanted;
+  for (const auto& [object, planned] : views.plan) {
+    for (const Segment* segment : planned) wanted.insert(segment->detection);
+  }
+  Result<std::vector<Segment>> with_masks = ReadSegmentsOf(context, wanted);
+  if (!with_masks.ok()) return with_masks.error();
+  views.segments = std::move(with_masks).value();
+  std::map<DetectionId, const Segment*> by_detection;
+  for (const Segment& segment : views.segments) by_detection.emplace(segment.detection, &segment);
+  for (auto& [object, planned] : views.plan) {
+    for (const Segment*& segment : planned) segment = by_detection.at(segment->detection);
+  }
+  return views;
 }
 
 }  // namespace
@@ -83,6 +113,14 @@ Result<artifact::DetectionTable> ReadDetections(const StageContext& context) {
 
 Result<std::vector<Segment>> ReadSegments(const StageContext& context) {
   return Decode(context, "segment", "segments.json", artifact::DecodeSegments);
+}
+
+Result<std::vector<Segment>> ReadSegmentsOf(const StageContext& context,
+                                            const std::set<DetectionId>& wanted) {
+  return Decode(
+      context, "segment", "segments.json", [&](artifact::TextSource text, std::string_view name) {
+        return artifact::DecodeSegmentsOf(wanted, std::move(text), name);
+      });
 }
 
 Result<Association> ReadAssociation(const StageContext& context, std::string_view stage) {
@@ -243,11 +281,11 @@ Status ForTrackViews(const StageContext& context,
                      std::span<const ObjectTrack> tracks,
                      observe::ViewContent content,
                      const std::function<Status(std::span<TrackViews>)>& use) {
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
-  if (!segments.ok()) return segments.error();
   const FrameSource& frames = *inputs.capture->frames;
   const observe::ViewOptions& options = inputs.config.views;
-  observe::ViewPlan plan = observe::PlanObjectViews(trajectory, *segments, tracks, options);
+  Result<PlannedViews> planned_views = PlanViews(context, trajectory, tracks, options);
+  if (!planned_views.ok()) return planned_views.error();
+  observe::ViewPlan& plan = planned_views->plan;
   for (std::size_t begin = 0; begin < tracks.size();) {
     observe::ViewPlan of_batch;
     std::size_t num_bytes = 0;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,6 +43,9 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 [[nodiscard]] Result<artifact::DetectionTable> ReadDetections(
     const pipeline::StageContext& context);
 [[nodiscard]] Result<std::vector<Segment>> ReadSegments(const pipeline::StageContext& context);
+// Those of these detections alone.
+[[nodiscard]] Result<std::vector<Segment>> ReadSegmentsOf(const pipeline::StageContext& context,
+                                                          const std::set<DetectionId>& wanted);
 // Of stage `associate`, or of `loops` after merging.
 [[nodiscard]] Result<Association> ReadAssociation(const pipeline::StageContext& context,
                                                   std::string_view stage);
