@@ -14,6 +14,7 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/trajectory_files.h"
+#include "support/text_in_pieces.h"
 
 namespace deepslam::artifact {
 namespace {
@@ -23,16 +24,6 @@ using testing::HasSubstr;
 using namespace deepslam::testing_support;  // NOLINT(google-build-using-namespace)
 
 constexpr std::size_t kPieceSizes[] = {1, 2, 3, 7, 64, 1000, 1 << 20};
-
-// The text by pieces of so many bytes, each gone when the next one is asked for.
-TextSource InPieces(const std::string& text, std::size_t num_bytes) {
-  return TextSource(
-      [left = text, piece = std::string(), num_bytes]() mutable -> Result<std::string_view> {
-        piece.assign(left, 0, num_bytes);
-        left.erase(0, piece.size());
-        return std::string_view(piece);
-      });
-}
 
 // Fails instead of ending.
 TextSource Torn(const std::string& text) {

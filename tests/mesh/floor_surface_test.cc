@@ -39,8 +39,8 @@ void AddPatch(double x0, double x1, Rgb8 colour, Lift lift, TriangleMesh& mesh) 
   }
 }
 
-// Floor of two colours over [0, 3], noisy as fused depth is; a gap in it; more floor apart; a wall that
-// begins on the floor; a box's top at 20 cm.
+// Floor of two colours over [0, 3], noisy as fused depth is; a gap in it; more floor apart; a wall
+// that begins on the floor; a box's top at 20 cm.
 TriangleMesh Room() {
   Random random(3);
   TriangleMesh room;
@@ -50,8 +50,10 @@ TriangleMesh Room() {
   AddPatch(0, 1.2, {200, 0, 0}, floor, room);
   AddPatch(1.4, 3, {0, 0, 200}, floor, room);
   AddPatch(5, 6, {0, 200, 0}, floor, room);
-  AddPatch(0, 1, {9, 9, 9}, [](double h, double y) { return Eigen::Vector3d(3, y, h); }, room);
-  AddPatch(1, 1.4, {7, 7, 7}, [](double x, double y) { return Eigen::Vector3d(x, y, 0.2); }, room);
+  AddPatch(
+      0, 1, {9, 9, 9}, [](double h, double y) { return Eigen::Vector3d(3, y, h); }, room);
+  AddPatch(
+      1, 1.4, {7, 7, 7}, [](double x, double y) { return Eigen::Vector3d(x, y, 0.2); }, room);
   return room;
 }
 
@@ -89,7 +91,8 @@ TEST(WithoutFloor, LeavesNothingInThePlaneOfThePolygon) {
     return std::any_of(mesh.faces.begin(), mesh.faces.end(), [&](const auto& f) {
       for (std::size_t n = 0; n < 3; ++n) {
         const Eigen::Vector3f& a = mesh.vertices[f[n]];
-        const Eigen::Vector2f along = mesh.vertices[f[(n + 1) % 3]].template head<2>() - a.head<2>();
+        const Eigen::Vector2f along =
+            mesh.vertices[f[(n + 1) % 3]].template head<2>() - a.head<2>();
         const Eigen::Vector2f to = p - a.head<2>();
         if (std::abs(a.z()) > band || along.x() * to.y() - along.y() * to.x() <= 0) return false;
       }
@@ -159,6 +162,43 @@ TEST(ColouredGround, HasTheFloorsColoursAndTheSameOutline) {
     EXPECT_TRUE(p.x() < 1.5F || p.x() > 2.9F || colour == (Rgb8{0, 0, 200})) << p.transpose();
     EXPECT_TRUE(colour.g < 10 && colour.r + colour.b > 50) << p.transpose();  // never the box's
   }
+}
+
+// A ring of grey floor about a middle that nobody saw, with a small green patch at its rim.
+TEST(ColouredGround, WhatNobodySawIsAsWhatLiesAroundItAsAWhole) {
+  const Rgb8 grey{120, 118, 116};
+  TriangleMesh room;
+  for (double x = 0; x < 4; x += 0.02) {
+    for (double y = 0; y < 4; y += 0.02) {
+      if (std::hypot(x - 2, y - 2) < 1.5) continue;
+      const bool in_patch = std::hypot(x - 3.6, y - 2) < 0.12;
+      room.vertices.emplace_back(static_cast<float>(x), static_cast<float>(y), 0.0F);
+      room.colours.push_back(in_patch ? Rgb8{20, 200, 20} : grey);
+    }
+  }
+  TriangleMesh ground;
+  ground.vertices = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+  ground.faces = {{0, 1, 2}, {0, 2, 3}};
+  const TriangleMesh coloured = ColouredGround(ground, room, kBandM, 0.05);
+  ASSERT_EQ(coloured.colours.size(), coloured.vertices.size());
+  int num_unseen = 0;
+  int most_green = 0;
+  for (std::size_t v = 0; v < coloured.vertices.size(); ++v) {
+    const Eigen::Vector3f& p = coloured.vertices[v];
+    const double from_middle = std::hypot(p.x() - 2, p.y() - 2);
+    const int green = coloured.colours[v].g - coloured.colours[v].r;
+    if (from_middle > 1.3) {
+      most_green = std::max(most_green, green);
+      continue;
+    }
+    ++num_unseen;
+    // The patch lies half a metre away at the nearest point: it colours no strip towards the
+    // middle.
+    const double from_patch = std::hypot(p.x() - 3.6, p.y() - 2);
+    EXPECT_LT(green, 180 * 0.1 / from_patch) << p.transpose();
+  }
+  EXPECT_GT(num_unseen, 1500);
+  EXPECT_EQ(most_green, 180) << "what was seen keeps its colour";
 }
 
 TEST(ColouredGround, StaysAsItIsWithoutColours) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/mesh/colour_raster.h"
 #include "deepslam/mesh/ground_polygon.h"
 #include "deepslam/mesh/surface_distance.h"
 #include "deepslam/scene/mesh_pieces.h"
@@ -21,10 +21,9 @@ namespace deepslam::mesh {
 namespace {
 
 constexpr double kMaxColourPoints = 40'000;
+constexpr std::size_t kMaxColourCells = 400'000;  // of the outline's box, mostly not much larger
 // Cosine of the steepest face that is floor: noise tilts faces of a few centimetres a good deal.
 constexpr double kMinLevel = 0.6;
-// Colours come from so many steps away at most, else from the floor as a whole.
-constexpr int kMaxSpread = 20;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -62,6 +61,11 @@ class Outline {
       squared = std::min(squared, (p - a - t * along).squaredNorm());
     });
     return std::sqrt(squared);
+  }
+  [[nodiscard]] Eigen::AlignedBox2d Box() const {
+    Eigen::AlignedBox2d box;
+    for (const Eigen::Vector2d& p : points_) box.extend(p);
+    return box;
   }
   [[nodiscard]] double Area() const {
     double twice = 0;
@@ -111,61 +115,6 @@ void DropRags(const std::vector<Place>& places, TriangleMesh& room) {
     return off == 0 && over > beside;
   });
 }
-
-// Mean colours of the floor by cells of a raster over the plane.
-class ColourRaster {
- public:
-  explicit ColourRaster(double step_m) : step_m_(step_m) {}
-
-  using Cell = std::pair<long, long>;
-  [[nodiscard]] Cell CellOf(const Eigen::Vector2d& p) const {
-    return {std::lround(p.x() / step_m_), std::lround(p.y() / step_m_)};
-  }
-  void Add(const Eigen::Vector2d& p, Rgb8 colour) {
-    const Eigen::Vector3d rgb(colour.r, colour.g, colour.b);
-    Sum& sum = sums_[CellOf(p)];
-    sum.rgb += rgb;
-    ++sum.count;
-    total_.rgb += rgb;
-    ++total_.count;
-  }
-  [[nodiscard]] bool empty() const { return total_.count == 0; }
-
-  // Mean over the nearest ring of cells that holds any.
-  [[nodiscard]] Rgb8 At(const Eigen::Vector2d& p) const {
-    const Cell middle = CellOf(p);
-    for (int ring = 0; ring <= kMaxSpread; ++ring) {
-      Sum sum;
-      for (int x = -ring; x <= ring; ++x) {
-        const int stride = std::abs(x) == ring ? 1 : std::max(1, 2 * ring);
-        for (int y = -ring; y <= ring; y += stride) {
-          const auto found = sums_.find({middle.first + x, middle.second + y});
-          if (found == sums_.end()) continue;
-          sum.rgb += found->second.rgb;
-          sum.count += found->second.count;
-        }
-      }
-      if (sum.count > 0) return ToRgb(sum);
-    }
-    return ToRgb(total_);
-  }
-
- private:
-  struct Sum {
-    Eigen::Vector3d rgb = Eigen::Vector3d::Zero();
-    int count = 0;
-  };
-  static Rgb8 ToRgb(const Sum& sum) {
-    const auto channel = [&](int c) {
-      return static_cast<std::uint8_t>(std::lround(sum.rgb[c] / sum.count));
-    };
-    return {channel(0), channel(1), channel(2)};
-  }
-
-  double step_m_;
-  std::map<Cell, Sum> sums_;
-  Sum total_;
-};
 
 std::vector<Eigen::Vector2d> PointsInside(const Outline& outline, double step_m) {
   Eigen::Vector2d low = outline.points().front();
@@ -261,7 +210,7 @@ TriangleMesh ColouredGround(const TriangleMesh& ground_polygon,
   const Outline outline(OutlineOf(ground_polygon));
   if (outline.empty() || step_m <= 0 || room_world.colours.empty()) return ground_polygon;
   step_m = std::max(step_m, std::sqrt(outline.Area() / kMaxColourPoints));
-  ColourRaster raster(step_m);
+  ColourRaster raster(outline.Box(), step_m, kMaxColourCells);
   for (std::size_t v = 0; v < room_world.vertices.size(); ++v) {
     const Eigen::Vector3f& p = room_world.vertices[v];
     if (std::abs(p.z()) < band_m) raster.Add(Plan(p), room_world.colours[v]);
@@ -270,7 +219,11 @@ TriangleMesh ColouredGround(const TriangleMesh& ground_polygon,
   Result<TriangleMesh> ground = TriangulateOutline(outline.points(), PointsInside(outline, step_m));
   if (!ground.ok()) return ground_polygon;
   ground->colours.reserve(ground->vertices.size());
-  for (const Eigen::Vector3f& p : ground->vertices) ground->colours.push_back(raster.At(Plan(p)));
+  const Image<Rgb8> colours = raster.Filled();
+  for (const Eigen::Vector3f& p : ground->vertices) {
+    const Eigen::Vector2i cell = raster.CellOf(Plan(p));
+    ground->colours.push_back(colours(cell.x(), cell.y()));
+  }
   return std::move(ground).value();
 }
 

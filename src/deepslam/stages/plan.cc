@@ -189,7 +189,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       RunMesh);
   add("fuse", 5, {"detect", "segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
   add("export",
-      9,
+      10,
       {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
       {"export", "export.ground", "export.gltf"},
       kFrames | kClasses,

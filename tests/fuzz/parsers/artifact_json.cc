@@ -21,6 +21,7 @@
 #include "deepslam/batch/capture_record.h"
 #include "deepslam/pipeline/manifest.h"
 #include "fuzz/entry.h"
+#include "support/text_in_pieces.h"
 
 namespace deepslam::fuzz {
 namespace {
@@ -69,9 +70,16 @@ const std::map<std::string, Reader, std::less<>>& Readers() {
 
 DEEPSLAM_FUZZ(artifact_json) {
   const Result<artifact::JsonValue> document = artifact::ParseJson(bytes, kFile);
-  if (!document.ok()) return Refused(document.error());
+  const Result<artifact::JsonValue> by_pieces =
+      artifact::ParseJson(testing_support::InPieces(bytes, 1 + bytes.size() % 7), kFile);
+  DEEPSLAM_CHECK(by_pieces.ok() == document.ok(), "pieces are read as the whole");
+  if (!document.ok()) {
+    DEEPSLAM_CHECK(by_pieces.error().message == document.error().message, "and refused as it is");
+    return Refused(document.error());
+  }
   const Result<std::string> text = artifact::DumpJson(*document, kFile);
   DEEPSLAM_CHECK(text.ok(), "JSON that was read can be written");
+  DEEPSLAM_CHECK(*text == *artifact::DumpJson(*by_pieces, kFile), "pieces are read as the whole");
   const auto* object = document->As<artifact::JsonObject>();
   if (object == nullptr) return false;
   const auto format = object->find("format");

@@ -1,0 +1,23 @@
+// Texts as files give them: by pieces, each gone when the next one is asked for.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "deepslam/artifact/text_pieces.h"
+
+namespace deepslam::testing_support {
+
+inline artifact::TextSource InPieces(std::string_view text, std::size_t num_bytes) {
+  return artifact::TextSource([text = std::string(text),
+                               piece = std::string(),
+                               at = std::size_t{0},
+                               num_bytes]() mutable -> Result<std::string_view> {
+    piece.assign(text, at, num_bytes);
+    at += piece.size();
+    return std::string_view(piece);
+  });
+}
+
+}  // namespace deepslam::testing_support
