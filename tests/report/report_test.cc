@@ -1,6 +1,7 @@
 #include "deepslam/report/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -15,6 +16,7 @@
 namespace deepslam::report {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -230,6 +232,42 @@ TEST(ViewerData, MeasuredPointsComeBackToTheMillimetre) {
   EXPECT_THAT(data, HasSubstr("\"origin_m\":[1.0,-2.0,0.5]"));
   // 0, 0, 0 and 250, 1000, 0 as 16-bit little endian.
   EXPECT_THAT(data, HasSubstr(EncodeBase64(std::string("\0\0\0\0\0\0\xFA\0\xE8\x03\0\0", 12))));
+}
+
+// Rounds of a circle, one frame of them lost, one at a height of its own.
+ReportContent Rounds(int num_frames) {
+  ReportContent content;
+  for (int k = 0; k < num_frames; ++k) {
+    TrackedFrame frame;
+    frame.frame = FrameIdx{k};
+    frame.status = TrackingStatus::kTracked;
+    const double angle = 0.01 * k;
+    frame.world_from_camera.translation_m = {
+        3 * std::cos(angle), 3 * std::sin(angle), 1.4 + 0.01 * std::sin(0.7 * k)};
+    content.map.frames.push_back(frame);
+    content.tracked_world_from_camera.push_back(frame.world_from_camera);
+    if (k % 4 == 0) content.map.keyframes.push_back(frame.frame);
+  }
+  const auto middle = static_cast<std::size_t>(num_frames / 2);
+  content.map.frames[middle].status = TrackingStatus::kLost;
+  content.map.frames[middle + 2].world_from_camera.translation_m.z() = 2;
+  return content;
+}
+
+TEST(Plots, OfHoursAreNotMuchLargerThanOfMinutesAndShowWhatIsAmiss) {
+  const auto size = [](const std::string& text) { return static_cast<double>(text.size()); };
+  const ReportContent minutes = Rounds(3'000);
+  const ReportContent hours = Rounds(100'000);
+  EXPECT_LT(size(HeightOverTime(hours.map.frames)), 4 * size(HeightOverTime(minutes.map.frames)));
+  EXPECT_LT(size(GraphCorrection(hours.map.frames, hours.tracked_world_from_camera)),
+            4 * size(GraphCorrection(minutes.map.frames, minutes.tracked_world_from_camera)));
+  EXPECT_LT(size(TopView(hours)), 3e6) << "rounds over each other are drawn by their lines alone";
+  for (const ReportContent* content : {&minutes, &hours}) {
+    const std::string height = HeightOverTime(content->map.frames);
+    EXPECT_THAT(height, HasSubstr("#d62828")) << "the lost frame";
+    EXPECT_THAT(TopView(*content), HasSubstr("#d62828"));
+    EXPECT_THAT(height, ContainsRegex("L36[0-9.]+ 11\\.8")) << "the one frame that is higher";
+  }
 }
 
 TEST(HeightDrift, WithoutTwoSightsOfTheFloorThereIsNoPlot) {

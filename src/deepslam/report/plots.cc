@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +14,8 @@
 
 namespace deepslam::report {
 namespace {
+
+constexpr double kStrip_px = 12;
 
 std::string_view StatusColour(TrackingStatus status) {
   switch (status) {
@@ -106,33 +110,84 @@ std::string ObjectShape(const Canvas& canvas, const ObjectRow& object) {
       EscapeHtml(object.name));
 }
 
+// Points of a picture, px. An hour has a hundred thousand frames: what no eye could tell apart is
+// drawn once.
+using Points = std::vector<Eigen::Vector2d>;
+
+// The first, the last, and of those between what lies a pixel from the last one taken.
+Points Apart(const Points& points) {
+  Points apart;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const bool is_end = n == 0 || n + 1 == points.size();
+    if (is_end || (points[n] - apart.back()).norm() >= 1) apart.push_back(points[n]);
+  }
+  return apart;
+}
+
+// Of those that share half a pixel's width the first, the lowest, the highest and the last: the
+// line through them covers the same. x ascends.
+Points ByColumns(const Points& points) {
+  const auto lower = [](const auto& a, const auto& b) { return a.y() < b.y(); };
+  Points kept;
+  for (auto begin = points.begin(); begin != points.end();) {
+    const double column = std::floor(2 * begin->x());
+    const auto end = std::find_if(
+        begin, points.end(), [&](const auto& p) { return std::floor(2 * p.x()) != column; });
+    const auto [lowest, highest] = std::minmax_element(begin, end, lower);
+    const std::set of_column = {begin, lowest, highest, end - 1};
+    for (const auto& point : of_column) kept.push_back(*point);
+    begin = end;
+  }
+  return kept;
+}
+
+// The path data of the line through them.
+std::string LineThrough(const Points& points) {
+  std::string data;
+  for (const Eigen::Vector2d& p : points)
+    data += fmt::format("{}{:.1f} {:.1f}", data.empty() ? 'M' : 'L', p.x(), p.y());
+  return data;
+}
+
+Eigen::Vector2d Place(const Canvas& canvas, const Pose3& world_from_camera) {
+  const Eigen::Vector3d& t = world_from_camera.translation_m;
+  return {canvas.x(t.x()), canvas.y(t.y())};
+}
+
+// Each step in the colour of the frame that it leads to.
 std::string CameraPath(const Canvas& canvas, std::span<const TrackedFrame> frames) {
   std::string svg;
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    const Eigen::Vector3d& a = frames[i - 1].world_from_camera.translation_m;
-    const Eigen::Vector3d& b = frames[i].world_from_camera.translation_m;
-    svg += fmt::format("<path d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke='{}' stroke-width='2'/>",
-                       canvas.x(a.x()),
-                       canvas.y(a.y()),
-                       canvas.x(b.x()),
-                       canvas.y(b.y()),
-                       StatusColour(frames[i].status));
+  for (std::size_t begin = 1; begin < frames.size();) {
+    const TrackingStatus status = frames[begin].status;
+    Points run = {Place(canvas, frames[begin - 1].world_from_camera)};
+    for (; begin < frames.size() && frames[begin].status == status; ++begin)
+      run.push_back(Place(canvas, frames[begin].world_from_camera));
+    svg += fmt::format("<path fill='none' stroke='{}' stroke-width='2' d='{}'/>",
+                       StatusColour(status),
+                       LineThrough(Apart(run)));
   }
   return svg;
 }
 
 std::string TrackedPath(const Canvas& canvas, std::span<const Pose3> world_from_camera) {
   if (world_from_camera.size() < 2) return {};
-  std::string svg = "<path fill='none' stroke='#999' stroke-dasharray='4 3' d='";
-  char command = 'M';
-  for (const Pose3& pose : world_from_camera) {
-    svg += fmt::format("{}{:.1f} {:.1f}",
-                       command,
-                       canvas.x(pose.translation_m.x()),
-                       canvas.y(pose.translation_m.y()));
-    command = 'L';
+  Points path;
+  for (const Pose3& pose : world_from_camera) path.push_back(Place(canvas, pose));
+  return fmt::format("<path fill='none' stroke='#999' stroke-dasharray='4 3' d='{}'/>",
+                     LineThrough(Apart(path)));
+}
+
+// One for those that share a pixel.
+std::string KeyframeDots(const Canvas& canvas, const OptimizedMap& map) {
+  std::string svg;
+  std::set<std::pair<long, long>> taken;
+  for (const FrameIdx keyframe : map.keyframes) {
+    const Eigen::Vector2d at =
+        Place(canvas, map.frames[static_cast<std::size_t>(keyframe.value)].world_from_camera);
+    if (!taken.emplace(std::lround(at.x()), std::lround(at.y())).second) continue;
+    svg += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='3' fill='#1d3557'/>", at.x(), at.y());
   }
-  return svg + "'/>";
+  return svg;
 }
 
 struct PlotPoint {
@@ -185,16 +240,14 @@ std::string LinePlot(std::span<const PlotLine> lines, int num_frames, std::strin
         std::abs(tick) < 1e-9 ? 0.0 : tick);
   }
   for (const PlotLine& line : lines) {
-    svg += fmt::format("<path fill='none' stroke='{}' stroke-width='2' stroke-dasharray='{}' d='",
-                       line.colour,
-                       line.dashes.empty() ? "none" : line.dashes);
-    char command = 'M';
-    for (const PlotPoint& p : line.points) {
-      svg += fmt::format(
-          "{}{:.1f} {:.1f}", command, kWidth * p.frame / std::max(1, num_frames), y(p.value_cm));
-      command = 'L';
-    }
-    svg += "'/>";
+    Points points;
+    for (const PlotPoint& p : line.points)
+      points.emplace_back(kWidth * p.frame / std::max(1, num_frames), y(p.value_cm));
+    svg +=
+        fmt::format("<path fill='none' stroke='{}' stroke-width='2' stroke-dasharray='{}' d='{}'/>",
+                    line.colour,
+                    line.dashes.empty() ? "none" : line.dashes,
+                    LineThrough(ByColumns(points)));
   }
   return svg +
          fmt::format(
@@ -203,6 +256,28 @@ std::string LinePlot(std::span<const PlotLine> lines, int num_frames, std::strin
              kHeight + 16,
              kWidth,
              num_frames - 1);
+}
+
+// A band below a plot, each frame in its status' colour and at least as wide as can be seen where
+// something is amiss: drawn last.
+std::string StatusStrip(std::span<const TrackedFrame> frames, double y_px, double step_px) {
+  constexpr double kLeast_px = 0.5;
+  std::string as_it_should;
+  std::string amiss;
+  for (std::size_t begin = 0, end = 0; begin < frames.size(); begin = end) {
+    const TrackingStatus status = frames[begin].status;
+    while (end < frames.size() && frames[end].status == status) ++end;
+    const double width_px = step_px * static_cast<double>(end - begin) + 0.05;
+    const bool fine = status == TrackingStatus::kTracked;
+    (fine ? as_it_should : amiss) +=
+        fmt::format("<rect x='{:.2f}' y='{}' width='{:.2f}' height='{}' fill='{}'/>",
+                    step_px * static_cast<double>(begin),
+                    y_px,
+                    fine ? width_px : std::max(width_px, kLeast_px),
+                    kStrip_px,
+                    StatusColour(status));
+  }
+  return as_it_should + amiss;
 }
 
 }  // namespace
@@ -217,19 +292,13 @@ std::string TopView(const ReportContent& content) {
   for (const ObjectRow& object : content.objects) svg += ObjectShape(canvas, object);
   svg += TrackedPath(canvas, content.tracked_world_from_camera);
   svg += CameraPath(canvas, content.map.frames);
-  for (const FrameIdx keyframe : content.map.keyframes) {
-    const auto& t = content.map.frames[static_cast<std::size_t>(keyframe.value)]
-                        .world_from_camera.translation_m;
-    svg += fmt::format(
-        "<circle cx='{:.1f}' cy='{:.1f}' r='3' fill='#1d3557'/>", canvas.x(t.x()), canvas.y(t.y()));
-  }
+  svg += KeyframeDots(canvas, content.map);
   return svg + "</svg>";
 }
 
 std::string HeightOverTime(std::span<const TrackedFrame> frames) {
   constexpr double kWidth = 720;
   constexpr double kHeight = 130;
-  constexpr double kStrip = 12;
   if (frames.empty()) return {};
   double low = frames.front().world_from_camera.translation_m.z();
   double high = low;
@@ -241,23 +310,15 @@ std::string HeightOverTime(std::span<const TrackedFrame> frames) {
   high = std::max(high, low + 0.5) * 1.1;
   const double step = kWidth / static_cast<double>(frames.size());
   const auto y = [&](double z) { return kHeight * (high - z) / (high - low); };
-  std::string line;
-  std::string strip;
+  Points line;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const double x = step * static_cast<double>(i);
-    line += fmt::format(
-        "{}{:.1f} {:.1f}", i == 0 ? 'M' : 'L', x, y(frames[i].world_from_camera.translation_m.z()));
-    strip += fmt::format("<rect x='{:.2f}' y='{}' width='{:.2f}' height='{}' fill='{}'/>",
-                         x,
-                         kHeight + 4,
-                         step + 0.05,
-                         kStrip,
-                         StatusColour(frames[i].status));
+    line.emplace_back(step * static_cast<double>(i),
+                      y(frames[i].world_from_camera.translation_m.z()));
   }
   std::string svg =
       fmt::format("<svg viewBox='-40 -6 {} {}' role='img' aria-label='camera height'>",
                   kWidth + 50,
-                  kHeight + kStrip + 12);
+                  kHeight + kStrip_px + 12);
   for (double z = std::ceil(low * 2) / 2; z <= high; z += 0.5) {
     svg += fmt::format(
         "<path class=grid d='M0 {:.1f}H{}'/><text x='-6' y='{:.1f}' "
@@ -267,8 +328,9 @@ std::string HeightOverTime(std::span<const TrackedFrame> frames) {
         y(z) + 4,
         z);
   }
-  svg += fmt::format(
-      "<path fill='none' stroke='#1d3557' stroke-width='2' d='{}'/>{}</svg>", line, strip);
+  svg += fmt::format("<path fill='none' stroke='#1d3557' stroke-width='2' d='{}'/>{}</svg>",
+                     LineThrough(ByColumns(line)),
+                     StatusStrip(frames, kHeight + 4, step));
   return svg;
 }
 

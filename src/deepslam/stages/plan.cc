@@ -195,7 +195,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kClasses,
       RunExport);
   add("report",
-      10,
+      11,
       {"track",
        "ground",
        "detect",
