@@ -57,27 +57,16 @@ inline Odometry SampleOdometry() {
   return odometry;
 }
 
-// All pieces of a text, or its error.
-inline Result<std::string> Whole(const artifact::TextWriter& writer) {
-  std::string text;
-  const auto add = [&text](std::string_view piece) {
-    text += piece;
-    return Ok();
-  };
-  if (Status status = writer(add); !status.ok()) return status.error();
-  return text;
-}
-
 // odometry.g2o.
 inline Result<std::string> G2oText(const Odometry& odometry) {
-  return Whole([&](const artifact::TextSink& sink) {
+  return artifact::Whole([&](const artifact::TextSink& sink) {
     return artifact::EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "file", sink);
   });
 }
 
 // segments.json.
 inline Result<std::string> SegmentsText(const std::vector<Segment>& segments) {
-  return Whole([&](const artifact::TextSink& sink) {
+  return artifact::Whole([&](const artifact::TextSink& sink) {
     return artifact::EncodeSegments(segments, "file", sink);
   });
 }

@@ -70,7 +70,6 @@ class CursorIterator {
     cursor_->Advance();
     return *this;
   }
-  CursorIterator operator++(int) { return ++*this; }
   friend bool operator==(const CursorIterator& a, const CursorIterator& b) {
     return a.IsAtEnd() == b.IsAtEnd();
   }
@@ -390,13 +389,7 @@ Status DumpJson(const JsonValue& value, std::string_view name, const TextSink& s
 }
 
 Result<std::string> DumpJson(const JsonValue& value, std::string_view name) {
-  std::string text;
-  const auto append = [&text](std::string_view piece) {
-    text += piece;
-    return Ok();
-  };
-  if (Status status = DumpJson(value, name, append); !status.ok()) return status.error();
-  return text;
+  return Whole([&](const TextSink& sink) { return DumpJson(value, name, sink); });
 }
 
 }  // namespace deepslam::artifact

@@ -48,6 +48,12 @@ Segment ReadSegment(const JsonNode& row) {
   return segment;
 }
 
+Segment ReadSegmentWithMask(const JsonNode& row) {
+  Segment segment = ReadSegment(row);
+  segment.mask = ReadMask(row.Maybe("segmentation"));
+  return segment;
+}
+
 // Of the rows, what `take` makes of them.
 Result<std::vector<Segment>> DecodeRows(
     TextSource text,
@@ -73,8 +79,7 @@ Status EncodeSegments(std::span<const Segment> segments,
 
 Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name) {
   return DecodeRows(std::move(text), name, [](const JsonNode& row, std::vector<Segment>& segments) {
-    segments.push_back(ReadSegment(row));
-    segments.back().mask = ReadMask(row.Maybe("segmentation"));
+    segments.push_back(ReadSegmentWithMask(row));
   });
 }
 
@@ -90,8 +95,7 @@ Result<std::vector<Segment>> DecodeSegmentsOf(const std::set<DetectionId>& wante
   return DecodeRows(
       std::move(text), name, [&](const JsonNode& row, std::vector<Segment>& segments) {
         if (!wanted.contains(ReadId<DetectionId>(row["detection"]))) return;
-        segments.push_back(ReadSegment(row));
-        segments.back().mask = ReadMask(row.Maybe("segmentation"));
+        segments.push_back(ReadSegmentWithMask(row));
       });
 }
 

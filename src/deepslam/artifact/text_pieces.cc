@@ -7,6 +7,16 @@
 
 namespace deepslam::artifact {
 
+Result<std::string> Whole(const TextWriter& writer) {
+  std::string text;
+  const auto append = [&text](std::string_view piece) {
+    text += piece;
+    return Ok();
+  };
+  if (Status status = writer(append); !status.ok()) return status.error();
+  return text;
+}
+
 Status ForLines(TextSource text,
                 std::string_view name,
                 const std::function<Status(std::string_view line)>& use) {

@@ -4,6 +4,7 @@
 
 #include <concepts>
 #include <functional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace deepslam::artifact {
 using TextSink = std::function<Status(std::string_view piece)>;
 // Hands a text over to a sink.
 using TextWriter = std::function<Status(const TextSink& sink)>;
+// All of it, where it is short or somebody wants it whole.
+[[nodiscard]] Result<std::string> Whole(const TextWriter& writer);
 
 // A text to read, once: by pieces as they come, or the whole of one that is there (and outlives
 // this).

@@ -34,14 +34,9 @@ Reader Of(Decode decode, Encode encode) {
 }
 
 Result<std::string> SegmentsText(const std::vector<Segment>& segments, std::string_view name) {
-  std::string text;
-  const auto add = [&text](std::string_view piece) {
-    text += piece;
-    return Ok();
-  };
-  if (Status status = artifact::EncodeSegments(segments, name, add); !status.ok())
-    return status.error();
-  return text;
+  return artifact::Whole([&](const artifact::TextSink& sink) {
+    return artifact::EncodeSegments(segments, name, sink);
+  });
 }
 
 const std::map<std::string, Reader, std::less<>>& Readers() {
