@@ -76,7 +76,7 @@ std::vector<CodecCase> Cases() {
   cases.push_back(
       {"g2o",
        *G2oText(odometry),
-       MakeRecode<std::vector<RelativePose>>(DecodeG2oEdges,
+       MakeRecode<std::vector<RelativePose>>(G2oEdges,
                                              [odometry](const std::vector<RelativePose>& edges) {
                                                Odometry same = odometry;
                                                same.edges = edges;
@@ -86,11 +86,11 @@ std::vector<CodecCase> Cases() {
        false});
   const std::string tum = *EncodeTum(poses, "file");
   cases.push_back({"frames",
-                   *EncodeFrames(odometry.frames, odometry.keyframes, odometry.edges, "file"),
+                   *FramesText(odometry),
                    [tum, odometry](std::string_view text) -> Result<std::string> {
                      const Result<Trajectory> table = DecodeTrajectory(text, tum, "file");
                      if (!table.ok()) return table.error();
-                     return EncodeFrames(table->frames, table->keyframes, odometry.edges, "file");
+                     return FramesText({*table, odometry.edges, nullptr});
                    }});
   const auto add = [&]<typename T>(std::string name,
                                    const T& value,
@@ -222,11 +222,10 @@ TEST(Codecs, KeepEveryFieldOfAnObject) {
 
 TEST(Codecs, KeepOdometryToTheLastBit) {
   const Odometry odometry = SampleOdometry();
-  const Result<Odometry> read =
-      DecodeOdometry(*EncodeFrames(odometry.frames, odometry.keyframes, odometry.edges, "f"),
-                     *EncodeTum(StampedPoses(odometry.frames), "f"),
-                     *DecodeG2oEdges(*G2oText(odometry), "f"),
-                     "f");
+  const std::string frames = *FramesText(odometry);
+  const std::string tum = *EncodeTum(StampedPoses(odometry.frames), "f");
+  const std::string g2o = *G2oText(odometry);
+  const Result<Odometry> read = OdometryOf({frames, tum, g2o, "f", "f"});
   ASSERT_TRUE(read.ok()) << read.error().message;
   ASSERT_EQ(read->frames.size(), odometry.frames.size());
   for (std::size_t i = 0; i < odometry.frames.size(); ++i) {
@@ -243,15 +242,40 @@ TEST(Codecs, KeepOdometryToTheLastBit) {
   }
 }
 
+TEST(Codecs, RefuseEdgesOfFramesThatAreNotThere) {
+  const Odometry odometry = SampleOdometry();
+  const std::string frames = *FramesText(odometry);
+  const std::string tum = *EncodeTum(StampedPoses(odometry.frames), "f");
+  Odometry beyond = odometry;
+  beyond.edges[1].j = FrameIdx{5};
+  const std::string g2o = *G2oText(beyond);
+  const auto line = 1 + std::ranges::count(g2o.substr(0, g2o.rfind("EDGE")), '\n');
+  const Result<Odometry> read = OdometryOf({frames, tum, g2o, "frames.json", "odometry.g2o"});
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(
+      read.error().message,
+      "odometry.g2o:" + std::to_string(line) + ": joins frames 2 and 5 of the 5 of frames.json");
+}
+
+TEST(PoseGraphG2o, EndsWhereTheTakerDoes) {
+  const std::string g2o = *G2oText(SampleOdometry());
+  int num_taken = 0;
+  const Status status = DecodeG2oEdges(g2o, "f", [&](const RelativePose&) {
+    ++num_taken;
+    return Status(Failed("full"));
+  });
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(num_taken, 1);
+}
+
 TEST(PoseGraphG2o, EndsWhereItsSinkDoes) {
   Odometry odometry = SampleOdometry();
   odometry.edges.resize(5000, odometry.edges.front());
   int num_pieces = 0;
-  const Status status = EncodeG2o(
-      odometry.frames, odometry.keyframes, odometry.edges, "f", [&](std::string_view piece) {
-        EXPECT_LT(piece.size(), std::size_t{1} << 20) << "some edges, not all of them";
-        return ++num_pieces < 2 ? Ok() : Status(Failed("full"));
-      });
+  const Status status = EncodeG2o(odometry, "f", [&](std::string_view piece) {
+    EXPECT_LT(piece.size(), std::size_t{1} << 20) << "some edges, not all of them";
+    return ++num_pieces < 2 ? Ok() : Status(Failed("full"));
+  });
   ASSERT_FALSE(status.ok());
   EXPECT_EQ(status.error().message, "full");
   EXPECT_EQ(num_pieces, 2);

@@ -6,6 +6,7 @@
 #include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/summary_json.h"
+#include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/core/random.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/loop.h"
@@ -59,9 +60,36 @@ inline Odometry SampleOdometry() {
 
 // odometry.g2o.
 inline Result<std::string> G2oText(const Odometry& odometry) {
-  return artifact::Whole([&](const artifact::TextSink& sink) {
-    return artifact::EncodeG2o(odometry.frames, odometry.keyframes, odometry.edges, "file", sink);
-  });
+  return artifact::Whole(
+      [&](const artifact::TextSink& sink) { return artifact::EncodeG2o(odometry, "file", sink); });
+}
+inline Result<std::vector<RelativePose>> G2oEdges(artifact::TextSource text,
+                                                  std::string_view name) {
+  std::vector<RelativePose> edges;
+  const Status read =
+      artifact::DecodeG2oEdges(std::move(text), name, [&](const RelativePose& edge) {
+        edges.push_back(edge);
+        return Ok();
+      });
+  if (!read.ok()) return read.error();
+  return edges;
+}
+
+inline Result<Odometry> OdometryOf(artifact::OdometryTexts texts) {
+  Odometry odometry;
+  const Result<Trajectory> read =
+      artifact::DecodeOdometry(std::move(texts), [&](const RelativePose& edge) {
+        odometry.edges.push_back(edge);
+        return Ok();
+      });
+  if (!read.ok()) return read.error();
+  static_cast<Trajectory&>(odometry) = *read;
+  return odometry;
+}
+
+// frames.json.
+inline Result<std::string> FramesText(const Odometry& odometry) {
+  return artifact::EncodeFrames(odometry.frames, odometry.keyframes, JoinsOf(odometry), "file");
 }
 
 // segments.json.

@@ -160,14 +160,13 @@ TEST(LinesByPieces, TrajectoriesAndEdgesAreReadAsTheWhole) {
   const Odometry odometry = SampleOdometry();
   const std::string g2o = *G2oText(odometry);
   const std::string tum = *EncodeTum(StampedPoses(odometry.frames), "f");
-  const std::string fault = DecodeG2oEdges(g2o + "EDGE_SE3:QUAT 0 1\n", "f").error().message;
+  const std::string fault = G2oEdges(g2o + "EDGE_SE3:QUAT 0 1\n", "f").error().message;
   for (const std::size_t size : kPieceSizes) {
     Odometry read = odometry;
-    read.edges = *DecodeG2oEdges(InPieces(g2o, size), "f");
+    read.edges = *G2oEdges(InPieces(g2o, size), "f");
     EXPECT_EQ(*G2oText(read), g2o);
     EXPECT_EQ(*EncodeTum(*DecodeTum(InPieces(tum, size), "f"), "f"), tum);
-    EXPECT_EQ(DecodeG2oEdges(InPieces(g2o + "EDGE_SE3:QUAT 0 1\n", size), "f").error().message,
-              fault);
+    EXPECT_EQ(G2oEdges(InPieces(g2o + "EDGE_SE3:QUAT 0 1\n", size), "f").error().message, fault);
   }
   EXPECT_THAT(fault, HasSubstr(":" + std::to_string(1 + std::ranges::count(g2o, '\n')) + ":"))
       << "the line's number in the file";

@@ -76,7 +76,7 @@ BoxWorldSource Round(int count, double step_deg) {
 }
 
 std::vector<int> PartsOf(const Odometry& odometry) {
-  return PartsOfFrames(odometry, JoinsOf(odometry.edges));
+  return PartsOfFrames(odometry, JoinsOf(odometry));
 }
 
 Association AssociateAll(const FrameSource& source,

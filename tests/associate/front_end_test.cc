@@ -99,7 +99,7 @@ Outcome RunFrontEnd(const FrameSource& frames, int step, const std::string& weig
       outcome.segments.push_back(std::move(segment));
     }
   }
-  const std::vector<int> parts = PartsOfFrames(outcome.odometry, JoinsOf(outcome.odometry.edges));
+  const std::vector<int> parts = PartsOfFrames(outcome.odometry, JoinsOf(outcome.odometry));
   outcome.association =
       *associate::Associate(frames, outcome.odometry, parts, outcome.segments, {}, progress);
   return outcome;

@@ -97,8 +97,7 @@ void PutArtifacts(Corpus& corpus) {
   const Odometry odometry = SampleOdometry();
   const std::string tum = *EncodeTum(StampedPoses(odometry.frames), "f");
   const std::string g2o = *G2oText(odometry);
-  const std::string frames =
-      *EncodeFrames(odometry.frames, odometry.keyframes, odometry.edges, "f");
+  const std::string frames = *FramesText(odometry);
   corpus.Put("odometry", "whole", frames + "\n%\n" + tum + "\n%\n" + g2o);
   corpus.Put("trajectory", "tum", tum);
   corpus.Put("g2o", "odometry", g2o);

@@ -33,6 +33,12 @@ CovisibleOptions AllPairs() {
   return options;
 }
 
+// All of them.
+std::vector<CovisiblePair> ProposeCovisible(const Odometry& odometry,
+                                            const CovisibleOptions& options) {
+  return CovisiblePairs(odometry, options).Next(std::numeric_limits<std::size_t>::max());
+}
+
 std::set<std::pair<int, int>> Positions(const std::vector<CovisiblePair>& pairs) {
   std::set<std::pair<int, int>> positions;
   for (const CovisiblePair& pair : pairs) positions.insert({pair.older, pair.newer});
@@ -65,6 +71,26 @@ TEST(Covisible, PosesAreTheTrackedOnesAndPairsComeOnceInOrder) {
     const Pose3& older = truth[static_cast<std::size_t>(pairs[k].older)];
     const Pose3& newer = truth[static_cast<std::size_t>(pairs[k].newer)];
     EXPECT_THAT(pairs[k].older_from_newer, PoseNear(older.Inverse() * newer, 1e-9, 1e-6));
+  }
+}
+
+TEST(Covisible, AFewAtATimeAreTheSame) {
+  const Odometry odometry = Tracked(Sweeping(30));
+  const std::vector<CovisiblePair> all = ProposeCovisible(odometry, {});
+  for (const std::size_t most : {std::size_t{1}, std::size_t{7}, all.size()}) {
+    CovisiblePairs pairs(odometry, {});
+    std::vector<CovisiblePair> joined;
+    while (true) {
+      const std::vector<CovisiblePair> some = pairs.Next(most);
+      joined.insert(joined.end(), some.begin(), some.end());
+      if (some.size() < most) break;
+    }
+    ASSERT_EQ(joined.size(), all.size()) << most;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      EXPECT_EQ(std::pair(joined[k].older, joined[k].newer), std::pair(all[k].older, all[k].newer));
+      EXPECT_EQ(joined[k].older_from_newer, all[k].older_from_newer);
+    }
+    EXPECT_TRUE(pairs.Next(most).empty());
   }
 }
 

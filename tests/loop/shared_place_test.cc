@@ -55,7 +55,7 @@ TEST(SharedPlace, NobodyIntrudesFromAPartOfThePathThatNothingTies) {
     frame.frame = frame.keyframe = FrameIdx{k};
     odometry.keyframes.push_back(FrameIdx{k});
   }
-  const auto parts = [&odometry] { return PartsOfFrames(odometry, JoinsOf(odometry.edges)); };
+  const auto parts = [&odometry] { return PartsOfFrames(odometry, JoinsOf(odometry)); };
   EXPECT_EQ(SuspectIntruders(map, {}, parts()).size(), 1U);
   odometry.frames[1].status = TrackingStatus::kLost;
   odometry.edges.push_back({FrameIdx{0}, FrameIdx{1}, {}, Matrix6d::Identity(), true});

@@ -136,7 +136,7 @@ inline Loops Detect(const Scene& scene, const LoopOptions& options = {}) {
                          scene.association,
                          options,
                          scene.odometry,
-                         PartsOfFrames(scene.odometry, JoinsOf(scene.odometry.edges)));
+                         PartsOfFrames(scene.odometry, JoinsOf(scene.odometry)));
   for (const Constellation& proposed : found.constellations)
     verified.push_back(VerifyConstellation(proposed, scene.map, scene.evidence, options));
   return AcceptLoops(verified, scene.map, scene.association, options, scene.odometry);

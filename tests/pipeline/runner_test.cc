@@ -271,6 +271,42 @@ TEST(Runner, ForceAndUntil) {
   EXPECT_THAT(report.error().message, testing::AllOf(HasSubstr("bee"), HasSubstr("a, b, c, d")));
 }
 
+TEST(Runner, ScratchFilesAreGoneWithTheirStage) {
+  const TempDir dir;
+  Chain chain;
+  chain.c_run = [](StageContext& context) -> Result<StageSummary> {
+    const std::string text = "aside";
+    const auto scratch = context.Scratch();
+    if (Status s = scratch->Append(std::as_bytes(std::span(text))); !s.ok()) return s.error();
+    std::string back(text.size(), ' ');
+    scratch->Read(0, std::as_writable_bytes(std::span(back)));
+    if (Status s = context.Write("c.txt", back); !s.ok()) return s.error();
+    return StageSummary{};
+  };
+  RunChain(chain, dir.path());
+  EXPECT_EQ(ReadText(dir.path() / "c" / "c.txt"), "aside");
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir.path() / "c"), {}), 3)
+      << "c.txt, manifest and timing";
+}
+
+TEST(Runner, WhatWasMadeOfAScratchFileThatFailedIsNobodysResult) {
+  const TempDir dir;
+  Chain chain;
+  chain.c_run = [](StageContext& context) -> Result<StageSummary> {
+    const auto scratch = context.Scratch();
+    std::array<std::byte, 8> bytes;
+    if (Status s = scratch->Append(bytes); !s.ok()) return s.error();
+    scratch->Read(4, bytes);  // four more than are there
+    if (Status s = context.Write("c.txt", "wrong"); !s.ok()) return s.error();
+    return StageSummary{};
+  };
+  RecordingListener listener;
+  const Result<RunReport> report = RunStages(chain.Stages(), {dir.path(), "", {}, {}}, listener);
+  ASSERT_FALSE(report.ok());
+  EXPECT_THAT(report.error().message, HasSubstr("cannot read a temporary file"));
+  EXPECT_FALSE(fs::exists(dir.path() / "c"));
+}
+
 TEST(Runner, FailedStageLeavesTheOldOneAndNoPartial) {
   const TempDir dir;
   Chain chain;

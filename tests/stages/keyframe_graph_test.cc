@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
+#include "stages/edge_samples.h"
 #include "support/pose_matchers.h"
+#include "support/temp_dir.h"
 
 namespace deepslam::stages {
 namespace {
@@ -97,6 +99,28 @@ TEST(SolveStretches, OfAShortPathIsTheGraphOfTheWhole) {
   const std::vector<TrackedFrame> one = Solved(odometry, {60, 40});
   for (std::size_t k = 0; k < whole.size(); ++k)
     EXPECT_EQ(T2v(one[k].world_from_camera), T2v(whole[k].world_from_camera));
+}
+
+// Edges on the shelf are of what comes behind those that are held.
+TEST(SolveStretches, TakesEdgesFromTheShelfAsThoseThatAreHeld) {
+  const testing_support::TempDir dir;
+  const Odometry held = LongPath(300);
+  Odometry shelved = held;
+  const auto own = std::stable_partition(
+      shelved.edges.begin(), shelved.edges.end(), [](const RelativePose& edge) {
+        return edge.j.value - edge.i.value <= 2;  // from keyframe to keyframe
+      });
+  Odometry reordered = shelved;
+  shelved.more_edges = testing_support::ShelfOf({own, shelved.edges.end()}, dir.path());
+  shelved.edges.erase(own, shelved.edges.end());
+  ASSERT_GT(shelved.more_edges->size(), shelved.edges.size());
+  for (const Stretches& stretches : {Stretches{100, 40}, Stretches{1000, 40}}) {
+    const std::vector<TrackedFrame> expected = Solved(reordered, stretches);
+    const std::vector<TrackedFrame> solved = Solved(shelved, stretches);
+    ASSERT_EQ(solved.size(), expected.size());
+    for (std::size_t k = 0; k < solved.size(); ++k)
+      EXPECT_EQ(solved[k].world_from_camera, expected[k].world_from_camera) << k;
+  }
 }
 
 // A measured path has less error than a tracked one, whichever way it is solved.

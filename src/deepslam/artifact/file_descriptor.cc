@@ -31,4 +31,23 @@ Result<FileToRead> OpenToRead(const fs::path& file) {
   return FileToRead{std::move(fd), static_cast<std::size_t>(status.st_size)};
 }
 
+std::string_view RemedyOf(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "; free some space and run again";
+    case EFBIG:
+      return "; raise the limit on file sizes (ulimit -f) and run again";
+    case EROFS:
+      return "; choose a folder on a writable file system";
+    case ENOENT:
+      return "; make its folder first";
+    case EACCES:
+    case EPERM:
+      return "; choose a folder you may write to, or change its permissions";
+    default:
+      return "";
+  }
+}
+
 }  // namespace deepslam::artifact

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include <unistd.h>
@@ -17,13 +18,19 @@ class FileDescriptor {
     if (fd_ >= 0) ::close(fd_);
   }
   FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  FileDescriptor& operator=(FileDescriptor&&) = delete;
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
   [[nodiscard]] int get() const { return fd_; }
   int Close() { return ::close(std::exchange(fd_, -1)); }
 
  private:
   int fd_;
 };
+
+// What to do about an errno of writing, as the end of a message: "; free some space and run again".
+[[nodiscard]] std::string_view RemedyOf(int error);
 
 struct FileToRead {
   FileDescriptor fd;

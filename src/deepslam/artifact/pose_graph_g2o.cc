@@ -34,6 +34,24 @@ Matrix6d ScaleRotation(const Matrix6d& information, double factor) {
   return scaled;
 }
 
+Status AppendEdge(const RelativePose& edge, std::string_view name, std::string& text) {
+  if (!edge.information.Full().allFinite() || !edge.i_from_j.translation_m.allFinite() ||
+      !edge.i_from_j.rotation.coeffs().allFinite()) {
+    return Failed(fmt::format("{}: edge {} -> {} is not finite", name, edge.i.value, edge.j.value));
+  }
+  text += fmt::format("EDGE_SE3:QUAT {} {}", edge.i.value, edge.j.value);
+  AppendPose(edge.i_from_j, text);
+  const Matrix6d information = ScaleRotation(edge.information.Full(), 2.0);
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col) {
+      text += ' ';
+      text += ShortestDecimal(information(row, col));
+    }
+  }
+  text += '\n';
+  return Ok();
+}
+
 Result<RelativePose> DecodeEdge(std::span<const std::string_view> words) {
   if (words.size() != kEdgeWords) {
     return InvalidInput(
@@ -68,11 +86,7 @@ Result<RelativePose> DecodeEdge(std::span<const std::string_view> words) {
 
 }  // namespace
 
-Status EncodeG2o(std::span<const TrackedFrame> frames,
-                 std::span<const FrameIdx> keyframes,
-                 std::span<const RelativePose> edges,
-                 std::string_view name,
-                 const TextSink& sink) {
+Status EncodeG2o(const Odometry& odometry, std::string_view name, const TextSink& sink) {
   std::string text;
   const auto pass_on = [&](std::size_t most_bytes) {
     if (text.size() <= most_bytes) return Ok();
@@ -80,36 +94,23 @@ Status EncodeG2o(std::span<const TrackedFrame> frames,
     text.clear();
     return status;
   };
-  for (const FrameIdx keyframe : keyframes) {
+  for (const FrameIdx keyframe : odometry.keyframes) {
     text += fmt::format("VERTEX_SE3:QUAT {}", keyframe.value);
-    AppendPose(frames[static_cast<std::size_t>(keyframe.value)].world_from_camera, text);
+    AppendPose(odometry.at(keyframe).world_from_camera, text);
     text += '\n';
     if (Status status = pass_on(kPieceBytes); !status.ok()) return status;
   }
-  if (!keyframes.empty()) text += fmt::format("FIX {}\n", keyframes.front().value);
-  for (const RelativePose& edge : edges) {
-    if (!edge.information.Full().allFinite() || !edge.i_from_j.translation_m.allFinite() ||
-        !edge.i_from_j.rotation.coeffs().allFinite()) {
-      return Failed(
-          fmt::format("{}: edge {} -> {} is not finite", name, edge.i.value, edge.j.value));
-    }
-    text += fmt::format("EDGE_SE3:QUAT {} {}", edge.i.value, edge.j.value);
-    AppendPose(edge.i_from_j, text);
-    const Matrix6d information = ScaleRotation(edge.information.Full(), 2.0);
-    for (int row = 0; row < 6; ++row) {
-      for (int col = row; col < 6; ++col) {
-        text += ' ';
-        text += ShortestDecimal(information(row, col));
-      }
-    }
-    text += '\n';
-    if (Status status = pass_on(kPieceBytes); !status.ok()) return status;
-  }
-  return pass_on(0);
+  if (!odometry.keyframes.empty())
+    text += fmt::format("FIX {}\n", odometry.keyframes.front().value);
+  Status written = Ok();
+  odometry.ForEachEdge([&](const RelativePose& edge) {
+    if (written.ok()) written = AppendEdge(edge, name, text);
+    if (written.ok()) written = pass_on(kPieceBytes);
+  });
+  return written.ok() ? pass_on(0) : written;
 }
 
-Result<std::vector<RelativePose>> DecodeG2oEdges(TextSource text, std::string_view name) {
-  std::vector<RelativePose> edges;
+Status DecodeG2oEdges(TextSource text, std::string_view name, const EdgeSink& take) {
   const auto decode = [&](std::string_view line) -> Status {
     const std::vector<std::string_view> words = Words(line);
     if (words.empty() || words[0].front() == '#' || words[0].starts_with("VERTEX_") ||
@@ -119,11 +120,9 @@ Result<std::vector<RelativePose>> DecodeG2oEdges(TextSource text, std::string_vi
       return InvalidInput(fmt::format("\"{}\" is no tag this program reads", words[0]));
     const Result<RelativePose> edge = DecodeEdge(words);
     if (!edge.ok()) return edge.error();
-    edges.push_back(*edge);
-    return Ok();
+    return take(*edge);
   };
-  if (Status status = ForLines(std::move(text), name, decode); !status.ok()) return status.error();
-  return edges;
+  return ForLines(std::move(text), name, decode);
 }
 
 }  // namespace deepslam::artifact

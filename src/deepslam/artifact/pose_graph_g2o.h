@@ -4,9 +4,8 @@
 // convention is the program's own to first order.
 #pragma once
 
-#include <span>
+#include <functional>
 #include <string_view>
-#include <vector>
 
 #include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
@@ -16,15 +15,15 @@ namespace deepslam::artifact {
 
 // Vertices: the keyframes' poses (ids are frame indices), the first one fixed. Edges: `i j` with
 // i_from_j. In pieces of some edges each: a capture of an hour has a hundred megabytes of them.
-[[nodiscard]] Status EncodeG2o(std::span<const TrackedFrame> frames,
-                               std::span<const FrameIdx> keyframes,
-                               std::span<const RelativePose> edges,
+[[nodiscard]] Status EncodeG2o(const Odometry& odometry,
                                std::string_view name,
                                const TextSink& sink);
 
+// Takes edges in their order; an error ends the text.
+using EdgeSink = std::function<Status(const RelativePose& edge)>;
+
 // The EDGE_SE3:QUAT lines, information converted back; other known tags are skipped. The `composed`
 // flag is not in the file. A fault names the line.
-[[nodiscard]] Result<std::vector<RelativePose>> DecodeG2oEdges(TextSource text,
-                                                               std::string_view name);
+[[nodiscard]] Status DecodeG2oEdges(TextSource text, std::string_view name, const EdgeSink& take);
 
 }  // namespace deepslam::artifact

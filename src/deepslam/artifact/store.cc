@@ -24,28 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Remedy(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return "; free some space and run again";
-    case EFBIG:
-      return "; raise the limit on file sizes (ulimit -f) and run again";
-    case EROFS:
-      return "; choose a folder on a writable file system";
-    case ENOENT:
-      return "; make its folder first";
-    case EACCES:
-    case EPERM:
-      return "; choose a folder you may write to, or change its permissions";
-    default:
-      return "";
-  }
-}
-
 Error WriteError(const fs::path& file, std::string_view what, int error) {
-  return Failed(
-      fmt::format("{}: cannot {}: {}{}", file.string(), what, std::strerror(error), Remedy(error)));
+  return Failed(fmt::format(
+      "{}: cannot {}: {}{}", file.string(), what, std::strerror(error), RemedyOf(error)));
 }
 
 enum class Sync { kNow, kLater };

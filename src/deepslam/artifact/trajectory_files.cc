@@ -157,14 +157,14 @@ std::vector<StampedPose> KeyframePoses(std::span<const TrackedFrame> frames,
 
 Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
                                  std::span<const FrameIdx> keyframes,
-                                 std::span<const RelativePose> edges,
+                                 std::span<const KeyframeJoin> joins,
                                  std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
   JsonArray keyframe_list;
   for (const FrameIdx keyframe : keyframes) keyframe_list.push_back(ToJson(keyframe));
   JsonArray composed;
-  for (const RelativePose& edge : edges) {
-    if (edge.composed) composed.emplace_back(JsonArray{ToJson(edge.i), ToJson(edge.j)});
+  for (const KeyframeJoin& join : joins) {
+    if (join.composed) composed.emplace_back(JsonArray{ToJson(join.i), ToJson(join.j)});
   }
   document.emplace("frames", RowsOf(frames, FrameToJson));
   document.emplace("keyframes", std::move(keyframe_list));
@@ -180,25 +180,26 @@ Result<Trajectory> DecodeTrajectory(TextSource frames_json,
   return std::move(file->trajectory);
 }
 
-Result<Odometry> DecodeOdometry(TextSource frames_json,
-                                TextSource tum_text,
-                                std::vector<RelativePose> edges,
-                                std::string_view name) {
-  Result<FramesFile> file = DecodeFrames(std::move(frames_json), std::move(tum_text), name);
+Result<Trajectory> DecodeOdometry(OdometryTexts texts, const EdgeSink& take) {
+  Result<FramesFile> file =
+      DecodeFrames(std::move(texts.frames_json), std::move(texts.tum), texts.name);
   if (!file.ok()) return file.error();
   const int num_frames = static_cast<int>(file->trajectory.frames.size());
-  Odometry odometry{std::move(file->trajectory), std::move(edges)};
-  for (RelativePose& edge : odometry.edges) {
-    edge.composed = file->composed.contains({edge.i, edge.j});
+  const auto take_flagged = [&](RelativePose edge) -> Status {
     if (edge.i.value >= num_frames || edge.j.value >= num_frames) {
-      return InvalidInput(fmt::format("{}: odometry.g2o joins frames {} and {} of {}",
-                                      name,
+      return InvalidInput(fmt::format("joins frames {} and {} of the {} of {}",
                                       edge.i.value,
                                       edge.j.value,
-                                      num_frames));
+                                      num_frames,
+                                      texts.name));
     }
-  }
-  return odometry;
+    edge.composed = file->composed.contains({edge.i, edge.j});
+    return take(edge);
+  };
+  if (Status status = DecodeG2oEdges(std::move(texts.g2o), texts.g2o_name, take_flagged);
+      !status.ok())
+    return status.error();
+  return std::move(file->trajectory);
 }
 
 }  // namespace deepslam::artifact

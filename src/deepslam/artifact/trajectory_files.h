@@ -7,9 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/scene/measured_parts.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam::artifact {
@@ -31,10 +33,10 @@ struct StampedPose {
                                                      std::span<const FrameIdx> keyframes);
 
 // frames.json: per frame index, status, keyframe, rmse, inlier share; the list of keyframes;
-// composed edges as [i, j].
+// composed ones of the joins as [i, j].
 [[nodiscard]] Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
                                                std::span<const FrameIdx> keyframes,
-                                               std::span<const RelativePose> edges,
+                                               std::span<const KeyframeJoin> joins,
                                                std::string_view name);
 
 // Joins both texts: line n of the TUM text is the pose of entry n of frames.json; differing counts
@@ -42,11 +44,15 @@ struct StampedPose {
 [[nodiscard]] Result<Trajectory> DecodeTrajectory(TextSource frames_json,
                                                   TextSource tum_text,
                                                   std::string_view name);
-// All of a tracking result; `edges` as DecodeG2oEdges gives them, their `composed` flags come from
-// frames.json.
-[[nodiscard]] Result<Odometry> DecodeOdometry(TextSource frames_json,
-                                              TextSource tum_text,
-                                              std::vector<RelativePose> edges,
-                                              std::string_view name);
+// All of a tracking result: the same, and behind it the edges of a g2o text, whose `composed` flags
+// come from frames.json; those that join other frames than there are are refused.
+struct OdometryTexts {
+  TextSource frames_json;
+  TextSource tum;
+  TextSource g2o;
+  std::string name;  // of frames.json, for messages
+  std::string g2o_name;
+};
+[[nodiscard]] Result<Trajectory> DecodeOdometry(OdometryTexts texts, const EdgeSink& take);
 
 }  // namespace deepslam::artifact

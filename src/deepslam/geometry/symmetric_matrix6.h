@@ -33,8 +33,13 @@ class SymmetricMatrix6d {
   }
   friend bool operator==(const SymmetricMatrix6d&, const SymmetricMatrix6d&) = default;
 
+  // Row by row.
+  using Upper = std::array<double, 21>;
+  explicit SymmetricMatrix6d(const Upper& upper) : upper_(upper) {}
+  [[nodiscard]] const Upper& upper() const { return upper_; }
+
  private:
-  std::array<double, 21> upper_;  // row by row
+  Upper upper_;
 };
 
 }  // namespace deepslam

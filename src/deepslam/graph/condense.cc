@@ -24,12 +24,12 @@ double Chi2(const Pose3& expected, const PoseEdge& edge) {
 // Per keyframe: tracking measured it from the one before.
 std::vector<bool> Follows(const Odometry& odometry) {
   std::vector<bool> follows(odometry.keyframes.size(), false);
-  for (const RelativePose& edge : odometry.edges) {
-    if (edge.composed || !(edge.information.Full().diagonal().maxCoeff() > 0)) continue;
+  odometry.ForEachEdge([&](const RelativePose& edge) {
+    if (edge.composed || !(edge.information.Full().diagonal().maxCoeff() > 0)) return;
     const int newer = PositionOf(odometry.keyframes, edge.j);
     if (newer > 0 && odometry.keyframes[static_cast<std::size_t>(newer) - 1] == edge.i)
       follows[static_cast<std::size_t>(newer)] = true;
-  }
+  });
   return follows;
 }
 

@@ -89,9 +89,9 @@ class PathEdges {
       edge.a_from_b.rotation.normalize();
       use(edge);
     };
-    for (const RelativePose& edge : odometry_.edges) {
+    odometry_.ForEachEdge([&](const RelativePose& edge) {
       if (!measured_again_.contains({edge.i, edge.j})) take(edge, EdgeKind::kOdometry);
-    }
+    });
     for (const RelativePose& edge : loops_.edges) take(edge, EdgeKind::kLoop);
     return num_bad;
   }

@@ -388,8 +388,7 @@ Result<Ground> EstimateGround(const FrameSource& frames,
                               const Odometry& odometry,
                               const GroundOptions& options,
                               Progress& progress) {
-  const auto stretches =
-      MeasuredStretches(odometry.frames, odometry.keyframes, JoinsOf(odometry.edges));
+  const auto stretches = MeasuredStretches(odometry.frames, odometry.keyframes, JoinsOf(odometry));
   const std::vector<Part> parts = PartsOf(odometry, stretches);
   Done done;
   for (const Part& part : parts) done.total += 2 * part.size();

@@ -13,8 +13,9 @@ namespace {
 
 std::set<std::pair<int, int>> Joined(const Odometry& odometry, const KeyframePath& path) {
   std::set<std::pair<int, int>> joined;
-  for (const RelativePose& edge : odometry.edges)
+  odometry.ForEachEdge([&](const RelativePose& edge) {
     joined.insert(std::minmax(path.IndexOf(edge.i), path.IndexOf(edge.j)));
+  });
   return joined;
 }
 
@@ -41,23 +42,30 @@ void AppendSpread(const std::vector<CovisiblePair>& own,
 
 }  // namespace
 
-std::vector<CovisiblePair> ProposeCovisible(const Odometry& odometry,
-                                            const CovisibleOptions& options) {
-  const KeyframePath path(odometry, 0);
-  const std::set<std::pair<int, int>> joined = Joined(odometry, path);
-  std::vector<CovisiblePair> pairs;
-  const int num_keyframes = static_cast<int>(odometry.keyframes.size());
-  for (int newer = 0; newer < num_keyframes; ++newer) {
-    std::vector<CovisiblePair> own;
-    for (int older = std::max(0, newer - options.max_gap_keyframes); older < newer; ++older) {
-      const Pose3 older_from_newer =
-          path.world_from_camera(older).Inverse() * path.world_from_camera(newer);
-      if (!Within(older_from_newer, options.max_distance_m, options.max_turn_deg)) continue;
-      if (path.Broken(older, newer) || joined.contains({older, newer})) continue;
-      own.push_back({older, newer, older_from_newer});
-    }
-    AppendSpread(own, static_cast<std::size_t>(options.max_pairs), pairs);
+CovisiblePairs::CovisiblePairs(const Odometry& odometry, const CovisibleOptions& options)
+    : options_(options),
+      path_(odometry, 0),
+      joined_(Joined(odometry, path_)),
+      num_keyframes_(static_cast<int>(odometry.keyframes.size())) {}
+
+std::vector<CovisiblePair> CovisiblePairs::Of(int newer) const {
+  std::vector<CovisiblePair> own;
+  for (int older = std::max(0, newer - options_.max_gap_keyframes); older < newer; ++older) {
+    const Pose3 older_from_newer =
+        path_.world_from_camera(older).Inverse() * path_.world_from_camera(newer);
+    if (!Within(older_from_newer, options_.max_distance_m, options_.max_turn_deg)) continue;
+    if (path_.Broken(older, newer) || joined_.contains({older, newer})) continue;
+    own.push_back({older, newer, older_from_newer});
   }
+  return own;
+}
+
+std::vector<CovisiblePair> CovisiblePairs::Next(std::size_t most) {
+  while (left_.size() < most && next_ < num_keyframes_)
+    AppendSpread(Of(next_++), static_cast<std::size_t>(options_.max_pairs), left_);
+  const auto end = left_.begin() + static_cast<std::ptrdiff_t>(std::min(most, left_.size()));
+  const std::vector<CovisiblePair> pairs(left_.begin(), end);
+  left_.erase(left_.begin(), end);
   return pairs;
 }
 

@@ -13,11 +13,15 @@
 // All poses in the tracking world. Deterministic.
 #pragma once
 
+#include <cstddef>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "deepslam/core/options.h"
 #include "deepslam/loop/appearance.h"
+#include "deepslam/loop/keyframe_path.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam::loop {
@@ -43,9 +47,26 @@ struct CovisiblePair {
   Pose3 older_from_newer;    // as tracked
 };
 
-// Ascending by the newer keyframe, then by the older one.
-[[nodiscard]] std::vector<CovisiblePair> ProposeCovisible(const Odometry& odometry,
-                                                          const CovisibleOptions& options);
+// The proposals, ascending by the newer keyframe, then by the older one: a few at a time, since
+// those of a long path are as many as its edges.
+class CovisiblePairs {
+ public:
+  // Of a path as tracked, which must outlive this and stay as it is.
+  CovisiblePairs(const Odometry& odometry, const CovisibleOptions& options);
+
+  // The next ones; fewer than `most` only when none are left.
+  [[nodiscard]] std::vector<CovisiblePair> Next(std::size_t most);
+
+ private:
+  [[nodiscard]] std::vector<CovisiblePair> Of(int newer) const;
+
+  const CovisibleOptions options_;
+  const KeyframePath path_;
+  const std::set<std::pair<int, int>> joined_;  // by tracking
+  const int num_keyframes_;
+  int next_ = 0;                     // keyframe
+  std::vector<CovisiblePair> left_;  // of the keyframes before it
+};
 
 // An edge for each pair that its registration bears out, with the registration's information as
 // tracking's edges have theirs. `registrations`: one per pair.

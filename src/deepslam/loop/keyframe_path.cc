@@ -8,10 +8,10 @@ namespace deepslam::loop {
 KeyframePath::KeyframePath(const Odometry& odometry, double drift_share)
     : keyframes_(odometry.keyframes) {
   std::vector<bool> broken(keyframes_.size(), false);  // between a keyframe and the one before
-  for (const RelativePose& edge : odometry.edges) {
+  odometry.ForEachEdge([&](const RelativePose& edge) {
     const int j = IndexOf(std::max(edge.i, edge.j));
     if (edge.composed && j >= 0) broken[static_cast<std::size_t>(j)] = true;
-  }
+  });
   double length_m = 0;
   double drift_m = 0;
   int breaks = 0;

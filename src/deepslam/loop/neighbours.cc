@@ -30,13 +30,13 @@ void AddAcross(int before, int after, int num_keyframes, Pairs& pairs) {
 std::vector<NeighbourPair> PoorlyMeasured(const Odometry& odometry, bool depth_alone) {
   const KeyframePath path(odometry, 0);
   Pairs poor;
-  for (const RelativePose& edge : odometry.edges) {
+  odometry.ForEachEdge([&](const RelativePose& edge) {
     const int i = path.IndexOf(edge.i);
     const int j = path.IndexOf(edge.j);
-    if (i < 0 || j <= i) continue;
+    if (i < 0 || j <= i) return;
     if (edge.composed) AddAcross(j - 1, j, static_cast<int>(odometry.keyframes.size()), poor);
     if (depth_alone && j - i <= kTracked) poor.insert({i, j});
-  }
+  });
   std::vector<NeighbourPair> pairs(poor.begin(), poor.end());
   std::ranges::stable_sort(pairs, {}, &NeighbourPair::newer);
   return pairs;

@@ -267,6 +267,7 @@ class Run {
     Result<StageSummary> summary = stage.run(context);
     ReturnFreedMemory(kMostHeldBytes);
     if (!summary.ok()) return summary.error();
+    if (const std::optional<Error> fault = context.scratch_fault()) return *fault;
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     const Timing timing{wall.count(), CpuSeconds() - start_cpu_s, PeakMemoryMib()};
     manifest.outputs = context.outputs();

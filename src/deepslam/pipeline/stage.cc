@@ -55,6 +55,18 @@ Status StageContext::Write(std::string_view file, const artifact::TextWriter& te
   return Ok();
 }
 
+std::shared_ptr<artifact::ScratchFile> StageContext::Scratch() const {
+  const std::lock_guard<std::mutex> lock(scratch_mutex_);
+  return scratch_.emplace_back(std::make_shared<artifact::ScratchFile>(folder_));
+}
+
+std::optional<Error> StageContext::scratch_fault() const {
+  for (const auto& file : scratch_) {
+    if (const std::optional<Error> fault = file->fault()) return fault;
+  }
+  return std::nullopt;
+}
+
 std::string StageContext::DisplayName(std::string_view stage, std::string_view file) {
   return fmt::format("{}/{}", stage, file);
 }

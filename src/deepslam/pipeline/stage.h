@@ -5,10 +5,14 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "deepslam/artifact/scratch_file.h"
 #include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
@@ -45,12 +49,17 @@ class StageContext {
   // Writes a file of this stage's output, `file` relative ("models/a.binvox").
   [[nodiscard]] Status Write(std::string_view file, std::string_view bytes);
   [[nodiscard]] Status Write(std::string_view file, const artifact::TextWriter& text);
+  // A file for the time of the stage, beside what it writes. A stage that could not read it back is
+  // failed when it is done. Thread-safe.
+  [[nodiscard]] std::shared_ptr<artifact::ScratchFile> Scratch() const;
   // The stages whose files may be read, in the order declared.
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
   [[nodiscard]] Progress& progress() const { return progress_; }
   // How messages call a file: "track/frames.json".
   [[nodiscard]] static std::string DisplayName(std::string_view stage, std::string_view file);
   [[nodiscard]] const std::map<std::string, OutputFile>& outputs() const { return outputs_; }
+  // What the machine did not give back of the scratch files.
+  [[nodiscard]] std::optional<Error> scratch_fault() const;
 
  private:
   [[nodiscard]] std::filesystem::path PathTo(std::string_view stage, std::string_view file) const;
@@ -60,6 +69,8 @@ class StageContext {
   std::vector<std::string> inputs_;
   Progress& progress_;
   std::map<std::string, OutputFile> outputs_;
+  mutable std::mutex scratch_mutex_;
+  mutable std::vector<std::shared_ptr<artifact::ScratchFile>> scratch_;
 };
 
 struct Stage {

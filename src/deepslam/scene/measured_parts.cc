@@ -76,13 +76,14 @@ std::vector<bool> JoinedByGuess(std::span<const TrackedFrame> frames,
 
 }  // namespace
 
-std::vector<KeyframeJoin> JoinsOf(std::span<const RelativePose> edges,
-                                  std::span<const RelativePose> later) {
+std::vector<KeyframeJoin> JoinsOf(const Odometry& odometry, std::span<const RelativePose> later) {
   std::vector<KeyframeJoin> joins;
-  joins.reserve(edges.size() + later.size());
-  for (const std::span<const RelativePose> some : {edges, later}) {
-    for (const RelativePose& edge : some) joins.push_back({edge.i, edge.j, edge.composed});
-  }
+  joins.reserve(odometry.num_edges() + later.size());
+  const auto add = [&](const RelativePose& edge) {
+    joins.push_back({edge.i, edge.j, edge.composed});
+  };
+  odometry.ForEachEdge(add);
+  std::ranges::for_each(later, add);
   return joins;
 }
 

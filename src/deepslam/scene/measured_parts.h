@@ -28,7 +28,7 @@ struct KeyframeJoin {
   bool composed = false;
 };
 // In the order of the edges: those of tracking, and whatever was measured later.
-[[nodiscard]] std::vector<KeyframeJoin> JoinsOf(std::span<const RelativePose> edges,
+[[nodiscard]] std::vector<KeyframeJoin> JoinsOf(const Odometry& odometry,
                                                 std::span<const RelativePose> later = {});
 
 // Ascending; together they hold every keyframe. One stretch where everything was measured. Joins of

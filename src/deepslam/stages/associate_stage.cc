@@ -22,11 +22,10 @@ struct PartedTrajectory {
   std::vector<int> part_of_frame;
 };
 
-// The edges, most of what was read, are gone before segments come.
 Result<PartedTrajectory> ReadParted(const StageContext& context) {
   Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
-  std::vector<int> parts = PartsOfFrames(*odometry, JoinsOf(odometry->edges));
+  std::vector<int> parts = PartsOfFrames(*odometry, JoinsOf(*odometry));
   return PartedTrajectory{std::move(static_cast<Trajectory&>(*odometry)), std::move(parts)};
 }
 

@@ -52,7 +52,7 @@ Result<std::vector<KeyframeJoin>> ReadJoins(const StageContext& context) {
   if (!odometry.ok()) return odometry.error();
   const Result<Loops> loops = ReadLoops(context);
   if (!loops.ok()) return loops.error();
-  return JoinsOf(odometry->edges, loops->edges);
+  return JoinsOf(*odometry, loops->edges);
 }
 
 Status ReadObjects(const StageContext& context, Content& content) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "deepslam/core/check.h"
 #include "deepslam/scene/loop.h"
@@ -16,9 +18,34 @@ struct Stretch {
   Odometry odometry;
 };
 
+// Goes along shelved edges once, that ascend by j.
+class ShelfWindow {
+ public:
+  explicit ShelfWindow(const ShelvedEdges* shelf) : shelf_(shelf) {}
+
+  // All that join keyframes from `first` to `last`, and some more; both never go back.
+  [[nodiscard]] const std::vector<RelativePose>& Around(FrameIdx first, FrameIdx last) {
+    constexpr std::size_t kAtOnce = 256;
+    std::erase_if(edges_, [&](const RelativePose& edge) { return edge.i < first; });
+    while (shelf_ != nullptr && next_ < shelf_->size() &&
+           (edges_.empty() || edges_.back().j <= last)) {
+      const std::size_t count = std::min(kAtOnce, shelf_->size() - next_);
+      edges_.resize(edges_.size() + count);
+      shelf_->Read(next_, std::span(edges_).last(count));
+      next_ += count;
+    }
+    return edges_;
+  }
+
+ private:
+  const ShelvedEdges* shelf_;
+  std::size_t next_ = 0;
+  std::vector<RelativePose> edges_;
+};
+
 // Keyframes from `begin` to before `end`, the edges among them, and the frames up to the last of
 // them; with all that is before the first keyframe and behind the last one of the path.
-Stretch Cut(const Odometry& odometry, std::size_t begin, std::size_t end) {
+Stretch Cut(const Odometry& odometry, std::size_t begin, std::size_t end, ShelfWindow& shelf) {
   const std::vector<FrameIdx>& keyframes = odometry.keyframes;
   const FrameIdx last = keyframes[end - 1];
   const int first_frame = begin == 0 ? 0 : keyframes[begin].value;
@@ -37,12 +64,14 @@ Stretch Cut(const Odometry& odometry, std::size_t begin, std::size_t end) {
   const auto inside = [&](FrameIdx keyframe) {
     return keyframes[begin] <= keyframe && keyframe <= last;
   };
-  for (RelativePose edge : odometry.edges) {
-    if (!inside(edge.i) || !inside(edge.j)) continue;
+  const auto add = [&](RelativePose edge) {
+    if (!inside(edge.i) || !inside(edge.j)) return;
     edge.i = renumbered(edge.i);
     edge.j = renumbered(edge.j);
     stretch.odometry.edges.push_back(edge);
-  }
+  };
+  std::ranges::for_each(odometry.edges, add);
+  std::ranges::for_each(shelf.Around(keyframes[begin], last), add);
   return stretch;
 }
 
@@ -106,10 +135,11 @@ Result<std::vector<TrackedFrame>> SolveStretches(const Odometry& odometry,
     return std::move(whole->frames);
   }
   std::vector<TrackedFrame> frames = odometry.frames;
+  ShelfWindow shelf(odometry.more_edges.get());
   std::size_t begin = 0;
   for (std::size_t end = 0; end < num_keyframes; begin = end - overlap) {
     end = std::min(begin + num_at_once, num_keyframes);
-    const Stretch stretch = Cut(odometry, begin, end);
+    const Stretch stretch = Cut(odometry, begin, end, shelf);
     const Result<SolvedPath> solved = SolvePath(stretch.odometry, Ground{}, {}, options);
     if (!solved.ok()) return solved.error();
     const std::size_t seam = begin == 0 ? 0 : begin + overlap / 2;

@@ -34,7 +34,8 @@ struct Stretches {
 
 // The frames of a path without loops, in memory that does not grow with its length: stretch by
 // stretch, each laid on the one before in the middle of what they share. Poses apart from a graph
-// of the whole by what edges say that are half an overlap away. The first keyframe stays.
+// of the whole by what edges say that are half an overlap away. The first keyframe stays. Edges
+// that are not held (more_edges) ascend by j.
 [[nodiscard]] Result<std::vector<TrackedFrame>> SolveStretches(const Odometry& odometry,
                                                                const graph::GraphOptions& options,
                                                                const Stretches& stretches);

@@ -145,7 +145,7 @@ Result<loop::LoopEvidence> CollectEvidence(const StageContext& context,
 
 // With what loops have measured so far.
 std::vector<int> PartsOf(const LoopWorld& world) {
-  return PartsOfFrames(world.odometry, JoinsOf(world.odometry.edges, world.edges));
+  return PartsOfFrames(world.odometry, JoinsOf(world.odometry, world.edges));
 }
 
 Result<Loops> DetectLoops(const StageContext& context,

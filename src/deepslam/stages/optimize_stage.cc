@@ -74,7 +74,7 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
        {"frames.json",
         [&] {
           return artifact::EncodeFrames(
-              optimized->frames, optimized->keyframes, odometry->edges, "frames.json");
+              optimized->frames, optimized->keyframes, JoinsOf(*odometry), "frames.json");
         }},
        {"graph_before.g2o",
         [&] { return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m); }},

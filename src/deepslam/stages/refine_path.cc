@@ -1,7 +1,7 @@
 #include "deepslam/stages/refine_path.h"
 
 #include <algorithm>
-#include <iterator>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -12,11 +12,14 @@
 #include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/register_pairs.h"
+#include "deepslam/stages/shelf_of_edges.h"
 
 namespace deepslam::stages {
 namespace {
 
 using loop::CovisiblePair;
+using pipeline::StageContext;
+using SharedEdges = std::shared_ptr<const ShelvedEdges>;
 
 constexpr std::size_t kPairsAtOnce = 96;  // of eight keyframes
 
@@ -39,12 +42,12 @@ Stretches StretchesFor(const Config& config) {
   return stretches;
 }
 
-// Adds the edges that tracking has not: of keyframes that see the same. They are the largest part
-// of a long path, so they are held once.
-Status MeasureCovisible(const RunInputs& inputs,
-                        KeyframePyramids pyramids,
-                        Progress& progress,
-                        Odometry& odometry) {
+// The edges that tracking has not: of keyframes that see the same, ascending by the newer one. They
+// are the largest part of a long path.
+Result<SharedEdges> MeasureCovisible(const StageContext& context,
+                                     const RunInputs& inputs,
+                                     KeyframePyramids pyramids,
+                                     const Odometry& odometry) {
   const odometry::AlignmentOptions& options = inputs.config.track.alignment;
   PairAlignment alignment;
   alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
@@ -52,20 +55,32 @@ Status MeasureCovisible(const RunInputs& inputs,
   };
   alignment.pairs_at_once = kPairsAtOnce;
   alignment.without = "not measured against others that see the same";
-  const std::vector<CovisiblePair> pairs =
-      loop::ProposeCovisible(odometry, inputs.config.covisible);
-  odometry.edges.reserve(odometry.edges.size() + pairs.size());
-  for (std::size_t begin = 0; begin < pairs.size(); begin += kPairsAtOnce) {
-    const auto batch =
-        std::span(pairs).subspan(begin, std::min(kPairsAtOnce, pairs.size() - begin));
+  const auto edges = std::make_shared<ShelfOfEdges>(context.Scratch());
+  loop::CovisiblePairs pairs(odometry, inputs.config.covisible);
+  while (true) {
+    const std::vector<CovisiblePair> batch = pairs.Next(kPairsAtOnce);
+    if (batch.empty()) return SharedEdges(edges);
     const auto registrations =
-        RegisterPairs(pyramids, PairsOfKeyframes(batch, odometry), alignment, progress);
+        RegisterPairs(pyramids, PairsOfKeyframes(batch, odometry), alignment, context.progress());
     if (!registrations.ok()) return registrations.error();
-    std::ranges::move(
-        loop::AcceptCovisible(batch, *registrations, odometry, inputs.config.covisible),
-        std::back_inserter(odometry.edges));
+    const Status added =
+        edges->Add(loop::AcceptCovisible(batch, *registrations, odometry, inputs.config.covisible));
+    if (!added.ok()) return added.error();
   }
-  return Ok();
+}
+
+// Those that the solved path does not contradict.
+Result<SharedEdges> ConsistentOf(const StageContext& context,
+                                 const ShelvedEdges& edges,
+                                 const Trajectory& solved,
+                                 const loop::CovisibleOptions& options) {
+  const auto consistent = std::make_shared<ShelfOfEdges>(context.Scratch());
+  Status added = Ok();
+  ForEach(edges, [&](const RelativePose& edge) {
+    if (added.ok() && loop::IsConsistent(edge, solved, options)) added = consistent->Add(edge);
+  });
+  if (!added.ok()) return added.error();
+  return SharedEdges(consistent);
 }
 
 }  // namespace
@@ -76,19 +91,18 @@ KeyframePyramids PyramidsToRefine(const RunInputs& inputs) {
   return {*inputs.capture->frames, inputs.config.track.alignment.pyramid, most};
 }
 
-Result<int> RefinePath(const RunInputs& inputs,
-                       KeyframePyramids pyramids,
-                       Progress& progress,
-                       Odometry& odometry) {
+Status RefinePath(const StageContext& context,
+                  const RunInputs& inputs,
+                  KeyframePyramids pyramids,
+                  Odometry& odometry) {
   const loop::CovisibleOptions& options = inputs.config.covisible;
-  if (!options.enabled) return 0;
-  const auto num_tracked = static_cast<std::ptrdiff_t>(odometry.edges.size());
-  const Status measured = MeasureCovisible(inputs, std::move(pyramids), progress, odometry);
+  if (!options.enabled) return Ok();
+  auto measured = MeasureCovisible(context, inputs, std::move(pyramids), odometry);
   ReturnFreedMemory(kMostHeldBytes);  // the pyramids'
   if (!measured.ok()) return measured.error();
-  if (progress.StopRequested()) return Interrupted();
-  const auto covisible = [&] { return odometry.edges.begin() + num_tracked; };
-  if (covisible() == odometry.edges.end()) return 0;
+  if (context.progress().StopRequested()) return Interrupted();
+  if ((*measured)->size() == 0) return Ok();
+  odometry.more_edges = *measured;
   // The options of `optimize` are that stage's own: they must not change what tracking is.
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
@@ -96,18 +110,16 @@ Result<int> RefinePath(const RunInputs& inputs,
   robust.max_direct_keyframes = stretches.num_keyframes;  // without loops the factor stays sparse
   robust.max_keyframes = stretches.num_keyframes;
   Result<std::vector<TrackedFrame>> solved = SolveStretches(odometry, robust, stretches);
+  odometry.more_edges = nullptr;
   if (!solved.ok()) {
-    odometry.edges.erase(covisible(), odometry.edges.end());
-    progress.Warn("the path stays as tracked: " + solved.error().message);
-    return 0;
+    context.progress().Warn("the path stays as tracked: " + solved.error().message);
+    return Ok();
   }
   odometry.frames = std::move(solved).value();
-  const auto contradicted =
-      std::remove_if(covisible(), odometry.edges.end(), [&](const RelativePose& edge) {
-        return !loop::IsConsistent(edge, odometry, options);
-      });
-  odometry.edges.erase(contradicted, odometry.edges.end());
-  return static_cast<int>(odometry.edges.end() - covisible());
+  auto consistent = ConsistentOf(context, **measured, odometry, options);
+  if (!consistent.ok()) return consistent.error();
+  odometry.more_edges = std::move(consistent).value();
+  return Ok();
 }
 
 }  // namespace deepslam::stages

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -23,6 +24,7 @@
 #include "deepslam/core/parallel_ahead.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/shape/binvox.h"
+#include "deepslam/stages/shelf_of_edges.h"
 
 namespace deepslam::stages {
 namespace {
@@ -85,18 +87,20 @@ Result<PlannedViews> PlanViews(const StageContext& context,
 }  // namespace
 
 Result<Odometry> ReadOdometry(const StageContext& context) {
+  const std::string frames_file = StageContext::DisplayName("track", "frames.json");
+  const std::string edges_file = StageContext::DisplayName("track", "odometry.g2o");
   Result<artifact::TextSource> frames = context.Open("track", "frames.json");
   Result<artifact::TextSource> tum = context.Open("track", "trajectory.tum");
-  for (const Result<artifact::TextSource>* text : {&frames, &tum}) {
+  Result<artifact::TextSource> edges = context.Open("track", "odometry.g2o");
+  for (const Result<artifact::TextSource>* text : {&frames, &tum, &edges}) {
     if (!text->ok()) return text->error();
   }
-  Result<std::vector<RelativePose>> edges =
-      Decode(context, "track", "odometry.g2o", artifact::DecodeG2oEdges);
-  if (!edges.ok()) return edges.error();
-  return artifact::DecodeOdometry(std::move(frames).value(),
-                                  std::move(tum).value(),
-                                  std::move(edges).value(),
-                                  "track/frames.json");
+  const auto shelf = std::make_shared<ShelfOfEdges>(context.Scratch());
+  Result<Trajectory> trajectory = artifact::DecodeOdometry(
+      {*std::move(frames), *std::move(tum), *std::move(edges), frames_file, edges_file},
+      [&](const RelativePose& edge) { return shelf->Add(edge); });
+  if (!trajectory.ok()) return trajectory.error();
+  return Odometry{std::move(trajectory).value(), {}, shelf};
 }
 
 Result<Trajectory> ReadTrajectory(const StageContext& context) {

@@ -35,6 +35,7 @@ namespace deepslam::stages {
 
 using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 
+// Its edges lie in a scratch file of the stage.
 [[nodiscard]] Result<Odometry> ReadOdometry(const pipeline::StageContext& context);
 // Without the edges, for what asks for none: of a long capture they are most of it.
 [[nodiscard]] Result<Trajectory> ReadTrajectory(const pipeline::StageContext& context);

@@ -17,15 +17,14 @@ using pipeline::StageSummary;
 
 namespace {
 
-// Tracked, and refined by keyframes that see the same; how many edges these are.
+// Tracked, and refined by keyframes that see the same.
 struct TrackedPath {
   Odometry odometry;
   std::vector<artifact::StampedPose> as_tracked;
-  int num_covisible = 0;
 };
 
 // What tracking has read of keyframes is not read again.
-Result<TrackedPath> TrackAll(const RunInputs& inputs, Progress& progress) {
+Result<TrackedPath> TrackAll(const StageContext& context, const RunInputs& inputs) {
   const FrameSource& frames = *inputs.capture->frames;
   KeyframePyramids pyramids = PyramidsToRefine(inputs);
   const auto take = [&](odometry::ReadKeyframe keyframe) {
@@ -33,13 +32,12 @@ Result<TrackedPath> TrackAll(const RunInputs& inputs, Progress& progress) {
     frames.GiveBack({keyframe.frame, 0, {}, std::move(keyframe.depth_m)});
   };
   Result<Odometry> odometry =
-      odometry::EstimateOdometry(frames, inputs.config.track, progress, take);
+      odometry::EstimateOdometry(frames, inputs.config.track, context.progress(), take);
   if (!odometry.ok()) return odometry.error();
-  TrackedPath path{std::move(odometry).value(), {}, 0};
+  TrackedPath path{std::move(odometry).value(), {}};
   path.as_tracked = artifact::StampedPoses(path.odometry.frames);
-  const Result<int> refined = RefinePath(inputs, std::move(pyramids), progress, path.odometry);
+  const Status refined = RefinePath(context, inputs, std::move(pyramids), path.odometry);
   if (!refined.ok()) return refined.error();
-  path.num_covisible = *refined;
   return path;
 }
 
@@ -47,7 +45,7 @@ Result<TrackedPath> TakePosesOfCapture(const RunInputs& inputs, Progress& progre
   Result<Odometry> odometry =
       odometry::OdometryFromCapturePoses(*inputs.capture->frames, inputs.config.track, progress);
   if (!odometry.ok()) return odometry.error();
-  TrackedPath path{std::move(odometry).value(), {}, 0};
+  TrackedPath path{std::move(odometry).value(), {}};
   path.as_tracked = artifact::StampedPoses(path.odometry.frames);
   return path;
 }
@@ -56,8 +54,8 @@ Result<TrackedPath> TakePosesOfCapture(const RunInputs& inputs, Progress& progre
 
 Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
   const bool capture_poses = inputs.config.track_stage.poses == "capture";
-  const Result<TrackedPath> path = capture_poses ? TakePosesOfCapture(inputs, context.progress())
-                                                 : TrackAll(inputs, context.progress());
+  const Result<TrackedPath> path =
+      capture_poses ? TakePosesOfCapture(inputs, context.progress()) : TrackAll(context, inputs);
   if (!path.ok()) return path.error();
   const Odometry* const odometry = &path->odometry;
   const auto trajectory = artifact::StampedPoses(odometry->frames);
@@ -69,12 +67,11 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
        {"as_tracked.tum", [&] { return artifact::EncodeTum(path->as_tracked, "as_tracked.tum"); }},
        {"frames.json", [&] {
           return artifact::EncodeFrames(
-              odometry->frames, odometry->keyframes, odometry->edges, "frames.json");
+              odometry->frames, odometry->keyframes, JoinsOf(*odometry), "frames.json");
         }}});
   if (!written.ok()) return written.error();
   const Status edges = context.Write("odometry.g2o", [&](const artifact::TextSink& sink) {
-    return artifact::EncodeG2o(
-        odometry->frames, odometry->keyframes, odometry->edges, "odometry.g2o", sink);
+    return artifact::EncodeG2o(*odometry, "odometry.g2o", sink);
   });
   if (!edges.ok()) return edges.error();
   const auto count = [&](TrackingStatus status) {
@@ -86,6 +83,7 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
   const auto unreadable = count(TrackingStatus::kUnreadable);
   const auto degenerate = count(TrackingStatus::kDegenerate);
   const std::size_t total = odometry->frames.size();
+  const std::size_t num_covisible = odometry->num_edges() - odometry->edges.size();
   return StageSummary{
       fmt::format(
           "{} frames, {} lost, {} unreadable, {} weakly constrained; {} keyframes, {} edges, {} of "
@@ -95,14 +93,14 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
           unreadable,
           degenerate,
           odometry->keyframes.size(),
-          odometry->edges.size(),
-          path->num_covisible),
+          odometry->num_edges(),
+          num_covisible),
       {{"num_frames", static_cast<double>(total)},
        {"num_lost", static_cast<double>(lost)},
        {"num_unreadable", static_cast<double>(unreadable)},
        {"num_degenerate", static_cast<double>(degenerate)},
        {"num_keyframes", static_cast<double>(odometry->keyframes.size())},
-       {"num_covisible", static_cast<double>(path->num_covisible)}}};
+       {"num_covisible", static_cast<double>(num_covisible)}}};
 }
 
 }  // namespace deepslam::stages

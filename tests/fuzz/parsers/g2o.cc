@@ -6,7 +6,8 @@
 #include "fuzz/entry.h"
 
 DEEPSLAM_FUZZ(g2o) {
-  if (const auto edges = artifact::DecodeG2oEdges(bytes, kFile); !edges.ok())
+  const auto take = [](const RelativePose&) { return Ok(); };
+  if (const Status edges = artifact::DecodeG2oEdges(bytes, kFile, take); !edges.ok())
     Refused(edges.error());
   const Result<graph::G2oGraph> graph = graph::ParseG2o(bytes);
   if (!graph.ok()) return Refused(graph.error(), "line ");

@@ -14,17 +14,21 @@ DEEPSLAM_FUZZ(odometry) {
     text = bytes.substr(0, end);
     bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + 2);
   }
-  const auto edges = artifact::DecodeG2oEdges(texts[2], kFile);
-  if (!edges.ok()) return Refused(edges.error());
-  const auto odometry = artifact::DecodeOdometry(texts[0], texts[1], *edges, kFile);
-  if (!odometry.ok()) return Refused(odometry.error());
-  for (const RelativePose& edge : odometry->edges) {
-    DEEPSLAM_CHECK(edge.i.value < static_cast<int>(odometry->frames.size()) &&
-                       edge.j.value < static_cast<int>(odometry->frames.size()),
+  Odometry odometry;
+  const auto take = [&](const RelativePose& edge) {
+    odometry.edges.push_back(edge);
+    return Ok();
+  };
+  const Result<Trajectory> trajectory =
+      artifact::DecodeOdometry({texts[0], texts[1], texts[2], kFile, kFile}, take);
+  if (!trajectory.ok()) return Refused(trajectory.error());
+  for (const RelativePose& edge : odometry.edges) {
+    DEEPSLAM_CHECK(edge.i.value < static_cast<int>(trajectory->frames.size()) &&
+                       edge.j.value < static_cast<int>(trajectory->frames.size()),
                    "edges join frames");
   }
   const auto text =
-      artifact::EncodeFrames(odometry->frames, odometry->keyframes, odometry->edges, kFile);
+      artifact::EncodeFrames(trajectory->frames, trajectory->keyframes, JoinsOf(odometry), kFile);
   DEEPSLAM_CHECK(text.ok(), "what was read can be written");
   return true;
 }
