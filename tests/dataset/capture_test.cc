@@ -23,6 +23,54 @@ std::string Refusal(const std::filesystem::path& folder) {
   return capture.error().message;
 }
 
+std::vector<std::string> ColourFiles(const Capture& capture) {
+  std::vector<std::string> names;
+  for (const StoredFrame& frame : capture.taken->frames()) names.push_back(frame.colour_name);
+  return names;
+}
+
+TEST(OpenCapture, TakesEveryNthOfMoreFramesThanAreStated) {
+  const TempDir dir;
+  WriteCapture(dir.path(), 7);
+  const Result<Capture> all = OpenCapture(dir.path());
+  ASSERT_TRUE(all.ok());
+  const auto with_most = [&](int most) {
+    WriteText(dir.path() / "capture.yaml", kTestSettings + fmt::format("max_frames: {}\n", most));
+    return OpenCapture(dir.path());
+  };
+  const Result<Capture> third = with_most(3);
+  ASSERT_TRUE(third.ok()) << third.error().message;
+  EXPECT_THAT(ColourFiles(*third), ElementsAre("rgb/0.png", "rgb/3.png", "rgb/6.png"));
+  ASSERT_EQ(third->frames->num_frames(), 3);
+  for (int k = 0; k < 3; ++k) {
+    const Result<Frame> frame = third->frames->Read(FrameIdx{k});
+    const Result<Frame> same = all->frames->Read(FrameIdx{3 * k});
+    ASSERT_TRUE(frame.ok() && same.ok());
+    EXPECT_EQ(frame->colour, same->colour);
+    EXPECT_EQ(frame->depth_m, same->depth_m);
+    EXPECT_EQ(frame->time_s, same->time_s);
+  }
+  EXPECT_THAT(third->warnings,
+              ElementsAre(AllOf(HasSubstr("one frame in 3 is taken, 3 of 7"),
+                                HasSubstr("'max_frames' in capture.yaml"))));
+  EXPECT_EQ(third->stored->frames().size(), 7u) << "nothing of it is lost";
+  EXPECT_NE(third->content_hash, all->content_hash);
+  const Result<Capture> as_many = with_most(7);
+  ASSERT_TRUE(as_many.ok());
+  EXPECT_EQ(as_many->frames->num_frames(), 7);
+  EXPECT_THAT(as_many->warnings, IsEmpty());
+  EXPECT_EQ(with_most(1)->frames->num_frames(), 1);
+}
+
+TEST(OpenCapture, RefusesToTakeNoFrames) {
+  const TempDir dir;
+  WriteCapture(dir.path(), 2);
+  for (const char* const most : {"0", "-3", "many", "1.5", "[2]", "99999999999999999999"}) {
+    WriteText(dir.path() / "capture.yaml", kTestSettings + fmt::format("max_frames: {}\n", most));
+    EXPECT_THAT(Refusal(dir.path()), HasSubstr("capture.yaml:4: field 'max_frames' is")) << most;
+  }
+}
+
 TEST(OpenCapture, ReadsColourDepthTimeAndCamera) {
   const TempDir dir;
   WriteCapture(dir.path() / "kitchen", 3);
@@ -31,7 +79,8 @@ TEST(OpenCapture, ReadsColourDepthTimeAndCamera) {
   EXPECT_EQ(capture->name, "kitchen");
   EXPECT_FALSE(capture->has_poses);
   EXPECT_THAT(capture->warnings, IsEmpty());
-  EXPECT_THAT(capture->colour_files, ElementsAre("rgb/0.png", "rgb/1.png", "rgb/2.png"));
+  EXPECT_EQ(capture->taken, capture->stored) << "all of them";
+  EXPECT_THAT(ColourFiles(*capture), ElementsAre("rgb/0.png", "rgb/1.png", "rgb/2.png"));
   const FrameSource& frames = *capture->frames;
   ASSERT_EQ(frames.num_frames(), 3);
   EXPECT_EQ(frames.camera(), (PinholeCamera{32, 24, 30, 30, 15.5, 11.5}));

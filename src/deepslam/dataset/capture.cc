@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/core/sha256.h"
 #include "deepslam/dataset/capture_frame_source.h"
 #include "deepslam/dataset/doubts.h"
 #include "deepslam/dataset/file_frames.h"
@@ -106,6 +107,26 @@ Result<LayoutSource> ReadSource(const fs::path& path) {
   return source;
 }
 
+// All frames, or every n-th so that there are no more; then the capture is another one, and says
+// so.
+void TakeAtMost(int max_frames, Capture& capture) {
+  capture.taken = capture.stored;
+  const std::size_t num_frames = capture.stored->frames().size();
+  const auto most = static_cast<std::size_t>(max_frames);
+  if (num_frames <= most) return;
+  const std::size_t step = (num_frames + most - 1) / most;
+  capture.taken = EveryNth(capture.stored, step);
+  capture.content_hash = Sha256Hex(fmt::format("{} every {}\n", capture.content_hash, step));
+  capture.warnings.push_back(
+      fmt::format("{}: one frame in {} is taken, {} of {}: at most {} are; state another "
+                  "'max_frames' in capture.yaml (memory grows with it)",
+                  capture.path.string(),
+                  step,
+                  capture.taken->frames().size(),
+                  num_frames,
+                  most));
+}
+
 }  // namespace
 
 Result<Capture> OpenCapture(const fs::path& path) {
@@ -128,7 +149,6 @@ Result<Capture> OpenCapture(const fs::path& path) {
   Capture capture;
   capture.stored = opened->frames;
   const auto faults = std::make_shared<ReadFaults>();
-  capture.frames = MakeCaptureFrameSource(opened->frames, faults);
   capture.faults = faults;
   capture.path = path;
   capture.name = NameOf(path);
@@ -138,10 +158,11 @@ Result<Capture> OpenCapture(const fs::path& path) {
   capture.warnings.insert(
       capture.warnings.end(), source->settings.warnings.begin(), source->settings.warnings.end());
   capture.has_times = opened->has_times;
-  for (const StoredFrame& frame : opened->frames->frames()) {
-    capture.colour_files.push_back(frame.colour_name);
-    capture.has_poses = capture.has_poses || frame.world_from_colour.has_value();
-  }
+  TakeAtMost(source->settings.max_frames.value_or(kMaxFrames), capture);
+  capture.frames = MakeCaptureFrameSource(capture.taken, faults);
+  capture.has_poses = std::ranges::any_of(capture.taken->frames(), [](const auto& frame) {
+    return frame.world_from_colour.has_value();
+  });
   const Status usable = Probe(*capture.frames, path);
   if (usable) capture.doubts = AllDoubts(capture);
   std::ranges::copy(capture.doubts, std::back_inserter(capture.warnings));

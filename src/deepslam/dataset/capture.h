@@ -16,7 +16,8 @@ namespace deepslam::dataset {
 
 struct Capture {
   std::unique_ptr<FrameSource> frames;
-  std::shared_ptr<const StoredFrames> stored;  // what the frames are made from
+  std::shared_ptr<const StoredFrames> stored;  // all that is there
+  std::shared_ptr<const StoredFrames> taken;   // what the frames are made from: all, or every n-th
   std::shared_ptr<const ReadFaults> faults;    // of the machine, met while frames were read
   std::filesystem::path path;                  // as the user named it
   std::string name;                            // the folder's or file's own name, without its path
@@ -27,10 +28,8 @@ struct Capture {
   std::string content_hash;
   std::vector<std::string> warnings;  // what was repaired or left out, for the user
   std::vector<std::string> doubts;    // those of the warnings that doubts.h tells
-  std::vector<std::string>
-      colour_files;  // of each frame, relative to the folder: the names foreign annotations use
-  bool has_poses = false;  // at least one frame has a pose
-  bool has_times = true;   // false: the layout has none, frames are taken for 30 per second
+  bool has_poses = false;             // at least one frame has a pose
+  bool has_times = true;  // false: the layout has none, frames are taken for 30 per second
 };
 
 // Opens a capture. Frames are read later, one at a time; here every file is read once for the hash,

@@ -171,12 +171,13 @@ Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem:
   settings.format.clear();
   if (root.IsNull()) return settings;
   if (!root.IsMap()) return FieldError(file, root, "camera", "is missing");
-  constexpr std::array<std::string_view, 6> known = {"format",
+  constexpr std::array<std::string_view, 7> known = {"format",
                                                      "camera",
                                                      "depth_units_per_m",
                                                      "depth_camera",
                                                      "colour_from_depth",
-                                                     "min_confidence"};
+                                                     "min_confidence",
+                                                     "max_frames"};
   WarnOfUnknown(file, root, known, settings.warnings);
   if (const YAML::Node format = root["format"]) {
     if (Status status = ParseFormat(format, file, settings); !status) return status.error();
@@ -203,6 +204,15 @@ Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem:
     const Result<int> least = Number<int>(file, root, "min_confidence", "min_confidence");
     if (!least) return least.error();
     settings.min_confidence = *least;
+  }
+  if (root["max_frames"]) {
+    const Result<int> most = Number<int>(file, root, "max_frames", "max_frames");
+    if (!most) return most.error();
+    if (*most < 1) {
+      return FieldError(
+          file, root["max_frames"], "max_frames", fmt::format("is {}, not 1 or more", *most));
+    }
+    settings.max_frames = *most;
   }
   return settings;
 }
@@ -340,6 +350,7 @@ std::string FormatCaptureSettings(const CaptureSettings& settings) {
   }
   if (settings.min_confidence)
     text += fmt::format("min_confidence: {}\n", *settings.min_confidence);
+  if (settings.max_frames) text += fmt::format("max_frames: {}\n", *settings.max_frames);
   return text;
 }
 

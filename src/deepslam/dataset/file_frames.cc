@@ -15,6 +15,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kPairsHashedAtOnce = 4096;
+
+// Of the contents of colour and depth of each pair, in turn.
+Result<std::vector<std::string>> Digests(const fs::path& folder, std::span<const ImagePair> pairs) {
+  std::vector<std::string> digests(2 * pairs.size());
+  ReadFaults faults;
+  ParallelFor(digests.size(), [&](std::size_t i) {
+    const ImagePair& pair = pairs[i / 2];
+    const Result<std::string> bytes =
+        ReadFileBytes(folder / (i % 2 == 0 ? pair.colour : pair.depth).file);
+    if (!bytes) faults.Note(bytes.error());
+    digests[i] = bytes ? Sha256Hex(*bytes) : "unreadable";
+  });
+  if (std::optional<Error> fault = faults.first()) return *std::move(fault);
+  return digests;
+}
+
 bool IsFile(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored);
@@ -22,16 +39,17 @@ bool IsFile(const fs::path& path) {
 
 class FileFrames final : public StoredFrames {
  public:
+  // Colour files are the frames' names.
   FileFrames(fs::path folder,
              const CaptureCameras& cameras,
              std::vector<StoredFrame> frames,
-             std::vector<ImagePair> pairs)
+             std::vector<std::string> depth_files)
       : StoredFrames(cameras, std::move(frames)),
         folder_(std::move(folder)),
-        pairs_(std::move(pairs)) {}
+        depth_files_(std::move(depth_files)) {}
 
   [[nodiscard]] Result<StoredColour> ReadColour(std::size_t i) const override {
-    const fs::path file = folder_ / pairs_[i].colour.file;
+    const fs::path file = folder_ / frames()[i].colour_name;
     Result<std::string> bytes = ReadFileBytes(file);
     if (!bytes) return bytes.error();
     StoredColour colour{CodecOf(*bytes), *std::move(bytes), ColourImage(), file.string()};
@@ -46,12 +64,12 @@ class FileFrames final : public StoredFrames {
 
   [[nodiscard]] Result<RawDepthImage> ReadDepth(std::size_t i) const override {
     const PinholeCamera& camera = cameras().depth;
-    return ReadDepthFile(folder_ / pairs_[i].depth.file, camera.width, camera.height);
+    return ReadDepthFile(folder_ / depth_files_[i], camera.width, camera.height);
   }
 
  private:
   fs::path folder_;
-  std::vector<ImagePair> pairs_;
+  std::vector<std::string> depth_files_;
 };
 
 }  // namespace
@@ -68,14 +86,17 @@ std::unique_ptr<const StoredFrames> MakeFileFrames(
     const std::vector<std::optional<Pose3>>& world_from_colour) {
   DEEPSLAM_CHECK(world_from_colour.size() == pairs.size(), "one pose entry per frame");
   std::vector<StoredFrame> frames;
+  std::vector<std::string> depth_files;
   frames.reserve(pairs.size());
+  depth_files.reserve(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     frames.push_back({pairs[i].colour.time_s,
                       pairs[i].depth.time_s,
-                      pairs[i].colour.file,
+                      std::move(pairs[i].colour.file),
                       world_from_colour[i]});
+    depth_files.push_back(std::move(pairs[i].depth.file));
   }
-  return std::make_unique<FileFrames>(folder, cameras, std::move(frames), std::move(pairs));
+  return std::make_unique<FileFrames>(folder, cameras, std::move(frames), std::move(depth_files));
 }
 
 Status CheckFilesExist(const fs::path& folder,
@@ -107,31 +128,26 @@ Result<std::string> HashFiles(std::string_view tag,
                               std::span<const NamedText> texts,
                               const fs::path& folder,
                               const std::vector<ImagePair>& pairs) {
-  std::vector<std::string> digests(2 * pairs.size());
-  ReadFaults faults;
-  ParallelFor(digests.size(), [&](std::size_t i) {
-    const ImagePair& pair = pairs[i / 2];
-    const Result<std::string> bytes =
-        ReadFileBytes(folder / (i % 2 == 0 ? pair.colour : pair.depth).file);
-    if (!bytes) faults.Note(bytes.error());
-    digests[i] = bytes ? Sha256Hex(*bytes) : "unreadable";
-  });
-  if (std::optional<Error> fault = faults.first()) return *std::move(fault);
   Sha256 hash;
   hash.Update(fmt::format("{} 1\n", tag));
   for (const NamedText& text : texts) {
     hash.Update(
         fmt::format("{} {}\n", text.name, text.content ? Sha256Hex(*text.content) : "none"));
   }
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const ImagePair& pair = pairs[i];
-    hash.Update(fmt::format("{} {} {}\n{} {} {}\n",
-                            pair.colour.time_s,
-                            pair.colour.file,
-                            digests[2 * i],
-                            pair.depth.time_s,
-                            pair.depth.file,
-                            digests[2 * i + 1]));
+  for (std::size_t begin = 0; begin < pairs.size(); begin += kPairsHashedAtOnce) {
+    const auto some =
+        std::span(pairs).subspan(begin, std::min(kPairsHashedAtOnce, pairs.size() - begin));
+    const Result<std::vector<std::string>> digests = Digests(folder, some);
+    if (!digests) return digests.error();
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      hash.Update(fmt::format("{} {} {}\n{} {} {}\n",
+                              some[i].colour.time_s,
+                              some[i].colour.file,
+                              (*digests)[2 * i],
+                              some[i].depth.time_s,
+                              some[i].depth.file,
+                              (*digests)[2 * i + 1]));
+    }
   }
   return hash.HexDigest();
 }

@@ -3,6 +3,8 @@
 // (capture_frame_source.h) and `convert` (convert.h) are made from it.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -67,6 +69,10 @@ class StoredFrames {
   CaptureCameras cameras_;
   std::vector<StoredFrame> frames_;
 };
+
+// Every `step`-th of the frames, from the first on.
+[[nodiscard]] std::shared_ptr<const StoredFrames> EveryNth(std::shared_ptr<const StoredFrames> all,
+                                                           std::size_t step);
 
 // The pixels, of the camera's size.
 [[nodiscard]] Result<ColourImage> DecodeStored(StoredColour stored, const PinholeCamera& camera);

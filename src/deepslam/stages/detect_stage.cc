@@ -65,13 +65,9 @@ std::vector<FrameIdx> FramesToLookAt(const Trajectory& trajectory,
 std::vector<artifact::DetectedImage> AllImages(const dataset::Capture& capture) {
   const PinholeCamera& camera = capture.frames->camera();
   std::vector<artifact::DetectedImage> images;
-  for (int i = 0; i < capture.frames->num_frames(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const bool named = at < capture.colour_files.size();
-    images.push_back({FrameIdx{i},
-                      named ? capture.colour_files[at] : fmt::format("{:06d}", i),
-                      camera.width,
-                      camera.height});
+  for (const dataset::StoredFrame& frame : capture.taken->frames()) {
+    const FrameIdx idx{static_cast<int>(images.size())};
+    images.push_back({idx, frame.colour_name, camera.width, camera.height});
   }
   return images;
 }
