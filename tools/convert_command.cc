@@ -25,7 +25,8 @@ int Convert(const Arguments& arguments) {
     return ReportError(InvalidConfig("OUT: names no folder or file; give the result's"));
   const dataset::OutputFormat* format = dataset::FindOutputFormat(arguments.to);
   CatchStopSignals();
-  const Result<dataset::Capture> capture = dataset::OpenCapture(arguments.in);
+  const Result<dataset::Capture> capture =
+      dataset::OpenCapture(arguments.in, dataset::FramesTaken::kAll);
   if (!capture.ok()) return ReportError(capture.error());
   for (const std::string& warning : capture->warnings) LogWarning(warning);
   ConsoleListener listener(ParseProgressStyle(arguments.progress), false);

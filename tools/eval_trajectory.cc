@@ -21,7 +21,7 @@ using artifact::JsonValue;
 
 // Those that came with a capture of a layout other than TUM's.
 Result<std::vector<eval::TimedPose>> CapturePoses(const std::string& path) {
-  const Result<dataset::Capture> capture = dataset::OpenCapture(path);
+  const Result<dataset::Capture> capture = dataset::OpenCapture(path, dataset::FramesTaken::kAll);
   if (!capture.ok() || !capture->has_poses) {
     return InvalidInput(
         fmt::format("{}: holds no trajectory: neither a workspace nor a capture with poses", path));

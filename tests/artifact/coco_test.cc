@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -19,7 +23,8 @@ std::vector<DetectedImage> Images() {
 }
 
 Result<CocoDetections> Read(const std::string& text) {
-  return ReadCocoFile(text, "boxes.json", Images(), DefaultClassTable());
+  return ReadCocoFile(
+      [&] { return Result<TextSource>(text); }, "boxes.json", Images(), DefaultClassTable());
 }
 
 // Known strings of pycocotools for a 3 x 2 (width x height) mask.
@@ -51,6 +56,53 @@ TEST(Rle, RefusesHostileCounts) {
   EXPECT_FALSE(DecodeRle("2\x01", 3, 2).ok());
   EXPECT_FALSE(DecodeRle("2O", 3, 2).ok()) << "negative run";
   EXPECT_FALSE(DecodeRle("", 3, 2).ok());
+}
+
+// What entries mean may stand before or behind them.
+TEST(CocoFile, ReadsMembersInAnyOrder) {
+  const std::vector<std::string> members = {
+      R"("images": [{"id": 7, "file_name": "other/b.jpg", "width": 128, "height": 96}])",
+      R"("categories": [{"id": 1, "name": "couch"}])",
+      R"("annotations": [{"image_id": 7, "category_id": 1, "bbox": [20, 10, 60, 40]}])"};
+  std::vector<std::size_t> order = {0, 1, 2};
+  do {
+    const Result<CocoDetections> read =
+        Read("{" + members[order[0]] + "," + members[order[1]] + "," + members[order[2]] + "}");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->detections.size(), 1u);
+    EXPECT_EQ(read->detections[0].frame, FrameIdx{1});
+    EXPECT_EQ(read->detections[0].class_name, "sofa");
+    EXPECT_NEAR(read->detections[0].box_px.u_min, 9.75, 1e-9) << "half the image's size";
+  } while (std::ranges::next_permutation(order).found);
+}
+
+TEST(CocoFile, WithoutCategoriesOfItsOwnHasThoseOfCoco) {
+  const std::string entries =
+      R"("annotations": [{"image_id": 1, "category_id": 62, "bbox": [1, 2, 30, 20]}])";
+  EXPECT_EQ(Read("{" + entries + "}")->detections.size(), 1u);
+  const Result<CocoDetections> none = Read("{" + entries + R"(, "categories": []})");
+  ASSERT_TRUE(none.ok());
+  EXPECT_EQ(none->num_unknown_class, 1);
+}
+
+TEST(CocoFile, ManyEntriesComeInTheirOrderWithTheirPlaces) {
+  std::string text = "[";
+  for (int k = 0; k < 5000; ++k)
+    text += fmt::format(R"({{"image_id": {}, "category_id": 62, "bbox": [1, 2, 30, 20]}},)", k % 2);
+  const Result<CocoDetections> read = Read(text + "3]");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->detections.size(), 5000u);
+  EXPECT_THAT(read->warnings, testing::ElementsAre("[5000] is no object"));
+}
+
+TEST(CocoFile, PassesOnThatItCannotBeOpened) {
+  const Result<CocoDetections> read =
+      ReadCocoFile([] { return Result<TextSource>(InvalidInput("boxes.json: is not a file")); },
+                   "boxes.json",
+                   Images(),
+                   DefaultClassTable());
+  ASSERT_FALSE(read.ok());
+  EXPECT_EQ(read.error().message, "boxes.json: is not a file");
 }
 
 TEST(CocoFile, ReadsResultsByFrameIndexAndByFileName) {
@@ -107,8 +159,11 @@ TEST(CocoFile, LeavesBadEntriesOutAndCountsThem) {
 
 // Images of 64 x 48 in a capture whose colour has the size given.
 CocoDetections ReadScaled(const std::string& text, const PictureSize& colour) {
-  const Result<CocoDetections> read =
-      ReadCocoFile(text, "boxes.json", Images(), DefaultClassTable(), colour);
+  const Result<CocoDetections> read = ReadCocoFile([&] { return Result<TextSource>(text); },
+                                                   "boxes.json",
+                                                   Images(),
+                                                   DefaultClassTable(),
+                                                   colour);
   EXPECT_TRUE(read.ok()) << read.error().message;
   return read.ok() ? *read : CocoDetections();
 }

@@ -1,6 +1,14 @@
 #include "deepslam/associate/review_objects.h"
 
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <vector>
+
 #include <gmock/gmock.h>
+
+#include "deepslam/core/random.h"
 
 namespace deepslam::associate {
 namespace {
@@ -49,12 +57,44 @@ std::size_t NumLeft(const Box2& first_px, const Box2& second_px) {
     member.detection = observation.segment->detection;
     member.frame = observation.segment->frame;
     AddMember(objects[object], all, k, member);
-    AddPoints(objects[object], Seat(k < 2 ? 0 : 0.08), kCell_m);
+    objects[object].points_world.Add(Seat(k < 2 ? 0 : 0.08), kCell_m);
   }
   std::vector<Rejection> rejections;
   MergeDuplicates(objects, all, {}, rejections);
   EXPECT_THAT(rejections, SizeIs(2 - objects.size()));  // of two detections in a frame, one stays
   return objects.size();
+}
+
+TEST(GrowingCloud, KeepsTheFirstPointOfEveryCellInTheOrderInWhichTheyCame) {
+  Random random(5, "points", 0);
+  std::vector<Eigen::Vector3f> all;
+  std::vector<Eigen::Vector3f> first;
+  std::set<std::array<long, 3>> taken;
+  GrowingCloud growing;
+  EXPECT_TRUE(growing.points().empty());
+  EXPECT_EQ(growing.cloud().Distance(Eigen::Vector3f::Zero(), 1),
+            std::numeric_limits<double>::infinity());
+  for (int batch = 0; batch < 30; ++batch) {
+    std::vector<Eigen::Vector3f> points;
+    for (int k = 0; k < 50; ++k) {
+      const auto at = [&] { return static_cast<float>(random.Uniform(-0.1, 0.1)); };
+      points.emplace_back(at(), at(), at());
+      const Eigen::Vector3f& p = points.back();
+      if (taken
+              .insert({std::lround(p.x() / kCell_m),
+                       std::lround(p.y() / kCell_m),
+                       std::lround(p.z() / kCell_m)})
+              .second)
+        first.push_back(p);
+    }
+    growing.Add(points, kCell_m);
+    EXPECT_EQ(growing.points(), first);
+    if (batch % 3 == 0) {
+      EXPECT_EQ(growing.cloud().points(), first) << "made anew when it is asked for";
+    }
+    EXPECT_EQ(growing.cloud().Distance(first.back()), 0);
+  }
+  EXPECT_LT(first.size(), 1500u) << "some share a cell";
 }
 
 TEST(ObjectHypothesis, WhatIsRecognisedOutvotesGuessesBySize) {

@@ -175,6 +175,30 @@ TEST(Convert, EveryPairOfLayoutsGivesTheSameDepthWithinAMillimetre) {
   }
 }
 
+TEST(Layouts, GiveEveryNthFrame) {
+  const TempDir dir;
+  WriteTum(dir.path() / "source", -1);
+  for (const OutputFormat& format : OutputFormats()) {
+    SCOPED_TRACE(format.name);
+    const fs::path to =
+        dir.path() / fmt::format("{}{}", format.name, format.is_file ? ".sens" : "");
+    Convert(dir.path() / "source", to, std::string(format.name));
+    ExpectEveryNthIsItself(Open(to));
+  }
+}
+
+TEST(Convert, TakesAllFramesWhateverARunTakes) {
+  const TempDir dir;
+  WriteTum(dir.path() / "source");
+  const std::string settings = ReadText(dir.path() / "source" / "capture.yaml");
+  WriteText(dir.path() / "source" / "capture.yaml", settings + "max_frames: 2\n");
+  EXPECT_LE(Open(dir.path() / "source").frames->num_frames(), 2);
+  const Result<Capture> all = OpenCapture(dir.path() / "source", FramesTaken::kAll);
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ(all->frames->num_frames(), kNumFrames);
+  EXPECT_THAT(all->warnings, IsEmpty());
+}
+
 TEST(Convert, SaysWhatIsLost) {
   const TempDir dir;
   WriteTum(dir.path() / "tum");

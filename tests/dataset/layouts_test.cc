@@ -397,6 +397,12 @@ TEST(Stray, DepthWithLowConfidenceIsDropped) {
   EXPECT_GT(Open(dir.path()).frames->Read(FrameIdx{2})->depth_m(7, 5), 0);
 }
 
+TEST(Stray, GivesEveryNthFrame) {
+  const TempDir dir;
+  WriteStray(dir.path(), 1);
+  ExpectEveryNthIsItself(Open(dir.path()));
+}
+
 TEST(Stray, CoarserDepthIsResampledToColour) {
   const TempDir dir;
   WriteStray(dir.path(), 3);

@@ -81,11 +81,10 @@ Box2 ToFrame(const Box2& box, const PictureSize& frame, const PictureSize& size)
 
 class CocoReader {
  public:
-  CocoReader(JsonReader& reader,
-             std::span<const DetectedImage> images,
+  CocoReader(std::span<const DetectedImage> images,
              const ClassTable& classes,
              const PictureSize& colour)
-      : reader_(reader), classes_(classes), colour_(colour) {
+      : classes_(classes), colour_(colour) {
     for (const DetectedImage& image : images) {
       by_stem_.emplace(Stem(image.file_name), &image);
       by_frame_.emplace(image.frame.value, &image);
@@ -93,20 +92,56 @@ class CocoReader {
     for (const auto& [id, label] : kCocoIds) labels_[std::to_string(id)] = label;
   }
 
-  CocoDetections Read() {
-    const JsonNode root = reader_.root();
-    JsonNode entries = root;
-    if (root.is_object()) {
-      ReadTables(root);
-      entries = root["annotations"];
-    }
-    for (const JsonNode& entry : entries.Items()) {
-      if (entry.is_object()) {
-        ReadEntry(entry);
-      } else {
-        Warn(entry, "is no object", found_.num_unusable);
+  // What the document says of images and categories.
+  Status ReadTables(TextSource text, std::string_view name) {
+    std::map<std::string, std::string> labels;
+    const auto read_images = [&](std::span<const JsonNode> rows) {
+      for (const JsonNode& row : rows) ReadImage(row);
+    };
+    const auto read_categories = [&](std::span<const JsonNode> rows) {
+      for (const JsonNode& row : rows) {
+        const JsonNode label = row.Maybe("name");
+        if (label.is_string()) labels[IdText(row.Maybe("id"))] = label.String();
       }
+    };
+    JsonReader reader(std::move(text),
+                      name,
+                      "",
+                      0,
+                      {{"images", read_images, false},
+                       {"categories", read_categories, false},
+                       {"annotations", Skip, false},
+                       {"", Skip, false}});
+    if (!reader.ok()) return reader.error();
+    const JsonNode root = reader.root();
+    if (!root.is_array() && !root.is_object()) {
+      return InvalidInput(
+          fmt::format("{}: is neither a COCO results list nor a COCO dataset", name));
     }
+    if (root.is_object() && root.Maybe("categories").is_array()) labels_ = std::move(labels);
+    return Ok();
+  }
+
+  Status ReadEntries(TextSource text, std::string_view name) {
+    const auto read = [&](std::span<const JsonNode> entries) {
+      for (const JsonNode& entry : entries) {
+        if (entry.is_object()) {
+          ReadEntry(entry);
+        } else {
+          Warn(entry, "is no object", found_.num_unusable);
+        }
+      }
+    };
+    JsonReader reader(std::move(text),
+                      name,
+                      "",
+                      0,
+                      {{"images", Skip, false}, {"annotations", read, false}, {"", read, false}});
+    if (reader.ok() && reader.root().is_object()) (void)reader.root()["annotations"].Items();
+    return reader.ok() ? Ok() : Status(reader.error());
+  }
+
+  CocoDetections Take() {
     // First, lest it be one too many.
     if (!scale_warning_.empty()) found_.warnings.insert(found_.warnings.begin(), scale_warning_);
     std::stable_sort(found_.detections.begin(),
@@ -116,18 +151,7 @@ class CocoReader {
   }
 
  private:
-  void ReadTables(const JsonNode& root) {
-    if (const JsonNode images = root.Maybe("images"); images.is_array()) {
-      for (const JsonNode& row : images.Items()) ReadImage(row);
-    }
-    if (const JsonNode categories = root.Maybe("categories"); categories.is_array()) {
-      labels_.clear();
-      for (const JsonNode& row : categories.Items()) {
-        const JsonNode label = row.Maybe("name");
-        if (label.is_string()) labels_[IdText(row.Maybe("id"))] = label.String();
-      }
-    }
-  }
+  static void Skip(std::span<const JsonNode> /*rows*/) {}
 
   void ReadImage(const JsonNode& row) {
     const std::string id = IdText(row.Maybe("id"));
@@ -265,7 +289,6 @@ class CocoReader {
       found_.warnings.push_back(fmt::format("{} {}", node.path(), what));
   }
 
-  JsonReader& reader_;
   const ClassTable& classes_;
   PictureSize colour_;
   std::map<std::string, const DetectedImage*> by_stem_;
@@ -280,18 +303,19 @@ class CocoReader {
 
 }  // namespace
 
-Result<CocoDetections> ReadCocoFile(std::string_view text,
+Result<CocoDetections> ReadCocoFile(const OpenedText& open,
                                     std::string_view name,
                                     std::span<const DetectedImage> images,
                                     const ClassTable& classes,
                                     const PictureSize& colour) {
-  JsonReader reader(text, name, "", 0);
-  if (!reader.ok()) return reader.error();
-  if (!reader.root().is_array() && !reader.root().is_object()) {
-    return InvalidInput(fmt::format("{}: is neither a COCO results list nor a COCO dataset", name));
+  CocoReader reader(images, classes, colour);
+  for (const auto read : {&CocoReader::ReadTables, &CocoReader::ReadEntries}) {
+    Result<TextSource> text = open();
+    if (!text.ok()) return text.error();
+    if (Status status = (reader.*read)(std::move(text).value(), name); !status.ok())
+      return status.error();
   }
-  CocoDetections found = CocoReader(reader, images, classes, colour).Read();
-  return reader.Finish(std::move(found));
+  return reader.Take();
 }
 
 }  // namespace deepslam::artifact

@@ -2,12 +2,14 @@
 // trusted in nothing.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "deepslam/artifact/detections_json.h"
+#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/object_class.h"
@@ -42,7 +44,10 @@ struct PictureSize {
 // else as the frame. Frames may be smaller (colour that is finer than depth is reduced): what is
 // found is scaled to them, u -> (u + 0.5) * frame width / image width - 0.5. A warning tells when
 // width and height scale differently.
-[[nodiscard]] Result<CocoDetections> ReadCocoFile(std::string_view text,
+//
+// The text is opened twice and read by pieces: what its entries mean may stand behind them.
+using OpenedText = std::function<Result<TextSource>()>;
+[[nodiscard]] Result<CocoDetections> ReadCocoFile(const OpenedText& open,
                                                   std::string_view name,
                                                   std::span<const DetectedImage> images,
                                                   const ClassTable& classes,

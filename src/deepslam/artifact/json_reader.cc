@@ -136,6 +136,7 @@ JsonReader::JsonReader(TextSource text,
   if (!format.empty()) CheckFormat(format, version);
   if (ok()) fault_ = fault_of_rows;
   for (const JsonTable& table : tables) {
+    if (!table.must_be_there) continue;
     const JsonNode rows = root()[table.key];
     if (rows.value_ != nullptr && !rows.is_array()) rows.Fail("must be an array");
   }

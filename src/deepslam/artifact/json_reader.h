@@ -63,12 +63,13 @@ class JsonNode {
   std::string path_;
 };
 
-// An array among the document's members whose rows are read as they are parsed, a few at a time and
-// in their order, and gone then: for tables that grow with the length of a capture. It must be
-// there.
+// An array among the document's members, or with an empty key the document itself, whose rows are
+// read as they are parsed, a few at a time and in their order, and gone then: for tables that grow
+// with the length of a capture.
 struct JsonTable {
   std::string_view key;
   std::function<void(std::span<const JsonNode> rows)> read;
+  bool must_be_there = true;
 };
 
 // Reads rows into a list that outlives the reading.

@@ -135,8 +135,8 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
 
   bool Open(bool is_object) {
     too_deep_ = open_.size() > kMaxDepth;
-    const JsonStream* const stream = is_object || open_.size() != 1 ? nullptr : StreamOf(open_[0]);
-    if (stream != nullptr && open_[0].object.contains(stream->key)) {
+    const JsonStream* const stream = is_object ? nullptr : StreamOfNext();
+    if (stream != nullptr && !open_.empty() && open_[0].object.contains(stream->key)) {
       twice_ = stream->key;
       return false;
     }
@@ -146,9 +146,12 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
     return !too_deep_;
   }
 
-  [[nodiscard]] const JsonStream* StreamOf(const OpenValue& document) const {
-    if (!document.is_object) return nullptr;
-    const auto found = std::ranges::find(streams_, document.key, &JsonStream::key);
+  // Of an array that begins here.
+  [[nodiscard]] const JsonStream* StreamOfNext() const {
+    const bool is_member = open_.size() == 1 && open_[0].is_object && !open_[0].key.empty();
+    if (!open_.empty() && !is_member) return nullptr;
+    const std::string_view key = is_member ? std::string_view(open_[0].key) : "";
+    const auto found = std::ranges::find(streams_, key, &JsonStream::key);
     return found == streams_.end() ? nullptr : &*found;
   }
 

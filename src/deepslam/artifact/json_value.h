@@ -80,8 +80,8 @@ template <typename List, typename ToJson>
                   [&list, to_json](std::size_t i) { return JsonValue(to_json(list[i])); }};
 }
 
-// The same on the way in: elements of an array that is a member of the document, handed over a few
-// at a time; of the value the array is left empty.
+// The same on the way in: elements of an array that is a member of the document, or with an empty
+// key the document itself, handed over a few at a time; of the value the array is left empty.
 struct JsonStream {
   std::string_view key;
   std::function<void(std::size_t first, std::span<const JsonValue> elements)> take;

@@ -116,8 +116,8 @@ void Matcher::Take(const Match& match, const std::string& how) {
 
 void Matcher::Add(ObjectHypothesis& object, int observation, TrackMember member) {
   AddMember(object, all_, observation, std::move(member));
-  AddPoints(
-      object, all_[static_cast<std::size_t>(observation)].points_world, 0.5 * options_.voxel_m);
+  object.points_world.Add(all_[static_cast<std::size_t>(observation)].points_world,
+                          0.5 * options_.voxel_m);
 }
 
 void Matcher::Retire(std::span<const int> voters) {

@@ -131,6 +131,8 @@ std::vector<Match> MatchByModels(std::span<const int> unmatched,
                                  std::span<const ObjectHypothesis> objects,
                                  const std::vector<Observation>& all,
                                  const AssociateOptions& options) {
+  if (unmatched.empty()) return {};
+  for (const ObjectHypothesis& object : objects) (void)object.points_world.cloud();
   std::vector<std::optional<Match>> found(unmatched.size() * objects.size());
   ParallelFor(found.size(), [&](std::size_t n) {
     const int i = unmatched[n / objects.size()];
@@ -140,7 +142,7 @@ std::vector<Match> MatchByModels(std::span<const int> unmatched,
     const bool same_class = object.class_name == current.segment->class_name;
     const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
     const double error_m =
-        MeanDistance(current.points_world, object.cloud_world, options.truncation_m);
+        MeanDistance(current.points_world, object.points_world.cloud(), options.truncation_m);
     if (error_m <= limit_m) found[n] = Match{i, object.id, 0, error_m};
   });
   std::vector<Match> candidates;

@@ -66,12 +66,4 @@ void RemoveMember(ObjectHypothesis& object, std::vector<Observation>& all, std::
   Weigh(object, *removed.segment, -1);
 }
 
-void AddPoints(ObjectHypothesis& object,
-               const std::vector<Eigen::Vector3f>& points_world,
-               double cell_m) {
-  object.points_world.insert(object.points_world.end(), points_world.begin(), points_world.end());
-  object.points_world = Thinned(object.points_world, cell_m);
-  object.cloud_world = PointCloud(object.points_world);
-}
-
 }  // namespace deepslam::associate

@@ -30,8 +30,7 @@ struct ObjectHypothesis {
   std::vector<int> observations;     // indices, ascending frames
   std::vector<TrackMember> members;  // one per observation
   std::string reason;
-  std::vector<Eigen::Vector3f> points_world;  // of all members, thinned
-  PointCloud cloud_world{{}};
+  GrowingCloud points_world;  // of all members
   std::map<std::string, double> class_weights;
 
   [[nodiscard]] std::optional<std::size_t> MemberIn(FrameIdx frame) const;
@@ -47,10 +46,5 @@ void AddMember(ObjectHypothesis& object,
 
 // Takes a detection out again.
 void RemoveMember(ObjectHypothesis& object, std::vector<Observation>& all, std::size_t member);
-
-// Points that share a cell of side `cell_m` with known ones are not kept.
-void AddPoints(ObjectHypothesis& object,
-               const std::vector<Eigen::Vector3f>& points_world,
-               double cell_m);
 
 }  // namespace deepslam::associate

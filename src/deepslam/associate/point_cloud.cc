@@ -1,12 +1,10 @@
 #include "deepslam/associate/point_cloud.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <unordered_set>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -34,19 +32,6 @@ struct PointList {
   }
 };
 
-using Cell = std::array<long, 3>;
-
-struct HashOfCell {
-  std::size_t operator()(const Cell& cell) const {
-    std::uint64_t hash = 0;
-    for (const long place : cell) {
-      hash = (hash ^ static_cast<std::uint64_t>(place)) * 0x9e3779b97f4a7c15;
-      hash ^= hash >> 32;
-    }
-    return static_cast<std::size_t>(hash);
-  }
-};
-
 using Tree = nanoflann::
     KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointList>, PointList, 3>;
 
@@ -55,7 +40,7 @@ using Tree = nanoflann::
 struct PointCloud::Impl {
   explicit Impl(std::vector<Eigen::Vector3f> from)
       : list{std::move(from)}, tree(3, list, kLeafSize) {
-    if (!list.points.empty()) tree.buildIndex();
+    tree.buildIndex();
     for (const Eigen::Vector3f& p : list.points) box.extend(p);
   }
   PointList list;
@@ -64,16 +49,19 @@ struct PointCloud::Impl {
 };
 
 PointCloud::PointCloud(std::vector<Eigen::Vector3f> points)
-    : impl_(std::make_unique<Impl>(std::move(points))) {}
+    : impl_(points.empty() ? nullptr : std::make_unique<Impl>(std::move(points))) {}
 PointCloud::~PointCloud() = default;
 PointCloud::PointCloud(PointCloud&&) noexcept = default;
 PointCloud& PointCloud::operator=(PointCloud&&) noexcept = default;
 
-const std::vector<Eigen::Vector3f>& PointCloud::points() const { return impl_->list.points; }
+const std::vector<Eigen::Vector3f>& PointCloud::points() const {
+  static const std::vector<Eigen::Vector3f> kNone;
+  return impl_ ? impl_->list.points : kNone;
+}
 
 double PointCloud::Distance(const Eigen::Vector3f& p, double max_m) const {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  if (impl_->list.points.empty()) return kInfinite;
+  if (!impl_) return kInfinite;
   // A little more than asked for, so that rounding leaves out nothing within.
   const auto max_squared =
       static_cast<float>(std::min(1.001 * max_m * max_m, static_cast<double>(kLargest)));
@@ -142,15 +130,22 @@ std::vector<Eigen::Vector3f> MaskPoints(const Mask& mask,
   return points;
 }
 
-std::vector<Eigen::Vector3f> Thinned(const std::vector<Eigen::Vector3f>& points, double cell_m) {
-  std::unordered_set<Cell, HashOfCell> taken(points.size());
-  std::vector<Eigen::Vector3f> thinned;
+void GrowingCloud::Add(std::span<const Eigen::Vector3f> points, double cell_m) {
+  const auto num_known = static_cast<std::ptrdiff_t>(cells_.size());
+  std::set<Cell> added;
   for (const Eigen::Vector3f& p : points) {
     const Cell cell = {
         std::lround(p.x() / cell_m), std::lround(p.y() / cell_m), std::lround(p.z() / cell_m)};
-    if (taken.insert(cell).second) thinned.push_back(p);
+    if (std::binary_search(cells_.begin(), cells_.begin() + num_known, cell)) continue;
+    if (added.insert(cell).second) points_.push_back(p);
   }
-  return thinned;
+  cells_.insert(cells_.end(), added.begin(), added.end());
+  std::inplace_merge(cells_.begin(), cells_.begin() + num_known, cells_.end());
+}
+
+const PointCloud& GrowingCloud::cloud() const {
+  if (cloud_.points().size() != points_.size()) cloud_ = PointCloud(points_);
+  return cloud_;
 }
 
 }  // namespace deepslam::associate

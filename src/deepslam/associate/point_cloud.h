@@ -1,9 +1,11 @@
 // Point sets of segments and objects in the tracking world, with nearest neighbours.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,7 +32,7 @@ class PointCloud {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Impl> impl_;  // none: no points
 };
 
 // Mean distance of `from`'s points to their nearest ones in `to`, none counting more than
@@ -51,8 +53,25 @@ class PointCloud {
                                                       const Pose3& world_from_camera,
                                                       int max_points);
 
-// The first point of every cell of side `cell_m`, in order.
-[[nodiscard]] std::vector<Eigen::Vector3f> Thinned(const std::vector<Eigen::Vector3f>& points,
-                                                   double cell_m);
+// All points of a thing that is seen again and again: of every cell the first one that came.
+class GrowingCloud {
+ public:
+  // Points that share a cell of side `cell_m` with known ones are not kept. The side is the same
+  // each time.
+  void Add(std::span<const Eigen::Vector3f> points, double cell_m);
+
+  // In the order in which they came.
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }
+  // Made when it is asked for and points have come since; several threads may ask at a time when
+  // one has asked before.
+  [[nodiscard]] const PointCloud& cloud() const;
+
+ private:
+  using Cell = std::array<long, 3>;
+
+  std::vector<Eigen::Vector3f> points_;
+  std::vector<Cell> cells_;  // taken, ascending
+  mutable PointCloud cloud_{{}};
+};
 
 }  // namespace deepslam::associate

@@ -61,7 +61,7 @@ void Absorb(ObjectHypothesis& kept,
     member.how = "merge";
     AddMember(kept, all, index, std::move(member));
   }
-  AddPoints(kept, merged.points_world, 0.5 * options.voxel_m);
+  kept.points_world.Add(merged.points_world.points(), 0.5 * options.voxel_m);
 }
 
 // Two boxes of which one lies in the other may be a thing and a half of it, detected twice.
@@ -75,11 +75,9 @@ bool AreSeenApart(const ObjectHypothesis& a,
                   const ObjectHypothesis& b,
                   const std::vector<Observation>& all) {
   for (std::size_t m = 0; m < a.members.size(); ++m) {
-    const Segment& of_a = SegmentOf(a, m, all);
-    for (std::size_t n = 0; n < b.members.size(); ++n) {
-      const Segment& of_b = SegmentOf(b, n, all);
-      if (of_a.frame == of_b.frame && StandSideBySide(of_a.box_px, of_b.box_px)) return true;
-    }
+    const std::optional<std::size_t> n = b.MemberIn(a.members[m].frame);
+    if (n && StandSideBySide(SegmentOf(a, m, all).box_px, SegmentOf(b, *n, all).box_px))
+      return true;
   }
   return false;
 }
@@ -93,8 +91,8 @@ Relation Compare(const ObjectHypothesis& a,
   // Drift sets apart what was never seen side by side.
   const bool drift = a.class_name == b.class_name && !AreSeenApart(a, b, all);
   const double reach_m = drift ? options.max_dissimilarity_m : options.voxel_m;
-  const double a_in_b = ShareNear(a.cloud_world, b.cloud_world, reach_m);
-  const double b_in_a = ShareNear(b.cloud_world, a.cloud_world, reach_m);
+  const double a_in_b = ShareNear(a.points_world.cloud(), b.points_world.cloud(), reach_m);
+  const double b_in_a = ShareNear(b.points_world.cloud(), a.points_world.cloud(), reach_m);
   const double larger = std::max(a_in_b, b_in_a);
   if (a.class_name == b.class_name) {
     return larger > options.merge_overlap ? Relation::kSame : Relation::kApart;
@@ -107,7 +105,7 @@ Relation Compare(const ObjectHypothesis& a,
 }
 
 bool IsInSight(const ObjectHypothesis& object, const Sight& sight, const PinholeCamera& camera) {
-  const std::vector<Eigen::Vector3f>& points = object.cloud_world.points();
+  const std::vector<Eigen::Vector3f>& points = object.points_world.points();
   const std::size_t step = std::max<std::size_t>(1, points.size() / kNumProbes);
   int count = 0;
   int seen = 0;

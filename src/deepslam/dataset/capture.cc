@@ -107,29 +107,27 @@ Result<LayoutSource> ReadSource(const fs::path& path) {
   return source;
 }
 
-// All frames, or every n-th so that there are no more; then the capture is another one, and says
-// so.
+// Every n-th frame is another capture than all of them.
 void TakeAtMost(int max_frames, Capture& capture) {
-  capture.taken = capture.stored;
   const std::size_t num_frames = capture.stored->frames().size();
   const auto most = static_cast<std::size_t>(max_frames);
   if (num_frames <= most) return;
   const std::size_t step = (num_frames + most - 1) / most;
-  capture.taken = EveryNth(capture.stored, step);
+  capture.stored = capture.stored->Every(step);
   capture.content_hash = Sha256Hex(fmt::format("{} every {}\n", capture.content_hash, step));
   capture.warnings.push_back(
       fmt::format("{}: one frame in {} is taken, {} of {}: at most {} are; state another "
                   "'max_frames' in capture.yaml (memory grows with it)",
                   capture.path.string(),
                   step,
-                  capture.taken->frames().size(),
+                  capture.stored->frames().size(),
                   num_frames,
                   most));
 }
 
 }  // namespace
 
-Result<Capture> OpenCapture(const fs::path& path) {
+Result<Capture> OpenCapture(const fs::path& path, FramesTaken taken) {
   std::error_code ignored;
   if (!fs::exists(path, ignored))
     return InvalidInput(
@@ -147,7 +145,7 @@ Result<Capture> OpenCapture(const fs::path& path) {
   if (!opened) return opened.error();
 
   Capture capture;
-  capture.stored = opened->frames;
+  capture.stored = std::move(opened->frames);
   const auto faults = std::make_shared<ReadFaults>();
   capture.faults = faults;
   capture.path = path;
@@ -158,9 +156,10 @@ Result<Capture> OpenCapture(const fs::path& path) {
   capture.warnings.insert(
       capture.warnings.end(), source->settings.warnings.begin(), source->settings.warnings.end());
   capture.has_times = opened->has_times;
-  TakeAtMost(source->settings.max_frames.value_or(kMaxFrames), capture);
-  capture.frames = MakeCaptureFrameSource(capture.taken, faults);
-  capture.has_poses = std::ranges::any_of(capture.taken->frames(), [](const auto& frame) {
+  if (taken == FramesTaken::kAtMostMaxFrames)
+    TakeAtMost(source->settings.max_frames.value_or(kMaxFrames), capture);
+  capture.frames = MakeCaptureFrameSource(capture.stored, faults);
+  capture.has_poses = std::ranges::any_of(capture.stored->frames(), [](const auto& frame) {
     return frame.world_from_colour.has_value();
   });
   const Status usable = Probe(*capture.frames, path);

@@ -16,8 +16,7 @@ namespace deepslam::dataset {
 
 struct Capture {
   std::unique_ptr<FrameSource> frames;
-  std::shared_ptr<const StoredFrames> stored;  // all that is there
-  std::shared_ptr<const StoredFrames> taken;   // what the frames are made from: all, or every n-th
+  std::shared_ptr<const StoredFrames> stored;  // what the frames are made from
   std::shared_ptr<const ReadFaults> faults;    // of the machine, met while frames were read
   std::filesystem::path path;                  // as the user named it
   std::string name;                            // the folder's or file's own name, without its path
@@ -35,6 +34,10 @@ struct Capture {
 // Opens a capture. Frames are read later, one at a time; here every file is read once for the hash,
 // and a few frames are decoded so that a capture of which nothing can be used is refused now.
 // Errors name file, line, field and remedy.
-Result<Capture> OpenCapture(const std::filesystem::path& path);
+//
+// Of more frames than capture.yaml's max_frames every n-th is taken, which a warning tells; or all.
+enum class FramesTaken { kAtMostMaxFrames, kAll };
+Result<Capture> OpenCapture(const std::filesystem::path& path,
+                            FramesTaken taken = FramesTaken::kAtMostMaxFrames);
 
 }  // namespace deepslam::dataset

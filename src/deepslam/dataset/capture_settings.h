@@ -6,7 +6,7 @@
 //   depth_camera: {width: ..., fx: ...}                # px; where depth is not registered to
 //   colour colour_from_depth: {translation_m: [x, y, z], rotation_xyzw: [x, y, z, w]}
 //   min_confidence: 1                                  # least confidence of depth that is kept
-//   max_frames: 200000                                 # of more, every second (third ...) is taken
+//   max_frames: 120000                                 # of more, every second (third ...) is taken
 // With `camera` and without `depth_camera`, depth is taken for registered to colour.
 #pragma once
 
@@ -29,7 +29,7 @@ inline constexpr std::array<std::string_view, 7> kFormats = {
 
 // Frames that are taken where nothing is stated: what is known of each of them takes memory, and
 // two hours at 30 frames/s are as well tracked at 15.
-inline constexpr int kMaxFrames = 200'000;
+inline constexpr int kMaxFrames = 120'000;
 
 struct CaptureSettings {
   std::string format = "tum";    // empty: not stated

@@ -67,6 +67,11 @@ class FileFrames final : public StoredFrames {
     return ReadDepthFile(folder_ / depth_files_[i], camera.width, camera.height);
   }
 
+  [[nodiscard]] std::shared_ptr<const StoredFrames> Every(std::size_t step) const override {
+    return std::make_shared<FileFrames>(
+        folder_, cameras(), EveryOf(frames(), step), EveryOf(depth_files_, step));
+  }
+
  private:
   fs::path folder_;
   std::vector<std::string> depth_files_;

@@ -87,6 +87,14 @@ class SensFrames final : public StoredFrames {
     return depth;
   }
 
+  [[nodiscard]] std::shared_ptr<const StoredFrames> Every(std::size_t step) const override {
+    return std::make_shared<SensFrames>(
+        file_,
+        cameras(),
+        EveryOf(frames(), step),
+        SensIndex{index_.header, EveryOf(index_.frames, step), index_.num_motions});
+  }
+
  private:
   fs::path file_;
   SensIndex index_;

@@ -49,6 +49,15 @@ struct StoredColour {
   std::string name;    // file, for messages
 };
 
+// Every `step`-th of a list, from the first on.
+template <typename T>
+[[nodiscard]] std::vector<T> EveryOf(const std::vector<T>& all, std::size_t step) {
+  std::vector<T> some;
+  some.reserve((all.size() + step - 1) / step);
+  for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
+  return some;
+}
+
 class StoredFrames {
  public:
   StoredFrames(const CaptureCameras& cameras, std::vector<StoredFrame> frames)
@@ -64,15 +73,13 @@ class StoredFrames {
   [[nodiscard]] virtual Result<StoredColour> ReadColour(std::size_t i) const = 0;
   // Of the depth camera's size.
   [[nodiscard]] virtual Result<RawDepthImage> ReadDepth(std::size_t i) const = 0;
+  // Every `step`-th of them, from the first on; nothing is held of the others.
+  [[nodiscard]] virtual std::shared_ptr<const StoredFrames> Every(std::size_t step) const = 0;
 
  private:
   CaptureCameras cameras_;
   std::vector<StoredFrame> frames_;
 };
-
-// Every `step`-th of the frames, from the first on.
-[[nodiscard]] std::shared_ptr<const StoredFrames> EveryNth(std::shared_ptr<const StoredFrames> all,
-                                                           std::size_t step);
 
 // The pixels, of the camera's size.
 [[nodiscard]] Result<ColourImage> DecodeStored(StoredColour stored, const PinholeCamera& camera);

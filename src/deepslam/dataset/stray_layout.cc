@@ -195,7 +195,7 @@ class StrayFrames final : public StoredFrames {
               const CaptureCameras& cameras,
               std::vector<StoredFrame> frames,
               std::vector<Files> files,
-              std::unique_ptr<VideoFile> video,
+              std::shared_ptr<VideoFile> video,
               int min_confidence)
       : StoredFrames(cameras, std::move(frames)),
         folder_(std::move(folder)),
@@ -240,10 +240,19 @@ class StrayFrames final : public StoredFrames {
     return depth;
   }
 
+  [[nodiscard]] std::shared_ptr<const StoredFrames> Every(std::size_t step) const override {
+    return std::make_shared<StrayFrames>(folder_,
+                                         cameras(),
+                                         EveryOf(frames(), step),
+                                         EveryOf(files_, step),
+                                         video_,
+                                         min_confidence_);
+  }
+
  private:
   fs::path folder_;
   std::vector<Files> files_;
-  std::unique_ptr<VideoFile> video_;
+  std::shared_ptr<VideoFile> video_;
   int min_confidence_;
 };
 
@@ -396,7 +405,7 @@ Result<OpenedLayout> OpenStray(const LayoutSource& source) {
   if (!listed) return listed.error();
   const Result<ImageSize> depth_size = FirstSize(folder, listed->files, &StrayFrames::Files::depth);
   if (!depth_size) return depth_size.error();
-  std::unique_ptr<VideoFile> video;
+  std::shared_ptr<VideoFile> video;
   ImageSize colour_size;
   std::optional<std::string> video_digest;
   if (has_video) {

@@ -65,7 +65,7 @@ std::vector<FrameIdx> FramesToLookAt(const Trajectory& trajectory,
 std::vector<artifact::DetectedImage> AllImages(const dataset::Capture& capture) {
   const PinholeCamera& camera = capture.frames->camera();
   std::vector<artifact::DetectedImage> images;
-  for (const dataset::StoredFrame& frame : capture.taken->frames()) {
+  for (const dataset::StoredFrame& frame : capture.stored->frames()) {
     const FrameIdx idx{static_cast<int>(images.size())};
     images.push_back({idx, frame.colour_name, camera.width, camera.height});
   }
@@ -86,10 +86,12 @@ Result<artifact::CocoDetections> ReadFileDetections(
     std::span<const artifact::DetectedImage> images) {
   const DetectStageOptions& options = inputs.config.detect_stage;
   if (options.source != "file") return artifact::CocoDetections();
-  const Result<std::string> text = artifact::ReadFile(options.file);
-  if (!text.ok()) return text.error();
-  Result<artifact::CocoDetections> coco = artifact::ReadCocoFile(
-      *text, options.file, images, inputs.classes, ColourSize(*inputs.capture));
+  Result<artifact::CocoDetections> coco =
+      artifact::ReadCocoFile([&] { return artifact::OpenText(options.file); },
+                             options.file,
+                             images,
+                             inputs.classes,
+                             ColourSize(*inputs.capture));
   if (!coco.ok()) return coco.error();
   for (const std::string& warning : coco->warnings) {
     context.progress().Warn(fmt::format("{}: {}", options.file, warning));

@@ -173,8 +173,9 @@ std::vector<const Segment*> SegmentsOf(const MapObject& object, std::span<const 
 }
 
 // At most `count` of them, evenly.
-std::vector<const Segment*> Spread(const std::vector<const Segment*>& all, int max_count) {
-  std::vector<const Segment*> some;
+template <typename T>
+std::vector<T> Spread(const std::vector<T>& all, int max_count) {
+  std::vector<T> some;
   const std::size_t count = std::min(all.size(), static_cast<std::size_t>(max_count));
   for (std::size_t n = 0; n < count; ++n)
     some.push_back(all[(2 * n + 1) * all.size() / (2 * count)]);
@@ -372,11 +373,23 @@ report::Picture Thumbnail(const shape::ShapeModel& model, Rgb8 colour) {
   return made.empty() ? report::Picture{} : std::move(made.front());
 }
 
-std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
+std::vector<FrameIdx> FramesToPicture(std::span<const Segment> segments,
+                                      const OptimizedMap& map,
+                                      const std::set<FrameIdx>& shown) {
+  std::set<FrameIdx> segmented;
+  for (const Segment& segment : segments) segmented.insert(segment.frame);
+  std::vector<FrameIdx> all;
+  std::ranges::copy_if(map.keyframes, std::back_inserter(all), [&](FrameIdx keyframe) {
+    return segmented.contains(keyframe) && shown.contains(keyframe);
+  });
+  return Spread(all, kMaxFramePictures);
+}
+
+std::vector<report::Picture> FramePictures(std::span<const FrameIdx> wanted,
+                                           std::span<const Segment> segments,
                                            std::span<const ObjectTrack> tracks,
                                            const OptimizedMap& map,
-                                           const FrameSource& frames,
-                                           const std::set<FrameIdx>& shown) {
+                                           const FrameSource& frames) {
   std::map<DetectionId, ObjectId> object_of;
   for (const ObjectTrack& track : tracks) {
     for (const TrackMember& member : track.members) object_of[member.detection] = track.id;
@@ -396,15 +409,8 @@ std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
     }
     return overlay;
   };
-  std::vector<FrameIdx> with_detections;
-  for (const FrameIdx keyframe : map.keyframes) {
-    if (in_frame.contains(keyframe) && shown.contains(keyframe))
-      with_detections.push_back(keyframe);
-  }
   std::vector<report::Picture> pictures;
-  const std::size_t count = std::min<std::size_t>(with_detections.size(), kMaxFramePictures);
-  for (std::size_t n = 0; n < count; ++n) {
-    const FrameIdx keyframe = with_detections[(2 * n + 1) * with_detections.size() / (2 * count)];
+  for (const FrameIdx keyframe : wanted) {
     const Result<Frame> frame = frames.ReadColour(keyframe);
     if (!frame.ok()) continue;
     const QuarterTurn upright = UprightTurnIn(map, keyframe);

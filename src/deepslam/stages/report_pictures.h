@@ -70,11 +70,15 @@ struct PictureLimits {
 // A model by itself, seen from front left above, on white. No bytes when it is empty.
 [[nodiscard]] report::Picture Thumbnail(const shape::ShapeModel& model, Rgb8 colour);
 
-// Up to six keyframes of `shown` with detections and segments; those of one object share a colour.
-[[nodiscard]] std::vector<report::Picture> FramePictures(std::span<const Segment> segments,
+// Up to six keyframes of `shown` with segments, evenly among them.
+[[nodiscard]] std::vector<FrameIdx> FramesToPicture(std::span<const Segment> segments,
+                                                    const OptimizedMap& map,
+                                                    const std::set<FrameIdx>& shown);
+// These frames with their segments; those of one object share a colour.
+[[nodiscard]] std::vector<report::Picture> FramePictures(std::span<const FrameIdx> wanted,
+                                                         std::span<const Segment> segments,
                                                          std::span<const ObjectTrack> tracks,
                                                          const OptimizedMap& map,
-                                                         const FrameSource& frames,
-                                                         const std::set<FrameIdx>& shown);
+                                                         const FrameSource& frames);
 
 }  // namespace deepslam::stages

@@ -246,7 +246,7 @@ struct Sources {
   Ground ground;
   Loops loops;
   artifact::DetectionTable detections;
-  std::vector<Segment> segments;
+  std::vector<Segment> segments;  // without masks
   Association association;
   Proposals proposals;
   OptimizedMap map;
@@ -269,7 +269,7 @@ Result<Sources> ReadSources(const StageContext& context) {
     return Ok();
   };
   const std::vector<std::function<Status()>> readers = {
-      [&] { return Take(ReadSegments(context), sources.segments); },
+      [&] { return Take(ReadSegmentsWithoutMasks(context), sources.segments); },
       [&] { return Take(ReadCandidates(context, "loops"), sources.proposals); },
       [&] { return Take(ReadOptimized(context), sources.map); },
       [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
@@ -296,10 +296,24 @@ TriangleMesh RoomWithout(std::span<const PicturedObject> pictured, const Triangl
   return RoomBeside(room, objects, meshes, std::nullopt);
 }
 
+// The detections whose pixels the page shows: of objects' views, and of these frames.
+std::set<DetectionId> Pictured(const Sources& sources, std::span<const FrameIdx> frames) {
+  std::set<DetectionId> pictured;
+  for (const MapObject& object : sources.map.map.objects) {
+    for (const ViewRegistration& view : object.views) pictured.insert(view.view);
+  }
+  for (const Segment& segment : sources.segments) {
+    if (std::ranges::find(frames, segment.frame) != frames.end())
+      pictured.insert(segment.detection);
+  }
+  return pictured;
+}
+
 // Rows of all objects; false when the user asked to stop.
 bool AddObjects(const StageContext& context,
                 const RunInputs& inputs,
                 const Sources& sources,
+                std::span<const Segment> segments,
                 std::span<const PicturedObject> pictured,
                 const FrameSource& frames,
                 const std::set<FrameIdx>& shown,
@@ -316,10 +330,9 @@ bool AddObjects(const StageContext& context,
     const PicturedObject& object = pictured[n];
     report::ObjectRow& row = content.objects[n];
     row = MakeRow(object, by_id);
-    row.pictures =
-        ObjectPictures(object, sources.segments, sources.map, frames, shown, limits.crops);
-    row.measured_world = MeasuredPoints(
-        *object.object, sources.segments, sources.map, frames, limits.points_per_view);
+    row.pictures = ObjectPictures(object, segments, sources.map, frames, shown, limits.crops);
+    row.measured_world =
+        MeasuredPoints(*object.object, segments, sources.map, frames, limits.points_per_view);
     AddThumbnails(context, inputs, object, by_id, limits.thumbnails, row.candidates);
   });
   return !stopped;
@@ -347,7 +360,12 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   report::Picture thumbnail;
   const std::vector<PicturedObject> pictured =
       ReadPictured(context, sources->map.map, inputs.classes);
-  if (!AddObjects(context, inputs, *sources, pictured, frames, shown, content))
+  const std::vector<FrameIdx> with_segments =
+      FramesToPicture(sources->segments, sources->map, shown);
+  const Result<std::vector<Segment>> segments =
+      ReadSegmentsOf(context, Pictured(*sources, with_segments));
+  if (!segments.ok()) return segments.error();
+  if (!AddObjects(context, inputs, *sources, *segments, pictured, frames, shown, content))
     return Interrupted();
   const std::array<std::function<void()>, 4> pictures = {
       [&] {
@@ -356,7 +374,7 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
       },
       [&] {
         content.frame_pictures = FramePictures(
-            sources->segments, sources->association.tracks, sources->map, frames, shown);
+            with_segments, *segments, sources->association.tracks, sources->map, frames);
       },
       [&] { content.scene_pictures = ScenePictures(pictured, sources->map); },
       [&] { thumbnail = SceneThumbnail(pictured, sources->room, sources->map); }};

@@ -65,8 +65,7 @@ Result<PlannedViews> PlanViews(const StageContext& context,
                                const Trajectory& trajectory,
                                std::span<const ObjectTrack> tracks,
                                const observe::ViewOptions& options) {
-  const Result<std::vector<Segment>> all =
-      Decode(context, "segment", "segments.json", artifact::DecodeSegmentsWithoutMasks);
+  const Result<std::vector<Segment>> all = ReadSegmentsWithoutMasks(context);
   if (!all.ok()) return all.error();
   PlannedViews views{{}, observe::PlanObjectViews(trajectory, *all, tracks, options)};
   std::set<DetectionId> wanted;
@@ -117,6 +116,10 @@ Result<artifact::DetectionTable> ReadDetections(const StageContext& context) {
 
 Result<std::vector<Segment>> ReadSegments(const StageContext& context) {
   return Decode(context, "segment", "segments.json", artifact::DecodeSegments);
+}
+
+Result<std::vector<Segment>> ReadSegmentsWithoutMasks(const StageContext& context) {
+  return Decode(context, "segment", "segments.json", artifact::DecodeSegmentsWithoutMasks);
 }
 
 Result<std::vector<Segment>> ReadSegmentsOf(const StageContext& context,

@@ -44,6 +44,8 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 [[nodiscard]] Result<artifact::DetectionTable> ReadDetections(
     const pipeline::StageContext& context);
 [[nodiscard]] Result<std::vector<Segment>> ReadSegments(const pipeline::StageContext& context);
+[[nodiscard]] Result<std::vector<Segment>> ReadSegmentsWithoutMasks(
+    const pipeline::StageContext& context);
 // Those of these detections alone.
 [[nodiscard]] Result<std::vector<Segment>> ReadSegmentsOf(const pipeline::StageContext& context,
                                                           const std::set<DetectionId>& wanted);
