@@ -50,8 +50,8 @@ struct OdometryTexts {
   TextSource frames_json;
   TextSource tum;
   TextSource g2o;
-  std::string name;  // of frames.json, for messages
-  std::string g2o_name;
+  std::string_view name;  // of frames.json, for messages
+  std::string_view g2o_name;
 };
 [[nodiscard]] Result<Trajectory> DecodeOdometry(OdometryTexts texts, const EdgeSink& take);
 

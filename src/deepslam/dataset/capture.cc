@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/freed_memory.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/dataset/capture_frame_source.h"
@@ -162,6 +163,7 @@ Result<Capture> OpenCapture(const fs::path& path, FramesTaken taken) {
   capture.has_poses = std::ranges::any_of(capture.stored->frames(), [](const auto& frame) {
     return frame.world_from_colour.has_value();
   });
+  ReturnFreedMemory(kMostHeldBytes);  // of long lists
   const Status usable = Probe(*capture.frames, path);
   if (usable) capture.doubts = AllDoubts(capture);
   std::ranges::copy(capture.doubts, std::back_inserter(capture.warnings));

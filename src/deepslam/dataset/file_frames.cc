@@ -136,8 +136,7 @@ Result<std::string> HashFiles(std::string_view tag,
   Sha256 hash;
   hash.Update(fmt::format("{} 1\n", tag));
   for (const NamedText& text : texts) {
-    hash.Update(
-        fmt::format("{} {}\n", text.name, text.content ? Sha256Hex(*text.content) : "none"));
+    hash.Update(fmt::format("{} {}\n", text.name, text.digest));
   }
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairsHashedAtOnce) {
     const auto some =

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/core/sha256.h"
 #include "deepslam/dataset/stored_frames.h"
 #include "deepslam/dataset/tum_lists.h"
 
@@ -26,10 +27,14 @@ Status CheckFilesExist(const std::filesystem::path& folder,
                        const std::vector<ImagePair>& pairs,
                        std::vector<std::string>& warnings);
 
-// A text that belongs to the capture: part of its hash. No content: the file does not exist.
+// A text that belongs to the capture: part of its hash. No content: the file does not exist. It is
+// not held: lists and poses of a long capture are a hundred megabytes.
 struct NamedText {
+  NamedText(std::string_view text_name, const std::optional<std::string>& content)
+      : name(text_name), digest(content ? Sha256Hex(*content) : "none") {}
+
   std::string_view name;
-  std::optional<std::string> content;
+  std::string digest;
 };
 
 // SHA-256 over the texts and over times, names and contents of all images, in order. `tag` tells

@@ -20,28 +20,36 @@ std::string Shown(std::string_view text) {
   return shown;
 }
 
-std::vector<TextLine> SplitLines(std::string_view text) {
+LineReader::LineReader(std::string_view text) : left_(text) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  std::vector<TextLine> lines;
-  int number = 0;
-  while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    ++number;
-    TextLine split{number, {}};
+  if (left_.starts_with(kByteOrderMark)) left_.remove_prefix(kByteOrderMark.size());
+}
+
+const TextLine* LineReader::Next() {
+  while (!left_.empty()) {
+    const std::size_t end = left_.find('\n');
+    std::string_view line = left_.substr(0, end);
+    left_.remove_prefix(end == std::string_view::npos ? left_.size() : end + 1);
+    ++line_.number;
+    line_.fields.clear();
     constexpr std::string_view kBlank = " \t\r,";
     while (true) {
       const std::size_t begin = line.find_first_not_of(kBlank);
       if (begin == std::string_view::npos) break;
       line.remove_prefix(begin);
       const std::size_t length = std::min(line.find_first_of(kBlank), line.size());
-      split.fields.push_back(line.substr(0, length));
+      line_.fields.push_back(line.substr(0, length));
       line.remove_prefix(length);
     }
-    if (!split.fields.empty() && !split.fields.front().starts_with('#')) lines.push_back(split);
+    if (!line_.fields.empty() && !line_.fields.front().starts_with('#')) return &line_;
   }
+  return nullptr;
+}
+
+std::vector<TextLine> SplitLines(std::string_view text) {
+  std::vector<TextLine> lines;
+  LineReader reader(text);
+  while (const TextLine* const line = reader.Next()) lines.push_back(*line);
   return lines;
 }
 

@@ -18,7 +18,19 @@ struct TextLine {
 };
 
 // The lines that carry something, fields separated by blanks, tabs or commas; empty lines and those
-// that begin with '#' are left out, a byte order mark is skipped. `text` must outlive the result.
+// that begin with '#' are left out, a byte order mark is skipped. `text` must outlive this.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text);
+
+  // The next one, which lasts until the one after it is asked for; null at the end.
+  [[nodiscard]] const TextLine* Next();
+
+ private:
+  std::string_view left_;
+  TextLine line_;
+};
+// All of them, of short texts.
 [[nodiscard]] std::vector<TextLine> SplitLines(std::string_view text);
 
 // The beginning of a text without control characters, for messages.

@@ -127,6 +127,26 @@ Result<PinholeCamera> ReadCalibration(const fs::path& folder, const std::vector<
   return camera;
 }
 
+// Of each pair; its text joins `texts`. No poses where the file does not exist.
+Result<std::vector<std::optional<Pose3>>> ReadPoses(const fs::path& file,
+                                                    const std::vector<ImagePair>& pairs,
+                                                    std::vector<NamedText>& texts,
+                                                    std::vector<std::string>& warnings) {
+  const Result<std::optional<std::string>> text = ReadOptional(file);
+  if (!text) return text.error();
+  texts.emplace_back(kPosesName, *text);
+  if (!*text) return std::vector<std::optional<Pose3>>(pairs.size());
+  const Result<std::vector<TimedPose>> poses = ParsePoses(**text, file, warnings);
+  if (!poses) return poses.error();
+  if (NumStretches(*poses) != NumStretches(pairs) && !poses->empty()) {
+    warnings.push_back(
+        fmt::format("{}: its times do not fall back where those of the images do; frames whose "
+                    "time stands for several moments have no pose",
+                    file.string()));
+  }
+  return PosesAt(*poses, pairs);
+}
+
 Result<OpenedLayout> OpenLists(const LayoutSource& source,
                                std::string_view tag,
                                std::vector<NamedText> texts,
@@ -134,27 +154,14 @@ Result<OpenedLayout> OpenLists(const LayoutSource& source,
                                const CaptureCameras& cameras,
                                std::vector<std::string> warnings) {
   const fs::path& folder = source.path;
-  const Result<std::optional<std::string>> poses_text = ReadOptional(folder / kPosesName);
-  if (!poses_text) return poses_text.error();
   const Status files_exist = CheckFilesExist(folder, pairs, warnings);
   if (!files_exist) return files_exist.error();
-  std::vector<std::optional<Pose3>> world_from_colour(pairs.size());
-  if (*poses_text) {
-    const Result<std::vector<TimedPose>> poses =
-        ParsePoses(**poses_text, folder / kPosesName, warnings);
-    if (!poses) return poses.error();
-    world_from_colour = PosesAt(*poses, pairs);
-    if (NumStretches(*poses) != NumStretches(pairs) && !poses->empty()) {
-      warnings.push_back(
-          fmt::format("{}: its times do not fall back where those of the images do; frames whose "
-                      "time stands for several moments have no pose",
-                      (folder / kPosesName).string()));
-    }
-  }
-  texts.push_back({kPosesName, *poses_text});
+  const Result<std::vector<std::optional<Pose3>>> world_from_colour =
+      ReadPoses(folder / kPosesName, pairs, texts, warnings);
+  if (!world_from_colour) return world_from_colour.error();
   Result<std::string> hash = HashFiles(tag, texts, folder, pairs);
   if (!hash) return hash.error();
-  return OpenedLayout{MakeFileFrames(folder, cameras, std::move(pairs), world_from_colour),
+  return OpenedLayout{MakeFileFrames(folder, cameras, std::move(pairs), *world_from_colour),
                       *std::move(hash),
                       std::move(warnings)};
 }

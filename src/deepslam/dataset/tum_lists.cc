@@ -157,6 +157,12 @@ Error EmptyList(const std::filesystem::path& list) {
   return InvalidInput(fmt::format("{}: lists no images; a line reads 'time file'", list.string()));
 }
 
+// Of at least so many bytes each.
+std::size_t MostLines(const std::string& text, std::size_t least_bytes) {
+  const auto num_ends = static_cast<std::size_t>(std::ranges::count(text, '\n'));
+  return std::min(num_ends, text.size() / least_bytes) + 1;
+}
+
 // Index of the entry nearest to a time in an ascending list (the earlier one when two are equally
 // near).
 std::size_t Nearest(std::span<const TimedFile> entries, double time_s) {
@@ -176,7 +182,10 @@ Result<std::vector<TimedFile>> ParseFileList(const std::string& text,
                                              const std::filesystem::path& list,
                                              std::vector<std::string>& warnings) {
   std::vector<TimedFile> entries;
-  for (const TextLine& line : SplitLines(text)) {
+  entries.reserve(MostLines(text, 4));
+  LineReader lines(text);
+  while (const TextLine* const next = lines.Next()) {
+    const TextLine& line = *next;
     const Status count = CheckFieldCount(list, line, 2, "time file");
     if (!count) return count.error();
     Result<TimedFile> entry = ParseTimedFile(list, line, 0);
@@ -192,7 +201,10 @@ Result<std::vector<ImagePair>> ParseAssociations(const std::string& text,
                                                  const std::filesystem::path& list,
                                                  std::vector<std::string>& warnings) {
   std::vector<ImagePair> pairs;
-  for (const TextLine& line : SplitLines(text)) {
+  pairs.reserve(MostLines(text, 8));
+  LineReader lines(text);
+  while (const TextLine* const next = lines.Next()) {
+    const TextLine& line = *next;
     const Status count = CheckFieldCount(list, line, 4, "time rgb-file time depth-file");
     if (!count) return count.error();
     Result<TimedFile> first = ParseTimedFile(list, line, 0);
@@ -214,9 +226,12 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
                                           const std::filesystem::path& list,
                                           std::vector<std::string>& warnings) {
   std::vector<TimedPose> poses;
+  poses.reserve(MostLines(text, 16));
   int num_unusable = 0;
   int first_unusable = 0;
-  for (const TextLine& line : SplitLines(text)) {
+  LineReader lines(text);
+  while (const TextLine* const next = lines.Next()) {
+    const TextLine& line = *next;
     const Status count = CheckFieldCount(list, line, 8, "time tx ty tz qx qy qz qw");
     if (!count) return count.error();
     const Result<double> time_s = ParseTime(list, line.number, line.fields[0]);
