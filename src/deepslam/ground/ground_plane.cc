@@ -30,7 +30,10 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr std::size_t kBatchKeyframes = 16;
-constexpr std::size_t kSamplePoints = 400;
+// Of each keyframe, of long paths fewer: 12 bytes each, and 24 MB are enough.
+constexpr std::size_t kMostSamplePoints = 400;
+constexpr std::size_t kLeastSamplePoints = 20;
+constexpr std::size_t kAllSamplePoints = 2'000'000;
 // Keyframes on either side whose samples say what lies below a plane found again; tracking drifts
 // by little between them.
 constexpr std::size_t kKeyframesAbout = 10;
@@ -100,7 +103,10 @@ class GroundSearch {
         options_(options),
         done_(done),
         progress_(progress),
-        keyframes_(std::move(keyframes)) {}
+        keyframes_(std::move(keyframes)),
+        num_samples_(std::clamp(kAllSamplePoints / std::max<std::size_t>(1, keyframes_.size()),
+                                kLeastSamplePoints,
+                                kMostSamplePoints)) {}
 
   Result<Ground> Run() {
     if (!FindSightings()) return Interrupted();
@@ -154,7 +160,8 @@ class GroundSearch {
                        candidate.plane_camera.d_m,
                        candidate.share});
     }
-    const std::size_t step = std::max<std::size_t>(1, points.points.size() / kSamplePoints);
+    const std::size_t step = std::max<std::size_t>(1, points.points.size() / num_samples_);
+    samples_[k].points_world.reserve((points.points.size() + step - 1) / step);
     for (std::size_t n = 0; n < points.points.size(); n += step) {
       const Eigen::Vector3d p_world = world_from_camera * points.points[n].p_camera.cast<double>();
       samples_[k].points_world.push_back(p_world.cast<float>());
@@ -290,6 +297,7 @@ class GroundSearch {
   Done done_;
   Progress& progress_;
   std::vector<TrackedFrame> keyframes_;
+  const std::size_t num_samples_;  // of a keyframe
   std::vector<PlaneSighting> sightings_;
   std::vector<KeyframeSample> samples_;
   std::vector<std::optional<GroundObservation>> observations_;

@@ -20,11 +20,16 @@ constexpr double kMinSingleShare = 0.08;
 // ground.
 constexpr double kMaxShareBelow = 0.15;
 
+// Of long paths an even share of the sightings are directions to vote on; all vote.
+constexpr std::size_t kMostSeeds = 4000;
+
 // The direction most plane area agrees on: floor, table tops and shelves all vote for it.
 std::optional<Eigen::Vector3d> VerticalDirection(std::span<const PlaneSighting> sightings) {
   std::optional<Eigen::Vector3d> best;
   double best_votes = 0;
-  for (const PlaneSighting& seed : sightings) {
+  const std::size_t step = (sightings.size() + kMostSeeds - 1) / kMostSeeds;
+  for (std::size_t n = 0; n < sightings.size(); n += step) {
+    const PlaneSighting& seed = sightings[n];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double votes = 0;
     for (const PlaneSighting& other : sightings) {
@@ -51,36 +56,70 @@ struct Level {
   }
 };
 
+// Sightings by their height, and how much of the frames those up to each of them hold.
+class ByHeight {
+ public:
+  ByHeight(std::span<const double> heights_m,
+           std::span<const double> shares,
+           std::vector<std::size_t> sightings)
+      : heights_m_(heights_m), sorted_(std::move(sightings)) {
+    std::ranges::stable_sort(sorted_, {}, [&](std::size_t k) { return heights_m_[k]; });
+    for (const std::size_t k : sorted_) until_.push_back(until_.back() + shares[k]);
+  }
+
+  // Of those within `reach_m` of a height.
+  [[nodiscard]] double Total(double height_m, double reach_m) const {
+    const auto height = [&](std::size_t k) { return heights_m_[k]; };
+    const auto first = std::ranges::partition_point(
+        sorted_, [&](std::size_t k) { return height_m - height(k) > reach_m; });
+    const auto end = std::ranges::partition_point(
+        first, sorted_.end(), [&](std::size_t k) { return height(k) - height_m <= reach_m; });
+    return until_[static_cast<std::size_t>(end - sorted_.begin())] -
+           until_[static_cast<std::size_t>(first - sorted_.begin())];
+  }
+
+ private:
+  std::span<const double> heights_m_;
+  std::vector<std::size_t> sorted_;
+  std::vector<double> until_ = {0};
+};
+
 // Greedy: the height with the most support first, then what is left.
 std::vector<Level> FindLevels(std::span<const PlaneSighting> sightings,
                               const Eigen::Vector3d& up,
                               double separation_m) {
+  std::vector<double> heights_m;
+  std::vector<double> shares;
   std::vector<std::size_t> left;
   for (std::size_t k = 0; k < sightings.size(); ++k) {
+    heights_m.push_back(up.dot(sightings[k].centroid_world));
+    shares.push_back(sightings[k].share);
     if (sightings[k].plane_world.normal.dot(up) >= kSameDirectionCosine) left.push_back(k);
   }
-  const auto height = [&](std::size_t k) { return up.dot(sightings[k].centroid_world); };
+  const double reach_m = 0.5 * separation_m;
   std::vector<Level> levels;
   while (!left.empty()) {
-    Level best;
+    const ByHeight by_height(heights_m, shares, left);
+    std::size_t best = left.front();
     double best_total = -1;
     for (const std::size_t seed : left) {
-      Level level;
-      level.height_m = height(seed);
-      for (const std::size_t k : left) {
-        if (std::abs(height(k) - level.height_m) > 0.5 * separation_m) continue;
-        level.members.push_back(k);
-        level.share_of_keyframe[sightings[k].keyframe] += sightings[k].share;
-      }
-      if (level.total() > best_total) {
-        best_total = level.total();
-        best = level;
-      }
+      const double total = by_height.Total(heights_m[seed], reach_m);
+      if (total <= best_total) continue;
+      best_total = total;
+      best = seed;
     }
-    std::erase_if(left, [&](std::size_t k) {
-      return std::ranges::find(best.members, k) != best.members.end();
-    });
-    levels.push_back(std::move(best));
+    Level level;
+    level.height_m = heights_m[best];
+    const auto belongs = [&](std::size_t k) {
+      return std::abs(heights_m[k] - level.height_m) <= reach_m;
+    };
+    for (const std::size_t k : left) {
+      if (!belongs(k)) continue;
+      level.members.push_back(k);
+      level.share_of_keyframe[sightings[k].keyframe] += sightings[k].share;
+    }
+    std::erase_if(left, belongs);
+    levels.push_back(std::move(level));
   }
   return levels;
 }

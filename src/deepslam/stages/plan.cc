@@ -140,7 +140,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   };
   // Versions rise whenever results may differ with equal options.
   add("track", 16, {}, {"track", "track.covisible"}, kFrames, RunTrack);
-  add("ground", 5, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
+  add("ground", 6, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       6,
       {"track", "ground"},
