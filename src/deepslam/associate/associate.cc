@@ -24,9 +24,9 @@ namespace {
 constexpr std::size_t kLooksAhead = 8;  // frames whose depth is held, 1 MB each
 
 // Largest share of the image's sides that a segment's box spans.
-double Span(const Segment& segment) {
-  return std::max(segment.box_px.width_px() / std::max(1, segment.mask.width()),
-                  segment.box_px.height_px() / std::max(1, segment.mask.height()));
+double Span(const Segment& segment, const PinholeCamera& camera) {
+  return std::max(segment.box_px.width_px() / camera.width,
+                  segment.box_px.height_px() / camera.height);
 }
 
 // What a frame's segments measured: found ahead of the matching, which goes frame by frame.
@@ -44,20 +44,19 @@ struct FrameLook {
 FrameLook LookAt(const FrameSource& frames,
                  FrameIdx frame,
                  const Pose3& world_from_camera,
-                 std::span<const Segment* const> segments,
+                 std::span<Segment* const> segments,
                  const AssociateOptions& options) {
   FrameLook look{frames.ReadDepth(frame), {}};
   look.measured.resize(segments.size());
   if (!look.frame.ok()) return look;
   const DepthImage& depth_m = look.frame->depth_m;
   for (std::size_t n = 0; n < segments.size(); ++n) {
-    const Segment& segment = *segments[n];
+    const PixelMask mask = std::exchange(segments[n]->mask, {});  // nobody asks for it again
     FrameLook::Measured& measured = look.measured[n];
-    measured.fits =
-        segment.mask.width() == depth_m.width() && segment.mask.height() == depth_m.height();
-    if (!segment.usable || !measured.fits) continue;
+    measured.fits = mask.width() == depth_m.width() && mask.height() == depth_m.height();
+    if (!segments[n]->usable || !measured.fits) continue;
     measured.points_world = MaskPoints(
-        segment.mask.Unpacked(), depth_m, frames.camera(), world_from_camera, options.max_points);
+        mask.Unpacked(), depth_m, frames.camera(), world_from_camera, options.max_points);
     measured.cloud_world = PointCloud(measured.points_world);
   }
   return look;
@@ -72,11 +71,11 @@ class Matcher {
           int& num_started)
       : camera_(camera), trajectory_(trajectory), options_(options), num_started_(num_started) {}
 
-  void AddFrame(FrameIdx frame, std::span<const Segment* const> segments, FrameLook look);
+  void AddFrame(FrameIdx frame, std::span<Segment* const> segments, FrameLook look);
   void Finish(Association& association);
 
  private:
-  std::vector<int> MakeObservations(std::span<const Segment* const> segments,
+  std::vector<int> MakeObservations(std::span<Segment* const> segments,
                                     std::vector<FrameLook::Measured> measured);
   void Take(const Match& match, const std::string& how);
   void Add(ObjectHypothesis& object, int observation, TrackMember member);
@@ -129,7 +128,7 @@ void Matcher::Retire(std::span<const int> voters) {
   }
 }
 
-std::vector<int> Matcher::MakeObservations(std::span<const Segment* const> segments,
+std::vector<int> Matcher::MakeObservations(std::span<Segment* const> segments,
                                            std::vector<FrameLook::Measured> measured) {
   std::vector<int> current;
   for (std::size_t n = 0; n < segments.size(); ++n) {
@@ -171,7 +170,7 @@ void Matcher::StartObjects(std::span<const int> unmatched) {
   }
 }
 
-void Matcher::AddFrame(FrameIdx frame, std::span<const Segment* const> segments, FrameLook look) {
+void Matcher::AddFrame(FrameIdx frame, std::span<Segment* const> segments, FrameLook look) {
   if (!look.frame.ok()) {
     for (const Segment* segment : segments) Reject(*segment, "frame cannot be read");
     return;
@@ -243,7 +242,7 @@ void Matcher::StartObjectsAtBorder() {
   for (ObjectHypothesis& group : groups) {
     std::vector<double> spans;
     for (const int i : group.observations) {
-      spans.push_back(Span(*all_[static_cast<std::size_t>(i)].segment));
+      spans.push_back(Span(*all_[static_cast<std::size_t>(i)].segment, camera_));
     }
     const double span = Median(spans);
     const bool seen_well = static_cast<int>(spans.size()) >= options_.min_members ||
@@ -355,13 +354,13 @@ void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
 Result<Association> Associate(const FrameSource& frames,
                               const Trajectory& trajectory,
                               std::span<const int> part_of_frame,
-                              std::span<const Segment> segments,
+                              std::vector<Segment> segments,
                               const AssociateOptions& options,
                               Progress& progress) {
-  std::map<FrameIdx, std::vector<const Segment*>> segments_of;
-  for (const Segment& segment : segments) segments_of[segment.frame].push_back(&segment);
-  const std::vector<std::pair<FrameIdx, std::vector<const Segment*>>> by_frame(segments_of.begin(),
-                                                                               segments_of.end());
+  std::map<FrameIdx, std::vector<Segment*>> segments_of;
+  for (Segment& segment : segments) segments_of[segment.frame].push_back(&segment);
+  const std::vector<std::pair<FrameIdx, std::vector<Segment*>>> by_frame(segments_of.begin(),
+                                                                         segments_of.end());
   const auto is_known = [&](FrameIdx frame) {
     return frame.value >= 0 && frame.value < static_cast<int>(trajectory.frames.size());
   };

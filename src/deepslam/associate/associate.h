@@ -12,6 +12,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "deepslam/core/options.h"
 #include "deepslam/core/progress.h"
@@ -48,13 +49,14 @@ struct AssociateOptions {
 void Describe(OptionsVisitor& visitor, AssociateOptions& options);
 
 // `part_of_frame`: of each frame of the trajectory. `segments` of the whole capture in ascending
-// frames. Every detection ends in exactly one track or one rejection; one detection per object and
-// frame. Ids count from 0 in the order in which objects appear; a merged object keeps the lower id.
-// Frames whose depth cannot be read reject their detections. Errors: Interrupted only.
+// frames; masks are let go behind their frame. Every detection ends in exactly one track or one
+// rejection; one detection per object and frame. Ids count from 0 in the order in which objects
+// appear; a merged object keeps the lower id. Frames whose depth cannot be read reject their
+// detections. Errors: Interrupted only.
 [[nodiscard]] Result<Association> Associate(const FrameSource& frames,
                                             const Trajectory& trajectory,
                                             std::span<const int> part_of_frame,
-                                            std::span<const Segment> segments,
+                                            std::vector<Segment> segments,
                                             const AssociateOptions& options,
                                             Progress& progress);
 

@@ -34,12 +34,12 @@ Result<PartedTrajectory> ReadParted(const StageContext& context) {
 Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs) {
   const Result<PartedTrajectory> path = ReadParted(context);
   if (!path.ok()) return path.error();
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  Result<std::vector<Segment>> segments = ReadSegments(context);
   if (!segments.ok()) return segments.error();
   Result<Association> association = associate::Associate(*inputs.capture->frames,
                                                          path->trajectory,
                                                          path->part_of_frame,
-                                                         *segments,
+                                                         std::move(segments).value(),
                                                          inputs.config.associate,
                                                          context.progress());
   if (!association.ok()) return association.error();
