@@ -83,6 +83,17 @@ Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view na
   });
 }
 
+Status DecodeEachSegment(TextSource text,
+                         std::string_view name,
+                         const std::function<Status(Segment segment)>& take) {
+  Status taken = Ok();
+  const auto decoded =
+      DecodeRows(std::move(text), name, [&](const JsonNode& row, std::vector<Segment>&) {
+        if (taken.ok()) taken = take(ReadSegmentWithMask(row));
+      });
+  return decoded.ok() ? taken : Status(decoded.error());
+}
+
 Result<std::vector<Segment>> DecodeSegmentsWithoutMasks(TextSource text, std::string_view name) {
   return DecodeRows(std::move(text), name, [](const JsonNode& row, std::vector<Segment>& segments) {
     segments.push_back(ReadSegment(row));

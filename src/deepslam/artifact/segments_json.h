@@ -1,6 +1,7 @@
 // segments.json: the pixels of every detection that are the object, masks as COCO run lengths.
 #pragma once
 
+#include <functional>
 #include <set>
 #include <span>
 #include <string_view>
@@ -17,6 +18,11 @@ namespace deepslam::artifact {
                                     std::string_view name,
                                     const TextSink& sink);
 [[nodiscard]] Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name);
+
+// One after another, in their order; an error of `take` ends it.
+[[nodiscard]] Status DecodeEachSegment(TextSource text,
+                                       std::string_view name,
+                                       const std::function<Status(Segment segment)>& take);
 
 // Masks are most of what segments take, and most stages look at those of a few.
 [[nodiscard]] Result<std::vector<Segment>> DecodeSegmentsWithoutMasks(TextSource text,

@@ -260,8 +260,14 @@ Status ForDepthViews(const StageContext& context,
                      const LoopWorld& world,
                      std::span<const ObjectTrack> tracks,
                      const std::function<Status(std::span<TrackViews>)>& use) {
-  return ForTrackViews(
-      context, inputs, world.odometry, world.ground, tracks, observe::ViewContent::kDepth, use);
+  return ForTrackViews(context,
+                       inputs,
+                       *world.segments,
+                       world.odometry,
+                       world.ground,
+                       tracks,
+                       observe::ViewContent::kDepth,
+                       use);
 }
 
 Result<VoxelGrid> ReadChosenModel(const StageContext& context,

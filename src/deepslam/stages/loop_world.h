@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <span>
 #include <vector>
@@ -25,6 +26,7 @@
 namespace deepslam::stages {
 
 struct LoopWorld {
+  std::shared_ptr<const ShelvedSegments> segments;
   Trajectory tracked;
   Odometry odometry;  // as closed so far
   Ground ground;

@@ -28,6 +28,7 @@
 #include "deepslam/stages/loop_world.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/prepared_models.h"
+#include "deepslam/stages/shelved_segments.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -70,6 +71,9 @@ Result<LoopWorld> ReadWorld(const StageContext& context,
   world.odometry.frames = closed.frames;
   world.ground = closed.ground;
   world.edges = closed.appearance.edges;
+  auto segments = ShelvedSegments::Read(context);
+  if (!segments.ok()) return segments.error();
+  world.segments = std::move(segments).value();
   MoveObjects(world.tracked, world.odometry, world.map);
   const Status judged = JudgeMovedApart(context, inputs, world.tracked, {}, world);
   if (!judged.ok()) return judged.error();

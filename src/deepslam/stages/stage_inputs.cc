@@ -25,6 +25,7 @@
 #include "deepslam/observe/object_views.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/stages/shelf_of_edges.h"
+#include "deepslam/stages/shelved_segments.h"
 
 namespace deepslam::stages {
 namespace {
@@ -61,18 +62,17 @@ struct PlannedViews {
 };
 
 // All segments are looked at for the plan, and the masks of those in it are read then.
-Result<PlannedViews> PlanViews(const StageContext& context,
+Result<PlannedViews> PlanViews(const ShelvedSegments& segments,
                                const Trajectory& trajectory,
                                std::span<const ObjectTrack> tracks,
                                const observe::ViewOptions& options) {
-  const Result<std::vector<Segment>> all = ReadSegmentsWithoutMasks(context);
-  if (!all.ok()) return all.error();
-  PlannedViews views{{}, observe::PlanObjectViews(trajectory, *all, tracks, options)};
+  PlannedViews views{
+      {}, observe::PlanObjectViews(trajectory, segments.without_masks(), tracks, options)};
   std::set<DetectionId> wanted;
   for (const auto& [object, planned] : views.plan) {
     for (const Segment* segment : planned) wanted.insert(segment->detection);
   }
-  Result<std::vector<Segment>> with_masks = ReadSegmentsOf(context, wanted);
+  Result<std::vector<Segment>> with_masks = segments.Of(wanted);
   if (!with_masks.ok()) return with_masks.error();
   views.segments = std::move(with_masks).value();
   std::map<DetectionId, const Segment*> by_detection;
@@ -288,9 +288,22 @@ Status ForTrackViews(const StageContext& context,
                      std::span<const ObjectTrack> tracks,
                      observe::ViewContent content,
                      const std::function<Status(std::span<TrackViews>)>& use) {
+  const auto segments = ShelvedSegments::Read(context);
+  if (!segments.ok()) return segments.error();
+  return ForTrackViews(context, inputs, **segments, trajectory, ground, tracks, content, use);
+}
+
+Status ForTrackViews(const StageContext& context,
+                     const RunInputs& inputs,
+                     const ShelvedSegments& segments,
+                     const Trajectory& trajectory,
+                     const Ground& ground,
+                     std::span<const ObjectTrack> tracks,
+                     observe::ViewContent content,
+                     const std::function<Status(std::span<TrackViews>)>& use) {
   const FrameSource& frames = *inputs.capture->frames;
   const observe::ViewOptions& options = inputs.config.views;
-  Result<PlannedViews> planned_views = PlanViews(context, trajectory, tracks, options);
+  Result<PlannedViews> planned_views = PlanViews(segments, trajectory, tracks, options);
   if (!planned_views.ok()) return planned_views.error();
   observe::ViewPlan& plan = planned_views->plan;
   for (std::size_t begin = 0; begin < tracks.size();) {

@@ -109,6 +109,8 @@ struct EncodedFile {
                                                const Ground& ground,
                                                const Association& association);
 
+class ShelvedSegments;
+
 struct TrackViews {
   const ObjectTrack* track = nullptr;
   std::vector<ObjectView> views;  // ascending frames; empty when none could be read
@@ -118,6 +120,16 @@ struct TrackViews {
 // of objects; every track comes once. Stops at the first error of `use` and when the user asks to.
 [[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
                                    const RunInputs& inputs,
+                                   const Trajectory& trajectory,
+                                   const Ground& ground,
+                                   std::span<const ObjectTrack> tracks,
+                                   observe::ViewContent content,
+                                   const std::function<Status(std::span<TrackViews>)>& use);
+
+// The same for who looks at views several times, without reading the segments anew.
+[[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
+                                   const RunInputs& inputs,
+                                   const ShelvedSegments& segments,
                                    const Trajectory& trajectory,
                                    const Ground& ground,
                                    std::span<const ObjectTrack> tracks,
