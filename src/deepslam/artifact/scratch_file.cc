@@ -26,6 +26,7 @@ Error ScratchError(const std::filesystem::path& folder, std::string_view what, i
 }  // namespace
 
 Status ScratchFile::Create() {
+  // In place of the six X mkostemp puts letters that make the name a new one.
   std::string file = (folder_ / ".scratch-XXXXXX").string();
   FileDescriptor fd(::mkostemp(file.data(), O_CLOEXEC));
   if (fd.get() < 0 || ::unlink(file.c_str()) != 0) return ScratchError(folder_, "create", errno);

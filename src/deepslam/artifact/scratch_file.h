@@ -1,5 +1,5 @@
-// What a stage lays aside while it works, because it grows with the capture: a file that has no
-// name from its first moment on, so that nothing is left of it however the process ends.
+// What a stage lays aside while it works, because it grows with the capture: a file that
+// loses its name as soon as it is made, so that nothing is left of it however the process ends.
 #pragma once
 
 #include <cstddef>

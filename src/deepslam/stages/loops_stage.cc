@@ -28,7 +28,6 @@
 #include "deepslam/stages/loop_world.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/prepared_models.h"
-#include "deepslam/stages/shelved_segments.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {

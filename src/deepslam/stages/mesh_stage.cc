@@ -125,8 +125,11 @@ Status ColourAll(const StageContext& context,
     context.progress().Report(done += batch.size(), tracks.size());
     return Ok();
   };
+  const auto segments = ShelvedSegments::Read(context);
+  if (!segments.ok()) return segments.error();
   const Status status = ForTrackViews(context,
                                       inputs,
+                                      **segments,
                                       trajectory,
                                       ground,
                                       tracks,

@@ -25,7 +25,6 @@
 #include "deepslam/observe/object_views.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/stages/shelf_of_edges.h"
-#include "deepslam/stages/shelved_segments.h"
 
 namespace deepslam::stages {
 namespace {
@@ -279,18 +278,6 @@ Result<ObjectViews> CollectViews(const StageContext& context,
                                      association.tracks,
                                      inputs.config.views,
                                      context.progress());
-}
-
-Status ForTrackViews(const StageContext& context,
-                     const RunInputs& inputs,
-                     const Trajectory& trajectory,
-                     const Ground& ground,
-                     std::span<const ObjectTrack> tracks,
-                     observe::ViewContent content,
-                     const std::function<Status(std::span<TrackViews>)>& use) {
-  const auto segments = ShelvedSegments::Read(context);
-  if (!segments.ok()) return segments.error();
-  return ForTrackViews(context, inputs, **segments, trajectory, ground, tracks, content, use);
 }
 
 Status ForTrackViews(const StageContext& context,

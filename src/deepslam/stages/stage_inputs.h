@@ -30,6 +30,7 @@
 #include "deepslam/scene/trajectory.h"
 #include "deepslam/scene/triangle_mesh.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/stages/shelved_segments.h"
 
 namespace deepslam::stages {
 
@@ -109,24 +110,14 @@ struct EncodedFile {
                                                const Ground& ground,
                                                const Association& association);
 
-class ShelvedSegments;
-
 struct TrackViews {
   const ObjectTrack* track = nullptr;
   std::vector<ObjectView> views;  // ascending frames; empty when none could be read
 };
 
-// The same for a few tracks at a time, in their order, so that memory does not grow with the number
-// of objects; every track comes once. Stops at the first error of `use` and when the user asks to.
-[[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
-                                   const RunInputs& inputs,
-                                   const Trajectory& trajectory,
-                                   const Ground& ground,
-                                   std::span<const ObjectTrack> tracks,
-                                   observe::ViewContent content,
-                                   const std::function<Status(std::span<TrackViews>)>& use);
-
-// The same for who looks at views several times, without reading the segments anew.
+// The same of these segments for a few tracks at a time, in their order, so that memory does not
+// grow with the number of objects; every track comes once. Stops at the first error of `use` and
+// when the user asks to.
 [[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
                                    const RunInputs& inputs,
                                    const ShelvedSegments& segments,
@@ -136,8 +127,9 @@ struct TrackViews {
                                    observe::ViewContent content,
                                    const std::function<Status(std::span<TrackViews>)>& use);
 
-// The same with what is made of each track: `make` of several tracks side by side, `take` of one
-// after another in their order, with progress. Stops at the first error in that order.
+// The same of all segments, with what is made of each track: `make` of several tracks side by side,
+// `take` of one after another in their order, with progress. Stops at the first error in that
+// order.
 template <typename Value>
 [[nodiscard]] Status ForEachTrackViews(
     const pipeline::StageContext& context,
@@ -162,7 +154,9 @@ template <typename Value>
     }
     return Ok();
   };
-  return ForTrackViews(context, inputs, trajectory, ground, tracks, content, use_batch);
+  const auto segments = ShelvedSegments::Read(context);
+  if (!segments.ok()) return segments.error();
+  return ForTrackViews(context, inputs, **segments, trajectory, ground, tracks, content, use_batch);
 }
 
 // That a workspace of so many frames and with these segments was made of this capture; InvalidInput
