@@ -222,6 +222,21 @@ TEST(Associate, LetsThingsStartThatAreSeenAtTheBorderAgainAndAgain) {
               SizeIs(0));
 }
 
+TEST(Associate, SecondDetectionsOfOneThingAreRejectedOnceToTheLastFrame) {
+  const BoxWorldSource source = Round(6, 4);
+  auto segments = TrueSegments(source, 1);
+  ASSERT_THAT(segments, SizeIs(6));
+  for (int i = 0; i < 6; ++i) {
+    segments.push_back(segments[static_cast<std::size_t>(i)]);
+    segments.back().detection = {100 + i};
+  }
+  const Association association = AssociateAll(source, source.TrueOdometry(), segments);
+  ASSERT_THAT(association.tracks, SizeIs(1));
+  EXPECT_THAT(association.tracks[0].members, SizeIs(6));
+  EXPECT_THAT(association.rejections, SizeIs(6));
+  ExpectEachDetectionOnce(association, segments);
+}
+
 TEST(Associate, SettlesTheClassByScore) {
   const BoxWorldSource source = Round(8, 4);
   auto segments = TrueSegments(source, 1);

@@ -14,6 +14,7 @@
 
 #include "deepslam/associate/match_frame.h"
 #include "deepslam/associate/object_hypothesis.h"
+#include "deepslam/associate/orphan_points.h"
 #include "deepslam/associate/review_objects.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel_ahead.h"
@@ -21,7 +22,8 @@
 namespace deepslam::associate {
 namespace {
 
-constexpr std::size_t kLooksAhead = 8;  // frames whose depth is held, 1 MB each
+constexpr std::size_t kLooksAhead = 8;                // frames whose depth is held, 1 MB each
+constexpr std::size_t kMaxOrphanPoints = 12'000'000;  // 150 MB: 15,000 detections in full
 
 // Largest share of the image's sides that a segment's box spans.
 double Span(const Segment& segment, const PinholeCamera& camera) {
@@ -62,14 +64,19 @@ FrameLook LookAt(const FrameSource& frames,
   return look;
 }
 
+// What the matchers of all parts of a path share.
+struct Shared {
+  int num_started = 0;  // objects
+  OrphanPoints orphan_points{kMaxOrphanPoints};
+};
+
 class Matcher {
  public:
-  // `num_started`: objects, of all matchers that share it.
   Matcher(const PinholeCamera& camera,
           const Trajectory& trajectory,
           const AssociateOptions& options,
-          int& num_started)
-      : camera_(camera), trajectory_(trajectory), options_(options), num_started_(num_started) {}
+          Shared& shared)
+      : camera_(camera), trajectory_(trajectory), options_(options), shared_(shared) {}
 
   void AddFrame(FrameIdx frame, std::span<Segment* const> segments, FrameLook look);
   void Finish(Association& association);
@@ -81,6 +88,7 @@ class Matcher {
   void Add(ObjectHypothesis& object, int observation, TrackMember member);
   void Retire(std::span<const int> voters);
   void StartObjects(std::span<const int> unmatched);
+  void RecallOrphans();
   void AdoptOrphans();
   void StartObjectsAtBorder();
   ObjectHypothesis& Object(ObjectId id);
@@ -88,16 +96,23 @@ class Matcher {
     rejections_.push_back({segment.detection, segment.frame, reason});
   }
 
+  // Usable, but could start nothing.
+  struct Orphan {
+    int observation = 0;
+    std::size_t points_key = 0;
+  };
+
   const PinholeCamera& camera_;
   const Trajectory& trajectory_;
   const AssociateOptions& options_;
+  Shared& shared_;
   std::vector<Observation> all_;
   std::vector<ObjectHypothesis> objects_;
   std::deque<std::vector<int>> voters_;
-  std::vector<int> orphans_;  // usable, but could start nothing
+  std::vector<Orphan> waiting_;  // without their points, until all objects are known
+  std::vector<int> orphans_;     // with their points, afterwards
   Sights sights_;
   std::vector<Rejection> rejections_;
-  int& num_started_;
 };
 
 ObjectHypothesis& Matcher::Object(ObjectId id) {
@@ -123,8 +138,9 @@ void Matcher::Retire(std::span<const int> voters) {
   for (const int i : voters) {
     Observation& observation = all_[static_cast<std::size_t>(i)];
     observation.cloud_world = PointCloud({});
-    // Orphans are looked at again when all objects are known. (= {} would keep the memory.)
-    if (observation.object.valid()) observation.points_world = std::vector<Eigen::Vector3f>();
+    const std::vector<Eigen::Vector3f> points_world = std::exchange(observation.points_world, {});
+    if (observation.object.valid()) continue;
+    waiting_.push_back({i, shared_.orphan_points.Keep(points_world)});
   }
 }
 
@@ -156,12 +172,9 @@ std::vector<int> Matcher::MakeObservations(std::span<Segment* const> segments,
 void Matcher::StartObjects(std::span<const int> unmatched) {
   for (const int i : unmatched) {
     const Segment& segment = *all_[static_cast<std::size_t>(i)].segment;
-    if (segment.touches_border) {
-      orphans_.push_back(i);
-      continue;
-    }
+    if (segment.touches_border) continue;
     ObjectHypothesis object;
-    object.id = {num_started_++};
+    object.id = {shared_.num_started++};
     object.reason = "no object known before agrees with detection " +
                     std::to_string(segment.detection.value) + " of frame " +
                     std::to_string(segment.frame.value);
@@ -200,6 +213,17 @@ void Matcher::AddFrame(FrameIdx frame, std::span<Segment* const> segments, Frame
   }
 }
 
+void Matcher::RecallOrphans() {
+  for (const std::vector<int>& voters : voters_) Retire(voters);
+  voters_.clear();
+  for (const Orphan& orphan : waiting_) {
+    all_[static_cast<std::size_t>(orphan.observation)].points_world =
+        shared_.orphan_points.Take(orphan.points_key);
+    orphans_.push_back(orphan.observation);
+  }
+  waiting_.clear();
+}
+
 // Detections that could start nothing, held against what was found afterwards.
 void Matcher::AdoptOrphans() {
   std::vector<int> left;
@@ -233,7 +257,7 @@ void Matcher::StartObjectsAtBorder() {
     } else {
       member.how = "new";
       ObjectHypothesis started;
-      started.id = {num_started_++};
+      started.id = {shared_.num_started++};
       groups.push_back(std::move(started));
       group = groups.end() - 1;
     }
@@ -265,6 +289,7 @@ void Matcher::StartObjectsAtBorder() {
 }
 
 void Matcher::Finish(Association& association) {
+  RecallOrphans();  // before objects give detections up: those found one
   MergeDuplicates(objects_, all_, options_, rejections_);
   AdoptOrphans();
   StartObjectsAtBorder();
@@ -364,7 +389,7 @@ Result<Association> Associate(const FrameSource& frames,
   const auto is_known = [&](FrameIdx frame) {
     return frame.value >= 0 && frame.value < static_cast<int>(trajectory.frames.size());
   };
-  int num_started = 0;
+  Shared shared;
   std::map<int, Matcher> matchers;  // by part
   std::vector<Rejection> unknown;
   std::array<std::optional<FrameLook>, kLooksAhead> looks;
@@ -382,8 +407,7 @@ Result<Association> Associate(const FrameSource& frames,
     } else {
       const int part = part_of_frame[static_cast<std::size_t>(frame.value)];
       Matcher& matcher =
-          matchers.try_emplace(part, frames.camera(), trajectory, options, num_started)
-              .first->second;
+          matchers.try_emplace(part, frames.camera(), trajectory, options, shared).first->second;
       matcher.AddFrame(frame, of_frame, *std::move(looks[n % kLooksAhead]));
     }
     progress.Report(n + 1, by_frame.size());
