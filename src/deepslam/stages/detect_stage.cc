@@ -292,10 +292,9 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
   artifact::DetectionTable table;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     FrameFinds& finds = (*found)[i];
-    std::copy_if(from_file->detections.begin(),
-                 from_file->detections.end(),
-                 std::back_inserter(finds.detections),
-                 [&](const Detection& d) { return d.frame == wanted[i]; });
+    std::ranges::copy(
+        std::ranges::equal_range(from_file->detections, wanted[i], {}, &Detection::frame),
+        std::back_inserter(finds.detections));
     table.images.push_back(images[static_cast<std::size_t>(wanted[i].value)]);
     table.images.back().contains_person = finds.contains_person;
     WarnOf(finds, wanted[i], context.progress());
