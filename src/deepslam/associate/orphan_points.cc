@@ -3,19 +3,9 @@
 #include <utility>
 
 #include "deepslam/core/check.h"
+#include "deepslam/core/every_nth.h"
 
 namespace deepslam::associate {
-namespace {
-
-// A set of its own size: one that shrinks in place would keep its memory.
-OrphanPoints::Points EveryNth(const OrphanPoints::Points& points, std::size_t step) {
-  OrphanPoints::Points some;
-  some.reserve((points.size() + step - 1) / step);
-  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
-  return some;
-}
-
-}  // namespace
 
 std::size_t OrphanPoints::Keep(const Points& points) {
   sets_.push_back(EveryNth(points, step_));

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/every_nth.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/dataset/read_bytes.h"
@@ -69,7 +70,7 @@ class FileFrames final : public StoredFrames {
 
   [[nodiscard]] std::shared_ptr<const StoredFrames> Every(std::size_t step) const override {
     return std::make_shared<FileFrames>(
-        folder_, cameras(), EveryOf(frames(), step), EveryOf(depth_files_, step));
+        folder_, cameras(), EveryNth(frames(), step), EveryNth(depth_files_, step));
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/every_nth.h"
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
 #include "deepslam/dataset/pose_matrix.h"
@@ -91,8 +92,8 @@ class SensFrames final : public StoredFrames {
     return std::make_shared<SensFrames>(
         file_,
         cameras(),
-        EveryOf(frames(), step),
-        SensIndex{index_.header, EveryOf(index_.frames, step), index_.num_motions});
+        EveryNth(frames(), step),
+        SensIndex{index_.header, EveryNth(index_.frames, step), index_.num_motions});
   }
 
  private:

@@ -49,15 +49,6 @@ struct StoredColour {
   std::string name;    // file, for messages
 };
 
-// Every `step`-th of a list, from the first on.
-template <typename T>
-[[nodiscard]] std::vector<T> EveryOf(const std::vector<T>& all, std::size_t step) {
-  std::vector<T> some;
-  some.reserve((all.size() + step - 1) / step);
-  for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
-  return some;
-}
-
 class StoredFrames {
  public:
   StoredFrames(const CaptureCameras& cameras, std::vector<StoredFrame> frames)

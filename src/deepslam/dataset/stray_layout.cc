@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/every_nth.h"
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/layout.h"
 #include "deepslam/dataset/read_bytes.h"
@@ -243,8 +244,8 @@ class StrayFrames final : public StoredFrames {
   [[nodiscard]] std::shared_ptr<const StoredFrames> Every(std::size_t step) const override {
     return std::make_shared<StrayFrames>(folder_,
                                          cameras(),
-                                         EveryOf(frames(), step),
-                                         EveryOf(files_, step),
+                                         EveryNth(frames(), step),
+                                         EveryNth(files_, step),
                                          video_,
                                          min_confidence_);
   }
