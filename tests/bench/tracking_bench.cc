@@ -2,6 +2,7 @@
 // beside decoding its frames alone: what no tracker can do without. The capture is the folder that
 // DEEPSLAM_BENCH_CAPTURE names. Real time; as many threads as the argument says.
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_tracking_bench --benchmark_repetitions=5
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/odometry/odometry.h"
+#include "deepslam/pipeline/stage.h"
 #include "deepslam/stages/refine_path.h"
 
 namespace deepslam {
@@ -43,6 +45,8 @@ void TrackAndRefine(benchmark::State& state) {
   inputs.capture = std::make_shared<const dataset::Capture>(std::move(capture).value());
   const FrameSource& frames = *inputs.capture->frames;
   SilentProgress progress;
+  const auto folder = std::filesystem::temp_directory_path();  // of scratch files alone
+  const pipeline::StageContext context(folder, folder, {}, progress);
   for (auto _ : state) {
     stages::KeyframePyramids pyramids = stages::PyramidsToRefine(inputs);
     const auto take = [&](odometry::ReadKeyframe keyframe) {
@@ -51,9 +55,8 @@ void TrackAndRefine(benchmark::State& state) {
     Result<Odometry> odometry =
         odometry::EstimateOdometry(frames, inputs.config.track, progress, take);
     if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
-    const Result<int> num_edges =
-        stages::RefinePath(inputs, std::move(pyramids), progress, *odometry);
-    if (!num_edges.ok()) return state.SkipWithError(num_edges.error().message.c_str());
+    const Status refined = stages::RefinePath(context, inputs, std::move(pyramids), *odometry);
+    if (!refined.ok()) return state.SkipWithError(refined.error().message.c_str());
   }
   Report(state, frames.num_frames());
 }

@@ -11,6 +11,7 @@
 #include "deepslam/core/base64.h"
 #include "deepslam/core/clock_stretches.h"
 #include "deepslam/core/disjoint_sets.h"
+#include "deepslam/core/every_nth.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/parallel_ahead.h"
@@ -188,6 +189,34 @@ TEST(Random, NormalHasUnitMoments) {
   }
   EXPECT_NEAR(sum / kCount, 0.0, 0.02);  // 6 standard errors
   EXPECT_NEAR(sum2 / kCount, 1.0, 0.03);
+}
+
+TEST(EveryNth, ListsThinnedOneAfterAnotherAreThinnedByTheProduct) {
+  std::vector<int> all(101);
+  std::iota(all.begin(), all.end(), 0);
+  for (const std::size_t step : {1U, 2U, 7U, 200U}) {
+    EXPECT_EQ(EveryNth(EveryNth(all, step), 2), EveryNth(all, 2 * step)) << step;
+    EXPECT_EQ(EveryNth(all, step).front(), 0);
+  }
+  EXPECT_TRUE(EveryNth(std::vector<int>(), 3).empty());
+}
+
+TEST(EvenlySpaced, ChoosesSoManyInOrderWithGapsThatDifferByNoMoreThanOne) {
+  for (const std::size_t size : {0U, 1U, 9U, 100U}) {
+    std::vector<int> all(size);
+    std::iota(all.begin(), all.end(), 0);
+    for (std::size_t count = 0; count <= size + 2; ++count) {
+      std::vector<int> chosen = EvenlySpaced(all, count);
+      ASSERT_EQ(chosen.size(), std::min(count, size)) << size;
+      if (chosen.empty()) continue;
+      EXPECT_EQ(chosen.front(), 0);
+      chosen.push_back(static_cast<int>(size));
+      const int least_gap = static_cast<int>(size / (chosen.size() - 1));
+      for (std::size_t n = 0; n + 1 < chosen.size(); ++n) {
+        EXPECT_THAT(chosen[n + 1] - chosen[n], testing::AnyOf(least_gap, least_gap + 1));
+      }
+    }
+  }
 }
 
 TEST(NearestWord, IsSilentWhenNothingIsNear) {

@@ -1,7 +1,9 @@
-// A list thinned evenly.
+// Lists thinned evenly: to a share of them, or to so many.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <ranges>
 #include <vector>
 
 namespace deepslam {
@@ -14,6 +16,18 @@ template <typename T>
   some.reserve((all.size() + step - 1) / step);
   for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
   return some;
+}
+
+// `count` of a list, spread evenly over it from the first on; all of one that has no more.
+template <std::ranges::random_access_range List>
+[[nodiscard]] std::vector<std::ranges::range_value_t<List>> EvenlySpaced(const List& all,
+                                                                         std::size_t count) {
+  const std::size_t size = std::ranges::size(all);
+  const std::size_t num_chosen = std::min(count, size);
+  std::vector<std::ranges::range_value_t<List>> chosen;
+  chosen.reserve(num_chosen);
+  for (std::size_t n = 0; n < num_chosen; ++n) chosen.push_back(all[n * size / num_chosen]);
+  return chosen;
 }
 
 }  // namespace deepslam

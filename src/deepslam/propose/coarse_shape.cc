@@ -1,9 +1,9 @@
 #include "deepslam/propose/coarse_shape.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
+#include "deepslam/core/every_nth.h"
 #include "deepslam/shape/shape_model.h"
 
 namespace deepslam::propose {
@@ -67,10 +67,7 @@ CoarseShape::CoarseShape(const VoxelGrid& grid) {
       }
     }
   }
-  // A stride prime to the grid's size does not pick the same lines again and again.
-  const auto points = model.surface_points();
-  const std::size_t count = std::min(kSurfaceSample, points.size());
-  for (std::size_t n = 0; n < count; ++n) surface_.push_back(points[n * points.size() / count]);
+  surface_ = EvenlySpaced(model.surface_points(), kSurfaceSample);
 }
 
 }  // namespace deepslam::propose

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "deepslam/core/every_nth.h"
 #include "deepslam/propose/depth_evidence.h"
 
 namespace deepslam::propose {
@@ -10,14 +11,6 @@ namespace {
 constexpr std::size_t kFitPoints = 250;
 constexpr int kNumYaws = 12;           // Gauss-Newton turns by up to half a step from there
 constexpr double kTolerance_m = 0.03;  // of designs that are like the object, not the object itself
-
-std::vector<Eigen::Vector3f> EveryNth(const std::vector<Eigen::Vector3f>& points,
-                                      std::size_t count) {
-  if (points.size() <= count) return points;
-  std::vector<Eigen::Vector3f> some;
-  for (std::size_t n = 0; n < count; ++n) some.push_back(points[n * points.size() / count]);
-  return some;
-}
 
 PlacedShape Descend(const CoarseShape& shape,
                     const Placement& start,
@@ -42,7 +35,7 @@ MeasuredDepth MeasureDepth(const ObjectObservations& object, int max_views) {
   MeasuredDepth measured;
   measured.cloud = CloudOf(object);
   if (measured.cloud.points.empty()) return measured;
-  measured.fit_points = EveryNth(measured.cloud.points, kFitPoints);
+  measured.fit_points = EvenlySpaced(measured.cloud.points, kFitPoints);
   const LevelBox box = MeasureBox(measured.cloud.points);
   for (int n = 0; n < kNumYaws; ++n) {
     measured.boxes.push_back(

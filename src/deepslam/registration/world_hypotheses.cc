@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/core/every_nth.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/geometry/facing.h"
 #include "deepslam/registration/initial_alignment.h"
@@ -50,13 +51,6 @@ ViewPointers BestViews(std::span<const MeasuredView* const> views, int count) {
       best.begin(), best.end(), [&](const auto* a, const auto* b) { return worth(a) > worth(b); });
   best.resize(std::min(best.size(), static_cast<std::size_t>(std::max(1, count))));
   return best;
-}
-
-ViewPointers EvenlySpaced(std::span<const MeasuredView* const> views, std::size_t count) {
-  if (views.size() <= count) return {views.begin(), views.end()};
-  ViewPointers chosen;
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(views[i * views.size() / count]);
-  return chosen;
 }
 
 void StandOnGround(const shape::ShapeModel& model,
