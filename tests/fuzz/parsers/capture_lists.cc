@@ -32,9 +32,10 @@ DEEPSLAM_FUZZ(capture_lists) {
   if (const auto poses = dataset::ParsePoses(text, file, warnings); poses.ok()) {
     accepted = accepted || !poses->empty();
     for (const dataset::TimedPose& pose : *poses) {
-      DEEPSLAM_CHECK(dataset::PoseAt(*poses, pose.time_s, 0, 0).has_value(),
+      const auto stretch = Stretch(*poses, pose.stretch);
+      DEEPSLAM_CHECK(dataset::PoseAt(stretch, pose.time_s, 0, 0).has_value(),
                      "a pose at its own time");
-      const auto beside = dataset::PoseAt(*poses, pose.time_s + 0.01, 0.02, 1);
+      const auto beside = dataset::PoseAt(stretch, pose.time_s + 0.01, 0.02, 1);
       DEEPSLAM_CHECK(!beside || beside->translation_m.allFinite(), "poses are finite");
     }
   } else {
