@@ -8,13 +8,16 @@
 
 #include <benchmark/benchmark.h>
 
+#include "deepslam/core/freed_memory.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/result.h"
 #include "deepslam/dataset/capture.h"
 
 namespace deepslam::bench {
 
+// With memory kept as the program keeps it: fresh pages for each image would make decoding slower.
 inline Result<dataset::Capture> OpenNamedCapture() {
+  KeepFreedMemory();
   const char* const folder =
       std::getenv("DEEPSLAM_BENCH_CAPTURE");  // NOLINT(concurrency-mt-unsafe)
   if (folder == nullptr)
