@@ -31,7 +31,7 @@ if [ "$preset" = tsan ]; then
   export TSAN_OPTIONS="suppressions=$PWD/tests/races.txt:ignore_noninstrumented_modules=1:history_size=4:${TSAN_OPTIONS:-}"
   [ $# -gt 0 ] || set -- -L unit
 fi
-# Benchmarks are no tests, but one of them tells whether they still run. What sanitizers slow down is not measured.
+# Test `benchmarks` runs the smallest of them; what sanitizers slow down is not measured.
 benchmarks=ON
 case "$preset" in asan | tsan) benchmarks=OFF ;; esac
 scripts/build.sh "$preset" -DDEEPSLAM_TESTS=ON -DDEEPSLAM_BENCHMARKS="$benchmarks"
