@@ -10,6 +10,8 @@
 #include <Eigen/LU>
 
 #include "deepslam/core/random.h"
+#include "deepslam/odometry/sharpened_alignment.h"
+#include "deepslam/odometry/target_texels.h"
 #include "odometry/box_world.h"
 #include "support/pose_matchers.h"
 
@@ -54,7 +56,7 @@ FrameAlignment AlignFrames(const Frame& i,
                            const PinholeCamera& camera,
                            const Pose3& i_from_j,
                            const AlignmentOptions& options = {}) {
-  return AlignPyramids(BuildPyramid(i, camera, options.pyramid),
+  return AlignPyramids(AsTarget(BuildPyramid(i, camera, options.pyramid)),
                        BuildPyramid(j, camera, options.pyramid),
                        {&i_from_j, 1},
                        options);
@@ -152,7 +154,7 @@ TEST(AlignFrames, BrightnessCountsAsOftenAsItsErrorsAreIndependent) {
 TEST(RefineAlignment, EndsWhereTheFullSearchDoesWhenItsStartIsNear) {
   const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
   const PyramidOptions options;
-  const FramePyramid i = BuildPyramid(pair.i, kSmallCamera, options);
+  const FramePyramid i = AsTarget(BuildPyramid(pair.i, kSmallCamera, options));
   const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, options);
   const Pose3 off = V2t((Vector6d() << 0.02, -0.02, 0.01, 0.01, -0.01, 0.01).finished());
   const Pose3 start = off * kIFromJ;
@@ -164,9 +166,39 @@ TEST(RefineAlignment, EndsWhereTheFullSearchDoesWhenItsStartIsNear) {
   EXPECT_NEAR(near.agreement, full.agreement, 0.01);
 }
 
+// Wherever a frame was placed, its edge is the same.
+TEST(Sharpened, ForgetsTheStart) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
+  const FramePyramid i = AsTarget(BuildPyramid(pair.i, kSmallCamera, {}));
+  const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
+  const FrameAlignment placed = AlignPyramids(i, j, {&kIFromJ, 1}, {});
+  ASSERT_TRUE(placed.ok);
+  const FrameAlignment sharpened = Sharpened(placed, i, j, {});
+  for (int axis = 0; axis < 6; ++axis) {
+    Vector6d off = Vector6d::Zero();
+    off[axis] = 0.003;
+    FrameAlignment elsewhere = placed;
+    elsewhere.i_from_j = V2t(off) * placed.i_from_j;
+    const FrameAlignment again = Sharpened(elsewhere, i, j, {});
+    EXPECT_THAT(again.i_from_j, PoseNear(sharpened.i_from_j, 0.0003, 0.01)) << axis;
+  }
+}
+
+TEST(Sharpened, LeavesWhatIsNotOkOrHeld) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
+  const FramePyramid i = AsTarget(BuildPyramid(pair.i, kSmallCamera, {}));
+  const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
+  FrameAlignment found;
+  found.ok = false;
+  found.i_from_j = V2t((Vector6d() << 0.01, 0, 0, 0, 0, 0).finished()) * kIFromJ;
+  EXPECT_THAT(Sharpened(found, i, j, {}).i_from_j, PoseNear(found.i_from_j, 1e-12, 1e-9));
+  found.ok = found.held = true;
+  EXPECT_THAT(Sharpened(found, i, j, {}).i_from_j, PoseNear(found.i_from_j, 1e-12, 1e-9));
+}
+
 TEST(RefineAlignment, SaysWhenTheFramesDoNotAgreeOrAreNotThere) {
   const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
-  const FramePyramid i = BuildPyramid(pair.i, kSmallCamera, {});
+  const FramePyramid i = AsTarget(BuildPyramid(pair.i, kSmallCamera, {}));
   const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
   const Pose3 elsewhere = V2t((Vector6d() << 0.9, 0.2, -0.5, 0, 0.8, 0).finished());
   EXPECT_FALSE(RefineAlignment(i, j, elsewhere, {}).ok);
@@ -174,6 +206,21 @@ TEST(RefineAlignment, SaysWhenTheFramesDoNotAgreeOrAreNotThere) {
   EXPECT_FALSE(RefineAlignment(i, j, behind * kIFromJ, {}).ok) << "they share nothing there";
   EXPECT_FALSE(RefineAlignment({}, j, kIFromJ, {}).ok);
   EXPECT_FALSE(RefineAlignment(i, {}, kIFromJ, {}).ok);
+}
+
+TEST(Support, IsGreatestWhereTheFramesBelong) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
+  const FramePyramid i = AsTarget(BuildPyramid(pair.i, kSmallCamera, {}));
+  const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
+  const double there = Support(i, j, kIFromJ, {});
+  for (int axis = 0; axis < 6; ++axis) {
+    Vector6d off = Vector6d::Zero();
+    off[axis] = 0.08;
+    EXPECT_LT(Support(i, j, V2t(off) * kIFromJ, {}), there) << axis;
+  }
+  const Pose3 behind = V2t((Vector6d() << 0, 0, 0, 0, 3, 0).finished());
+  EXPECT_EQ(Support(i, j, behind * kIFromJ, {}), 0);
+  EXPECT_EQ(Support({}, j, kIFromJ, {}), 0);
 }
 
 TEST(AlignFrames, MoreStructureMeansMoreInformation) {
@@ -377,9 +424,9 @@ TEST(AlignFrames, FramesWithoutUsableImagesAreRefused) {
   }
 }
 
-TEST(BuildPyramid, NormalsOfAWallFaceTheCamera) {
+TEST(AsTarget, NormalsOfAWallFaceTheCamera) {
   const Frame frame = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
-  const FramePyramid pyramid = BuildPyramid(frame, kSmallCamera, PyramidOptions{});
+  const FramePyramid pyramid = AsTarget(BuildPyramid(frame, kSmallCamera, PyramidOptions{}));
   ASSERT_GE(pyramid.levels.size(), 2U);
   for (const PyramidLevel& level : pyramid.levels) {
     const std::size_t centre = static_cast<std::size_t>(
@@ -399,7 +446,8 @@ TEST(BuildPyramid, TakesDepthOutOfRangeAndColourOfAnotherSizeAsMissing) {
   const PyramidLevel& level = pyramid.levels.front();
   for (int u = 80; u <= 82; ++u)
     EXPECT_EQ(level.depth_m[static_cast<std::size_t>(60 * 160 + u)], 0.0F);
-  EXPECT_TRUE(level.intensity.empty());
+  EXPECT_TRUE(level.brightness.empty());
+  EXPECT_TRUE(AsTarget(pyramid).levels.front().intensity.empty());
 }
 
 }  // namespace

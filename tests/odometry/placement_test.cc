@@ -101,12 +101,12 @@ TEST(DetailCorrelation, IsHighFromAnotherSideAndTheSameBothWays) {
 
 // Correlation of two images as they are.
 double BrightnessInCommon(const BoxWorld& a, const BoxWorld& b, const Pose3& pose) {
-  const auto in_a = Seen(a, pose, 1)->levels.front().intensity;
-  const auto in_b = Seen(b, pose, 2)->levels.front().intensity;
+  const BrightnessImage in_a = Seen(a, pose, 1)->levels.front().brightness;
+  const BrightnessImage in_b = Seen(b, pose, 2)->levels.front().brightness;
   Eigen::ArrayXd values_a(in_a.size()), values_b(in_b.size());
   for (std::size_t k = 0; k < in_a.size(); ++k) {
-    values_a[static_cast<Eigen::Index>(k)] = static_cast<double>(in_a[k].value);
-    values_b[static_cast<Eigen::Index>(k)] = static_cast<double>(in_b[k].value);
+    values_a[static_cast<Eigen::Index>(k)] = static_cast<double>(in_a.data()[k]);
+    values_b[static_cast<Eigen::Index>(k)] = static_cast<double>(in_b.data()[k]);
   }
   values_a -= values_a.mean();
   values_b -= values_b.mean();

@@ -9,6 +9,7 @@
 
 #include "deepslam/dataset/memory_frame_source.h"
 #include "deepslam/odometry/read_pyramid.h"
+#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::stages {
 namespace {
@@ -82,7 +83,7 @@ TEST(KeyframePyramids, MoreThanAreKeptMayBeWanted) {
   const CountedWalls walls;
   KeyframePyramids pyramids(walls, {}, 2);
   EXPECT_THAT(pyramids.Hold(Frames({0, 1, 2, 3, 4})), IsEmpty());
-  for (const int n : {0, 1, 2, 3, 4}) EXPECT_FALSE(pyramids[FrameIdx{n}].empty()) << n;
+  for (const int n : {0, 1, 2, 3, 4}) EXPECT_TRUE(IsTarget(pyramids[FrameIdx{n}])) << n;
 }
 
 std::shared_ptr<const odometry::FramePyramid> PyramidOf(const FrameSource& frames, int frame) {
@@ -99,6 +100,7 @@ TEST(KeyframePyramids, WhatWasTakenIsNotReadAgain) {
   EXPECT_THAT(pyramids.Hold(Frames({0, 2, 4})), IsEmpty());
   EXPECT_EQ(walls.reads, 1);
   EXPECT_FLOAT_EQ(pyramids[FrameIdx{4}].levels.front().depth_m.front(), 1.4F);
+  for (const int n : {0, 2, 4}) EXPECT_TRUE(IsTarget(pyramids[FrameIdx{n}])) << n;
 }
 
 TEST(KeyframePyramids, WhatWillBeAskedForOutlastsWhatWas) {

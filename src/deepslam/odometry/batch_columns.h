@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "deepslam/geometry/lanes.h"
 
@@ -13,6 +14,7 @@ namespace deepslam::odometry {
 inline constexpr std::size_t kBatch = 256;
 
 struct alignas(32) Column : std::array<float, kBatch> {};
+using IndexColumn = std::array<std::int32_t, kBatch>;
 
 // `size` is a multiple of kLanes, here and below.
 inline double Sum(const Column& x, std::size_t size) {

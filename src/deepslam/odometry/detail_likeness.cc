@@ -64,8 +64,9 @@ std::optional<float> BrightnessAt(const PyramidLevel& i,
   const auto fu = static_cast<float>(pixel->x() - u);
   const auto fv = static_cast<float>(pixel->y() - v);
   const std::size_t below = k + static_cast<std::size_t>(i.camera.width);
-  return (1 - fv) * ((1 - fu) * i.intensity[k].value + fu * i.intensity[k + 1].value) +
-         fv * ((1 - fu) * i.intensity[below].value + fu * i.intensity[below + 1].value);
+  const float* const brightness = i.brightness.data();
+  return (1 - fv) * ((1 - fu) * brightness[k] + fu * brightness[k + 1]) +
+         fv * ((1 - fu) * brightness[below] + fu * brightness[below + 1]);
 }
 
 // Of the patch of j at (u0, v0).
@@ -82,7 +83,7 @@ Sums SumsOf(const PyramidLevel& j,
       const auto z_m = static_cast<double>(j.depth_m[k]);
       if (!(z_m > 0)) continue;
       const auto there = BrightnessAt(i, i_from_j * (z_m * j.camera.Ray(u, v)), noise);
-      if (there) sums.Add(static_cast<double>(j.intensity[k].value), static_cast<double>(*there));
+      if (there) sums.Add(static_cast<double>(j.brightness(u, v)), static_cast<double>(*there));
     }
   }
   return sums;
@@ -97,7 +98,7 @@ double CorrelationOver(const FramePyramid& i,
   const std::size_t level = NumAlignmentLevels(j) - 1;
   const PyramidLevel& from = j.levels[level];
   const PyramidLevel& to = i.levels[level];
-  if (from.intensity.empty() || to.intensity.empty()) return 1;
+  if (from.brightness.empty() || to.brightness.empty()) return 1;
   Sums details;
   for (int v0 = 0; v0 < from.camera.height; v0 += kPatchPx) {
     for (int u0 = 0; u0 < from.camera.width; u0 += kPatchPx) {

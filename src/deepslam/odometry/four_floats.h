@@ -1,6 +1,7 @@
 // Four numbers of a texel or point at once, and four texels turned into a column of each number.
 #pragma once
 
+#include <cstddef>
 #include <cstring>
 
 namespace deepslam::odometry {
@@ -31,6 +32,20 @@ inline FourByFour Transposed(const FourByFour& rows) {
           __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7),
           __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5),
           __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7)};
+}
+
+template <typename Point>
+FourByFour FourOf(const Point& point, std::size_t k) {
+  return {point(k), point(k + 1), point(k + 2), point(k + 3)};
+}
+
+// The first three numbers of four points, to where their columns go on; gives the fourth ones.
+inline FourFloats ToColumns(const FourByFour& points, float* x, float* y, float* z) {
+  const FourByFour columns = Transposed(points);
+  WriteFour(columns.a, x);
+  WriteFour(columns.b, y);
+  WriteFour(columns.c, z);
+  return columns.d;
 }
 
 }  // namespace deepslam::odometry

@@ -11,7 +11,9 @@
 
 #include "deepslam/core/check.h"
 #include "deepslam/odometry/alignment_levels.h"
+#include "deepslam/odometry/place_judgement.h"
 #include "deepslam/odometry/point_alignment.h"
+#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -29,11 +31,13 @@ constexpr double kNearOverlap = 0.75;
 constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
 // Keeps directions that nothing constrains where the start put them.
 constexpr StartSigma kPrior;
-// Convergence: steps that move points at this distance by less than this share of a pixel of the
-// level.
-constexpr double kConvergedPx = 0.02;
-constexpr double kConvergedMiddlePx = 0.04;  // at levels that a finer one follows
-constexpr double kConvergedFarPx = 0.015;    // at the coarsest level
+// Convergence: what is left to go moves points at this distance by less than this share of a pixel
+// of the level.
+constexpr double kConvergedPx = 0.01;
+// ... where a frame is only to be placed: ends lie towards the start, which edges would carry on.
+constexpr double kPlacedPx = 0.1;
+constexpr double kConvergedMiddlePx = 0.08;  // at levels that a finer one follows
+constexpr double kConvergedFarPx = 0.04;     // at the coarsest level
 constexpr double kConvergedDistanceM = 2.0;
 // Steps that shrink by the same share each time are taken further at once, by at most this many
 // times the last one.
@@ -41,14 +45,15 @@ constexpr double kMostFurther = 2;
 // Descents closer together than this converge to the same place.
 constexpr double kSamePlaceM = 0.005;
 constexpr double kSamePlaceRad = 0.005;
-// Depth errors are shared between neighbouring texels (see `correlation_length_px`): at levels of
-// this width nothing is lost by taking every third row and column.
-constexpr int kWideLevel = 240;
+// Depth errors are shared between neighbouring texels (see `correlation_length_px`): at a finest
+// level of this width nothing is lost by taking every third row and column, and little at levels of
+// that width that a finer one follows.
 constexpr int kWideStride = 3;
-// ... and at levels that finer ones follow, of this width, by every second one.
+constexpr int kWideLevel = 240;
 constexpr int kWideMiddleLevel = 120;
+// Places that compete at the coarsest level go by every second one.
+constexpr int kCoarsestStride = 2;
 constexpr int kWideCoarsestLevel = 60;
-constexpr int kMiddleStride = 2;
 // Scale at which competing starts are compared.
 constexpr float kJudgeScale = 3.0F;
 // Share of the strongest direction's information below which depth leaves a direction open: along a
@@ -88,11 +93,11 @@ double CorrelationFactor(const SourcePoints& points, double length_at_640_px) {
 int Stride(const PyramidLevel& level) { return level.camera.width >= kWideLevel ? kWideStride : 1; }
 
 int MiddleStride(const PyramidLevel& level) {
-  return level.camera.width >= kWideMiddleLevel ? kMiddleStride : 1;
+  return level.camera.width >= kWideMiddleLevel ? kWideStride : 1;
 }
 
 int CoarsestStride(const PyramidLevel& level) {
-  return level.camera.width >= kWideCoarsestLevel ? kMiddleStride : 1;
+  return level.camera.width >= kWideCoarsestLevel ? kCoarsestStride : 1;
 }
 
 // The coarsest level's points, where nothing is near yet.
@@ -135,8 +140,10 @@ std::optional<ArcSpectrum> SpectrumByArc(const Matrix6d& hessian) {
   return ArcSpectrum{*scale, eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
-bool SeesImages(const AlignmentSystem& system) {
-  return system.num_photometric >= kMinPhotometricResiduals;
+// An AlignmentSystem or a PlaceJudgement.
+template <typename Compared>
+bool SeesImages(const Compared& frames) {
+  return frames.num_photometric >= kMinPhotometricResiduals;
 }
 
 double MeanDepthM(const PyramidLevel& level) {
@@ -291,6 +298,23 @@ class Mixing {
   Vector6d last_move_ = Vector6d::Zero();
 };
 
+// What is left to go behind a step, as steps shrink by about the same share each time.
+class WayLeft {
+ public:
+  // In pixels, at kConvergedDistanceM; at most the step itself, and that before two are known.
+  double Behind(const Vector6d& step, double focal_px) {
+    const double step_px =
+        focal_px * std::max(step.head<3>().norm() / kConvergedDistanceM, step.tail<3>().norm());
+    const double share = last_px_ > 0 ? std::min(step_px / last_px_, kMostShare) : kMostShare;
+    last_px_ = step_px;
+    return step_px * share / (1 - share);
+  }
+
+ private:
+  static constexpr double kMostShare = 0.5;
+  double last_px_ = 0;
+};
+
 bool SamePlace(const Pose3& a, const Pose3& b) {
   const Pose3 difference = a.Inverse() * b;
   return difference.translation_m.norm() < kSamePlaceM &&
@@ -307,11 +331,10 @@ bool Descend(const PyramidLevel& i,
              const AlignmentOptions& options,
              Descent& descent,
              std::span<const Pose3> known = {}) {
-  const double converged_rad = descent.converged_px / j.level().camera.fx;
-  const double converged_m = kConvergedDistanceM * converged_rad;
   const bool near = j.choice().near;
   descent.structural.reset();
   Mixing mixing;
+  WayLeft way_left;
   for (int n = 0; n < options.max_iterations; ++n) {
     descent.system =
         BuildAlignmentSystem(i, j, descent.i_from_j, descent.gates, options.pyramid.noise);
@@ -323,7 +346,7 @@ bool Descend(const PyramidLevel& i,
     const Vector6d move = near ? mixing.Move(step) : step;
     descent.i_from_j = V2t(move) * descent.i_from_j;
     if (AmongThem(known, descent.i_from_j)) return false;
-    if (step.head<3>().norm() < converged_m && step.tail<3>().norm() < converged_rad) break;
+    if (way_left.Behind(step, j.level().camera.fx) < descent.converged_px) break;
   }
   return true;
 }
@@ -340,36 +363,37 @@ AlignmentGates LevelGates(const AlignmentOptions& options,
 // Information per texel that the two images share, nats: that of jointly normal variables. Where
 // one contrast outweighs all (a light wall over a dark floor), the correlation itself is near 1
 // wherever the frames lie along it.
-double SharedInformation(const AlignmentSystem& system) {
-  if (!SeesImages(system)) return 0;
-  const double correlation = std::clamp(system.brightness_correlation, 0.0, kFullCorrelation);
+double SharedInformation(const PlaceJudgement& place) {
+  if (!SeesImages(place)) return 0;
+  const double correlation = std::clamp(place.brightness_correlation, 0.0, kFullCorrelation);
   return -0.5 * std::log(1 - correlation * correlation);
 }
 
-// The system at a place that is judged by common scales, without its normal equations.
-AlignmentSystem JudgePlace(const PyramidLevel& i,
-                           const SourcePoints& j,
-                           const Pose3& i_from_j,
-                           const AlignmentOptions& options) {
-  AlignmentGates gates = LevelGates(options, 0);
-  gates.geometric_scale = kJudgeScale;
-  gates.judge_only = true;
-  return BuildAlignmentSystem(i, j, i_from_j, gates, options.pyramid.noise);
+PlaceJudgement JudgeCoarsely(const PyramidLevel& i,
+                             const SourcePoints& j,
+                             const Pose3& i_from_j,
+                             const AlignmentOptions& options) {
+  const AlignmentGates gates = LevelGates(options, 0);
+  return JudgePlace(i,
+                    j,
+                    i_from_j,
+                    {gates.max_distance_m, gates.min_normal_cosine, kJudgeScale},
+                    options.pyramid.noise);
 }
 
 // What competing starts are judged by: over the common points, geometric agreement at a common
 // scale and correlation of the images. Of a pattern's pixels most fit anywhere to within a robust
 // scale; the correlation lives by the few strong ones. Larger overlap counts for more, but less
 // than likeness: a wrong place may well show more of the other frame.
-double Support(const PyramidLevel& i,
-               const SourcePoints& j,
-               const Descent& descent,
-               const AlignmentOptions& options) {
-  const AlignmentSystem system = JudgePlace(i, j, descent.i_from_j, options);
-  if (system.num_overlap == 0) return 0;
-  const double images = system.num_photometric * std::max(0.0, system.brightness_correlation);
-  const double likeness = (system.support + images) / system.num_overlap;
-  return likeness * std::sqrt(static_cast<double>(system.num_overlap) / system.num_source);
+double SupportAt(const Pose3& i_from_j,
+                 const PyramidLevel& i,
+                 const SourcePoints& j,
+                 const AlignmentOptions& options) {
+  const PlaceJudgement place = JudgeCoarsely(i, j, i_from_j, options);
+  if (place.num_overlap == 0) return 0;
+  const double images = place.num_photometric * std::max(0.0, place.brightness_correlation);
+  const double likeness = (place.support + images) / place.num_overlap;
+  return likeness * std::sqrt(static_cast<double>(place.num_overlap) / place.num_source);
 }
 
 // Directions that depth leaves open at `i_from_j`, weakest first: unit vectors of a left
@@ -384,13 +408,25 @@ std::vector<Vector6d> OpenDirections(const AlignmentSystem& system) {
   return open;
 }
 
-// Points of frame j's coarsest level: places that compete are told apart by a part of them.
-struct CoarsePoints {
-  SourcePoints all;
-  SourcePoints part;
-
+// Points of frame j's coarsest level: descents that compete go by a part of them, and all tell
+// which end is right, seldom.
+class CoarsePoints {
+ public:
   CoarsePoints(const PyramidLevel& level, const AlignmentOptions& options)
-      : all(FarPoints(level, 1, options)), part(FarPoints(level, CoarsestStride(level), options)) {}
+      : level_(level), options_(options), part_(FarPoints(level, CoarsestStride(level), options)) {}
+
+  [[nodiscard]] const PyramidLevel& level() const { return level_; }
+  [[nodiscard]] const SourcePoints& part() const { return part_; }
+  [[nodiscard]] const SourcePoints& all() {
+    if (!all_) all_.emplace(level_, SourceChoice{1, options_.photometric, false});
+    return *all_;
+  }
+
+ private:
+  const PyramidLevel& level_;
+  const AlignmentOptions& options_;
+  SourcePoints part_;
+  std::optional<SourcePoints> all_;
 };
 
 // What places along a direction that depth leaves open are judged by: the common points alone,
@@ -404,52 +440,78 @@ Likeness JudgeLikeness(const PyramidLevel& i,
                        const SourcePoints& j,
                        const Pose3& i_from_j,
                        const AlignmentOptions& options) {
-  const AlignmentSystem system = JudgePlace(i, j, i_from_j, options);
-  if (system.num_overlap == 0) return {};
+  const PlaceJudgement place = JudgeCoarsely(i, j, i_from_j, options);
+  if (place.num_overlap == 0) return {};
   const double independent =
-      system.num_photometric / CorrelationFactor(j, options.photometric_correlation_length_px);
-  return {system.support / system.num_overlap + SharedInformation(system),
+      place.num_photometric / CorrelationFactor(j, options.photometric_correlation_length_px);
+  return {place.support / place.num_overlap + SharedInformation(place),
           kSureNats / std::max(1.0, independent)};
+}
+
+// Of steps to both sides the one that is surely more like than none; 0 where none is. Every second
+// one is judged, and those between where the likeness might rise to the best one as steeply as it
+// falls from none.
+template <typename JudgeStep>
+int BestStep(const JudgeStep& judge_step) {
+  const Likeness here = judge_step(0);
+  const double before = judge_step(-1).value, behind = judge_step(1).value;
+  const double rise = std::max(0.0, here.value - std::min(before, behind));
+  int best = 0;
+  double best_value = here.value + here.resolution;
+  const auto take = [&](int n, double value) {
+    if (value <= best_value) return;
+    best = n;
+    best_value = value;
+  };
+  take(-1, before);
+  take(1, behind);
+  for (const int side : {-1, 1}) {
+    double last = side < 0 ? before : behind;
+    for (int n = 2; n <= kNumOpenSteps; n += 2) {
+      const double value = judge_step(side * n).value;
+      take(side * n, value);
+      const bool skipped = n > 2;
+      if (skipped && std::max(last, value) + rise > best_value)
+        take(side * (n - 1), judge_step(side * (n - 1)).value);
+      last = value;
+    }
+  }
+  return best;
 }
 
 // Where depth leaves a direction open, only the images tell the place along it, and their descent
 // ends at the nearest stripe, tile or board that looks alike. So places on both sides are tried.
 Descent SearchOpenDirections(const PyramidLevel& i,
-                             const CoarsePoints& j,
+                             CoarsePoints& j,
                              const AlignmentOptions& options,
                              const Descent& descent) {
   Descent best = descent;
   for (const Vector6d& direction : OpenDirections(descent.system)) {
-    const double step_m = kOpenStepPx * MeanDepthM(j.all.level()) / j.all.level().camera.fx;
+    const double step_m = kOpenStepPx * MeanDepthM(j.level()) / j.level().camera.fx;
     const Descent centre = best;
     Descent tried = centre;
-    const Likeness here = JudgeLikeness(i, j.part, centre.i_from_j, options);
-    double best_value = here.value + here.resolution;
-    for (int n = -kNumOpenSteps; n <= kNumOpenSteps; ++n) {
-      if (n == 0) continue;
-      const Pose3 moved = V2t(n * step_m * direction) * centre.i_from_j;
-      const Likeness there = JudgeLikeness(i, j.part, moved, options);
-      if (there.value <= best_value) continue;
-      tried.i_from_j = moved;
-      best_value = there.value;
-    }
+    const auto place_at = [&](int n) { return V2t(n * step_m * direction) * centre.i_from_j; };
+    const int best_step = BestStep([&](int n) {
+      return JudgeLikeness(i, j.part(), n == 0 ? centre.i_from_j : place_at(n), options);
+    });
+    if (best_step == 0) continue;
+    tried.i_from_j = place_at(best_step);
     if (SamePlace(tried.i_from_j, centre.i_from_j)) continue;
     tried.start_i_from_j = tried.i_from_j;
-    Descend(i, j.all, options, tried);
-    const Likeness before = JudgeLikeness(i, j.all, centre.i_from_j, options);
-    const Likeness after = JudgeLikeness(i, j.all, tried.i_from_j, options);
+    Descend(i, j.all(), options, tried);
+    const Likeness before = JudgeLikeness(i, j.all(), centre.i_from_j, options);
+    const Likeness after = JudgeLikeness(i, j.all(), tried.i_from_j, options);
     if (after.value > before.value + before.resolution) best = tried;
   }
   return best;
 }
 
-// Descents that compete go by every second row and column, the best one goes on by all.
-Descent BestCoarseDescent(const PyramidLevel& i,
-                          const CoarsePoints& j,
-                          std::span<const Pose3> starts,
-                          const AlignmentOptions& options) {
-  std::optional<Descent> best;
-  double best_support = 0;
+// Where descents from the starts end, each place once.
+std::vector<Descent> DescendFromAll(std::span<const Pose3> starts,
+                                    const PyramidLevel& i,
+                                    const SourcePoints& j,
+                                    const AlignmentOptions& options) {
+  std::vector<Descent> descents;
   std::vector<Pose3> ends;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     if (AmongThem(starts.first(k), starts[k])) continue;
@@ -457,16 +519,24 @@ Descent BestCoarseDescent(const PyramidLevel& i,
     descent.gates = LevelGates(options, 0);
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
-    if (!Descend(i, j.part, options, descent, ends)) continue;
+    if (!Descend(i, j, options, descent, ends)) continue;
     ends.push_back(descent.i_from_j);
-    const double support = Support(i, j.all, descent, options);
-    if (!best || support > best_support) {
-      best = descent;
-      best_support = support;
-    }
+    descents.push_back(descent);
   }
-  if (j.part.choice().stride > 1) Descend(i, j.all, options, *best);
-  return *best;
+  return descents;
+}
+
+// By every second row and column; which end is right is told by all.
+Descent BestCoarseDescent(const PyramidLevel& i,
+                          CoarsePoints& j,
+                          std::span<const Pose3> starts,
+                          const AlignmentOptions& options) {
+  const std::vector<Descent> descents = DescendFromAll(starts, i, j.part(), options);
+  if (descents.size() == 1) return descents.front();
+  std::vector<double> support;
+  for (const Descent& descent : descents)
+    support.push_back(SupportAt(descent.i_from_j, i, j.all(), options));
+  return descents[static_cast<std::size_t>(std::ranges::max_element(support) - support.begin())];
 }
 
 // The finest level's system at the end of a descent, judged by both frames.
@@ -610,6 +680,7 @@ void DescendToFinest(const FramePyramid& i,
                      const FramePyramid& j,
                      std::size_t num_levels,
                      const Pose3& first_start,
+                     double converged_px,
                      const AlignmentOptions& options,
                      Descent& descent) {
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
@@ -634,7 +705,7 @@ void DescendToFinest(const FramePyramid& i,
       num_levels > 0 ? NearPoints(source, Stride(source), options) : FarPoints(source, 1, options);
   if (num_levels > 0) {
     take_gates(0);
-    descent.converged_px = kConvergedPx;
+    descent.converged_px = converged_px;
     Descend(finest, points, options, descent);
   }
   JudgeEnd(finest, points, options, descent);
@@ -647,8 +718,8 @@ bool SeesTheSame(const FramePyramid& i,
                  const Pose3& i_from_j,
                  const AlignmentOptions& options) {
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
-  const AlignmentSystem there =
-      JudgePlace(i.levels[coarsest], FarPoints(j.levels[coarsest], 1, options), i_from_j, options);
+  const PlaceJudgement there = JudgeCoarsely(
+      i.levels[coarsest], FarPoints(j.levels[coarsest], 1, options), i_from_j, options);
   return there.num_overlap >= kNearOverlap * options.min_overlap * there.num_source;
 }
 
@@ -661,16 +732,26 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
                              const StartSigma& start_sigma) {
   DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
   if (!Comparable(i, j)) return Failed(initial_i_from_j.front());
+  DEEPSLAM_CHECK(IsTarget(i), "frames are aligned to targets");
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
   const PyramidLevel& coarsest_i = i.levels[coarsest];
-  const CoarsePoints coarsest_j(j.levels[coarsest], options);
+  CoarsePoints coarsest_j(j.levels[coarsest], options);
   Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, options);
   if (options.photometric) descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
-  DescendToFinest(i, j, coarsest, initial_i_from_j.front(), options, descent);
-  FrameAlignment result = Conclude(descent, j.levels.front(), start_sigma, options);
-  result.support = Support(coarsest_i, coarsest_j.all, descent, options);
-  return result;
+  DescendToFinest(i, j, coarsest, initial_i_from_j.front(), kPlacedPx, options, descent);
+  return Conclude(descent, j.levels.front(), start_sigma, options);
+}
+
+double Support(const FramePyramid& i,
+               const FramePyramid& j,
+               const Pose3& i_from_j,
+               const AlignmentOptions& user_options) {
+  if (!Comparable(i, j)) return 0;
+  const AlignmentOptions options = WithNoiseOf(i, j, user_options);
+  const std::size_t coarsest = NumAlignmentLevels(i) - 1;
+  const SourcePoints points = FarPoints(j.levels[coarsest], 1, options);
+  return SupportAt(i_from_j, i.levels[coarsest], points, options);
 }
 
 FrameAlignment RefineAlignment(const FramePyramid& i,
@@ -678,13 +759,14 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
                                const Pose3& i_from_j,
                                const AlignmentOptions& user_options) {
   if (!Comparable(i, j)) return Failed(i_from_j);
+  DEEPSLAM_CHECK(IsTarget(i), "frames are aligned to targets");
   const AlignmentOptions options = WithNoiseOf(i, j, user_options);
   if (!SeesTheSame(i, j, i_from_j, options)) return Failed(i_from_j);
   Descent descent = DescentFrom(i_from_j);
   descent.gates.geometric_scale = kNearScale;
   descent.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));
-  DescendToFinest(i, j, num_levels, i_from_j, options, descent);
+  DescendToFinest(i, j, num_levels, i_from_j, kConvergedPx, options, descent);
   return Conclude(descent, j.levels.front(), {}, options);
 }
 

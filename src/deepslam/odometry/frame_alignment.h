@@ -62,7 +62,6 @@ struct FrameAlignment {
   double constraint_ratio = 0;  // weakest / strongest direction, what `degenerate` is judged by
   double agreement = 0;         // inliers / overlapping points
   double brightness_correlation = 1;  // over textured points; 1 without colour
-  double support = 0;  // robust agreement per source point at common scales: larger is better
   double overlap = 0;  // source points that fall on valid target points / valid source points
   double inside = 0;   // source points that fall inside the target image / valid source points
 };
@@ -73,9 +72,10 @@ struct StartSigma {
   double rotation_rad = 0.2;
 };
 
-// Aligns j to i from the best of the given starts (at least one), which are tried at the coarsest
-// level. Directions that nothing measures (a bare wall without colour) stay as the first start has
-// them, and the information says no more of them than `start_sigma`.
+// Aligns j to i, a target (target_texels.h), from the best of the given starts (at least one),
+// which are tried at the coarsest level. Directions that nothing measures (a bare wall without
+// colour) stay as the first start has them, and the information says no more of them than
+// `start_sigma`.
 [[nodiscard]] FrameAlignment AlignPyramids(const FramePyramid& i,
                                            const FramePyramid& j,
                                            std::span<const Pose3> initial_i_from_j,
@@ -84,10 +84,18 @@ struct StartSigma {
 
 // The same from one start that is near, within a few centimetres and degrees: the finest levels
 // alone, and nothing else is tried; not ok without a look where the start leaves too little
-// overlap. `support` stays 0.
+// overlap.
 [[nodiscard]] FrameAlignment RefineAlignment(const FramePyramid& i,
                                              const FramePyramid& j,
                                              const Pose3& i_from_j,
                                              const AlignmentOptions& options);
+
+// How well j agrees with i, a target, where an alignment has laid it: robustly, per source point
+// and at common scales, so that outcomes can be compared. Larger is better; 0 where they share
+// nothing.
+[[nodiscard]] double Support(const FramePyramid& i,
+                             const FramePyramid& j,
+                             const Pose3& i_from_j,
+                             const AlignmentOptions& options);
 
 }  // namespace deepslam::odometry

@@ -12,20 +12,15 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/check.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
-#include "deepslam/odometry/four_floats.h"
+#include "deepslam/odometry/texel_rows.h"
 #include "deepslam/scene/brightness.h"
 
 namespace deepslam::odometry {
 namespace {
 
-// Depth of one surface within a block or window differs by at most this many standard deviations of
-// its noise.
-constexpr float kSameSurfaceSigmas = 4.0F;
-// Cosine between normal and viewing ray below which a surface is too oblique for projective
-// association.
-constexpr float kMinCosine = 0.12F;
 constexpr int kWindowRadius = 2;
 // Noise is measured between 1 and this many times the model's: beyond, depth says nothing.
 constexpr double kMaxNoiseScale = 8.0;
@@ -33,14 +28,15 @@ constexpr double kMaxNoiseScale = 8.0;
 // this lag. Up to the second value it may as well be the scene's own relief.
 constexpr int kFarLag = 2 * kWindowRadius + 1;
 constexpr double kSureNoiseScale = 1.5;
-// The median over every fifth texel of every fifth row is as good as that over all.
-constexpr int kNoiseStride = 5;
+// The median over every seventh texel of every seventh row is as good as that over all.
+constexpr int kNoiseStride = 7;
 // Fewer second differences say nothing about the noise.
 constexpr std::size_t kMinDifferences = 100;
 constexpr float kMadToSigma = 1.4826F;
 // Levels smaller than this hold too little to align.
 constexpr int kMinLevelWidth = 16;
 constexpr int kMaxReduction = 32;
+constexpr int kValidStride = 12;
 // Columns looked at for whether there is but one depth; one part in so many may stray at either
 // end.
 constexpr int kOneDepthColumns = 40;
@@ -273,6 +269,30 @@ UnfilledVector<float> ReduceDepth(const float* depth,
   return result;
 }
 
+// Rows with so many texels without depth before and behind that no window reaches further: depth 0
+// is too far off to get weight.
+class PaddedRows {
+ public:
+  PaddedRows(const UnfilledVector<float>& depth, const PinholeCamera& camera, int padding)
+      : width_(camera.width + 2 * padding),
+        padding_(padding),
+        depth_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(camera.height)) {
+    for (int v = 0; v < camera.height; ++v) {
+      float* const row = depth_.data() + static_cast<std::ptrdiff_t>(v) * width_;
+      std::fill_n(row, padding, 0.0F);
+      std::copy_n(depth.data() + Offset(camera, 0, v), camera.width, row + padding);
+      std::fill_n(row + padding + camera.width, padding, 0.0F);
+    }
+  }
+  [[nodiscard]] const float* operator[](int v) const {
+    return depth_.data() + static_cast<std::ptrdiff_t>(v) * width_ + padding_;
+  }
+
+ private:
+  int width_, padding_;
+  UnfilledVector<float> depth_;
+};
+
 // Sums of a row of the smoothing window over a row of texels.
 struct WindowSums {
   explicit WindowSums(std::size_t width)
@@ -280,37 +300,21 @@ struct WindowSums {
   std::vector<float> inverse_tolerance_sq, difference, weight;
 };
 
-// One tap for columns begin ... end - 1; depth 0 is too far off to get weight.
-void AddTap(
-    const float* centre, const float* tap, float tap_weight, int begin, int end, WindowSums& sums) {
-  const float* const inverse_tolerance_sq = sums.inverse_tolerance_sq.data();
-  float* const sum = sums.difference.data();
-  float* const sum_weight = sums.weight.data();
-#pragma GCC ivdep
-  for (int u = begin; u < end; ++u) {
-    const float difference = tap[u] - centre[u];
-    const float w =
-        tap_weight * std::max(0.0F, 1.0F - difference * difference * inverse_tolerance_sq[u]);
-    sum[u] += w * difference;
-    sum_weight[u] += w;
-  }
-}
-
-// All taps of a row of the window at once, where none falls outside: sums stay in registers.
+// All taps of a row of the window at once: sums stay in registers.
 template <std::size_t... kTaps>
-void AddInnerTaps(const float* centre,
-                  const float* row,
-                  const float* tap_weights,
-                  int width,
-                  WindowSums& sums,
-                  std::index_sequence<kTaps...> /*taps*/) {
+void AddTaps(const float* centre,
+             const float* row,
+             const float* tap_weights,
+             WindowSums& sums,
+             std::index_sequence<kTaps...> /*taps*/) {
   constexpr int kRadius = static_cast<int>(sizeof...(kTaps) / 2);
   const float* const inverse_tolerance_sq = sums.inverse_tolerance_sq.data();
   float* const sum = sums.difference.data();
   float* const sum_weight = sums.weight.data();
   const std::array<float, sizeof...(kTaps)> weights = {tap_weights[kTaps]...};
+  const int width = static_cast<int>(sums.weight.size());
 #pragma GCC ivdep
-  for (int u = kRadius; u < width - kRadius; ++u) {
+  for (int u = 0; u < width; ++u) {
     const float middle = centre[u], inverse = inverse_tolerance_sq[u];
     const float* const first = row + u - kRadius;
     float of_row = sum[u], weight_of_row = sum_weight[u];
@@ -326,41 +330,20 @@ void AddInnerTaps(const float* centre,
   }
 }
 
-// Windows that depth noise up to kMaxNoiseScale asks for; false for others.
-template <int kRadius = kWindowRadius>
-bool AddInnerTaps(const float* centre,
-                  const float* row,
-                  std::span<const float> tap_weights,
-                  int width,
-                  WindowSums& sums) {
-  constexpr std::size_t kNumTaps = 2 * kRadius + 1;
-  if (tap_weights.size() == kNumTaps) {
-    AddInnerTaps(
-        centre, row, tap_weights.data(), width, sums, std::make_index_sequence<kNumTaps>());
-    return true;
-  }
-  constexpr int kMostRadius = 6;
-  if constexpr (kRadius < kMostRadius)
-    return AddInnerTaps<kRadius + 1>(centre, row, tap_weights, width, sums);
-  return false;
-}
-
 // Taps `row`[u - radius] ... [u + radius] for every column u.
+template <int kRadius = kWindowRadius>
 void AddTaps(const float* centre,
              const float* row,
              std::span<const float> tap_weights,
-             int width,
              WindowSums& sums) {
-  const int radius = static_cast<int>(tap_weights.size() / 2);
-  const bool inner = width > 2 * radius && AddInnerTaps(centre, row, tap_weights, width, sums);
-  for (int du = -radius; du <= radius; ++du) {
-    const float weight = tap_weights[static_cast<std::size_t>(du + radius)];
-    const int begin = std::min(width, std::max(0, -du));
-    const int end = std::max(begin, std::min(width, width - du));
-    const int left = inner ? radius : end, right = inner ? width - radius : end;
-    AddTap(centre, row + du, weight, begin, std::min(left, end), sums);
-    AddTap(centre, row + du, weight, std::max(begin, right), end, sums);
+  // What depth noise up to kMaxNoiseScale asks for.
+  constexpr int kMostRadius = 6;
+  constexpr std::size_t kNumTaps = 2 * kRadius + 1;
+  if constexpr (kRadius < kMostRadius) {
+    if (tap_weights.size() != kNumTaps) return AddTaps<kRadius + 1>(centre, row, tap_weights, sums);
   }
+  DEEPSLAM_CHECK(tap_weights.size() == kNumTaps, "no such window");
+  AddTaps(centre, row, tap_weights.data(), sums, std::make_index_sequence<kNumTaps>());
 }
 
 // Row by row of a window.
@@ -388,12 +371,13 @@ UnfilledVector<float> SmoothDepth(const UnfilledVector<float>& depth,
   const int radius = WindowRadius(noise_scale);
   const float spread = 4.5F * static_cast<float>(noise_scale);
   const std::size_t width = static_cast<std::size_t>(camera.width);
+  const PaddedRows rows(depth, camera, radius);
   UnfilledVector<float> result(depth.size());
   WindowSums sums(width);
   const std::size_t taps = static_cast<std::size_t>(2 * radius + 1);
   const std::vector<float> tap_weights = TapWeights(radius, spread);
   for (int v = 0; v < camera.height; ++v) {
-    const float* centre = depth.data() + Offset(camera, 0, v);
+    const float* const centre = rows[v];
     for (std::size_t u = 0; u < width; ++u) {
       // The tolerance stays below the depth itself, so that invalid neighbours get no weight.
       const float tolerance =
@@ -405,144 +389,12 @@ UnfilledVector<float> SmoothDepth(const UnfilledVector<float>& depth,
     for (int dv = -radius; dv <= radius; ++dv) {
       if (v + dv < 0 || v + dv >= camera.height) continue;
       const float* const of_row = &tap_weights[taps * static_cast<std::size_t>(dv + radius)];
-      const float* const row = depth.data() + Offset(camera, 0, v + dv);
-      AddTaps(centre, row, {of_row, taps}, camera.width, sums);
+      AddTaps(centre, rows[v + dv], {of_row, taps}, sums);
     }
     float* const out = result.data() + Offset(camera, 0, v);
 #pragma GCC ivdep
     for (std::size_t u = 0; u < width; ++u)
       out[u] = centre[u] > 0 ? centre[u] + sums.difference[u] / sums.weight[u] : 0.0F;
-  }
-  return result;
-}
-
-// Numbers of a row's texels, one array per quantity so that loops are vectorised; then texels.
-template <typename Texel>
-class TexelRow {
- public:
-  explicit TexelRow(int width) : size_(static_cast<std::size_t>(width)) {
-    for (std::vector<float>& numbers : numbers_) numbers.resize(size_);
-  }
-
-  [[nodiscard]] float* operator[](std::size_t quantity) { return numbers_[quantity].data(); }
-
-  void Clear() {
-    for (std::vector<float>& numbers : numbers_) std::ranges::fill(numbers, 0.0F);
-  }
-  void WriteTo(Texel* texels_of_row) const {
-    float* to = &FirstOf(*texels_of_row);
-    std::size_t k = 0;
-    for (; k + 4 < size_; k += 4, to += 4 * kNumbers) {
-      const FourByFour texels = Transposed({FourFrom(&numbers_[0][k]),
-                                            FourFrom(&numbers_[1][k]),
-                                            FourFrom(&numbers_[2][k]),
-                                            FourFrom(&numbers_[kNumbers - 1][k])});
-      // Where a texel has three numbers the next one begins with the fourth.
-      WriteFour(texels.a, to);
-      WriteFour(texels.b, to + kNumbers);
-      WriteFour(texels.c, to + 2 * kNumbers);
-      WriteFour(texels.d, to + 3 * kNumbers);
-    }
-    for (; k < size_; ++k) {
-      for (const std::vector<float>& numbers : numbers_) *to++ = numbers[k];
-    }
-  }
-
- private:
-  static constexpr std::size_t kNumbers = sizeof(Texel) / sizeof(float);
-  static_assert(kNumbers == 3 || kNumbers == 4);
-  static float& FirstOf(SurfaceTexel& texel) { return texel.nx; }
-  static float& FirstOf(IntensityTexel& texel) { return texel.value; }
-
-  std::size_t size_;
-  std::array<std::vector<float>, kNumbers> numbers_;
-};
-
-// A texel has a normal where the three texels in its row and in its column lie on one surface, a
-// slope being fine, a step or crease not, and that surface is not too oblique.
-void ComputeRow(const PyramidLevel& level,
-                int v,
-                const DepthNoise& noise,
-                TexelRow<SurfaceTexel>& row) {
-  const PinholeCamera& camera = level.camera;
-  const float* const depth = level.depth_m.data() + Offset(camera, 0, v);
-  const float* const above = depth - camera.width;
-  const float* const below = depth + camera.width;
-  const float inverse_fx = static_cast<float>(1.0 / camera.fx);
-  const float inverse_fy = static_cast<float>(1.0 / camera.fy);
-  const float cx = static_cast<float>(camera.cx);
-  const float y = (static_cast<float>(v) - static_cast<float>(camera.cy)) * inverse_fy;
-  const float base = kSameSurfaceSigmas * static_cast<float>(noise.base_m);
-  const float growth = kSameSurfaceSigmas * static_cast<float>(noise.growth_per_m);
-  float *const nx = row[0], *const ny = row[1], *const nz = row[2], *const offset_m = row[3];
-  const int last = camera.width - 1;
-#pragma GCC ivdep
-  for (int u = 1; u < last; ++u) {
-    const float z = depth[u];
-    const float left = depth[u - 1], right = depth[u + 1], up = above[u], down = below[u];
-    const float tolerance = base + growth * (z - 0.4F) * (z - 0.4F) + 0.005F * z;
-    const float x = (static_cast<float>(u) - cx) * inverse_fx;
-    // Differences of the neighbours' points; v x u points towards the camera, as y is down and z
-    // forward.
-    const float ux = (x + inverse_fx) * right - (x - inverse_fx) * left;
-    const float uy = y * (right - left), uz = right - left;
-    const float vx = x * (down - up), vz = down - up;
-    const float vy = (y + inverse_fy) * down - (y - inverse_fy) * up;
-    const float cross_x = vy * uz - vz * uy;
-    const float cross_y = vz * ux - vx * uz;
-    const float cross_z = vx * uy - vy * ux;
-    const float norm = std::sqrt(cross_x * cross_x + cross_y * cross_y + cross_z * cross_z);
-    const float along = cross_x * x + cross_y * y + cross_z;
-    const float ray = std::sqrt(x * x + y * y + 1.0F);
-    const bool has_normal = (z > 0) & (left > 0) & (right > 0) & (up > 0) & (down > 0) &
-                            (norm > 0) & (std::abs(left + right - 2 * z) <= tolerance) &
-                            (std::abs(up + down - 2 * z) <= tolerance) &
-                            (-along >= kMinCosine * norm * ray);
-    const float inverse_norm = has_normal ? 1.0F / norm : 0.0F;
-    nx[u] = cross_x * inverse_norm;
-    ny[u] = cross_y * inverse_norm;
-    nz[u] = cross_z * inverse_norm;
-    offset_m[u] = z * along * inverse_norm;
-  }
-}
-
-// Row by row, so that each texel is written once. Gives the number of texels with a normal.
-int ComputeSurface(PyramidLevel& level, const DepthNoise& noise) {
-  const PinholeCamera& camera = level.camera;
-  level.surface.resize(NumTexels(camera));
-  TexelRow<SurfaceTexel> row(camera.width);
-  int num_normals = 0;
-  for (int v = 0; v < camera.height; ++v) {
-    // The first row has no neighbour above, the last none below.
-    if (v > 0 && v + 1 < camera.height) {
-      ComputeRow(level, v, noise, row);
-    } else {
-      row.Clear();
-    }
-    const float* const offset_m = row[3];
-    for (int u = 0; u < camera.width; ++u) num_normals += offset_m[u] < 0 ? 1 : 0;
-    row.WriteTo(level.surface.data() + Offset(camera, 0, v));
-  }
-  return num_normals;
-}
-
-// The image and its derivatives, which are 0 at the border.
-UnfilledVector<IntensityTexel> WithGradients(const BrightnessImage& image) {
-  const int width = image.width(), height = image.height();
-  UnfilledVector<IntensityTexel> result(image.size());
-  TexelRow<IntensityTexel> texels(width);
-  float *const value = texels[0], *const du = texels[1], *const dv = texels[2];
-  for (int v = 0; v < height; ++v) {
-    const float* const row = image.data() + static_cast<std::ptrdiff_t>(v) * width;
-    const bool inside = v > 0 && v + 1 < height;
-    const float *const above = inside ? row - width : row, *const below =
-                                                               inside ? row + width : row;
-    std::copy_n(row, width, value);
-    for (int u = 1; u + 1 < width; ++u) {
-      du[u] = inside ? 0.5F * (row[u + 1] - row[u - 1]) : 0.0F;
-      dv[u] = 0.5F * (below[u] - above[u]);
-    }
-    texels.WriteTo(result.data() + static_cast<std::ptrdiff_t>(v) * width);
   }
   return result;
 }
@@ -592,15 +444,25 @@ PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, dou
 }
 
 // Nothing where the finest level has another size.
-void AddIntensity(const BrightnessImage& finest, std::vector<PyramidLevel>& levels) {
+void AddBrightness(BrightnessImage finest, std::vector<PyramidLevel>& levels) {
   const PinholeCamera& camera = levels.front().camera;
   if (finest.width() != camera.width || finest.height() != camera.height) return;
-  levels.front().intensity = WithGradients(finest);
-  BrightnessImage halved;
-  for (std::size_t k = 1; k < levels.size(); ++k) {
-    halved = Halved(k == 1 ? finest : halved, levels[k].camera);
-    levels[k].intensity = WithGradients(halved);
+  levels.front().brightness = std::move(finest);
+  for (std::size_t k = 1; k < levels.size(); ++k)
+    levels[k].brightness = Halved(levels[k - 1].brightness, levels[k].camera);
+}
+
+// Told by some rows: those with a normal, of all their texels.
+double ValidShare(const PyramidLevel& level) {
+  SurfaceRow row(level.camera.width);
+  const float* const offset_m = row[3];
+  int num_valid = 0, num_texels = 0;
+  for (int v = kValidStride / 2; v < level.camera.height; v += kValidStride) {
+    ReadSurface(level, v, row);
+    for (int u = 0; u < level.camera.width; ++u) num_valid += offset_m[u] < 0 ? 1 : 0;
+    num_texels += level.camera.width;
   }
+  return num_texels > 0 ? static_cast<double>(num_valid) / num_texels : 0;
 }
 
 // Of some hundred pixels, but for a few strays; without depth there is nothing to tell.
@@ -630,12 +492,12 @@ FramePyramid BuildPyramid(const Frame& frame,
                           const PyramidOptions& options) {
   const bool fits = frame.colour.width() == camera.width && frame.colour.height() == camera.height;
   const int factor = WorkReduction(camera, options);
-  const BrightnessImage brightness = fits ? BrightnessOf(frame.colour, factor) : BrightnessImage();
-  return BuildPyramid(frame.depth_m, brightness, camera, options);
+  BrightnessImage brightness = fits ? BrightnessOf(frame.colour, factor) : BrightnessImage();
+  return BuildPyramid(frame.depth_m, std::move(brightness), camera, options);
 }
 
 DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const DepthImage& depth_m,
-                                                const BrightnessImage& brightness,
+                                                BrightnessImage brightness,
                                                 const PinholeCamera& camera,
                                                 const PyramidOptions& options) {
   if (depth_m.empty() || depth_m.width() != camera.width || depth_m.height() != camera.height)
@@ -650,13 +512,10 @@ DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const DepthImage& depth_m,
          pyramid.levels.back().camera.height >= 2 * kMinLevelWidth / 2) {
     pyramid.levels.push_back(Halved(pyramid.levels.back(), options, pyramid.noise_scale));
   }
-  std::vector<int> num_normals;
   for (PyramidLevel& level : pyramid.levels)
-    num_normals.push_back(ComputeSurface(level, options.noise.Scaled(pyramid.noise_scale)));
-  AddIntensity(brightness, pyramid.levels);
-  const PyramidLevel& finest = pyramid.levels.front();
-  if (!finest.surface.empty())
-    pyramid.valid_share = num_normals.front() / static_cast<double>(finest.surface.size());
+    level.noise = options.noise.Scaled(pyramid.noise_scale);
+  AddBrightness(std::move(brightness), pyramid.levels);
+  pyramid.valid_share = ValidShare(pyramid.levels.front());
   return pyramid;
 }
 

@@ -1,5 +1,5 @@
-// Frames prepared for alignment: smoothed depth, normals and intensity on a pyramid, as flat float
-// arrays.
+// Frames prepared for alignment: smoothed depth and brightness on a pyramid, and what other frames
+// are aligned to, as flat float arrays.
 #pragma once
 
 #include <vector>
@@ -26,6 +26,10 @@ struct DepthNoise {
     return {scale * base_m, scale * growth_per_m};
   }
 };
+
+// Depth of one surface within a block or window differs by at most this many standard deviations of
+// its noise.
+inline constexpr float kSameSurfaceSigmas = 4.0F;
 
 struct PyramidOptions {
   int work_width_px =
@@ -57,13 +61,16 @@ struct IntensityTexel {
 struct PyramidLevel {
   PinholeCamera camera;
   UnfilledVector<float> depth_m;  // 0 = invalid
+  BrightnessImage brightness;     // empty when the frame had no colour
+  DepthNoise noise;               // of the depth, as it was found
+  // Empty but of targets (target_texels.h).
   UnfilledVector<SurfaceTexel> surface;
-  UnfilledVector<IntensityTexel> intensity;  // empty when the frame had no colour
+  UnfilledVector<IntensityTexel> intensity;  // ... and when the frame had no colour
 };
 
 struct FramePyramid {
   std::vector<PyramidLevel> levels;  // finest first; at least one
-  double valid_share = 0;            // texels of the finest level with a normal, of all
+  double valid_share = 0;            // texels of the finest level with a normal, of all; from some
   // Deviation of the smoothed depth in units of DepthNoise, measured across this frame; 1 to 8.
   double noise_scale = 1;
   bool one_depth = false;  // the same at every pixel: a sensor that hangs; even a wall has noise
@@ -82,7 +89,7 @@ struct FramePyramid {
 
 // The same of its parts; `brightness` is that of the finest level (BrightnessOf by WorkReduction).
 [[nodiscard]] FramePyramid BuildPyramid(const DepthImage& depth_m,
-                                        const BrightnessImage& brightness,
+                                        BrightnessImage brightness,
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);
 

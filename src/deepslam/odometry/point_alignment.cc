@@ -9,22 +9,21 @@
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/odometry/batch_columns.h"
+#include "deepslam/odometry/bilinear.h"
 #include "deepslam/odometry/brightness_fit.h"
 #include "deepslam/odometry/four_floats.h"
+#include "deepslam/odometry/moved_points.h"
+#include "deepslam/odometry/plane_match.h"
 
 namespace deepslam::odometry {
 namespace {
 
 constexpr std::size_t kNumPairs = 27;  // upper triangle of a 6 x 6 matrix and a gradient of 6
-constexpr float kNu = 5.0F;            // degrees of freedom of Student's t (Kerl et al. 2013)
 constexpr float kInlierSigmas = 3.0F;
 constexpr float kMadToSigma = 1.4826F;
-constexpr float kMinPointZM = 0.05F;
 constexpr float kBinsPerSigma = 16.0F;  // histogram of geometric residuals
 constexpr float kBinsPerGrey = 4.0F;    // histogram of photometric residuals
 constexpr int kNumBins = 512;
-
-float StudentWeight(float normalised) { return (kNu + 1) / (kNu + normalised * normalised); }
 
 // Where a residual falls; one bin past the last for what does not count (0).
 std::int32_t Bin(float absolute, float bins_per_unit, float counts) {
@@ -52,11 +51,6 @@ class MedianHistogram {
 
  private:
   std::array<std::uint32_t, kNumBins + 1> bins_{};
-};
-
-// Three numbers of which the compiler keeps one each in a vector's lanes.
-struct Triple {
-  float x = 0, y = 0, z = 0;
 };
 
 // Rows of the Jacobian and the residual.
@@ -119,17 +113,6 @@ class CrossSums {
   std::array<double, 36> sums_{};
 };
 
-using IndexColumn = std::array<std::int32_t, kBatch>;
-
-// A batch of the source's points in frame i, and where they fall in its image.
-struct MovedPoints {
-  std::size_t begin = 0;  // in SourcePoints
-  std::size_t size = 0;   // a multiple of kLanes
-  Column x, y, z, u, v;
-  IndexColumn is_inside;  // 1; 0 where there is no depth, and outside
-  IndexColumn texel;      // the nearest one; 0 where it is not inside
-};
-
 // Some of a batch of points, by their place in it.
 struct Selection {
   std::size_t size = 0;
@@ -156,20 +139,6 @@ struct Selection {
   }
   [[nodiscard]] std::span<const std::int32_t> span() const { return {points.data(), size}; }
 };
-
-template <typename Point>
-FourByFour FourOf(const Point& point, std::size_t k) {
-  return {point(k), point(k + 1), point(k + 2), point(k + 3)};
-}
-
-// The first three numbers of four points, to where their columns go on; gives the fourth ones.
-FourFloats ToColumns(const FourByFour& points, float* x, float* y, float* z) {
-  const FourByFour columns = Transposed(points);
-  WriteFour(columns.a, x);
-  WriteFour(columns.b, y);
-  WriteFour(columns.c, z);
-  return columns.d;
-}
 
 // Points p_i and, for each, the target's tangent plane and the source's normal in frame j.
 struct GeometricPairs {
@@ -249,26 +218,15 @@ struct PhotometricPairs {
   // Bilinear, between texel (u, v) rounded down and its neighbours.
   void Interpolate(const PyramidLevel& level) {
     const std::int32_t width = level.camera.width;
-    Column w00, w10, w01, w11;
-    IndexColumn upper_left;
-#pragma GCC ivdep
-    for (std::size_t k = 0; k < size; ++k) {
-      const std::int32_t u0 = static_cast<std::int32_t>(u[k]);
-      const std::int32_t v0 = static_cast<std::int32_t>(v[k]);
-      const float a = u[k] - static_cast<float>(u0), b = v[k] - static_cast<float>(v0);
-      w00[k] = (1 - a) * (1 - b);
-      w10[k] = a * (1 - b);
-      w01[k] = (1 - a) * b;
-      w11[k] = a * b;
-      upper_left[k] = v0 * width + u0;
-    }
+    const Bilinear to(u, v, width, size);
     const auto at = [&](std::size_t k) {
-      const float* const upper = &level.intensity[static_cast<std::size_t>(upper_left[k])].value;
+      const float* const upper = &level.intensity[static_cast<std::size_t>(to.upper_left[k])].value;
       const float* const lower = upper + 3 * static_cast<std::ptrdiff_t>(width);
       // Of the image's last texel nothing follows: it is the end of the four before.
       const FourFloats last = FourFrom(lower + 2);
-      return w00[k] * FourFrom(upper) + w10[k] * FourFrom(upper + 3) + w01[k] * FourFrom(lower) +
-             w11[k] * __builtin_shufflevector(last, last, 1, 2, 3, 3);
+      return to.w00[k] * FourFrom(upper) + to.w10[k] * FourFrom(upper + 3) +
+             to.w01[k] * FourFrom(lower) +
+             to.w11[k] * __builtin_shufflevector(last, last, 1, 2, 3, 3);
     };
     for (std::size_t k = 0; k < size; k += 4) ToColumns(FourOf(at, k), &value[k], &du[k], &dv[k]);
   }
@@ -277,33 +235,6 @@ struct PhotometricPairs {
 // What the two frames see at a point p_i, in the axes of frame i: normals or brightness gradients.
 struct CrossPair {
   Triple point, target, source;
-};
-
-struct Rotation {
-  explicit Rotation(const Eigen::Matrix3f& m)
-      : r00(m(0, 0)),
-        r01(m(0, 1)),
-        r02(m(0, 2)),
-        r10(m(1, 0)),
-        r11(m(1, 1)),
-        r12(m(1, 2)),
-        r20(m(2, 0)),
-        r21(m(2, 1)),
-        r22(m(2, 2)) {}
-  Triple operator*(const Triple& p) const {
-    return {r00 * p.x + r01 * p.y + r02 * p.z,
-            r10 * p.x + r11 * p.y + r12 * p.z,
-            r20 * p.x + r21 * p.y + r22 * p.z};
-  }
-  float r00, r01, r02, r10, r11, r12, r20, r21, r22;
-};
-
-// A geometric pair's residual.
-struct Match {
-  float count = 0;  // 1 where the normals agree
-  float residual_m = 0;
-  float inverse_sigma = 0;
-  float normalised = 0;
 };
 
 class SystemBuilder {
@@ -316,73 +247,19 @@ class SystemBuilder {
       : i_(i),
         j_(j),
         gates_(gates),
-        noise_(noise),
-        rotation_(i_from_j.rotation.toRotationMatrix().cast<float>()),
-        translation_(i_from_j.translation_m.cast<float>()),
+        mover_(i.camera, j, i_from_j),
+        match_of_(mover_.rotation(), noise, gates.min_normal_cosine),
         photometric_(j.choice().photometric && !i.intensity.empty()) {}
 
   AlignmentSystem Build() {
     system_.num_source = j_.num_with_normal();
-    auto row = j_.rows().begin();
-    MovedPoints moved;
-    for (moved.begin = 0; moved.begin < j_.size(); moved.begin += kBatch) {
-      moved.size = std::min(kBatch, j_.size() - moved.begin);
-      const std::size_t end = moved.begin + moved.size;
-      for (; row != j_.rows().end() && row->begin < end; ++row) MoveRow(*row, moved);
-      AddMoved(moved);
-    }
+    mover_.ForBatches([&](const MovedPoints& moved) { AddMoved(moved); });
     FlushGeometric();
     FlushPhotometric();
     return Conclude();
   }
 
  private:
-  // p_i = depth * R ray + t; R ray is linear along a row.
-  void MoveRow(const SourceRow& row, MovedPoints& moved) const {
-    const PinholeCamera& camera = j_.level().camera;
-    const Eigen::Vector3f step = rotation_.col(0) / static_cast<float>(camera.fx);
-    const Eigen::Vector3f start = rotation_ * camera.Ray(0, row.v).cast<float>();
-    const float fx = static_cast<float>(i_.camera.fx), fy = static_cast<float>(i_.camera.fy);
-    const float cx = static_cast<float>(i_.camera.cx), cy = static_cast<float>(i_.camera.cy);
-    const float x0 = start.x(), y0 = start.y(), z0 = start.z();
-    const float x1 = step.x(), y1 = step.y(), z1 = step.z();
-    const float tx = translation_.x(), ty = translation_.y(), tz = translation_.z();
-    // One texel of border for the bilinear intensity.
-    const float last_u = static_cast<float>(i_.camera.width - 1);
-    const float last_v = static_cast<float>(i_.camera.height - 1);
-    const std::int32_t width = i_.camera.width;
-    const float* const columns = j_.column() + row.begin;
-    const float* const depth = j_.depth_m() + row.begin;
-    const std::size_t first = row.begin - moved.begin;
-    float* const x = &moved.x[first];
-    float* const y = &moved.y[first];
-    float* const z = &moved.z[first];
-    float* const to_u = &moved.u[first];
-    float* const to_v = &moved.v[first];
-    std::int32_t* const is_inside = &moved.is_inside[first];
-    std::int32_t* const texel = &moved.texel[first];
-    const std::size_t num_points = row.end - row.begin;
-#pragma GCC ivdep
-    for (std::size_t k = 0; k < num_points; ++k) {
-      const float column = columns[k];
-      x[k] = depth[k] * (x0 + column * x1) + tx;
-      y[k] = depth[k] * (y0 + column * y1) + ty;
-      z[k] = depth[k] * (z0 + column * z1) + tz;
-      // Points at or behind the camera fall nowhere; the bound keeps the division finite.
-      const float bounded_z = z[k] > kMinPointZM ? z[k] : kMinPointZM;
-      const float inverse_z = 1.0F / bounded_z;
-      const float at_u = fx * x[k] * inverse_z + cx;
-      const float at_v = fy * y[k] * inverse_z + cy;
-      const bool inside = (depth[k] > 0) & (z[k] > kMinPointZM) & (at_u >= 0) & (at_v >= 0) &
-                          (at_u < last_u) & (at_v < last_v);
-      to_u[k] = inside ? at_u : 0.0F;
-      to_v[k] = inside ? at_v : 0.0F;
-      is_inside[k] = inside ? 1 : 0;
-      texel[k] = static_cast<std::int32_t>(to_v[k] + 0.5F) * width +
-                 static_cast<std::int32_t>(to_u[k] + 0.5F);
-    }
-  }
-
   void AddMoved(const MovedPoints& moved) {
     Column target_offset_m, target_depth_m;
     for (std::size_t k = 0; k < moved.size; ++k) {
@@ -439,26 +316,6 @@ class SystemBuilder {
     }
   }
 
-  // Gives the match of the k-th geometric pair.
-  [[nodiscard]] auto Matching() const {
-    const Rotation rotation(rotation_);
-    const float base = 1.41421356F * static_cast<float>(noise_.base_m);  // both points are measured
-    const float growth = 1.41421356F * static_cast<float>(noise_.growth_per_m);
-    const float min_cosine = gates_.min_normal_cosine;
-    return [rotation, base, growth, min_cosine, &pairs = geometric_](std::size_t k) {
-      const float nx = pairs.nx[k], ny = pairs.ny[k], nz = pairs.nz[k], z = pairs.z[k];
-      const Triple m =
-          rotation * Triple{pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]};
-      const float cosine = m.x * nx + m.y * ny + m.z * nz;
-      Match match;
-      match.count = pairs.counts[k] * (cosine >= min_cosine ? 1.0F : 0.0F);
-      match.residual_m = nx * pairs.x[k] + ny * pairs.y[k] + nz * z - pairs.offset_m[k];
-      match.inverse_sigma = 1.0F / (base + growth * (z - 0.4F) * (z - 0.4F));
-      match.normalised = std::abs(match.residual_m) * match.inverse_sigma;
-      return match;
-    };
-  }
-
   // Derivative of the brightness by the point, in the axes of the camera that sees it at `p`.
   static auto BrightnessGradient(const PinholeCamera& camera) {
     const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
@@ -471,7 +328,7 @@ class SystemBuilder {
   }
 
   [[nodiscard]] auto NormalsOf() const {
-    return [rotation = Rotation(rotation_), &pairs = geometric_](std::size_t k) {
+    return [rotation = Rotation(mover_.rotation()), &pairs = geometric_](std::size_t k) {
       const Triple source{pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]};
       return CrossPair{{pairs.x[k], pairs.y[k], pairs.z[k]},
                        {pairs.nx[k], pairs.ny[k], pairs.nz[k]},
@@ -480,8 +337,9 @@ class SystemBuilder {
   }
 
   [[nodiscard]] auto GradientsOf() const {
-    const Rotation i_from_j(rotation_), j_from_i(rotation_.transpose());
-    const Triple origin{translation_.x(), translation_.y(), translation_.z()};
+    const Rotation i_from_j(mover_.rotation()), j_from_i(mover_.rotation().transpose());
+    const Eigen::Vector3f& translation_m = mover_.translation_m();
+    const Triple origin{translation_m.x(), translation_m.y(), translation_m.z()};
     const auto gradient_i = BrightnessGradient(i_.camera),
                gradient_j = BrightnessGradient(j_.level().camera);
     return [=, gain = gates_.gain, &pairs = photometric_pairs_](std::size_t k) {
@@ -496,29 +354,12 @@ class SystemBuilder {
 
   void FlushGeometric() {
     geometric_.Complete(i_.surface.data(), j_.surface());
-    if (gates_.judge_only) {
-      JudgeGeometric();
-    } else {
-      SumGeometric();
-    }
+    SumGeometric();
     geometric_.size = 0;
   }
 
-  void JudgeGeometric() {
-    const auto match_of = Matching();
-    const std::size_t size = geometric_.size;
-    const float inverse_scale = 1.0F / gates_.geometric_scale;
-    Column weights;
-#pragma GCC ivdep
-    for (std::size_t k = 0; k < size; ++k) {
-      const Match match = match_of(k);
-      weights[k] = match.count * StudentWeight(match.normalised * inverse_scale);
-    }
-    system_.support += Sum(weights, size);
-  }
-
   void SumGeometric() {
-    const auto match_of = Matching();
+    const PlaneMatcher match_of = match_of_;
     const GeometricPairs& pairs = geometric_;
     const std::size_t size = pairs.size;
     const float inverse_scale = 1.0F / gates_.geometric_scale;
@@ -526,24 +367,27 @@ class SystemBuilder {
     std::array<std::int32_t, kBatch> bins;
 #pragma GCC ivdep
     for (std::size_t k = 0; k < size; ++k) {
-      const Match match = match_of(k);
-      matched[k] = match.count;
-      inliers[k] = match.count * (match.normalised <= kInlierSigmas ? 1.0F : 0.0F);
+      const Triple p{pairs.x[k], pairs.y[k], pairs.z[k]};
+      const Triple normal{pairs.nx[k], pairs.ny[k], pairs.nz[k]};
+      const PlaneMatch match =
+          match_of(p,
+                   normal,
+                   pairs.offset_m[k],
+                   {pairs.source_nx[k], pairs.source_ny[k], pairs.source_nz[k]});
+      const float count = pairs.counts[k] * match.agrees;
+      matched[k] = count;
+      inliers[k] = count * (match.normalised <= kInlierSigmas ? 1.0F : 0.0F);
       squares[k] = match.residual_m * match.residual_m;
-      bins[k] = Bin(match.normalised, kBinsPerSigma, match.count);
-      weights[k] = match.count * StudentWeight(match.normalised * inverse_scale);
+      bins[k] = Bin(match.normalised, kBinsPerSigma, count);
+      weights[k] = count * StudentWeight(match.normalised * inverse_scale);
       informations[k] = weights[k] * (match.inverse_sigma * inverse_scale) *
                         (match.inverse_sigma * inverse_scale);
-      rows_.Set(k,
-                {pairs.nx[k], pairs.ny[k], pairs.nz[k]},
-                {pairs.x[k], pairs.y[k], pairs.z[k]},
-                match.residual_m);
+      rows_.Set(k, normal, p, match.residual_m);
     }
     geometric_histogram_.Add(bins, size);
     system_.num_matched += static_cast<int>(Sum(matched, size));
     system_.num_inliers += static_cast<int>(Sum(inliers, size));
     system_.sum_squared_m2 += Dot(inliers, squares, size);
-    system_.support += Sum(weights, size);
     if (gates_.cross_frames) {
       AddCross(informations, size, NormalsOf(), geometric_cross_);
     } else {
@@ -568,17 +412,15 @@ class SystemBuilder {
 
   void FlushPhotometric() {
     photometric_pairs_.Complete(i_, j_);
-    if (!gates_.judge_only) SumPhotometric();
+    SumPhotometric();
     PhotometricPairs& pairs = photometric_pairs_;
     for (std::size_t k = 0; k < pairs.size; ++k) {
       pairs.source[k] -= kMiddleGrey;
       pairs.value[k] -= kMiddleGrey;
     }
     system_.num_photometric += static_cast<int>(Sum(pairs.counts, pairs.size));
-    if (!gates_.judge_only) {
-      brightness_.Add(pairs.source, pairs.value, photometric_weights_, pairs.size);
-      brightness_.AddFalloff(pairs.source, pairs.value, darker_, photometric_weights_, pairs.size);
-    }
+    brightness_.Add(pairs.source, pairs.value, photometric_weights_, pairs.size);
+    brightness_.AddFalloff(pairs.source, pairs.value, darker_, photometric_weights_, pairs.size);
     all_brightness_.Add(pairs.source, pairs.value, pairs.counts, pairs.size);
     pairs.size = 0;
   }
@@ -640,9 +482,8 @@ class SystemBuilder {
   const PyramidLevel& i_;
   const SourcePoints& j_;
   const AlignmentGates& gates_;
-  const DepthNoise& noise_;
-  const Eigen::Matrix3f rotation_;
-  const Eigen::Vector3f translation_;
+  const PointMover mover_;
+  const PlaneMatcher match_of_;
   const bool photometric_;
   AlignmentSystem system_;
   GeometricPairs geometric_;

@@ -24,7 +24,6 @@ struct AlignmentGates {
   // for structure; and texture that lies beside its like, as at a wrong place, counts for nothing.
   // For judging a solution; may be slightly indefinite. The gradient is void then.
   bool cross_frames = false;
-  bool judge_only = false;  // counts of points, support and correlation of brightness alone
 };
 
 struct AlignmentSystem {
@@ -43,7 +42,6 @@ struct AlignmentSystem {
   int num_photometric = 0;
   double sum_squared_m2 = 0;          // geometric, over inliers
   double brightness_correlation = 0;  // of the two intensities over the photometric residuals
-  double support = 0;  // sum of the geometric residuals' Student-t weights at the gates' scale
   // What the next step should use: robust spread of the residuals found, brightness fitted to them.
   float geometric_scale = 1.0F;
   float photometric_scale = 10.0F;

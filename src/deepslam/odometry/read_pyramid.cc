@@ -10,10 +10,9 @@ Result<ReadFrame> ReadPyramid(const FrameSource& frames,
   const PinholeCamera& camera = frames.camera();
   Result<Frame> depth = frames.ReadDepth(frame);
   if (!depth.ok()) return depth.error();
-  const Result<BrightnessImage> brightness =
-      frames.ReadBrightness(frame, WorkReduction(camera, options));
+  Result<BrightnessImage> brightness = frames.ReadBrightness(frame, WorkReduction(camera, options));
   if (!brightness.ok()) return brightness.error();
-  FramePyramid pyramid = BuildPyramid(depth->depth_m, *brightness, camera, options);
+  FramePyramid pyramid = BuildPyramid(depth->depth_m, std::move(*brightness), camera, options);
   if (pyramid.empty()) return InvalidInput("depth image has not the size of the camera");
   return ReadFrame{std::move(pyramid), std::move(depth->depth_m)};
 }

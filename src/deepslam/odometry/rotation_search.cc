@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "deepslam/core/wide_vectors.h"
+#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -32,7 +33,7 @@ class CentredImage {
   explicit CentredImage(const PyramidLevel& level)
       : width_(level.camera.width),
         height_(level.camera.height),
-        values_(level.intensity.size()),
+        values_(level.brightness.size()),
         sums_(static_cast<std::size_t>(width_ + 1) * static_cast<std::size_t>(height_ + 1)),
         squares_(sums_.size()) {
     for (int v = 0; v < height_; ++v) {
@@ -40,7 +41,7 @@ class CentredImage {
       for (int u = 0; u < width_; ++u) {
         const std::size_t at = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
                                static_cast<std::size_t>(u);
-        values_[at] = level.intensity[at].value - 128.0F;
+        values_[at] = level.brightness(u, v) - 128.0F;
         const double value = static_cast<double>(values_[at]);
         sum += value;
         square += value * value;
@@ -166,85 +167,87 @@ class TurnedRow {
  public:
   explicit TurnedRow(const PinholeCamera& camera)
       : camera_(camera), width_(static_cast<std::size_t>(camera.width)), target_(width_) {
-    for (std::vector<double>& numbers : numbers_) numbers.resize(width_);
+    for (std::vector<float>& numbers : numbers_) numbers.resize(width_);
   }
 
   // Where the texels of row v lie in image i; target -1 outside it.
   void Turn(const Eigen::Quaterniond& i_from_j, int v) {
-    const Eigen::Vector3d axis = i_from_j.vec();
-    const double w = i_from_j.w(), ax = axis.x(), ay = axis.y(), az = axis.z();
-    const double fx = camera_.fx, fy = camera_.fy, cx = camera_.cx, cy = camera_.cy;
-    const double right = camera_.width - 2, bottom = camera_.height - 2;
-    const double y = (v - cy) / fy;
-    double *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
-    double *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
+    const Eigen::Quaternionf turn = i_from_j.cast<float>();
+    const float w = turn.w(), ax = turn.x(), ay = turn.y(), az = turn.z();
+    const float fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
+    const float cx = static_cast<float>(camera_.cx), cy = static_cast<float>(camera_.cy);
+    const float right = static_cast<float>(camera_.width - 2);
+    const float bottom = static_cast<float>(camera_.height - 2);
+    const float y = (static_cast<float>(v) - cy) / fy;
+    float *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
+    float *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
     std::int32_t* const target = target_.data();
     const std::int32_t width = camera_.width;
 #pragma GCC ivdep
     for (std::int32_t u = 1; u < width - 1; ++u) {
-      const double x = (u - cx) / fx;
-      double tx = ay - az * y, ty = az * x - ax, tz = ax * y - ay * x;  // axis x ray
+      const float x = (static_cast<float>(u) - cx) / fx;
+      float tx = ay - az * y, ty = az * x - ax, tz = ax * y - ay * x;  // axis x ray
       tx += tx;
       ty += ty;
       tz += tz;
       rx[u] = x + w * tx + (ay * tz - az * ty);
       ry[u] = y + w * ty + (az * tx - ax * tz);
-      rz[u] = 1.0 + w * tz + (ax * ty - ay * tx);
-      const double at_u = fx * rx[u] / rz[u] + cx;
-      const double at_v = fy * ry[u] / rz[u] + cy;
+      rz[u] = 1.0F + w * tz + (ax * ty - ay * tx);
+      const float at_u = fx * rx[u] / rz[u] + cx;
+      const float at_v = fy * ry[u] / rz[u] + cy;
       const bool inside =
-          (rz[u] > 1e-6) & (at_u >= 1) & (at_v >= 1) & (at_u < right) & (at_v < bottom);
-      const auto nearest_u = static_cast<std::int32_t>(inside ? at_u + 0.5 : 0.0);
-      const auto nearest_v = static_cast<std::int32_t>(inside ? at_v + 0.5 : 0.0);
-      off_u[u] = at_u - nearest_u;
-      off_v[u] = at_v - nearest_v;
+          (rz[u] > 1e-6F) & (at_u >= 1) & (at_v >= 1) & (at_u < right) & (at_v < bottom);
+      const auto nearest_u = static_cast<std::int32_t>(inside ? at_u + 0.5F : 0.0F);
+      const auto nearest_v = static_cast<std::int32_t>(inside ? at_v + 0.5F : 0.0F);
+      off_u[u] = at_u - static_cast<float>(nearest_u);
+      off_v[u] = at_v - static_cast<float>(nearest_v);
       target[u] = inside ? nearest_v * width + nearest_u : -1;
     }
   }
 
   // Residuals to first order from the nearest texel's centre, their weights and Jacobians.
-  void Compare(const UnfilledVector<IntensityTexel>& i, const IntensityTexel* row_of_j) {
-    double *const value = (*this)[kResidual], *const du = (*this)[kDu], *const dv = (*this)[kDv];
+  void Compare(const UnfilledVector<IntensityTexel>& i, const float* row_of_j) {
+    float *const value = (*this)[kResidual], *const du = (*this)[kDu], *const dv = (*this)[kDv];
     for (std::size_t u = 1; u + 1 < width_; ++u) {
       const IntensityTexel& to = i[static_cast<std::size_t>(std::max(0, target_[u]))];
-      value[u] = static_cast<double>(to.value);
-      du[u] = static_cast<double>(to.du);
-      dv[u] = static_cast<double>(to.dv);
+      value[u] = to.value;
+      du[u] = to.du;
+      dv[u] = to.dv;
     }
-    const double fx = camera_.fx, fy = camera_.fy;
-    double *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
-    double *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
-    double* const weight = (*this)[kWeight];
+    const float fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
+    float *const rx = (*this)[kRayX], *const ry = (*this)[kRayY], *const rz = (*this)[kRayZ];
+    float *const off_u = (*this)[kOffsetU], *const off_v = (*this)[kOffsetV];
+    float* const weight = (*this)[kWeight];
     const std::int32_t* const target = target_.data();
 #pragma GCC ivdep
     for (std::size_t u = 1; u < width_ - 1; ++u) {
-      const double residual =
-          value[u] + du[u] * off_u[u] + dv[u] * off_v[u] - static_cast<double>(row_of_j[u].value);
-      const double x = rx[u], y = ry[u], z = rz[u];
-      const double gx = du[u] * fx / z, gy = dv[u] * fy / z;
-      const double gz = -(gx * x + gy * y) / z;
+      const float residual = value[u] + du[u] * off_u[u] + dv[u] * off_v[u] - row_of_j[u];
+      const float x = rx[u], y = ry[u], z = rz[u];
+      const float gx = du[u] * fx / z, gy = dv[u] * fy / z;
+      const float gz = -(gx * x + gy * y) / z;
       // Huber at 15 grey levels: exposure and parallax leave residuals of that order at this
       // resolution.
       const bool counts = target[u] >= 0;
-      weight[u] = 15 / std::max(15.0, std::abs(residual));
-      value[u] = counts ? residual : 0.0;
-      rx[u] = counts ? y * gz - z * gy : 0.0;  // ray x gradient
-      ry[u] = counts ? z * gx - x * gz : 0.0;
-      rz[u] = counts ? x * gy - y * gx : 0.0;
+      weight[u] = 15 / std::max(15.0F, std::abs(residual));
+      value[u] = counts ? residual : 0.0F;
+      rx[u] = counts ? y * gz - z * gy : 0.0F;  // ray x gradient
+      ry[u] = counts ? z * gx - x * gz : 0.0F;
+      rz[u] = counts ? x * gy - y * gx : 0.0F;
     }
   }
 
   // What Compare() found; of the Hessian the part below the diagonal and that itself.
   void AddTo(RotationSystem& system) const {
-    const double *const jx = numbers_[kRayX].data(), *const jy = numbers_[kRayY].data(),
-                        *const jz = numbers_[kRayZ].data();
-    const double *const weights = numbers_[kWeight].data(), *const residuals =
-                                                                numbers_[kResidual].data();
+    const float *const jx = numbers_[kRayX].data(), *const jy = numbers_[kRayY].data(),
+                       *const jz = numbers_[kRayZ].data();
+    const float *const weights = numbers_[kWeight].data(), *const residuals =
+                                                               numbers_[kResidual].data();
     RotationSystem sum = system;
     for (std::size_t u = 1; u + 1 < width_; ++u) {
-      const double x = jx[u], y = jy[u], z = jz[u], residual = residuals[u];
-      const double wx = weights[u] * x, wy = weights[u] * y, wz = weights[u] * z;
-      const double wr = weights[u] * residual;
+      const double x = static_cast<double>(jx[u]), y = static_cast<double>(jy[u]);
+      const double z = static_cast<double>(jz[u]), weight = static_cast<double>(weights[u]);
+      const double residual = static_cast<double>(residuals[u]);
+      const double wx = weight * x, wy = weight * y, wz = weight * z, wr = weight * residual;
       sum.hessian(0, 0) += wx * x;
       sum.hessian(1, 0) += wy * x;
       sum.hessian(2, 0) += wz * x;
@@ -274,23 +277,23 @@ class TurnedRow {
     kWeight,
     kNumQuantities
   };
-  [[nodiscard]] double* operator[](Quantity quantity) { return numbers_[quantity].data(); }
+  [[nodiscard]] float* operator[](Quantity quantity) { return numbers_[quantity].data(); }
 
   PinholeCamera camera_;
   std::size_t width_;
   std::vector<std::int32_t> target_;
-  std::array<std::vector<double>, kNumQuantities> numbers_;
+  std::array<std::vector<float>, kNumQuantities> numbers_;
 };
 
-RotationSystem BuildRotationSystem(const PyramidLevel& i,
+RotationSystem BuildRotationSystem(const UnfilledVector<IntensityTexel>& i,
                                    const PyramidLevel& j,
                                    const Eigen::Quaterniond& i_from_j,
                                    TurnedRow& row) {
-  const PinholeCamera& camera = i.camera;
+  const PinholeCamera& camera = j.camera;
   RotationSystem system;
   for (int v = 1; v + 1 < camera.height; ++v) {
     row.Turn(i_from_j, v);
-    row.Compare(i.intensity, j.intensity.data() + static_cast<std::ptrdiff_t>(v) * camera.width);
+    row.Compare(i, j.brightness.row(v));
     row.AddTo(system);
   }
   return system;
@@ -303,16 +306,17 @@ DEEPSLAM_WIDE_VECTORS std::optional<Eigen::Quaterniond> SearchRotation(const Fra
   if (i.empty() || j.empty() || i.levels.size() != j.levels.size()) return std::nullopt;
   const PyramidLevel& coarse_i = i.levels.back();
   const PyramidLevel& coarse_j = j.levels.back();
-  if (coarse_i.intensity.empty() || coarse_i.intensity.size() != coarse_j.intensity.size())
+  if (coarse_i.brightness.empty() || coarse_i.brightness.size() != coarse_j.brightness.size())
     return std::nullopt;
   const Shift shift = BestShift(coarse_i, coarse_j);
   if (shift.correlation < kMinCorrelation) return std::nullopt;
   Eigen::Quaterniond best = RotationOfShift(coarse_i.camera, shift);
   Eigen::Quaterniond rotation = best;
   double best_error = -1;
+  const UnfilledVector<IntensityTexel> texels = WithDerivatives(coarse_i.brightness);
   TurnedRow row(coarse_i.camera);
   for (int n = 0; n < kMaxRefinements; ++n) {
-    const RotationSystem system = BuildRotationSystem(coarse_i, coarse_j, rotation, row);
+    const RotationSystem system = BuildRotationSystem(texels, coarse_j, rotation, row);
     if (system.count < 30) break;
     const double error = system.sum_squared / system.count;
     if (best_error >= 0 && error >= best_error) break;

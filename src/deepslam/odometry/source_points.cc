@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/core/wide_vectors.h"
 #include "deepslam/odometry/batch_columns.h"
+#include "deepslam/odometry/texel_rows.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -19,14 +21,12 @@ std::size_t MostPoints(const PyramidLevel& level, int stride) {
   return lanes * static_cast<std::size_t>(level.camera.height / stride + 1);
 }
 
-bool IsFlat(const IntensityTexel& texel) {
-  return std::abs(texel.du) + std::abs(texel.dv) < kMinGradient;
-}
-
 }  // namespace
 
 SourcePoints::SourcePoints(const PyramidLevel& level, const SourceChoice& choice)
-    : level_(level), choice_(choice) {
+    : level_(level),
+      choice_(choice),
+      photometric_(choice.photometric && !level.brightness.empty()) {
   const std::size_t most = MostPoints(level, choice.stride);
   // Without initial values: these would take as long as a step over the points.
   for (auto* numbers : {&column_, &depth_m_, &rho2_})
@@ -35,35 +35,41 @@ SourcePoints::SourcePoints(const PyramidLevel& level, const SourceChoice& choice
     *texels = std::make_unique_for_overwrite<PackedTexel[]>(most);
   for (auto* flags : {&has_normal_, &has_texture_})
     *flags = std::make_unique_for_overwrite<std::int32_t[]>(most);
-  for (int v = choice.stride / 2; v < level.camera.height; v += choice.stride) {
+  Gather();
+}
+
+DEEPSLAM_WIDE_VECTORS void SourcePoints::Gather() {
+  SurfaceRow surface(level_.camera.width);
+  IntensityRow intensity(level_.camera.width);  // all 0 where brightness does not count
+  for (int v = choice_.stride / 2; v < level_.camera.height; v += choice_.stride) {
     const std::size_t begin = size_;
-    AddRow(v);
+    ReadSurface(level_, v, surface);
+    if (photometric_) ReadIntensity(level_.brightness, v, intensity);
+    AddRow(v, surface, intensity);
     FillLanes();
     AddPieces(v, begin);
   }
 }
 
 // Every point is written, and kept by counting it: there is no branch for outlines to mislead.
-void SourcePoints::AddRow(int v) {
+void SourcePoints::AddRow(int v, const SurfaceRow& surface, const IntensityRow& intensity) {
   const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(v) * level_.camera.width;
   const float* const depth_m = level_.depth_m.data() + start;
-  const SurfaceTexel* const surface = level_.surface.data() + start;
-  const bool photometric = choice_.photometric && !level_.intensity.empty();
-  const IntensityTexel* const intensity = photometric ? level_.intensity.data() + start : nullptr;
+  const float *const nx = surface[0], *const ny = surface[1], *const nz = surface[2];
+  const float* const offset_m = surface[3];
+  const float *const value = intensity[0], *const du = intensity[1], *const dv = intensity[2];
   std::size_t n = size_;
   for (int u = choice_.stride / 2; u < level_.camera.width; u += choice_.stride) {
-    const SurfaceTexel& normal = surface[u];
-    const IntensityTexel texel = photometric ? intensity[u] : IntensityTexel{};
     const bool has_depth = depth_m[u] > 0;
-    const bool has_normal = normal.offset_m < 0;
-    bool has_texture = photometric & !IsFlat(texel);
+    const bool has_normal = offset_m[u] < 0;
+    bool has_texture = std::abs(du[u]) + std::abs(dv[u]) >= kMinGradient;
     // Outlines of objects have depth but no normal; their brightness still says where they are.
     if (choice_.near & has_texture & has_depth & !has_normal)
       has_texture = ShowsItself(level_, start + u);
     column_[n] = static_cast<float>(u);
     depth_m_[n] = depth_m[u];
-    surface_[n] = {normal.nx, normal.ny, normal.nz, normal.offset_m};
-    intensity_[n] = {texel.value, texel.du, texel.dv, 0};
+    surface_[n] = {nx[u], ny[u], nz[u], offset_m[u]};
+    intensity_[n] = {value[u], du[u], dv[u], 0};
     has_normal_[n] = has_normal ? 1 : 0;
     has_texture_[n] = has_texture ? 1 : 0;
     num_with_normal_ += has_normal ? 1 : 0;

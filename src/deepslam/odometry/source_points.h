@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/odometry/texel_rows.h"
 
 namespace deepslam::odometry {
 
@@ -57,12 +58,14 @@ class SourcePoints {
   [[nodiscard]] const std::int32_t* has_texture() const { return has_texture_.get(); }
 
  private:
-  void AddRow(int v);
+  void Gather();
+  void AddRow(int v, const SurfaceRow& surface, const IntensityRow& intensity);
   void FillLanes();
   void AddPieces(int v, std::size_t begin);
 
   const PyramidLevel& level_;
   const SourceChoice choice_;
+  const bool photometric_;
   int num_with_normal_ = 0;
   std::size_t size_ = 0;
   std::vector<SourceRow> rows_;

@@ -15,6 +15,8 @@
 #include "deepslam/odometry/detail_likeness.h"
 #include "deepslam/odometry/pose_interpolation.h"
 #include "deepslam/odometry/rotation_search.h"
+#include "deepslam/odometry/sharpened_alignment.h"
+#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -250,7 +252,10 @@ FrameAlignment Tracker::AlignWidely(const Anchor& anchor,
     for (const Pose3& orbit : orbits) starts_world.push_back(starts_world[k] * orbit);
   }
   const FrameAlignment second = align();
-  const bool better = second.ok == first.ok ? second.support > first.support : second.ok;
+  const auto support_of = [&](const FrameAlignment& alignment) {
+    return Support(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, options_.alignment);
+  };
+  const bool better = second.ok == first.ok ? support_of(second) > support_of(first) : second.ok;
   return better ? second : first;
 }
 
@@ -347,9 +352,13 @@ void Tracker::AddAligned(const Anchor& frame, const FrameAlignment& alignment) {
 
 bool Tracker::AlignToReference(Anchor& frame) {
   const bool to_previous = options_.reference == "previous";
+  if (to_previous) Prepare(*previous_);
   const Anchor reference = to_previous ? *previous_ : keyframes_.back();
-  const FrameAlignment alignment = AlignWidely(reference, *previous_, frame, Starts(frame));
+  FrameAlignment alignment = AlignWidely(reference, *previous_, frame, Starts(frame));
   if (!alignment.ok) return false;
+  // From frame to frame each end carries on.
+  if (to_previous)
+    alignment = Sharpened(alignment, *reference.pyramid, *frame.pyramid, options_.alignment);
   Accept(frame, reference, alignment);
   if (to_previous) {
     previous_alignment_.reset();
@@ -366,6 +375,7 @@ bool Tracker::AlignToReference(Anchor& frame) {
 bool Tracker::AlignToPrevious(Anchor& frame) {
   if (options_.reference == "previous" || previous_->frame == keyframes_.back().frame) return false;
   HideMoved(*previous_);
+  Prepare(*previous_);
   const FrameAlignment alignment = AlignWidely(*previous_, *previous_, frame, Starts(frame));
   if (!alignment.ok) return false;
   const std::optional<FrameAlignment> direct = previous_alignment_;
@@ -383,12 +393,13 @@ bool Tracker::Relocalise(Anchor& frame) {
   for (auto keyframe = keyframes_.rbegin(); keyframe != keyframes_.rend(); ++keyframe) {
     std::vector<Pose3> starts{previous_->world_from_camera, keyframe->world_from_camera};
     if (const auto start = SearchStart(*keyframe, frame)) starts.push_back(*start);
-    const FrameAlignment alignment = AlignWidely(*keyframe, *previous_, frame, starts);
+    FrameAlignment alignment = AlignWidely(*keyframe, *previous_, frame, starts);
     // Elsewhere some earlier keyframe nearly always fits somehow; a new piece is joined when it is
     // sure where.
     const bool is_last = keyframe == keyframes_.rbegin();
     if (!alignment.ok || (!is_last && Doubtful(alignment))) continue;
     const Anchor found = *keyframe;
+    alignment = Sharpened(alignment, *found.pyramid, *frame.pyramid, options_.alignment);
     Accept(frame, found, alignment);
     last_interval_s_ = 0;  // the motion across a loss predicts nothing
     if (found.frame != keyframes_.back().frame) {
@@ -411,6 +422,7 @@ bool Tracker::AlignToPending(Anchor& frame) {
   if (!pending_) return false;
   Anchor start = *pending_;
   start.piece = piece_ + 1;
+  Prepare(start);
   std::vector<Pose3> starts{start.world_from_camera};
   if (const auto found = SearchStart(start, frame)) starts.push_back(*found);
   const FrameAlignment alignment = AlignWidely(start, start, frame, starts);
@@ -451,7 +463,12 @@ void Tracker::AddKeyframe(Anchor& frame, const FrameAlignment* direct) {
   HideMoved(frame);
   const Anchor& last = keyframes_.back();
   const FrameAlignment alignment =
-      direct != nullptr ? *direct : AlignTo(last, frame, {frame.world_from_camera});
+      Sharpened(direct != nullptr ? *direct : AlignTo(last, frame, {frame.world_from_camera}),
+                *last.pyramid,
+                *frame.pyramid,
+                options_.alignment);
+  if (direct != nullptr && alignment.ok)
+    frame.world_from_camera = last.world_from_camera * alignment.i_from_j;
   frame.held = alignment.held;
   if (alignment.ok) {
     AddEdge(last, frame, alignment);
@@ -497,8 +514,9 @@ void Tracker::RejoinPiece(Anchor& frame) {
     if (earlier.piece >= frame.piece) continue;
     std::vector<Pose3> starts{earlier.world_from_camera};
     if (const auto start = SearchStart(earlier, frame)) starts.push_back(*start);
-    const FrameAlignment alignment = AlignWidely(earlier, *previous_, frame, starts);
+    FrameAlignment alignment = AlignWidely(earlier, *previous_, frame, starts);
     if (Doubtful(alignment)) continue;
+    alignment = Sharpened(alignment, *earlier.pyramid, *frame.pyramid, options_.alignment);
     const Pose3 moved =
         earlier.world_from_camera * alignment.i_from_j * frame.world_from_camera.Inverse();
     std::vector<PlacedPyramid> carried = KeyframesOf(frame.piece);
@@ -570,9 +588,15 @@ void Tracker::HideMoved(Anchor& frame) const {
                                options_.alignment.pyramid.noise);
 }
 
-void Tracker::PushKeyframe(const Anchor& frame) {
+void Tracker::Prepare(Anchor& target) {
+  if (IsTarget(*target.pyramid)) return;
+  target.pyramid = std::make_shared<const FramePyramid>(AsTarget(*target.pyramid));
+}
+
+void Tracker::PushKeyframe(Anchor frame) {
+  Prepare(frame);
   odometry_.keyframes.push_back(frame.frame);
-  keyframes_.push_back(frame);
+  keyframes_.push_back(std::move(frame));
   while (keyframes_.size() > static_cast<std::size_t>(options_.num_relocalisation_keyframes))
     keyframes_.pop_front();
 }

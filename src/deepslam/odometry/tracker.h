@@ -90,7 +90,9 @@ class Tracker {
   void CarryPiece(Anchor& frame, const Pose3& moved, int joined);
   // Nothing is to be aligned to what walks about.
   void HideMoved(Anchor& frame) const;
-  void PushKeyframe(const Anchor& frame);
+  // Only to what was prepared for it frames can be aligned.
+  static void Prepare(Anchor& target);
+  void PushKeyframe(Anchor frame);
   void AddEdge(const Anchor& i, const Anchor& j, const FrameAlignment& alignment);
   void AddWeakEdge(const Anchor& i, const Anchor& j);
   void InterpolateGaps();

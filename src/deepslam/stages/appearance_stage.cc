@@ -12,6 +12,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/neighbours.h"
 #include "deepslam/odometry/frame_alignment.h"
+#include "deepslam/odometry/sharpened_alignment.h"
 #include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/register_pairs.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -152,7 +153,8 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
   options.photometric = true;
   PairAlignment alignment;
   alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
-    return odometry::AlignPyramids(older, newer, {&start, 1}, options);
+    const auto found = odometry::AlignPyramids(older, newer, {&start, 1}, options);
+    return odometry::Sharpened(found, older, newer, options);
   };
   alignment.without = "not measured against others that look alike";
   constexpr std::size_t kMostPyramids = 32;

@@ -7,6 +7,7 @@
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/odometry/read_pyramid.h"
+#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::stages {
 
@@ -44,7 +45,22 @@ std::vector<std::string> KeyframePyramids::Hold(std::span<const FrameIdx> wanted
     }
     entries_.at(missing[n]).pyramid = std::make_shared<const FramePyramid>(std::move(pyramid));
   }
+  PrepareWanted();
   return faults;
+}
+
+// Either of a pair may be the one that the other is aligned to.
+void KeyframePyramids::PrepareWanted() {
+  std::vector<Entry*> unprepared;
+  for (auto& [keyframe, entry] : entries_) {
+    if (entry.last_round == round_ && !entry.pyramid->empty() &&
+        !odometry::IsTarget(*entry.pyramid))
+      unprepared.push_back(&entry);
+  }
+  ParallelFor(unprepared.size(), [&](std::size_t n) {
+    auto& pyramid = unprepared[n]->pyramid;
+    pyramid = std::make_shared<const FramePyramid>(odometry::AsTarget(*pyramid));
+  });
 }
 
 const FramePyramid& KeyframePyramids::operator[](FrameIdx keyframe) const {

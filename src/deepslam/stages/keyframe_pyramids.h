@@ -1,4 +1,5 @@
-// Keyframes prepared for alignment, made once while pairs of them ask for them in turn.
+// Keyframes prepared for alignment, and as what others are aligned to, made once while pairs of
+// them ask for them in turn.
 #pragma once
 
 #include <cstddef>
@@ -43,6 +44,7 @@ class KeyframePyramids {
   // What was asked for is given up before what will be.
   [[nodiscard]] int Age(const Entry& entry) const;
   void GiveUpOldest();
+  void PrepareWanted();
 
   const FrameSource& frames_;
   odometry::PyramidOptions options_;

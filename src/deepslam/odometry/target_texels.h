@@ -1,0 +1,19 @@
+// What other frames are aligned to: each texel's tangent plane, and its brightness with
+// derivatives. Keyframes alone need them, of every texel; a frame that is aligned brings a few rows
+// (SourcePoints).
+#pragma once
+
+#include <vector>
+
+#include "deepslam/odometry/image_pyramid.h"
+
+namespace deepslam::odometry {
+
+[[nodiscard]] bool IsTarget(const FramePyramid& pyramid);
+
+// The same with texels on all levels.
+[[nodiscard]] FramePyramid AsTarget(FramePyramid pyramid);
+
+[[nodiscard]] UnfilledVector<IntensityTexel> WithDerivatives(const BrightnessImage& image);
+
+}  // namespace deepslam::odometry
