@@ -35,7 +35,7 @@ constexpr StartSigma kPrior;
 // of the level.
 constexpr double kConvergedPx = 0.01;
 // ... where a frame is only to be placed: ends lie towards the start, which edges would carry on.
-constexpr double kPlacedPx = 0.1;
+constexpr double kPlacedPx = 0.05;
 constexpr double kConvergedMiddlePx = 0.08;  // at levels that a finer one follows
 constexpr double kConvergedFarPx = 0.04;     // at the coarsest level
 constexpr double kConvergedDistanceM = 2.0;

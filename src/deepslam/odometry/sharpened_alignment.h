@@ -1,5 +1,5 @@
-// An alignment to its end, for what is built on it: frames are placed to a tenth of a pixel of the
-// finest level, which is less than their noise, but leans towards where the camera was expected.
+// An alignment to its end, for what is built on it: frames are placed to a twentieth of a pixel of
+// the finest level, which is less than their noise, but leans towards where the camera was expected.
 #pragma once
 
 #include "deepslam/odometry/frame_alignment.h"
