@@ -75,12 +75,7 @@ TEST(JudgePlace, CountsAndComparesAsAStepDoes) {
       const AlignmentGates gates;
       const AlignmentSystem step =
           BuildAlignmentSystem(i.levels[k], points, off * kIFromJ, gates, {});
-      const PlaceJudgement place =
-          JudgePlace(i.levels[k],
-                     points,
-                     off * kIFromJ,
-                     {gates.max_distance_m, gates.min_normal_cosine, gates.geometric_scale},
-                     {});
+      const PlaceJudgement place = JudgePlace(i.levels[k], points, off * kIFromJ, gates, {});
       EXPECT_EQ(place.num_source, step.num_source);
       EXPECT_EQ(place.num_overlap, step.num_overlap);
       EXPECT_EQ(place.num_photometric, step.num_photometric);

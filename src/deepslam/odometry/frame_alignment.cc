@@ -373,12 +373,9 @@ PlaceJudgement JudgeCoarsely(const PyramidLevel& i,
                              const SourcePoints& j,
                              const Pose3& i_from_j,
                              const AlignmentOptions& options) {
-  const AlignmentGates gates = LevelGates(options, 0);
-  return JudgePlace(i,
-                    j,
-                    i_from_j,
-                    {gates.max_distance_m, gates.min_normal_cosine, kJudgeScale},
-                    options.pyramid.noise);
+  PlaceGates gates = LevelGates(options, 0);
+  gates.geometric_scale = kJudgeScale;
+  return JudgePlace(i, j, i_from_j, gates, options.pyramid.noise);
 }
 
 // What competing starts are judged by: over the common points, geometric agreement at a common
@@ -418,7 +415,7 @@ class CoarsePoints {
   [[nodiscard]] const PyramidLevel& level() const { return level_; }
   [[nodiscard]] const SourcePoints& part() const { return part_; }
   [[nodiscard]] const SourcePoints& all() {
-    if (!all_) all_.emplace(level_, SourceChoice{1, options_.photometric, false});
+    if (!all_) all_.emplace(FarPoints(level_, 1, options_));
     return *all_;
   }
 

@@ -4,15 +4,10 @@
 
 #include "deepslam/geometry/pose.h"
 #include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/odometry/place_gates.h"
 #include "deepslam/odometry/source_points.h"
 
 namespace deepslam::odometry {
-
-struct PlaceGates {
-  float max_distance_m = 0.1F;  // along the optical axis of i
-  float min_normal_cosine = 0.64F;
-  float geometric_scale = 1.0F;  // standard deviation of residual / noise(z)
-};
 
 struct PlaceJudgement {
   int num_source = 0;   // points of j with a normal

@@ -3,15 +3,13 @@
 
 #include "deepslam/geometry/pose.h"
 #include "deepslam/odometry/image_pyramid.h"
+#include "deepslam/odometry/place_gates.h"
 #include "deepslam/odometry/source_points.h"
 
 namespace deepslam::odometry {
 
-// What a correspondence must fulfil, and the scales its residuals are divided by.
-struct AlignmentGates {
-  float max_distance_m = 0.1F;  // along the optical axis of i
-  float min_normal_cosine = 0.64F;
-  float geometric_scale = 1.0F;     // standard deviation of residual / noise(z)
+// PlaceGates, and by what a step compares brightness.
+struct AlignmentGates : PlaceGates {
   float photometric_scale = 10.0F;  // grey levels
   // I_i = gain * I_j + bias + falloff * I_j * (rho_i^2 - rho_j^2), rho being the tangent of the
   // angle between the ray and the optical axis: lenses darken towards the corners, and what stays
