@@ -292,9 +292,10 @@ Result<artifact::DetectionTable> DetectAll(const StageContext& context, const Ru
   artifact::DetectionTable table;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     FrameFinds& finds = (*found)[i];
-    std::ranges::copy(
-        std::ranges::equal_range(from_file->detections, wanted[i], {}, &Detection::frame),
-        std::back_inserter(finds.detections));
+    const std::vector<Detection>& given = from_file->detections;
+    finds.detections.insert(finds.detections.end(),
+                            std::ranges::lower_bound(given, wanted[i], {}, &Detection::frame),
+                            std::ranges::upper_bound(given, wanted[i], {}, &Detection::frame));
     table.images.push_back(images[static_cast<std::size_t>(wanted[i].value)]);
     table.images.back().contains_person = finds.contains_person;
     WarnOf(finds, wanted[i], context.progress());
