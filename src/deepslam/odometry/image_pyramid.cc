@@ -269,90 +269,11 @@ UnfilledVector<float> ReduceDepth(const float* depth,
   return result;
 }
 
-// Rows with so many texels without depth before and behind that no window reaches further: depth 0
-// is too far off to get weight.
-class PaddedRows {
- public:
-  PaddedRows(const UnfilledVector<float>& depth, const PinholeCamera& camera, int padding)
-      : width_(camera.width + 2 * padding),
-        padding_(padding),
-        depth_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(camera.height)) {
-    for (int v = 0; v < camera.height; ++v) {
-      float* const row = depth_.data() + static_cast<std::ptrdiff_t>(v) * width_;
-      std::fill_n(row, padding, 0.0F);
-      std::copy_n(depth.data() + Offset(camera, 0, v), camera.width, row + padding);
-      std::fill_n(row + padding + camera.width, padding, 0.0F);
-    }
-  }
-  [[nodiscard]] const float* operator[](int v) const {
-    return depth_.data() + static_cast<std::ptrdiff_t>(v) * width_ + padding_;
-  }
-
- private:
-  int width_, padding_;
-  UnfilledVector<float> depth_;
-};
-
-// Sums of a row of the smoothing window over a row of texels.
-struct WindowSums {
-  explicit WindowSums(std::size_t width)
-      : inverse_tolerance_sq(width), difference(width), weight(width) {}
-  std::vector<float> inverse_tolerance_sq, difference, weight;
-};
-
-// All taps of a row of the window at once: sums stay in registers.
-template <std::size_t... kTaps>
-void AddTaps(const float* centre,
-             const float* row,
-             const float* tap_weights,
-             WindowSums& sums,
-             std::index_sequence<kTaps...> /*taps*/) {
-  constexpr int kRadius = static_cast<int>(sizeof...(kTaps) / 2);
-  const float* const inverse_tolerance_sq = sums.inverse_tolerance_sq.data();
-  float* const sum = sums.difference.data();
-  float* const sum_weight = sums.weight.data();
-  const std::array<float, sizeof...(kTaps)> weights = {tap_weights[kTaps]...};
-  const int width = static_cast<int>(sums.weight.size());
-#pragma GCC ivdep
-  for (int u = 0; u < width; ++u) {
-    const float middle = centre[u], inverse = inverse_tolerance_sq[u];
-    const float* const first = row + u - kRadius;
-    float of_row = sum[u], weight_of_row = sum_weight[u];
-    const auto add = [&](float depth, float tap_weight) {
-      const float difference = depth - middle;
-      const float w = tap_weight * std::max(0.0F, 1.0F - difference * difference * inverse);
-      of_row += w * difference;
-      weight_of_row += w;
-    };
-    (add(first[kTaps], weights[kTaps]), ...);
-    sum[u] = of_row;
-    sum_weight[u] = weight_of_row;
-  }
-}
-
-// Taps `row`[u - radius] ... [u + radius] for every column u.
-template <int kRadius = kWindowRadius>
-void AddTaps(const float* centre,
-             const float* row,
-             std::span<const float> tap_weights,
-             WindowSums& sums) {
-  // What depth noise up to kMaxNoiseScale asks for.
-  constexpr int kMostRadius = 6;
-  constexpr std::size_t kNumTaps = 2 * kRadius + 1;
-  if constexpr (kRadius < kMostRadius) {
-    if (tap_weights.size() != kNumTaps) return AddTaps<kRadius + 1>(centre, row, tap_weights, sums);
-  }
-  DEEPSLAM_CHECK(tap_weights.size() == kNumTaps, "no such window");
-  AddTaps(centre, row, tap_weights.data(), sums, std::make_index_sequence<kNumTaps>());
-}
-
-// Row by row of a window.
+// Weights of the taps of a window along one axis.
 std::vector<float> TapWeights(int radius, float spread) {
   std::vector<float> weights;
-  for (int dv = -radius; dv <= radius; ++dv) {
-    for (int du = -radius; du <= radius; ++du)
-      weights.push_back(std::exp(-static_cast<float>(du * du + dv * dv) / spread));
-  }
+  for (int d = -radius; d <= radius; ++d)
+    weights.push_back(std::exp(-static_cast<float>(d * d) / spread));
   return weights;
 }
 
@@ -360,41 +281,125 @@ int WindowRadius(double noise_scale) {
   return static_cast<int>(std::lround(kWindowRadius * std::sqrt(noise_scale)));
 }
 
+// Weighted mean, for every column u, of what lies on the surface of the middle one of
+// `taps`[...][u].
+template <std::size_t... kTaps>
+void SmoothAcross(const float* const* taps,
+                  const float* tap_weights,
+                  const DepthNoise& noise,
+                  int width,
+                  float* out,
+                  std::index_sequence<kTaps...> /*taps*/) {
+  const std::array<const float*, sizeof...(kTaps)> rows = {taps[kTaps]...};
+  const std::array<float, sizeof...(kTaps)> weights = {tap_weights[kTaps]...};
+  const float* const centre = rows[sizeof...(kTaps) / 2];
+#pragma GCC ivdep
+  for (int u = 0; u < width; ++u) {
+    const float middle = centre[u];
+    // The tolerance stays below the depth itself, so that invalid neighbours get no weight.
+    const float tolerance =
+        std::min(kSameSurfaceSigmas * noise.SigmaM(middle), 0.5F * middle + 1e-6F);
+    const float inverse_sq = 1.0F / (tolerance * tolerance);
+    float sum = 0, sum_weight = 1e-6F;
+    const auto add = [&](float depth, float tap_weight) {
+      const float difference = depth - middle;
+      const float w = tap_weight * std::max(0.0F, 1.0F - difference * difference * inverse_sq);
+      sum += w * difference;
+      sum_weight += w;
+    };
+    (add(rows[kTaps][u], weights[kTaps]), ...);
+    out[u] = middle > 0 ? middle + sum / sum_weight : 0.0F;
+  }
+}
+
+template <int kRadius = kWindowRadius>
+void SmoothAcross(std::span<const float* const> taps,
+                  std::span<const float> tap_weights,
+                  const DepthNoise& noise,
+                  int width,
+                  float* out) {
+  // What depth noise up to kMaxNoiseScale asks for.
+  constexpr int kMostRadius = 6;
+  constexpr std::size_t kNumTaps = 2 * kRadius + 1;
+  if constexpr (kRadius < kMostRadius) {
+    if (taps.size() != kNumTaps)
+      return SmoothAcross<kRadius + 1>(taps, tap_weights, noise, width, out);
+  }
+  DEEPSLAM_CHECK(taps.size() == kNumTaps, "no such window");
+  SmoothAcross(
+      taps.data(), tap_weights.data(), noise, width, out, std::make_index_sequence<kNumTaps>());
+}
+
+// Rows smoothed along themselves, the last ones of a window; before the first and behind the last
+// there is no depth.
+class SmoothedRows {
+ public:
+  SmoothedRows(const UnfilledVector<float>& depth,
+               const PinholeCamera& camera,
+               std::span<const float> tap_weights,
+               const DepthNoise& noise)
+      : depth_(depth),
+        camera_(camera),
+        tap_weights_(tap_weights),
+        noise_(noise),
+        radius_(static_cast<int>(tap_weights.size() / 2)),
+        padded_(static_cast<std::size_t>(camera.width + 2 * radius_)),
+        rows_(tap_weights.size()),
+        taps_(tap_weights.size()) {
+    for (std::vector<float>& row : rows_) row.resize(static_cast<std::size_t>(camera.width));
+    for (int v = 0; v < radius_; ++v) Make(v);
+  }
+
+  // The window's rows about row v; v ascends by ones.
+  std::span<const float* const> Around(int v) {
+    Make(v + radius_);
+    for (int d = -radius_; d <= radius_; ++d)
+      taps_[static_cast<std::size_t>(d + radius_)] = Row(v + d).data();
+    return taps_;
+  }
+
+ private:
+  std::vector<float>& Row(int v) {
+    const int num_rows = static_cast<int>(rows_.size());
+    return rows_[static_cast<std::size_t>((v + num_rows) % num_rows)];
+  }
+  void Make(int v) {
+    std::vector<float>& row = Row(v);
+    if (v >= camera_.height) {
+      std::ranges::fill(row, 0.0F);
+      return;
+    }
+    std::copy_n(depth_.data() + Offset(camera_, 0, v), camera_.width, padded_.data() + radius_);
+    for (std::size_t k = 0; k < taps_.size(); ++k) taps_[k] = padded_.data() + k;
+    SmoothAcross(taps_, tap_weights_, noise_, camera_.width, row.data());
+  }
+
+  const UnfilledVector<float>& depth_;
+  const PinholeCamera& camera_;
+  std::span<const float> tap_weights_;
+  const DepthNoise& noise_;
+  int radius_;
+  std::vector<float> padded_;  // no depth before and behind: too far off to get weight
+  std::vector<std::vector<float>> rows_;
+  std::vector<const float*> taps_;
+};
+
 // Weighted mean over a window of what lies on the same surface (a bilateral filter with the depth
-// noise as range). The slope of white noise smoothed over a window falls with the window's area, so
-// an area in proportion to the noise keeps the normals as good as they are at scale 1.
+// noise as range), along rows and then along columns (Pham and van Vliet 2005). The slope of white
+// noise smoothed over a window falls with the window's area, so an area in proportion to the noise
+// keeps the normals as good as they are at scale 1.
 UnfilledVector<float> SmoothDepth(const UnfilledVector<float>& depth,
                                   const PinholeCamera& camera,
                                   const DepthNoise& model,
                                   double noise_scale) {
   const DepthNoise noise = model.Scaled(noise_scale);
-  const int radius = WindowRadius(noise_scale);
-  const float spread = 4.5F * static_cast<float>(noise_scale);
-  const std::size_t width = static_cast<std::size_t>(camera.width);
-  const PaddedRows rows(depth, camera, radius);
+  const std::vector<float> tap_weights =
+      TapWeights(WindowRadius(noise_scale), 4.5F * static_cast<float>(noise_scale));
+  SmoothedRows rows(depth, camera, tap_weights, noise);
   UnfilledVector<float> result(depth.size());
-  WindowSums sums(width);
-  const std::size_t taps = static_cast<std::size_t>(2 * radius + 1);
-  const std::vector<float> tap_weights = TapWeights(radius, spread);
   for (int v = 0; v < camera.height; ++v) {
-    const float* const centre = rows[v];
-    for (std::size_t u = 0; u < width; ++u) {
-      // The tolerance stays below the depth itself, so that invalid neighbours get no weight.
-      const float tolerance =
-          std::min(kSameSurfaceSigmas * noise.SigmaM(centre[u]), 0.5F * centre[u] + 1e-6F);
-      sums.inverse_tolerance_sq[u] = 1.0F / (tolerance * tolerance);
-      sums.difference[u] = 0;
-      sums.weight[u] = 1e-6F;
-    }
-    for (int dv = -radius; dv <= radius; ++dv) {
-      if (v + dv < 0 || v + dv >= camera.height) continue;
-      const float* const of_row = &tap_weights[taps * static_cast<std::size_t>(dv + radius)];
-      AddTaps(centre, rows[v + dv], {of_row, taps}, sums);
-    }
-    float* const out = result.data() + Offset(camera, 0, v);
-#pragma GCC ivdep
-    for (std::size_t u = 0; u < width; ++u)
-      out[u] = centre[u] > 0 ? centre[u] + sums.difference[u] / sums.weight[u] : 0.0F;
+    SmoothAcross(
+        rows.Around(v), tap_weights, noise, camera.width, result.data() + Offset(camera, 0, v));
   }
   return result;
 }

@@ -139,7 +139,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
          [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
   };
   // Versions rise whenever results may differ with equal options.
-  add("track", 17, {}, {"track", "track.covisible"}, kFrames, RunTrack);
+  add("track", 18, {}, {"track", "track.covisible"}, kFrames, RunTrack);
   add("ground", 6, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
       6,
@@ -168,7 +168,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      26,
+      27,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
