@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -76,10 +77,8 @@ TEST(ImagePyramid, StepsStayWhereTheyAre) {
   const auto along = [](int, int v) { return v < kSide / 2 ? 1.2F : 1.5F; };
   const auto aslant = [](int u, int v) { return u + v < kSide ? 1.2F : 1.5F; };
   const auto corner = [](int u, int v) { return std::max(u, v) < kSide / 2 ? 1.2F : 1.5F; };
-  for (const std::function<float(int, int)>& step : {std::function<float(int, int)>(across),
-                                                     std::function<float(int, int)>(along),
-                                                     std::function<float(int, int)>(aslant),
-                                                     std::function<float(int, int)>(corner)}) {
+  const std::vector<std::function<float(int, int)>> steps = {across, along, aslant, corner};
+  for (const auto& step : steps) {
     const auto at_step = [&](int u, int v) {
       return u > 0 && v > 0 && u + 1 < kSide && v + 1 < kSide &&
              (step(u - 1, v) != step(u + 1, v) || step(u, v - 1) != step(u, v + 1));

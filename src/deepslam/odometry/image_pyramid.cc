@@ -350,7 +350,7 @@ class SmoothedRows {
     for (int v = 0; v < radius_; ++v) Make(v);
   }
 
-  // The window's rows about row v; v ascends by ones.
+  // The window's rows about row v, until the next call; v ascends by ones.
   std::span<const float* const> Around(int v) {
     Make(v + radius_);
     for (int d = -radius_; d <= radius_; ++d)
