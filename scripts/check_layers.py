@@ -70,6 +70,8 @@ FENCES = {
     "meshoptimizer.h": {"fuse"},
     "embree3/": {"render"},
     "onnxruntime": {"detect", "propose"},
+    "google/protobuf": set(),
+    "onnx_excerpt.pb.h": {"detect"},
     "nlohmann/": {"artifact", "gltf", "pipeline", "report", "stages", "eval", "library", "detect", "tools", "dataset"},
     "png.h": {"image_codec"},
     "jpeglib.h": {"image_codec"},

@@ -1,5 +1,6 @@
 // Detection, segmentation and matching together on the real captures, with the poses that came with
 // them.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -12,6 +13,7 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
+#include "deepslam/detect/fitted_network.h"
 #include "deepslam/ground/ground_plane.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/scene/measured_parts.h"
@@ -176,6 +178,54 @@ TEST(FrontEnd, DetectsTheSameWithAnyNumberOfThreads) {
       }
     }
     EXPECT_EQ(first[0].mask.empty(), std::string(file) != "yolo11n-seg.onnx");
+  }
+}
+
+// Every detection of some certainty is among the others, with nearly the same box.
+void ExpectAmong(const std::vector<detect::RawDetection>& some,
+                 const std::vector<detect::RawDetection>& others) {
+  for (const detect::RawDetection& one : some) {
+    if (one.score < 0.5) continue;
+    EXPECT_TRUE(std::any_of(others.begin(),
+                            others.end(),
+                            [&](const auto& other) {
+                              return other.label == one.label &&
+                                     IntersectionOverUnion(other.box_px, one.box_px) > 0.85;
+                            }))
+        << one.label << " " << one.score;
+  }
+}
+
+TEST(FrontEnd, DetectsTheSameWithoutPadding) {
+  DEEPSLAM_REQUIRE_TEST_DATA(data);
+  const auto capture = dataset::OpenCapture(data / "data/redkitchen");
+  ASSERT_TRUE(capture.ok()) << capture.error().message;
+  for (const char* file : {"yolov8n.onnx", "yolov8s.onnx", "yolo11n.onnx", "yolo11n-seg.onnx"}) {
+    const auto weights = WeightBytes(file);
+    if (!weights) GTEST_SKIP() << file << " is not installed";
+    const detect::Sides picture = {640, 480};
+    detect::DetectorOptions images;
+    images.images = picture;
+    const auto fitted = detect::FittedNetwork(*weights, picture);
+    EXPECT_EQ(fitted.has_value(), std::string(file) != "yolo11n.onnx") << "its sides are open";
+    const auto padded = detect::LoadNetworkDetector(*weights, {});
+    const auto bare = detect::LoadNetworkDetector(*weights, images);
+    ASSERT_TRUE(padded.ok() && bare.ok());
+    if (fitted.has_value()) {
+      EXPECT_TRUE(detect::LoadNetworkDetector(*fitted, {}).ok()) << file;
+    }
+    for (const int frame : {100, 250, 400}) {
+      SCOPED_TRACE(std::string(file) + ", frame " + std::to_string(frame));
+      const ColourImage colour = capture->frames->Read({frame})->colour;
+      const auto with = (*padded)->Detect(colour);
+      const auto without = (*bare)->Detect(colour);
+      ASSERT_TRUE(with.ok() && without.ok());
+      ASSERT_THAT(*with, SizeIs(Ge(2U)));
+      ExpectAmong(*with, *without);
+      ExpectAmong(*without, *with);
+      for (const detect::RawDetection& detection : *without)
+        EXPECT_EQ(detection.mask.empty(), std::string(file) != "yolo11n-seg.onnx");
+    }
   }
 }
 

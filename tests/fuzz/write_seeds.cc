@@ -26,6 +26,7 @@
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/voxel_code.h"
 #include "gltf/test_scene.h"
+#include "support/grid_onnx.h"
 #include "support/temp_dir.h"
 #include "support/tiny_onnx.h"
 
@@ -174,6 +175,10 @@ void PutNetworks(Corpus& corpus) {
   corpus.Put("onnx", "yolov8", WriteOnnx(network));
   network.metadata.clear();
   corpus.Put("onnx", "nameless", WriteOnnx(network));
+  corpus.Put("onnx_fitted", "raw", WriteOnnx(testing_support::GridNetwork()));
+  testing_support::GridNetwork listed;
+  listed.constants = testing_support::GridNetwork::Constants::kListed;
+  corpus.Put("onnx_fitted", "listed", WriteOnnx(listed));
   std::string numbers = {'\2', '\1', '\3', '\1', '\6', static_cast<char>(kAnchors)};
   numbers.append(reinterpret_cast<const char*>(head.data()), head.size() * sizeof(float));
   corpus.Put("yolo_heads", "yolov8", numbers);

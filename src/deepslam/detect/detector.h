@@ -10,6 +10,7 @@
 #include "deepslam/core/image.h"
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
+#include "deepslam/detect/letterbox.h"
 #include "deepslam/geometry/box.h"
 
 namespace deepslam::detect {
@@ -38,6 +39,9 @@ struct DetectorOptions {
   int max_detections = 100;  // per image
   // Threads inside one forward pass. Not described: results do not depend on it.
   int num_threads = 1;
+  // Of the images to come. The network's input is made no larger than they need (fitted_network.h);
+  // others are detected as well, but smaller. Without pixels: the file's own input. Not described.
+  Sides images = {};
 };
 void Describe(OptionsVisitor& visitor, DetectorOptions& options);
 

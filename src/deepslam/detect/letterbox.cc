@@ -26,6 +26,18 @@ Letterbox FitLetterbox(
   return fit;
 }
 
+Sides FitSides(Sides image, Sides input) {
+  if (image.width <= 0 || image.height <= 0) return input;
+  const double scale = std::min(static_cast<double>(input.width) / image.width,
+                                static_cast<double>(input.height) / image.height);
+  const auto side = [&](int image_px, int input_px) {
+    constexpr double kRounding = 1e-9;
+    const double strides = std::ceil(image_px * scale / kCoarsestStride - kRounding);
+    return std::clamp(static_cast<int>(strides) * kCoarsestStride, kCoarsestStride, input_px);
+  };
+  return {side(image.width, input.width), side(image.height, input.height)};
+}
+
 Box2 ToImage(const Letterbox& letterbox, const Box2& box_input, int image_width, int image_height) {
   // Pixel centres are integers in this program, corners in the network's: half a pixel between
   // them.

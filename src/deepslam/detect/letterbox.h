@@ -5,6 +5,17 @@
 
 namespace deepslam::detect {
 
+// Of a picture or a network's input, in pixels.
+struct Sides {
+  int width = 0;
+  int height = 0;
+  friend bool operator==(const Sides&, const Sides&) = default;
+};
+
+// Sides of inputs are multiples of the coarsest stride.
+inline constexpr int kCoarsestStride = 32;
+inline constexpr int kLargestSide = 4096;
+
 enum class Padding {
   kCentred,  // YOLOv8, YOLO11: the same left and right, top and bottom
   kTopLeft,  // YOLOX: the image lies in the top left corner
@@ -23,6 +34,10 @@ struct Letterbox {
 // Sizes are positive.
 [[nodiscard]] Letterbox FitLetterbox(
     int image_width, int image_height, int input_width, int input_height, Padding padding);
+
+// The smallest input in which the image is as large as in `input`. An image without pixels fits
+// every input.
+[[nodiscard]] Sides FitSides(Sides image, Sides input);
 
 // A box of the network's input in the image, clipped to it; empty where nothing is left.
 [[nodiscard]] Box2 ToImage(const Letterbox& letterbox,

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "deepslam/detect/detector.h"
+#include "deepslam/detect/fitted_network.h"
 #include "deepslam/detect/letterbox.h"
 #include "deepslam/detect/yolo_heads.h"
 
@@ -16,8 +17,6 @@ namespace {
 
 constexpr int kDynamicSide =
     640;  // input side where the network leaves it open; what the family is trained at
-constexpr int kLargestSide = 4096;
-constexpr int kCoarsestStride = 32;
 constexpr float kPadValue = 114.0F;  // grey the family is trained with
 
 std::vector<std::int64_t> FirstInputShape(const Ort::Session& session) {
@@ -122,8 +121,10 @@ Status NetworkDetector::PrepareInput() {
                         "; expected 1x3xHxW with sides that are multiples of " +
                         std::to_string(kCoarsestStride) + " up to " + std::to_string(kLargestSide));
   }
-  layout_.input_height = static_cast<int>(side(shape[2]));
-  layout_.input_width = static_cast<int>(side(shape[3]));
+  const Sides largest = {static_cast<int>(side(shape[3])), static_cast<int>(side(shape[2]))};
+  const Sides fitted = FitSides(options_.images, largest);
+  layout_.input_height = shape[2] > 0 ? largest.height : fitted.height;
+  layout_.input_width = shape[3] > 0 ? largest.width : fitted.width;
   Ort::AllocatorWithDefaultOptions allocator;
   input_name_ = session_.GetInputNameAllocated(0, allocator).get();
   for (std::size_t i = 0; i < session_.GetOutputCount(); ++i) {
@@ -251,6 +252,24 @@ Result<std::vector<RawDetection>> NetworkDetector::Detect(const ColourImage& ima
                 failure.what());
 }
 
+// Of a file as it is.
+Result<std::unique_ptr<Detector>> Load(std::string_view onnx_bytes,
+                                       const DetectorOptions& options) try {
+  Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "deepslam");
+  Ort::SessionOptions session_options;
+  session_options.SetIntraOpNumThreads(std::max(1, options.num_threads));
+  session_options.SetInterOpNumThreads(1);
+  // Waiting threads must not take the cores from other work.
+  session_options.AddConfigEntry("session.intra_op.allow_spinning", "0");
+  Ort::Session session(env, onnx_bytes.data(), onnx_bytes.size(), session_options);
+  auto detector = std::make_unique<NetworkDetector>(std::move(env), std::move(session), options);
+  if (const Status status = detector->Prepare(); !status.ok()) return status.error();
+  return std::unique_ptr<Detector>(std::move(detector));
+} catch (const std::exception& failure) {
+  return InvalidInput("not a network that can be run (" + std::to_string(onnx_bytes.size()) +
+                      " bytes, an ONNX file is expected): " + failure.what());
+}
+
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, DetectorOptions& options) {
@@ -269,21 +288,13 @@ void Describe(OptionsVisitor& visitor, DetectorOptions& options) {
 }
 
 Result<std::unique_ptr<Detector>> LoadNetworkDetector(std::string_view onnx_bytes,
-                                                      const DetectorOptions& options) try {
+                                                      const DetectorOptions& options) {
   if (onnx_bytes.empty()) return InvalidInput("the network's file is empty");
-  Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "deepslam");
-  Ort::SessionOptions session_options;
-  session_options.SetIntraOpNumThreads(std::max(1, options.num_threads));
-  session_options.SetInterOpNumThreads(1);
-  // Waiting threads must not take the cores from other work.
-  session_options.AddConfigEntry("session.intra_op.allow_spinning", "0");
-  Ort::Session session(env, onnx_bytes.data(), onnx_bytes.size(), session_options);
-  auto detector = std::make_unique<NetworkDetector>(std::move(env), std::move(session), options);
-  if (const Status status = detector->Prepare(); !status.ok()) return status.error();
-  return std::unique_ptr<Detector>(std::move(detector));
-} catch (const std::exception& failure) {
-  return InvalidInput("not a network that can be run (" + std::to_string(onnx_bytes.size()) +
-                      " bytes, an ONNX file is expected): " + failure.what());
+  if (const auto fitted = FittedNetwork(onnx_bytes, options.images)) {
+    Result<std::unique_ptr<Detector>> detector = Load(*fitted, options);
+    if (detector.ok()) return detector;
+  }
+  return Load(onnx_bytes, options);
 }
 
 }  // namespace deepslam::detect

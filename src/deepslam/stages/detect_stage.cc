@@ -33,13 +33,15 @@ constexpr std::size_t kMostBehind = 32;
 // out costs little, a person shown cannot be taken back.
 constexpr double kPersonScore = 0.25;
 
-Result<std::shared_ptr<const detect::Detector>> LoadDetector(const RunInputs& inputs) {
+Result<std::shared_ptr<const detect::Detector>> LoadDetector(const RunInputs& inputs,
+                                                             detect::Sides images) {
   const Result<std::filesystem::path> file =
       FindWeights(inputs.data_folder, inputs.config.detect_stage.weights);
   if (!file.ok()) return file.error();
-  if (inputs.models) return inputs.models->Detector(*file, inputs.config.network);
-  Result<std::unique_ptr<detect::Detector>> detector =
-      LoadDetectorFile(*file, inputs.config.network);
+  detect::DetectorOptions options = inputs.config.network;
+  options.images = images;
+  if (inputs.models) return inputs.models->Detector(*file, options);
+  Result<std::unique_ptr<detect::Detector>> detector = LoadDetectorFile(*file, options);
   if (!detector.ok()) return detector.error();
   return std::shared_ptr<const detect::Detector>(std::move(detector).value());
 }
@@ -191,12 +193,24 @@ class Lookout {
 
  private:
   void Load() {
-    if (inputs_.config.detect_stage.source == "network") detector_ = LoadDetector(inputs_);
+    if (inputs_.config.detect_stage.source == "network")
+      detector_ = LoadDetector(inputs_, SidesShown());
     loaded_.count_down();
   }
 
   [[nodiscard]] QuarterTurn Upright(FrameIdx frame) const {
     return upright_[static_cast<std::size_t>(frame.value)];
+  }
+
+  // Of the pictures that the detector is shown; none where some lie on their side and some do not.
+  [[nodiscard]] detect::Sides SidesShown() const {
+    const PinholeCamera& camera = inputs_.capture->frames->camera();
+    const auto on_its_side = [&](FrameIdx frame) { return OnItsSide(Upright(frame)); };
+    const auto num_on_side = std::ranges::count_if(wanted_, on_its_side);
+    if (num_on_side == 0) return {camera.width, camera.height};
+    if (static_cast<std::size_t>(num_on_side) == wanted_.size())
+      return {camera.height, camera.width};
+    return {};
   }
 
   void LookAtColour(std::size_t place) {

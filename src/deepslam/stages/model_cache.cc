@@ -16,7 +16,10 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string OptionsText(detect::DetectorOptions options) {
-  std::string text = fmt::format("{} threads", options.num_threads);
+  std::string text = fmt::format("{} threads, images of {}x{}",
+                                 options.num_threads,
+                                 options.images.width,
+                                 options.images.height);
   const pipeline::OptionSection section{
       "network", "", [&](OptionsVisitor& visitor) { Describe(visitor, options); }};
   for (const auto& [name, value] : pipeline::OptionValues(section))

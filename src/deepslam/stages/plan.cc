@@ -142,7 +142,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
   add("track", 18, {}, {"track", "track.covisible"}, kFrames, RunTrack);
   add("ground", 6, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
   add("detect",
-      6,
+      7,
       {"track", "ground"},
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
