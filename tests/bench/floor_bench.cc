@@ -23,16 +23,18 @@ constexpr int kDetectorImages = 24;
 
 // The default detector on frames spread over the capture, as stage `detect` calls it: images side
 // by side, one thread in each forward pass.
-void DetectorPasses(benchmark::State& state) {
+void Passes(benchmark::State& state, bool fitted) {
   const Result<dataset::Capture> capture = bench::OpenNamedCapture();
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
   const Result<std::filesystem::path> weights =
       stages::FindWeights(stages::FindDataFolder(""), "yolov8s");
   if (!weights.ok()) return state.SkipWithError(weights.error().message.c_str());
-  const auto detector = stages::LoadDetectorFile(*weights, {});
+  const FrameSource& frames = *capture->frames;
+  detect::DetectorOptions options;
+  if (fitted) options.images = {frames.camera().width, frames.camera().height};
+  const auto detector = stages::LoadDetectorFile(*weights, options);
   if (!detector.ok()) return state.SkipWithError(detector.error().message.c_str());
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  const FrameSource& frames = *capture->frames;
   std::vector<ColourImage> images;
   const int num_images = std::min(kDetectorImages, frames.num_frames());
   for (int n = 0; n < num_images; ++n) {
@@ -46,6 +48,11 @@ void DetectorPasses(benchmark::State& state) {
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(images.size()));
 }
+
+// With an input as large as the images, as a run has it.
+void DetectorPasses(benchmark::State& state) { Passes(state, true); }
+// With the input of the detector's file, a square, and padding in a part of it.
+void PaddedPasses(benchmark::State& state) { Passes(state, false); }
 
 // A decoded frame copied: depth and colour read once and written once.
 void CopyFrames(benchmark::State& state) {
@@ -75,6 +82,7 @@ BENCHMARK(bench::DecodeFrames)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(DetectorPasses)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(PaddedPasses)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(CopyFrames)->Arg(2)->ArgName("threads")->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
