@@ -99,6 +99,12 @@ TEST(Visits, OfDifferentPartsAreToldByWhatStandsAround) {
       StandApart(Measured(left, room), Measured(Moved(left, drift), Moved(room, drift)), kUp, {}));
 }
 
+// Of a top that is seen nearly whole both times either end may be missing.
+TEST(Visits, DoNotStandApartForLittle) {
+  EXPECT_FALSE(StandApart(Measured(Top(0, 2.0F)), Measured(Top(0.15F, 2.0F)), kUp, {}));
+  EXPECT_TRUE(StandApart(Measured(Top(0, 0.5F)), Measured(Top(0.15F, 0.5F)), kUp, {}));
+}
+
 TEST(Visits, AreCountedBehindTheLastId) {
   const Association association{
       {Track(2, {0, 1, 100, 101, 200, 201}), Track(4, {0, 100}), Track(9, {0, 100})}, {}};

@@ -15,6 +15,9 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
+// By this share of the points: level tops slide far on each other for less.
+constexpr double kClearlyBetter = 0.1;
+
 Eigen::Vector3d Mean(const Points& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3f& p : points) sum += p.cast<double>();
@@ -48,6 +51,16 @@ struct Seen {
   Points all;
   PointIndex object_index;
 };
+
+// Of the objects; the better direction, since one visit may have seen more.
+double Agreement(const Seen& older,
+                 const Seen& newer,
+                 const Pose3& older_from_newer,
+                 double radius_m) {
+  return std::max(
+      AgreeingShare(newer.object, older_from_newer, older.object_index, radius_m),
+      AgreeingShare(older.object, older_from_newer.Inverse(), newer.object_index, radius_m));
+}
 
 // The visits that stand together, in order.
 std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits, const std::vector<bool>& apart) {
@@ -98,11 +111,9 @@ bool StandApart(const ObjectEvidence& old_visit,
   if (!aligned) return false;
   const Eigen::Vector3d middle = Mean(newer.object);
   if ((*aligned * middle - middle).norm() <= kApart_m) return false;
-  // The better direction, since one visit may have seen more.
-  return std::max(
-             AgreeingShare(newer.object, *aligned, older.object_index, radius_m),
-             AgreeingShare(older.object, aligned->Inverse(), PointIndex(newer.object), radius_m)) >=
-         options.min_object_agreement;
+  const double moved = Agreement(older, newer, *aligned, radius_m);
+  const double as_they_stand = Agreement(older, newer, {}, radius_m);
+  return moved >= options.min_object_agreement && moved >= as_they_stand + kClearlyBetter;
 }
 
 PartedObjects PartVisits(const Association& association,

@@ -28,9 +28,9 @@ inline constexpr double kApart_m = 0.10;
 
 // Whether what two visits measured of an object, in a world with this up direction, belongs further
 // on: registered with each other, surroundings with it, one visit moves by more than kApart_m, and
-// the object's points lie on each other then (min_object_agreement). Surroundings tell drift from
-// visits that saw different parts of an object. Models do not count. Fewer than 30 points of either
-// visit tell nothing.
+// the object's points lie on each other then (min_object_agreement), clearly more of them than as
+// the visits stand. Surroundings tell drift from visits that saw different parts of an object.
+// Models do not count. Fewer than 30 points of either visit tell nothing.
 [[nodiscard]] bool StandApart(const ObjectEvidence& old_visit,
                               const ObjectEvidence& new_visit,
                               const Eigen::Vector3d& up_world,

@@ -168,7 +168,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       kFrames | kChoices | kPriors,
       RunSelect);
   add("loops",
-      27,
+      28,
       {"track", "ground", "segment", "associate", "propose", "register", "select"},
       {"track",
        "views",
