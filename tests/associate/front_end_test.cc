@@ -116,7 +116,7 @@ std::map<std::string, int> CountClasses(const Association& association) {
 TEST(FrontEnd, FindsOneTableAndItsChairsInARealKitchen) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
   const auto weights = WeightBytes("yolov8s.onnx");
-  if (!weights) GTEST_SKIP() << "yolov8s.onnx is not installed";
+  ASSERT_TRUE(weights) << "scripts/setup.sh installs yolov8s.onnx";
   const auto capture = dataset::OpenCapture(data / "data/redkitchen");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   const Outcome outcome = RunFrontEnd(*capture->frames, 20, *weights);
@@ -141,7 +141,7 @@ TEST(FrontEnd, FindsOneTableAndItsChairsInARealKitchen) {
 TEST(FrontEnd, FindsACabinetThatNoDetectorKnows) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
   const auto weights = WeightBytes("yolov8s.onnx");
-  if (!weights) GTEST_SKIP() << "yolov8s.onnx is not installed";
+  ASSERT_TRUE(weights) << "scripts/setup.sh installs yolov8s.onnx";
   const auto capture = dataset::OpenCapture(data / "data/fr3_cabinet");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   const Outcome outcome = RunFrontEnd(*capture->frames, 3, *weights);
@@ -158,7 +158,7 @@ TEST(FrontEnd, DetectsTheSameWithAnyNumberOfThreads) {
   const Frame frame = *capture->frames->Read({250});
   for (const char* file : {"yolov8s.onnx", "yolo11n.onnx", "yolo11n-seg.onnx"}) {
     const auto weights = WeightBytes(file);
-    if (!weights) GTEST_SKIP() << file << " is not installed";
+    ASSERT_TRUE(weights) << "scripts/setup.sh installs " << file;
     std::vector<detect::RawDetection> first;
     for (const int num_threads : {1, 2, 3}) {
       detect::DetectorOptions options;
@@ -202,7 +202,7 @@ TEST(FrontEnd, DetectsTheSameWithoutPadding) {
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   for (const char* file : {"yolov8n.onnx", "yolov8s.onnx", "yolo11n.onnx", "yolo11n-seg.onnx"}) {
     const auto weights = WeightBytes(file);
-    if (!weights) GTEST_SKIP() << file << " is not installed";
+    ASSERT_TRUE(weights) << "scripts/setup.sh installs " << file;
     const detect::Sides picture = {640, 480};
     detect::DetectorOptions images;
     images.images = picture;

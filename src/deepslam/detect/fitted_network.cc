@@ -1,7 +1,6 @@
 #include "deepslam/detect/fitted_network.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
@@ -10,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "deepslam/detect/anchor_cells.h"
 #include "onnx_excerpt.pb.h"
 
 namespace deepslam::detect {
@@ -17,52 +17,24 @@ namespace {
 
 namespace onnx = onnx_excerpt;
 
-constexpr std::array<int, 3> kStrides = {8, 16, 32};
 constexpr int kFloat = 1;  // of TensorProto.DataType
 constexpr int kInt64 = 7;
 
-// An anchor: a cell of one of the grids. Anchors go by grids, the finest first, and by rows.
-struct Cell {
-  int u = 0;
-  int v = 0;
-  int stride = 0;
-};
-
-std::int64_t NumCells(Sides sides, int stride) {
-  return static_cast<std::int64_t>(sides.width / stride) * (sides.height / stride);
-}
-
-std::int64_t NumCells(Sides sides) {
-  std::int64_t sum = 0;
-  for (const int stride : kStrides) sum += NumCells(sides, stride);
-  return sum;
-}
-
-std::vector<Cell> CellsOf(Sides sides) {
-  std::vector<Cell> cells;
-  for (const int stride : kStrides) {
-    for (int v = 0; v < sides.height / stride; ++v) {
-      for (int u = 0; u < sides.width / stride; ++u) cells.push_back({u, v, stride});
-    }
-  }
-  return cells;
-}
-
-bool LiesIn(Sides sides, const Cell& cell) {
+bool LiesIn(Sides sides, const AnchorCell& cell) {
   return cell.u < sides.width / cell.stride && cell.v < sides.height / cell.stride;
 }
 
 // What networks note of their anchors, a row each: centres, in cells or in pixels; strides.
-using Note = float (*)(const Cell&);
-float U(const Cell& cell) { return static_cast<float>(cell.u) + 0.5F; }
-float V(const Cell& cell) { return static_cast<float>(cell.v) + 0.5F; }
-float Stride(const Cell& cell) { return static_cast<float>(cell.stride); }
-float UPx(const Cell& cell) { return U(cell) * Stride(cell); }
-float VPx(const Cell& cell) { return V(cell) * Stride(cell); }
+using Note = float (*)(const AnchorCell&);
+float U(const AnchorCell& cell) { return static_cast<float>(cell.u) + 0.5F; }
+float V(const AnchorCell& cell) { return static_cast<float>(cell.v) + 0.5F; }
+float Stride(const AnchorCell& cell) { return static_cast<float>(cell.stride); }
+float UPx(const AnchorCell& cell) { return U(cell) * Stride(cell); }
+float VPx(const AnchorCell& cell) { return V(cell) * Stride(cell); }
 
 bool HasRows(std::span<const float> table,
              std::initializer_list<Note> notes,
-             std::span<const Cell> cells) {
+             std::span<const AnchorCell> cells) {
   if (table.size() != notes.size() * cells.size()) return false;
   return std::ranges::all_of(notes, [&](Note note) {
     const std::span<const float> row = table.first(cells.size());
@@ -71,7 +43,7 @@ bool HasRows(std::span<const float> table,
   });
 }
 
-bool IsKnown(std::span<const float> table, std::span<const Cell> cells) {
+bool IsKnown(std::span<const float> table, std::span<const AnchorCell> cells) {
   return HasRows(table, {U, V}, cells) || HasRows(table, {UPx, VPx}, cells) ||
          HasRows(table, {Stride}, cells);
 }
@@ -139,7 +111,7 @@ std::set<std::string> ShapeNames(const onnx::Graph& graph) {
 // A network's constants, brought from the sides of one input to those of another, no larger one.
 class Refit {
  public:
-  Refit(Sides from, Sides to) : from_(from), to_(to), cells_(CellsOf(from)) {}
+  Refit(Sides from, Sides to) : from_(from), to_(to), cells_(AnchorCells(from)) {}
 
   // False where something is noted of the anchors that is not known here.
   [[nodiscard]] bool operator()(onnx::Graph& graph) const {
@@ -186,7 +158,7 @@ class Refit {
 
   Sides from_;
   Sides to_;
-  std::vector<Cell> cells_;
+  std::vector<AnchorCell> cells_;
 };
 
 onnx::Shape* InputShape(onnx::Graph& graph) {
@@ -200,10 +172,7 @@ onnx::Shape* InputShape(onnx::Graph& graph) {
 std::optional<Sides> SidesOf(const onnx::Shape& shape) {
   const std::int64_t height = shape.dim(2).dim_value();
   const std::int64_t width = shape.dim(3).dim_value();
-  const auto fits = [](std::int64_t side) {
-    return side > 0 && side <= kLargestSide && side % kCoarsestStride == 0;
-  };
-  if (!fits(height) || !fits(width)) return std::nullopt;
+  if (!CanBeInput(width, height)) return std::nullopt;
   return Sides{static_cast<int>(width), static_cast<int>(height)};
 }
 
@@ -217,6 +186,7 @@ void ForgetStatedShapes(onnx::Graph& graph) {
 }  // namespace
 
 std::optional<std::string> FittedNetwork(std::string_view onnx_bytes, Sides picture) {
+  if (picture == Sides()) return std::nullopt;
   onnx::Model model;
   if (onnx_bytes.size() > std::numeric_limits<int>::max() ||
       !model.ParseFromArray(onnx_bytes.data(), static_cast<int>(onnx_bytes.size()))) {

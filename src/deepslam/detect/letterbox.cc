@@ -6,14 +6,29 @@
 #include "deepslam/core/check.h"
 
 namespace deepslam::detect {
+namespace {
+
+// The largest by which the image fits.
+double Scale(Sides image, Sides input) {
+  return std::min(static_cast<double>(input.width) / image.width,
+                  static_cast<double>(input.height) / image.height);
+}
+
+}  // namespace
+
+bool CanBeInput(std::int64_t width, std::int64_t height) {
+  const auto can_be = [](std::int64_t side) {
+    return side > 0 && side <= kLargestSide && side % kCoarsestStride == 0;
+  };
+  return can_be(width) && can_be(height);
+}
 
 Letterbox FitLetterbox(
     int image_width, int image_height, int input_width, int input_height, Padding padding) {
   DEEPSLAM_CHECK(image_width > 0 && image_height > 0 && input_width > 0 && input_height > 0,
                  "letterbox of an empty image");
   Letterbox fit;
-  fit.scale = std::min(static_cast<double>(input_width) / image_width,
-                       static_cast<double>(input_height) / image_height);
+  fit.scale = Scale({image_width, image_height}, {input_width, input_height});
   const auto scaled = [&](int side, int limit) {
     return std::clamp(static_cast<int>(std::lround(side * fit.scale)), 1, limit);
   };
@@ -28,8 +43,7 @@ Letterbox FitLetterbox(
 
 Sides FitSides(Sides image, Sides input) {
   if (image.width <= 0 || image.height <= 0) return input;
-  const double scale = std::min(static_cast<double>(input.width) / image.width,
-                                static_cast<double>(input.height) / image.height);
+  const double scale = Scale(image, input);
   const auto side = [&](int image_px, int input_px) {
     constexpr double kRounding = 1e-9;
     const double strides = std::ceil(image_px * scale / kCoarsestStride - kRounding);

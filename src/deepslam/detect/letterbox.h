@@ -1,6 +1,8 @@
 // Where an image lies inside a network's input: scaled without distortion, the rest padded.
 #pragma once
 
+#include <cstdint>
+
 #include "deepslam/geometry/box.h"
 
 namespace deepslam::detect {
@@ -12,9 +14,11 @@ struct Sides {
   friend bool operator==(const Sides&, const Sides&) = default;
 };
 
-// Sides of inputs are multiples of the coarsest stride.
 inline constexpr int kCoarsestStride = 32;
 inline constexpr int kLargestSide = 4096;
+
+// Multiples of the coarsest stride, up to the largest side.
+[[nodiscard]] bool CanBeInput(std::int64_t width, std::int64_t height);
 
 enum class Padding {
   kCentred,  // YOLOv8, YOLO11: the same left and right, top and bottom

@@ -107,11 +107,8 @@ Status NetworkDetector::PrepareInput() {
   }
   const std::vector<std::int64_t> shape = FirstInputShape(session_);
   const auto side = [](std::int64_t value) { return value <= 0 ? kDynamicSide : value; };
-  const auto fits = [](std::int64_t value) {
-    return value <= kLargestSide && value % kCoarsestStride == 0;
-  };
   if (shape.size() != 4 || shape[0] > 1 || (shape[1] != 3 && shape[1] > 0) ||
-      !fits(side(shape[2])) || !fits(side(shape[3]))) {
+      !CanBeInput(side(shape[3]), side(shape[2]))) {
     std::string text;
     for (const std::int64_t s : shape) {
       if (!text.empty()) text += 'x';

@@ -1,16 +1,15 @@
 #include "deepslam/detect/yolo_heads.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "deepslam/core/check.h"
 #include "deepslam/core/order_statistics.h"
+#include "deepslam/detect/anchor_cells.h"
 
 namespace deepslam::detect {
 namespace {
 
-constexpr std::array<int, 3> kStrides = {8, 16, 32};
 // Exponent limit of a YOLOX side: e^8 cells are beyond any input.
 constexpr float kMaxLogSide = 8.0F;
 // Boxes relative to grid cells have centres within a few cells; those in pixels spread over the
@@ -29,12 +28,6 @@ std::string ShapeText(std::span<const std::vector<std::int64_t>> shapes) {
   }
   if (text.empty()) text = "none";
   return text;
-}
-
-int NumCells(int input_width, int input_height) {
-  int count = 0;
-  for (const int stride : kStrides) count += (input_width / stride) * (input_height / stride);
-  return count;
 }
 
 int CountClasses(std::int64_t num_rows, int num_names) {
@@ -97,19 +90,6 @@ bool IsRelativeToGrid(std::span<const float> output, std::size_t num_anchors, st
   return Median(centres) < kLargestMedianOffset;
 }
 
-// For every anchor of YOLOX its cell and stride, in the order of the output.
-std::vector<std::array<float, 3>> GridCells(const HeadLayout& layout) {
-  std::vector<std::array<float, 3>> cells;
-  for (const int stride : kStrides) {
-    for (int y = 0; y < layout.input_height / stride; ++y) {
-      for (int x = 0; x < layout.input_width / stride; ++x) {
-        cells.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(stride)});
-      }
-    }
-  }
-  return cells;
-}
-
 std::vector<HeadBox> DecodeYoloX(std::span<const float> output,
                                  const HeadLayout& layout,
                                  double min_score) {
@@ -117,7 +97,7 @@ std::vector<HeadBox> DecodeYoloX(std::span<const float> output,
   const auto num_classes = static_cast<std::size_t>(layout.num_classes);
   const std::size_t stride = 5 + num_classes;
   const bool relative = IsRelativeToGrid(output, n, stride);
-  const std::vector<std::array<float, 3>> cells = GridCells(layout);
+  const std::vector<AnchorCell> cells = AnchorCells({layout.input_width, layout.input_height});
   std::vector<HeadBox> boxes;
   for (std::size_t a = 0; a < n; ++a) {
     const std::span<const float> row = output.subspan(a * stride, stride);
@@ -125,9 +105,9 @@ std::vector<HeadBox> DecodeYoloX(std::span<const float> output,
         static_cast<std::size_t>(std::max_element(row.begin() + 5, row.end()) - (row.begin() + 5));
     Entry e = {row[0], row[1], row[2], row[3], static_cast<int>(best), row[4] * row[5 + best]};
     if (relative) {
-      const auto& [x, y, cell_px] = cells[a];
-      e.cx = (e.cx + x) * cell_px;
-      e.cy = (e.cy + y) * cell_px;
+      const auto cell_px = static_cast<float>(cells[a].stride);
+      e.cx = (e.cx + static_cast<float>(cells[a].u)) * cell_px;
+      e.cy = (e.cy + static_cast<float>(cells[a].v)) * cell_px;
       e.width = std::exp(std::min(e.width, kMaxLogSide)) * cell_px;
       e.height = std::exp(std::min(e.height, kMaxLogSide)) * cell_px;
     }
@@ -145,12 +125,12 @@ Result<HeadLayout> RecogniseHead(std::span<const std::vector<std::int64_t>> outp
   HeadLayout layout;
   layout.input_width = input_width;
   layout.input_height = input_height;
-  const int num_cells = NumCells(input_width, input_height);
+  const std::int64_t num_cells = NumCells({input_width, input_height});
   const bool three =
       !output_shapes.empty() && output_shapes[0].size() == 3 && output_shapes[0][0] == 1;
   const std::int64_t rows = three ? output_shapes[0][1] : 0;
   const std::int64_t columns = three ? output_shapes[0][2] : 0;
-  layout.num_anchors = num_cells;
+  layout.num_anchors = static_cast<int>(num_cells);
   if (output_shapes.size() == 1 && columns == num_cells && rows > 4) {
     layout.kind = HeadKind::kYoloV8;
     layout.num_classes = CountClasses(rows - 4, num_names);
