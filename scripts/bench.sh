@@ -54,12 +54,13 @@ bench() {  # bench NAME REPETITIONS [options ...]
   "build/release/tests/bench/deepslam_${name}_bench" --benchmark_repetitions="$times" --benchmark_out_format=json \
     --benchmark_out="$out/$name.json" "$@" >"$out/$name.log" 2>&1 || { tail -n 20 "$out/$name.log" >&2; exit 1; }
 }
-bench floor "$repetitions"
+in_turn=--benchmark_enable_random_interleaving=true  # a slower minute of the machine is one of everything that is compared
+bench floor "$repetitions" "$in_turn"
 more=()
 [ -z "$before" ] || more=(--before "$before")
 tests/bench/whole_run.py build/release/tools/deepslam "$capture" --runs "$runs" --threads 2 --floor "$out/floor.json" \
   --json "$out/whole_run.json" --page "$out/whole_run.md" "${more[@]}"
-bench tracking "$repetitions"
+bench tracking "$repetitions" "$in_turn"
 bench peers "$peer_repetitions"
 bench graph 1  # minutes each
 bench loop "$peer_repetitions"

@@ -118,14 +118,10 @@ struct Selection {
   std::size_t size = 0;
   IndexColumn points;
 
-  // Those whose `selected` is 1 and not 0; without a branch, which outlines would mislead.
-  void Take(const IndexColumn& selected, std::size_t batch_size) {
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < batch_size; ++k) {
-      points[count] = static_cast<std::int32_t>(k);
-      count += static_cast<std::size_t>(selected[k]);
-    }
-    size = count;
+  // Without a branch, which outlines would mislead.
+  void Offer(std::size_t k, std::int32_t is_selected) {
+    points[size] = static_cast<std::int32_t>(k);
+    size += static_cast<std::size_t>(is_selected);
   }
   template <typename Kept>
   void Keep(const Kept& kept) {
@@ -261,25 +257,20 @@ class SystemBuilder {
 
  private:
   void AddMoved(const MovedPoints& moved) {
-    Column target_offset_m, target_depth_m;
-    for (std::size_t k = 0; k < moved.size; ++k) {
-      const std::size_t texel = static_cast<std::size_t>(moved.texel[k]);
-      target_offset_m[k] = i_.surface[texel].offset_m;
-      target_depth_m[k] = i_.depth_m[texel];
-    }
-    Select(moved, target_offset_m, target_depth_m);
+    Column sight_m;
+    for (std::size_t k = 0; k < moved.size; ++k)
+      sight_m[k] = i_.sight_m[static_cast<std::size_t>(moved.texel[k])];
+    Select(moved, sight_m);
     AddPairs(moved, geometric_points_, geometric_, [&] { FlushGeometric(); });
     if (!photometric_) return;
     if (j_.choice().near) {
       photometric_points_.Keep(
-          [&](std::size_t k) { return target_offset_m[k] < 0 || ShowsItself(i_, moved.texel[k]); });
+          [&](std::size_t k) { return sight_m[k] > 0 || ShowsItself(i_, moved.texel[k]); });
     }
     AddPairs(moved, photometric_points_, photometric_pairs_, [&] { FlushPhotometric(); });
   }
 
-  void Select(const MovedPoints& moved,
-              const Column& target_offset_m,
-              const Column& target_depth_m) {
+  void Select(const MovedPoints& moved, const Column& sight_m) {
     const std::int32_t* const has_normal = j_.has_normal() + moved.begin;
     const std::int32_t* const has_texture = j_.has_texture() + moved.begin;
     const float max_distance_m = gates_.max_distance_m;
@@ -287,8 +278,8 @@ class SystemBuilder {
     std::int32_t num_inside = 0, num_overlap = 0;
     for (std::size_t k = 0; k < moved.size; ++k) {
       const std::int32_t is_inside = moved.is_inside[k];
-      const std::int32_t is_on_target = target_offset_m[k] < 0 ? is_inside : 0;
-      const bool is_far = std::abs(moved.z[k] - target_depth_m[k]) > max_distance_m;
+      const std::int32_t is_on_target = sight_m[k] > 0 ? is_inside : 0;
+      const bool is_far = std::abs(moved.z[k] - std::abs(sight_m[k])) > max_distance_m;
       const std::int32_t is_near = is_far ? 0 : is_inside;
       num_inside += has_normal[k] & is_inside;
       num_overlap += has_normal[k] & is_on_target;
@@ -297,8 +288,11 @@ class SystemBuilder {
     }
     system_.num_inside += num_inside;
     system_.num_overlap += num_overlap;
-    geometric_points_.Take(in_geometric, moved.size);
-    photometric_points_.Take(in_photometric, moved.size);
+    geometric_points_.size = photometric_points_.size = 0;
+    for (std::size_t k = 0; k < moved.size; ++k) {
+      geometric_points_.Offer(k, in_geometric[k]);
+      photometric_points_.Offer(k, in_photometric[k]);
+    }
   }
 
   // To the batch, which `flush` empties whenever it is full.

@@ -19,8 +19,16 @@ UnfilledVector<SurfaceTexel> SurfaceOf(const PyramidLevel& level) {
   return surface;
 }
 
+UnfilledVector<float> SightOf(const PyramidLevel& level) {
+  UnfilledVector<float> sight_m(level.depth_m.size());
+  for (std::size_t k = 0; k < sight_m.size(); ++k)
+    sight_m[k] = level.surface[k].offset_m < 0 ? level.depth_m[k] : -level.depth_m[k];
+  return sight_m;
+}
+
 DEEPSLAM_WIDE_VECTORS void AddTexels(PyramidLevel& level) {
   level.surface = SurfaceOf(level);
+  level.sight_m = SightOf(level);
   level.intensity = WithDerivatives(level.brightness);
 }
 
