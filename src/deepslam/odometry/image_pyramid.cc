@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -292,10 +293,10 @@ void SmoothAcross(const float* const* taps,
                   std::index_sequence<kTaps...> /*taps*/) {
   const std::array<const float*, sizeof...(kTaps)> rows = {taps[kTaps]...};
   const std::array<float, sizeof...(kTaps)> weights = {tap_weights[kTaps]...};
-  const float* const centre = rows[sizeof...(kTaps) / 2];
+  constexpr std::size_t kMiddle = sizeof...(kTaps) / 2;
 #pragma GCC ivdep
   for (int u = 0; u < width; ++u) {
-    const float middle = centre[u];
+    const float middle = rows[kMiddle][u];
     // The tolerance stays below the depth itself, so that invalid neighbours get no weight.
     const float tolerance =
         std::min(kSameSurfaceSigmas * noise.SigmaM(middle), 0.5F * middle + 1e-6F);
@@ -307,7 +308,14 @@ void SmoothAcross(const float* const* taps,
       sum += w * difference;
       sum_weight += w;
     };
-    (add(rows[kTaps][u], weights[kTaps]), ...);
+    const auto add_tap = [&]<std::size_t kTap>(std::integral_constant<std::size_t, kTap> /*tap*/) {
+      if constexpr (kTap == kMiddle) {
+        sum_weight += weights[kTap];  // it does not differ from itself
+      } else {
+        add(rows[kTap][u], weights[kTap]);
+      }
+    };
+    (add_tap(std::integral_constant<std::size_t, kTaps>{}), ...);
     out[u] = middle > 0 ? middle + sum / sum_weight : 0.0F;
   }
 }

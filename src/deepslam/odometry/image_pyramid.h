@@ -65,7 +65,7 @@ struct PyramidLevel {
   DepthNoise noise;               // of the depth, as it was found
   // Empty but of targets (target_texels.h).
   UnfilledVector<SurfaceTexel> surface;
-  UnfilledVector<float> sight_m;  // depth_m, negated where there is no normal
+  UnfilledVector<float> sight_m;             // depth_m, negated where there is no normal
   UnfilledVector<IntensityTexel> intensity;  // ... and when the frame had no colour
 };
 

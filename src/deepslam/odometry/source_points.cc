@@ -1,7 +1,10 @@
 #include "deepslam/odometry/source_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/odometry/batch_columns.h"
@@ -65,7 +68,7 @@ void SourcePoints::AddRow(int v, const SurfaceRow& surface, const IntensityRow& 
     bool has_texture = std::abs(du[u]) + std::abs(dv[u]) >= kMinGradient;
     // Outlines of objects have depth but no normal; their brightness still says where they are.
     if (choice_.near & has_texture & has_depth & !has_normal)
-      has_texture = ShowsItself(level_, start + u);
+      has_texture = ShowsItself(level_, static_cast<std::int32_t>(start) + u);
     column_[n] = static_cast<float>(u);
     depth_m_[n] = depth_m[u];
     surface_[n] = {nx[u], ny[u], nz[u], offset_m[u]};
@@ -101,19 +104,17 @@ void SourcePoints::AddPieces(int v, std::size_t begin) {
   }
 }
 
-bool ShowsItself(const PyramidLevel& level, std::ptrdiff_t texel) {
-  const std::ptrdiff_t width = level.camera.width, height = level.camera.height;
-  const std::ptrdiff_t u = texel % width, v = texel / width;
-  const std::ptrdiff_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
-  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(texel)];
-  for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - 1); y <= std::min(height - 1, v + 1);
-       ++y) {
-    const float* const row_m = level.depth_m.data() + y * width + u;
-    for (std::ptrdiff_t x = left; x <= right; ++x) {
-      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;
-    }
+bool ShowsItself(const PyramidLevel& level, std::int32_t texel) {
+  const std::int32_t width = level.camera.width, height = level.camera.height;
+  const std::int32_t u = texel % width, v = texel / width;
+  const std::array<std::int32_t, 3> columns = {std::max(u - 1, 0), u, std::min(u + 1, width - 1)};
+  const float depth_m = level.depth_m[static_cast<std::size_t>(texel)];
+  float least_m = depth_m;
+  for (const std::int32_t y : {std::max(v - 1, 0), v, std::min(v + 1, height - 1)}) {
+    const float* const row_m = level.depth_m.data() + static_cast<std::ptrdiff_t>(y) * width;
+    for (const std::int32_t x : columns) least_m = std::min(least_m, row_m[x]);
   }
-  return true;
+  return depth_m > 0 && least_m >= (1 - kSameSurface) * depth_m;
 }
 
 }  // namespace deepslam::odometry

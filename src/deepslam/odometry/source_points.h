@@ -77,6 +77,6 @@ class SourcePoints {
 // Whether what a texel without a normal shows is its own surface's brightness. Behind an outline
 // the image is blurred with what is in front and moves with it; beside a gap of the depth it is not
 // known who is in front.
-[[nodiscard]] bool ShowsItself(const PyramidLevel& level, std::ptrdiff_t texel);
+[[nodiscard]] bool ShowsItself(const PyramidLevel& level, std::int32_t texel);
 
 }  // namespace deepslam::odometry
