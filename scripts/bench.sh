@@ -61,6 +61,7 @@ more=()
 tests/bench/whole_run.py build/release/tools/deepslam "$capture" --runs "$runs" --threads 2 --floor "$out/floor.json" \
   --json "$out/whole_run.json" --page "$out/whole_run.md" "${more[@]}"
 bench tracking "$repetitions" "$in_turn"
+bench alignment "$peer_repetitions"
 bench peers "$peer_repetitions"
 bench graph 1  # minutes each
 bench loop "$peer_repetitions"

@@ -1,7 +1,6 @@
 #include "deepslam/odometry/source_points.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -107,14 +106,15 @@ void SourcePoints::AddPieces(int v, std::size_t begin) {
 bool ShowsItself(const PyramidLevel& level, std::int32_t texel) {
   const std::int32_t width = level.camera.width, height = level.camera.height;
   const std::int32_t u = texel % width, v = texel / width;
-  const std::array<std::int32_t, 3> columns = {std::max(u - 1, 0), u, std::min(u + 1, width - 1)};
-  const float depth_m = level.depth_m[static_cast<std::size_t>(texel)];
-  float least_m = depth_m;
-  for (const std::int32_t y : {std::max(v - 1, 0), v, std::min(v + 1, height - 1)}) {
-    const float* const row_m = level.depth_m.data() + static_cast<std::ptrdiff_t>(y) * width;
-    for (const std::int32_t x : columns) least_m = std::min(least_m, row_m[x]);
+  const std::int32_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
+  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(texel)];
+  for (std::int32_t y = std::max(0, v - 1); y <= std::min(height - 1, v + 1); ++y) {
+    const float* const row_m = level.depth_m.data() + static_cast<std::ptrdiff_t>(y) * width + u;
+    for (std::int32_t x = left; x <= right; ++x) {
+      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;  // mostly the first one tells
+    }
   }
-  return depth_m > 0 && least_m >= (1 - kSameSurface) * depth_m;
+  return true;
 }
 
 }  // namespace deepslam::odometry

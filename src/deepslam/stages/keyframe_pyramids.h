@@ -18,7 +18,7 @@ namespace deepslam::stages {
 
 class KeyframePyramids {
  public:
-  // Of what was asked for before, at most `most` (about 3 MB each) are kept, the latest.
+  // Of what was asked for before, at most `most` (about 4 MB each) are kept, the latest.
   KeyframePyramids(const FrameSource& frames,
                    const odometry::PyramidOptions& options,
                    std::size_t most);

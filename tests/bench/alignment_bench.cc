@@ -1,0 +1,128 @@
+// The kernels that tracking spends its time in beside decoding, one by one, on two frames of the
+// capture that DEEPSLAM_BENCH_CAPTURE names, laid where tracking lays them. One thread.
+//   DEEPSLAM_BENCH_CAPTURE=... deepslam_alignment_bench --benchmark_repetitions=5
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include <benchmark/benchmark.h>
+
+#include "bench_capture.h"
+#include "deepslam/odometry/alignment_levels.h"
+#include "deepslam/odometry/frame_alignment.h"
+#include "deepslam/odometry/place_judgement.h"
+#include "deepslam/odometry/point_alignment.h"
+#include "deepslam/odometry/read_pyramid.h"
+#include "deepslam/odometry/rotation_search.h"
+#include "deepslam/odometry/source_points.h"
+#include "deepslam/odometry/target_texels.h"
+
+namespace deepslam {
+namespace {
+
+// As far apart as a frame and its keyframe often are.
+constexpr int kFramesBetween = 5;
+constexpr int kFinestStride = 3;  // as tracking has it
+constexpr int kCoarsestStride = 2;
+
+struct TwoFrames {
+  DepthImage depth_m;           // of j
+  BrightnessImage brightness;   // of j, at the size of its finest level
+  odometry::FramePyramid i, j;  // i is a target
+  Pose3 i_from_j;
+  PinholeCamera camera;
+};
+
+Result<TwoFrames> ReadTwo() {
+  const Result<dataset::Capture> capture = bench::OpenNamedCapture();
+  if (!capture.ok()) return capture.error();
+  const FrameSource& frames = *capture->frames;
+  const int last = std::min(kFramesBetween, frames.num_frames() - 1);
+  Result<odometry::ReadFrame> i = odometry::ReadPyramid(frames, FrameIdx{0}, {});
+  if (!i.ok()) return i.error();
+  Result<odometry::ReadFrame> j = odometry::ReadPyramid(frames, FrameIdx{last}, {});
+  if (!j.ok()) return j.error();
+  TwoFrames two{std::move(j->depth_m),
+                j->pyramid.levels.front().brightness,
+                odometry::AsTarget(std::move(i->pyramid)),
+                std::move(j->pyramid),
+                Pose3{},
+                frames.camera()};
+  const std::array<Pose3, 1> starts = {Pose3{}};
+  const odometry::FrameAlignment alignment = odometry::AlignPyramids(two.i, two.j, starts, {});
+  if (!alignment.ok) return InvalidInput("the capture's first frames do not align");
+  two.i_from_j = alignment.i_from_j;
+  return two;
+}
+
+// Calls `kernel` with the frames again and again.
+template <typename Kernel>
+void Repeat(benchmark::State& state, const Kernel& kernel) {
+  const Result<TwoFrames> two = ReadTwo();
+  if (!two.ok()) return state.SkipWithError(two.error().message.c_str());
+  for (auto _ : state) benchmark::DoNotOptimize(kernel(*two));
+}
+
+void BuildPyramid(benchmark::State& state) {
+  Repeat(state, [](const TwoFrames& two) {
+    return odometry::BuildPyramid(two.depth_m, two.brightness, two.camera, {}).valid_share;
+  });
+}
+BENCHMARK(BuildPyramid)->Unit(benchmark::kMicrosecond);
+
+// What a frame needs beside to become a keyframe.
+void AsTarget(benchmark::State& state) {
+  Repeat(state, [](const TwoFrames& two) { return odometry::AsTarget(two.j).levels.size(); });
+}
+BENCHMARK(AsTarget)->Unit(benchmark::kMicrosecond);
+
+void SearchRotation(benchmark::State& state) {
+  Repeat(state,
+         [](const TwoFrames& two) { return odometry::SearchRotation(two.i, two.j).has_value(); });
+}
+BENCHMARK(SearchRotation)->Unit(benchmark::kMicrosecond);
+
+odometry::SourcePoints FinestPoints(const odometry::FramePyramid& j) {
+  return {j.levels.front(), {.stride = kFinestStride, .photometric = true, .near = true}};
+}
+
+void GatherSourcePoints(benchmark::State& state) {
+  Repeat(state, [](const TwoFrames& two) { return FinestPoints(two.j).size(); });
+}
+BENCHMARK(GatherSourcePoints)->Unit(benchmark::kMicrosecond);
+
+// A step's normal equations at the finest level, and what an end is judged by (cross: 1).
+void BuildAlignmentSystem(benchmark::State& state) {
+  const Result<TwoFrames> two = ReadTwo();
+  if (!two.ok()) return state.SkipWithError(two.error().message.c_str());
+  const odometry::SourcePoints points = FinestPoints(two->j);
+  odometry::AlignmentGates gates;
+  gates.cross_frames = state.range(0) != 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        odometry::BuildAlignmentSystem(two->i.levels.front(), points, two->i_from_j, gates, {})
+            .num_matched);
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
+}
+BENCHMARK(BuildAlignmentSystem)->ArgName("cross")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+
+// One of the places that compete, at the coarsest level that is aligned.
+void JudgePlace(benchmark::State& state) {
+  const Result<TwoFrames> two = ReadTwo();
+  if (!two.ok()) return state.SkipWithError(two.error().message.c_str());
+  const std::size_t coarsest = odometry::NumAlignmentLevels(two->i) - 1;
+  const odometry::SourcePoints points(
+      two->j.levels[coarsest], {.stride = kCoarsestStride, .photometric = true, .near = false});
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        odometry::JudgePlace(two->i.levels[coarsest], points, two->i_from_j, {}, {}).support);
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
+}
+BENCHMARK(JudgePlace)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace deepslam
