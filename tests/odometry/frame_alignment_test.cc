@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "deepslam/core/random.h"
+#include "deepslam/odometry/moved_surfaces.h"
 #include "deepslam/odometry/sharpened_alignment.h"
 #include "deepslam/odometry/target_texels.h"
 #include "odometry/box_world.h"
@@ -434,6 +437,33 @@ TEST(AsTarget, NormalsOfAWallFaceTheCamera) {
     EXPECT_NEAR(level.surface[centre].nz, -1.0F, 1e-3F);
     EXPECT_NEAR(level.surface[centre].offset_m, -2.0F, 1e-3F);
   }
+}
+
+void ExpectSightOfDepthAndSurface(const FramePyramid& target) {
+  for (const PyramidLevel& level : target.levels) {
+    ASSERT_EQ(level.sight_m.size(), level.depth_m.size());
+    for (std::size_t k = 0; k < level.sight_m.size(); ++k) {
+      const bool has_normal = level.surface[k].offset_m < 0;
+      EXPECT_EQ(level.sight_m[k], has_normal ? level.depth_m[k] : -level.depth_m[k]) << k;
+    }
+  }
+}
+
+TEST(AsTarget, SightIsOfDepthAndSurfaceAlsoWhereWhatMovedIsHidden) {
+  const Frame wall = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
+  Frame passed_by = wall;
+  for (int v = 0; v < kSmallCamera.height; ++v) {
+    for (int u = 0; u < kSmallCamera.width / 3; ++u) passed_by.depth_m(u, v) = 1.0F;
+  }
+  const auto earlier =
+      std::make_shared<const FramePyramid>(AsTarget(BuildPyramid(wall, kSmallCamera, {})));
+  const auto frame =
+      std::make_shared<const FramePyramid>(AsTarget(BuildPyramid(passed_by, kSmallCamera, {})));
+  ExpectSightOfDepthAndSurface(*frame);
+  const std::vector<PlacedPyramid> keyframes = {{earlier, Pose3{}}};
+  const auto hidden = WithoutMoved({frame, Pose3{}}, keyframes, {});
+  ASSERT_NE(hidden, frame) << "nothing was hidden";
+  ExpectSightOfDepthAndSurface(*hidden);
 }
 
 TEST(BuildPyramid, TakesDepthOutOfRangeAndColourOfAnotherSizeAsMissing) {

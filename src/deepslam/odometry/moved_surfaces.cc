@@ -175,7 +175,9 @@ void Hide(const Mask& mask, PyramidLevel& level) {
       if (mask(mask_u, mask_v) == 0) continue;
       const std::size_t k = static_cast<std::size_t>(v * level.camera.width + u);
       level.depth_m[k] = 0;
-      if (!level.surface.empty()) level.surface[k] = SurfaceTexel{};
+      if (level.surface.empty()) continue;
+      level.surface[k] = SurfaceTexel{};
+      level.sight_m[k] = 0;
     }
   }
 }
