@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -72,7 +73,7 @@ void BuildPyramid(benchmark::State& state) {
 }
 BENCHMARK(BuildPyramid)->Unit(benchmark::kMicrosecond);
 
-// What a frame needs beside to become a keyframe.
+// What a frame needs beside to become a keyframe, and a copy of it.
 void AsTarget(benchmark::State& state) {
   Repeat(state, [](const TwoFrames& two) { return odometry::AsTarget(two.j).levels.size(); });
 }

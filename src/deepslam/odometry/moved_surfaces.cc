@@ -11,6 +11,7 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/odometry/alignment_levels.h"
+#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::odometry {
 namespace {
@@ -173,11 +174,7 @@ void Hide(const Mask& mask, PyramidLevel& level) {
     for (int u = 0; u < level.camera.width; ++u) {
       const int mask_u = std::min(mask.width() - 1, u * mask.width() / level.camera.width);
       if (mask(mask_u, mask_v) == 0) continue;
-      const std::size_t k = static_cast<std::size_t>(v * level.camera.width + u);
-      level.depth_m[k] = 0;
-      if (level.surface.empty()) continue;
-      level.surface[k] = SurfaceTexel{};
-      level.sight_m[k] = 0;
+      HideTexel(static_cast<std::size_t>(v * level.camera.width + u), level);
     }
   }
 }

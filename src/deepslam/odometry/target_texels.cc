@@ -43,6 +43,13 @@ FramePyramid AsTarget(FramePyramid pyramid) {
   return pyramid;
 }
 
+void HideTexel(std::size_t texel, PyramidLevel& level) {
+  level.depth_m[texel] = 0;
+  if (level.surface.empty()) return;
+  level.surface[texel] = SurfaceTexel{};
+  level.sight_m[texel] = 0;
+}
+
 UnfilledVector<IntensityTexel> WithDerivatives(const BrightnessImage& image) {
   UnfilledVector<IntensityTexel> texels(image.size());
   IntensityRow row(image.width());

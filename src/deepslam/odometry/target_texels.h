@@ -3,7 +3,7 @@
 // (SourcePoints).
 #pragma once
 
-#include <vector>
+#include <cstddef>
 
 #include "deepslam/odometry/image_pyramid.h"
 
@@ -13,6 +13,9 @@ namespace deepslam::odometry {
 
 // The same with texels on all levels.
 [[nodiscard]] FramePyramid AsTarget(FramePyramid pyramid);
+
+// The texel has no depth any more and, on a target's level, no surface that others could find.
+void HideTexel(std::size_t texel, PyramidLevel& level);
 
 [[nodiscard]] UnfilledVector<IntensityTexel> WithDerivatives(const BrightnessImage& image);
 
