@@ -45,8 +45,8 @@ set_target_properties(deepslam::onnxruntime PROPERTIES
   IMPORTED_LOCATION "${ONNXRUNTIME_LIBRARY}"
   INTERFACE_INCLUDE_DIRECTORIES "${ONNXRUNTIME_INCLUDE_DIR}")
 
-# Found by their files: libwebp's package has no configuration for CMake, and Debian's libzip-config.cmake asks for the
-# command line tools of another package.
+# Found by their files: the packages of Blosc and libwebp have no configuration for CMake, and Debian's
+# libzip-config.cmake asks for the command line tools of another package.
 #   deepslam_find_library(<name> <header> <library>)
 function(deepslam_find_library name header library)
   string(TOUPPER "${name}" upper)
@@ -57,5 +57,6 @@ function(deepslam_find_library name header library)
     IMPORTED_LOCATION "${${upper}_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${${upper}_INCLUDE_DIR}")
 endfunction()
+deepslam_find_library(blosc blosc.h blosc)
 deepslam_find_library(libzip zip.h zip)
 deepslam_find_library(webp webp/decode.h webp)

@@ -42,6 +42,7 @@ set(deepslam_package_of_embree embree)
 set(deepslam_package_of_Open3D Open3D)
 # Those that deepslamConfig.cmake makes itself.
 set(deepslam_package_of_deepslam::onnxruntime onnxruntime)
+set(deepslam_package_of_deepslam::blosc blosc)
 set(deepslam_package_of_deepslam::libzip libzip)
 set(deepslam_package_of_deepslam::webp webp)
 

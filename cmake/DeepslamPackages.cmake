@@ -79,7 +79,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME deepslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Static libraries, headers and find_package(deepslam).")
 # What deepslamConfig.cmake looks for.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "deepslam (= ${PROJECT_VERSION}), cmake, libceres-dev, libcgal-dev, \
-libdraco-dev, libeigen3-dev, libembree-dev, libfmt-dev, libjpeg-dev, libmeshoptimizer-dev, libnanoflann-dev, libopen3d-dev, \
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "deepslam (= ${PROJECT_VERSION}), cmake, libblosc-dev, libceres-dev, \
+libcgal-dev, libdraco-dev, libeigen3-dev, libembree-dev, libfmt-dev, libjpeg-dev, libmeshoptimizer-dev, libnanoflann-dev, libopen3d-dev, \
 libopencv-dev, libopenmesh-dev, libpng-dev, libprotobuf-dev, libssl-dev, libtbb-dev, libtinyobjloader-dev, libwebp-dev, libyaml-cpp-dev, libzip-dev, nlohmann-json3-dev, zlib1g-dev")
 include(CPack)

@@ -77,6 +77,7 @@ FENCES = {
     "jpeglib.h": {"image_codec"},
     "webp/": {"image_codec"},
     "zlib.h": {"dataset", "image_codec"},
+    "blosc.h": {"dataset"},
     "yaml-cpp/": {"dataset", "pipeline", "synth", "artifact"},
     "CLI/": {"tools"},
     "spdlog/": {"tools", "pipeline"},

@@ -26,8 +26,9 @@ using artifact::JsonObject;
 constexpr std::string_view kTimingPage = "timing.html";
 constexpr std::string_view kRunFormat = "deepslam/run";
 constexpr int kRunVersion = 1;
-// Decoded frames that stay in memory: 60 of 640 x 480 px. The longer a capture, the less of it they
-// are, and the more memory its poses and masks take: beyond so many frames they are fewer.
+// Decoded images that stay in memory: of 640 x 480 px 700 depth images, or 145 of colour. The
+// longer a capture, the less of it they are, and the more memory its poses and masks take: beyond
+// so many frames they are fewer.
 constexpr std::size_t kKeptFrameBytes = std::size_t{128} << 20;
 constexpr std::size_t kFramesWithAllKept = 3000;
 // And 60 models, of four or five objects.
@@ -140,7 +141,8 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   if (!opened.ok()) return opened.error();
   for (const std::string& warning : opened->warnings) LogWarning(warning);
   const std::size_t kept_bytes = KeptFrameBytes(opened->frames->num_frames());
-  opened->frames = dataset::KeepFrames(std::move(opened->frames), kept_bytes);
+  const double depth_units_per_m = opened->stored->cameras().depth_units_per_m;
+  opened->frames = dataset::KeepFrames(std::move(opened->frames), depth_units_per_m, kept_bytes);
   const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
   inputs.capture = capture;
   inputs.prepared = std::make_shared<stages::PreparedModels>(kPreparedModelBytes);

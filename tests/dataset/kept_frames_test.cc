@@ -13,16 +13,31 @@
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kWidth = 8;
-constexpr int kHeight = 6;
-constexpr std::size_t kFrameBytes = kWidth * kHeight * (sizeof(float) + sizeof(Rgb8));
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+constexpr std::size_t kDepthBytes = kWidth * kHeight * sizeof(float);  // unpacked
+constexpr std::size_t kColourBytes = kWidth * kHeight * sizeof(Rgb8);
+constexpr std::size_t kPlenty = 100 * (kDepthBytes + kColourBytes);
+constexpr double kUnitsPerM = 1000;
+
+// In millimetres, as sensors measure a slope, with noise.
+DepthImage SlopeM(int n) {
+  DepthImage depth_m(kWidth, kHeight);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const int depth_mm = 1000 + 100 * n + 3 * u + 2 * v + (u * 7 + v * 13) % 5;
+      depth_m(u, v) = static_cast<float>(depth_mm / kUnitsPerM);
+    }
+  }
+  return depth_m;
+}
 
 std::vector<Frame> SomeFrames(int count) {
   std::vector<Frame> frames;
   for (int n = 0; n < count; ++n) {
     Frame frame;
     frame.time_s = 0.1 * n;
-    frame.depth_m = DepthImage(kWidth, kHeight, 1.0F + static_cast<float>(n));
+    frame.depth_m = SlopeM(n);
     frame.colour = ColourImage(kWidth, kHeight, {static_cast<std::uint8_t>(n), 2, 3});
     frames.push_back(std::move(frame));
   }
@@ -65,6 +80,10 @@ class CountedFrames final : public FrameSource {
   std::vector<int>& reads_;
 };
 
+std::unique_ptr<FrameSource> Keep(std::unique_ptr<FrameSource> frames, std::size_t max_bytes) {
+  return KeepFrames(std::move(frames), kUnitsPerM, max_bytes);
+}
+
 void ExpectFrame(const Result<Frame>& frame, int n) {
   ASSERT_TRUE(frame.ok());
   const Frame expected = SomeFrames(n + 1).back();
@@ -76,7 +95,7 @@ void ExpectFrame(const Result<Frame>& frame, int n) {
 
 TEST(KeepFrames, GivesEqualFramesAndReadsThemTwiceAtMost) {
   std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<CountedFrames>(3, reads), 100 * kFrameBytes);
+  const auto kept = Keep(std::make_unique<CountedFrames>(3, reads), kPlenty);
   for (int turn = 0; turn < 5; ++turn) {
     for (int n = 0; n < 3; ++n) ExpectFrame(kept->Read({n}), n);
   }
@@ -86,7 +105,7 @@ TEST(KeepFrames, GivesEqualFramesAndReadsThemTwiceAtMost) {
 // Of the source, whether the colour is kept by then or not: it may be rounded in its own way.
 TEST(KeepFrames, BrightnessIsTheSourcesOwn) {
   std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<CountedFrames>(1, reads), 100 * kFrameBytes);
+  const auto kept = Keep(std::make_unique<CountedFrames>(1, reads), kPlenty);
   for (int turn = 0; turn < 4; ++turn) {
     const int before = reads[0];
     ASSERT_TRUE(kept->ReadBrightness({0}, 2).ok());
@@ -97,7 +116,7 @@ TEST(KeepFrames, BrightnessIsTheSourcesOwn) {
 
 TEST(KeepFrames, KeepsDepthAndColourForThemselves) {
   std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<CountedFrames>(1, reads), 100 * kFrameBytes);
+  const auto kept = Keep(std::make_unique<CountedFrames>(1, reads), kPlenty);
   for (int turn = 0; turn < 4; ++turn) {
     const Result<Frame> depth = kept->ReadDepth({0});
     ASSERT_TRUE(depth.ok());
@@ -110,21 +129,38 @@ TEST(KeepFrames, KeepsDepthAndColourForThemselves) {
 
 TEST(KeepFrames, KeepsNoMoreThanTheMemoryGiven) {
   std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<CountedFrames>(10, reads), 3 * kFrameBytes);
+  const auto kept = Keep(std::make_unique<CountedFrames>(10, reads), 3 * kColourBytes);
   for (int turn = 0; turn < 4; ++turn) {
-    for (int n = 0; n < 10; ++n) ExpectFrame(kept->Read({n}), n);
+    for (int n = 0; n < 10; ++n) ASSERT_TRUE(kept->ReadColour({n}).ok());
   }
   int num_kept = 0;
-  for (const int count : reads) num_kept += count == 4 ? 1 : 0;
+  for (const int count : reads) num_kept += count == 2 ? 1 : 0;
   EXPECT_EQ(num_kept, 3);
-  const auto none = KeepFrames(std::make_unique<CountedFrames>(1, reads), 0);
+  const auto none = Keep(std::make_unique<CountedFrames>(1, reads), 0);
   for (int turn = 0; turn < 4; ++turn) ExpectFrame(none->Read({0}), 0);
   EXPECT_EQ(reads[0], 8);
 }
 
+TEST(KeepFrames, DepthTakesAFractionOfItsPixels) {
+  std::vector<int> reads;
+  const auto kept = Keep(std::make_unique<CountedFrames>(8, reads), 2 * kDepthBytes);
+  for (int turn = 0; turn < 4; ++turn) {
+    for (int n = 0; n < 8; ++n) EXPECT_EQ(kept->ReadDepth({n})->depth_m, SlopeM(n));
+  }
+  EXPECT_EQ(reads, std::vector<int>(8, 2));
+}
+
+// One kind of images may find room where the other does not.
+TEST(KeepFrames, DepthIsKeptWhereColourIsTooLarge) {
+  std::vector<int> reads;
+  const auto kept = Keep(std::make_unique<CountedFrames>(1, reads), kColourBytes - 1);
+  for (int turn = 0; turn < 4; ++turn) ExpectFrame(kept->Read({0}), 0);
+  EXPECT_EQ(reads[0], 2 + 4);
+}
+
 TEST(KeepFrames, WhatIsGivenBackIsNotReadAgain) {
   std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<CountedFrames>(3, reads), 100 * kFrameBytes);
+  const auto kept = Keep(std::make_unique<CountedFrames>(3, reads), kPlenty);
   kept->GiveBack(*kept->ReadDepth({0}));
   kept->GiveBack(*kept->ReadColour({1}));
   kept->GiveBack(*kept->Read({2}));
@@ -138,13 +174,12 @@ TEST(KeepFrames, WhatIsGivenBackIsNotReadAgain) {
 
 TEST(KeepFrames, NoMoreIsGivenBackThanThereIsMemoryFor) {
   std::vector<int> reads;
-  const auto kept =
-      KeepFrames(std::make_unique<CountedFrames>(2, reads), kWidth * kHeight * sizeof(float));
+  const auto kept = Keep(std::make_unique<CountedFrames>(2, reads), kColourBytes);
   for (const int n : {0, 1}) {
-    Result<Frame> depth = kept->ReadDepth({n});
-    ASSERT_TRUE(depth.ok());
-    kept->GiveBack(std::move(depth).value());
-    ASSERT_TRUE(kept->ReadDepth({n}).ok());
+    Result<Frame> colour = kept->ReadColour({n});
+    ASSERT_TRUE(colour.ok());
+    kept->GiveBack(std::move(colour).value());
+    ASSERT_TRUE(kept->ReadColour({n}).ok());
   }
   EXPECT_EQ(reads, (std::vector<int>{1, 2}));
 }
@@ -153,7 +188,7 @@ TEST(KeepFrames, AnErrorIsNotKept) {
   std::vector<int> reads;
   auto source = std::make_unique<CountedFrames>(2, reads);
   CountedFrames* const inner = source.get();
-  const auto kept = KeepFrames(std::move(source), 100 * kFrameBytes);
+  const auto kept = Keep(std::move(source), kPlenty);
   inner->broken = {1};
   EXPECT_FALSE(kept->Read({1}).ok());
   EXPECT_FALSE(kept->Read({1}).ok());
@@ -162,15 +197,14 @@ TEST(KeepFrames, AnErrorIsNotKept) {
 }
 
 TEST(KeepFrames, ManyThreadsGetTheSameFrames) {
-  std::vector<int> reads;
-  const auto kept = KeepFrames(std::make_unique<MemoryFrameSource>(
-                                   PinholeCamera{kWidth, kHeight, 5, 5, 3.5, 2.5}, SomeFrames(7)),
-                               4 * kFrameBytes);
+  const auto kept = Keep(std::make_unique<MemoryFrameSource>(
+                             PinholeCamera{kWidth, kHeight, 5, 5, 3.5, 2.5}, SomeFrames(7)),
+                         4 * kColourBytes);
   std::vector<int> wrong(200, 0);
   ParallelFor(wrong.size(), [&](std::size_t i) {
     const int n = static_cast<int>(i) % 7;
     const Result<Frame> frame = kept->Read({n});
-    wrong[i] = frame.ok() && frame->depth_m(0, 0) == 1.0F + static_cast<float>(n) ? 0 : 1;
+    wrong[i] = frame.ok() && frame->depth_m == SlopeM(n) ? 0 : 1;
   });
   EXPECT_EQ(wrong, std::vector<int>(200, 0));
 }

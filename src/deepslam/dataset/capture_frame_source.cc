@@ -1,30 +1,13 @@
 #include "deepslam/dataset/capture_frame_source.h"
 
 #include <utility>
-#include <vector>
 
 #include "deepslam/dataset/depth_registration.h"
+#include "deepslam/dataset/metres_of_raw.h"
 #include "deepslam/scene/brightness.h"
 
 namespace deepslam::dataset {
 namespace {
-
-// Metres by raw value.
-std::vector<float> MetresTable(double depth_units_per_m) {
-  std::vector<float> metres(kSaturatedDepth + 1u, 0.0f);
-  for (std::size_t raw = 1; raw < kSaturatedDepth; ++raw) {
-    const double depth_m = static_cast<double>(raw) / depth_units_per_m;
-    if (depth_m <= kMaxDepthM) metres[raw] = static_cast<float>(depth_m);
-  }
-  return metres;
-}
-
-DepthImage ByTable(const RawDepthImage& raw, const std::vector<float>& metres) {
-  DepthImage depth_m(raw.width(), raw.height());
-  const std::uint16_t* value = raw.data();
-  for (float& d : depth_m) d = metres[*value++];
-  return depth_m;
-}
 
 class CaptureFrameSource final : public FrameSource {
  public:
@@ -33,7 +16,7 @@ class CaptureFrameSource final : public FrameSource {
         faults_(std::move(faults)),
         camera_(FrameCamera(stored_->cameras())),
         reduction_(ColourReduction(stored_->cameras())),
-        metres_(MetresTable(stored_->cameras().depth_units_per_m)) {}
+        metres_(stored_->cameras().depth_units_per_m) {}
 
   [[nodiscard]] int num_frames() const override {
     return static_cast<int>(stored_->frames().size());
@@ -55,7 +38,7 @@ class CaptureFrameSource final : public FrameSource {
     const Result<RawDepthImage> raw = stored_->ReadDepth(Index(frame));
     if (!raw) return Noted(raw.error());
     const CaptureCameras& cameras = stored_->cameras();
-    DepthImage depth_m = ByTable(*raw, metres_);
+    DepthImage depth_m = metres_.Of(*raw);
     if (!cameras.registered() || reduction_ > 1)
       depth_m = RegisterDepth(depth_m, cameras.depth, cameras.colour_from_depth, camera_);
     return Frame{frame, time_s, ColourImage(), std::move(depth_m)};
@@ -102,7 +85,7 @@ class CaptureFrameSource final : public FrameSource {
   std::shared_ptr<ReadFaults> faults_;
   PinholeCamera camera_;
   int reduction_;
-  std::vector<float> metres_;
+  MetresOfRaw metres_;
 };
 
 }  // namespace
@@ -110,10 +93,6 @@ class CaptureFrameSource final : public FrameSource {
 std::unique_ptr<FrameSource> MakeCaptureFrameSource(std::shared_ptr<const StoredFrames> stored,
                                                     std::shared_ptr<ReadFaults> faults) {
   return std::make_unique<CaptureFrameSource>(std::move(stored), std::move(faults));
-}
-
-DepthImage ToMetres(const RawDepthImage& raw, double depth_units_per_m) {
-  return ByTable(raw, MetresTable(depth_units_per_m));
 }
 
 }  // namespace deepslam::dataset

@@ -1,59 +1,65 @@
 #include "deepslam/dataset/kept_frames.h"
 
-#include <cstdint>
+#include <cstddef>
 #include <mutex>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "deepslam/dataset/metres_of_raw.h"
+#include "deepslam/dataset/packed_depth.h"
 
 namespace deepslam::dataset {
 namespace {
 
-// Images of one kind, by frame.
-template <typename T>
+// Images of one kind by frame, in the form in which they are kept.
+template <typename Kept>
 class KeptImages {
  public:
   explicit KeptImages(int num_frames) : entries_(static_cast<std::size_t>(num_frames)) {}
 
   // Null when it is not kept.
-  [[nodiscard]] std::shared_ptr<const Image<T>> Find(FrameIdx frame) const {
-    return entries_[static_cast<std::size_t>(frame.value)].image;
+  [[nodiscard]] std::shared_ptr<const Kept> Find(FrameIdx frame) const { return At(frame).image; }
+  // Whether an image that was read is to be kept: not the first time.
+  [[nodiscard]] bool Offer(FrameIdx frame) {
+    return std::exchange(At(frame).asked, true) && IsWanted(frame);
   }
-  // An image that was read; `free_bytes` shrinks when it is kept.
-  void Offer(FrameIdx frame, const Image<T>& image, std::size_t& free_bytes) {
-    Entry& entry = entries_[static_cast<std::size_t>(frame.value)];
-    if (entry.asked && IsWanted(entry, image, free_bytes)) Keep(image, entry, free_bytes);
-    entry.asked = true;
-  }
-  // One that nobody else needs.
-  void TakeBack(FrameIdx frame, Image<T> image, std::size_t& free_bytes) {
-    Entry& entry = entries_[static_cast<std::size_t>(frame.value)];
-    if (IsWanted(entry, image, free_bytes)) Keep(std::move(image), entry, free_bytes);
+  [[nodiscard]] bool IsWanted(FrameIdx frame) const { return !is_full_ && !At(frame).image; }
+  // `free_bytes` shrinks; nothing more is wanted when they are too few.
+  void Keep(FrameIdx frame, Kept image, std::size_t num_bytes, std::size_t& free_bytes) {
+    if (!IsWanted(frame)) return;
+    is_full_ = num_bytes > free_bytes;
+    if (is_full_) return;
+    free_bytes -= num_bytes;
+    At(frame).image = std::make_shared<const Kept>(std::move(image));
   }
 
  private:
   struct Entry {
     bool asked = false;
-    std::shared_ptr<const Image<T>> image;
+    std::shared_ptr<const Kept> image;
   };
 
-  static std::size_t NumBytes(const Image<T>& image) { return sizeof(T) * image.size(); }
-  static bool IsWanted(const Entry& entry, const Image<T>& image, std::size_t free_bytes) {
-    return !entry.image && NumBytes(image) <= free_bytes;
+  [[nodiscard]] Entry& At(FrameIdx frame) {
+    return entries_[static_cast<std::size_t>(frame.value)];
   }
-  static void Keep(Image<T> image, Entry& entry, std::size_t& free_bytes) {
-    free_bytes -= NumBytes(image);
-    entry.image = std::make_shared<const Image<T>>(std::move(image));
+  [[nodiscard]] const Entry& At(FrameIdx frame) const {
+    return entries_[static_cast<std::size_t>(frame.value)];
   }
 
   std::vector<Entry> entries_;
+  bool is_full_ = false;
 };
 
 class KeptFrameSource final : public FrameSource {
  public:
-  KeptFrameSource(std::unique_ptr<FrameSource> frames, std::size_t max_bytes)
+  KeptFrameSource(std::unique_ptr<FrameSource> frames,
+                  double depth_units_per_m,
+                  std::size_t max_bytes)
       : frames_(std::move(frames)),
+        metres_(std::make_shared<const MetresOfRaw>(depth_units_per_m)),
         free_bytes_(max_bytes),
-        depth_m_(frames_->num_frames()),
+        depth_(frames_->num_frames()),
         colour_(frames_->num_frames()) {}
 
   [[nodiscard]] int num_frames() const override { return frames_->num_frames(); }
@@ -73,25 +79,26 @@ class KeptFrameSource final : public FrameSource {
   }
 
   [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
-    if (const auto kept = Find(depth_m_, frame))
-      return Frame{frame, time_s(frame), ColourImage(), *kept};
+    if (const auto kept = Locked([&] { return depth_.Find(frame); }))
+      return Frame{frame, time_s(frame), ColourImage(), kept->Unpacked()};
     Result<Frame> read = frames_->ReadDepth(frame);
-    if (read.ok()) Offer(depth_m_, frame, read->depth_m);
+    if (read.ok() && Locked([&] { return depth_.Offer(frame); })) KeepDepth(frame, read->depth_m);
     return read;
   }
 
   [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
-    if (const auto kept = Find(colour_, frame))
+    if (const auto kept = Locked([&] { return colour_.Find(frame); }))
       return Frame{frame, time_s(frame), *kept, DepthImage()};
     Result<Frame> read = frames_->ReadColour(frame);
-    if (read.ok()) Offer(colour_, frame, read->colour);
+    if (read.ok() && Locked([&] { return colour_.Offer(frame); })) KeepColour(frame, read->colour);
     return read;
   }
 
   void GiveBack(Frame frame) const override {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!frame.depth_m.empty()) depth_m_.TakeBack(frame.idx, std::move(frame.depth_m), free_bytes_);
-    if (!frame.colour.empty()) colour_.TakeBack(frame.idx, std::move(frame.colour), free_bytes_);
+    if (!frame.depth_m.empty() && Locked([&] { return depth_.IsWanted(frame.idx); }))
+      KeepDepth(frame.idx, frame.depth_m);
+    if (!frame.colour.empty() && Locked([&] { return colour_.IsWanted(frame.idx); }))
+      KeepColour(frame.idx, std::move(frame.colour));
   }
 
   // Not made of a kept colour: what a decoder makes of the file may be rounded otherwise.
@@ -100,30 +107,36 @@ class KeptFrameSource final : public FrameSource {
   }
 
  private:
-  template <typename T>
-  [[nodiscard]] std::shared_ptr<const Image<T>> Find(const KeptImages<T>& images,
-                                                     FrameIdx frame) const {
+  template <typename Look>
+  std::invoke_result_t<const Look&> Locked(const Look& look) const {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return images.Find(frame);
+    return look();
   }
-  template <typename T>
-  void Offer(KeptImages<T>& images, FrameIdx frame, const Image<T>& image) const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    images.Offer(frame, image, free_bytes_);
+
+  void KeepDepth(FrameIdx frame, const DepthImage& depth_m) const {
+    PackedDepth packed(depth_m, metres_);
+    const std::size_t num_bytes = packed.num_bytes();
+    Locked([&] { depth_.Keep(frame, std::move(packed), num_bytes, free_bytes_); });
+  }
+  void KeepColour(FrameIdx frame, ColourImage colour) const {
+    const std::size_t num_bytes = sizeof(Rgb8) * colour.size();
+    Locked([&] { colour_.Keep(frame, std::move(colour), num_bytes, free_bytes_); });
   }
 
   std::unique_ptr<FrameSource> frames_;
+  std::shared_ptr<const MetresOfRaw> metres_;
   mutable std::mutex mutex_;
   mutable std::size_t free_bytes_;
-  mutable KeptImages<float> depth_m_;
-  mutable KeptImages<Rgb8> colour_;
+  mutable KeptImages<PackedDepth> depth_;
+  mutable KeptImages<ColourImage> colour_;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> KeepFrames(std::unique_ptr<FrameSource> frames,
+                                        double depth_units_per_m,
                                         std::size_t max_bytes) {
-  return std::make_unique<KeptFrameSource>(std::move(frames), max_bytes);
+  return std::make_unique<KeptFrameSource>(std::move(frames), depth_units_per_m, max_bytes);
 }
 
 }  // namespace deepslam::dataset

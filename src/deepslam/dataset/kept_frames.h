@@ -3,7 +3,7 @@
 // A run reads every frame once to track it, and its keyframes in most stages after that. An image
 // (colour or depth) stays in memory from the second time it is asked for, or from when it is given
 // back, until the memory given is full; what is kept then stays, since stages go through their
-// frames in turn, and of a turn the oldest is needed next.
+// frames in turn, and of a turn the oldest is needed next. Depth is kept packed (packed_depth.h).
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,10 @@
 
 namespace deepslam::dataset {
 
-// Equal frames and equal errors, thread-safe as `frames` is.
+// Equal frames and equal errors, thread-safe as `frames` is. `depth_units_per_m`: of the capture
+// (CaptureCameras).
 [[nodiscard]] std::unique_ptr<FrameSource> KeepFrames(std::unique_ptr<FrameSource> frames,
+                                                      double depth_units_per_m,
                                                       std::size_t max_bytes);
 
 }  // namespace deepslam::dataset
