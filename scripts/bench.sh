@@ -62,6 +62,7 @@ tests/bench/whole_run.py build/release/tools/deepslam "$capture" --runs "$runs" 
   --json "$out/whole_run.json" --page "$out/whole_run.md" "${more[@]}"
 bench tracking "$repetitions" "$in_turn"
 bench alignment "$peer_repetitions"
+bench packing "$peer_repetitions" "$in_turn"
 bench peers "$peer_repetitions"
 bench graph 1  # minutes each
 bench loop "$peer_repetitions"

@@ -141,6 +141,7 @@ TEST(KeepFrames, KeepsNoMoreThanTheMemoryGiven) {
   EXPECT_EQ(reads[0], 8);
 }
 
+// Packed, when there is no room for the third one.
 TEST(KeepFrames, DepthTakesAFractionOfItsPixels) {
   std::vector<int> reads;
   const auto kept = Keep(std::make_unique<CountedFrames>(8, reads), 2 * kDepthBytes);
@@ -148,6 +149,14 @@ TEST(KeepFrames, DepthTakesAFractionOfItsPixels) {
     for (int n = 0; n < 8; ++n) EXPECT_EQ(kept->ReadDepth({n})->depth_m, SlopeM(n));
   }
   EXPECT_EQ(reads, std::vector<int>(8, 2));
+}
+
+TEST(KeepFrames, DepthMakesRoomForColour) {
+  std::vector<int> reads;
+  const auto kept = Keep(std::make_unique<CountedFrames>(3, reads), 3 * kDepthBytes);
+  for (int n = 0; n < 3; ++n) kept->GiveBack(*kept->ReadDepth({n}));
+  for (int turn = 0; turn < 4; ++turn) ExpectFrame(kept->Read({0}), 0);
+  EXPECT_EQ(reads, (std::vector<int>{1 + 2, 1, 1}));
 }
 
 // One kind of images may find room where the other does not.

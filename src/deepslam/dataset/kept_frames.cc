@@ -4,6 +4,7 @@
 #include <mutex>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "deepslam/dataset/metres_of_raw.h"
@@ -11,6 +12,31 @@
 
 namespace deepslam::dataset {
 namespace {
+
+// A depth image as it is, or packed.
+class KeptDepth {
+ public:
+  explicit KeptDepth(DepthImage depth_m) : kept_(std::move(depth_m)) {}
+
+  [[nodiscard]] KeptDepth Packed(std::shared_ptr<const MetresOfRaw> metres) const {
+    return KeptDepth(PackedDepth(std::get<DepthImage>(kept_), std::move(metres)));
+  }
+  [[nodiscard]] DepthImage Pixels() const {
+    if (const auto* packed = std::get_if<PackedDepth>(&kept_)) return packed->Unpacked();
+    return std::get<DepthImage>(kept_);
+  }
+  [[nodiscard]] std::size_t num_bytes() const {
+    if (const auto* packed = std::get_if<PackedDepth>(&kept_)) return packed->num_bytes();
+    return sizeof(float) * std::get<DepthImage>(kept_).size();
+  }
+
+ private:
+  explicit KeptDepth(PackedDepth packed) : kept_(std::move(packed)) {}
+  std::variant<DepthImage, PackedDepth> kept_;
+};
+
+std::size_t NumBytes(const KeptDepth& depth) { return depth.num_bytes(); }
+std::size_t NumBytes(const ColourImage& colour) { return sizeof(Rgb8) * colour.size(); }
 
 // Images of one kind by frame, in the form in which they are kept.
 template <typename Kept>
@@ -26,12 +52,22 @@ class KeptImages {
   }
   [[nodiscard]] bool IsWanted(FrameIdx frame) const { return !is_full_ && !At(frame).image; }
   // `free_bytes` shrinks; nothing more is wanted when they are too few.
-  void Keep(FrameIdx frame, Kept image, std::size_t num_bytes, std::size_t& free_bytes) {
+  void Keep(FrameIdx frame, Kept image, std::size_t& free_bytes) {
     if (!IsWanted(frame)) return;
-    is_full_ = num_bytes > free_bytes;
+    is_full_ = NumBytes(image) > free_bytes;
     if (is_full_) return;
-    free_bytes -= num_bytes;
+    free_bytes -= NumBytes(image);
     At(frame).image = std::make_shared<const Kept>(std::move(image));
+  }
+  // `smaller` makes of each one that takes less.
+  template <typename Smaller>
+  void Shrink(const Smaller& smaller, std::size_t& free_bytes) {
+    for (Entry& entry : entries_) {
+      if (!entry.image) continue;
+      free_bytes += NumBytes(*entry.image);
+      entry.image = std::make_shared<const Kept>(smaller(*entry.image));
+      free_bytes -= NumBytes(*entry.image);
+    }
   }
 
  private:
@@ -80,7 +116,7 @@ class KeptFrameSource final : public FrameSource {
 
   [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
     if (const auto kept = Locked([&] { return depth_.Find(frame); }))
-      return Frame{frame, time_s(frame), ColourImage(), kept->Unpacked()};
+      return Frame{frame, time_s(frame), ColourImage(), kept->Pixels()};
     Result<Frame> read = frames_->ReadDepth(frame);
     if (read.ok() && Locked([&] { return depth_.Offer(frame); })) KeepDepth(frame, read->depth_m);
     return read;
@@ -96,7 +132,7 @@ class KeptFrameSource final : public FrameSource {
 
   void GiveBack(Frame frame) const override {
     if (!frame.depth_m.empty() && Locked([&] { return depth_.IsWanted(frame.idx); }))
-      KeepDepth(frame.idx, frame.depth_m);
+      KeepDepth(frame.idx, std::move(frame.depth_m));
     if (!frame.colour.empty() && Locked([&] { return colour_.IsWanted(frame.idx); }))
       KeepColour(frame.idx, std::move(frame.colour));
   }
@@ -113,21 +149,36 @@ class KeptFrameSource final : public FrameSource {
     return look();
   }
 
-  void KeepDepth(FrameIdx frame, const DepthImage& depth_m) const {
-    PackedDepth packed(depth_m, metres_);
-    const std::size_t num_bytes = packed.num_bytes();
-    Locked([&] { depth_.Keep(frame, std::move(packed), num_bytes, free_bytes_); });
+  void KeepDepth(FrameIdx frame, DepthImage depth_m) const {
+    KeptDepth kept(std::move(depth_m));
+    const bool kept_as_it_is = Locked([&] {
+      MakeRoomFor(NumBytes(kept));
+      if (!packs_) depth_.Keep(frame, std::move(kept), free_bytes_);
+      return !packs_;
+    });
+    if (kept_as_it_is) return;
+    KeptDepth packed = kept.Packed(metres_);
+    Locked([&] { depth_.Keep(frame, std::move(packed), free_bytes_); });
+  }
+  // Depth is kept as it is as long as all finds room, and packed from then on.
+  void MakeRoomFor(std::size_t num_bytes) const {
+    if (packs_ || num_bytes <= free_bytes_) return;
+    packs_ = true;
+    depth_.Shrink([&](const KeptDepth& depth) { return depth.Packed(metres_); }, free_bytes_);
   }
   void KeepColour(FrameIdx frame, ColourImage colour) const {
-    const std::size_t num_bytes = sizeof(Rgb8) * colour.size();
-    Locked([&] { colour_.Keep(frame, std::move(colour), num_bytes, free_bytes_); });
+    Locked([&] {
+      MakeRoomFor(NumBytes(colour));
+      colour_.Keep(frame, std::move(colour), free_bytes_);
+    });
   }
 
   std::unique_ptr<FrameSource> frames_;
   std::shared_ptr<const MetresOfRaw> metres_;
   mutable std::mutex mutex_;
   mutable std::size_t free_bytes_;
-  mutable KeptImages<PackedDepth> depth_;
+  mutable bool packs_ = false;  // depth
+  mutable KeptImages<KeptDepth> depth_;
   mutable KeptImages<ColourImage> colour_;
 };
 

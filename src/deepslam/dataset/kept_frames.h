@@ -3,7 +3,8 @@
 // A run reads every frame once to track it, and its keyframes in most stages after that. An image
 // (colour or depth) stays in memory from the second time it is asked for, or from when it is given
 // back, until the memory given is full; what is kept then stays, since stages go through their
-// frames in turn, and of a turn the oldest is needed next. Depth is kept packed (packed_depth.h).
+// frames in turn, and of a turn the oldest is needed next. Where images find no room any more depth
+// is packed (packed_depth.h), first what is kept already.
 #pragma once
 
 #include <cstddef>
