@@ -1,7 +1,11 @@
 #include "deepslam/dataset/kept_frames.h"
 
+#include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -47,9 +51,10 @@ std::vector<Frame> SomeFrames(int count) {
 // Counts how often images are really read.
 class CountedFrames final : public FrameSource {
  public:
-  CountedFrames(int count, std::vector<int>& reads)
-      : frames_(PinholeCamera{kWidth, kHeight, 5, 5, 3.5, 2.5}, SomeFrames(count)), reads_(reads) {
-    reads_.assign(static_cast<std::size_t>(count), 0);
+  CountedFrames(int count, std::vector<int>& reads) : CountedFrames(SomeFrames(count), reads) {}
+  CountedFrames(std::vector<Frame> frames, std::vector<int>& reads)
+      : frames_(PinholeCamera{kWidth, kHeight, 5, 5, 3.5, 2.5}, std::move(frames)), reads_(reads) {
+    reads_.assign(static_cast<std::size_t>(frames_.num_frames()), 0);
   }
   [[nodiscard]] int num_frames() const override { return frames_.num_frames(); }
   [[nodiscard]] const PinholeCamera& camera() const override { return frames_.camera(); }
@@ -157,6 +162,22 @@ TEST(KeepFrames, DepthMakesRoomForColour) {
   for (int n = 0; n < 3; ++n) kept->GiveBack(*kept->ReadDepth({n}));
   for (int turn = 0; turn < 4; ++turn) ExpectFrame(kept->Read({0}), 0);
   EXPECT_EQ(reads, (std::vector<int>{1 + 2, 1, 1}));
+}
+
+TEST(KeepFrames, DepthThatCannotBePackedMakesNoRoom) {
+  std::mt19937 random(1);
+  std::vector<Frame> frames = SomeFrames(3);
+  for (Frame& frame : frames) {
+    for (float& depth : frame.depth_m)
+      depth = std::bit_cast<float>(static_cast<std::uint32_t>(random()) & 0x3fffffffU);
+  }
+  std::vector<int> reads;
+  const auto kept = Keep(std::make_unique<CountedFrames>(frames, reads), kDepthBytes);
+  for (int turn = 0; turn < 4; ++turn) {
+    for (int n = 0; n < 3; ++n)
+      EXPECT_EQ(kept->ReadDepth({n})->depth_m, frames[static_cast<std::size_t>(n)].depth_m);
+  }
+  EXPECT_EQ(reads, (std::vector<int>{2, 4, 4}));
 }
 
 // One kind of images may find room where the other does not.

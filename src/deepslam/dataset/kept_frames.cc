@@ -59,14 +59,15 @@ class KeptImages {
     free_bytes -= NumBytes(image);
     At(frame).image = std::make_shared<const Kept>(std::move(image));
   }
-  // `smaller` makes of each one that takes less.
+  // Each becomes what `smaller` makes of it, where that takes less.
   template <typename Smaller>
   void Shrink(const Smaller& smaller, std::size_t& free_bytes) {
     for (Entry& entry : entries_) {
       if (!entry.image) continue;
-      free_bytes += NumBytes(*entry.image);
-      entry.image = std::make_shared<const Kept>(smaller(*entry.image));
-      free_bytes -= NumBytes(*entry.image);
+      auto less = std::make_shared<const Kept>(smaller(*entry.image));
+      if (NumBytes(*less) >= NumBytes(*entry.image)) continue;
+      free_bytes += NumBytes(*entry.image) - NumBytes(*less);
+      entry.image = std::move(less);
     }
   }
 
