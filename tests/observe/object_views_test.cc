@@ -88,12 +88,13 @@ TEST(CollectObjectViews, CropsShowTheSamePointsAsTheWholeImage) {
 
 TEST(CollectObjectViews, TellsWhatTheUserSaysSetsThePicturesUpright) {
   const World world = Make(3, 30);
-  Ground ground;
-  for (const ObjectView& view : Collect(world, ground).at({4}))
-    EXPECT_EQ(view.upright, QuarterTurn::kNone);
-  ground.upright = QuarterTurn::kHalf;
-  for (const ObjectView& view : Collect(world, ground).at({4}))
-    EXPECT_EQ(view.upright, QuarterTurn::kHalf);
+  for (const QuarterTurn turn : {QuarterTurn::kNone, QuarterTurn::kHalf}) {
+    Ground ground;
+    ground.upright = turn;
+    const auto views = Collect(world, ground);
+    ASSERT_THAT(views.at({4}), SizeIs(3));
+    for (const ObjectView& view : views.at({4})) EXPECT_EQ(view.upright, turn);
+  }
 }
 
 TEST(CutObjectViews, WithoutColourGivesTheSameDepthAndObject) {
