@@ -29,7 +29,7 @@ constexpr int kFinestStride = 3;  // as tracking has it
 constexpr int kCoarsestStride = 2;
 
 struct TwoFrames {
-  DepthImage depth_m;           // of j
+  StoredDepth depth;            // of j
   BrightnessImage brightness;   // of j, at the size of its finest level
   odometry::FramePyramid i, j;  // i is a target
   Pose3 i_from_j;
@@ -45,7 +45,7 @@ Result<TwoFrames> ReadTwo() {
   if (!i.ok()) return i.error();
   Result<odometry::ReadFrame> j = odometry::ReadPyramid(frames, FrameIdx{last}, {});
   if (!j.ok()) return j.error();
-  TwoFrames two{std::move(j->depth_m),
+  TwoFrames two{std::move(j->depth),
                 j->pyramid.levels.front().brightness,
                 odometry::AsTarget(std::move(i->pyramid)),
                 std::move(j->pyramid),
@@ -68,7 +68,7 @@ void Repeat(benchmark::State& state, const Kernel& kernel) {
 
 void BuildPyramid(benchmark::State& state) {
   Repeat(state, [](const TwoFrames& two) {
-    return odometry::BuildPyramid(two.depth_m, two.brightness, two.camera, {}).valid_share;
+    return odometry::BuildPyramid(two.depth, two.brightness, two.camera, {}).valid_share;
   });
 }
 BENCHMARK(BuildPyramid)->Unit(benchmark::kMicrosecond);

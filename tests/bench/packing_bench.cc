@@ -3,7 +3,6 @@
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_packing_bench --benchmark_repetitions=5
 #include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -43,8 +42,7 @@ template <typename Work>
 void ForImages(benchmark::State& state, const Work& work) {
   const Result<dataset::Capture> capture = bench::OpenNamedCapture();
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
-  const auto metres =
-      std::make_shared<const dataset::MetresOfRaw>(capture->stored->cameras().depth_units_per_m);
+  const MetresOfRaw metres(capture->stored->cameras().depth_units_per_m);
   std::vector<DepthImage> images;
   std::vector<dataset::PackedDepth> packed;
   std::size_t num_bytes = 0, num_packed = 0;

@@ -88,6 +88,7 @@ TEST(OpenCapture, ReadsColourDepthTimeAndCamera) {
   EXPECT_DOUBLE_EQ(frame->time_s, 0.2);
   EXPECT_EQ(frame->colour(31, 23), (Rgb8{20, 20, 20}));
   EXPECT_FLOAT_EQ(frame->depth_m(31, 23), 1.002f);
+  EXPECT_EQ((*frames.ReadStoredDepth(FrameIdx{2})).TakeMetres(), frame->depth_m);
   EXPECT_FALSE(frames.capture_world_from_camera(FrameIdx{2}).has_value());
   EXPECT_TRUE(frames.ReadDepth(FrameIdx{1})->colour.empty());
   EXPECT_TRUE(frames.ReadColour(FrameIdx{1})->depth_m.empty());
@@ -254,6 +255,7 @@ TEST(OpenCapture, BadFramesAreErrorsOfTheirOwn) {
     EXPECT_THAT(frame.error().message, AllOf(HasSubstr(file), HasSubstr(fault)));
   }
   EXPECT_TRUE(capture->frames->ReadDepth(FrameIdx{4}).ok()) << "its depth is fine";
+  EXPECT_TRUE(capture->frames->ReadStoredDepth(FrameIdx{4}).ok());
   EXPECT_THAT(capture->warnings, ElementsAre(AllOf(HasSubstr("rgb/5.png"), HasSubstr("1 of 6"))));
 }
 

@@ -132,6 +132,22 @@ TEST(KeepFrames, KeepsDepthAndColourForThemselves) {
   EXPECT_EQ(reads[0], 3) << "colour alone was missing";
 }
 
+// Kept as it is, packed, and not at all.
+TEST(KeepFrames, StoredDepthIsTheSameAndKeptAlike) {
+  for (const std::size_t max_bytes : {kPlenty, 2 * kDepthBytes, std::size_t{0}}) {
+    std::vector<int> reads;
+    const auto kept = Keep(std::make_unique<CountedFrames>(8, reads), max_bytes);
+    for (int turn = 0; turn < 4; ++turn) {
+      for (int n = 0; n < 8; ++n) {
+        Result<StoredDepth> depth = kept->ReadStoredDepth({n});
+        ASSERT_TRUE(depth.ok());
+        EXPECT_EQ((*std::move(depth)).TakeMetres(), SlopeM(n)) << "turn " << turn;
+      }
+    }
+    EXPECT_EQ(reads, std::vector<int>(8, max_bytes > 0 ? 2 : 4));
+  }
+}
+
 TEST(KeepFrames, KeepsNoMoreThanTheMemoryGiven) {
   std::vector<int> reads;
   const auto kept = Keep(std::make_unique<CountedFrames>(10, reads), 3 * kColourBytes);

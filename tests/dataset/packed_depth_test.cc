@@ -5,12 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "deepslam/dataset/stored_frames.h"
+#include "deepslam/scene/raw_depth.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -45,27 +44,10 @@ void ExpectSameBits(const DepthImage& depth_m, const DepthImage& expected_m) {
 
 std::size_t BytesOfPixels(const DepthImage& depth_m) { return depth_m.size() * sizeof(float); }
 
-TEST(MetresOfRaw, RawValuesAreFoundAgain) {
-  for (const double units_per_m : {1.0, 256.0, 999.3, 1000.0, 5000.0, 65535.0}) {
-    const MetresOfRaw metres(units_per_m);
-    RawDepthImage raw(256, 256);
-    for (std::size_t n = 0; n < raw.size(); ++n) raw.data()[n] = static_cast<std::uint16_t>(n);
-    const DepthImage depth_m = metres.Of(raw);
-    const auto found = metres.RawOf(depth_m);
-    ASSERT_TRUE(found) << units_per_m;
-    ExpectSameBits(metres.Of(*found), depth_m);
-    for (std::size_t n = 0; n < raw.size(); ++n) {
-      const bool is_depth = n != kNoDepth && n != kSaturatedDepth &&
-                            static_cast<double>(n) / units_per_m <= kMaxDepthM;
-      ASSERT_EQ(found->data()[n], is_depth ? n : 0) << units_per_m << " units a metre";
-    }
-  }
-}
-
 TEST(PackedDepth, OfASensorTakesASmallPartOfItsPixels) {
   for (const double units_per_m : {1000.0, 5000.0}) {
-    const auto metres = std::make_shared<const MetresOfRaw>(units_per_m);
-    const DepthImage depth_m = metres->Of(WallRaw(units_per_m));
+    const MetresOfRaw metres(units_per_m);
+    const DepthImage depth_m = metres.Of(WallRaw(units_per_m));
     const PackedDepth packed(depth_m, metres);
     ExpectSameBits(packed.Unpacked(), depth_m);
     EXPECT_LT(packed.num_bytes(), BytesOfPixels(depth_m) / 3);
@@ -74,8 +56,8 @@ TEST(PackedDepth, OfASensorTakesASmallPartOfItsPixels) {
 
 // Depth that was registered to colour is no raw value any more.
 TEST(PackedDepth, OfNoSensorIsTheSameAgain) {
-  const auto metres = std::make_shared<const MetresOfRaw>(1000.0);
-  DepthImage depth_m = metres->Of(WallRaw(1000.0));
+  const MetresOfRaw metres(1000.0);
+  DepthImage depth_m = metres.Of(WallRaw(1000.0));
   DepthImage registered_m = depth_m;
   for (float& depth : registered_m) depth *= 1.0123F;
   ExpectSameBits(PackedDepth(registered_m, metres).Unpacked(), registered_m);
@@ -85,7 +67,7 @@ TEST(PackedDepth, OfNoSensorIsTheSameAgain) {
 }
 
 TEST(PackedDepth, WhateverAnImageHoldsComesBack) {
-  const auto metres = std::make_shared<const MetresOfRaw>(1000.0);
+  const MetresOfRaw metres(1000.0);
   using Limits = std::numeric_limits<float>;
   for (const float value : {-0.0F,
                             -1.0F,
@@ -105,7 +87,7 @@ TEST(PackedDepth, WhateverAnImageHoldsComesBack) {
 
 // What cannot be packed takes no more than its pixels and a few bytes.
 TEST(PackedDepth, NoiseIsNoLarger) {
-  const auto metres = std::make_shared<const MetresOfRaw>(1000.0);
+  const MetresOfRaw metres(1000.0);
   std::mt19937 random(2);
   DepthImage depth_m(kWidth, kHeight);
   for (float& depth : depth_m) depth = std::bit_cast<float>(static_cast<std::uint32_t>(random()));

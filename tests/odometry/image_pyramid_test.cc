@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <random>
 #include <vector>
@@ -34,7 +35,7 @@ DepthImage Measured(const std::function<float(int, int)>& depth_m, double times 
 UnfilledVector<float> Smoothed(const DepthImage& image, bool smooth = true) {
   PyramidOptions options;
   options.smooth_depth = smooth;
-  return BuildPyramid(image, BrightnessImage(), kCamera, options).levels.front().depth_m;
+  return BuildPyramid(StoredDepth(image), BrightnessImage(), kCamera, options).levels.front().depth_m;
 }
 
 // Root mean square of what differs from the truth, in the model's standard deviations, where
@@ -69,6 +70,31 @@ TEST(ImagePyramid, NoiseOfASurfaceFallsByAsMuchAsItsWindowHolds) {
     // Twenty independent texels; range weights take part of that.
     EXPECT_LT(after, before / 3) << times;
     EXPECT_LT(Error(Smoothed(image), slanted, Everywhere), before / 2) << "at the image's border";
+  }
+}
+
+// Sensor's numbers that are turned to metres as they are taken, and those that were before.
+TEST(ImagePyramid, IsTheSameOfDepthInEitherForm) {
+  const auto slanted = [](int u, int v) {
+    return (u / 9 + v / 7) % 5 == 0 ? 0.0F : 1.5F + 0.001F * static_cast<float>(u - v);
+  };
+  const DepthImage image = Measured(slanted, 2);
+  const MetresOfRaw metres(1000.0);
+  RawDepthImage raw(kSide, kSide);
+  for (std::size_t n = 0; n < raw.size(); ++n)
+    raw.data()[n] = static_cast<std::uint16_t>(1000 * image.data()[n]);
+  for (const int width : {kSide, kSide / 2, kSide / 3}) {
+    PyramidOptions options;
+    options.work_width_px = width;
+    const FramePyramid of_raw =
+        BuildPyramid(StoredDepth(raw, metres), BrightnessImage(), kCamera, options);
+    const FramePyramid of_metres =
+        BuildPyramid(StoredDepth(metres.Of(raw)), BrightnessImage(), kCamera, options);
+    ASSERT_EQ(of_raw.levels.size(), of_metres.levels.size());
+    for (std::size_t k = 0; k < of_raw.levels.size(); ++k)
+      EXPECT_EQ(of_raw.levels[k].depth_m, of_metres.levels[k].depth_m) << width << " level " << k;
+    EXPECT_EQ(of_raw.noise_scale, of_metres.noise_scale);
+    EXPECT_EQ(of_raw.valid_share, of_metres.valid_share);
   }
 }
 

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "deepslam/dataset/depth_registration.h"
-#include "deepslam/dataset/metres_of_raw.h"
 #include "deepslam/scene/brightness.h"
+#include "deepslam/scene/raw_depth.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -34,14 +34,18 @@ class CaptureFrameSource final : public FrameSource {
   }
 
   [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override {
-    const double time_s = At(frame).depth_time_s;
-    const Result<RawDepthImage> raw = stored_->ReadDepth(Index(frame));
+    Result<StoredDepth> stored = ReadStoredDepth(frame);
+    if (!stored) return stored.error();
+    return Frame{frame, At(frame).depth_time_s, ColourImage(), (*std::move(stored)).TakeMetres()};
+  }
+
+  [[nodiscard]] Result<StoredDepth> ReadStoredDepth(FrameIdx frame) const override {
+    Result<RawDepthImage> raw = stored_->ReadDepth(Index(frame));
     if (!raw) return Noted(raw.error());
     const CaptureCameras& cameras = stored_->cameras();
-    DepthImage depth_m = metres_.Of(*raw);
-    if (!cameras.registered() || reduction_ > 1)
-      depth_m = RegisterDepth(depth_m, cameras.depth, cameras.colour_from_depth, camera_);
-    return Frame{frame, time_s, ColourImage(), std::move(depth_m)};
+    if (cameras.registered() && reduction_ == 1) return StoredDepth(*std::move(raw), metres_);
+    return StoredDepth(
+        RegisterDepth(metres_.Of(*raw), cameras.depth, cameras.colour_from_depth, camera_));
   }
 
   [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {

@@ -11,8 +11,8 @@
 namespace deepslam::dataset {
 
 // A frame's time is that of its depth image, since depth is what is tracked; its camera is that of
-// colour, reduced when depth is coarser (depth_registration.h). Depth is in metres by MetresOfRaw.
-// Faults of the machine are noted in `faults`, where there is one.
+// colour, reduced when depth is coarser (depth_registration.h). Depth is in metres by MetresOfRaw
+// (scene/raw_depth.h). Faults of the machine are noted in `faults`, where there is one.
 std::unique_ptr<FrameSource> MakeCaptureFrameSource(std::shared_ptr<const StoredFrames> stored,
                                                     std::shared_ptr<ReadFaults> faults = nullptr);
 

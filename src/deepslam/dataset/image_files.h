@@ -10,11 +10,11 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
+#include "deepslam/scene/raw_depth.h"
 
 namespace deepslam::dataset {
 
-// Raw values of a depth image file: 16 bit, one channel.
-using RawDepthImage = Image<std::uint16_t>;
+using deepslam::RawDepthImage;  // of a depth image file: 16 bit, one channel
 
 enum class ImageCodec { kPng, kJpeg, kOther };
 

@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
-#include "deepslam/dataset/metres_of_raw.h"
 #include "deepslam/dataset/packed_depth.h"
+#include "deepslam/scene/raw_depth.h"
 
 namespace deepslam::dataset {
 namespace {
@@ -18,8 +18,8 @@ class KeptDepth {
  public:
   explicit KeptDepth(DepthImage depth_m) : kept_(std::move(depth_m)) {}
 
-  [[nodiscard]] KeptDepth Packed(std::shared_ptr<const MetresOfRaw> metres) const {
-    return KeptDepth(PackedDepth(std::get<DepthImage>(kept_), std::move(metres)));
+  [[nodiscard]] KeptDepth Packed(const MetresOfRaw& metres) const {
+    return KeptDepth(PackedDepth(std::get<DepthImage>(kept_), metres));
   }
   [[nodiscard]] DepthImage Pixels() const {
     if (const auto* packed = std::get_if<PackedDepth>(&kept_)) return packed->Unpacked();
@@ -94,7 +94,7 @@ class KeptFrameSource final : public FrameSource {
                   double depth_units_per_m,
                   std::size_t max_bytes)
       : frames_(std::move(frames)),
-        metres_(std::make_shared<const MetresOfRaw>(depth_units_per_m)),
+        metres_(depth_units_per_m),
         free_bytes_(max_bytes),
         depth_(frames_->num_frames()),
         colour_(frames_->num_frames()) {}
@@ -121,6 +121,16 @@ class KeptFrameSource final : public FrameSource {
     Result<Frame> read = frames_->ReadDepth(frame);
     if (read.ok() && Locked([&] { return depth_.Offer(frame); })) KeepDepth(frame, read->depth_m);
     return read;
+  }
+
+  [[nodiscard]] Result<StoredDepth> ReadStoredDepth(FrameIdx frame) const override {
+    if (const auto kept = Locked([&] { return depth_.Find(frame); }))
+      return StoredDepth(kept->Pixels());
+    Result<StoredDepth> read = frames_->ReadStoredDepth(frame);
+    if (!read.ok() || !Locked([&] { return depth_.Offer(frame); })) return read;
+    DepthImage depth_m = (*std::move(read)).TakeMetres();
+    KeepDepth(frame, depth_m);
+    return StoredDepth(std::move(depth_m));
   }
 
   [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override {
@@ -175,7 +185,7 @@ class KeptFrameSource final : public FrameSource {
   }
 
   std::unique_ptr<FrameSource> frames_;
-  std::shared_ptr<const MetresOfRaw> metres_;
+  MetresOfRaw metres_;
   mutable std::mutex mutex_;
   mutable std::size_t free_bytes_;
   mutable bool packs_ = false;  // depth

@@ -45,10 +45,10 @@ Image<T> Unpack(const std::string& bytes, int width, int height) {
 
 }  // namespace
 
-PackedDepth::PackedDepth(const DepthImage& depth_m, std::shared_ptr<const MetresOfRaw> metres)
+PackedDepth::PackedDepth(const DepthImage& depth_m, const MetresOfRaw& metres)
     : width_(depth_m.width()), height_(depth_m.height()) {
-  if (const std::optional<RawDepthImage> raw = metres->RawOf(depth_m)) {
-    metres_ = std::move(metres);
+  if (const std::optional<RawDepthImage> raw = metres.RawOf(depth_m)) {
+    metres_ = metres;
     bytes_ = Pack(*raw);
   } else {
     bytes_ = Pack(depth_m);

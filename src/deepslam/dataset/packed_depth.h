@@ -4,25 +4,25 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "deepslam/core/image.h"
-#include "deepslam/dataset/metres_of_raw.h"
+#include "deepslam/scene/raw_depth.h"
 
 namespace deepslam::dataset {
 
 class PackedDepth {
  public:
   // `metres`: of the capture that the image is of.
-  PackedDepth(const DepthImage& depth_m, std::shared_ptr<const MetresOfRaw> metres);
+  PackedDepth(const DepthImage& depth_m, const MetresOfRaw& metres);
 
   [[nodiscard]] DepthImage Unpacked() const;
   [[nodiscard]] std::size_t num_bytes() const { return bytes_.size(); }
 
  private:
   int width_, height_;
-  std::shared_ptr<const MetresOfRaw> metres_;  // null: bytes_ are metres and not raw values
+  std::optional<MetresOfRaw> metres_;  // none: bytes_ are metres and not raw values
   std::string bytes_;
 };
 

@@ -18,12 +18,6 @@
 
 namespace deepslam::dataset {
 
-// Depth beyond this is invalid: no sensor this program is made for measures it.
-inline constexpr double kMaxDepthM = 20.0;
-// Raw depth that means "nothing was measured": zero, and a saturated value.
-inline constexpr std::uint16_t kNoDepth = 0;
-inline constexpr std::uint16_t kSaturatedDepth = 65535;
-
 struct CaptureCameras {
   PinholeCamera colour;
   PinholeCamera depth;

@@ -109,14 +109,20 @@ struct MedianTest {
 
 // Deviation of the depth in units of `noise`, from texels `lag` apart: the median, so that half of
 // the image may be edges. Noise shared over more than `lag` texels is not seen.
-double NoiseScale(
-    const float* depth, int width, int height, int lag, int stride, const DepthNoise& noise) {
+// `rows_about(v)`: row v, with `lag` rows before and behind it.
+template <typename RowsAbout>
+double NoiseScale(const RowsAbout& rows_about,
+                  int width,
+                  int height,
+                  int lag,
+                  int stride,
+                  const DepthNoise& noise) {
   const std::size_t per_row = static_cast<std::size_t>(width / stride + 1);
   SampledRow row(per_row);
   std::vector<float> differences(2 * per_row * static_cast<std::size_t>(height / stride + 1));
   std::size_t size = 0;
   for (int v = lag; v + lag < height; v += stride) {
-    row.Take(depth + static_cast<std::ptrdiff_t>(v) * width, width, lag, stride);
+    row.Take(rows_about(v), width, lag, stride);
     Differences(row, row.left, row.right, noise, &differences[size]);
     Differences(row, row.up, row.down, noise, &differences[size + row.size]);
     size += 2 * row.size;
@@ -130,8 +136,17 @@ double NoiseScale(
 }
 
 double NoiseScale(const PyramidLevel& level, int lag, const DepthNoise& noise) {
-  return NoiseScale(
-      level.depth_m.data(), level.camera.width, level.camera.height, lag, kNoiseStride, noise);
+  const PinholeCamera& camera = level.camera;
+  const auto rows_about = [&](int v) { return level.depth_m.data() + Offset(camera, 0, v); };
+  return NoiseScale(rows_about, camera.width, camera.height, lag, kNoiseStride, noise);
+}
+
+double NoiseScale(const StoredDepth& depth, int stride, const DepthNoise& noise) {
+  constexpr int kLag = 1;
+  const int width = depth.width();
+  std::vector<float> room;
+  const auto rows_about = [&](int v) { return depth.Rows(v - kLag, 2 * kLag + 1, room) + width; };
+  return NoiseScale(rows_about, width, depth.height(), kLag, stride, noise);
 }
 
 // Mean of the values that lie on the surface of the median one; 0 when there are none.
@@ -255,7 +270,9 @@ struct DepthReduction {
   std::vector<float> block;  // what is valid of it first
 };
 
-UnfilledVector<float> ReduceDepth(const float* depth,
+// `rows_from(v)`: `factor` rows from v on.
+template <typename RowsFrom>
+UnfilledVector<float> ReduceDepth(const RowsFrom& rows_from,
                                   int width,
                                   const PinholeCamera& reduced,
                                   int factor,
@@ -264,8 +281,8 @@ UnfilledVector<float> ReduceDepth(const float* depth,
   DepthReduction reduction(factor, options, noise_scale);
   UnfilledVector<float> result(NumTexels(reduced));
   for (int v = 0; v < reduced.height; ++v) {
-    const float* const first = depth + static_cast<std::ptrdiff_t>(v) * factor * width;
-    reduction.Reduce(first, width, reduced.width, result.data() + Offset(reduced, 0, v));
+    float* const out = result.data() + Offset(reduced, 0, v);
+    reduction.Reduce(rows_from(v * factor), width, reduced.width, out);
   }
   return result;
 }
@@ -425,16 +442,16 @@ BrightnessImage Halved(const BrightnessImage& fine, const PinholeCamera& reduced
   return result;
 }
 
-PyramidLevel FinestLevel(const DepthImage& depth_m,
+PyramidLevel FinestLevel(const StoredDepth& depth,
                          const PinholeCamera& camera,
                          const PyramidOptions& options) {
   const int factor = WorkReduction(camera, options);
   PyramidLevel level;
   level.camera = camera.Reduced(factor);
-  const float* depth = depth_m.data();
-  const double raw_scale =
-      NoiseScale(depth, camera.width, camera.height, 1, kNoiseStride * factor, options.noise);
-  level.depth_m = ReduceDepth(depth, camera.width, level.camera, factor, options, raw_scale);
+  const double raw_scale = NoiseScale(depth, kNoiseStride * factor, options.noise);
+  std::vector<float> room;
+  const auto rows_from = [&](int v) { return depth.Rows(v, factor, room); };
+  level.depth_m = ReduceDepth(rows_from, camera.width, level.camera, factor, options, raw_scale);
   if (options.smooth_depth) {
     const double shared = NoiseScale(level, kFarLag, options.noise);
     const double scale =
@@ -451,8 +468,8 @@ PyramidLevel FinestLevel(const DepthImage& depth_m,
 PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, double noise_scale) {
   PyramidLevel level;
   level.camera = fine.camera.Reduced(2);
-  level.depth_m =
-      ReduceDepth(fine.depth_m.data(), fine.camera.width, level.camera, 2, options, noise_scale);
+  const auto rows_from = [&](int v) { return fine.depth_m.data() + Offset(fine.camera, 0, v); };
+  level.depth_m = ReduceDepth(rows_from, fine.camera.width, level.camera, 2, options, noise_scale);
   return level;
 }
 
@@ -479,12 +496,12 @@ double ValidShare(const PyramidLevel& level) {
 }
 
 // Of some hundred pixels, but for a few strays; without depth there is nothing to tell.
-bool HasOneDepth(const DepthImage& depth_m) {
+bool HasOneDepth(const StoredDepth& depth) {
   std::vector<float> samples;
-  const int step = std::max(1, depth_m.width() / kOneDepthColumns);
-  for (int v = step / 2; v < depth_m.height(); v += step) {
-    for (int u = step / 2; u < depth_m.width(); u += step) {
-      if (depth_m(u, v) > 0) samples.push_back(depth_m(u, v));
+  const int step = std::max(1, depth.width() / kOneDepthColumns);
+  for (int v = step / 2; v < depth.height(); v += step) {
+    for (int u = step / 2; u < depth.width(); u += step) {
+      if (depth(u, v) > 0) samples.push_back(depth(u, v));
     }
   }
   if (samples.empty()) return false;
@@ -506,18 +523,17 @@ FramePyramid BuildPyramid(const Frame& frame,
   const bool fits = frame.colour.width() == camera.width && frame.colour.height() == camera.height;
   const int factor = WorkReduction(camera, options);
   BrightnessImage brightness = fits ? BrightnessOf(frame.colour, factor) : BrightnessImage();
-  return BuildPyramid(frame.depth_m, std::move(brightness), camera, options);
+  return BuildPyramid(StoredDepth(frame.depth_m), std::move(brightness), camera, options);
 }
 
-DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const DepthImage& depth_m,
+DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const StoredDepth& depth,
                                                 BrightnessImage brightness,
                                                 const PinholeCamera& camera,
                                                 const PyramidOptions& options) {
-  if (depth_m.empty() || depth_m.width() != camera.width || depth_m.height() != camera.height)
-    return {};
+  if (depth.empty() || depth.width() != camera.width || depth.height() != camera.height) return {};
   FramePyramid pyramid;
-  pyramid.one_depth = HasOneDepth(depth_m);
-  pyramid.levels.push_back(FinestLevel(depth_m, camera, options));
+  pyramid.one_depth = HasOneDepth(depth);
+  pyramid.levels.push_back(FinestLevel(depth, camera, options));
   // Beyond the window, so that what smoothing shared between neighbours is seen.
   pyramid.noise_scale = NoiseScale(pyramid.levels.front(), kFarLag, options.noise);
   while (static_cast<int>(pyramid.levels.size()) < options.num_levels &&

@@ -8,6 +8,7 @@
 #include "deepslam/core/unfilled.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/scene/frame.h"
+#include "deepslam/scene/stored_depth.h"
 
 namespace deepslam::odometry {
 
@@ -89,7 +90,7 @@ struct FramePyramid {
                                         const PyramidOptions& options);
 
 // The same of its parts; `brightness` is that of the finest level (BrightnessOf by WorkReduction).
-[[nodiscard]] FramePyramid BuildPyramid(const DepthImage& depth_m,
+[[nodiscard]] FramePyramid BuildPyramid(const StoredDepth& depth,
                                         BrightnessImage brightness,
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);

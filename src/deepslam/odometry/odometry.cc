@@ -25,7 +25,7 @@ constexpr int kMaxWarnings = 10;
 
 struct PreparedFrame {
   std::shared_ptr<const FramePyramid> pyramid;  // null: unreadable
-  DepthImage depth_m;
+  StoredDepth depth;
   std::string fault;
 };
 
@@ -33,7 +33,7 @@ PreparedFrame Prepare(const FrameSource& frames, FrameIdx idx, const OdometryOpt
   Result<ReadFrame> read = ReadPyramid(frames, idx, options.alignment.pyramid);
   if (!read.ok()) return {nullptr, {}, read.error().message};
   return {
-      std::make_shared<const FramePyramid>(std::move(read->pyramid)), std::move(read->depth_m), {}};
+      std::make_shared<const FramePyramid>(std::move(read->pyramid)), std::move(read->depth), {}};
 }
 
 class FaultCount {
@@ -89,15 +89,20 @@ class Pipeline {
   void Align(FrameIdx frame, PreparedFrame prepared) {
     if (prepared.pyramid == nullptr) faults_.Add(frame, prepared.fault, progress_);
     tracker_.Add(frame, frames_.time_s(frame), prepared.pyramid);
-    if (take_) HandOver({frame, std::move(prepared.pyramid), std::move(prepared.depth_m)});
+    if (take_) HandOver(frame, std::move(prepared));
   }
 
   // Whether a frame is a keyframe is known with the next one at the latest, but for a few.
-  void HandOver(ReadKeyframe frame) {
-    const std::optional<FrameIdx> newest = tracker_.newest_keyframe();
-    if (before_.pyramid && newest == before_.frame) take_(std::exchange(before_, {}));
-    before_ = std::move(frame);
-    if (before_.pyramid && newest == before_.frame) take_(std::exchange(before_, {}));
+  void HandOver(FrameIdx frame, PreparedFrame prepared) {
+    GiveIfKeyframe();
+    last_ = frame;
+    last_prepared_ = std::move(prepared);
+    GiveIfKeyframe();
+  }
+  void GiveIfKeyframe() {
+    if (!last_prepared_.pyramid || tracker_.newest_keyframe() != last_) return;
+    PreparedFrame keyframe = std::exchange(last_prepared_, {});
+    take_({last_, std::move(keyframe.pyramid), std::move(keyframe.depth).TakeMetres()});
   }
 
   Result<Odometry> Conclude(std::size_t num_frames) {
@@ -121,7 +126,8 @@ class Pipeline {
   Progress& progress_;
   const std::function<void(ReadKeyframe)>& take_;
   Tracker tracker_;
-  ReadKeyframe before_;  // the frame before, while it may still become one
+  FrameIdx last_;                // aligned last, and what it was made of while it may still become
+  PreparedFrame last_prepared_;  // a keyframe
   FaultCount faults_;
 };
 

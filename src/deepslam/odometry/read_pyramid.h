@@ -11,7 +11,7 @@ namespace deepslam::odometry {
 
 struct ReadFrame {
   FramePyramid pyramid;  // never empty
-  DepthImage depth_m;    // what it was made of
+  StoredDepth depth;     // what it was made of
 };
 
 // An error where the frame cannot be read or its depth has not the camera's size.

@@ -1,8 +1,16 @@
 #include "deepslam/scene/frame_source.h"
 
+#include <utility>
+
 #include "deepslam/scene/brightness.h"
 
 namespace deepslam {
+
+Result<StoredDepth> FrameSource::ReadStoredDepth(FrameIdx frame) const {
+  Result<Frame> read = ReadDepth(frame);
+  if (!read.ok()) return read.error();
+  return StoredDepth(std::move(read->depth_m));
+}
 
 Result<BrightnessImage> FrameSource::ReadBrightness(FrameIdx frame, int factor) const {
   const Result<Frame> read = ReadColour(frame);

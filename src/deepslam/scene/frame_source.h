@@ -9,6 +9,7 @@
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/frame.h"
+#include "deepslam/scene/stored_depth.h"
 
 namespace deepslam {
 
@@ -26,6 +27,8 @@ class FrameSource {
   // is empty.
   [[nodiscard]] virtual Result<Frame> ReadDepth(FrameIdx frame) const = 0;
   [[nodiscard]] virtual Result<Frame> ReadColour(FrameIdx frame) const = 0;
+  // The same depth, as it is stored where it can be.
+  [[nodiscard]] virtual Result<StoredDepth> ReadStoredDepth(FrameIdx frame) const;
   // The colour's brightness averaged over blocks of factor x factor pixels (factor 1 to 32). Made
   // of the colour here; sources whose files can be decoded at that size do so, which may differ by
   // the rounding of grey levels. The same whatever was read before.
