@@ -31,11 +31,16 @@ constexpr double kNearOverlap = 0.75;
 constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
 // Keeps directions that nothing constrains where the start put them.
 constexpr StartSigma kPrior;
-// Convergence: what is left to go moves points at this distance by less than this share of a pixel
-// of the level.
-constexpr double kConvergedPx = 0.01;
-// ... where a frame is only to be placed: ends lie towards the start, which edges would carry on.
-constexpr double kPlacedPx = 0.05;
+// The end of a descent. Convergence: what is left to go moves points at kConvergedDistanceM by less
+// than this share of a pixel of the level; it is judged by every so many batches of points.
+struct DescentEnd {
+  double converged_px;
+  int judged_stride;
+};
+// Of what becomes an edge.
+constexpr DescentEnd kMeasured{0.01, 1};
+// Where a frame is only to be placed: ends lie towards the start, which edges would carry on.
+constexpr DescentEnd kPlaced{0.05, 2};
 constexpr double kConvergedMiddlePx = 0.08;  // at levels that a finer one follows
 constexpr double kConvergedFarPx = 0.04;     // at the coarsest level
 constexpr double kConvergedDistanceM = 2.0;
@@ -539,10 +544,12 @@ Descent BestCoarseDescent(const PyramidLevel& i,
 // The finest level's system at the end of a descent, judged by both frames.
 void JudgeEnd(const PyramidLevel& i,
               const SourcePoints& j,
+              int batch_stride,
               const AlignmentOptions& options,
               Descent& descent) {
   AlignmentGates gates = descent.gates;
   gates.cross_frames = true;
+  gates.batch_stride = batch_stride;
   descent.system = BuildAlignmentSystem(i, j, descent.i_from_j, gates, options.pyramid.noise);
   descent.stride = j.choice().stride;
 }
@@ -552,6 +559,7 @@ void JudgeEnd(const PyramidLevel& i,
 void HoldUnseen(const PyramidLevel& i,
                 const SourcePoints& j,
                 const Pose3& start_i_from_j,
+                int judged_stride,
                 const AlignmentOptions& options,
                 Descent& descent) {
   if (SeesImages(descent.system)) return;
@@ -560,7 +568,7 @@ void HoldUnseen(const PyramidLevel& i,
   const Vector6d moved = T2v(descent.i_from_j * start_i_from_j.Inverse());
   descent.i_from_j = V2t(moved - descent.held.Part(moved)) * start_i_from_j;
   Descend(i, j, options, descent);
-  JudgeEnd(i, j, options, descent);
+  JudgeEnd(i, j, judged_stride, options, descent);
 }
 
 // The Hessian as information of independent measurements, of a left perturbation, made positive
@@ -677,7 +685,7 @@ void DescendToFinest(const FramePyramid& i,
                      const FramePyramid& j,
                      std::size_t num_levels,
                      const Pose3& first_start,
-                     double converged_px,
+                     const DescentEnd& end,
                      const AlignmentOptions& options,
                      Descent& descent) {
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
@@ -702,11 +710,11 @@ void DescendToFinest(const FramePyramid& i,
       num_levels > 0 ? NearPoints(source, Stride(source), options) : FarPoints(source, 1, options);
   if (num_levels > 0) {
     take_gates(0);
-    descent.converged_px = converged_px;
+    descent.converged_px = end.converged_px;
     Descend(finest, points, options, descent);
   }
-  JudgeEnd(finest, points, options, descent);
-  HoldUnseen(finest, points, first_start, options, descent);
+  JudgeEnd(finest, points, end.judged_stride, options, descent);
+  HoldUnseen(finest, points, first_start, end.judged_stride, options, descent);
 }
 
 // Told at the coarsest level.
@@ -736,7 +744,7 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   CoarsePoints coarsest_j(j.levels[coarsest], options);
   Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, options);
   if (options.photometric) descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
-  DescendToFinest(i, j, coarsest, initial_i_from_j.front(), kPlacedPx, options, descent);
+  DescendToFinest(i, j, coarsest, initial_i_from_j.front(), kPlaced, options, descent);
   return Conclude(descent, j.levels.front(), start_sigma, options);
 }
 
@@ -763,7 +771,7 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
   descent.gates.geometric_scale = kNearScale;
   descent.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));
-  DescendToFinest(i, j, num_levels, i_from_j, kConvergedPx, options, descent);
+  DescendToFinest(i, j, num_levels, i_from_j, kMeasured, options, descent);
   return Conclude(descent, j.levels.front(), {}, options);
 }
 

@@ -34,12 +34,13 @@ class PointMover {
   [[nodiscard]] const Eigen::Matrix3f& rotation() const { return rotation_; }
   [[nodiscard]] const Eigen::Vector3f& translation_m() const { return translation_; }
 
-  // `use` is called with each batch in its order.
+  // `use` is called with each batch in its order, or every `stride`-th one.
   template <typename Use>
-  void ForBatches(const Use& use) const {
+  void ForBatches(const Use& use, std::size_t stride = 1) const {
     auto row = j_.rows().begin();
     MovedPoints moved;
-    for (moved.begin = 0; moved.begin < j_.size(); moved.begin += kBatch) {
+    for (moved.begin = 0; moved.begin < j_.size(); moved.begin += stride * kBatch) {
+      while (row != j_.rows().end() && row->begin < moved.begin) ++row;
       moved.size = std::min(kBatch, j_.size() - moved.begin);
       const std::size_t end = moved.begin + moved.size;
       for (; row != j_.rows().end() && row->begin < end; ++row) MoveRow(*row, moved);

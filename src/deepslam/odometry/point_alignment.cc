@@ -248,8 +248,8 @@ class SystemBuilder {
         photometric_(j.choice().photometric && !i.intensity.empty()) {}
 
   AlignmentSystem Build() {
-    system_.num_source = j_.num_with_normal();
-    mover_.ForBatches([&](const MovedPoints& moved) { AddMoved(moved); });
+    const auto stride = static_cast<std::size_t>(gates_.batch_stride);
+    mover_.ForBatches([&](const MovedPoints& moved) { AddMoved(moved); }, stride);
     FlushGeometric();
     FlushPhotometric();
     return Conclude();
@@ -275,17 +275,19 @@ class SystemBuilder {
     const std::int32_t* const has_texture = j_.has_texture() + moved.begin;
     const float max_distance_m = gates_.max_distance_m;
     IndexColumn in_geometric, in_photometric;
-    std::int32_t num_inside = 0, num_overlap = 0;
+    std::int32_t num_source = 0, num_inside = 0, num_overlap = 0;
     for (std::size_t k = 0; k < moved.size; ++k) {
       const std::int32_t is_inside = moved.is_inside[k];
       const std::int32_t is_on_target = sight_m[k] > 0 ? is_inside : 0;
       const bool is_far = std::abs(moved.z[k] - std::abs(sight_m[k])) > max_distance_m;
       const std::int32_t is_near = is_far ? 0 : is_inside;
+      num_source += has_normal[k];
       num_inside += has_normal[k] & is_inside;
       num_overlap += has_normal[k] & is_on_target;
       in_geometric[k] = is_near & has_normal[k] & is_on_target;
       in_photometric[k] = is_near & has_texture[k];
     }
+    system_.num_source += num_source;
     system_.num_inside += num_inside;
     system_.num_overlap += num_overlap;
     geometric_points_.size = photometric_points_.size = 0;
@@ -456,6 +458,7 @@ class SystemBuilder {
       geometric_sums_.Finish(system_.hessian, system_.gradient);
       photometric_sums_.Finish(system_.photometric_hessian, system_.photometric_gradient);
     }
+    CountForThoseBetween();
     system_.hessian += system_.photometric_hessian;
     system_.gradient += system_.photometric_gradient;
     system_.geometric_scale = system_.num_matched > 0
@@ -471,6 +474,21 @@ class SystemBuilder {
       system_.brightness_correlation = all_brightness_.Correlation();
     }
     return system_;
+  }
+
+  void CountForThoseBetween() {
+    for (int* const count : {&system_.num_source,
+                             &system_.num_inside,
+                             &system_.num_overlap,
+                             &system_.num_matched,
+                             &system_.num_inliers,
+                             &system_.num_photometric})
+      *count *= gates_.batch_stride;
+    system_.sum_squared_m2 *= gates_.batch_stride;
+    for (Matrix6d* const hessian : {&system_.hessian, &system_.photometric_hessian})
+      *hessian *= gates_.batch_stride;
+    for (Vector6d* const gradient : {&system_.gradient, &system_.photometric_gradient})
+      *gradient *= gates_.batch_stride;
   }
 
   const PyramidLevel& i_;

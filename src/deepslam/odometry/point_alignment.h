@@ -22,6 +22,8 @@ struct AlignmentGates : PlaceGates {
   // for structure; and texture that lies beside its like, as at a wrong place, counts for nothing.
   // For judging a solution; may be slightly indefinite. The gradient is void then.
   bool cross_frames = false;
+  // Every so many batches of points are taken, bands of some rows, for those between them too.
+  int batch_stride = 1;
 };
 
 struct AlignmentSystem {
