@@ -35,7 +35,9 @@ DepthImage Measured(const std::function<float(int, int)>& depth_m, double times 
 UnfilledVector<float> Smoothed(const DepthImage& image, bool smooth = true) {
   PyramidOptions options;
   options.smooth_depth = smooth;
-  return BuildPyramid(StoredDepth(image), BrightnessImage(), kCamera, options).levels.front().depth_m;
+  return BuildPyramid(StoredDepth(image), BrightnessImage(), kCamera, options)
+      .levels.front()
+      .depth_m;
 }
 
 // Root mean square of what differs from the truth, in the model's standard deviations, where
