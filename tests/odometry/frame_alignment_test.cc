@@ -1,6 +1,7 @@
 #include "deepslam/odometry/frame_alignment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -243,6 +244,24 @@ TEST(AlignFrames, FlatWallIsDegenerateUnlessItsTextureHelps) {
   EXPECT_TRUE(with_colour.ok);
   EXPECT_FALSE(with_colour.degenerate);
   EXPECT_THAT(with_colour.i_from_j, PoseNear(sideways, kToleranceM, kToleranceDeg));
+}
+
+TEST(AlignFrames, OtherStartsCountForNothingWhereTheFirstEndsSurely) {
+  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 0.3);
+  const FramePyramid i = AsTarget(BuildPyramid(pair.i, kSmallCamera, {}));
+  const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
+  const Pose3 far = kIFromJ * V2t((Vector6d() << 0.1, -0.1, 0.2, 0.1, 0.15, 0).finished());
+  const std::array<Pose3, 2> near_first = {Pose3{}, far}, far_first = {far, Pose3{}};
+  const FrameAlignment alone = AlignPyramids(i, j, {near_first.data(), 1}, {});
+  ASSERT_GT(alone.brightness_correlation, 0.95);
+  const FrameAlignment with_other = AlignPyramids(i, j, near_first, {});
+  EXPECT_EQ(with_other.i_from_j.translation_m, alone.i_from_j.translation_m);
+  EXPECT_EQ(with_other.i_from_j.rotation.coeffs(), alone.i_from_j.rotation.coeffs());
+  const FrameAlignment far_alone = AlignPyramids(i, j, {&far, 1}, {});
+  EXPECT_GT((far_alone.i_from_j.translation_m - kIFromJ.translation_m).norm(), 0.02)
+      << "a start that leads elsewhere";
+  EXPECT_THAT(AlignPyramids(i, j, far_first, {}).i_from_j,
+              PoseNear(kIFromJ, kToleranceM, kToleranceDeg));
 }
 
 // Floor and wall leave the way along the wall open, and a start some tiles off looks as good there.

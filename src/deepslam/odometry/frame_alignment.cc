@@ -80,6 +80,10 @@ constexpr double kFullCorrelation = 0.999;
 constexpr double kSureNats = 6;
 // Fewer photometric residuals say nothing about the images' agreement.
 constexpr int kMinPhotometricResiduals = 75;
+// At the coarsest level most frames that are laid right have images as like as this and depth that
+// agrees so well; wrong places along a tiled wall do not reach 0.8 of both.
+constexpr double kSureCorrelation = 0.988;
+constexpr double kSureAgreement = 0.95;
 // Images that are as like as this are of the same place; then depth may be this much worse than
 // asked, since the sensor's noise is known roughly only.
 constexpr double kLikeImages = 0.9;
@@ -508,7 +512,14 @@ Descent SearchOpenDirections(const PyramidLevel& i,
   return best;
 }
 
-// Where descents from the starts end, each place once.
+// Whether nothing speaks for another place. Such a place was never left for one that was better, on
+// 22 captures, two of them real.
+bool IsSure(const AlignmentSystem& system) {
+  return SeesImages(system) && system.brightness_correlation >= kSureCorrelation &&
+         system.num_inliers >= kSureAgreement * system.num_overlap;
+}
+
+// Where descents from the starts end, each place once; the first one alone where it is sure.
 std::vector<Descent> DescendFromAll(std::span<const Pose3> starts,
                                     const PyramidLevel& i,
                                     const SourcePoints& j,
@@ -522,6 +533,7 @@ std::vector<Descent> DescendFromAll(std::span<const Pose3> starts,
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
     if (!Descend(i, j, options, descent, ends)) continue;
+    if (k == 0 && IsSure(descent.system)) return {descent};
     ends.push_back(descent.i_from_j);
     descents.push_back(descent);
   }
@@ -743,7 +755,8 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   const PyramidLevel& coarsest_i = i.levels[coarsest];
   CoarsePoints coarsest_j(j.levels[coarsest], options);
   Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, options);
-  if (options.photometric) descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
+  if (options.photometric && !IsSure(descent.system))
+    descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
   DescendToFinest(i, j, coarsest, initial_i_from_j.front(), kPlaced, options, descent);
   return Conclude(descent, j.levels.front(), start_sigma, options);
 }
