@@ -519,24 +519,31 @@ bool IsSure(const AlignmentSystem& system) {
          system.num_inliers >= kSureAgreement * system.num_overlap;
 }
 
-// Where descents from the starts end, each place once; the first one alone where it is sure.
+// Where descents from the starts end, each place once; the first one alone where that is enough.
 std::vector<Descent> DescendFromAll(std::span<const Pose3> starts,
+                                    const OtherStarts& others,
                                     const PyramidLevel& i,
                                     const SourcePoints& j,
                                     const AlignmentOptions& options) {
   std::vector<Descent> descents;
-  std::vector<Pose3> ends;
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    if (AmongThem(starts.first(k), starts[k])) continue;
-    Descent descent = DescentFrom(starts[k]);
+  std::vector<Pose3> tried, ends;
+  const auto descend_from = [&](const Pose3& start) {
+    const bool is_new = !AmongThem(tried, start);
+    tried.push_back(start);
+    if (!is_new) return;
+    Descent descent = DescentFrom(start);
     descent.gates = LevelGates(options, 0);
     descent.gates.geometric_scale = kFirstScale;
     descent.gates.photometric_scale = kFirstPhotometricScale;
-    if (!Descend(i, j, options, descent, ends)) continue;
-    if (k == 0 && IsSure(descent.system)) return {descent};
+    if (!Descend(i, j, options, descent, ends)) return;
     ends.push_back(descent.i_from_j);
     descents.push_back(descent);
-  }
+  };
+  descend_from(starts.front());
+  if (!others.always && IsSure(descents.front().system)) return descents;
+  for (const Pose3& start : starts.subspan(1)) descend_from(start);
+  if (!others.search) return descents;
+  if (const std::optional<Pose3> found = others.search()) descend_from(*found);
   return descents;
 }
 
@@ -544,8 +551,9 @@ std::vector<Descent> DescendFromAll(std::span<const Pose3> starts,
 Descent BestCoarseDescent(const PyramidLevel& i,
                           CoarsePoints& j,
                           std::span<const Pose3> starts,
+                          const OtherStarts& others,
                           const AlignmentOptions& options) {
-  const std::vector<Descent> descents = DescendFromAll(starts, i, j.part(), options);
+  const std::vector<Descent> descents = DescendFromAll(starts, others, i, j.part(), options);
   if (descents.size() == 1) return descents.front();
   std::vector<double> support;
   for (const Descent& descent : descents)
@@ -746,7 +754,8 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
                              const FramePyramid& j,
                              std::span<const Pose3> initial_i_from_j,
                              const AlignmentOptions& user_options,
-                             const StartSigma& start_sigma) {
+                             const StartSigma& start_sigma,
+                             const OtherStarts& others) {
   DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
   if (!Comparable(i, j)) return Failed(initial_i_from_j.front());
   DEEPSLAM_CHECK(IsTarget(i), "frames are aligned to targets");
@@ -754,7 +763,7 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
   const PyramidLevel& coarsest_i = i.levels[coarsest];
   CoarsePoints coarsest_j(j.levels[coarsest], options);
-  Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, options);
+  Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, others, options);
   if (options.photometric && !IsSure(descent.system))
     descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
   DescendToFinest(i, j, coarsest, initial_i_from_j.front(), kPlaced, options, descent);

@@ -10,6 +10,8 @@
 // fills the directions that depth leaves weak, and does not outvote depth where it is strong.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 
 #include "deepslam/core/options.h"
@@ -72,15 +74,22 @@ struct StartSigma {
   double rotation_rad = 0.2;
 };
 
-// Aligns j to i, a target (target_texels.h), from the best of the given starts (at least one),
-// which are tried at the coarsest level. Directions that nothing measures (a bare wall without
-// colour) stay as the first start has them, and the information says no more of them than
-// `start_sigma`.
+// Beside the first start, which is enough where it ends surely.
+struct OtherStarts {
+  std::function<std::optional<Pose3>()> search;  // another i_from_j, if one is found
+  bool always = false;                           // however surely the first one ends
+};
+
+// Aligns j to i, a target (target_texels.h), from the best of the given starts (at least one) and
+// the one that `others` may find, which are tried at the coarsest level. Directions that nothing
+// measures (a bare wall without colour) stay as the first start has them, and the information says
+// no more of them than `start_sigma`.
 [[nodiscard]] FrameAlignment AlignPyramids(const FramePyramid& i,
                                            const FramePyramid& j,
                                            std::span<const Pose3> initial_i_from_j,
                                            const AlignmentOptions& options,
-                                           const StartSigma& start_sigma = {});
+                                           const StartSigma& start_sigma = {},
+                                           const OtherStarts& others = {});
 
 // The same from one start that is near, within a few centimetres and degrees: the finest levels
 // alone, and nothing else is tried; not ok without a look where the start leaves too little

@@ -187,15 +187,13 @@ std::optional<Pose3> Tracker::Predicted(const Anchor& frame) const {
   return previous_->world_from_camera * V2t(ratio * T2v(last_motion_));
 }
 
-std::vector<Pose3> Tracker::Starts(const Anchor& frame) const {
-  std::vector<Pose3> starts;
+Tracker::Starts Tracker::StartsOf(const Anchor& frame) const {
+  Starts starts;
   if (options_.motion_prediction) {
-    if (const auto predicted = Predicted(frame)) starts.push_back(*predicted);
+    if (const auto predicted = Predicted(frame)) starts.world_from_camera.push_back(*predicted);
   }
-  starts.push_back(previous_->world_from_camera);
-  if (options_.rotation_search) {
-    if (const auto start = SearchStart(*previous_, frame)) starts.push_back(*start);
-  }
+  starts.world_from_camera.push_back(previous_->world_from_camera);
+  if (options_.rotation_search) starts.turned_from = &*previous_;
   return starts;
 }
 
@@ -207,16 +205,23 @@ std::optional<Pose3> Tracker::SearchStart(const Anchor& anchor, const Anchor& fr
 
 FrameAlignment Tracker::AlignTo(const Anchor& anchor,
                                 const Anchor& frame,
-                                const std::vector<Pose3>& starts_world) const {
+                                const std::vector<Pose3>& starts_world,
+                                const OtherStarts& others) const {
   const Pose3 anchor_from_world = anchor.world_from_camera.Inverse();
   std::vector<Pose3> starts;
   starts.reserve(starts_world.size());
   for (const Pose3& start : starts_world) starts.push_back(anchor_from_world * start);
+  const auto search = [&]() -> std::optional<Pose3> {
+    if (!others.search) return std::nullopt;
+    const std::optional<Pose3> found = others.search();
+    return found ? std::optional(anchor_from_world * *found) : std::nullopt;
+  };
   return AlignPyramids(*anchor.pyramid,
                        *frame.pyramid,
                        starts,
                        options_.alignment,
-                       SigmaOfStart(frame.clock_s - anchor.clock_s));
+                       SigmaOfStart(frame.clock_s - anchor.clock_s),
+                       {search, others.always});
 }
 
 // The first start after `duration_s` of prediction from frame to frame, or of none. A motion that
@@ -238,20 +243,28 @@ StartSigma Tracker::SigmaOfStart(double duration_s) const {
 FrameAlignment Tracker::AlignWidely(const Anchor& anchor,
                                     const Anchor& last,
                                     const Anchor& frame,
-                                    std::vector<Pose3> starts_world) const {
-  const auto align = [&] {
-    FrameAlignment alignment = AlignTo(anchor, frame, starts_world);
+                                    Starts starts) const {
+  std::vector<Pose3>& starts_world = starts.world_from_camera;
+  const auto search_turn = [&]() -> std::optional<Pose3> {
+    if (starts.turned_from == nullptr) return std::nullopt;
+    const auto found = SearchStart(*std::exchange(starts.turned_from, nullptr), frame);
+    if (found) starts_world.push_back(*found);
+    return found;
+  };
+  const auto align = [&](const OtherStarts& others) {
+    FrameAlignment alignment = AlignTo(anchor, frame, starts_world, others);
     alignment.ok = alignment.ok && Believable(anchor, last, frame, alignment);
     return alignment;
   };
-  const FrameAlignment first = align();
+  const FrameAlignment first = align({search_turn});
   if (!options_.wide_search || !Doubtful(first)) return first;
+  search_turn();
   const std::vector<Pose3> orbits = Orbits(MedianDepthM(frame.pyramid->levels.back()));
   const std::size_t num_starts = starts_world.size();
   for (std::size_t k = 0; k < num_starts; ++k) {
     for (const Pose3& orbit : orbits) starts_world.push_back(starts_world[k] * orbit);
   }
-  const FrameAlignment second = align();
+  const FrameAlignment second = align({.search = {}, .always = true});
   const auto support_of = [&](const FrameAlignment& alignment) {
     return Support(*anchor.pyramid, *frame.pyramid, alignment.i_from_j, options_.alignment);
   };
@@ -354,7 +367,7 @@ bool Tracker::AlignToReference(Anchor& frame) {
   const bool to_previous = options_.reference == "previous";
   if (to_previous) Prepare(*previous_);
   const Anchor reference = to_previous ? *previous_ : keyframes_.back();
-  FrameAlignment alignment = AlignWidely(reference, *previous_, frame, Starts(frame));
+  FrameAlignment alignment = AlignWidely(reference, *previous_, frame, StartsOf(frame));
   if (!alignment.ok) return false;
   // From frame to frame each end carries on.
   if (to_previous)
@@ -376,7 +389,7 @@ bool Tracker::AlignToPrevious(Anchor& frame) {
   if (options_.reference == "previous" || previous_->frame == keyframes_.back().frame) return false;
   HideMoved(*previous_);
   Prepare(*previous_);
-  const FrameAlignment alignment = AlignWidely(*previous_, *previous_, frame, Starts(frame));
+  const FrameAlignment alignment = AlignWidely(*previous_, *previous_, frame, StartsOf(frame));
   if (!alignment.ok) return false;
   const std::optional<FrameAlignment> direct = previous_alignment_;
   AddKeyframe(*previous_, direct ? &*direct : nullptr);
@@ -391,8 +404,7 @@ bool Tracker::AlignToPrevious(Anchor& frame) {
 
 bool Tracker::Relocalise(Anchor& frame) {
   for (auto keyframe = keyframes_.rbegin(); keyframe != keyframes_.rend(); ++keyframe) {
-    std::vector<Pose3> starts{previous_->world_from_camera, keyframe->world_from_camera};
-    if (const auto start = SearchStart(*keyframe, frame)) starts.push_back(*start);
+    const Starts starts{{previous_->world_from_camera, keyframe->world_from_camera}, &*keyframe};
     FrameAlignment alignment = AlignWidely(*keyframe, *previous_, frame, starts);
     // Elsewhere some earlier keyframe nearly always fits somehow; a new piece is joined when it is
     // sure where.
@@ -423,9 +435,8 @@ bool Tracker::AlignToPending(Anchor& frame) {
   Anchor start = *pending_;
   start.piece = piece_ + 1;
   Prepare(start);
-  std::vector<Pose3> starts{start.world_from_camera};
-  if (const auto found = SearchStart(start, frame)) starts.push_back(*found);
-  const FrameAlignment alignment = AlignWidely(start, start, frame, starts);
+  const FrameAlignment alignment =
+      AlignWidely(start, start, frame, {{start.world_from_camera}, &start});
   if (!alignment.ok) return false;
   piece_ = start.piece;
   piece_starts_.push_back(start.frame);
@@ -512,9 +523,8 @@ void Tracker::AddSkipEdge(Anchor& frame, const FrameAlignment& direct) {
 void Tracker::RejoinPiece(Anchor& frame) {
   for (const Anchor& earlier : keyframes_) {
     if (earlier.piece >= frame.piece) continue;
-    std::vector<Pose3> starts{earlier.world_from_camera};
-    if (const auto start = SearchStart(earlier, frame)) starts.push_back(*start);
-    FrameAlignment alignment = AlignWidely(earlier, *previous_, frame, starts);
+    FrameAlignment alignment =
+        AlignWidely(earlier, *previous_, frame, {{earlier.world_from_camera}, &earlier});
     if (Doubtful(alignment)) continue;
     alignment = Sharpened(alignment, *earlier.pyramid, *frame.pyramid, options_.alignment);
     const Pose3 moved =

@@ -40,6 +40,11 @@ class Tracker {
     bool held = false;  // since the keyframe before, a direction of its motion was predicted alone
   };
 
+  struct Starts {
+    std::vector<Pose3> world_from_camera;  // the likeliest first
+    const Anchor* turned_from = nullptr;   // whose image a turn is searched for in, if need be
+  };
+
   [[nodiscard]] double ClockS(double time_s);
   // Frames of one depth everywhere are as good as a wall only while nothing better has come.
   void ForgetOneDepth();
@@ -52,17 +57,19 @@ class Tracker {
   bool AlignToPending(Anchor& frame);
   void Lose(const Anchor& frame);
 
-  [[nodiscard]] std::vector<Pose3> Starts(const Anchor& frame) const;
+  [[nodiscard]] Starts StartsOf(const Anchor& frame) const;
+  // `others`: in the world.
   [[nodiscard]] FrameAlignment AlignTo(const Anchor& anchor,
                                        const Anchor& frame,
-                                       const std::vector<Pose3>& starts_world) const;
+                                       const std::vector<Pose3>& starts_world,
+                                       const OtherStarts& others = {}) const;
   [[nodiscard]] StartSigma SigmaOfStart(double duration_s) const;
   // AlignTo, and once more from turns about the scene when the outcome is doubtful. Not ok where it
   // is not to be believed of a camera that was at `last` before.
   [[nodiscard]] FrameAlignment AlignWidely(const Anchor& anchor,
                                            const Anchor& last,
                                            const Anchor& frame,
-                                           std::vector<Pose3> starts_world) const;
+                                           Starts starts) const;
   [[nodiscard]] bool Believable(const Anchor& anchor,
                                 const Anchor& last,
                                 const Anchor& frame,
