@@ -764,7 +764,7 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   const PyramidLevel& coarsest_i = i.levels[coarsest];
   CoarsePoints coarsest_j(j.levels[coarsest], options);
   Descent descent = BestCoarseDescent(coarsest_i, coarsest_j, initial_i_from_j, others, options);
-  if (options.photometric && !IsSure(descent.system))
+  if (options.photometric && (others.always || !IsSure(descent.system)))
     descent = SearchOpenDirections(coarsest_i, coarsest_j, options, descent);
   DescendToFinest(i, j, coarsest, initial_i_from_j.front(), kPlaced, options, descent);
   return Conclude(descent, j.levels.front(), start_sigma, options);
