@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/shape_candidate.h"

@@ -20,9 +20,9 @@
 
 #include <Eigen/Core>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 
 namespace deepslam::artifact {
 
