@@ -35,6 +35,7 @@ ROOMS = {
     "refine": ALGORITHM,
     "loop": ALGORITHM,
     "graph": ALGORITHM,
+    "overrides": ALGORITHM,
     "mesh": ALGORITHM,
     "fuse": ALGORITHM,
     "gltf": ALGORITHM,

@@ -14,6 +14,7 @@
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/overrides_yaml.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/proposals_json.h"
