@@ -37,6 +37,7 @@ ROOMS = {
     "refine": ALGORITHM,
     "loop": ALGORITHM,
     "graph": ALGORITHM,
+    "overrides": ALGORITHM,
     "mesh": ALGORITHM,
     "fuse": ALGORITHM,
     "gltf": ALGORITHM,

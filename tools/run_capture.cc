@@ -79,12 +79,12 @@ Result<dataset::Capture> OpenBesideModels(const fs::path& capture,
 
 }  // namespace
 
-Result<artifact::Overrides> ReadOverrides(const fs::path& workspace, const fs::path& named) {
+Result<Overrides> ReadOverrides(const fs::path& workspace, const fs::path& named) {
   fs::path file = named;
   if (file.empty()) {
     file = workspace / kOverridesFile;
     std::error_code error;
-    if (!fs::exists(file, error)) return artifact::Overrides{};
+    if (!fs::exists(file, error)) return Overrides{};
   }
   const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
@@ -133,7 +133,7 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   if (!classes.ok()) return classes.error();
   const Result<std::string> record = EncodeRun(config);
   if (!record.ok()) return record.error();
-  const Result<artifact::Overrides> overrides = ReadOverrides(run.workspace, run.overrides);
+  const Result<Overrides> overrides = ReadOverrides(run.workspace, run.overrides);
   if (!overrides.ok()) return overrides.error();
   stages::RunInputs inputs{config, *classes, nullptr, run.data_folder, *overrides, run.models};
   inputs.hashes = run.hashes ? run.hashes : std::make_shared<stages::ContentHashes>();

@@ -27,8 +27,8 @@ inline constexpr std::string_view kRunFile = "run.json";
 // Corrections by hand in a workspace.
 inline constexpr std::string_view kOverridesFile = "overrides.yaml";
 // Those of the file that was named, else of the workspace's, else none.
-[[nodiscard]] Result<artifact::Overrides> ReadOverrides(const std::filesystem::path& workspace,
-                                                        const std::filesystem::path& named);
+[[nodiscard]] Result<Overrides> ReadOverrides(const std::filesystem::path& workspace,
+                                              const std::filesystem::path& named);
 
 // Whether the stage's files are those of this run: made, or found as it would have made them.
 [[nodiscard]] bool Stands(const pipeline::RunReport& report, std::string_view stage);

@@ -134,7 +134,7 @@ int ShowStatus(const std::string& workspace) {
   stages::RunInputs inputs{config, {}, nullptr, {}};
   std::span<const std::string_view> looked_at;
   if (std::filesystem::exists(std::filesystem::path(workspace) / kOverridesFile)) {
-    const Result<artifact::Overrides> overrides = ReadOverrides(workspace, {});
+    const Result<Overrides> overrides = ReadOverrides(workspace, {});
     if (!overrides.ok()) return ReportError(overrides.error());
     inputs.overrides = *overrides;
     looked_at = stages::kOverrideInputs;

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -217,14 +218,6 @@ std::string NamesText(const std::vector<NamedObject>& names) {
   return fmt::format("{}", fmt::join(lines, ""));
 }
 
-// The new classes of objects.
-std::map<ObjectId, std::string> Relabelled(const Overrides& overrides) {
-  std::map<ObjectId, std::string> relabelled;
-  for (const TextOverride& relabel : overrides.relabel)
-    relabelled.emplace(relabel.object, relabel.text);
-  return relabelled;
-}
-
 }  // namespace
 
 Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name) {
@@ -240,29 +233,6 @@ Result<Overrides> DecodeOverrides(std::string_view text, std::string_view name) 
   } catch (const YAML::Exception& e) {
     return InvalidConfig(fmt::format("{}:{}: {}", name, e.mark.line + 1, e.msg));
   }
-}
-
-std::vector<NamedObject> NamesOfTracks(const Overrides& overrides) {
-  const std::map<ObjectId, std::string> relabelled = Relabelled(overrides);
-  std::vector<NamedObject> names;
-  const auto is_new_name = [&](const NamedObject& name) {
-    const auto found = relabelled.find(name.object);
-    return found != relabelled.end() && found->second == name.class_name;
-  };
-  for (const NamedObject& name : overrides.named) {
-    if (!is_new_name(name)) names.push_back(name);
-  }
-  for (const NamedObject& name : overrides.named_choices) {
-    if (relabelled.contains(name.object) && !is_new_name(name)) names.push_back(name);
-  }
-  return names;
-}
-
-std::vector<NamedObject> NamesOfChoices(const Overrides& overrides) {
-  const std::map<ObjectId, std::string> relabelled = Relabelled(overrides);
-  std::vector<NamedObject> names = overrides.named_choices;
-  std::erase_if(names, [&](const NamedObject& name) { return relabelled.contains(name.object); });
-  return names;
 }
 
 std::string TrackOverridesText(const Overrides& overrides) {

@@ -5,8 +5,8 @@
 
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/associate/associate.h"
+#include "deepslam/overrides/apply_to_tracks.h"
 #include "deepslam/scene/measured_parts.h"
-#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -44,7 +44,7 @@ Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs
                                                          context.progress());
   if (!association.ok()) return association.error();
   const Result<std::vector<std::string>> applied =
-      ApplyToTracks(inputs.overrides, inputs.classes, *association);
+      overrides::ApplyToTracks(inputs.overrides, inputs.classes, *association);
   if (!applied.ok()) return applied.error();
   if (Status status = WriteApplied(context, *applied); !status.ok()) return status.error();
   if (Status status = WriteEncoded(

@@ -9,8 +9,8 @@
 
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/overrides/apply_to_ground.h"
 #include "deepslam/scene/upright_turns.h"
-#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -60,7 +60,8 @@ Result<StageSummary> RunGround(StageContext& context, const RunInputs& inputs) {
   Result<Ground> ground = ground::EstimateGround(
       *inputs.capture->frames, *odometry, inputs.config.ground, context.progress());
   if (!ground.ok()) return ground.error();
-  const std::vector<std::string> applied = ApplyToGround(inputs.overrides, *odometry, *ground);
+  const std::vector<std::string> applied =
+      overrides::ApplyToGround(inputs.overrides, *odometry, *ground);
   if (Status status = WriteApplied(context, applied); !status.ok()) return status.error();
   if (Status status =
           WriteEncoded(context, "ground.json", artifact::EncodeGround(*ground, "ground.json"));

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/overrides/choices.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/select/agreement.h"
 #include "deepslam/select/confidence.h"
 #include "deepslam/select/select.h"
-#include "deepslam/stages/apply_overrides.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -136,7 +136,7 @@ Result<MapObject> SelectOrChoose(const Contest& contest,
   };
   MapObject best = select(0, contest.candidates.size());
   const Result<CandidateId> wanted =
-      ChosenByHand(inputs.overrides, contest.object, contest.candidates);
+      overrides::ChosenByHand(inputs.overrides, contest.object, contest.candidates);
   if (!wanted.ok()) return wanted.error();
   if (!wanted->valid() || *wanted == best.chosen) return judged(std::move(best));
   std::size_t n = 0;

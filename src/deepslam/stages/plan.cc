@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/artifact/overrides_yaml.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/storage/store.h"

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "deepslam/artifact/overrides_yaml.h"
 #include "deepslam/core/result.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/object_class.h"
+#include "deepslam/scene/overrides.h"
 #include "deepslam/stages/config.h"
 #include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/model_cache.h"
@@ -27,7 +27,7 @@ struct RunInputs {
   ClassTable classes;
   std::shared_ptr<const dataset::Capture> capture;  // none: the plan can be looked at, not run
   std::filesystem::path data_folder;
-  artifact::Overrides overrides = {};  // a person's corrections; empty: none
+  Overrides overrides = {};  // a person's corrections; empty: none
   // Networks and libraries kept between the runs of a process. None: each stage loads what it needs
   // and lets it go, so that a single run's later stages have the memory.
   std::shared_ptr<ModelCache> models = {};

@@ -12,7 +12,7 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
-#include "deepslam/stages/apply_overrides.h"
+#include "deepslam/overrides/choices.h"
 #include "deepslam/stages/judge_object.h"
 #include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/plan.h"
@@ -223,7 +223,8 @@ Status WriteSelection(StageContext& context, const Selection& selection) {
 Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   const Result<Sources> sources = ReadSources(context);
   if (!sources.ok()) return sources.error();
-  if (Status status = CheckChoices(inputs.overrides, sources->association.tracks); !status.ok())
+  if (Status status = overrides::CheckChoices(inputs.overrides, sources->association.tracks);
+      !status.ok())
     return status.error();
   const Result<Selection> selection = SelectAll(context, inputs, *sources);
   if (!selection.ok()) return selection.error();

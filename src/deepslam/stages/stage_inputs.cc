@@ -14,6 +14,7 @@
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
+#include "deepslam/artifact/overrides_yaml.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/proposals_json.h"
@@ -358,10 +359,6 @@ Status ForFrames(const StageContext& context,
       });
   if (status.ok()) context.progress().Report(wanted.size(), wanted.size());
   return status;
-}
-
-std::string ObjectName(const MapObject& object) {
-  return fmt::format("{}_{:02d}", object.class_name, object.id.value);
 }
 
 }  // namespace deepslam::stages
