@@ -189,16 +189,17 @@ std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
   }
   const CandidateId greedy =
       object.history.empty() ? object.chosen : object.history.back().candidate;
-  return {{"initial", first},
-          {"greedy", greedy},
-          {"as proposed", best([](CandidateSource source) { return !IsRefined(source); })},
-          {"retrieval", of(CandidateSource::kRetrieval)},
-          {"network", of(CandidateSource::kNetwork)},
-          {"mean latent", of(CandidateSource::kMeanLatent)},
-          {"fused", of(CandidateSource::kFused)},
-          {"refined", of(CandidateSource::kRefined)},
-          {"completed", of(CandidateSource::kCompleted)},
-          {"selected", object.chosen}};
+  return {
+      {"initial", first},
+      {"greedy", greedy},
+      {"as proposed", best([](CandidateSource source) { return !TraitsOf(source).is_derived; })},
+      {"retrieval", of(CandidateSource::kRetrieval)},
+      {"network", of(CandidateSource::kNetwork)},
+      {"mean latent", of(CandidateSource::kMeanLatent)},
+      {"fused", of(CandidateSource::kFused)},
+      {"refined", of(CandidateSource::kRefined)},
+      {"completed", of(CandidateSource::kCompleted)},
+      {"selected", object.chosen}};
 }
 
 struct Verdict {

@@ -116,13 +116,13 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
     if (!grid.ok()) return grid.error();
     Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
     if (!figures.ok()) return figures.error();
-    const bool is_refined = IsRefined(candidate->second.source);
-    auto& those = is_refined ? object.refined : object.candidates;
+    const bool is_derived = TraitsOf(candidate->second.source).is_derived;
+    auto& those = is_derived ? object.refined : object.candidates;
     those.push_back({score.candidate,
                      candidate->second.source,
                      candidate->second.view,
                      std::move(figures).value()});
-    if (!is_refined && (!object.selected.valid() || score.candidate == object.final))
+    if (!is_derived && (!object.selected.valid() || score.candidate == object.final))
       object.selected = score.candidate;
   }
   return object;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
@@ -272,7 +273,7 @@ Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& pr
   if (!scene) return scene.error();
   const Result<Models> models = ReadModels(request, *scene);
   if (!models) return models.error();
-  Result<synth::World> world = synth::BuildWorld(*scene, *models);
+  Result<synth::World> world = synth::BuildWorld(*scene, *models, artifact::DefaultClassTable());
   if (!world) return Error{world.error().code, scene_file.string() + ": " + world.error().message};
 
   SynthSummary summary;

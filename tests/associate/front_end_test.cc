@@ -48,10 +48,12 @@ ClassTable Classes() {
   };
   add("chair", "chair");
   add("table", "dining table");
+  table.classes.back().traits.support_plane = true;
   add("sofa", "couch");
   add("cabinet", "");
   table.classes.back().min_size_m = 0.4;
   add("furniture", "");
+  table.classes.back().traits.fallback = true;
   return table;
 }
 
@@ -96,8 +98,8 @@ Outcome RunFrontEnd(const FrameSource& frames, int step, const std::string& weig
       detections.push_back(std::move(cluster));
     }
     for (Detection& detection : detections) detection.id = {id++};
-    for (Segment& segment :
-         segment::SegmentFrame(frame, frames.camera(), ground_camera, detections, {})) {
+    for (Segment& segment : segment::SegmentFrame(
+             {frame, frames.camera(), ground_camera, detections}, Classes(), {})) {
       outcome.segments.push_back(std::move(segment));
     }
   }

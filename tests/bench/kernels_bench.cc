@@ -110,9 +110,13 @@ void SegmentFrame(benchmark::State& state) {
     if (auto found = DetectTruth(view, object, name)) detections.push_back(*found);
   }
   const Plane ground = testing_support::FloorIn(world_from_camera);
+  ClassTable classes;
+  classes.classes.resize(1);
+  classes.classes[0].name = "table";
+  classes.classes[0].traits.support_plane = true;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        segment::SegmentFrame(view.frame, camera, ground, detections, {}).data());
+        segment::SegmentFrame({view.frame, camera, ground, detections}, classes, {}).data());
   }
 }
 BENCHMARK(SegmentFrame)->Unit(benchmark::kMillisecond);

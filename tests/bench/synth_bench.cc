@@ -70,10 +70,15 @@ SceneDescription DemoRoom() {
 }
 
 World DemoWorld() {
+  ClassTable classes;
+  classes.classes.resize(1);
+  classes.classes[0].name = "table";
+  classes.classes[0].traits.support_plane = true;
   return *BuildWorld(
       DemoRoom(),
       {{"table", Model(testing_support::TableMesh(1.4f, 0.8f, 0.75f, 0.08f), 0.75f)},
-       {"chair", Model(testing_support::ChairMesh(0.45f, 0.5f, 0.45f, 0.9f, 0.04f), 0.9f)}});
+       {"chair", Model(testing_support::ChairMesh(0.45f, 0.5f, 0.45f, 0.9f, 0.04f), 0.9f)}},
+      classes);
 }
 
 void WholeFrame(benchmark::State& state) {

@@ -23,6 +23,7 @@ ClassTable Classes() {
   table.classes[1].min_height_m = 0.4;
   table.classes[1].max_height_m = 1.8;
   table.classes[2].name = "furniture";
+  table.classes[2].traits.fallback = true;
   return table;
 }
 
@@ -90,6 +91,13 @@ TEST(DetectClusters, CallsFurnitureWhatFitsNoClass) {
   ClassTable without = Classes();
   without.classes.resize(2);
   EXPECT_THAT(Find(view, {}, without), IsEmpty());
+}
+
+TEST(DetectClusters, LeavesOutWhatFitsNoClassOfATableWithoutAFallback) {
+  ClassTable classes = Classes();
+  classes.classes[2].traits.fallback = false;  // its sizes are a class's like any other's
+  classes.classes[1].max_size_m = classes.classes[2].max_size_m = 0.6;
+  EXPECT_THAT(Find(Look({kCabinet}, {0.8, -2.0, 1.3}, {0, 0, 0.3}), {}, classes), IsEmpty());
 }
 
 TEST(DetectClusters, LeavesToOthersWhatTheyHaveFound) {

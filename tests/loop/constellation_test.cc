@@ -100,15 +100,14 @@ TEST(Loops, FreeYawIsNotCompared) {
   const std::vector<Furniture> turned_before = {{"table", 0, 0, 0.3}, {"table", 1.6, 0.4, 2.0}};
   std::vector<Furniture> turned_after = turned_before;
   turned_after[1].yaw_rad += 1.57;
-  LoopOptions options;
   for (const bool free : {true, false}) {
-    options.yaw_free_classes = free ? "table furniture" : "furniture";
+    ClassTable classes = Classes();
+    classes.classes[1].traits.yaw_free = free;
     Scene scene;
     scene.odometry = Walk(400, 20);
     AddVisit(scene, turned_before, 0, {}, {});
     AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
-    const auto found =
-        FindConstellations(scene.map, scene.association, options, scene.odometry).constellations;
+    const auto found = FindIn(scene, {}, classes).constellations;
     EXPECT_EQ(!found.empty() && found.front().pairs.size() == 2, free);
   }
   // A class with a yaw whose views all say it is not observable.
@@ -117,7 +116,9 @@ TEST(Loops, FreeYawIsNotCompared) {
   AddVisit(scene, turned_before, 0, {}, {});
   AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
   for (ViewRegistration& view : scene.map.objects[3].views) view.yaw_free = true;
-  const auto found = FindConstellations(scene.map, scene.association, options, scene.odometry);
+  ClassTable classes = Classes();
+  classes.classes[1].traits.yaw_free = false;
+  const auto found = FindIn(scene, {}, classes);
   EXPECT_EQ(found.constellations.size(), 1u);
 }
 
@@ -134,8 +135,7 @@ TEST(Loops, AmbiguousOnesAreRefused) {
   LoopOptions options;
   options.drift_base_m =
       1.0;  // objects alone may be believed that far: only the ambiguity is left to refuse
-  const std::vector<Constellation> found =
-      FindConstellations(scene.map, scene.association, options, scene.odometry).constellations;
+  const std::vector<Constellation> found = FindIn(scene, options).constellations;
   ASSERT_GE(found.size(), 2u);
   const Loops loops = Detect(scene, options);
   EXPECT_TRUE(loops.merges.empty());
@@ -157,8 +157,7 @@ TEST(Loops, OfAClassroomsConstellationsTheTrueOneHasMostPairs) {
   AddVisit(scene, chairs, 0, {}, {});
   AddVisit(scene, chairs, 300, Yawed(0.3, -0.2, 0, 0.03), {});
   LoopOptions options;
-  const FoundConstellations found =
-      FindConstellations(scene.map, scene.association, options, scene.odometry);
+  const FoundConstellations found = FindIn(scene, options);
   EXPECT_TRUE(found.complete);
   ASSERT_FALSE(found.constellations.empty());
   EXPECT_EQ(found.constellations.front().pairs.size(), chairs.size());
@@ -166,7 +165,7 @@ TEST(Loops, OfAClassroomsConstellationsTheTrueOneHasMostPairs) {
     EXPECT_EQ(pair.merged.value - pair.kept.value, static_cast<int>(chairs.size()));
 
   options.max_seeds = 3;
-  EXPECT_FALSE(FindConstellations(scene.map, scene.association, options, scene.odometry).complete);
+  EXPECT_FALSE(FindIn(scene, options).complete);
 }
 
 TEST(Loops, SurroundingsTellEqualFurnitureApart) {

@@ -129,14 +129,27 @@ inline void AddVisit(Scene& scene,
   }
 }
 
+inline ClassTable Classes() {
+  ClassTable table;
+  table.classes.resize(2);
+  table.classes[0].name = "chair";
+  table.classes[1].name = "table";
+  table.classes[1].traits.yaw_free = true;
+  return table;
+}
+
+inline FoundConstellations FindIn(const Scene& scene,
+                                  const LoopOptions& options,
+                                  const ClassTable& classes = Classes()) {
+  return FindConstellations({scene.map, scene.association, classes, scene.odometry}, options);
+}
+
 inline Loops Detect(const Scene& scene, const LoopOptions& options = {}) {
   std::vector<Constellation> verified;
+  const ClassTable classes = Classes();
+  const std::vector<int> parts = PartsOfFrames(scene.odometry, JoinsOf(scene.odometry));
   const FoundConstellations found =
-      FindConstellations(scene.map,
-                         scene.association,
-                         options,
-                         scene.odometry,
-                         PartsOfFrames(scene.odometry, JoinsOf(scene.odometry)));
+      FindConstellations({scene.map, scene.association, classes, scene.odometry, parts}, options);
   for (const Constellation& proposed : found.constellations)
     verified.push_back(VerifyConstellation(proposed, scene.map, scene.evidence, options));
   return AcceptLoops(verified, scene.map, scene.association, options, scene.odometry);

@@ -29,6 +29,7 @@ std::vector<OptionSection> Sections(Options& a, Options& b) {
       visitor.Field("on", o.on, "whether it is on");
       visitor.Choice("mode", o.mode, kModes, "how fast");
       visitor.Field("file", o.file, "a file");
+      visitor.Retired("files", "`file` takes one");
     };
   };
   return {{"first", "The first part", describe(a)}, {"first.inner", "Its inner part", describe(b)}};
@@ -74,6 +75,21 @@ TEST(Config, TellsAllFaultsAtOnceWithLineAndNearestName) {
             HasSubstr("my.yaml:6: first.on"),
             HasSubstr("my.yaml:7: first.file"),
             HasSubstr("second.x")));
+}
+
+TEST(Config, TellsWhatTookThePlaceOfAnOptionThatThereWas) {
+  Options a;
+  Options b;
+  const std::vector<OptionSection> sections = Sections(a, b);
+  const std::string expected = "first.inner.files is no option any more: `file` takes one";
+  const Status file = ApplyYaml(sections, "first:\n  inner:\n    files: x\n", "f.yaml");
+  ASSERT_FALSE(file.ok());
+  EXPECT_EQ(file.error().message, "f.yaml:3: " + expected);
+  const Status setting = ApplySettings(sections, std::vector<std::string>{"first.inner.files=x"});
+  ASSERT_FALSE(setting.ok());
+  EXPECT_THAT(setting.error().message, HasSubstr(expected));
+  for (const OptionEntry& entry : ListOptions(sections)) EXPECT_NE(entry.name, "first.inner.files");
+  EXPECT_EQ(DumpConfig(sections).find("files"), std::string::npos);
 }
 
 TEST(Config, RefusesNumbersThatAreNone) {

@@ -83,7 +83,8 @@ ClassTable Classes() {
     table.classes.push_back(entry);
   }
   ObjectClass furniture;
-  furniture.name = std::string(kFurnitureClass);
+  furniture.name = "furniture";
+  furniture.traits = {.solid_inside = true, .fallback = true};
   table.classes.push_back(furniture);
   return table;
 }
@@ -194,8 +195,7 @@ TEST(Retrieval, UnknownFurnitureTriesEveryClassOfItsSize) {
   Stage stage;
   stage.size_m = 1.4;
   stage.distance_m = 2.4;
-  const Proposals proposals =
-      Retrieve(std::string(kFurnitureClass), StagedViews(table.shape, stage));
+  const Proposals proposals = Retrieve("furniture", StagedViews(table.shape, stage));
   ASSERT_FALSE(proposals.candidates.empty());
   EXPECT_EQ(proposals.candidates.front().library_id, table.id);
 }
@@ -235,8 +235,8 @@ TEST(Retrieval, OutlinesStandWithoutAGroundAndOfUnknownFurniture) {
   stage = Stage();
   stage.size_m = 1.4;
   stage.distance_m = 2.4;
-  const Proposals furniture = Retrieve(
-      std::string(kFurnitureClass), StagedViews(Library().models[4].shape, stage), Sight::kColour);
+  const Proposals furniture =
+      Retrieve("furniture", StagedViews(Library().models[4].shape, stage), Sight::kColour);
   ASSERT_FALSE(furniture.candidates.empty());
   EXPECT_EQ(furniture.candidates.front().library_id, Library().models[4].id);
 }
@@ -313,6 +313,22 @@ TEST(Fused, KeepsTheSpaceUnderATableFree) {
   // Half-way between floor and top, at the middle.
   const Eigen::Vector3f under(0, 0, 0.5F * (model.box_min().z() + model.box_max().z()));
   EXPECT_GT(model.Distance(under), 0.05F);
+}
+
+// A box seen from one side: its far half is solid where the class says so, else only a shell is.
+TEST(Fused, FillsWhatNobodySawOfClosedFurniture) {
+  const VoxelGrid box = *shape::Voxelize(testing_support::BoxMesh({0.5F, 0.7F, 0.9F}));
+  Stage stage;
+  stage.size_m = 0.9;
+  stage.sweep_rad = 0.6;
+  const std::vector<ObjectView> views = StagedViews(box, stage);
+  const auto num_solid = [&](const char* class_name) {
+    const Proposals proposals = Fuse(class_name, views);
+    EXPECT_THAT(proposals.models, testing::SizeIs(1));
+    const std::vector<std::uint8_t>& voxels = proposals.models.begin()->second.occupied;
+    return std::count(voxels.begin(), voxels.end(), std::uint8_t{1});
+  };
+  EXPECT_GT(num_solid("furniture"), 2 * num_solid("chair"));
 }
 
 TEST(Fused, NothingSeenGivesANote) {

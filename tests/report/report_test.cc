@@ -205,10 +205,11 @@ TEST(WhyItWon, NamesOnlyWhatSpeaksForTheWinner) {
   CandidateRow& better = object.candidates.back();
   better.model = "fused_0";
   better.source = "own measurement";
+  better.is_partial = true;
   better.score = 0.9;
   EXPECT_THAT(WhyItWon(object), HasSubstr("Set aside in spite of a higher score: fused_0"));
   EXPECT_THAT(WhyItWon(object), HasSubstr("lacks the sides nobody saw"));
-  better.source = "CAD library";
+  better.is_partial = false;
   EXPECT_THAT(WhyItWon(object), HasSubstr("turns its back"));
   object.candidates.front().num_views = 9;
   better.num_views = 4;

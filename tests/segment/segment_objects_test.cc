@@ -55,9 +55,22 @@ SegmentOptions ForSmallImages() {
   return options;
 }
 
-std::vector<Segment> SegmentsOf(const Scene& scene, const std::vector<std::string>& classes) {
+ClassTable Classes() {
+  ClassTable table;
+  table.classes.resize(2);
+  table.classes[0].name = "table";
+  table.classes[0].traits.support_plane = true;
+  table.classes[1].name = "chair";
+  return table;
+}
+
+std::vector<Segment> SegmentsOf(const Scene& scene,
+                                const std::vector<std::string>& names,
+                                const ClassTable& classes = Classes()) {
+  const PinholeCamera camera = SmallCamera();
+  const std::vector<Detection> detections = Truth(scene.view, names);
   return SegmentFrame(
-      scene.view.frame, SmallCamera(), scene.ground, Truth(scene.view, classes), ForSmallImages());
+      {scene.view.frame, camera, scene.ground, detections}, classes, ForSmallImages());
 }
 
 TEST(SegmentFrame, FindsTheSilhouetteOfABoxOnTheFloorBeforeAWall) {
@@ -109,12 +122,10 @@ std::vector<Segment> SegmentsHeld(const Scene& scene,
   std::vector<Detection> detections = Truth(scene.view, classes);
   for (Detection& detection : detections)
     detection.box_px = Turned(detection.box_px, 320, 240, held);
-  return SegmentFrame(frame,
-                      Turned(SmallCamera(), held),
-                      Turned(scene.ground, held),
-                      detections,
-                      ForSmallImages(),
-                      Inverse(held));
+  const PinholeCamera camera = Turned(SmallCamera(), held);
+  return SegmentFrame({frame, camera, Turned(scene.ground, held), detections, Inverse(held)},
+                      Classes(),
+                      ForSmallImages());
 }
 
 constexpr std::array kTurns = {
@@ -216,6 +227,20 @@ TEST(SegmentFrame, KeepsWhatStandsOnATableOutOfTheTable) {
   EXPECT_THAT(static_cast<double>(inside) / total, Le(0.1));
 }
 
+// The class's trait counts, not its name.
+TEST(SegmentFrame, GivesATopToEveryClassThatHasASupportPlane) {
+  std::vector<Cuboid> world = TableAt(0, 0, 0);
+  Append(world, ChairAt(1, -0.2, -0.65, -1));
+  const Scene scene = Make(std::move(world), {0.5, -2.6, 1.5}, {0, 0, 0.5});
+  const auto table = SegmentsOf(scene, {"table", "chair"});
+  ClassTable renamed = Classes();
+  renamed.classes[0].name = "altar";
+  const auto altar = SegmentsOf(scene, {"altar", "chair"}, renamed);
+  EXPECT_EQ(altar[0].mask, table[0].mask);
+  const auto without = SegmentsOf(scene, {"table", "chair"}, renamed);
+  EXPECT_NE(without[0].mask, table[0].mask);
+}
+
 // Dark, shiny and glass tops return depth near their edges only; the seat before the table returns
 // all of its own and has more level pixels than is left of the top.
 TEST(SegmentFrame, FindsATableByTheRimOfItsTop) {
@@ -310,8 +335,9 @@ TEST(SegmentFrame, CutsByAnInstanceMask) {
   detections[0].mask = left;
   SegmentOptions options = ForSmallImages();
   options.min_piece_share = 0.3;  // the mask cuts surfaces in half
+  const PinholeCamera camera = SmallCamera();
   const auto segments =
-      SegmentFrame(scene.view.frame, SmallCamera(), scene.ground, detections, options);
+      SegmentFrame({scene.view.frame, camera, scene.ground, detections}, Classes(), options);
   ASSERT_TRUE(segments[0].usable) << segments[0].reason;
   const Mask mask = segments[0].mask.Unpacked();
   for (int v = 0; v < 240; ++v) {
@@ -326,11 +352,10 @@ TEST(SegmentFrame, CutsByAnInstanceMask) {
 TEST(SegmentFrame, WorksWithoutAGround) {
   const Scene scene =
       Make({{0, {-0.4, -0.3, 0.5}, {0.4, 0.3, 1.1}}}, {0.8, -2.2, 1.4}, {0, 0, 0.8});
-  const auto segments = SegmentFrame(scene.view.frame,
-                                     SmallCamera(),
-                                     std::nullopt,
-                                     Truth(scene.view, {"table"}),
-                                     ForSmallImages());
+  const PinholeCamera camera = SmallCamera();
+  const std::vector<Detection> detections = Truth(scene.view, {"table"});
+  const auto segments = SegmentFrame(
+      {scene.view.frame, camera, std::nullopt, detections}, Classes(), ForSmallImages());
   EXPECT_TRUE(segments[0].usable);
   EXPECT_THAT(MaskIoU(segments[0].mask, scene.view, 0), Ge(kGoodIoU));
 }
@@ -352,7 +377,8 @@ TEST(SegmentFrame, GivesReasonsForWhatItCannotUse) {
   detections[1].box_px = {nan, nan, nan, nan};
   detections[2].box_px = {-1e30, -1e30, -1e29, -1e29};
   detections[3].mask = Mask(7, 5, 1);
-  const auto segments = SegmentFrame(frame, SmallCamera(), scene.ground, detections, {});
+  const PinholeCamera camera = SmallCamera();
+  const auto segments = SegmentFrame({frame, camera, scene.ground, detections}, Classes(), {});
   ASSERT_EQ(segments.size(), 4U);
   for (const Segment& segment : segments) {
     EXPECT_FALSE(segment.usable);
@@ -362,9 +388,12 @@ TEST(SegmentFrame, GivesReasonsForWhatItCannotUse) {
 }
 
 TEST(SegmentFrame, BearsEmptyImagesAndNoDetections) {
-  EXPECT_TRUE(SegmentFrame({}, SmallCamera(), std::nullopt, {}, {}).empty());
+  const Frame empty;
+  const PinholeCamera camera = SmallCamera();
+  EXPECT_TRUE(SegmentFrame({empty, camera, std::nullopt, {}}, Classes(), {}).empty());
   const std::vector<Detection> one(1);
-  const auto segments = SegmentFrame({}, PinholeCamera(), std::nullopt, one, {});
+  const PinholeCamera no_camera;
+  const auto segments = SegmentFrame({empty, no_camera, std::nullopt, one}, Classes(), {});
   ASSERT_EQ(segments.size(), 1U);
   EXPECT_FALSE(segments[0].usable);
 }

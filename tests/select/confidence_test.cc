@@ -98,8 +98,9 @@ TEST_F(ConfidenceInAPlace, TurnsOfTheShapeAreNoOtherPlace) {
 
 TEST_F(ConfidenceInAPlace, IsNotMadeByTheDepthItself) {
   const double alone = Of(0);
-  for (const CandidateSource source :
-       {CandidateSource::kFused, CandidateSource::kRefined, CandidateSource::kCompleted}) {
+  for (std::size_t n = 0; n < kNumCandidateSources; ++n) {
+    const auto source = static_cast<CandidateSource>(n);
+    if (!TraitsOf(source).follows_depth) continue;
     Add(source, At(0.5, 90), 1.5, 0.99);
     EXPECT_EQ(Of(0), alone);
     // Standing where no whole model does, it is hardly to be believed itself.

@@ -72,6 +72,43 @@ TEST(ClassesConfig, FileEqualsTheCode) {
       << "run `deepslam config classes > configs/classes.yaml`";
 }
 
+TEST(ClassesConfig, OptionsThatListedClassesSayWhereTheirTraitsStandNow) {
+  Config config;
+  const Status status = pipeline::ApplyYaml(Sections(config),
+                                            "segment:\n  level_top_classes: \"table, desk\"\n"
+                                            "loops:\n  yaw_free_classes: table\n"
+                                            "propose:\n  measured:\n    solid_classes: bed\n",
+                                            "old.yaml");
+  ASSERT_FALSE(status.ok());
+  for (const char* expected :
+       {"old.yaml:2: segment.level_top_classes is no option any more: `support_plane: true`",
+        "old.yaml:4: loops.yaw_free_classes is no option any more: `yaw_free: true`",
+        "old.yaml:7: propose.measured.solid_classes is no option any more: `solid_inside: true`",
+        "classes.file"})
+    EXPECT_THAT(status.error().message, HasSubstr(expected));
+}
+
+// Every stage that asks for a trait runs again when one changes.
+TEST(Keys, AClassesTraitChangesTheStagesThatLookAtIt) {
+  const auto classes_in_keys = [](const ClassTable& classes) {
+    std::map<std::string, std::string> hashes;
+    for (const pipeline::Stage& stage :
+         MakePlan(std::make_shared<const RunInputs>(RunInputs{{}, classes, nullptr, {}}))) {
+      const auto inputs = stage.external_inputs();
+      if (inputs.ok() && inputs->contains("classes")) hashes[stage.name] = inputs->at("classes");
+    }
+    return hashes;
+  };
+  const ClassTable classes = artifact::DefaultClassTable();
+  ClassTable changed = classes;
+  changed.classes.front().traits.yaw_free = !changed.classes.front().traits.yaw_free;
+  for (const char* stage : {"segment", "loops", "mesh", "export", "report"}) {
+    const auto before = classes_in_keys(classes);
+    ASSERT_TRUE(before.contains(stage)) << stage;
+    EXPECT_NE(before.at(stage), classes_in_keys(changed).at(stage)) << stage;
+  }
+}
+
 TEST(Keys, EveryOptionBelongsToAStage) {
   std::set<std::string> in_keys;
   for (const pipeline::Stage& stage : PlanFor({})) {

@@ -18,7 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 CaptureRenderer Renderer(const SceneDescription& scene) {
-  return CaptureRenderer(*BuildWorld(scene, {{"box", BoxModel()}}));
+  return CaptureRenderer(*BuildWorld(scene, {{"box", BoxModel()}}, Classes()));
 }
 
 // Nearest of the room's six planes and the box, by intersecting the ray with slabs: no triangles,
@@ -106,7 +106,8 @@ TEST(CaptureRenderer, NoiseFreeDepthEqualsARayCastOfAllTrianglesWithinAMillimetr
   chair.size_m = {0.5, 0.5, 0.9};
   scene.objects = {{"chair", "chair", {-0.5, 0.2}, 40, 1, std::nullopt},
                    {"table", "box", {0.4, -0.6}, 10, 2, std::nullopt}};
-  const CaptureRenderer renderer(*BuildWorld(scene, {{"box", BoxModel()}, {"chair", chair}}));
+  const CaptureRenderer renderer(
+      *BuildWorld(scene, {{"box", BoxModel()}, {"chair", chair}}, Classes()));
   const RenderedFrame rendered = renderer.Render(1);
   int num_off = 0;
   int num_on_objects = 0;
@@ -236,7 +237,7 @@ TEST(CameraPath, LooksAtTheCentreUprightAndMovesSmoothly) {
 }
 
 TEST(BuildWorld, PutsObjectsOnTheFloorAndTellsTheTruth) {
-  const World world = *BuildWorld(SmallScene(), {{"box", BoxModel()}});
+  const World world = *BuildWorld(SmallScene(), {{"box", BoxModel()}}, Classes());
   ASSERT_EQ(world.objects.size(), 1u);
   double lowest = 1e9;
   for (const Eigen::Vector3f& v : world.objects[0].mesh.vertices) {
@@ -252,7 +253,7 @@ TEST(BuildWorld, PutsObjectsOnTheFloorAndTellsTheTruth) {
 TEST(BuildWorld, RefusesWhatCannotBe) {
   const std::map<std::string, FurnitureModel> models = {{"box", BoxModel()}};
   const auto refusal = [&](const SceneDescription& scene) {
-    const Result<World> world = BuildWorld(scene, models);
+    const Result<World> world = BuildWorld(scene, models, Classes());
     return world.ok() ? std::string() : world.error().message;
   };
   SceneDescription scene = SmallScene();
@@ -279,17 +280,17 @@ TEST(BuildWorld, LetsTheCameraUnderATopButNotAgainstItNorIntoABox) {
   SceneDescription scene = SmallScene();
   scene.orbit.radius_m = 0.2;
   scene.orbit.height_m = 0.5;
-  EXPECT_TRUE(BuildWorld(scene, {{"box", top}}).ok());
-  EXPECT_FALSE(BuildWorld(scene, {{"box", BoxModel()}}).ok());
+  EXPECT_TRUE(BuildWorld(scene, {{"box", top}}, Classes()).ok());
+  EXPECT_FALSE(BuildWorld(scene, {{"box", BoxModel()}}, Classes()).ok());
   scene.orbit.height_m = 0.74;
-  EXPECT_FALSE(BuildWorld(scene, {{"box", top}}).ok());
+  EXPECT_FALSE(BuildWorld(scene, {{"box", top}}, Classes()).ok());
 }
 
 TEST(BuildWorld, WarnsOfAWayThroughAWall) {
-  EXPECT_TRUE(BuildWorld(SmallScene(), {{"box", BoxModel()}})->warnings.empty());
+  EXPECT_TRUE(BuildWorld(SmallScene(), {{"box", BoxModel()}}, Classes())->warnings.empty());
   SceneDescription scene = SmallScene();
   scene.orbit.radius_m = 3;
-  const Result<World> world = BuildWorld(scene, {{"box", BoxModel()}});
+  const Result<World> world = BuildWorld(scene, {{"box", BoxModel()}}, Classes());
   ASSERT_TRUE(world.ok());
   ASSERT_EQ(world->warnings.size(), 1u);
   EXPECT_THAT(world->warnings[0], AllOf(HasSubstr("wall"), HasSubstr("frame 0")));
@@ -298,7 +299,7 @@ TEST(BuildWorld, WarnsOfAWayThroughAWall) {
 TEST(BuildWorld, StretchesModelsToTheSizeAsked) {
   SceneDescription scene = SmallScene();
   scene.objects[0].size_m = Eigen::Vector3d(1.0, 0.5, 0.7);
-  const World world = *BuildWorld(scene, {{"box", BoxModel()}});
+  const World world = *BuildWorld(scene, {{"box", BoxModel()}}, Classes());
   Eigen::Vector3f high = Eigen::Vector3f::Zero();
   for (const Eigen::Vector3f& v : world.objects[0].mesh.vertices) high = high.cwiseMax(v);
   EXPECT_LT((high - Eigen::Vector3f(0.5f, 0.25f, 0.35f)).norm(), 1e-6f);
@@ -308,7 +309,7 @@ TEST(BuildWorld, StretchesModelsToTheSizeAsked) {
 TEST(BuildWorld, ClutterStandsOnTablesAndOnTheFloor) {
   SceneDescription scene = SmallScene();
   scene.clutter = {2, 3};
-  const World world = *BuildWorld(scene, {{"box", BoxModel()}});
+  const World world = *BuildWorld(scene, {{"box", BoxModel()}}, Classes());
   ASSERT_FALSE(world.clutter.empty());
   int num_on_table = 0;
   for (const TriangleMesh& thing : world.clutter) {
@@ -320,6 +321,9 @@ TEST(BuildWorld, ClutterStandsOnTablesAndOnTheFloor) {
   }
   EXPECT_GT(num_on_table, 0);
   EXPECT_EQ(world.objects.size(), 1u) << "clutter is no object";
+  const World bare = *BuildWorld(scene, {{"box", BoxModel()}}, {});
+  EXPECT_EQ(world.clutter.size() - bare.clutter.size(), static_cast<std::size_t>(num_on_table))
+      << "nothing stands on a class without a support plane";
 }
 
 TEST(CaptureRenderer, OpeningsAreHolesInTheirWallAndNowhereElse) {

@@ -17,6 +17,15 @@ inline FurnitureModel BoxModel() {
   return model;
 }
 
+// Things stand on tables.
+inline ClassTable Classes() {
+  ClassTable table;
+  table.classes.resize(1);
+  table.classes[0].name = "table";
+  table.classes[0].traits.support_plane = true;
+  return table;
+}
+
 inline SceneDescription SmallScene() {
   SceneDescription scene;
   scene.seed = 3;

@@ -1,9 +1,11 @@
 #include "deepslam/artifact/class_table_yaml.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +16,7 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr double kMaxSizeM = 20;
 // Aliases can make a small file huge.
 constexpr std::size_t kMaxBytes = 1U << 20;
@@ -26,7 +28,48 @@ constexpr std::string_view kHeader =
     "classes of CAD models\n"
     "# that may stand for them, `size_m` the range of the longest side and `height_m` of the "
     "height of real ones.\n"
-    "# A class without labels is found by its depth alone; `furniture` takes what fits no other.\n";
+    "# A class without labels is found by its depth alone.\n"
+    "# Traits, each `true` or left out: `support_plane` is a level top and what carries it, so "
+    "that "
+    "things on it are not its\n"
+    "# own; `solid_inside` is closed, and solid where nobody saw into it; `yaw_free` is alike from "
+    "several sides, so that\n"
+    "# loops do not compare its front; `fallback` takes what fits no other class (one class at "
+    "most).\n";
+
+struct FlagColumn {
+  std::string_view name;
+  bool ClassTraits::*flag;
+};
+constexpr std::array kFlagColumns = {FlagColumn{"support_plane", &ClassTraits::support_plane},
+                                     FlagColumn{"solid_inside", &ClassTraits::solid_inside},
+                                     FlagColumn{"yaw_free", &ClassTraits::yaw_free},
+                                     FlagColumn{"fallback", &ClassTraits::fallback}};
+
+constexpr ClassTraits kSupportPlane = {.support_plane = true};
+constexpr ClassTraits kTable = {.support_plane = true, .yaw_free = true};
+constexpr ClassTraits kClosed = {.solid_inside = true};
+constexpr ClassTraits kFallback = {.solid_inside = true, .yaw_free = true, .fallback = true};
+
+// What a table of version 1 does not say: programs that wrote it had these traits by name.
+struct NamedTraits {
+  std::string_view class_name;
+  ClassTraits traits;
+};
+constexpr std::array kTraitsOfVersion1 = {NamedTraits{"table", kTable},
+                                          NamedTraits{"desk", kSupportPlane},
+                                          NamedTraits{"sofa", kClosed},
+                                          NamedTraits{"bed", kClosed},
+                                          NamedTraits{"cabinet", kClosed},
+                                          NamedTraits{"shelf", kClosed},
+                                          NamedTraits{"furniture", kFallback}};
+
+ClassTraits TraitsOfVersion1(std::string_view class_name) {
+  for (const NamedTraits& known : kTraitsOfVersion1) {
+    if (known.class_name == class_name) return known.traits;
+  }
+  return {};
+}
 
 bool IsClassName(const std::string& name) {
   return !name.empty() && name.size() <= 40 && std::all_of(name.begin(), name.end(), [](char c) {
@@ -62,12 +105,9 @@ class TableReader {
     for (const auto& item : root) {
       const std::string key = item.first.as<std::string>("");
       if (key != "version" && key != "classes")
-        Fault(item.first, fmt::format("unknown key \"{}\"", key));
+        Fault(item.first, fmt::format("unknown key \"{}\"; known are version, classes", key));
     }
-    const YAML::Node version = root["version"];
-    if (!version || version.as<int>(-1) != kVersion) {
-      Fault(version ? version : root, fmt::format("version must be {}", kVersion));
-    }
+    ReadVersion(root);
     if (root["classes"].size() > kMaxClasses)
       return Fault(root["classes"], fmt::format("more than {} classes", kMaxClasses));
     for (const YAML::Node& node : root["classes"]) ReadClass(node);
@@ -78,45 +118,96 @@ class TableReader {
   std::string faults;
 
  private:
+  void ReadVersion(const YAML::Node& root) {
+    const YAML::Node node = root["version"];
+    version_ = node ? node.as<int>(-1) : -1;
+    if (version_ >= 1 && version_ <= kVersion) return;
+    const bool newer = version_ > kVersion;
+    Fault(node ? node : root,
+          newer ? fmt::format("version is {}, written for a later deepslam; this one reads 1 to {}",
+                              version_,
+                              kVersion)
+                : fmt::format("version must be 1 to {}", kVersion));
+    version_ = kVersion;
+  }
+
   void ReadClass(const YAML::Node& node) {
-    if (!node.IsMap()) return Fault(node, "a class must be a map");
+    class_ = fmt::format("class {}", table.classes.size() + 1);
+    if (!node.IsMap()) return Fault(node, "must be a map");
     ObjectClass c;
-    for (const auto& item : node) {
-      const std::string key = item.first.as<std::string>("");
-      if (key == "name") {
-        c.name = item.second.as<std::string>("");
-      } else if (key == "labels") {
-        c.detector_labels = Strings(item.second);
-      } else if (key == "library") {
-        c.library_classes = Strings(item.second);
-      } else if (key == "size_m") {
-        ReadRange(item.second, c.min_size_m, c.max_size_m);
-      } else if (key == "height_m") {
-        ReadRange(item.second, c.min_height_m, c.max_height_m);
-      } else if (key == "colour") {
-        ReadColour(item.second, c);
-      } else {
-        Fault(item.first,
-              fmt::format(
-                  "unknown key \"{}\"; known are name, labels, library, size_m, height_m, colour",
-                  key));
-      }
-    }
-    if (!IsClassName(c.name))
+    c.name = node["name"] ? node["name"].as<std::string>("") : "";
+    if (!IsClassName(c.name)) {
       Fault(node, fmt::format("name \"{}\" must be lower-case letters, digits and _", c.name));
-    if (!names_.insert(c.name).second)
-      Fault(node, fmt::format("class \"{}\" stands twice", c.name));
+    } else {
+      class_ = fmt::format("class {}", c.name);
+    }
+    if (version_ == 1) c.traits = TraitsOfVersion1(c.name);
+    for (const auto& item : node) {
+      field_ = item.first.as<std::string>("");
+      ReadField(item.first, item.second, c);
+    }
+    field_.clear();
+    CheckAmongOthers(node, c);
+    table.classes.push_back(std::move(c));
+    class_.clear();
+  }
+
+  void ReadField(const YAML::Node& key, const YAML::Node& node, ObjectClass& c) {
+    if (field_ == "name") return;
+    if (field_ == "labels") {
+      c.detector_labels = Strings(node);
+    } else if (field_ == "library") {
+      c.library_classes = Strings(node);
+    } else if (field_ == "size_m") {
+      ReadRange(node, c.min_size_m, c.max_size_m);
+    } else if (field_ == "height_m") {
+      ReadRange(node, c.min_height_m, c.max_height_m);
+    } else if (field_ == "colour") {
+      ReadColour(node, c);
+    } else {
+      ReadTrait(key, node, c.traits);
+    }
+  }
+
+  void ReadTrait(const YAML::Node& key, const YAML::Node& node, ClassTraits& traits) {
+    const auto column =
+        std::find_if(kFlagColumns.begin(), kFlagColumns.end(), [this](const FlagColumn& flag) {
+          return flag.name == field_;
+        });
+    if (column == kFlagColumns.end()) {
+      const std::string unknown = std::exchange(field_, {});
+      std::string known = "name, labels, library, size_m, height_m, colour";
+      for (const FlagColumn& flag : kFlagColumns) known += fmt::format(", {}", flag.name);
+      return Fault(key, fmt::format("unknown key \"{}\"; known are {}", unknown, known));
+    }
+    if (version_ == 1) return Fault(key, "is not of version 1; write `version: 2` above");
+    const std::string text = node.IsScalar() ? node.Scalar() : "";
+    if (text != "true" && text != "false") {
+      constexpr std::size_t kMaxShown = 40;
+      const std::string given = text.size() <= kMaxShown ? text : "...";
+      return Fault(node, fmt::format("is \"{}\", must be true or false", given));
+    }
+    traits.*(column->flag) = text == "true";
+  }
+
+  void CheckAmongOthers(const YAML::Node& node, const ObjectClass& c) {
+    if (!names_.insert(c.name).second) Fault(node, "stands twice; take one of them out");
     for (const std::string& label : c.detector_labels) {
       if (!labels_.insert(label).second)
-        Fault(node, fmt::format("label \"{}\" belongs to two classes", label));
+        Fault(node, fmt::format("label \"{}\" belongs to another class already", label));
     }
-    table.classes.push_back(std::move(c));
+    const ObjectClass* const other = table.Fallback();
+    if (c.traits.fallback && other != nullptr) {
+      Fault(node,
+            fmt::format("is a fallback, as class {} is already; one class at most may be",
+                        other->name));
+    }
   }
 
   std::vector<std::string> Strings(const YAML::Node& node) {
     std::vector<std::string> strings;
     if (!node.IsSequence()) {
-      Fault(node, "must be a list");
+      Fault(node, "must be a list, as [one, two]");
       return strings;
     }
     num_labels_ += node.size();
@@ -140,22 +231,27 @@ class TableReader {
   }
 
   void ReadColour(const YAML::Node& node, ObjectClass& c) {
-    if (!node.IsSequence() || node.size() != 3)
-      return Fault(node, "colour must be [red, green, blue]");
+    if (!node.IsSequence() || node.size() != 3) return Fault(node, "must be [red, green, blue]");
     for (std::size_t i = 0; i < 3; ++i) {
       c.colour_rgb[i] = node[i].as<int>(-1);
       if (c.colour_rgb[i] < 0 || c.colour_rgb[i] > 255)
-        return Fault(node, "colours must lie in [0, 255]");
+        return Fault(node, "red, green and blue must lie in [0, 255]");
     }
   }
 
   void Fault(const YAML::Node& node, std::string_view what) {
     if (++num_faults_ > kMaxFaults) return;
-    faults +=
-        fmt::format("{}{}:{}: {}", faults.empty() ? "" : "\n", name_, node.Mark().line + 1, what);
+    std::string place = class_;
+    if (!field_.empty()) place += ", " + field_;
+    if (!place.empty()) place += ": ";
+    faults += fmt::format(
+        "{}{}:{}: {}{}", faults.empty() ? "" : "\n", name_, node.Mark().line + 1, place, what);
   }
 
   std::string name_;
+  int version_ = kVersion;
+  std::string class_;  // that is read, in words; empty outside
+  std::string field_;  // of it; empty where a fault is of the class as a whole
   std::size_t num_labels_ = 0;
   int num_faults_ = 0;
   std::set<std::string> names_;
@@ -166,7 +262,7 @@ class TableReader {
 
 ClassTable DefaultClassTable() {
   // Sizes span what furniture shops sell, with a tenth to spare for measuring.
-  return {{{"chair", {"chair"}, {"chair"}, 0.45, 1.5, 0.4, 1.4, {230, 126, 34}},
+  return {{{"chair", {"chair"}, {"chair"}, 0.45, 1.5, 0.4, 1.4, {230, 126, 34}, {}},
            {"table",
             {"dining table", "table", "desk"},
             {"table", "desk"},
@@ -174,11 +270,12 @@ ClassTable DefaultClassTable() {
             4.0,
             0.3,
             1.2,
-            {52, 152, 219}},
-           {"sofa", {"couch", "sofa"}, {"sofa"}, 0.7, 3.6, 0.5, 1.3, {155, 89, 182}},
-           {"bed", {"bed"}, {"bed"}, 1.2, 2.7, 0.25, 2.0, {231, 76, 60}},
-           {"cabinet", {}, {"cabinet"}, 0.3, 2.6, 0.3, 2.5, {39, 174, 96}},
-           {"shelf", {}, {"shelf"}, 0.5, 3.0, 0.5, 2.7, {26, 188, 156}},
+            {52, 152, 219},
+            kTable},
+           {"sofa", {"couch", "sofa"}, {"sofa"}, 0.7, 3.6, 0.5, 1.3, {155, 89, 182}, kClosed},
+           {"bed", {"bed"}, {"bed"}, 1.2, 2.7, 0.25, 2.0, {231, 76, 60}, kClosed},
+           {"cabinet", {}, {"cabinet"}, 0.3, 2.6, 0.3, 2.5, {39, 174, 96}, kClosed},
+           {"shelf", {}, {"shelf"}, 0.5, 3.0, 0.5, 2.7, {26, 188, 156}, kClosed},
            {"furniture",
             {},
             {"cabinet", "table", "shelf", "desk"},
@@ -186,7 +283,8 @@ ClassTable DefaultClassTable() {
             3.5,
             0.15,
             2.7,
-            {149, 165, 166}}}};
+            {149, 165, 166},
+            kFallback}}};
 }
 
 std::string EncodeClassTable(const ClassTable& table) {
@@ -202,6 +300,9 @@ std::string EncodeClassTable(const ClassTable& table) {
                         c.min_height_m,
                         c.max_height_m,
                         fmt::join(c.colour_rgb, ", "));
+    for (const FlagColumn& column : kFlagColumns) {
+      if (c.traits.*(column.flag)) text += fmt::format("    {}: true\n", column.name);
+    }
   }
   return text;
 }

@@ -13,8 +13,11 @@ namespace deepslam::artifact {
 [[nodiscard]] ClassTable DefaultClassTable();
 
 [[nodiscard]] std::string EncodeClassTable(const ClassTable& table);
-// All faults at once, each with its line: unknown keys, sizes out of range, names and labels given
-// twice.
+// All faults at once, each with its line, its class and its field: unknown keys, sizes out of
+// range, traits that are neither true nor false, names and labels given twice, two fallbacks, a
+// version that is to come. Traits that are left out are false; a table of version 1 knows none, and
+// its classes have those that programs of that version gave them by name (`table`, `furniture`,
+// ...).
 [[nodiscard]] Result<ClassTable> DecodeClassTable(std::string_view text, std::string_view name);
 
 }  // namespace deepslam::artifact

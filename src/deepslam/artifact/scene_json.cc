@@ -1,5 +1,6 @@
 #include "deepslam/artifact/scene_json.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -183,7 +184,9 @@ DetectionSource ReadDetectionSource(const JsonNode& node) {
   return ReadEnum<DetectionSource>(node, kDetectionNames);
 }
 CandidateSource ReadCandidateSource(const JsonNode& node) {
-  return ReadEnum<CandidateSource>(node, kCandidateSourceNames);
+  std::array<std::string_view, kNumCandidateSources> names;
+  std::ranges::transform(AllSourceTraits(), names.begin(), &SourceTraits::name);
+  return ReadEnum<CandidateSource>(node, names);
 }
 
 }  // namespace deepslam::artifact

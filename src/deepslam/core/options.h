@@ -41,6 +41,9 @@ class OptionsVisitor {
                       std::string& value,
                       std::span<const std::string_view> choices,
                       std::string_view help) = 0;
+  // An option that there was: whoever still sets it is told what to do now (`instead`, a clause
+  // that follows "... is no option any more: "). Those who list options pass over it.
+  virtual void Retired(std::string_view /*name*/, std::string_view /*instead*/) {}
 };
 
 }  // namespace deepslam

@@ -516,7 +516,7 @@ bool IsExplained(const FrameClusters::Furniture& furniture,
   return false;
 }
 
-// The class without detector labels whose sizes hold the cluster, most central first; `furniture`
+// The class without detector labels whose sizes hold the cluster, most central first; the fallback
 // if none does.
 std::string ClassOf(const Cluster& cluster, const ClassTable& classes) {
   const double longest_m = std::max(cluster.long_side_m, cluster.max_height_m);
@@ -526,7 +526,7 @@ std::string ClassOf(const Cluster& cluster, const ClassTable& classes) {
   std::string best;
   double best_distance = 1.0;
   for (const ObjectClass& c : classes.classes) {
-    if (!c.detector_labels.empty() || c.name == kFurnitureClass) continue;
+    if (!c.detector_labels.empty() || c.traits.fallback) continue;
     const double d = std::max(distance(longest_m, c.min_size_m, c.max_size_m),
                               distance(cluster.max_height_m, c.min_height_m, c.max_height_m));
     if (d <= best_distance) {
@@ -534,7 +534,8 @@ std::string ClassOf(const Cluster& cluster, const ClassTable& classes) {
       best = c.name;
     }
   }
-  if (best.empty() && classes.Find(kFurnitureClass) != nullptr) best = kFurnitureClass;
+  const ObjectClass* const fallback = classes.Fallback();
+  if (best.empty() && fallback != nullptr) best = fallback->name;
   return best;
 }
 

@@ -101,12 +101,14 @@ std::string_view ClassName(Kind kind) { return Entry(kind).class_name; }
 SizeRange SizeRangeOf(Kind kind) { return Entry(kind).size; }
 
 std::span<const KindShare> KindsOfClass(std::string_view class_name) {
-  if (class_name == "chair") return kChairKinds;
-  if (class_name == "table") return kTableKinds;
-  if (class_name == "sofa") return kSofaKinds;
-  if (class_name == "bed") return kBedKinds;
-  if (class_name == "cabinet") return kCabinetKinds;
-  if (class_name == "shelf") return kShelfKinds;
+  for (const std::span<const KindShare> kinds : {std::span<const KindShare>(kChairKinds),
+                                                 std::span<const KindShare>(kTableKinds),
+                                                 std::span<const KindShare>(kSofaKinds),
+                                                 std::span<const KindShare>(kBedKinds),
+                                                 std::span<const KindShare>(kCabinetKinds),
+                                                 std::span<const KindShare>(kShelfKinds)}) {
+    if (ClassName(kinds.front().kind) == class_name) return kinds;
+  }
   return {};
 }
 

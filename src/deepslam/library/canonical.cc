@@ -12,6 +12,7 @@
 #include <tiny_obj_loader.h>
 
 #include "deepslam/geometry/box.h"
+#include "deepslam/library/classify.h"
 #include "deepslam/shape/front.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
@@ -81,8 +82,7 @@ Result<CanonicalModel> MakeCanonical(const TriangleMesh& mesh_file,
   Result<VoxelGrid> shape = shape::Voxelize(mesh_object);
   if (!shape) return shape.error();
   CanonicalModel model = {std::move(*shape), {item.depth_m, item.width_m, item.height_m}, 0};
-  const bool has_back = class_name == "chair" || class_name == "sofa" || class_name == "bed";
-  const int turns = has_back ? shape::QuarterTurnsToFront(model.shape) : 0;
+  const int turns = HasBack(class_name) ? shape::QuarterTurnsToFront(model.shape) : 0;
   model.quarter_turns = turns;
   model.shape = shape::TurnGrid(model.shape, turns);
   if (turns % 2 != 0) std::swap(model.size_m.x(), model.size_m.y());

@@ -20,6 +20,7 @@ struct Rule {
   double max_height_m;
   double min_longest_m;  // of the footprint
   double max_longest_m;
+  bool has_back = false;
 };
 
 // In order: a "bedside table" is a cabinet before it is a table. Heights and lengths keep toys, sun
@@ -34,15 +35,16 @@ constexpr std::array<Rule, 6> kRules = {
       0.3,
       2.8},
      {"shelf", "bookcase shelves bookshelf shelving", "upper wall", 0.5, 2.6, 0.3, 3.1},
-     {"sofa", "sofa couch", "opened bed", 0.5, 1.2, 1.0, 3.6},
-     {"bed", "bed", "baby bunk mezzanine air", 0.3, 1.5, 1.5, 2.6},
+     {"sofa", "sofa couch", "opened bed", 0.5, 1.2, 1.0, 3.6, true},
+     {"bed", "bed", "baby bunk mezzanine air", 0.3, 1.5, 1.5, 2.6, true},
      {"chair",
       "chair armchair stool seat",
       "wheelchair baby high beach deck relax ottoman leon",
       0.6,
       1.3,
       0.25,
-      1.15},
+      1.15,
+      true},
      {"table",
       "table desk",
       "lamp fan tennis football pool changing dressing bat children bell",
@@ -99,6 +101,12 @@ std::optional<std::string> ClassOfItem(const CatalogueItem& item) {
     return std::nullopt;
   }
   return std::nullopt;
+}
+
+bool HasBack(std::string_view class_name) {
+  return std::any_of(kRules.begin(), kRules.end(), [class_name](const Rule& rule) {
+    return rule.class_name == class_name && rule.has_back;
+  });
 }
 
 }  // namespace deepslam::library

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "deepslam/library/catalogue.h"
 
@@ -12,5 +13,8 @@ namespace deepslam::library {
 // wall units, toys). Armchairs and stools are chairs, desks are tables, wardrobes and drawers are
 // cabinets.
 [[nodiscard]] std::optional<std::string> ClassOfItem(const CatalogueItem& item);
+
+// Whether furniture of such a class has a back, by which its front is told.
+[[nodiscard]] bool HasBack(std::string_view class_name);
 
 }  // namespace deepslam::library

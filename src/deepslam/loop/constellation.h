@@ -43,6 +43,7 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/options.h"
 #include "deepslam/scene/loop.h"
+#include "deepslam/scene/object_class.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/trajectory.h"
@@ -61,9 +62,8 @@ struct LoopOptions {
   double drift_share = 0.05;
   double drift_base_deg = 10;
   double drift_deg_per_m = 1.5;
-  double max_spread_m = 6;                           // objects of a constellation are neighbours
-  std::string yaw_free_classes = "table furniture";  // separated by spaces
-  bool merge_overlapping = true;                     // single pairs
+  double max_spread_m = 6;        // objects of a constellation are neighbours
+  bool merge_overlapping = true;  // single pairs
   double overlap_share = 0.5;
   int max_seeds = 200000;  // pairs of pairs that are tried
 
@@ -99,14 +99,21 @@ struct FoundConstellations {
   bool complete = true;  // false: max_seeds ended the search
 };
 
-// Proposals, unverified (accepted = false), those with most pairs first. `trajectory` gives the
-// path lengths; without it every path counts as 0, so that only the base terms bound the drift.
-// Parts of the path by frame (scene/measured_parts.h): one where none is given.
-[[nodiscard]] FoundConstellations FindConstellations(const ObjectMap& map,
-                                                     const Association& association,
-                                                     const LoopOptions& options,
-                                                     const Trajectory& trajectory = {},
-                                                     std::span<const int> part_of_frame = {});
+// Where constellations are looked for.
+struct MappedPath {
+  const ObjectMap& map;
+  const Association& association;
+  const ClassTable& classes;  // whose yaw is not compared
+  // Gives the path lengths; where it is empty every path counts as 0, so that only the base terms
+  // bound the drift.
+  const Trajectory& trajectory;
+  // Sub-trajectories by frame (scene/measured_parts.h): one where none is given.
+  std::span<const int> part_of_frame = {};
+};
+
+// Proposals, unverified (accepted = false), those with most pairs first.
+[[nodiscard]] FoundConstellations FindConstellations(const MappedPath& mapped,
+                                                     const LoopOptions& options);
 
 // The constellation with refined correction, verdict and reason.
 //

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "deepslam/loop/constellation.h"
@@ -32,18 +31,12 @@ using PairList = std::vector<std::size_t>;  // indices of hypotheses, ascending
 
 class ConstellationFinder {
  public:
-  ConstellationFinder(const ObjectMap& map,
-                      const Association& association,
-                      const LoopOptions& options,
-                      const Trajectory& trajectory,
-                      std::span<const int> part_of_frame)
-      : map_(map),
+  ConstellationFinder(const MappedPath& mapped, const LoopOptions& options)
+      : map_(mapped.map),
+        classes_(mapped.classes),
         options_(options),
-        sightings_(map, association, trajectory, part_of_frame),
-        level_from_world_(LevelFromWorld(UpDirection(map))) {
-    std::istringstream classes(options.yaw_free_classes);
-    for (std::string name; classes >> name;) yaw_free_classes_.insert(name);
-  }
+        sightings_(mapped.map, mapped.association, mapped.trajectory, mapped.part_of_frame),
+        level_from_world_(LevelFromWorld(UpDirection(mapped.map))) {}
 
   FoundConstellations Find() {
     FoundConstellations found;
@@ -68,7 +61,7 @@ class ConstellationFinder {
   double YawTolerance_rad() const { return kRadPerDeg * options_.yaw_tolerance_deg; }
 
   bool YawFree(const MapObject& object) const {
-    if (yaw_free_classes_.contains(object.class_name)) return true;
+    if (classes_.TraitsOf(object.class_name).yaw_free) return true;
     bool any = false;
     for (const ViewRegistration& view : object.views) {
       if (!view.ok) continue;
@@ -289,10 +282,10 @@ class ConstellationFinder {
   }
 
   const ObjectMap& map_;
+  const ClassTable& classes_;
   const LoopOptions& options_;
   const Sightings sightings_;
   const Eigen::Quaterniond level_from_world_;
-  std::set<std::string> yaw_free_classes_;
   std::vector<PairHypothesis> pairs_;
   std::set<PairList> sets_;
   std::set<std::pair<std::size_t, std::size_t>> joined_;  // that one of the sets has both of
@@ -350,9 +343,10 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options) {
                 kDistance_m,
                 "m",
                 "distance of objects of one constellation");
-  visitor.Field("yaw_free_classes",
-                options.yaw_free_classes,
-                "classes whose yaw is not compared, separated by spaces");
+  visitor.Retired(
+      "yaw_free_classes",
+      "`yaw_free: true` in the table of classes says it (classes.file, `deepslam config "
+      "classes`)");
   visitor.Field("merge_overlapping",
                 options.merge_overlapping,
                 "merge two objects of a class that stand in each other");
@@ -404,13 +398,9 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options) {
       "edge_floor_deg", options.edge_floor_deg, {1e-2, 90}, "deg", "least deviation of an edge");
 }
 
-FoundConstellations FindConstellations(const ObjectMap& map,
-                                       const Association& association,
-                                       const LoopOptions& options,
-                                       const Trajectory& trajectory,
-                                       std::span<const int> part_of_frame) {
+FoundConstellations FindConstellations(const MappedPath& mapped, const LoopOptions& options) {
   if (!options.enabled) return {};
-  return ConstellationFinder(map, association, options, trajectory, part_of_frame).Find();
+  return ConstellationFinder(mapped, options).Find();
 }
 
 }  // namespace deepslam::loop

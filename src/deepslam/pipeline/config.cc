@@ -128,6 +128,12 @@ class Setter final : public OptionsVisitor {
     }
     value = given->text;
   }
+  void Retired(std::string_view name, std::string_view instead) override {
+    const AssignedValue* given = Take(name);
+    if (given == nullptr) return;
+    faults_.push_back(
+        fmt::format("{}: {}.{} is no option any more: {}", given->place, prefix_, name, instead));
+  }
 
  private:
   const AssignedValue* Take(std::string_view name) {

@@ -135,15 +135,6 @@ VoxelGrid Carve(const Raster& raster, std::span<const shape::DepthView> views, b
   return grid;
 }
 
-bool Listed(std::string_view list, std::string_view word) {
-  while (!list.empty()) {
-    const std::size_t end = std::min(list.find(' '), list.size());
-    if (list.substr(0, end) == word) return true;
-    list.remove_prefix(std::min(end + 1, list.size()));
-  }
-  return false;
-}
-
 class FusedProposer final : public Proposer {
  public:
   FusedProposer(ClassTable classes, FusedOptions options)
@@ -178,7 +169,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   // not measured.
   constexpr double kCrumb = 0.05;
   VoxelGrid grid = shape::WithoutCrumbs(
-      Carve(raster, views, Listed(options_.solid_classes, object.class_name)), 1, kCrumb);
+      Carve(raster, views, classes_.TraitsOf(object.class_name).solid_inside), 1, kCrumb);
   if (cloud.has_ground) {
     const double ground = 0.5 * kGridSize - 0.5 * box.size_m.z() / raster.voxel_m();
     shape::StandOnGround(static_cast<int>(std::lround(ground)),
@@ -218,9 +209,9 @@ void Describe(OptionsVisitor& visitor, FusedOptions& options) {
                 {0.01, 0.9},
                 "1",
                 "share by which the candidate's real size may differ from the measured one");
-  visitor.Field("solid_classes",
-                options.solid_classes,
-                "classes whose unseen inside is solid, separated by blanks");
+  visitor.Retired("solid_classes",
+                  "`solid_inside: true` in the table of classes says it (classes.file, `deepslam "
+                  "config classes`)");
 }
 
 std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes,

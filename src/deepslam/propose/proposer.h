@@ -71,9 +71,6 @@ void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
 struct FusedOptions {
   int max_views = 24;         // views that are fused, best supported and spread first
   double size_margin = 0.25;  // candidate's size range: measured size +- this share
-  // Classes whose unseen inside is solid; of others only a shell behind the seen surface is.
-  // Separated by blanks.
-  std::string solid_classes = "cabinet shelf sofa bed furniture";
 };
 void Describe(OptionsVisitor& visitor, FusedOptions& options);
 
@@ -81,10 +78,10 @@ void Describe(OptionsVisitor& visitor, FusedOptions& options);
                                                           const FusedOptions& options);
 
 struct NetworkOptions {
-  int max_views = 8;         // views that propose, best supported and spread first
-  bool mean_latent = true;   // and what their latents say together (joined_encoding.h)
+  int max_views = 8;            // views that propose, best supported and spread first
+  bool mean_latent = true;      // and what their latents say together (joined_encoding.h)
   bool fit_proportions = true;  // and that in the proportions that all depth has
-  double size_margin = 0.3;  // candidates' size range: measured size +- this share
+  double size_margin = 0.3;     // candidates' size range: measured size +- this share
 };
 void Describe(OptionsVisitor& visitor, NetworkOptions& options);
 

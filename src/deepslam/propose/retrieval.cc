@@ -145,8 +145,8 @@ void RetrievalProposer::MakeCoarse(std::span<const std::size_t> models) const {
   });
 }
 
-// Models of the classes that may stand for the object's; for an object of unknown class, or of one
-// without models, all whose real size fits what was measured (of which some may be hidden, so
+// Models of the classes that may stand for the object's; for an object of the fallback class, or of
+// one without models, all whose real size fits what was measured (of which some may be hidden, so
 // models may be larger); silhouettes alone measure no size.
 std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_name,
                                                       const Measured& measured) const {
@@ -162,7 +162,8 @@ std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_n
     }
     if (fits) models.push_back(n);
   }
-  if (!models.empty() && class_name != kFurnitureClass) return models;
+  const bool is_fallback = object_class != nullptr && object_class->traits.fallback;
+  if (!models.empty() && !is_fallback) return models;
   constexpr double kHidden = 2.0;  // at least half of each side is seen
   const bool sized = !measured.depth.boxes.empty();
   const Eigen::Vector3d size_m =

@@ -128,19 +128,18 @@ struct JointPlacement {
   SimilarityIcpOptions icp;  // what it was found with
 };
 
-// Furniture stands on the ground; of a fused shape, which holds only what was seen, that is tried
-// but not required.
+// Furniture stands on the ground; of a partial shape that is tried but not required.
 std::optional<JointPlacement> PlaceJointly(const shape::ShapeModel& model,
                                            VisibleSurface& visible,
                                            const ViewPointers& views,
                                            PlacementPrior prior,
-                                           CandidateSource source,
+                                           bool is_partial,
                                            const RegisterOptions& options) {
   std::optional<JointPlacement> best;
   double least = 0;
   for (const bool stands : {true, false}) {
     prior.stands = stands;
-    if (!stands && source != CandidateSource::kFused) break;
+    if (!stands && !is_partial) break;
     const std::vector<WorldHypothesis> hypotheses =
         FindHypotheses(model, visible, views, prior, options);
     if (hypotheses.empty()) return std::nullopt;
@@ -352,8 +351,9 @@ CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
   const ViewPointers usable = ViewsForJointPose(views, options);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
   VisibleSurface visible(model);
+  const bool is_partial = TraitsOf(candidate.source).is_partial;
   const std::optional<JointPlacement> placement =
-      PlaceJointly(model, visible, usable, PriorOf(candidate), candidate.source, options);
+      PlaceJointly(model, visible, usable, PriorOf(candidate), is_partial, options);
   if (!placement) return NotRegistered(candidate, views, "the views' points have no extent");
   return RegisteredAt(
       candidate, model, visible, views, placement->world_from_object, placement->icp, options);
@@ -369,7 +369,7 @@ CandidateRegistration RegisterCandidateNear(const ShapeCandidate& candidate,
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
   VisibleSurface visible(model);
   PlacementPrior prior = PriorOf(candidate);
-  prior.stands = candidate.source != CandidateSource::kFused;
+  prior.stands = !TraitsOf(candidate.source).is_partial;
   const SimilarityIcpOptions icp =
       JointOptions(prior, usable.front()->ground_world.has_value(), options);
   const Similarity3 joint = RefinePose(model, visible, usable, world_from_object, icp);

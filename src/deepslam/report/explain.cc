@@ -109,14 +109,14 @@ Fact SizeFact(const ReportContent& content) {
   const ResultSizes& sizes = content.sizes;
   Fact fact{true, "Size", "map.json takes " + BytesInWords(sizes.map_json), {}};
   if (!content.objects.empty()) {
-    fact.finding += fmt::format(
-        ", {} an object", BytesInWords(sizes.map_json / content.objects.size()));
+    fact.finding +=
+        fmt::format(", {} an object", BytesInWords(sizes.map_json / content.objects.size()));
   }
   if (sizes.fused_cloud > 0) {
-    fact.finding += fmt::format("; the room as a fused point cloud takes {}, {:.0f} times as much",
-                                BytesInWords(sizes.fused_cloud),
-                                static_cast<double>(sizes.fused_cloud) /
-                                    static_cast<double>(sizes.map_json));
+    fact.finding +=
+        fmt::format("; the room as a fused point cloud takes {}, {:.0f} times as much",
+                    BytesInWords(sizes.fused_cloud),
+                    static_cast<double>(sizes.fused_cloud) / static_cast<double>(sizes.map_json));
   }
   return fact;
 }
@@ -130,7 +130,7 @@ std::string Compared(double winner, double next, std::string_view what, bool mor
 
 // Why selection passed over a candidate of a higher score (select/select.h).
 std::string WhyPassedOver(const CandidateRow& row, int most_views) {
-  if (row.source == "own measurement") {
+  if (row.is_partial) {
     return "what was made of the measurement agrees with it by nature, but lacks the sides nobody "
            "saw; it wins only where no complete shape agrees";
   }
@@ -142,7 +142,8 @@ std::string WhyPassedOver(const CandidateRow& row, int most_views) {
 // Candidates that agree better with the depth than the winner and lost all the same.
 std::string SetAside(const ObjectRow& object, const CandidateRow& winner) {
   int most_views = 0;
-  for (const CandidateRow& row : object.candidates) most_views = std::max(most_views, row.num_views);
+  for (const CandidateRow& row : object.candidates)
+    most_views = std::max(most_views, row.num_views);
   std::string set_aside;
   for (const CandidateRow& row : object.candidates) {
     if (row.chosen || row.score <= winner.score) continue;

@@ -35,7 +35,8 @@ struct CandidateRow {
   int num_views = 0;
   bool chosen = false;
   std::string note;
-  Picture thumbnail;  // the model by itself; no bytes = none
+  Picture thumbnail;        // the model by itself; no bytes = none
+  bool is_partial = false;  // holds only what was measured
 };
 
 // An object of less confidence is more likely to stand elsewhere than where it is said to.
@@ -78,7 +79,8 @@ struct ResultSizes {
   std::size_t map_json = 0;
   std::size_t objects_glb = 0;  // a scene of the objects alone, compressed as in scene.glb
   std::size_t scene_glb = 0;    // with the room, the floor and the path
-  std::size_t fused_cloud = 0;  // points of the fused surface at 1 cm, 15 bytes each, reckoned from its area
+  std::size_t fused_cloud =
+      0;  // points of the fused surface at 1 cm, 15 bytes each, reckoned from its area
 };
 
 struct ReportContent {

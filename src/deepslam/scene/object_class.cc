@@ -20,4 +20,15 @@ const ObjectClass* ClassTable::FindByLabel(std::string_view detector_label) cons
   return nullptr;
 }
 
+const ObjectClass* ClassTable::Fallback() const {
+  const auto it = std::find_if(
+      classes.begin(), classes.end(), [](const ObjectClass& c) { return c.traits.fallback; });
+  return it == classes.end() ? nullptr : &*it;
+}
+
+ClassTraits ClassTable::TraitsOf(std::string_view name) const {
+  const ObjectClass* const known = Find(name);
+  return known == nullptr ? ClassTraits() : known->traits;
+}
+
 }  // namespace deepslam

@@ -1,8 +1,8 @@
-// The classes of objects the map may hold: how detectors call them and how large they are in the
-// real world.
+// The classes of objects the map may hold: how detectors call them, how large they are in the real
+// world, and what algorithms have to know of them.
 //
 // One table, read from configs/classes.yaml; adding a class is adding an entry there (and, where
-// there is one, a prior).
+// there is one, a prior). No algorithm knows a class by its name: it asks for a trait.
 #pragma once
 
 #include <array>
@@ -12,6 +12,22 @@
 #include <vector>
 
 namespace deepslam {
+
+// The defaults are what holds for a class that nothing is said of.
+struct ClassTraits {
+  // A level support plane and what carries it: such an object is what lies at the height of the
+  // plane or under it, never what stands on it or before it.
+  bool support_plane = false;
+  // Closed furniture: what no view sees inside it is solid; of others only a shell behind the seen
+  // surface is.
+  bool solid_inside = false;
+  // Alike from several sides: two visits may see its front differently.
+  bool yaw_free = false;
+  // Takes what fits no other class, and any library model of its size; one class at most.
+  bool fallback = false;
+
+  [[nodiscard]] bool operator==(const ClassTraits&) const = default;
+};
 
 struct ObjectClass {
   std::string name;  // "chair"; lower case, becomes part of node names
@@ -26,6 +42,7 @@ struct ObjectClass {
   double min_height_m = 0.2;
   double max_height_m = 2.5;
   std::array<int, 3> colour_rgb = {160, 160, 160};  // class colour in pictures and scenes
+  ClassTraits traits;
 };
 
 struct ClassTable {
@@ -34,9 +51,10 @@ struct ClassTable {
   [[nodiscard]] const ObjectClass* Find(std::string_view name) const;
   // Class for a detector's label; nullptr when the label means nothing to the map.
   [[nodiscard]] const ObjectClass* FindByLabel(std::string_view detector_label) const;
+  // The class of what fits no other; nullptr where the table has none.
+  [[nodiscard]] const ObjectClass* Fallback() const;
+  // The defaults for a name that is not in the table.
+  [[nodiscard]] ClassTraits TraitsOf(std::string_view name) const;
 };
-
-// Objects that stand on the floor but whose class is unknown.
-inline constexpr std::string_view kFurnitureClass = "furniture";
 
 }  // namespace deepslam

@@ -1,41 +1,18 @@
-// Whole shapes proposed for objects. Sources plug in equally; selection does not care where a
-// candidate came from.
+// Whole shapes proposed for objects. Sources plug in equally: what matters of one is among its
+// traits (candidate_source.h).
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/scene/candidate_source.h"
 #include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam {
-
-enum class CandidateSource {
-  kNetwork,     // class-specific network, from one view
-  kMeanLatent,  // decoder at the mean latent over an object's views
-  kRetrieval,   // CAD model of the library
-  kFused,       // the object's own fused measurement
-  kRefined,     // a network's shape that followed all depth of its object
-  kCompleted,   // a whole model, or a refined shape, that took over what was measured
-};
-
-// In files.
-inline constexpr std::array<std::string_view, 6> kCandidateSourceNames = {
-    "network", "mean_latent", "retrieval", "fused", "refined", "completed"};
-[[nodiscard]] constexpr std::string_view NameOf(CandidateSource source) {
-  return kCandidateSourceNames[static_cast<std::size_t>(source)];
-}
-
-// Made in selection of what was proposed.
-[[nodiscard]] constexpr bool IsRefined(CandidateSource source) {
-  return source == CandidateSource::kRefined || source == CandidateSource::kCompleted;
-}
 
 struct ShapeCandidate {
   CandidateId id;

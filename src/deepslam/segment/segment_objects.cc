@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <sstream>
 #include <utility>
 
 #include "deepslam/scene/ground.h"
@@ -22,15 +21,6 @@ namespace {
 constexpr float kExtentMargin_m = 0.05F;
 // Width of the weight by which the middle of a box counts, in units of the box's sides.
 constexpr double kCentralWidth = 0.3;
-
-bool HasLevelTop(const std::string& class_name, const SegmentOptions& options) {
-  std::istringstream list(options.level_top_classes);
-  std::string name;
-  while (std::getline(list, name, ',')) {
-    if (name == class_name) return true;
-  }
-  return false;
-}
 
 // Points in axes along the ground's tangents and its normal, so that bounds of upright things are
 // tight.
@@ -76,6 +66,48 @@ std::vector<PixelPoint> KeepMainPart(const std::vector<PixelPoint>& points,
     if (groups.of_point[i] == main || within) kept.push_back(points[i]);
   }
   return kept;
+}
+
+// The support planes of those whose class has one, with their pixels claimed.
+std::vector<OwnedTop> ClaimTops(const FrameToSegment& seen,
+                                const ClassTable& classes,
+                                const ImagePieces& pieces,
+                                std::span<const Region> regions,
+                                const SegmentOptions& options,
+                                Owners& owners) {
+  std::vector<OwnedTop> tops;
+  std::vector<PieceHeights> heights;
+  for (std::size_t d = 0; d < seen.detections.size(); ++d) {
+    if (!classes.TraitsOf(seen.detections[d].class_name).support_plane) continue;
+    if (heights.empty()) heights = HeightsOf(pieces);
+    const int owner = static_cast<int>(d);
+    std::optional<LevelTop> top = ClaimLevelTop(
+        pieces, heights, seen.camera, *seen.ground_camera, regions[d], owner, options, owners);
+    if (top) tops.push_back({owner, std::move(*top)});
+  }
+  return tops;
+}
+
+// What is a support plane has what lies on it, and no more.
+std::vector<bool> TakesPieces(std::size_t num_detections, std::span<const OwnedTop> tops) {
+  std::vector<bool> takes(num_detections, true);
+  for (const OwnedTop& top : tops) takes[static_cast<std::size_t>(top.owner)] = false;
+  return takes;
+}
+
+std::vector<std::vector<PixelPoint>> PointsOf(const ImagePieces& pieces,
+                                              std::span<const Region> regions,
+                                              const Owners& owners) {
+  std::vector<std::vector<PixelPoint>> points(regions.size());
+  for (int v = 0; v < owners.height(); ++v) {
+    const std::int32_t* const owner_row = owners.row(v);
+    for (int u = 0; u < owners.width(); ++u) {
+      const std::int32_t owner = owner_row[u];
+      if (owner < 0 || !regions[static_cast<std::size_t>(owner)].Contains(u, v)) continue;
+      points[static_cast<std::size_t>(owner)].push_back({u, v, pieces.points_camera(u, v)});
+    }
+  }
+  return points;
 }
 
 Segment Describe(const Detection& detection,
@@ -154,9 +186,9 @@ void Describe(OptionsVisitor& visitor, SegmentOptions& options) {
                 {0, 1},
                 "1",
                 "share of a surface that a box must hold to own it");
-  visitor.Field("level_top_classes",
-                options.level_top_classes,
-                "classes that are a level top and what carries it, comma separated");
+  visitor.Retired("level_top_classes",
+                  "`support_plane: true` in the table of classes says it (classes.file, `deepslam "
+                  "config classes`)");
   visitor.Field("mask_dilation_px",
                 options.mask_dilation_px,
                 {0, 50},
@@ -179,12 +211,10 @@ void Describe(OptionsVisitor& visitor, SegmentOptions& options) {
                 "least share of the box's pixels in a usable segment");
 }
 
-std::vector<Segment> SegmentFrame(const Frame& frame,
-                                  const PinholeCamera& camera,
-                                  const std::optional<Plane>& ground_camera,
-                                  std::span<const Detection> detections,
-                                  const SegmentOptions& options,
-                                  QuarterTurn upright) {
+std::vector<Segment> SegmentFrame(const FrameToSegment& seen,
+                                  const ClassTable& classes,
+                                  const SegmentOptions& options) {
+  const auto& [frame, camera, ground_camera, detections, upright] = seen;
   const int width = frame.depth_m.width();
   const int height = frame.depth_m.height();
   const std::vector<Region> regions = MakeRegions(detections, width, height, options);
@@ -193,30 +223,13 @@ std::vector<Segment> SegmentFrame(const Frame& frame,
   std::vector<OwnedTop> tops;
   if (!detections.empty() && camera.fx > 0 && camera.fy > 0) {
     pieces = CutIntoPieces(frame.depth_m, camera, ground_camera, options);
-    std::vector<bool> takes_pieces(detections.size(), true);
-    std::vector<PieceHeights> heights;
-    for (std::size_t d = 0; d < detections.size(); ++d) {
-      if (!ground_camera || !HasLevelTop(detections[d].class_name, options)) continue;
-      if (heights.empty()) heights = HeightsOf(pieces);
-      const int owner = static_cast<int>(d);
-      std::optional<LevelTop> top = ClaimLevelTop(
-          pieces, heights, camera, *ground_camera, regions[d], owner, options, owners);
-      if (!top) continue;
-      takes_pieces[d] = false;
-      tops.push_back({owner, std::move(*top)});
+    if (ground_camera) {
+      tops = ClaimTops(seen, classes, pieces, regions, options, owners);
+      ClaimCarriers(pieces, *ground_camera, tops, options, owners);
     }
-    if (ground_camera) ClaimCarriers(pieces, *ground_camera, tops, options, owners);
-    AssignPieces(pieces, regions, takes_pieces, options, owners);
+    AssignPieces(pieces, regions, TakesPieces(detections.size(), tops), options, owners);
   }
-  std::vector<std::vector<PixelPoint>> points(detections.size());
-  for (int v = 0; v < height; ++v) {
-    const std::int32_t* const owner_row = owners.row(v);
-    for (int u = 0; u < width; ++u) {
-      const std::int32_t owner = owner_row[u];
-      if (owner < 0 || !regions[static_cast<std::size_t>(owner)].Contains(u, v)) continue;
-      points[static_cast<std::size_t>(owner)].push_back({u, v, pieces.points_camera(u, v)});
-    }
-  }
+  const std::vector<std::vector<PixelPoint>> points = PointsOf(pieces, regions, owners);
   std::vector<Segment> segments;
   Mask filled(width, height);
   for (std::size_t d = 0; d < detections.size(); ++d) {

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "deepslam/core/options.h"
@@ -12,6 +11,7 @@
 #include "deepslam/geometry/plane.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/frame.h"
+#include "deepslam/scene/object_class.h"
 
 namespace deepslam::segment {
 
@@ -28,9 +28,6 @@ struct SegmentOptions {
   double fill_gap_m = 0.15;
   double min_piece_share =
       0.6;  // a surface belongs to a box that holds at least this share of its pixels
-  // Classes that are a level top and what carries it, comma separated: theirs is what lies at the
-  // height of the top or under it, never what stands on or before it.
-  std::string level_top_classes = "table,desk";
   double mask_dilation_px = 4;  // an instance mask is widened by this before it cuts
   double border_margin_px = 8;  // a box nearer to the image border touches it
   int min_points = 400;         // fewer pixels: not usable
@@ -38,14 +35,19 @@ struct SegmentOptions {
 };
 void Describe(OptionsVisitor& visitor, SegmentOptions& options);
 
+struct FrameToSegment {
+  const Frame& frame;
+  const PinholeCamera& camera;
+  std::optional<Plane> ground_camera;  // normal up; without it nothing is removed as ground
+  std::span<const Detection> detections;
+  QuarterTurn upright = QuarterTurn::kNone;  // what sets the image upright
+};
+
 // One segment per detection, in the order given; masks do not overlap. Detections without enough
-// depth come back with usable = false and the reason. `ground_camera`: normal up; without it
-// nothing is removed as ground. `upright`: what sets the image upright.
-[[nodiscard]] std::vector<Segment> SegmentFrame(const Frame& frame,
-                                                const PinholeCamera& camera,
-                                                const std::optional<Plane>& ground_camera,
-                                                std::span<const Detection> detections,
-                                                const SegmentOptions& options,
-                                                QuarterTurn upright = QuarterTurn::kNone);
+// depth come back with usable = false and the reason. `classes` says which of them have a support
+// plane.
+[[nodiscard]] std::vector<Segment> SegmentFrame(const FrameToSegment& seen,
+                                                const ClassTable& classes,
+                                                const SegmentOptions& options);
 
 }  // namespace deepslam::segment

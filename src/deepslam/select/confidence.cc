@@ -28,10 +28,6 @@ constexpr double kUsualLead = 0.06;
 // Width of the passage from "likely wrong" to "likely right" around good_score.
 constexpr double kScoreWidth = 0.08;
 
-bool IsMadeOfDepth(CandidateSource source) {
-  return source == CandidateSource::kFused || IsRefined(source);
-}
-
 bool StandsThere(const CandidateRegistration& other,
                  const MapObject& winner,
                  shape::Symmetry symmetry) {
@@ -62,7 +58,7 @@ PlaceVotes VotesForPlace(const MapObject& winner,
   const std::vector<bool> placed = Placed(registrations);
   PlaceVotes votes;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!placed[i] || IsMadeOfDepth(candidates[i].source)) continue;
+    if (!placed[i] || TraitsOf(candidates[i].source).follows_depth) continue;
     double& best = StandsThere(registrations[i], winner, symmetry) ? votes.here : votes.elsewhere;
     best = std::max(best, scores[i].score);
   }

@@ -104,12 +104,19 @@ WholeModels BestWhole(std::span<const ShapeCandidate> candidates,
                       const std::vector<bool>& placed) {
   WholeModels best;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].source == CandidateSource::kFused || !placed[i]) continue;
+    if (TraitsOf(candidates[i].source).is_partial || !placed[i]) continue;
     best.score = std::max(best.score, scores[i].score - handicaps[i]);
     best.score_within_reach =
         std::max(best.score_within_reach, ScoreWithinReach(scores[i]) - handicaps[i]);
   }
   return best;
+}
+
+// The margin that is the same wherever the candidate stands and whatever was seen.
+double FixedMargin(WinningMargin margin, const SelectOptions& options) {
+  if (margin == WinningMargin::kRefined) return options.refined_lead;
+  if (margin == WinningMargin::kCompleted) return options.completed_lead;
+  return 0;
 }
 
 // What each candidate's score is compared with less.
@@ -121,17 +128,17 @@ std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
   const std::vector<Eigen::Vector3d> cameras_world = CamerasOf(views);
   std::vector<double> handicaps(candidates.size(), 0.0);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].source == CandidateSource::kFused) continue;  // has no front of its own
+    const SourceTraits& traits = TraitsOf(candidates[i].source);
+    if (traits.is_partial) continue;  // has no front of its own
     const Pose3& placed = registrations[i].world_from_object;
     handicaps[i] =
         options.back_handicap * BackShown(placed.rotation, placed.translation_m, cameras_world);
-    if (candidates[i].source == CandidateSource::kRefined) handicaps[i] += options.refined_lead;
-    if (candidates[i].source == CandidateSource::kCompleted) handicaps[i] += options.completed_lead;
+    handicaps[i] += FixedMargin(traits.margin, options);
   }
   const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i].source != CandidateSource::kFused) continue;
+    if (TraitsOf(candidates[i].source).margin != WinningMargin::kUnseenSides) continue;
     const double unseen =
         UnseenShare(GapsBetweenCameras(registrations[i].world_from_object, cameras_world));
     handicaps[i] = std::min(options.fused_margin,
@@ -251,10 +258,9 @@ std::string Doubts(const MapObject& object,
   if (num_registered > 0 && 2 * num_free >= num_registered) {
     AppendNote(note, "rotation about the vertical cannot be told");
   }
-  if (winner.source == CandidateSource::kFused) {
-    AppendNote(note, "made of the measurement: sides nobody saw are missing");
-  }
-  if (winner.source != CandidateSource::kFused && score.reached_share < kOwnShare) {
+  const bool is_partial = TraitsOf(winner.source).is_partial;
+  if (is_partial) AppendNote(note, "made of the measurement: sides nobody saw are missing");
+  if (!is_partial && score.reached_share < kOwnShare) {
     AppendNote(note,
                std::to_string(std::lround(100 * (1 - score.reached_share))) +
                    " % of what was cut out with it lies far from it: perhaps two things in one");

@@ -156,8 +156,9 @@ Result<Loops> DetectLoops(const StageContext& context,
                           const std::vector<PartedVisit>& visits,
                           const LoopWorld& world) {
   const loop::LoopOptions& options = inputs.config.loops;
+  const std::vector<int> parts = PartsOf(world);
   loop::FoundConstellations found = loop::FindConstellations(
-      world.map, world.association, options, world.odometry, PartsOf(world));
+      {world.map, world.association, inputs.classes, world.odometry, parts}, options);
   if (!found.complete) {
     context.progress().Warn(
         fmt::format("loops.max_seeds: {} starts of constellations were tried and more are left, so "

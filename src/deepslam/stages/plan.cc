@@ -148,7 +148,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
       {"detect", "detect.network", "detect.clusters"},
       kFrames | kClasses | kDetector,
       RunDetect);
-  add("segment", 7, {"track", "ground", "detect"}, {"segment"}, kFrames, RunSegment);
+  add("segment", 7, {"track", "ground", "detect"}, {"segment"}, kFrames | kClasses, RunSegment);
   add("associate", 7, {"track", "segment"}, {"associate"}, kFrames | kTrackOverrides, RunAssociate);
   add("propose",
       8,
@@ -179,7 +179,7 @@ std::vector<Stage> MakePlan(SharedInputs inputs) {
        "loops",
        "loops.appearance",
        "optimize"},
-      kFrames | kChoices,
+      kFrames | kClasses | kChoices,
       RunLoops);
   add("optimize", 4, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
   add("mesh",

@@ -16,14 +16,13 @@ namespace {
 
 using pipeline::StageContext;
 
-// The first retrieved model of every object.
+// The first library model of every object.
 Result<std::map<ObjectId, VoxelGrid>> FirstRetrieved(const StageContext& context) {
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
   std::map<ObjectId, VoxelGrid> first;
   for (const ShapeCandidate& candidate : proposals->candidates) {
-    if (candidate.source != CandidateSource::kRetrieval || first.contains(candidate.object))
-      continue;
+    if (candidate.library_id.empty() || first.contains(candidate.object)) continue;
     Result<VoxelGrid> model = ReadModel(context, "propose", candidate.model);
     if (!model.ok()) return model.error();
     first.emplace(candidate.object, std::move(model).value());

@@ -21,8 +21,7 @@ namespace {
 
 // As its latents give it: a shape that was stretched since has none.
 bool IsOfNetwork(const ShapeCandidate& candidate) {
-  return !candidate.latents.empty() && (candidate.source == CandidateSource::kNetwork ||
-                                        candidate.source == CandidateSource::kMeanLatent);
+  return !candidate.latents.empty() && !TraitsOf(candidate.source).is_derived;
 }
 
 // Indices into the contest: the best by score, and the mean latent where it is another.
@@ -34,8 +33,7 @@ std::vector<std::size_t> Starts(const Contest& contest) {
   }
   if (starts.empty()) return starts;
   for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
-    if (IsOfNetwork(contest.candidates[i]) &&
-        contest.candidates[i].source == CandidateSource::kMeanLatent &&
+    if (IsOfNetwork(contest.candidates[i]) && !contest.candidates[i].view.valid() &&
         contest.registrations[i].ok && i != starts[0])
       starts.push_back(i);
   }
@@ -67,8 +65,7 @@ std::optional<std::size_t> ToComplete(const Contest& contest,
   std::vector<CandidateRegistration> registrations;
   std::vector<CandidateScore> scores;
   for (std::size_t i = 0; i < contest.candidates.size(); ++i) {
-    const CandidateSource source = contest.candidates[i].source;
-    if (source == CandidateSource::kFused || source == CandidateSource::kCompleted) continue;
+    if (!TraitsOf(contest.candidates[i].source).can_be_completed) continue;
     whole.push_back(i);
     candidates.push_back(contest.candidates[i]);
     registrations.push_back(contest.registrations[i]);

@@ -30,24 +30,6 @@ using pipeline::StageSummary;
 constexpr double kCloudVoxelM = 0.01;
 constexpr std::int64_t kCloudPointBytes = 15;  // three floats, three bytes of colour
 
-std::string SourceInWords(CandidateSource source) {
-  switch (source) {
-    case CandidateSource::kNetwork:
-      return "network";
-    case CandidateSource::kMeanLatent:
-      return "network, mean of views";
-    case CandidateSource::kRetrieval:
-      return "CAD library";
-    case CandidateSource::kFused:
-      return "own measurement";
-    case CandidateSource::kRefined:
-      return "network, refined";
-    case CandidateSource::kCompleted:
-      return "model, completed by own measurement";
-  }
-  return "unknown";
-}
-
 using CandidatesById = std::map<CandidateId, const ShapeCandidate*>;
 
 CandidatesById ById(const Proposals& proposals) {
@@ -64,7 +46,8 @@ std::vector<report::CandidateRow> CandidateRows(const MapObject& object,
     report::CandidateRow row;
     if (const auto it = by_id.find(score.candidate); it != by_id.end()) {
       row.model = it->second->model;
-      row.source = SourceInWords(it->second->source);
+      row.source = TraitsOf(it->second->source).in_words;
+      row.is_partial = TraitsOf(it->second->source).is_partial;
     }
     row.score = score.score;
     row.surface_share = score.surface_share;
@@ -102,7 +85,7 @@ report::ObjectRow MakeRow(const PicturedObject& pictured, const CandidatesById& 
   row.bottom_above_ground_m = LowestPoint(pictured.mesh, object.world_from_object);
   row.confidence = object.confidence;
   row.num_views = static_cast<int>(object.views.size());
-  row.source = SourceInWords(object.source);
+  row.source = TraitsOf(object.source).in_words;
   row.credit = object.credit;
   row.note = object.note;
   row.colour = pictured.colour;

@@ -43,12 +43,14 @@ std::vector<Segment> SegmentOne(const RunInputs& inputs,
   const FrameIdx idx = detections.front().frame;
   const Result<Frame> frame = frames.ReadDepth(idx);
   if (!frame.ok()) return {};
-  return segment::SegmentFrame(*frame,
-                               frames.camera(),
-                               GroundInCamera(ground, idx, trajectory.at(idx).world_from_camera),
-                               detections,
-                               inputs.config.segment,
-                               upright[static_cast<std::size_t>(idx.value)]);
+  const auto ground_camera = GroundInCamera(ground, idx, trajectory.at(idx).world_from_camera);
+  return segment::SegmentFrame({*frame,
+                                frames.camera(),
+                                ground_camera,
+                                detections,
+                                upright[static_cast<std::size_t>(idx.value)]},
+                               inputs.classes,
+                               inputs.config.segment);
 }
 
 }  // namespace

@@ -230,14 +230,11 @@ Result<StageSummary> RunSelect(StageContext& context, const RunInputs& inputs) {
   if (!selection.ok()) return selection.error();
   if (Status status = WriteSelection(context, *selection); !status.ok()) return status.error();
   const ObjectMap& map = selection->map;
-  const auto num_made = [&](CandidateSource source) {
-    const std::vector<ShapeCandidate>& made = selection->made.candidates;
-    return std::count_if(made.begin(), made.end(), [source](const ShapeCandidate& candidate) {
-      return candidate.source == source;
-    });
-  };
-  const auto num_refined = num_made(CandidateSource::kRefined);
-  const auto num_completed = num_made(CandidateSource::kCompleted);
+  const std::vector<ShapeCandidate>& made = selection->made.candidates;
+  const auto num_refined = std::count_if(made.begin(), made.end(), [](const auto& candidate) {
+    return TraitsOf(candidate.source).can_be_completed;
+  });
+  const auto num_completed = std::ssize(made) - num_refined;
   StageSummary summary{
       fmt::format("{} objects, {} dropped", map.objects.size(), map.dropped.size()),
       {{"num_objects", static_cast<double>(map.objects.size())},

@@ -156,7 +156,7 @@ Result<Proposals> ReadCandidates(const StageContext& context, std::string_view l
 }
 
 std::string_view StageOfModel(CandidateSource source) {
-  return IsRefined(source) ? "select" : "propose";
+  return TraitsOf(source).is_derived ? "select" : "propose";
 }
 
 Result<VoxelGrid> ReadModel(const StageContext& context,

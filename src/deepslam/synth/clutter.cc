@@ -157,7 +157,7 @@ std::vector<TriangleMesh> MakeClutter(const SceneDescription& description,
                                       const std::vector<PlacedObject>& objects) {
   std::vector<TriangleMesh> clutter;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].class_name != "table") continue;
+    if (!objects[i].has_support_plane) continue;
     Random random(description.seed, "table clutter", i);
     AddOnTable(objects[i], description.clutter.num_per_table, random, clutter);
   }

@@ -57,7 +57,7 @@ struct CaptureRenderer::Impl {
       thing_colours.push_back(LinearColours(object.mesh));
       object_from_world.emplace_back(object.world_from_object.Inverse().Matrix());
       tops.emplace_back();
-      if (world.description.faults.table_edges_m > 0 && object.class_name == "table")
+      if (world.description.faults.table_edges_m > 0 && object.has_support_plane)
         tops.back().emplace(object.mesh);
     }
     for (const TriangleMesh& mesh : world.clutter) {
@@ -107,8 +107,7 @@ struct CaptureRenderer::Impl {
     const PlacedObject& object = world.objects[*o];
     if (hit.face < object.shiny.size()) sensed.shiny(u, v) = object.shiny[hit.face];
     if (tops[*o] && std::abs(hit.normal_world.z()) > 0.5f &&
-        tops[*o]->Inside(object_from_world[*o] * p_world,
-                         world.description.faults.table_edges_m)) {
+        tops[*o]->Inside(object_from_world[*o] * p_world, world.description.faults.table_edges_m)) {
       sensed.blind(u, v) = 1;
     }
   }

@@ -228,7 +228,8 @@ PlacedObject Sized(const SceneObject& wanted, const FurnitureModel& model) {
 }  // namespace
 
 Result<World> BuildWorld(const SceneDescription& description,
-                         const std::map<std::string, FurnitureModel>& models) {
+                         const std::map<std::string, FurnitureModel>& models,
+                         const ClassTable& classes) {
   const Status openings = CheckOpenings(description);
   if (!openings) return openings.error();
   if (description.objects.size() > kMaxObjects)
@@ -248,6 +249,7 @@ Result<World> BuildWorld(const SceneDescription& description,
     const FurnitureModel& model = found->second;
     const double yaw_rad = wanted.yaw_deg * std::numbers::pi / 180.0;
     PlacedObject object = Sized(wanted, model);
+    object.has_support_plane = classes.TraitsOf(wanted.class_name).support_plane;
     const double longest_m = object.size_m.maxCoeff();
     if (longest_m < kMinSizeM || longest_m > kMaxSizeM) {
       return InvalidInput(

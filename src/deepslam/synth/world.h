@@ -8,6 +8,7 @@
 
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/scene/object_class.h"
 #include "deepslam/scene/triangle_mesh.h"
 #include "deepslam/synth/furniture_model.h"
 #include "deepslam/synth/scene_description.h"
@@ -21,6 +22,7 @@ struct PlacedObject {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   Pose3 world_from_object;          // stands on the floor
   std::vector<std::uint8_t> shiny;  // per face: polished or transparent; or empty
+  bool has_support_plane = false;   // things stand on it
 };
 
 enum class RoomSurface { kFloor, kWall, kCeiling, kPoster };
@@ -46,9 +48,11 @@ struct World {
 
 // Places the models, by catalogue id or file name, and builds the room. Errors name the object: a
 // model that is not there, an object outside the room, an opening beyond its wall, a camera path
-// that enters an object's box. A path that leads through a wall is a warning.
+// that enters an object's box. A path that leads through a wall is a warning. `classes` says on
+// what things may stand.
 Result<World> BuildWorld(const SceneDescription& description,
-                         const std::map<std::string, FurnitureModel>& models);
+                         const std::map<std::string, FurnitureModel>& models,
+                         const ClassTable& classes);
 
 // Floor, walls, ceiling and posters as one mesh, world.
 TriangleMesh RoomMesh(const World& world);

@@ -1,0 +1,147 @@
+// The table of classes as a file.
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "deepslam/artifact/class_table_yaml.h"
+
+namespace deepslam::artifact {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string Entry(const std::string& name, const std::string& more = {}) {
+  return fmt::format(
+      "  - name: {}\n    labels: [{} label]\n    library: []\n    size_m: [0.3, 2]\n"
+      "    height_m: [0.2, 2]\n    colour: [1, 2, 3]\n{}",
+      name,
+      name,
+      more);
+}
+
+std::string File(int version, const std::vector<std::string>& entries) {
+  std::string text = fmt::format("version: {}\nclasses:\n", version);
+  for (const std::string& entry : entries) text += entry;
+  return text;
+}
+
+std::string FaultsOf(const std::string& text) {
+  const Result<ClassTable> table = DecodeClassTable(text, "c.yaml");
+  EXPECT_FALSE(table.ok()) << text;
+  if (table.ok()) return {};
+  EXPECT_EQ(table.error().code, ErrorCode::kInvalidConfig);
+  return table.error().message;
+}
+
+TEST(ClassTableFile, ReadsBackWhatItWrites) {
+  for (const bool flag : {false, true}) {
+    ClassTable table = DefaultClassTable();
+    for (ObjectClass& c : table.classes) {
+      c.traits.support_plane = c.traits.yaw_free = flag;
+      c.traits.solid_inside = !flag;
+    }
+    const Result<ClassTable> read = DecodeClassTable(EncodeClassTable(table), "c.yaml");
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->classes.size(), table.classes.size());
+    for (std::size_t n = 0; n < table.classes.size(); ++n)
+      EXPECT_EQ(read->classes[n].traits, table.classes[n].traits) << table.classes[n].name;
+    EXPECT_EQ(EncodeClassTable(*read), EncodeClassTable(table));
+  }
+}
+
+TEST(ClassTableFile, TraitsThatAreLeftOutAreFalseWhateverTheName) {
+  const Result<ClassTable> table = DecodeClassTable(
+      File(2, {Entry("table"), Entry("altar", "    support_plane: true\n    yaw_free: false\n")}),
+      "c.yaml");
+  ASSERT_TRUE(table.ok()) << table.error().message;
+  EXPECT_EQ(table->TraitsOf("table"), ClassTraits());
+  EXPECT_EQ(table->TraitsOf("altar"), (ClassTraits{.support_plane = true}));
+  EXPECT_EQ(table->Fallback(), nullptr);
+}
+
+// Tables that users have: what programs of that version took from the name still holds.
+TEST(ClassTableFile, ReadsVersionOneWithTheTraitsItsNamesMeant) {
+  const Result<ClassTable> table = DecodeClassTable(
+      File(1, {Entry("table"), Entry("desk"), Entry("bed"), Entry("plant"), Entry("furniture")}),
+      "c.yaml");
+  ASSERT_TRUE(table.ok()) << table.error().message;
+  const auto traits = [&](const char* name) { return table->TraitsOf(name); };
+  EXPECT_EQ(traits("table"), (ClassTraits{.support_plane = true, .yaw_free = true}));
+  EXPECT_EQ(traits("desk"), (ClassTraits{.support_plane = true}));
+  EXPECT_EQ(traits("bed"), (ClassTraits{.solid_inside = true}));
+  EXPECT_EQ(traits("plant"), ClassTraits());
+  ASSERT_NE(table->Fallback(), nullptr);
+  EXPECT_EQ(table->Fallback()->name, "furniture");
+  EXPECT_TRUE(traits("furniture").solid_inside && traits("furniture").yaw_free);
+  EXPECT_THAT(
+      FaultsOf(File(1, {Entry("table", "    yaw_free: true\n")})),
+      HasSubstr("c.yaml:9: class table, yaw_free: is not of version 1; write `version: 2`"));
+}
+
+TEST(ClassTableFile, RefusesOtherVersions) {
+  EXPECT_THAT(FaultsOf(File(3, {Entry("table")})),
+              AllOf(HasSubstr("c.yaml:1: version is 3, written for a later deepslam"),
+                    HasSubstr("reads 1 to 2")));
+  for (const std::string version : {"0", "-1", "two", "[2]", "1.5", "99999999999"}) {
+    EXPECT_THAT(FaultsOf("version: " + version + "\nclasses:\n" + Entry("table")),
+                HasSubstr("version must be 1 to 2"))
+        << version;
+  }
+  EXPECT_THAT(FaultsOf("classes:\n" + Entry("table")), HasSubstr("version must be 1 to 2"));
+}
+
+TEST(ClassTableFile, TellsAllFaultsWithLineClassAndField) {
+  const std::string faults =
+      FaultsOf(File(2,
+                    {Entry("table", "    support_plane: yes\n    suport_plane: true\n"),
+                     Entry("Chair", "    yaw_free: [true]\n"),
+                     Entry("plant", "    fallback: true\n"),
+                     Entry("furniture", "    fallback: true\n"),
+                     Entry("plant"),
+                     "  - name: rug\n    labels: rug\n    size_m: [2, 1]\n    height_m: [0, 1]\n"
+                     "    colour: [1, 2, 300]\n",
+                     "  - name: lamp\n    labels: [table label]\n    colour: red\n",
+                     "  - 7\n"}));
+  EXPECT_THAT(faults,
+              HasSubstr("c.yaml:9: class table, support_plane: is \"yes\", must be true or false"));
+  EXPECT_THAT(faults,
+              HasSubstr("c.yaml:10: class table: unknown key \"suport_plane\"; known are name, "
+                        "labels, library, size_m, height_m, colour, support_plane"));
+  EXPECT_THAT(faults, HasSubstr("class 2: name \"Chair\" must be lower-case"));
+  EXPECT_THAT(faults, HasSubstr("class 2, yaw_free: is \"\", must be true or false"));
+  EXPECT_THAT(faults, HasSubstr("class furniture: is a fallback, as class plant is already"));
+  EXPECT_THAT(faults, HasSubstr("class plant: stands twice"));
+  EXPECT_THAT(faults, HasSubstr("class plant: label \"plant label\" belongs to another class"));
+  EXPECT_THAT(faults, HasSubstr("class rug, labels: must be a list"));
+  EXPECT_THAT(faults, HasSubstr("class rug, size_m: must be [least, greatest] in metres"));
+  EXPECT_THAT(faults, HasSubstr("class rug, height_m: must be [least, greatest] in metres"));
+  EXPECT_THAT(faults, HasSubstr("class rug, colour: red, green and blue must lie in [0, 255]"));
+  EXPECT_THAT(faults, HasSubstr("class lamp: label \"table label\" belongs to another class"));
+  EXPECT_THAT(faults, HasSubstr("class lamp, colour: must be [red, green, blue]"));
+  EXPECT_THAT(faults, HasSubstr("class 8: must be a map"));
+}
+
+TEST(ClassTableFile, BearsWhatIsNoTable) {
+  for (const char* text : {"",
+                           "7",
+                           "[1, 2]",
+                           "version: 2",
+                           "version: 2\nclasses: 3",
+                           "version: 2\nclasses: []",
+                           "version: 2\nclasses:\n  - {",
+                           "a: &a [*a]"})
+    EXPECT_THAT(FaultsOf(text), HasSubstr("c.yaml")) << text;
+  EXPECT_THAT(FaultsOf("version: 2\nclasses:\n" + Entry("table") + "things: 3\n"),
+              HasSubstr("unknown key \"things\"; known are version, classes"));
+  EXPECT_THAT(FaultsOf(std::string((1U << 20) + 1, '#')), HasSubstr("bytes are too many"));
+  const std::string long_value(1000, 'x');
+  EXPECT_THAT(FaultsOf(File(2, {Entry("table", "    yaw_free: " + long_value + "\n")})),
+              Not(HasSubstr(long_value)));
+}
+
+}  // namespace
+}  // namespace deepslam::artifact
