@@ -24,8 +24,9 @@ ROOMS = {
     "library": VOCABULARY,
     # text or bytes to values and back
     "artifact": VOCABULARY,
-    # algorithms: value in, value out; none knows another
-    "odometry": ALGORITHM,
+    # algorithms: value in, value out; none knows another, but for tracking, which goes from frame to frame by alignment
+    "alignment": ALGORITHM,
+    "tracking": ALGORITHM | {"alignment"},
     "ground": ALGORITHM,
     "detect": ALGORITHM,
     "segment": ALGORITHM,
