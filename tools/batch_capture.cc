@@ -151,11 +151,11 @@ std::int64_t BytesBelow(const fs::path& folder) {
 void NoteMap(const fs::path& workspace, CaptureRecord& record) {
   const Result<std::string> text = artifact::ReadFile(workspace / "export" / "map.json");
   if (!text.ok()) return;
-  const Result<artifact::MapFile> map = artifact::DecodeMap(*text, "map.json");
+  const Result<CompactMap> map = artifact::DecodeMap(*text, "map.json");
   if (!map.ok()) return;
-  record.verdict = artifact::NameOf(map->verdict);
+  record.verdict = NameOf(map->verdict);
   record.verdict_reasons = map->reasons;
-  for (const artifact::MapEntry& entry : map->objects) ++record.objects[entry.class_name];
+  for (const CompactObject& entry : map->objects) ++record.objects[entry.class_name];
 }
 
 // What a finished run left, for the table and the page.

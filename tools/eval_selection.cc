@@ -302,7 +302,7 @@ JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects) {
       for (const ScoredCandidate& candidate : *those) {
         JsonObject entry;
         entry.emplace("candidate", artifact::ToJson(candidate.id));
-        entry.emplace("source", artifact::NameOf(candidate.source));
+        entry.emplace("source", NameOf(candidate.source));
         entry.emplace("iou_peak", Peak(candidate.figures));
         entry.emplace("chamfer", candidate.figures.chamfer);
         candidates.emplace_back(std::move(entry));

@@ -30,7 +30,7 @@ Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
     return InvalidInput(fmt::format(
         "{}: is a glTF scene already; expand makes one from the map.json beside it", arguments.map));
   }
-  const Result<artifact::MapFile> map = artifact::DecodeMap(*text, arguments.map);
+  const Result<CompactMap> map = artifact::DecodeMap(*text, arguments.map);
   if (!map.ok()) return map.error();
   ModelLibrary library;
   if (stages::NeedsLibrary(*map)) {

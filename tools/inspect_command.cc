@@ -71,16 +71,16 @@ struct ValidateArguments {
 };
 
 // The map that was named, else `map.json` beside the scene, else none.
-Result<std::optional<artifact::MapFile>> ReadMapOf(const ValidateArguments& arguments) {
+Result<std::optional<CompactMap>> ReadMapOf(const ValidateArguments& arguments) {
   fs::path file = arguments.map;
   if (file.empty()) {
     file = fs::path(arguments.file).parent_path() / "map.json";
     std::error_code error;
-    if (!fs::exists(file, error)) return std::optional<artifact::MapFile>();
+    if (!fs::exists(file, error)) return std::optional<CompactMap>();
   }
   const Result<std::string> text = artifact::ReadFile(file);
   if (!text.ok()) return text.error();
-  Result<artifact::MapFile> map = artifact::DecodeMap(*text, file.string());
+  Result<CompactMap> map = artifact::DecodeMap(*text, file.string());
   if (!map.ok()) return map.error();
   LogInfo(fmt::format("labels, places and sizes are held against {}", file.string()));
   return std::optional(std::move(map).value());
@@ -89,7 +89,7 @@ Result<std::optional<artifact::MapFile>> ReadMapOf(const ValidateArguments& argu
 int Validate(const ValidateArguments& arguments) {
   const Result<std::string> bytes = artifact::ReadFile(arguments.file);
   if (!bytes.ok()) return ReportError(bytes.error());
-  const Result<std::optional<artifact::MapFile>> map = ReadMapOf(arguments);
+  const Result<std::optional<CompactMap>> map = ReadMapOf(arguments);
   if (!map.ok()) return ReportError(map.error());
   gltf::ValidationReport report = gltf::ValidateGlb(*bytes);
   if (report.ok() && *map) report.errors = stages::CompareWithMap(report, **map);

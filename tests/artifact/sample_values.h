@@ -279,9 +279,9 @@ inline artifact::OptimizationRecord SampleOptimization() {
           true};
 }
 
-inline artifact::MapFile SampleMap() {
+inline CompactMap SampleMap() {
   Random random(5);
-  artifact::MapFile map;
+  CompactMap map;
   map.tool_version = "0.1.0";
   map.capture_name = "kitchen";
   map.capture_hash = "ab12";
@@ -289,7 +289,7 @@ inline artifact::MapFile SampleMap() {
   map.ground_outline_m = {{-1.25, 0}, {2, 0.125}, {1, 3}};
   map.class_colours = {{"chair", {1, 2, 255}}};
   map.mesh_options = {{"mesh.surface.iterations", "20"}};
-  map.verdict = artifact::Verdict::kDoubtful;
+  map.verdict = Verdict::kDoubtful;
   map.reasons = {"no \"ground\""};
   map.objects = {{ObjectId{4},
                   "chair_04",

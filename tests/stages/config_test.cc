@@ -163,15 +163,15 @@ OptimizedMap MapOfAWalk(std::size_t jump_at, double jump_m) {
 }
 
 TEST(Verdict, NamesTheFrameAtWhichTheCameraJumps) {
-  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0), {}).verdict, artifact::Verdict::kGood);
-  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0.1), {}).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0), {}).verdict, Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapOfAWalk(40, 0.1), {}).verdict, Verdict::kGood);
   const RunVerdict jumped = JudgeRun(MapOfAWalk(40, 0.5), {});
-  EXPECT_EQ(jumped.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(jumped.verdict, Verdict::kDoubtful);
   EXPECT_THAT(jumped.reasons, testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
   // Keyframes far apart, as sparse captures have them, are a pace of their own.
   OptimizedMap sparse = MapOfAWalk(40, 0);
   for (TrackedFrame& frame : sparse.frames) frame.world_from_camera.translation_m *= 20;
-  EXPECT_EQ(JudgeRun(sparse, {}).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(sparse, {}).verdict, Verdict::kGood);
 }
 
 // Keyframes every ten frames; tracking starts anew at each of `starts`, as its lost keyframes.
@@ -196,10 +196,10 @@ struct BrokenWalk {
 
 TEST(Verdict, NamesThePartsWhosePlaceNobodyMeasured) {
   BrokenWalk walk({60});
-  EXPECT_EQ(JudgeRun(BrokenWalk({}).map, walk.joins).verdict, artifact::Verdict::kGood)
+  EXPECT_EQ(JudgeRun(BrokenWalk({}).map, walk.joins).verdict, Verdict::kGood)
       << "a chain of tracked frames is measured";
   const RunVerdict two = JudgeRun(walk.map, walk.joins);
-  EXPECT_EQ(two.verdict, artifact::Verdict::kBad);
+  EXPECT_EQ(two.verdict, Verdict::kBad);
   EXPECT_THAT(two.reasons,
               testing::ElementsAre(testing::AllOf(HasSubstr("at frame 60"),
                                                   HasSubstr("frames 60 to 99"),
@@ -208,13 +208,13 @@ TEST(Verdict, NamesThePartsWhosePlaceNobodyMeasured) {
                                                   HasSubstr("overlap"))));
   // A loop, or keyframes measured again across the loss.
   walk.joins.push_back(BrokenWalk::Join(20, 80));
-  EXPECT_EQ(JudgeRun(walk.map, walk.joins).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(walk.map, walk.joins).verdict, Verdict::kGood);
 }
 
 TEST(Verdict, TheSmallerPartIsAdriftWhereverItStands) {
   const BrokenWalk first({10});
   const RunVerdict early = JudgeRun(first.map, first.joins);
-  EXPECT_EQ(early.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(early.verdict, Verdict::kDoubtful);
   EXPECT_THAT(
       early.reasons,
       testing::ElementsAre(testing::AllOf(HasSubstr("at frame 10"), HasSubstr("frames 0 to 9 "))));
@@ -224,7 +224,7 @@ TEST(Verdict, TheSmallerPartIsAdriftWhereverItStands) {
               testing::ElementsAre(HasSubstr("1 more such part")));
   between.joins.push_back(BrokenWalk::Join(10, 70));
   const RunVerdict middle = JudgeRun(between.map, between.joins);
-  EXPECT_EQ(middle.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(middle.verdict, Verdict::kDoubtful);
   EXPECT_THAT(middle.reasons,
               testing::ElementsAre(testing::AllOf(
                   HasSubstr("at frame 30"), HasSubstr("frames 30 to 39 "), HasSubstr("10 %"))));
@@ -245,35 +245,35 @@ TEST(Verdict, SeesJumpsWhereTheClockWasSetBack) {
     for (std::size_t k = 40; k < map.frames.size(); ++k) map.frames[k].time_s -= 0.7;
     return map;
   };
-  EXPECT_EQ(JudgeRun(set_back(MapOfAWalk(40, 0)), {}).verdict, artifact::Verdict::kGood);
+  EXPECT_EQ(JudgeRun(set_back(MapOfAWalk(40, 0)), {}).verdict, Verdict::kGood);
   EXPECT_THAT(JudgeRun(set_back(MapOfAWalk(40, 0.5)), {}).reasons,
               testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
 }
 
 TEST(Verdict, FollowsWhatWentWrong) {
-  EXPECT_EQ(JudgeRun(MapWithFrames(100, 0), {}).verdict, artifact::Verdict::kGood);
-  EXPECT_EQ(JudgeRun(MapWithFrames(90, 10), {}).verdict, artifact::Verdict::kDoubtful);
-  EXPECT_EQ(JudgeRun(MapWithFrames(40, 60), {}).verdict, artifact::Verdict::kBad);
+  EXPECT_EQ(JudgeRun(MapWithFrames(100, 0), {}).verdict, Verdict::kGood);
+  EXPECT_EQ(JudgeRun(MapWithFrames(90, 10), {}).verdict, Verdict::kDoubtful);
+  EXPECT_EQ(JudgeRun(MapWithFrames(40, 60), {}).verdict, Verdict::kBad);
   OptimizedMap standing = MapWithFrames(100, 0);
   standing.keyframes = {FrameIdx{0}};
-  EXPECT_EQ(JudgeRun(standing, {}).verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(JudgeRun(standing, {}).verdict, Verdict::kDoubtful);
   OptimizedMap map = MapWithFrames(100, 0);
   map.has_ground = false;
   map.map.objects[0].confidence = 0.1;
   const RunVerdict doubtful = JudgeRun(map, {});
-  EXPECT_EQ(doubtful.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(doubtful.verdict, Verdict::kDoubtful);
   EXPECT_THAT(doubtful.reasons, testing::ElementsAre(HasSubstr("ground"), HasSubstr("chair_00")));
   map.map.objects.clear();
-  EXPECT_EQ(JudgeRun(map, {}).verdict, artifact::Verdict::kBad);
+  EXPECT_EQ(JudgeRun(map, {}).verdict, Verdict::kBad);
 }
 
 TEST(Verdict, BeginsWithWhatIsDoubtedOfTheCapture) {
   const std::vector<std::string> doubts = {"half of the depth is nearer than 0.20 m"};
   const RunVerdict doubted = JudgeRun(MapWithFrames(100, 0), {}, doubts);
-  EXPECT_EQ(doubted.verdict, artifact::Verdict::kDoubtful);
+  EXPECT_EQ(doubted.verdict, Verdict::kDoubtful);
   EXPECT_THAT(doubted.reasons, testing::ElementsAreArray(doubts));
   const RunVerdict lost = JudgeRun(MapWithFrames(40, 60), {}, doubts);
-  EXPECT_EQ(lost.verdict, artifact::Verdict::kBad);
+  EXPECT_EQ(lost.verdict, Verdict::kBad);
   EXPECT_THAT(lost.reasons, testing::ElementsAre(doubts[0], HasSubstr("could not be tracked")));
 }
 

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/artifact/map_json.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/gltf/validate.h"
 #include "deepslam/mesh/ground_polygon.h"
@@ -49,21 +50,21 @@ Pose3 SomePose(double turn) {
 }
 
 // Two tables of the library and a fused box.
-artifact::MapFile MakeMap() {
-  artifact::MapFile map;
+CompactMap MakeMap() {
+  CompactMap map;
   map.tool_version = "0.1.0";
   map.capture_hash = "ab12";
   map.ground_world = Plane{};
   map.ground_outline_m = {{-1, -1}, {2.00004, -1}, {2, 1}, {0, 0.5}};
   map.class_colours = {{"table", {10, 20, 30}}};
-  const artifact::MapShape cad = {{},
+  const CompactShape cad = {{},
                                   "maker/table",
                                   OneTable().models[0].checksum,
                                   kStretch,
                                   Sha256Hex(shape::WriteBinvox(StretchedTable())),
                                   ""};
   for (int n = 0; n < 2; ++n) {
-    artifact::MapEntry entry;
+    CompactObject entry;
     entry.id = ObjectId{3 + n};
     entry.name = "table_0" + std::to_string(3 + n);
     entry.class_name = "table";
@@ -74,7 +75,7 @@ artifact::MapFile MakeMap() {
     entry.shape = cad;
     map.objects.push_back(entry);
   }
-  artifact::MapEntry fused = map.objects[0];
+  CompactObject fused = map.objects[0];
   fused.id = ObjectId{7};
   fused.name = "table_07";
   fused.source = CandidateSource::kFused;
@@ -84,26 +85,26 @@ artifact::MapFile MakeMap() {
   return map;
 }
 
-artifact::MapFile SomeMap() {
-  static const artifact::MapFile kMap = MakeMap();
+CompactMap SomeMap() {
+  static const CompactMap kMap = MakeMap();
   return kMap;
 }
 
 // As another program would get it: written, read.
-Result<gltf::GltfScene> Expanded(const artifact::MapFile& map, const ModelLibrary& library) {
-  const Result<artifact::MapFile> read =
+Result<gltf::GltfScene> Expanded(const CompactMap& map, const ModelLibrary& library) {
+  const Result<CompactMap> read =
       artifact::DecodeMap(*artifact::EncodeMap(Rounded(map), "map.json"), "map.json");
   if (!read.ok()) return read.error();
   return ExpandMap(*read, &library);
 }
 
 TEST(ExpandMap, GivesObjectsBackWithinTheStatedQuantisation) {
-  const artifact::MapFile map = SomeMap();
+  const CompactMap map = SomeMap();
   const Result<gltf::GltfScene> scene = Expanded(map, OneTable());
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   ASSERT_EQ(scene->objects.size(), 3U);
   for (std::size_t n = 0; n < 3; ++n) {  // the fused one as the others
-    const artifact::MapEntry& entry = map.objects[n];
+    const CompactObject& entry = map.objects[n];
     const gltf::GltfObject& object = scene->objects[n];
     EXPECT_EQ(object.name, entry.name);
     EXPECT_EQ(object.instance, entry.id.value);
@@ -129,7 +130,7 @@ TEST(ExpandMap, GivesTheRoundedGroundBackExactly) {
   const std::vector<Eigen::Vector2d> outline = {
       {-1.00412, -1.00378}, {2.00004, -1.00771}, {2.0001, -1.0076}, {1.98, 1.234567}, {0, 0.5}};
   const TriangleMesh ground = RoundedGround(*mesh::TriangulateOutline(outline));
-  artifact::MapFile map = SomeMap();
+  CompactMap map = SomeMap();
   map.ground_outline_m = mesh::OutlineOf(ground);
   const Result<gltf::GltfScene> scene = Expanded(map, OneTable());
   ASSERT_TRUE(scene.ok());
@@ -156,7 +157,7 @@ TEST(ExpandMap, SceneIsValidAndLikeObjectsShareAMesh) {
 }
 
 TEST(ExpandMap, SaysWhatIsMissing) {
-  const auto fault = [](const artifact::MapFile& map, const ModelLibrary* library) {
+  const auto fault = [](const CompactMap& map, const ModelLibrary* library) {
     const Result<gltf::GltfScene> scene = ExpandMap(map, library);
     EXPECT_FALSE(scene.ok());
     if (scene.ok()) return std::string();
@@ -170,20 +171,20 @@ TEST(ExpandMap, SaysWhatIsMissing) {
   ModelLibrary changed = OneTable();
   changed.models[0].checksum = "0123";
   EXPECT_THAT(fault(SomeMap(), &changed), HasSubstr("table_03"));
-  artifact::MapFile stretched = SomeMap();
+  CompactMap stretched = SomeMap();
   stretched.objects[1].shape.stretch.x() = 1.2;  // not what the map was made with
   EXPECT_THAT(fault(stretched, &library), HasSubstr("table_04"));
-  artifact::MapFile latents = SomeMap();
+  CompactMap latents = SomeMap();
   latents.objects[0].shape = {};
   latents.objects[0].shape.latents = {0.1F, 0.2F};
   EXPECT_THAT(fault(latents, &library), HasSubstr("decoder"));
-  artifact::MapFile damaged = SomeMap();
+  CompactMap damaged = SomeMap();
   damaged.objects[2].shape.voxel_code.resize(40);
   EXPECT_THAT(fault(damaged, &library), HasSubstr("table_07"));
-  artifact::MapFile crossing = SomeMap();
+  CompactMap crossing = SomeMap();
   crossing.ground_outline_m = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
   EXPECT_THAT(fault(crossing, &library), HasSubstr("ground outline"));
-  artifact::MapFile option = SomeMap();
+  CompactMap option = SomeMap();
   option.mesh_options = {{"mesh.surface.nonsense", "1"}};
   EXPECT_THAT(fault(option, &library), HasSubstr("nonsense"));
 }

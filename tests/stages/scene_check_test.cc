@@ -31,11 +31,11 @@ const TriangleMesh& ChairMesh() {
   return kMesh;
 }
 
-artifact::MapFile MapOfTwo() {
-  artifact::MapFile map;
+CompactMap MapOfTwo() {
+  CompactMap map;
   map.ground_outline_m = {{-1, -1}, {2, -1}, {2, 1}};
   for (int n = 1; n <= 2; ++n) {
-    artifact::MapEntry entry;
+    CompactObject entry;
     entry.id = ObjectId{n};
     entry.name = "chair_0" + std::to_string(n);
     entry.class_name = "chair";
@@ -56,18 +56,18 @@ artifact::MapFile MapOfTwo() {
   return map;
 }
 
-gltf::ValidationReport ReportOf(const artifact::MapFile& map) {
+gltf::ValidationReport ReportOf(const CompactMap& map) {
   return gltf::ValidateGlb(*gltf::WriteGlb(*ExpandMap(map, nullptr), {}));
 }
 
 TEST(CompareWithMap, FindsNothingBetweenAMapAndItsScene) {
-  const artifact::MapFile map = MapOfTwo();
+  const CompactMap map = MapOfTwo();
   EXPECT_THAT(CompareWithMap(ReportOf(map), Rounded(map)), ElementsAre());
 }
 
 struct Change {
   const char* what;
-  std::function<void(artifact::MapFile&)> apply;
+  std::function<void(CompactMap&)> apply;
 };
 
 TEST(CompareWithMap, NamesTheObjectAndWhatDiffers) {
@@ -95,7 +95,7 @@ TEST(CompareWithMap, NamesTheObjectAndWhatDiffers) {
       {"ground", [](auto& map) { map.ground_outline_m.clear(); }},
   };
   for (const Change& change : changes) {
-    artifact::MapFile map = MapOfTwo();
+    CompactMap map = MapOfTwo();
     change.apply(map);
     const std::vector<std::string> found = CompareWithMap(report, map);
     EXPECT_THAT(found, ElementsAre(HasSubstr(change.what))) << change.what;

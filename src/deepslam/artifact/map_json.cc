@@ -18,9 +18,8 @@ constexpr double kMinStretch = 0.01;
 constexpr double kMaxStretch = 100;
 constexpr std::size_t kMaxOutlinePoints = 100'000;
 constexpr double kMaxPlaceM = 1e5;
-constexpr std::array<std::string_view, 3> kVerdicts = {"good", "doubtful", "bad"};
 
-JsonValue ShapeToJson(const MapShape& shape) {
+JsonValue ShapeToJson(const CompactShape& shape) {
   JsonObject row;
   if (!shape.latents.empty()) {
     JsonArray latents;
@@ -37,8 +36,8 @@ JsonValue ShapeToJson(const MapShape& shape) {
   return JsonValue(std::move(row));
 }
 
-MapShape ReadShape(const JsonNode& node) {
-  MapShape shape;
+CompactShape ReadShape(const JsonNode& node) {
+  CompactShape shape;
   if (const JsonNode latents = node.Maybe("latents"); latents.exists()) {
     for (const JsonNode& latent : latents.Items()) {
       shape.latents.push_back(static_cast<float>(latent.Number(-1e6, 1e6)));
@@ -68,7 +67,7 @@ MapShape ReadShape(const JsonNode& node) {
   return shape;
 }
 
-JsonValue EntryToJson(const MapEntry& entry) {
+JsonValue EntryToJson(const CompactObject& entry) {
   JsonObject row;
   row.emplace("id", ToJson(entry.id));
   row.emplace("name", entry.name);
@@ -84,8 +83,8 @@ JsonValue EntryToJson(const MapEntry& entry) {
   return JsonValue(std::move(row));
 }
 
-MapEntry ReadEntry(const JsonNode& row) {
-  MapEntry entry;
+CompactObject ReadEntry(const JsonNode& row) {
+  CompactObject entry;
   entry.id = ReadId<ObjectId>(row["id"]);
   entry.name = row["name"].String();
   entry.class_name = row["class"].String();
@@ -101,7 +100,7 @@ MapEntry ReadEntry(const JsonNode& row) {
 }
 
 // x and y in turn: an array of its own for every point would cost as much as its numbers.
-JsonValue OutlineToJson(const MapFile& map) {
+JsonValue OutlineToJson(const CompactMap& map) {
   JsonArray outline;
   for (const Eigen::Vector2d& p : map.ground_outline_m) {
     outline.emplace_back(p.x());
@@ -110,7 +109,7 @@ JsonValue OutlineToJson(const MapFile& map) {
   return JsonValue(std::move(outline));
 }
 
-void ReadGroundOutline(const JsonNode& node, MapFile& map) {
+void ReadGroundOutline(const JsonNode& node, CompactMap& map) {
   const std::vector<JsonNode> numbers = node.Items();
   if (numbers.size() > 2 * kMaxOutlinePoints) {
     return node.Fail(fmt::format("has more than {} points", kMaxOutlinePoints));
@@ -132,7 +131,7 @@ JsonValue ColoursToJson(const std::map<std::string, Rgb8>& colours) {
   return JsonValue(std::move(rows));
 }
 
-void ReadColours(const JsonNode& node, MapFile& map) {
+void ReadColours(const JsonNode& node, CompactMap& map) {
   for (const auto& [name, row] : node.Members()) {
     const std::vector<JsonNode> channels = row.Items(3);
     const auto channel = [&](std::size_t n) {
@@ -144,8 +143,8 @@ void ReadColours(const JsonNode& node, MapFile& map) {
 
 Verdict ReadVerdict(const JsonNode& node) {
   const std::string text = node.String();
-  for (std::size_t i = 0; i < kVerdicts.size(); ++i) {
-    if (kVerdicts[i] == text) return static_cast<Verdict>(i);
+  for (std::size_t i = 0; i < kVerdictNames.size(); ++i) {
+    if (kVerdictNames[i] == text) return static_cast<Verdict>(i);
   }
   node.Fail("must be good, doubtful or bad");
   return Verdict::kBad;
@@ -153,9 +152,7 @@ Verdict ReadVerdict(const JsonNode& node) {
 
 }  // namespace
 
-std::string_view NameOf(Verdict verdict) { return kVerdicts[static_cast<std::size_t>(verdict)]; }
-
-Result<std::string> EncodeMap(const MapFile& map, std::string_view name) {
+Result<std::string> EncodeMap(const CompactMap& map, std::string_view name) {
   JsonObject document = NewDocument(kFormat, kVersion);
   document.emplace("tool_version", map.tool_version);
   document.emplace("capture_name", map.capture_name);
@@ -170,16 +167,16 @@ Result<std::string> EncodeMap(const MapFile& map, std::string_view name) {
   JsonArray reasons;
   for (const std::string& reason : map.reasons) reasons.emplace_back(reason);
   JsonArray objects;
-  for (const MapEntry& entry : map.objects) objects.push_back(EntryToJson(entry));
+  for (const CompactObject& entry : map.objects) objects.push_back(EntryToJson(entry));
   document.emplace("reasons", std::move(reasons));
   document.emplace("objects", std::move(objects));
   return DumpJson(std::move(document), name);
 }
 
-Result<MapFile> DecodeMap(TextSource text, std::string_view name) {
+Result<CompactMap> DecodeMap(TextSource text, std::string_view name) {
   JsonReader reader(std::move(text), name, kFormat, kVersion);
   const JsonNode root = reader.root();
-  MapFile map;
+  CompactMap map;
   map.tool_version = root["tool_version"].String();
   map.capture_name = root["capture_name"].String();
   map.capture_hash = root["capture_hash"].String();

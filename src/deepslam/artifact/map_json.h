@@ -1,72 +1,16 @@
-// map.json: the compact map. Class, similarity pose, score and shape code of every object, and the
-// ground; enough to make the scene again without the workspace.
+// map.json: the compact map (scene/compact_map.h).
 #pragma once
 
-#include <cstddef>
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "deepslam/artifact/text_pieces.h"
-#include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
-#include "deepslam/geometry/plane.h"
-#include "deepslam/geometry/pose.h"
-#include "deepslam/scene/shape_candidate.h"
+#include "deepslam/scene/compact_map.h"
 
 namespace deepslam::artifact {
 
-// Digits of a checksum that a map keeps: 64 bits tell models apart, and the map stays small.
-inline constexpr std::size_t kMapChecksumDigits = 16;
-
-// How a shape is stored: by latents of a decoder, by a model of a library and its stretch
-// (shape::StretchGrid), or by its own voxels.
-struct MapShape {
-  std::vector<float> latents;
-  std::string library_id;
-  // First digits of the sha256 of the library model's voxels, and of the stretched model as binvox.
-  std::string library_checksum;
-  Eigen::Vector3d stretch = Eigen::Vector3d::Ones();  // ones = the library's model as it is
-  std::string voxels_checksum;                        // empty = unknown
-  std::string voxel_code;  // bytes of shape::EncodeVoxels; base64 in the file
-};
-
-struct MapEntry {
-  ObjectId id;
-  std::string name;  // "chair_03", as in the scene
-  std::string class_name;
-  double confidence = 0;  // [0, 1]
-  CandidateSource source = CandidateSource::kRetrieval;
-  Pose3 world_from_object;
-  double scale_m = 1;
-  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // extent along the object's axes
-  std::string credit;
-  std::string note;
-  MapShape shape;
-};
-
-// Good: usable as it is. Doubtful: look at the reasons. Bad: not to be used.
-enum class Verdict { kGood, kDoubtful, kBad };
-[[nodiscard]] std::string_view NameOf(Verdict verdict);
-
-struct MapFile {
-  std::string tool_version;
-  std::string capture_name;
-  std::string capture_hash;
-  std::optional<Plane> ground_world;
-  // The seen piece of floor in the ground's plane: x, y in metres, counter-clockwise, no holes.
-  std::vector<Eigen::Vector2d> ground_outline_m;
-  std::map<std::string, Rgb8> class_colours;  // sRGB, of the classes in the map
-  // Options of mesh.* that differ from the defaults: shapes are made by them.
-  std::map<std::string, std::string> mesh_options;
-  Verdict verdict = Verdict::kGood;
-  std::vector<std::string> reasons;  // of the verdict
-  std::vector<MapEntry> objects;     // ascending id
-};
-
-[[nodiscard]] Result<std::string> EncodeMap(const MapFile& map, std::string_view name);
-[[nodiscard]] Result<MapFile> DecodeMap(TextSource text, std::string_view name);
+[[nodiscard]] Result<std::string> EncodeMap(const CompactMap& map, std::string_view name);
+[[nodiscard]] Result<CompactMap> DecodeMap(TextSource text, std::string_view name);
 
 }  // namespace deepslam::artifact

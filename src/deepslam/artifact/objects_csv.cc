@@ -24,14 +24,14 @@ std::string Quoted(const std::string& text) {
 
 }  // namespace
 
-std::string EncodeObjectsCsv(std::span<const MapEntry> objects,
+std::string EncodeObjectsCsv(std::span<const CompactObject> objects,
                              std::span<const double> volumes_m3) {
   DEEPSLAM_CHECK(objects.size() == volumes_m3.size(), "one volume per object");
   std::string text =
       "name,class,depth_m,width_m,height_m,volume_m3,x_m,y_m,z_m,heading_deg,confidence,source,"
       "credit,note\n";
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const MapEntry& entry = objects[i];
+    const CompactObject& entry = objects[i];
     const Eigen::Vector3d front = entry.world_from_object.rotation * Eigen::Vector3d::UnitX();
     const Eigen::Vector3d& t = entry.world_from_object.translation_m;
     text += fmt::format(

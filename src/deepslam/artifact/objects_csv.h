@@ -4,14 +4,14 @@
 #include <span>
 #include <string>
 
-#include "deepslam/artifact/map_json.h"
+#include "deepslam/scene/compact_map.h"
 
 namespace deepslam::artifact {
 
 // One row per object: name, class, size along its axes, volume, place of its centre, heading,
 // confidence, source. `volumes_m3` has one entry per object. Text fields are quoted; a field that a
 // spreadsheet would run as a formula is preceded by an apostrophe.
-[[nodiscard]] std::string EncodeObjectsCsv(std::span<const MapEntry> objects,
+[[nodiscard]] std::string EncodeObjectsCsv(std::span<const CompactObject> objects,
                                            std::span<const double> volumes_m3);
 
 }  // namespace deepslam::artifact

@@ -17,8 +17,6 @@ constexpr int kMaxImageSide = 1 << 15;
 constexpr std::array<std::string_view, 4> kTrackingNames = {
     "tracked", "degenerate", "lost", "unreadable"};
 constexpr std::array<std::string_view, 3> kDetectionNames = {"network", "file", "cluster"};
-constexpr std::array<std::string_view, 6> kCandidateNames = {
-    "network", "mean_latent", "retrieval", "fused", "refined", "completed"};
 
 template <typename Enum, std::size_t kCount>
 Enum ReadEnum(const JsonNode& node, const std::array<std::string_view, kCount>& names) {
@@ -177,9 +175,6 @@ std::string_view NameOf(TrackingStatus status) {
 std::string_view NameOf(DetectionSource source) {
   return kDetectionNames[static_cast<std::size_t>(source)];
 }
-std::string_view NameOf(CandidateSource source) {
-  return kCandidateNames[static_cast<std::size_t>(source)];
-}
 
 TrackingStatus ReadTrackingStatus(const JsonNode& node) {
   return ReadEnum<TrackingStatus>(node, kTrackingNames);
@@ -188,7 +183,7 @@ DetectionSource ReadDetectionSource(const JsonNode& node) {
   return ReadEnum<DetectionSource>(node, kDetectionNames);
 }
 CandidateSource ReadCandidateSource(const JsonNode& node) {
-  return ReadEnum<CandidateSource>(node, kCandidateNames);
+  return ReadEnum<CandidateSource>(node, kCandidateSourceNames);
 }
 
 }  // namespace deepslam::artifact

@@ -62,7 +62,6 @@ template <typename Id>
 
 [[nodiscard]] std::string_view NameOf(TrackingStatus status);
 [[nodiscard]] std::string_view NameOf(DetectionSource source);
-[[nodiscard]] std::string_view NameOf(CandidateSource source);
 [[nodiscard]] TrackingStatus ReadTrackingStatus(const JsonNode& node);
 [[nodiscard]] DetectionSource ReadDetectionSource(const JsonNode& node);
 [[nodiscard]] CandidateSource ReadCandidateSource(const JsonNode& node);

@@ -2,8 +2,11 @@
 // candidate came from.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,6 +24,13 @@ enum class CandidateSource {
   kRefined,     // a network's shape that followed all depth of its object
   kCompleted,   // a whole model, or a refined shape, that took over what was measured
 };
+
+// In files.
+inline constexpr std::array<std::string_view, 6> kCandidateSourceNames = {
+    "network", "mean_latent", "retrieval", "fused", "refined", "completed"};
+[[nodiscard]] constexpr std::string_view NameOf(CandidateSource source) {
+  return kCandidateSourceNames[static_cast<std::size_t>(source)];
+}
 
 // Made in selection of what was proposed.
 [[nodiscard]] constexpr bool IsRefined(CandidateSource source) {

@@ -30,7 +30,7 @@ double RoundedTo(double value, double step) {
   return std::round(value * inverse) / inverse;
 }
 
-Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibrary& library) {
+Result<VoxelGrid> LibraryShape(const CompactShape& shape, const ModelLibrary& library) {
   const auto found =
       std::find_if(library.models.begin(), library.models.end(), [&](const LibraryModel& model) {
         return model.id == shape.library_id;
@@ -61,7 +61,7 @@ Result<VoxelGrid> LibraryShape(const artifact::MapShape& shape, const ModelLibra
 }
 
 // The voxels a shape of a map stands for, its own or a library's.
-Result<VoxelGrid> ShapeOf(const artifact::MapShape& shape, const ModelLibrary* library) {
+Result<VoxelGrid> ShapeOf(const CompactShape& shape, const ModelLibrary* library) {
   if (!shape.voxel_code.empty()) return shape::DecodeVoxels(shape.voxel_code);
   if (library != nullptr) return LibraryShape(shape, *library);
   return InvalidInput(
@@ -71,7 +71,7 @@ Result<VoxelGrid> ShapeOf(const artifact::MapShape& shape, const ModelLibrary* l
 
 // The shapes of a map, each once: one chair a thousand times is one shape.
 using ShapeKey = std::tuple<std::string, double, double, double, std::string, std::string, std::string>;
-ShapeKey KeyOf(const artifact::MapShape& shape) {
+ShapeKey KeyOf(const CompactShape& shape) {
   const Eigen::Vector3d& stretch = shape.stretch;
   return {shape.library_id,
           stretch.x(),
@@ -84,16 +84,16 @@ ShapeKey KeyOf(const artifact::MapShape& shape) {
 using UnitMeshes = std::map<ShapeKey, std::optional<Result<TriangleMesh>>>;
 
 // In object units.
-UnitMeshes MakeUnitMeshes(const artifact::MapFile& map,
+UnitMeshes MakeUnitMeshes(const CompactMap& map,
                           const ModelLibrary* library,
                           const Config& config) {
   UnitMeshes meshes;
-  std::map<ShapeKey, const artifact::MapShape*> shapes;
-  for (const artifact::MapEntry& entry : map.objects) {
+  std::map<ShapeKey, const CompactShape*> shapes;
+  for (const CompactObject& entry : map.objects) {
     if (!entry.shape.voxel_code.empty() || !entry.shape.library_id.empty())
       shapes.emplace(KeyOf(entry.shape), &entry.shape);
   }
-  std::vector<std::pair<const artifact::MapShape*, std::optional<Result<TriangleMesh>>*>> work;
+  std::vector<std::pair<const CompactShape*, std::optional<Result<TriangleMesh>>*>> work;
   for (const auto& [key, shape] : shapes) work.emplace_back(shape, &meshes[key]);
   ParallelFor(work.size(), [&](std::size_t i) {
     const Result<VoxelGrid> grid = ShapeOf(*work[i].first, library);
@@ -103,8 +103,8 @@ UnitMeshes MakeUnitMeshes(const artifact::MapFile& map,
   return meshes;
 }
 
-Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry, const UnitMeshes& unit_meshes) {
-  const artifact::MapShape& shape = entry.shape;
+Result<TriangleMesh> ExpandShape(const CompactObject& entry, const UnitMeshes& unit_meshes) {
+  const CompactShape& shape = entry.shape;
   if (const auto unit = unit_meshes.find(KeyOf(shape)); unit != unit_meshes.end()) {
     Result<TriangleMesh> mesh = *unit->second;
     if (!mesh.ok()) return mesh.error();
@@ -120,15 +120,15 @@ Result<TriangleMesh> ExpandShape(const artifact::MapEntry& entry, const UnitMesh
   return TriangleMesh();  // an object without a surface, as in the scene
 }
 
-gltf::GltfObject ToGltf(const artifact::MapEntry& entry,
+gltf::GltfObject ToGltf(const CompactObject& entry,
                         TriangleMesh mesh,
-                        const artifact::MapFile& map) {
+                        const CompactMap& map) {
   gltf::GltfObject object;
   object.name = entry.name;
   object.class_name = entry.class_name;
   object.instance = entry.id.value;
   object.score = entry.confidence;
-  object.source = artifact::NameOf(entry.source);
+  object.source = NameOf(entry.source);
   object.mesh = std::move(mesh);
   object.world_from_object = entry.world_from_object;
   if (const auto colour = map.class_colours.find(entry.class_name);
@@ -148,7 +148,7 @@ gltf::GltfObject ToGltf(const artifact::MapEntry& entry,
   return object;
 }
 
-Result<Config> MeshConfig(const artifact::MapFile& map) {
+Result<Config> MeshConfig(const CompactMap& map) {
   Config config;
   for (const auto& [option, value] : map.mesh_options) {
     if (!option.starts_with("mesh.")) {
@@ -178,11 +178,11 @@ TriangleMesh RoundedGround(const TriangleMesh& ground_polygon) {
   return ground_polygon;
 }
 
-artifact::MapFile Rounded(artifact::MapFile map) {
+CompactMap Rounded(CompactMap map) {
   for (Eigen::Vector2d& p : map.ground_outline_m) {
     p = p.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
   }
-  for (artifact::MapEntry& entry : map.objects) {
+  for (CompactObject& entry : map.objects) {
     Pose3& pose = entry.world_from_object;
     pose.rotation.coeffs() = pose.rotation.normalized().coeffs().unaryExpr(
         [](double value) { return RoundedTo(value, kMapRotationStep); });
@@ -196,18 +196,18 @@ artifact::MapFile Rounded(artifact::MapFile map) {
   return map;
 }
 
-bool NeedsLibrary(const artifact::MapFile& map) {
-  return std::any_of(map.objects.begin(), map.objects.end(), [](const artifact::MapEntry& entry) {
+bool NeedsLibrary(const CompactMap& map) {
+  return std::any_of(map.objects.begin(), map.objects.end(), [](const CompactObject& entry) {
     return entry.shape.voxel_code.empty() && !entry.shape.library_id.empty();
   });
 }
 
-Result<gltf::GltfScene> ExpandMap(const artifact::MapFile& map, const ModelLibrary* library) {
+Result<gltf::GltfScene> ExpandMap(const CompactMap& map, const ModelLibrary* library) {
   const Result<Config> config = MeshConfig(map);
   if (!config.ok()) return config.error();
   const UnitMeshes unit_meshes = MakeUnitMeshes(map, library, *config);
   gltf::GltfScene scene;
-  for (const artifact::MapEntry& entry : map.objects) {
+  for (const CompactObject& entry : map.objects) {
     Result<TriangleMesh> mesh = ExpandShape(entry, unit_meshes);
     if (!mesh.ok()) {
       return Error{mesh.error().code,

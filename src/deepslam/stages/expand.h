@@ -1,7 +1,7 @@
 // The scene again from the compact map alone.
 #pragma once
 
-#include "deepslam/artifact/map_json.h"
+#include "deepslam/scene/compact_map.h"
 #include "deepslam/core/result.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/scene/model_library.h"
@@ -21,16 +21,16 @@ inline constexpr double kMapScoreStep = 1e-4;     // confidence
 [[nodiscard]] TriangleMesh RoundedGround(const TriangleMesh& ground_polygon);
 
 // The numbers of a map rounded so; the outline of the ground to kMapPlaceStepM (see RoundedGround). Rotations stay unit quaternions within what readers accept.
-[[nodiscard]] artifact::MapFile Rounded(artifact::MapFile map);
+[[nodiscard]] CompactMap Rounded(CompactMap map);
 
 // Whether any object of the map needs the library.
-[[nodiscard]] bool NeedsLibrary(const artifact::MapFile& map);
+[[nodiscard]] bool NeedsLibrary(const CompactMap& map);
 
 // Objects with ids, names, classes, poses, shapes and class colours, and the ground. `library` may
 // be null when no object needs it. Errors (kInvalidInput), each naming the object: its model is not
 // in the library or is another there; its shape is a network's and no decoder is installed; its
 // voxels are damaged; a mesh option is unknown.
-[[nodiscard]] Result<gltf::GltfScene> ExpandMap(const artifact::MapFile& map,
+[[nodiscard]] Result<gltf::GltfScene> ExpandMap(const CompactMap& map,
                                                 const ModelLibrary* library);
 
 }  // namespace deepslam::stages

@@ -123,7 +123,7 @@ gltf::GltfObject ToGltf(const MapObject& object,
   out.class_name = object.class_name;
   out.instance = object.id.value;
   out.score = object.confidence;
-  out.source = artifact::NameOf(object.source);
+  out.source = NameOf(object.source);
   for (const ViewRegistration& view : object.views) out.views.push_back(view.frame.value);
   out.mesh = mesh;
   out.world_from_object = object.world_from_object;
@@ -167,11 +167,11 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
   return scene;
 }
 
-Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
+Result<CompactObject> ToMapEntry(const MapObject& object,
                                       const TriangleMesh& mesh,
                                       const Content& content,
                                       const StageContext& context) {
-  artifact::MapEntry entry{object.id,
+  CompactObject entry{object.id,
                            ObjectName(object),
                            object.class_name,
                            std::clamp(object.confidence, 0.0, 1.0),
@@ -194,9 +194,9 @@ Result<artifact::MapEntry> ToMapEntry(const MapObject& object,
     entry.shape.library_id = object.library_id;
     const auto checksum = content.library_checksums.find(object.library_id);
     if (checksum != content.library_checksums.end())
-      entry.shape.library_checksum = checksum->second.substr(0, artifact::kMapChecksumDigits);
+      entry.shape.library_checksum = checksum->second.substr(0, kMapChecksumDigits);
     entry.shape.voxels_checksum =
-        content.voxels_checksums.at(object.model).substr(0, artifact::kMapChecksumDigits);
+        content.voxels_checksums.at(object.model).substr(0, kMapChecksumDigits);
   } else if (!mesh.empty()) {  // a network's too: the map is then whole without its decoder
     const Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
     if (!grid.ok()) return grid.error();
@@ -215,11 +215,11 @@ std::map<std::string, std::string> MeshOptions(const Config& config) {
   return options;
 }
 
-Result<artifact::MapFile> MakeMap(const StageContext& context,
+Result<CompactMap> MakeMap(const StageContext& context,
                                   const Content& content,
                                   const gltf::GltfScene& scene,
                                   const RunInputs& inputs) {
-  artifact::MapFile map;
+  CompactMap map;
   map.tool_version = kToolVersion;
   map.capture_name = inputs.capture->name;
   map.capture_hash = inputs.capture->content_hash;
@@ -233,7 +233,7 @@ Result<artifact::MapFile> MakeMap(const StageContext& context,
   map.verdict = verdict.verdict;
   map.reasons = verdict.reasons;
   for (std::size_t i = 0; i < content.meshes.size(); ++i) {
-    Result<artifact::MapEntry> entry =
+    Result<CompactObject> entry =
         ToMapEntry(content.map.map.objects[i], content.meshes[i], content, context);
     if (!entry.ok()) return entry.error();
     map.objects.push_back(std::move(entry).value());
@@ -288,7 +288,7 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   if (!content.ok()) return content.error();
   const gltf::GltfScene scene = MakeScene(*content, inputs);
   SceneFiles files;
-  Result<artifact::MapFile> map = artifact::MapFile();
+  Result<CompactMap> map = CompactMap();
   std::vector<double> volumes_m3;
   const std::array<std::function<void()>, 2> encoders = {
       [&] { files = EncodeScene(scene, inputs.config); },
@@ -318,7 +318,7 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
                   files.scene->size(),
                   files.objects->size(),
                   map_json->size(),
-                  artifact::NameOf(map->verdict)),
+                  NameOf(map->verdict)),
       {{"num_objects", static_cast<double>(map->objects.size())},
        {"scene_bytes", static_cast<double>(files.scene->size())},
        {"objects_glb_bytes", static_cast<double>(files.objects->size())},

@@ -250,7 +250,7 @@ struct Sources {
   Association association;
   Proposals proposals;
   OptimizedMap map;
-  artifact::MapFile map_file;
+  CompactMap map_file;
   std::string scene_glb;
   std::vector<std::string> corrections;
   TriangleMesh room;
@@ -347,7 +347,7 @@ Result<StageSummary> RunReport(StageContext& context, const RunInputs& inputs) {
   content.title = inputs.capture->name;
   content.tool_version = kToolVersion;
   content.capture_hash = inputs.capture->content_hash;
-  content.verdict = artifact::NameOf(sources->map_file.verdict);
+  content.verdict = NameOf(sources->map_file.verdict);
   content.verdict_reasons = sources->map_file.reasons;
   content.warnings = Warnings(inputs, sources->association, sources->proposals, sources->map);
   content.corrections = sources->corrections;

@@ -20,7 +20,7 @@ std::string Vector(const Eigen::Vector3d& v) {
 }
 
 void CompareObject(const gltf::ValidatedObject& scene,
-                   const artifact::MapEntry& entry,
+                   const CompactObject& entry,
                    std::vector<std::string>& differences) {
   const auto differ = [&](std::string_view what, const auto& in_scene, const auto& in_map) {
     differences.push_back(fmt::format(
@@ -28,7 +28,7 @@ void CompareObject(const gltf::ValidatedObject& scene,
   };
   if (scene.name != entry.name) differ("name", scene.name, entry.name);
   if (scene.class_name != entry.class_name) differ("class", scene.class_name, entry.class_name);
-  const std::string source(artifact::NameOf(entry.source));
+  const std::string source(NameOf(entry.source));
   if (scene.prior != source) differ("source of the shape", scene.prior, source);
   if (!scene.score || std::abs(*scene.score - entry.confidence) > kMapScoreStep) {
     differ("confidence", scene.score ? fmt::to_string(*scene.score) : "missing", entry.confidence);
@@ -53,11 +53,11 @@ void CompareObject(const gltf::ValidatedObject& scene,
 }  // namespace
 
 std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
-                                        const artifact::MapFile& map) {
+                                        const CompactMap& map) {
   std::vector<std::string> differences;
   std::map<int, const gltf::ValidatedObject*> by_instance;
   for (const gltf::ValidatedObject& object : scene.objects) by_instance[object.instance] = &object;
-  for (const artifact::MapEntry& entry : map.objects) {
+  for (const CompactObject& entry : map.objects) {
     const auto found = by_instance.find(entry.id.value);
     if (found == by_instance.end()) {
       differences.push_back(

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "deepslam/artifact/map_json.h"
+#include "deepslam/scene/compact_map.h"
 #include "deepslam/gltf/validate.h"
 
 namespace deepslam::stages {
@@ -13,6 +13,6 @@ namespace deepslam::stages {
 // every object of either is in the other, with the same name, class, source, confidence, pose and
 // size to within what the map's numbers are rounded to, and both have a ground or neither.
 [[nodiscard]] std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
-                                                      const artifact::MapFile& map);
+                                                      const CompactMap& map);
 
 }  // namespace deepslam::stages

@@ -137,11 +137,11 @@ RunVerdict JudgeRun(const OptimizedMap& map,
                     std::span<const KeyframeJoin> joins,
                     std::span<const std::string> capture_doubts) {
   RunVerdict verdict;
-  const auto note = [&](artifact::Verdict level, std::string reason) {
+  const auto note = [&](Verdict level, std::string reason) {
     verdict.verdict = std::max(verdict.verdict, level);
     verdict.reasons.push_back(std::move(reason));
   };
-  for (const std::string& doubt : capture_doubts) note(artifact::Verdict::kDoubtful, doubt);
+  for (const std::string& doubt : capture_doubts) note(Verdict::kDoubtful, doubt);
   const auto share = [&](auto... statuses) {
     const auto count =
         std::count_if(map.frames.begin(), map.frames.end(), [&](const TrackedFrame& frame) {
@@ -153,20 +153,20 @@ RunVerdict JudgeRun(const OptimizedMap& map,
   const double lost = share(TrackingStatus::kLost, TrackingStatus::kUnreadable);
   const double degenerate = share(TrackingStatus::kDegenerate);
   if (lost > kDoubtfulLostShare) {
-    note(lost > kBadLostShare ? artifact::Verdict::kBad : artifact::Verdict::kDoubtful,
+    note(lost > kBadLostShare ? Verdict::kBad : Verdict::kDoubtful,
          fmt::format("{:.0f} % of the frames could not be tracked", 100 * lost));
   }
   if (degenerate > kDoubtfulDegenerateShare) {
-    note(artifact::Verdict::kDoubtful,
+    note(Verdict::kDoubtful,
          fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate));
   }
   if (const std::optional<Adrift> adrift = FindAdrift(map, joins)) {
-    note(adrift->share > kBadAdriftShare ? artifact::Verdict::kBad : artifact::Verdict::kDoubtful,
+    note(adrift->share > kBadAdriftShare ? Verdict::kBad : Verdict::kDoubtful,
          InWords(*adrift));
   }
   const std::vector<Step> jumps = Jumps(map.frames);
   if (!jumps.empty()) {
-    note(artifact::Verdict::kDoubtful,
+    note(Verdict::kDoubtful,
          fmt::format("the camera jumps by {:.2f} m at frame {}{}; what was seen before and after "
                      "may not fit together",
                      jumps.front().length_m,
@@ -174,16 +174,16 @@ RunVerdict JudgeRun(const OptimizedMap& map,
                      jumps.size() > 1 ? fmt::format(" and at {} others", jumps.size() - 1) : ""));
   }
   if (map.keyframes.size() < kFewKeyframes) {
-    note(artifact::Verdict::kDoubtful,
+    note(Verdict::kDoubtful,
          fmt::format("only {} keyframes: the camera hardly moved, so little was seen twice",
                      map.keyframes.size()));
   }
-  if (!map.has_ground) note(artifact::Verdict::kDoubtful, "no ground plane was found");
-  if (!map.summary.converged) note(artifact::Verdict::kDoubtful, "the graph did not converge");
-  if (map.map.objects.empty()) note(artifact::Verdict::kBad, "no object was mapped");
+  if (!map.has_ground) note(Verdict::kDoubtful, "no ground plane was found");
+  if (!map.summary.converged) note(Verdict::kDoubtful, "the graph did not converge");
+  if (map.map.objects.empty()) note(Verdict::kBad, "no object was mapped");
   for (const MapObject& object : map.map.objects) {
     if (object.confidence < report::kEvenOdds) {
-      note(artifact::Verdict::kDoubtful,
+      note(Verdict::kDoubtful,
            fmt::format("{} is unsure ({:.2f})", ObjectName(object), object.confidence));
     }
   }

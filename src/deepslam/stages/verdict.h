@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "deepslam/artifact/map_json.h"
+#include "deepslam/scene/compact_map.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/scene/optimized_map.h"
 
 namespace deepslam::stages {
 
 struct RunVerdict {
-  artifact::Verdict verdict = artifact::Verdict::kGood;
+  Verdict verdict = Verdict::kGood;
   std::vector<std::string> reasons;
 };
 
