@@ -185,7 +185,7 @@ Result<MappedObject> ReadMapped(const fs::path& workspace,
                                 const Pose3& truth_from_map) {
   MappedObject mapped;
   mapped.object = object;
-  mapped.name = stages::ObjectName(object);
+  mapped.name = ObjectName(object);
   const fs::path mesh_file = workspace / "mesh" / "objects" / (mapped.name + ".ply");
   Result<TriangleMesh> mesh = ReadPlyMesh(mesh_file);
   if (!mesh.ok()) return mesh.error();

@@ -297,7 +297,7 @@ int EvalHeldOut(const std::vector<std::string>& paths,
       const std::vector<Judge> judges =
           bench ? ViewsThere(*bench, object) : HeldOutFrames(*inputs, object);
       JsonObject row;
-      row.emplace("mapped", stages::ObjectName(object));
+      row.emplace("mapped", ObjectName(object));
       row.emplace("num_frames", static_cast<int>(judges.size()));
       for (const Choice& choice : ChoicesOf(object, *inputs)) {
         const auto verdict = JudgeCandidate(pair.workspace, *inputs, choice.candidate, judges);

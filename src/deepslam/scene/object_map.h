@@ -64,6 +64,9 @@ struct MapObject {
   std::vector<ObjectId> merged;         // ids of objects that loops found to be this one
 };
 
+// "chair_03": class and id; ids are unique over the map.
+[[nodiscard]] std::string ObjectName(const MapObject& object);
+
 struct ObjectMap {
   std::vector<MapObject> objects;    // ascending id
   std::vector<std::string> dropped;  // objects that got no place in the map, with the reason

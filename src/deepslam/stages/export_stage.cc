@@ -19,6 +19,7 @@
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/floor_surface.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/report/sanity_checks.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/expand.h"
@@ -27,7 +28,6 @@
 #include "deepslam/stages/room_beside.h"
 #include "deepslam/stages/scene_files.h"
 #include "deepslam/stages/stage_inputs.h"
-#include "deepslam/stages/verdict.h"
 
 namespace deepslam::stages {
 namespace {
@@ -168,20 +168,20 @@ gltf::GltfScene MakeScene(const Content& content, const RunInputs& inputs) {
 }
 
 Result<CompactObject> ToMapEntry(const MapObject& object,
-                                      const TriangleMesh& mesh,
-                                      const Content& content,
-                                      const StageContext& context) {
+                                 const TriangleMesh& mesh,
+                                 const Content& content,
+                                 const StageContext& context) {
   CompactObject entry{object.id,
-                           ObjectName(object),
-                           object.class_name,
-                           std::clamp(object.confidence, 0.0, 1.0),
-                           object.source,
-                           object.world_from_object,
-                           object.scale_m,
-                           Eigen::Vector3d::Zero(),
-                           object.credit,
-                           object.note,
-                           {}};
+                      ObjectName(object),
+                      object.class_name,
+                      std::clamp(object.confidence, 0.0, 1.0),
+                      object.source,
+                      object.world_from_object,
+                      object.scale_m,
+                      Eigen::Vector3d::Zero(),
+                      object.credit,
+                      object.note,
+                      {}};
   Box3 box;
   for (const Eigen::Vector3f& vertex : mesh.vertices) box.Extend(vertex.cast<double>());
   entry.size_m = box.Size();
@@ -216,15 +216,15 @@ std::map<std::string, std::string> MeshOptions(const Config& config) {
 }
 
 Result<CompactMap> MakeMap(const StageContext& context,
-                                  const Content& content,
-                                  const gltf::GltfScene& scene,
-                                  const RunInputs& inputs) {
+                           const Content& content,
+                           const gltf::GltfScene& scene,
+                           const RunInputs& inputs) {
   CompactMap map;
   map.tool_version = kToolVersion;
   map.capture_name = inputs.capture->name;
   map.capture_hash = inputs.capture->content_hash;
   if (content.map.has_ground) map.ground_world = content.map.ground_world;
-  const RunVerdict verdict = JudgeRun(content.map, content.joins, inputs.capture->doubts);
+  const RunVerdict verdict = report::CheckRun(content.map, content.joins, inputs.capture->doubts);
   if (scene.ground) map.ground_outline_m = mesh::OutlineOf(*scene.ground);
   for (const gltf::GltfObject& object : scene.objects) {
     map.class_colours[object.class_name] = object.class_colour;

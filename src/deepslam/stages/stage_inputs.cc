@@ -362,8 +362,4 @@ Status ForFrames(const StageContext& context,
   return status;
 }
 
-std::string ObjectName(const MapObject& object) {
-  return fmt::format("{}_{:02d}", object.class_name, object.id.value);
-}
-
 }  // namespace deepslam::stages

@@ -173,7 +173,4 @@ template <typename Value>
                                std::span<const FrameIdx> wanted,
                                const std::function<Status(const Frame&)>& use);
 
-// "chair_03": class and id; ids are unique over the map.
-[[nodiscard]] std::string ObjectName(const MapObject& object);
-
 }  // namespace deepslam::stages

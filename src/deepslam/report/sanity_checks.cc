@@ -1,19 +1,18 @@
-#include "deepslam/stages/verdict.h"
+#include "deepslam/report/sanity_checks.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/report/report_content.h"
-#include "deepslam/scene/measured_parts.h"
-#include "deepslam/stages/stage_inputs.h"
 
-namespace deepslam::stages {
+namespace deepslam::report {
 namespace {
 
 constexpr double kBadLostShare = 0.5;
@@ -21,7 +20,7 @@ constexpr double kDoubtfulLostShare = 0.05;
 constexpr double kDoubtfulDegenerateShare = 0.25;
 // Of frames whose place relative to the others was not measured. Two captures in one that are laid
 // over each other are no map; a few frames between two losses spoil what they alone saw.
-constexpr double kBadAdriftShare = 0.2;
+constexpr double kBadUnmeasuredShare = 0.2;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
 // A camera in a hand or on a robot keeps its pace: a step between neighbouring frames that is
 // longer than the first and quicker than the second times the capture's median speed is a wrong
@@ -73,7 +72,7 @@ std::vector<Step> Jumps(const std::vector<TrackedFrame>& frames) {
 }
 
 // Stretches of frames whose place relative to the largest part was not measured.
-struct Adrift {
+struct Unmeasured {
   std::size_t num_stretches = 0;
   double share = 0;  // of all frames
   // Of the longest stretch.
@@ -82,7 +81,8 @@ struct Adrift {
   std::size_t cut_frame = 0;  // where tracking found nothing in common with the frames before
 };
 
-std::optional<Adrift> FindAdrift(const OptimizedMap& map, std::span<const KeyframeJoin> joins) {
+std::optional<Unmeasured> FindUnmeasured(const OptimizedMap& map,
+                                         std::span<const KeyframeJoin> joins) {
   const auto stretches = MeasuredStretches(map.frames, map.keyframes, joins);
   if (stretches.size() < 2) return std::nullopt;
   // A stretch reaches from its first keyframe to the next stretch's; what is before the first
@@ -98,96 +98,112 @@ std::optional<Adrift> FindAdrift(const OptimizedMap& map, std::span<const Keyfra
     num_frames[stretches[n].part] += begin(n + 1) - begin(n);
   const int largest =
       std::ranges::max_element(num_frames, {}, [](const auto& part) { return part.second; })->first;
-  Adrift adrift;
+  Unmeasured unmeasured;
   std::size_t longest = 0;
   for (std::size_t n = 0; n < stretches.size(); ++n) {
     const std::size_t length = begin(n + 1) - begin(n);
     if (stretches[n].part == largest) continue;
-    ++adrift.num_stretches;
-    adrift.share += static_cast<double>(length) / static_cast<double>(map.frames.size());
+    ++unmeasured.num_stretches;
+    unmeasured.share += static_cast<double>(length) / static_cast<double>(map.frames.size());
     if (length <= longest) continue;
     longest = length;
-    adrift.first_frame = begin(n);
-    adrift.last_frame = begin(n + 1) - 1;
-    adrift.cut_frame = n > 0 ? begin(n) : begin(1);
+    unmeasured.first_frame = begin(n);
+    unmeasured.last_frame = begin(n + 1) - 1;
+    unmeasured.cut_frame = n > 0 ? begin(n) : begin(1);
   }
-  return adrift;
+  return unmeasured;
 }
 
-std::string InWords(const Adrift& adrift) {
+std::string InWords(const Unmeasured& unmeasured) {
   const std::string others =
-      adrift.num_stretches > 1
-          ? fmt::format(", nor where {} more such parts are", adrift.num_stretches - 1)
+      unmeasured.num_stretches > 1
+          ? fmt::format(", nor where {} more such parts are", unmeasured.num_stretches - 1)
           : "";
   return fmt::format(
       "at frame {} the camera sees nothing in common with the frames before: where frames {} to {} "
       "lie relative to the others was not measured{} ({:.0f} % of the frames), so their "
       "objects may stand in the others'; record again with overlap, or run each part as a capture "
       "of its own",
-      adrift.cut_frame,
-      adrift.first_frame,
-      adrift.last_frame,
+      unmeasured.cut_frame,
+      unmeasured.first_frame,
+      unmeasured.last_frame,
       others,
-      100 * adrift.share);
+      100 * unmeasured.share);
 }
 
-}  // namespace
+void Note(Verdict level, std::string reason, RunVerdict& run) {
+  run.verdict = std::max(run.verdict, level);
+  run.reasons.push_back(std::move(reason));
+}
 
-RunVerdict JudgeRun(const OptimizedMap& map,
-                    std::span<const KeyframeJoin> joins,
-                    std::span<const std::string> capture_doubts) {
-  RunVerdict verdict;
-  const auto note = [&](Verdict level, std::string reason) {
-    verdict.verdict = std::max(verdict.verdict, level);
-    verdict.reasons.push_back(std::move(reason));
-  };
-  for (const std::string& doubt : capture_doubts) note(Verdict::kDoubtful, doubt);
+void CheckTracking(const std::vector<TrackedFrame>& frames, RunVerdict& run) {
   const auto share = [&](auto... statuses) {
-    const auto count =
-        std::count_if(map.frames.begin(), map.frames.end(), [&](const TrackedFrame& frame) {
-          return ((frame.status == statuses) || ...);
-        });
-    return map.frames.empty() ? 0.0
-                              : static_cast<double>(count) / static_cast<double>(map.frames.size());
+    const auto count = std::ranges::count_if(
+        frames, [&](const TrackedFrame& frame) { return ((frame.status == statuses) || ...); });
+    return frames.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(frames.size());
   };
   const double lost = share(TrackingStatus::kLost, TrackingStatus::kUnreadable);
   const double degenerate = share(TrackingStatus::kDegenerate);
   if (lost > kDoubtfulLostShare) {
-    note(lost > kBadLostShare ? Verdict::kBad : Verdict::kDoubtful,
-         fmt::format("{:.0f} % of the frames could not be tracked", 100 * lost));
+    Note(lost > kBadLostShare ? Verdict::kBad : Verdict::kDoubtful,
+         fmt::format("{:.0f} % of the frames could not be tracked", 100 * lost),
+         run);
   }
   if (degenerate > kDoubtfulDegenerateShare) {
-    note(Verdict::kDoubtful,
-         fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate));
+    Note(Verdict::kDoubtful,
+         fmt::format("{:.0f} % of the frames are weakly constrained", 100 * degenerate),
+         run);
   }
-  if (const std::optional<Adrift> adrift = FindAdrift(map, joins)) {
-    note(adrift->share > kBadAdriftShare ? Verdict::kBad : Verdict::kDoubtful,
-         InWords(*adrift));
+}
+
+void CheckPath(const OptimizedMap& map, std::span<const KeyframeJoin> joins, RunVerdict& run) {
+  if (const std::optional<Unmeasured> unmeasured = FindUnmeasured(map, joins)) {
+    Note(unmeasured->share > kBadUnmeasuredShare ? Verdict::kBad : Verdict::kDoubtful,
+         InWords(*unmeasured),
+         run);
   }
   const std::vector<Step> jumps = Jumps(map.frames);
   if (!jumps.empty()) {
-    note(Verdict::kDoubtful,
+    Note(Verdict::kDoubtful,
          fmt::format("the camera jumps by {:.2f} m at frame {}{}; what was seen before and after "
                      "may not fit together",
                      jumps.front().length_m,
                      jumps.front().to_frame,
-                     jumps.size() > 1 ? fmt::format(" and at {} others", jumps.size() - 1) : ""));
+                     jumps.size() > 1 ? fmt::format(" and at {} others", jumps.size() - 1) : ""),
+         run);
   }
   if (map.keyframes.size() < kFewKeyframes) {
-    note(Verdict::kDoubtful,
+    Note(Verdict::kDoubtful,
          fmt::format("only {} keyframes: the camera hardly moved, so little was seen twice",
-                     map.keyframes.size()));
+                     map.keyframes.size()),
+         run);
   }
-  if (!map.has_ground) note(Verdict::kDoubtful, "no ground plane was found");
-  if (!map.summary.converged) note(Verdict::kDoubtful, "the graph did not converge");
-  if (map.map.objects.empty()) note(Verdict::kBad, "no object was mapped");
-  for (const MapObject& object : map.map.objects) {
-    if (object.confidence < report::kEvenOdds) {
-      note(Verdict::kDoubtful,
-           fmt::format("{} is unsure ({:.2f})", ObjectName(object), object.confidence));
-    }
-  }
-  return verdict;
 }
 
-}  // namespace deepslam::stages
+void CheckMap(const OptimizedMap& map, RunVerdict& run) {
+  if (!map.has_ground) Note(Verdict::kDoubtful, "no ground plane was found", run);
+  if (!map.summary.converged) Note(Verdict::kDoubtful, "the graph did not converge", run);
+  if (map.map.objects.empty()) Note(Verdict::kBad, "no object was mapped", run);
+  for (const MapObject& object : map.map.objects) {
+    if (object.confidence < kEvenOdds) {
+      Note(Verdict::kDoubtful,
+           fmt::format("{} is unsure ({:.2f})", ObjectName(object), object.confidence),
+           run);
+    }
+  }
+}
+
+}  // namespace
+
+RunVerdict CheckRun(const OptimizedMap& map,
+                    std::span<const KeyframeJoin> joins,
+                    std::span<const std::string> capture_doubts) {
+  RunVerdict run;
+  for (const std::string& doubt : capture_doubts) Note(Verdict::kDoubtful, doubt, run);
+  CheckTracking(map.frames, run);
+  CheckPath(map, joins, run);
+  CheckMap(map, run);
+  return run;
+}
+
+}  // namespace deepslam::report

@@ -1,29 +1,23 @@
-// Whether a run's map can be used as it is.
+// Sanity checks of a run: whether its map can be used as it is.
 #pragma once
 
 #include <span>
 #include <string>
-#include <vector>
 
-#include "deepslam/scene/compact_map.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/scene/optimized_map.h"
+#include "deepslam/scene/run_verdict.h"
 
-namespace deepslam::stages {
-
-struct RunVerdict {
-  Verdict verdict = Verdict::kGood;
-  std::vector<std::string> reasons;
-};
+namespace deepslam::report {
 
 // Bad: more than half of the frames lost, more than a fifth without a measured place relative to
 // the rest, or no object. Doubtful: more than 5 % lost, any frames without a measured place, more
 // than a quarter weakly constrained, a camera that jumps, few keyframes, no ground, a graph that
 // did not converge, objects of little confidence, and whatever is doubted of the capture itself
-// (`capture_doubts`: dataset/doubts.h), which stands first. `joins`: what is known between
+// (`capture_doubts`, sentences), which stands first. `joins`: what is known between
 // keyframes, by tracking and by the loops.
-[[nodiscard]] RunVerdict JudgeRun(const OptimizedMap& map,
+[[nodiscard]] RunVerdict CheckRun(const OptimizedMap& map,
                                   std::span<const KeyframeJoin> joins,
                                   std::span<const std::string> capture_doubts = {});
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::report
