@@ -22,8 +22,9 @@ ROOMS = {
     "dataset": VOCABULARY | {"image_codec", "video"},
     "artifact": VOCABULARY,
     "library": VOCABULARY | {"artifact"},
-    # algorithms: value in, value out; none knows another
-    "odometry": ALGORITHM,
+    # algorithms: value in, value out; none knows another, but for tracking, which goes from frame to frame by alignment
+    "alignment": ALGORITHM,
+    "tracking": ALGORITHM | {"alignment"},
     "ground": ALGORITHM,
     "detect": ALGORITHM,
     "segment": ALGORITHM,

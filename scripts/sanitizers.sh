@@ -28,7 +28,7 @@ cd "$(dirname "$0")/.."
 if [ ${#rooms[@]} -eq 0 ]; then
   # asan:fuzz replays the corpora of all parsers.
   rooms=(tsan:core asan:fuzz tsan:dataset asan:dataset asan:artifact asan:gltf
-    tsan:odometry tsan:associate tsan:registration tsan:select tsan:fuse tsan:observe tsan:propose tsan:render tsan:shape
+    tsan:alignment tsan:tracking tsan:associate tsan:registration tsan:select tsan:fuse tsan:observe tsan:propose tsan:render tsan:shape
     tsan:report tsan:stages tsan:batch)
   for tests in tests/*/CMakeLists.txt; do
     room="$(basename "$(dirname "$tests")")"

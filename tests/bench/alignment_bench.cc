@@ -11,14 +11,14 @@
 #include <benchmark/benchmark.h>
 
 #include "bench_capture.h"
-#include "deepslam/odometry/alignment_levels.h"
-#include "deepslam/odometry/frame_alignment.h"
-#include "deepslam/odometry/place_judgement.h"
-#include "deepslam/odometry/point_alignment.h"
-#include "deepslam/odometry/read_pyramid.h"
-#include "deepslam/odometry/rotation_search.h"
-#include "deepslam/odometry/source_points.h"
-#include "deepslam/odometry/target_texels.h"
+#include "deepslam/alignment/alignment_levels.h"
+#include "deepslam/alignment/frame_alignment.h"
+#include "deepslam/alignment/image_pyramid.h"
+#include "deepslam/alignment/place_judgement.h"
+#include "deepslam/alignment/point_alignment.h"
+#include "deepslam/alignment/reference_pixels.h"
+#include "deepslam/alignment/rotation_search.h"
+#include "deepslam/alignment/source_points.h"
 
 namespace deepslam {
 namespace {
@@ -29,9 +29,9 @@ constexpr int kFinestStride = 3;  // as tracking has it
 constexpr int kCoarsestStride = 2;
 
 struct TwoFrames {
-  StoredDepth depth;            // of j
-  BrightnessImage brightness;   // of j, at the size of its finest level
-  odometry::FramePyramid i, j;  // i is a target
+  StoredDepth depth;             // of j
+  BrightnessImage brightness;    // of j, at the size of its finest level
+  alignment::FramePyramid i, j;  // i is a target
   Pose3 i_from_j;
   PinholeCamera camera;
 };
@@ -41,18 +41,18 @@ Result<TwoFrames> ReadTwo() {
   if (!capture.ok()) return capture.error();
   const FrameSource& frames = *capture->frames;
   const int last = std::min(kFramesBetween, frames.num_frames() - 1);
-  Result<odometry::ReadFrame> i = odometry::ReadPyramid(frames, FrameIdx{0}, {});
+  Result<alignment::ReadFrame> i = alignment::ReadPyramid(frames, FrameIdx{0}, {});
   if (!i.ok()) return i.error();
-  Result<odometry::ReadFrame> j = odometry::ReadPyramid(frames, FrameIdx{last}, {});
+  Result<alignment::ReadFrame> j = alignment::ReadPyramid(frames, FrameIdx{last}, {});
   if (!j.ok()) return j.error();
   TwoFrames two{std::move(j->depth),
                 j->pyramid.levels.front().brightness,
-                odometry::AsTarget(std::move(i->pyramid)),
+                alignment::AsReference(std::move(i->pyramid)),
                 std::move(j->pyramid),
                 Pose3{},
                 frames.camera()};
   const std::array<Pose3, 1> starts = {Pose3{}};
-  const odometry::FrameAlignment alignment = odometry::AlignPyramids(two.i, two.j, starts, {});
+  const alignment::FrameAlignment alignment = alignment::AlignPyramids(two.i, two.j, starts, {});
   if (!alignment.ok) return InvalidInput("the capture's first frames do not align");
   two.i_from_j = alignment.i_from_j;
   return two;
@@ -68,24 +68,24 @@ void Repeat(benchmark::State& state, const Kernel& kernel) {
 
 void BuildPyramid(benchmark::State& state) {
   Repeat(state, [](const TwoFrames& two) {
-    return odometry::BuildPyramid(two.depth, two.brightness, two.camera, {}).valid_share;
+    return alignment::BuildPyramid(two.depth, two.brightness, two.camera, {}).valid_share;
   });
 }
 BENCHMARK(BuildPyramid)->Unit(benchmark::kMicrosecond);
 
 // What a frame needs beside to become a keyframe, and a copy of it.
-void AsTarget(benchmark::State& state) {
-  Repeat(state, [](const TwoFrames& two) { return odometry::AsTarget(two.j).levels.size(); });
+void AsReference(benchmark::State& state) {
+  Repeat(state, [](const TwoFrames& two) { return alignment::AsReference(two.j).levels.size(); });
 }
-BENCHMARK(AsTarget)->Unit(benchmark::kMicrosecond);
+BENCHMARK(AsReference)->Unit(benchmark::kMicrosecond);
 
 void SearchRotation(benchmark::State& state) {
   Repeat(state,
-         [](const TwoFrames& two) { return odometry::SearchRotation(two.i, two.j).has_value(); });
+         [](const TwoFrames& two) { return alignment::SearchRotation(two.i, two.j).has_value(); });
 }
 BENCHMARK(SearchRotation)->Unit(benchmark::kMicrosecond);
 
-odometry::SourcePoints FinestPoints(const odometry::FramePyramid& j) {
+alignment::SourcePoints FinestPoints(const alignment::FramePyramid& j) {
   return {j.levels.front(), {.stride = kFinestStride, .photometric = true, .near = true}};
 }
 
@@ -98,12 +98,12 @@ BENCHMARK(GatherSourcePoints)->Unit(benchmark::kMicrosecond);
 void BuildAlignmentSystem(benchmark::State& state) {
   const Result<TwoFrames> two = ReadTwo();
   if (!two.ok()) return state.SkipWithError(two.error().message.c_str());
-  const odometry::SourcePoints points = FinestPoints(two->j);
-  odometry::AlignmentGates gates;
+  const alignment::SourcePoints points = FinestPoints(two->j);
+  alignment::AlignmentGates gates;
   gates.cross_frames = state.range(0) != 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        odometry::BuildAlignmentSystem(two->i.levels.front(), points, two->i_from_j, gates, {})
+        alignment::BuildAlignmentSystem(two->i.levels.front(), points, two->i_from_j, gates, {})
             .num_matched);
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
@@ -114,12 +114,12 @@ BENCHMARK(BuildAlignmentSystem)->ArgName("cross")->Arg(0)->Arg(1)->Unit(benchmar
 void JudgePlace(benchmark::State& state) {
   const Result<TwoFrames> two = ReadTwo();
   if (!two.ok()) return state.SkipWithError(two.error().message.c_str());
-  const std::size_t coarsest = odometry::NumAlignmentLevels(two->i) - 1;
-  const odometry::SourcePoints points(
+  const std::size_t coarsest = alignment::NumAlignmentLevels(two->i) - 1;
+  const alignment::SourcePoints points(
       two->j.levels[coarsest], {.stride = kCoarsestStride, .photometric = true, .near = false});
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        odometry::JudgePlace(two->i.levels[coarsest], points, two->i_from_j, {}, {}).support);
+        alignment::JudgePlace(two->i.levels[coarsest], points, two->i_from_j, {}, {}).support);
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
 }

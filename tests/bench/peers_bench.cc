@@ -29,7 +29,7 @@
 #include "deepslam/dataset/memory_frame_source.h"
 #include "deepslam/eval/trajectory_error.h"
 #include "deepslam/fuse/tsdf.h"
-#include "deepslam/odometry/odometry.h"
+#include "deepslam/tracking/odometry.h"
 
 namespace deepslam {
 namespace {
@@ -76,7 +76,7 @@ void Report(benchmark::State& state, const Sequence& sequence, const std::vector
 Result<std::vector<Pose3>> TrackOurs(const Sequence& sequence) {
   const dataset::MemoryFrameSource frames(sequence.camera, sequence.frames);
   SilentProgress progress;
-  const Result<Odometry> odometry = odometry::EstimateOdometry(frames, {}, progress);
+  const Result<Odometry> odometry = tracking::EstimateOdometry(frames, {}, progress);
   if (!odometry.ok()) return odometry.error();
   std::vector<Pose3> poses;
   for (const TrackedFrame& frame : odometry->frames) poses.push_back(frame.world_from_camera);

@@ -12,9 +12,9 @@
 #include "bench_capture.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
-#include "deepslam/odometry/odometry.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/stages/refine_path.h"
+#include "deepslam/tracking/odometry.h"
 
 namespace deepslam {
 namespace {
@@ -30,7 +30,7 @@ void TrackFrames(benchmark::State& state) {
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   SilentProgress progress;
   for (auto _ : state) {
-    const Result<Odometry> odometry = odometry::EstimateOdometry(*capture->frames, {}, progress);
+    const Result<Odometry> odometry = tracking::EstimateOdometry(*capture->frames, {}, progress);
     if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
     benchmark::DoNotOptimize(odometry->frames.size());
   }
@@ -49,11 +49,11 @@ void TrackAndRefine(benchmark::State& state) {
   const pipeline::StageContext context(folder, folder, {}, progress);
   for (auto _ : state) {
     stages::KeyframePyramids pyramids = stages::PyramidsToRefine(inputs);
-    const auto take = [&](odometry::ReadKeyframe keyframe) {
+    const auto take = [&](tracking::ReadKeyframe keyframe) {
       pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
     };
     Result<Odometry> odometry =
-        odometry::EstimateOdometry(frames, inputs.config.track, progress, take);
+        tracking::EstimateOdometry(frames, inputs.config.track, progress, take);
     if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
     const Status refined = stages::RefinePath(context, inputs, std::move(pyramids), *odometry);
     if (!refined.ok()) return state.SkipWithError(refined.error().message.c_str());

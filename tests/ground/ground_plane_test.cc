@@ -12,10 +12,10 @@
 #include <gmock/gmock.h>
 #include <Eigen/Cholesky>
 
+#include "alignment/box_world.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/memory_frame_source.h"
-#include "odometry/box_world.h"
 
 namespace deepslam::ground {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "deepslam/dataset/capture.h"
 #include "deepslam/ground/ground_plane.h"
-#include "deepslam/odometry/odometry.h"
+#include "deepslam/tracking/odometry.h"
 #include "support/test_data.h"
 
 namespace deepslam::ground {
@@ -24,8 +24,8 @@ Estimated Estimate(const std::filesystem::path& folder) {
   SilentProgress progress;
   Result<dataset::Capture> capture = dataset::OpenCapture(folder);
   Estimated result{std::move(capture).value(), {}, {}};
-  Result<Odometry> odometry = odometry::OdometryFromCapturePoses(
-      *result.capture.frames, odometry::OdometryOptions{}, progress);
+  Result<Odometry> odometry = tracking::OdometryFromCapturePoses(
+      *result.capture.frames, tracking::OdometryOptions{}, progress);
   result.odometry = std::move(odometry).value();
   Result<Ground> ground =
       EstimateGround(*result.capture.frames, result.odometry, GroundOptions{}, progress);

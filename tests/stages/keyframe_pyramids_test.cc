@@ -7,9 +7,9 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/alignment/image_pyramid.h"
+#include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/dataset/memory_frame_source.h"
-#include "deepslam/odometry/read_pyramid.h"
-#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::stages {
 namespace {
@@ -83,13 +83,13 @@ TEST(KeyframePyramids, MoreThanAreKeptMayBeWanted) {
   const CountedWalls walls;
   KeyframePyramids pyramids(walls, {}, 2);
   EXPECT_THAT(pyramids.Hold(Frames({0, 1, 2, 3, 4})), IsEmpty());
-  for (const int n : {0, 1, 2, 3, 4}) EXPECT_TRUE(IsTarget(pyramids[FrameIdx{n}])) << n;
+  for (const int n : {0, 1, 2, 3, 4}) EXPECT_TRUE(IsReference(pyramids[FrameIdx{n}])) << n;
 }
 
-std::shared_ptr<const odometry::FramePyramid> PyramidOf(const FrameSource& frames, int frame) {
-  Result<odometry::ReadFrame> read = odometry::ReadPyramid(frames, FrameIdx{frame}, {});
+std::shared_ptr<const alignment::FramePyramid> PyramidOf(const FrameSource& frames, int frame) {
+  Result<alignment::ReadFrame> read = alignment::ReadPyramid(frames, FrameIdx{frame}, {});
   EXPECT_TRUE(read.ok());
-  return std::make_shared<const odometry::FramePyramid>(std::move(read->pyramid));
+  return std::make_shared<const alignment::FramePyramid>(std::move(read->pyramid));
 }
 
 TEST(KeyframePyramids, WhatWasTakenIsNotReadAgain) {
@@ -100,7 +100,7 @@ TEST(KeyframePyramids, WhatWasTakenIsNotReadAgain) {
   EXPECT_THAT(pyramids.Hold(Frames({0, 2, 4})), IsEmpty());
   EXPECT_EQ(walls.reads, 1);
   EXPECT_FLOAT_EQ(pyramids[FrameIdx{4}].levels.front().depth_m.front(), 1.4F);
-  for (const int n : {0, 2, 4}) EXPECT_TRUE(IsTarget(pyramids[FrameIdx{n}])) << n;
+  for (const int n : {0, 2, 4}) EXPECT_TRUE(IsReference(pyramids[FrameIdx{n}])) << n;
 }
 
 TEST(KeyframePyramids, WhatWillBeAskedForOutlastsWhatWas) {

@@ -9,10 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/neighbours.h"
-#include "deepslam/odometry/frame_alignment.h"
-#include "deepslam/odometry/sharpened_alignment.h"
 #include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/register_pairs.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -149,12 +148,12 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterLoops(
   for (const AppearanceLoop& loop : proposed)
     pairs.push_back({loop.old_keyframe, loop.new_keyframe, loop.old_from_new});
   // What images proposed, images confirm, also where tracking goes by depth alone.
-  odometry::AlignmentOptions options = inputs.config.track.alignment;
+  alignment::AlignmentOptions options = inputs.config.track.alignment;
   options.photometric = true;
   PairAlignment alignment;
   alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
-    const auto found = odometry::AlignPyramids(older, newer, {&start, 1}, options);
-    return odometry::Sharpened(found, older, newer, options);
+    const auto found = alignment::AlignPyramids(older, newer, {&start, 1}, options);
+    return alignment::Sharpened(found, older, newer, options);
   };
   alignment.without = "not measured against others that look alike";
   constexpr std::size_t kMostPyramids = 32;

@@ -23,13 +23,13 @@
 #include "deepslam/mesh/ground_polygon.h"
 #include "deepslam/mesh/refine_mesh.h"
 #include "deepslam/observe/object_views.h"
-#include "deepslam/odometry/odometry.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/refine/refine_options.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/segment/segment_objects.h"
 #include "deepslam/select/select_options.h"
+#include "deepslam/tracking/odometry.h"
 
 namespace deepslam::stages {
 
@@ -71,7 +71,7 @@ struct ExportStageOptions {
 struct Config {
   std::string classes_file;  // empty: the table compiled in
   TrackStageOptions track_stage;
-  odometry::OdometryOptions track;
+  tracking::OdometryOptions track;
   ground::GroundOptions ground;
   DetectStageOptions detect_stage;
   detect::DetectOptions detect;

@@ -5,16 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/odometry/read_pyramid.h"
-#include "deepslam/odometry/target_texels.h"
 
 namespace deepslam::stages {
 
-using odometry::FramePyramid;
+using alignment::FramePyramid;
 
 KeyframePyramids::KeyframePyramids(const FrameSource& frames,
-                                   const odometry::PyramidOptions& options,
+                                   const alignment::PyramidOptions& options,
                                    std::size_t most)
     : frames_(frames), options_(options), most_(most) {}
 
@@ -31,9 +30,9 @@ std::vector<std::string> KeyframePyramids::Hold(std::span<const FrameIdx> wanted
     if (is_new) missing.push_back(keyframe);
   }
   GiveUpOldest();
-  std::vector<Result<odometry::ReadFrame>> made(missing.size(), odometry::ReadFrame{});
+  std::vector<Result<alignment::ReadFrame>> made(missing.size(), alignment::ReadFrame{});
   ParallelFor(missing.size(), [&](std::size_t n) {
-    made[n] = odometry::ReadPyramid(frames_, missing[n], options_);
+    made[n] = alignment::ReadPyramid(frames_, missing[n], options_);
   });
   std::vector<std::string> faults;
   for (std::size_t n = 0; n < missing.size(); ++n) {
@@ -54,12 +53,12 @@ void KeyframePyramids::PrepareWanted() {
   std::vector<Entry*> unprepared;
   for (auto& [keyframe, entry] : entries_) {
     if (entry.last_round == round_ && !entry.pyramid->empty() &&
-        !odometry::IsTarget(*entry.pyramid))
+        !alignment::IsReference(*entry.pyramid))
       unprepared.push_back(&entry);
   }
   ParallelFor(unprepared.size(), [&](std::size_t n) {
     auto& pyramid = unprepared[n]->pyramid;
-    pyramid = std::make_shared<const FramePyramid>(odometry::AsTarget(*pyramid));
+    pyramid = std::make_shared<const FramePyramid>(alignment::AsReference(*pyramid));
   });
 }
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/core/result.h"
-#include "deepslam/odometry/image_pyramid.h"
 #include "deepslam/scene/frame_source.h"
 
 namespace deepslam::stages {
@@ -20,12 +20,12 @@ class KeyframePyramids {
  public:
   // Of what was asked for before, at most `most` (about 4 MB each) are kept, the latest.
   KeyframePyramids(const FrameSource& frames,
-                   const odometry::PyramidOptions& options,
+                   const alignment::PyramidOptions& options,
                    std::size_t most);
 
   // One that was made elsewhere of the same options, kept until it was asked for as far as there is
   // room.
-  void Take(FrameIdx keyframe, std::shared_ptr<const odometry::FramePyramid> pyramid);
+  void Take(FrameIdx keyframe, std::shared_ptr<const alignment::FramePyramid> pyramid);
 
   // Makes those of `wanted` (again and again the same, if need be) that are not there, side by
   // side, and gives up others. What cannot be read stays empty; its fault is in the answer, "frame
@@ -33,11 +33,11 @@ class KeyframePyramids {
   [[nodiscard]] std::vector<std::string> Hold(std::span<const FrameIdx> wanted);
 
   // One of those wanted last.
-  [[nodiscard]] const odometry::FramePyramid& operator[](FrameIdx keyframe) const;
+  [[nodiscard]] const alignment::FramePyramid& operator[](FrameIdx keyframe) const;
 
  private:
   struct Entry {
-    std::shared_ptr<const odometry::FramePyramid> pyramid;
+    std::shared_ptr<const alignment::FramePyramid> pyramid;
     int last_round = 0;  // in which it was asked for; 0: not yet
   };
 
@@ -47,7 +47,7 @@ class KeyframePyramids {
   void PrepareWanted();
 
   const FrameSource& frames_;
-  odometry::PyramidOptions options_;
+  alignment::PyramidOptions options_;
   std::size_t most_;
   int round_ = 0;
   std::map<FrameIdx, Entry> entries_;

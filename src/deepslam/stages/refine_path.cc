@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/core/freed_memory.h"
 #include "deepslam/loop/covisible.h"
-#include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/register_pairs.h"
 #include "deepslam/stages/shelf_of_edges.h"
@@ -48,10 +48,10 @@ Result<SharedEdges> MeasureCovisible(const StageContext& context,
                                      const RunInputs& inputs,
                                      KeyframePyramids pyramids,
                                      const Odometry& odometry) {
-  const odometry::AlignmentOptions& options = inputs.config.track.alignment;
+  const alignment::AlignmentOptions& options = inputs.config.track.alignment;
   PairAlignment alignment;
   alignment.align = [&](const auto& older, const auto& newer, const Pose3& start) {
-    return odometry::RefineAlignment(older, newer, start, options);
+    return alignment::RefineAlignment(older, newer, start, options);
   };
   alignment.pairs_at_once = kPairsAtOnce;
   alignment.without = "not measured against others that see the same";

@@ -19,9 +19,9 @@ std::vector<FrameIdx> KeyframesOf(std::span<const KeyframePair> pairs) {
   return keyframes;
 }
 
-loop::KeyframeRegistration RegistrationOf(const odometry::FrameAlignment& found) {
+loop::KeyframeRegistration RegistrationOf(const alignment::FrameAlignment& found) {
   return {
-      found.ok, found.i_from_j, found.information, found.agreement, found.brightness_correlation};
+      found.ok, found.i_from_j, found.information, found.inlier_ratio, found.intensity_correlation};
 }
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 #include "deepslam/loop/appearance.h"
-#include "deepslam/odometry/frame_alignment.h"
 #include "deepslam/stages/keyframe_pyramids.h"
 
 namespace deepslam::stages {
@@ -23,8 +23,9 @@ struct KeyframePair {
 };
 
 struct PairAlignment {
-  std::function<odometry::FrameAlignment(
-      const odometry::FramePyramid& older, const odometry::FramePyramid& newer, const Pose3& start)>
+  std::function<alignment::FrameAlignment(const alignment::FramePyramid& older,
+                                          const alignment::FramePyramid& newer,
+                                          const Pose3& start)>
       align;
   std::size_t pairs_at_once = 16;
   std::string_view without;  // what a keyframe that cannot be read goes without, for the warning

@@ -5,10 +5,10 @@
 
 #include "deepslam/artifact/pose_graph_g2o.h"
 #include "deepslam/artifact/trajectory_files.h"
-#include "deepslam/odometry/odometry.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/refine_path.h"
 #include "deepslam/stages/stage_inputs.h"
+#include "deepslam/tracking/odometry.h"
 
 namespace deepslam::stages {
 
@@ -27,12 +27,12 @@ struct TrackedPath {
 Result<TrackedPath> TrackAll(const StageContext& context, const RunInputs& inputs) {
   const FrameSource& frames = *inputs.capture->frames;
   KeyframePyramids pyramids = PyramidsToRefine(inputs);
-  const auto take = [&](odometry::ReadKeyframe keyframe) {
+  const auto take = [&](tracking::ReadKeyframe keyframe) {
     pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
     frames.GiveBack({keyframe.frame, 0, {}, std::move(keyframe.depth_m)});
   };
   Result<Odometry> odometry =
-      odometry::EstimateOdometry(frames, inputs.config.track, context.progress(), take);
+      tracking::EstimateOdometry(frames, inputs.config.track, context.progress(), take);
   if (!odometry.ok()) return odometry.error();
   TrackedPath path{std::move(odometry).value(), {}};
   path.as_tracked = artifact::StampedPoses(path.odometry.frames);
@@ -43,7 +43,7 @@ Result<TrackedPath> TrackAll(const StageContext& context, const RunInputs& input
 
 Result<TrackedPath> TakePosesOfCapture(const RunInputs& inputs, Progress& progress) {
   Result<Odometry> odometry =
-      odometry::OdometryFromCapturePoses(*inputs.capture->frames, inputs.config.track, progress);
+      tracking::OdometryFromCapturePoses(*inputs.capture->frames, inputs.config.track, progress);
   if (!odometry.ok()) return odometry.error();
   TrackedPath path{std::move(odometry).value(), {}};
   path.as_tracked = artifact::StampedPoses(path.odometry.frames);
