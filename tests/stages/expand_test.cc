@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "deepslam/artifact/map_json.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/gltf/validate.h"
 #include "deepslam/mesh/ground_polygon.h"
