@@ -20,8 +20,10 @@ ROOMS = {
     "video": set(),
     # files in, files out
     "dataset": VOCABULARY | {"image_codec", "video"},
+    "storage": {"core"},
+    "library": VOCABULARY,
+    # text or bytes to values and back
     "artifact": VOCABULARY,
-    "library": VOCABULARY | {"artifact"},
     # algorithms: value in, value out; none knows another, but for tracking, which goes from frame to frame by alignment
     "alignment": ALGORITHM,
     "tracking": ALGORITHM | {"alignment"},
@@ -48,15 +50,15 @@ ROOMS = {
     # training views of the shape networks: drawn by the ray caster, cut out as the networks see objects
     "priors": VOCABULARY | {"render", "furniture", "propose"},
     # control
-    "pipeline": VOCABULARY | {"artifact"},
+    "pipeline": VOCABULARY | {"artifact", "storage"},
 }
 ROOMS["stages"] = set(ROOMS) - {"synth", "furniture", "priors", "video"}
 # Many runs: lists, plans, states, processes, other schedulers. It knows nothing of what a run does.
-ROOMS["batch"] = {"core", "artifact"}
+ROOMS["batch"] = {"core", "artifact", "storage"}
 TOOLS = set(ROOMS) - {"video"}
 
 # Rooms that may touch the disk.
-FILE_ROOMS = {"dataset", "artifact", "library", "pipeline", "stages", "batch"}
+FILE_ROOMS = {"dataset", "storage", "library", "pipeline", "stages", "batch"}
 
 # Third-party include prefix -> rooms whose .cc files may include it. Never in a header.
 FENCES = {

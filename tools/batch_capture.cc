@@ -18,10 +18,10 @@
 #include "commands.h"
 #include "console.h"
 #include "deepslam/artifact/map_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/batch/batch_state.h"
 #include "deepslam/eval/trajectory_error.h"
+#include "deepslam/storage/store.h"
 #include "run_capture.h"
 
 namespace deepslam::tools {
@@ -119,7 +119,7 @@ std::string HostName() {
 std::optional<batch::PathError> MeasurePath(const CaptureRunResult& result,
                                             const fs::path& workspace) {
   const char* stage = Stands(result.report, "optimize") ? "optimize" : "track";
-  const Result<std::string> text = artifact::ReadFile(workspace / stage / "trajectory.tum");
+  const Result<std::string> text = storage::ReadFile(workspace / stage / "trajectory.tum");
   if (!result.capture->has_poses || !text.ok()) return std::nullopt;
   const auto poses = artifact::DecodeTum(*text, "trajectory.tum");
   if (!poses.ok()) return std::nullopt;
@@ -149,7 +149,7 @@ std::int64_t BytesBelow(const fs::path& folder) {
 }
 
 void NoteMap(const fs::path& workspace, CaptureRecord& record) {
-  const Result<std::string> text = artifact::ReadFile(workspace / "export" / "map.json");
+  const Result<std::string> text = storage::ReadFile(workspace / "export" / "map.json");
   if (!text.ok()) return;
   const Result<CompactMap> map = artifact::DecodeMap(*text, "map.json");
   if (!map.ok()) return;
@@ -227,7 +227,7 @@ double NowSeconds() {
 Result<BatchWork> ReadWork(const fs::path& root) {
   BatchWork work;
   work.folder = {root};
-  const Result<std::string> text = artifact::ReadFile(work.folder.plan());
+  const Result<std::string> text = storage::ReadFile(work.folder.plan());
   if (!text.ok()) return text.error();
   Result<batch::BatchPlan> plan = batch::DecodePlan(*text, work.folder.plan().string());
   if (!plan.ok()) return plan.error();
@@ -242,16 +242,16 @@ Result<BatchWork> ReadWork(const fs::path& root) {
 
 Status WritePlan(const batch::BatchFolder& folder, const batch::BatchPlan& plan) {
   for (const fs::path& file : {folder.record("x"), folder.log("x")}) {
-    if (Status status = artifact::MakeFolders(file.parent_path()); !status.ok()) return status;
+    if (Status status = storage::MakeFolders(file.parent_path()); !status.ok()) return status;
   }
   const Result<std::string> text = batch::EncodePlan(plan, "plan.json");
   if (!text.ok()) return text.error();
-  return artifact::WriteFileAtomically(folder.plan(), *text);
+  return storage::WriteFileAtomically(folder.plan(), *text);
 }
 
 CaptureRecord ReadRecordOf(const batch::BatchFolder& folder, const batch::PlannedCapture& capture) {
   const fs::path file = folder.record(capture.name);
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (text.ok()) {
     Result<CaptureRecord> record = batch::DecodeRecord(*text, file.string());
     if (record.ok() && record->name == capture.name) return std::move(record).value();
@@ -266,7 +266,7 @@ Status WriteRecord(const batch::BatchFolder& folder, const CaptureRecord& record
   const fs::path file = folder.record(record.name);
   const Result<std::string> text = batch::EncodeRecord(record, file.string());
   if (!text.ok()) return text.error();
-  return artifact::WriteFileAtomically(file, *text);
+  return storage::WriteFileAtomically(file, *text);
 }
 
 Result<CaptureRecord> RunPlanned(const BatchWork& work,

@@ -24,12 +24,12 @@
 #include "commands.h"
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/batch/capture_list.h"
 #include "deepslam/batch/forecast.h"
 #include "deepslam/batch/progress_table.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/storage/store.h"
 #include "run_capture.h"
 
 namespace deepslam::tools {
@@ -80,7 +80,7 @@ class RootLock {
     }
     RootLock lock(fd);
     for (const fs::path& written : {folder.root, folder.internals()}) {
-      if (Status status = artifact::RemoveAsideFiles(written); !status.ok()) return status.error();
+      if (Status status = storage::RemoveAsideFiles(written); !status.ok()) return status.error();
     }
     return lock;
   }
@@ -280,7 +280,7 @@ void TellResult(const BatchFolder& folder, const BatchState& state) {
 // The same for programs.
 Status TellDocument(const BatchFolder& folder) {
   if (::isatty(STDOUT_FILENO) != 0) return Ok();
-  const Result<std::string> text = artifact::ReadFile(folder.batch_json());
+  const Result<std::string> text = storage::ReadFile(folder.batch_json());
   return text.ok() ? WriteResult("", *text) : Status(text.error());
 }
 
@@ -331,7 +331,7 @@ int Batch(const BatchArguments& arguments) {
     plan->num_threads = arguments.threads > 0 ? arguments.threads : kThreadsPerJob;
     if (Status status = CheckSlurm(); !status.ok()) return ReportError(status.error());
   }
-  if (Status status = artifact::MakeFolders(folder.internals()); !status.ok())
+  if (Status status = storage::MakeFolders(folder.internals()); !status.ok())
     return ReportError(status.error());
   const Result<RootLock> lock = RootLock::Take(folder);
   if (!lock.ok()) return ReportError(lock.error());
@@ -370,7 +370,7 @@ int Summarise(const std::string& root) {
   const Result<BatchWork> work = ReadWork(root);
   if (!work.ok()) return ReportError(work.error());
   BatchState state = FirstState(work->folder, work->plan);
-  if (const Result<std::string> text = artifact::ReadFile(work->folder.batch_json()); text.ok()) {
+  if (const Result<std::string> text = storage::ReadFile(work->folder.batch_json()); text.ok()) {
     const Result<BatchState> known = batch::DecodeBatch(*text, "batch.json");
     if (known.ok()) state.started_s = known->started_s;
     if (known.ok()) state.jobs = known->jobs;

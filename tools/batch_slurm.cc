@@ -18,8 +18,8 @@
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/batch/run_program.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -54,11 +54,11 @@ Status WriteJobs(const batch::BatchFolder& folder, const Jobs& jobs) {
   document.emplace("per_task", jobs.per_task);
   const Result<std::string> text = DumpJson(std::move(document), "jobs.json");
   if (!text.ok()) return text.error();
-  return artifact::WriteFileAtomically(folder.jobs(), *text);
+  return storage::WriteFileAtomically(folder.jobs(), *text);
 }
 
 Result<Jobs> ReadJobs(const batch::BatchFolder& folder) {
-  const Result<std::string> text = artifact::ReadFile(folder.jobs());
+  const Result<std::string> text = storage::ReadFile(folder.jobs());
   if (!text.ok()) return text.error();
   artifact::JsonReader reader(*text, folder.jobs().string(), kJobsFormat, kJobsVersion);
   Jobs jobs{reader.root()["array_id"].String(),
@@ -121,7 +121,7 @@ Result<Jobs> SubmitAll(const batch::BatchFolder& folder,
   batch.options = arguments.options;
   for (const auto& [file, text] : {std::pair(batch.script, batch::SlurmTaskScript()),
                                    std::pair(folder.internals() / "summary.sh", kSummaryScript)}) {
-    if (Status status = artifact::WriteFileAtomically(file, text); !status.ok())
+    if (Status status = storage::WriteFileAtomically(file, text); !status.ok())
       return status.error();
   }
   Jobs jobs;
@@ -227,7 +227,7 @@ Status WriteWaitingRecords(const batch::BatchFolder& folder, const batch::BatchS
 }
 
 bool SamePlan(const batch::BatchFolder& folder, const batch::BatchPlan& plan) {
-  const Result<std::string> text = artifact::ReadFile(folder.plan());
+  const Result<std::string> text = storage::ReadFile(folder.plan());
   const Result<std::string> wanted = batch::EncodePlan(plan, "plan.json");
   return text.ok() && wanted.ok() && *text == *wanted;
 }

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/report/batch_page.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -56,7 +56,7 @@ report::BatchRow MakeRow(const batch::BatchFolder& folder, const CaptureRecord& 
   const fs::path report = folder.root / record.name / "report";
   if (record.state == CaptureState::kDone && fs::exists(report / "index.html", error)) {
     row.report_link = record.name + "/report/index.html";
-    if (Result<std::string> bytes = artifact::ReadFile(report / "thumbnail.jpg"); bytes.ok())
+    if (Result<std::string> bytes = storage::ReadFile(report / "thumbnail.jpg"); bytes.ok())
       row.thumbnail.bytes = std::move(bytes).value();
   }
   return row;
@@ -75,7 +75,7 @@ std::string When(const batch::BatchState& state) {
 Status WriteBatchFile(const batch::BatchFolder& folder, const batch::BatchState& state) {
   const Result<std::string> text = batch::EncodeBatch(state, "batch.json");
   if (!text.ok()) return text.error();
-  return artifact::WriteFileAtomically(folder.batch_json(), *text);
+  return storage::WriteFileAtomically(folder.batch_json(), *text);
 }
 
 Status WriteBatchPage(const batch::BatchFolder& folder, const batch::BatchState& state) {
@@ -84,7 +84,7 @@ Status WriteBatchPage(const batch::BatchFolder& folder, const batch::BatchState&
   page.tool_version = state.tool_version;
   page.when = When(state);
   for (const CaptureRecord& record : state.captures) page.rows.push_back(MakeRow(folder, record));
-  return artifact::WriteFileAtomically(folder.page(), report::RenderBatchPage(page));
+  return storage::WriteFileAtomically(folder.page(), report::RenderBatchPage(page));
 }
 
 }  // namespace deepslam::tools

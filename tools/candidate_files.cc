@@ -5,7 +5,7 @@
 
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 #include "eval_data.h"
 
 namespace deepslam::tools {
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 Status AddCandidates(const fs::path& workspace, const std::string& stage, CandidateFiles& files) {
   const fs::path file = workspace / stage / "candidates.json";
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   const Result<Proposals> proposals = artifact::DecodeProposals(*text, file.string());
   if (!proposals.ok()) return proposals.error();
@@ -28,7 +28,7 @@ Status AddCandidates(const fs::path& workspace, const std::string& stage, Candid
 
 // Later stages have the last word.
 Status AddRegistrations(const fs::path& file, CandidateFiles& files) {
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   const auto registrations = artifact::DecodeRegistrations(*text, file.string());
   if (!registrations.ok()) return registrations.error();

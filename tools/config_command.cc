@@ -6,9 +6,9 @@
 #include "commands.h"
 #include "console.h"
 #include "deepslam/artifact/class_table_yaml.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -73,7 +73,7 @@ Result<stages::Config> ReadConfig(const ConfigSources& sources) {
     if (!status.ok()) faults += (faults.empty() ? "" : "\n") + status.error().message;
   };
   for (const std::string& file : sources.files) {
-    const Result<std::string> text = artifact::ReadFile(file);
+    const Result<std::string> text = storage::ReadFile(file);
     note(text.ok() ? pipeline::ApplyYaml(sections, *text, file) : Status(text.error()));
   }
   note(pipeline::ApplySettings(sections, sources.settings));
@@ -82,7 +82,7 @@ Result<stages::Config> ReadConfig(const ConfigSources& sources) {
 }
 
 Status WriteResult(const std::string& file, const std::string& text) {
-  if (!file.empty()) return artifact::WriteFileAtomically(file, text);
+  if (!file.empty()) return storage::WriteFileAtomically(file, text);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     return Failed("standard output: cannot write");
   }

@@ -9,7 +9,6 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/ply.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture_settings.h"
 #include "deepslam/dataset/image_files.h"
@@ -19,6 +18,7 @@
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/voxelize.h"
 #include "deepslam/stages/stage_inputs.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -100,7 +100,7 @@ Status FillShape(const fs::path& mesh_file, TrueObject& object) {
 }
 
 Result<std::vector<TrueObject>> ReadObjects(const fs::path& file) {
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   JsonReader reader(*text, file.string(), "", 0);
   std::vector<TrueObject> objects;
@@ -125,7 +125,7 @@ Result<std::vector<TrueObject>> ReadObjects(const fs::path& file) {
 
 Result<PinholeCamera> CameraOf(const fs::path& capture) {
   const fs::path file = capture / "capture.yaml";
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   const Result<dataset::CaptureSettings> settings = dataset::ParseCaptureSettings(*text, file);
   if (!settings.ok()) return settings.error();
@@ -208,7 +208,7 @@ Result<MappedObject> ReadMapped(const fs::path& workspace,
 }  // namespace
 
 Result<std::vector<eval::TimedPose>> ReadTum(const fs::path& file) {
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   const auto decoded = artifact::DecodeTum(*text, file.string());
   if (!decoded.ok()) return decoded.error();
@@ -221,7 +221,7 @@ Result<std::vector<eval::TimedPose>> ReadTum(const fs::path& file) {
 Result<std::vector<eval::TimedPose>> ReadCaptureTum(const fs::path& file) {
   Result<std::vector<eval::TimedPose>> strict = ReadTum(file);
   if (strict.ok()) return strict;
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   std::vector<std::string> warnings;
   const Result<std::vector<dataset::TimedPose>> parsed = dataset::ParsePoses(*text, file, warnings);
@@ -234,7 +234,7 @@ Result<std::vector<eval::TimedPose>> ReadCaptureTum(const fs::path& file) {
 }
 
 Result<VoxelGrid> ReadGrid(const fs::path& file) {
-  const Result<std::string> bytes = artifact::ReadFile(file);
+  const Result<std::string> bytes = storage::ReadFile(file);
   if (!bytes.ok()) return bytes.error();
   Result<VoxelGrid> grid = shape::ReadBinvox(*bytes);
   if (!grid.ok()) return InvalidInput(file.string() + ": " + grid.error().message);
@@ -242,7 +242,7 @@ Result<VoxelGrid> ReadGrid(const fs::path& file) {
 }
 
 Result<TriangleMesh> ReadPlyMesh(const fs::path& file) {
-  const Result<std::string> bytes = artifact::ReadFile(file);
+  const Result<std::string> bytes = storage::ReadFile(file);
   if (!bytes.ok()) return bytes.error();
   Result<artifact::PlyMesh> ply = artifact::DecodePly(*bytes, file.string());
   if (!ply.ok()) return ply.error();
@@ -285,7 +285,7 @@ Result<MapResult> ReadMapResult(const fs::path& workspace, const Truth& truth) {
                                     error.error().message));
   result.trajectory = std::move(error).value();
   const fs::path file = workspace / "optimize" / "objects.json";
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   const Result<ObjectMap> map = artifact::DecodeObjectMap(*text, file.string());
   if (!map.ok()) return map.error();

@@ -8,9 +8,9 @@
 
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/eval/detection_match.h"
+#include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -55,7 +55,7 @@ void AddCounts(const Counts& counts, JsonObject& row) {
 
 Result<artifact::DetectionTable> ReadDetections(const fs::path& workspace) {
   const fs::path file = workspace / "detect" / "detections.json";
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   return artifact::DecodeDetections(*text, file.string());
 }

@@ -12,13 +12,13 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/segments_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/eval/held_out.h"
 #include "deepslam/mesh/extract_surface.h"
 #include "deepslam/pipeline/consistency.h"
 #include "deepslam/stages/stage_inputs.h"
+#include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -41,7 +41,7 @@ struct Inputs {
 
 template <typename Value, typename Decode>
 Result<Value> DecodeFile(const fs::path& file, Decode decode) {
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   return decode(*text, file.string());
 }
@@ -51,7 +51,7 @@ Result<ObjectMap> ReadMap(const fs::path& workspace) {
 }
 
 Result<std::string> ReadTracking(const fs::path& workspace) {
-  return artifact::ReadFile(workspace / "track" / "trajectory.tum");
+  return storage::ReadFile(workspace / "track" / "trajectory.tum");
 }
 
 std::set<FrameIdx> FramesOf(const MapObject& object) {

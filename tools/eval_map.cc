@@ -6,11 +6,11 @@
 #include <CLI/CLI.hpp>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture.h"
 #include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/tsdf.h"
+#include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -92,10 +92,9 @@ Result<Points> FusedPoints(const MapResult& map, const Truth& truth) {
 Result<std::int64_t> CountCloudPoints(const fs::path& workspace, const fs::path& capture_folder) {
   const Result<dataset::Capture> capture = dataset::OpenCapture(capture_folder);
   if (!capture.ok()) return capture.error();
-  const Result<std::string> frames_json =
-      artifact::ReadFile(workspace / "optimize" / "frames.json");
+  const Result<std::string> frames_json = storage::ReadFile(workspace / "optimize" / "frames.json");
   if (!frames_json.ok()) return frames_json.error();
-  const Result<std::string> tum = artifact::ReadFile(workspace / "optimize" / "trajectory.tum");
+  const Result<std::string> tum = storage::ReadFile(workspace / "optimize" / "trajectory.tum");
   if (!tum.ok()) return tum.error();
   const auto table = artifact::DecodeTrajectory(
       *frames_json, *tum, (workspace / "optimize" / "frames.json").string());

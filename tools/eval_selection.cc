@@ -10,10 +10,10 @@
 #include "candidate_files.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/scene_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/eval/shape_similarity.h"
 #include "deepslam/shape/stretch.h"
+#include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -62,7 +62,7 @@ Result<Proposed> ReadProposed(const fs::path& workspace, const Truth& truth) {
   if (!files.ok()) return files.error();
   Proposed proposed{std::move(files).value(), {}};
   const fs::path poses_file = workspace / "track" / "trajectory.tum";
-  const Result<std::string> tum = artifact::ReadFile(poses_file);
+  const Result<std::string> tum = storage::ReadFile(poses_file);
   if (!tum.ok()) return tum.error();
   const auto decoded = artifact::DecodeTum(*tum, poses_file.string());
   if (!decoded.ok()) return decoded.error();

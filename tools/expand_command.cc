@@ -6,10 +6,10 @@
 #include "commands.h"
 #include "console.h"
 #include "deepslam/artifact/map_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/expand.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -23,7 +23,7 @@ struct Arguments {
 };
 
 Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
-  const Result<std::string> text = artifact::ReadFile(arguments.map);
+  const Result<std::string> text = storage::ReadFile(arguments.map);
   if (!text.ok()) return text.error();
   map_bytes = text->size();
   if (text->starts_with("glTF")) {
@@ -52,7 +52,7 @@ int Run(const Arguments& arguments) {
   std::size_t map_bytes = 0;
   const Result<std::string> glb = Expand(arguments, map_bytes);
   if (!glb.ok()) return ReportError(glb.error());
-  if (Status status = artifact::WriteFileAtomically(arguments.out, *glb); !status.ok()) {
+  if (Status status = storage::WriteFileAtomically(arguments.out, *glb); !status.ok()) {
     return ReportError(status.error());
   }
   LogInfo(

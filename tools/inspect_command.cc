@@ -11,9 +11,9 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/scene_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/gltf/validate.h"
 #include "deepslam/stages/scene_check.h"
+#include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_silhouettes.h"
 
@@ -78,7 +78,7 @@ Result<std::optional<CompactMap>> ReadMapOf(const ValidateArguments& arguments) 
     std::error_code error;
     if (!fs::exists(file, error)) return std::optional<CompactMap>();
   }
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   Result<CompactMap> map = artifact::DecodeMap(*text, file.string());
   if (!map.ok()) return map.error();
@@ -87,7 +87,7 @@ Result<std::optional<CompactMap>> ReadMapOf(const ValidateArguments& arguments) 
 }
 
 int Validate(const ValidateArguments& arguments) {
-  const Result<std::string> bytes = artifact::ReadFile(arguments.file);
+  const Result<std::string> bytes = storage::ReadFile(arguments.file);
   if (!bytes.ok()) return ReportError(bytes.error());
   const Result<std::optional<CompactMap>> map = ReadMapOf(arguments);
   if (!map.ok()) return ReportError(map.error());

@@ -7,11 +7,11 @@
 
 #include "commands.h"
 #include "console.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/storage/store.h"
 #include "synth_capture.h"
 
 namespace deepslam::tools {
@@ -37,7 +37,7 @@ struct LibraryArguments {
 // Hash of everything the library depends on.
 Result<std::string> SourceHash(const LibraryArguments& arguments,
                                const std::vector<std::string>& withheld) {
-  const Result<std::string> catalogues = artifact::HashFolder(arguments.catalogues);
+  const Result<std::string> catalogues = storage::HashFolder(arguments.catalogues);
   if (!catalogues.ok()) return catalogues.error();
   std::string text = fmt::format("{} {}", stages::kToolVersion, *catalogues);
   for (const std::string& id : withheld) text += "\n" + id;
@@ -76,13 +76,13 @@ int BuildLibrary(const LibraryArguments& arguments) {
         "folder with --catalogues"));
   }
   const fs::path stamp = out.string() + std::string(kSourceStamp);
-  const Result<std::string> made_from = artifact::ReadFile(stamp);
+  const Result<std::string> made_from = storage::ReadFile(stamp);
   if (!arguments.force && made_from.ok() && *made_from == *source &&
       library::LoadLibrary(out).ok()) {
     LogInfo(fmt::format("{} is up to date", out.string()));
     return kExitOk;
   }
-  if (Status status = artifact::MakeFolders(out.parent_path()); !status.ok())
+  if (Status status = storage::MakeFolders(out.parent_path()); !status.ok())
     return ReportError(status.error());
   CatchStopSignals();
   ConsoleListener listener(ParseProgressStyle("auto"), false);
@@ -101,7 +101,7 @@ int BuildLibrary(const LibraryArguments& arguments) {
       "library",
       fmt::format("{} models of {} catalogue items{}", total, summary->num_catalogue_items, line),
       {SecondsSince(start), 0, 0});
-  if (Status status = artifact::WriteFileAtomically(stamp, *source); !status.ok())
+  if (Status status = storage::WriteFileAtomically(stamp, *source); !status.ok())
     return ReportError(status.error());
   return kExitOk;
 }

@@ -9,12 +9,12 @@
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/kept_frames.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/prepared_models.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -57,10 +57,10 @@ Status WriteTimingPage(std::span<const pipeline::StageTiming> timings,
   }
   const Result<std::string> json = DumpJson(std::move(rows), kTimingPage);
   if (!json.ok()) return json.error();
-  return artifact::WriteFileAtomically(workspace / kTimingPage,
-                                       "<!DOCTYPE html><meta charset=utf-8><title>times</title>"
-                                       "<script>\nparent.postMessage({deepslamTiming: " +
-                                           *json + "}, '*');\n</script>\n");
+  return storage::WriteFileAtomically(workspace / kTimingPage,
+                                      "<!DOCTYPE html><meta charset=utf-8><title>times</title>"
+                                      "<script>\nparent.postMessage({deepslamTiming: " +
+                                          *json + "}, '*');\n</script>\n");
 }
 
 // Opening waits for the disk and works by itself at times, in which models are hashed.
@@ -86,7 +86,7 @@ Result<Overrides> ReadOverrides(const fs::path& workspace, const fs::path& named
     std::error_code error;
     if (!fs::exists(file, error)) return Overrides{};
   }
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   return artifact::DecodeOverrides(*text, file.filename().string());
 }

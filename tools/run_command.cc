@@ -11,12 +11,12 @@
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/utf8.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
+#include "deepslam/storage/store.h"
 #include "run_capture.h"
 
 namespace deepslam::tools {
@@ -119,7 +119,7 @@ JsonValue ToJson(const pipeline::StageReport& report) {
 int ShowStatus(const std::string& workspace) {
   stages::Config config;
   if (const Result<std::string> record =
-          artifact::ReadFile(std::filesystem::path(workspace) / kRunFile);
+          storage::ReadFile(std::filesystem::path(workspace) / kRunFile);
       record.ok()) {
     Result<stages::Config> decoded = DecodeRun(*record);
     if (decoded.ok()) {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "deepslam/artifact/npy.h"
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
 namespace {
@@ -38,7 +38,7 @@ Result<TrainingShards> TrainingShards::Create(const fs::path& folder,
   shards.folder_ = folder.has_filename() ? folder : folder.parent_path();
   shards.aside_ = shards.folder_.string() + ".partial";
   fs::remove_all(shards.aside_, code);
-  if (Status status = artifact::MakeFolders(shards.aside_); !status.ok()) return status.error();
+  if (Status status = storage::MakeFolders(shards.aside_); !status.ok()) return status.error();
   const std::size_t n = num_views;
   struct Array {
     std::string_view name;
@@ -157,8 +157,7 @@ Status TrainingShards::Finish(std::uint64_t seed, bool faults) {
   document.emplace("models", std::move(models_));
   const Result<std::string> text = artifact::DumpJson(std::move(document), "training_views.json");
   if (!text.ok()) return text.error();
-  if (Status status = artifact::WriteFileSynced(aside_ / "training_views.json", *text);
-      !status.ok())
+  if (Status status = storage::WriteFileSynced(aside_ / "training_views.json", *text); !status.ok())
     return status;
   std::error_code code;
   fs::remove(folder_, code);  // empty, or not there

@@ -60,11 +60,10 @@ inline Odometry SampleOdometry() {
 
 // odometry.g2o.
 inline Result<std::string> G2oText(const Odometry& odometry) {
-  return artifact::Whole(
-      [&](const artifact::TextSink& sink) { return artifact::EncodeG2o(odometry, "file", sink); });
+  return WholeText(
+      [&](const TextSink& sink) { return artifact::EncodeG2o(odometry, "file", sink); });
 }
-inline Result<std::vector<RelativePose>> G2oEdges(artifact::TextSource text,
-                                                  std::string_view name) {
+inline Result<std::vector<RelativePose>> G2oEdges(TextSource text, std::string_view name) {
   std::vector<RelativePose> edges;
   const Status read =
       artifact::DecodeG2oEdges(std::move(text), name, [&](const RelativePose& edge) {
@@ -94,9 +93,8 @@ inline Result<std::string> FramesText(const Odometry& odometry) {
 
 // segments.json.
 inline Result<std::string> SegmentsText(const std::vector<Segment>& segments) {
-  return artifact::Whole([&](const artifact::TextSink& sink) {
-    return artifact::EncodeSegments(segments, "file", sink);
-  });
+  return WholeText(
+      [&](const TextSink& sink) { return artifact::EncodeSegments(segments, "file", sink); });
 }
 
 inline Ground SampleGround() {

@@ -1,5 +1,5 @@
 // Texts that come by pieces say what the whole of them says, wherever a piece ends.
-#include "deepslam/artifact/text_pieces.h"
+#include "deepslam/core/text_pieces.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/propose/shape_prior.h"
 #include "deepslam/refine/refine_latents.h"
+#include "deepslam/storage/store.h"
 #include "support/furniture_world.h"
 
 namespace deepslam {
@@ -29,9 +29,9 @@ std::vector<refine::PlacedView> Placed(const FurnitureWorld& world,
 Result<std::unique_ptr<propose::ShapePrior>> LoadChair() {
   const std::filesystem::path folder =
       std::filesystem::path(DEEPSLAM_SOURCE_DIR) / "configs" / "priors" / "chair";
-  const Result<std::string> sketch = artifact::ReadFile(folder / "sketch.onnx");
-  const Result<std::string> encoder = artifact::ReadFile(folder / "encoder.onnx");
-  const Result<std::string> decoder = artifact::ReadFile(folder / "decoder.onnx");
+  const Result<std::string> sketch = storage::ReadFile(folder / "sketch.onnx");
+  const Result<std::string> encoder = storage::ReadFile(folder / "encoder.onnx");
+  const Result<std::string> decoder = storage::ReadFile(folder / "decoder.onnx");
   for (const Result<std::string>* bytes : {&sketch, &encoder, &decoder}) {
     if (!bytes->ok()) return bytes->error();
   }

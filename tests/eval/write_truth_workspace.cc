@@ -17,10 +17,10 @@
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
 #include "deepslam/artifact/scene_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam {
 namespace {
@@ -35,8 +35,8 @@ T Must(Result<T> result) {
 }
 
 void Write(const fs::path& file, const std::string& bytes) {
-  const Status folders = artifact::MakeFolders(file.parent_path());
-  const Status written = artifact::WriteFileAtomically(file, bytes);
+  const Status folders = storage::MakeFolders(file.parent_path());
+  const Status written = storage::WriteFileAtomically(file, bytes);
   if (folders.ok() && written.ok()) return;
   std::fprintf(stderr, "%s cannot be written\n", file.c_str());
   std::exit(1);
@@ -60,7 +60,7 @@ void Turn(int turns, TrueObject& object) {
 
 std::vector<TrueObject> ReadTruth(const fs::path& capture, int turns) {
   const fs::path file = capture / "truth" / "objects.json";
-  const std::string text = Must(artifact::ReadFile(file));
+  const std::string text = Must(storage::ReadFile(file));
   artifact::JsonReader reader(text, file.string(), "", 0);
   std::vector<TrueObject> objects;
   for (const artifact::JsonNode& node : reader.root()["objects"].Items()) {
@@ -69,7 +69,7 @@ std::vector<TrueObject> ReadTruth(const fs::path& capture, int turns) {
     object.scale_m = node["scale_m"].Number();
     object.world_from_object = artifact::ReadPose(node);
     const fs::path mesh = capture / "truth" / node["mesh"].String();
-    object.mesh = Must(artifact::DecodePly(Must(artifact::ReadFile(mesh)), mesh.string())).mesh;
+    object.mesh = Must(artifact::DecodePly(Must(storage::ReadFile(mesh)), mesh.string())).mesh;
     object.grid = Must(shape::Voxelize(object.mesh));
     Turn(turns, object);
     objects.push_back(std::move(object));
@@ -86,7 +86,7 @@ ViewRegistration OneView() {
 }
 
 void WriteWorkspace(const fs::path& capture, const fs::path& workspace, int turns) {
-  const std::string poses = Must(artifact::ReadFile(capture / "groundtruth.txt"));
+  const std::string poses = Must(storage::ReadFile(capture / "groundtruth.txt"));
   Write(workspace / "track" / "trajectory.tum", poses);
   Write(workspace / "optimize" / "trajectory.tum", poses);
   ObjectMap map;

@@ -8,11 +8,11 @@
 
 #include <gmock/gmock.h>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/pipeline/consistency.h"
 #include "deepslam/pipeline/drop.h"
 #include "deepslam/pipeline/runner.h"
 #include "deepslam/pipeline/workspace.h"
+#include "deepslam/storage/store.h"
 #include "support/temp_dir.h"
 
 namespace deepslam::pipeline {
@@ -69,7 +69,7 @@ struct Chain {
     const auto c = [](StageContext& context) -> Result<StageSummary> {
       const Result<std::string> text = context.Read("b", "deep/b.txt");
       if (!text.ok()) return text.error();
-      const auto write = [&](const artifact::TextSink& sink) {
+      const auto write = [&](const TextSink& sink) {
         const Status s = sink(std::string_view(*text).substr(0, 1));
         return s.ok() ? sink(std::string_view(*text).substr(1)) : s;
       };

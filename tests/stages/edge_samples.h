@@ -32,7 +32,7 @@ inline std::vector<RelativePose> SampleEdges(int count) {
 inline std::shared_ptr<const ShelvedEdges> ShelfOf(const std::vector<RelativePose>& edges,
                                                    const std::filesystem::path& folder) {
   const auto shelf =
-      std::make_shared<stages::ShelfOfEdges>(std::make_shared<artifact::ScratchFile>(folder));
+      std::make_shared<stages::ShelfOfEdges>(std::make_shared<storage::ScratchFile>(folder));
   EXPECT_TRUE(shelf->Add(edges).ok());
   return shelf;
 }

@@ -69,8 +69,8 @@ TEST(ShelfOfEdges, ComeBehindThoseThatAreHeld) {
 // As a disk that fails would have it.
 TEST(ShelfOfEdges, WhatTheMachineDoesNotGiveJoinsNothing) {
   const TempDir dir;
-  const auto file = std::make_shared<artifact::ScratchFile>(dir.path());
-  const auto other = std::make_shared<artifact::ScratchFile>(dir.path());
+  const auto file = std::make_shared<storage::ScratchFile>(dir.path());
+  const auto other = std::make_shared<storage::ScratchFile>(dir.path());
   ShelfOfEdges shelf(file);
   ASSERT_TRUE(shelf.Add(SampleEdges(256)).ok());
   RelativePose edge;

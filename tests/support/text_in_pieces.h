@@ -5,15 +5,15 @@
 #include <string>
 #include <string_view>
 
-#include "deepslam/artifact/text_pieces.h"
+#include "deepslam/core/text_pieces.h"
 
 namespace deepslam::testing_support {
 
-inline artifact::TextSource InPieces(std::string_view text, std::size_t num_bytes) {
-  return artifact::TextSource([text = std::string(text),
-                               piece = std::string(),
-                               at = std::size_t{0},
-                               num_bytes]() mutable -> Result<std::string_view> {
+inline TextSource InPieces(std::string_view text, std::size_t num_bytes) {
+  return TextSource([text = std::string(text),
+                     piece = std::string(),
+                     at = std::size_t{0},
+                     num_bytes]() mutable -> Result<std::string_view> {
     piece.assign(text, at, num_bytes);
     at += piece.size();
     return std::string_view(piece);

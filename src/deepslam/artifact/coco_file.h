@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "deepslam/artifact/detections_json.h"
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/object_class.h"
 

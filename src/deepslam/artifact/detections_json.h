@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/object_class.h"
 

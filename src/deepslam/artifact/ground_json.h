@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/ground.h"
 
 namespace deepslam::artifact {

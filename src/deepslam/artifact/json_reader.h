@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 
 namespace deepslam::artifact {
 

@@ -392,7 +392,7 @@ Status DumpJson(const JsonValue& value, std::string_view name, const TextSink& s
 }
 
 Result<std::string> DumpJson(const JsonValue& value, std::string_view name) {
-  return Whole([&](const TextSink& sink) { return DumpJson(value, name, sink); });
+  return WholeText([&](const TextSink& sink) { return DumpJson(value, name, sink); });
 }
 
 }  // namespace deepslam::artifact

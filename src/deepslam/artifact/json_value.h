@@ -13,8 +13,8 @@
 #include <variant>
 #include <vector>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 
 namespace deepslam::artifact {
 

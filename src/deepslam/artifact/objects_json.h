@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/object_map.h"
 
 namespace deepslam::artifact {

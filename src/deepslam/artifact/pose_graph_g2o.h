@@ -7,8 +7,8 @@
 #include <functional>
 #include <string_view>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam::artifact {

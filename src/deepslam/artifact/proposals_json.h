@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/shape_candidate.h"
 
 namespace deepslam::artifact {

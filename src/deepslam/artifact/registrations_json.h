@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/scene/registration.h"
 
 namespace deepslam::artifact {

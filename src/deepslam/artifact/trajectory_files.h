@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "deepslam/artifact/pose_graph_g2o.h"
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/scene/trajectory.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::batch {
 namespace {
@@ -184,7 +184,7 @@ Result<std::vector<ListedCapture>> FindOne(const std::string& argument, const st
   if (!error && size > kMaxListBytes) {
     return InvalidInput(fmt::format("{}: {} bytes are no list of captures", argument, size));
   }
-  const Result<std::string> text = artifact::ReadFile(path);
+  const Result<std::string> text = storage::ReadFile(path);
   if (!text.ok()) return text.error();
   return ReadCaptureList(*text, argument, Absolute(path).parent_path());
 }

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/pipeline/manifest.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::pipeline {
 namespace {
@@ -19,7 +19,7 @@ std::map<std::string, Manifest> ReadManifests(const fs::path& workspace) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(workspace, error)) {
     const fs::path file = entry.path() / kManifestFile;
-    const Result<std::string> text = artifact::ReadFile(file);
+    const Result<std::string> text = storage::ReadFile(file);
     if (!text.ok()) continue;
     Result<Manifest> manifest = DecodeManifest(*text, file.string());
     if (manifest.ok()) manifests.emplace(entry.path().filename(), std::move(manifest).value());

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/pipeline/drop.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::pipeline {
 namespace {
@@ -40,7 +40,7 @@ std::vector<std::string> DamagedOutputs(const fs::path& folder, const Manifest& 
       reasons.push_back(fmt::format("output missing: {}", file));
       continue;
     }
-    const Result<std::string> hash = artifact::HashFile(folder / file);
+    const Result<std::string> hash = storage::HashFile(folder / file);
     if (size != output.num_bytes || !hash.ok() || *hash != output.sha256) {
       reasons.push_back(fmt::format("output damaged: {}", file));
     }
@@ -84,7 +84,7 @@ Decision Decide(const fs::path& workspace, const Manifest& expected) {
     decision.reasons.emplace_back("missing");
     return decision;
   }
-  const Result<std::string> text = artifact::ReadFile(folder / kManifestFile);
+  const Result<std::string> text = storage::ReadFile(folder / kManifestFile);
   const std::string name = fmt::format("{}/{}", expected.stage, kManifestFile);
   Result<Manifest> found = text.ok() ? DecodeManifest(*text, name) : Result<Manifest>(text.error());
   if (!found.ok()) {

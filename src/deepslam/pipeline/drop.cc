@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/pipeline/manifest.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::pipeline {
 namespace {
@@ -27,7 +27,7 @@ Status DropOutputs(const fs::path& workspace, const std::string& stage) {
   const Result<std::string> text =
       DumpJson(artifact::NewDocument(kFormat, kVersion), kDroppedFile);
   if (!text.ok()) return text.error();
-  if (Status status = artifact::WriteFileAtomically(folder / kDroppedFile, *text); !status.ok())
+  if (Status status = storage::WriteFileAtomically(folder / kDroppedFile, *text); !status.ok())
     return status;
   std::vector<fs::path> files;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {

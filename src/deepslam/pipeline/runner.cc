@@ -22,11 +22,11 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/freed_memory.h"
 #include "deepslam/pipeline/decide.h"
 #include "deepslam/pipeline/drop.h"
 #include "deepslam/pipeline/workspace.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::pipeline {
 namespace {
@@ -73,7 +73,7 @@ Status PutInPlaceOf(const fs::path& partial, const fs::path& target) {
     if (!error) fs::rename(partial, target, error);
   }
   if (error) return CannotRename(target, error);
-  if (Status status = artifact::SyncFolder(target.parent_path()); !status.ok()) return status;
+  if (Status status = storage::SyncFolder(target.parent_path()); !status.ok()) return status;
   fs::remove_all(old, error);
   return Ok();
 }
@@ -82,8 +82,8 @@ Status PutInPlaceOf(const fs::path& partial, const fs::path& target) {
 Status SyncStage(const fs::path& folder, const std::vector<std::string>& files) {
   std::vector<fs::path> paths;
   for (const std::string& file : files) paths.push_back(folder / file);
-  if (Status status = artifact::SyncFiles(paths); !status.ok()) return status;
-  return artifact::SyncFolder(folder);
+  if (Status status = storage::SyncFiles(paths); !status.ok()) return status;
+  return storage::SyncFolder(folder);
 }
 
 // A stage in its place whose files are on their way to the disk.
@@ -92,7 +92,7 @@ class Syncing {
   Syncing(fs::path folder, std::vector<std::string> files)
       : folder_(std::move(folder)), done_(std::async(std::launch::async, [this, files] {
           if (Status status = SyncStage(folder_, files); !status.ok()) return status;
-          return artifact::SyncFolder(folder_.parent_path());
+          return storage::SyncFolder(folder_.parent_path());
         })) {}
 
   // To be asked once. What may not be on the disk is taken away.
@@ -252,7 +252,7 @@ class Run {
   Result<Timing> Make(const Stage& stage, Manifest& manifest) {
     const fs::path partial =
         request_.workspace / fmt::format("{}.partial-{}", stage.name, ::getpid());
-    if (Status status = artifact::MakeFolders(partial); !status.ok()) return status.error();
+    if (Status status = storage::MakeFolders(partial); !status.ok()) return status.error();
     Result<Timing> timing = MakeIn(partial, stage, manifest);
     std::error_code ignored;
     fs::remove_all(partial, ignored);  // what an error left; nothing after a success
@@ -278,7 +278,7 @@ class Run {
     if (!manifest_text.ok()) return manifest_text.error();
     for (const auto& [file, text] :
          {std::pair(kTimingFile, &*timing_text), std::pair(kManifestFile, &*manifest_text)}) {
-      if (Status status = artifact::WriteFileUnsynced(partial / file, *text); !status.ok())
+      if (Status status = storage::WriteFileUnsynced(partial / file, *text); !status.ok())
         return status.error();
     }
     if (Status status = Place(partial, stage, manifest); !status.ok()) return status.error();
@@ -319,7 +319,7 @@ std::vector<std::string> Names(std::span<const Stage> stages) {
 }
 
 std::optional<Timing> ReadTiming(const fs::path& folder) {
-  const Result<std::string> text = artifact::ReadFile(folder / kTimingFile);
+  const Result<std::string> text = storage::ReadFile(folder / kTimingFile);
   if (!text.ok()) return std::nullopt;
   const Result<Timing> found = DecodeTiming(*text, kTimingFile);
   return found.ok() ? std::optional(*found) : std::nullopt;
@@ -337,7 +337,7 @@ Result<RunReport> RunStages(std::span<const Stage> stages,
       Workspace::Open(request.workspace, names, request.lock_patience_s);
   if (!workspace.ok()) return workspace.error();
   for (const auto& [file, bytes] : request.notes) {
-    if (Status status = artifact::WriteFileAtomically(request.workspace / file, bytes);
+    if (Status status = storage::WriteFileAtomically(request.workspace / file, bytes);
         !status.ok()) {
       return status.error();
     }

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/sha256.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::pipeline {
 
@@ -26,38 +26,37 @@ std::filesystem::path StageContext::PathTo(std::string_view stage, std::string_v
 }
 
 Result<std::string> StageContext::Read(std::string_view stage, std::string_view file) const {
-  return artifact::ReadFile(PathTo(stage, file));
+  return storage::ReadFile(PathTo(stage, file));
 }
 
-Result<artifact::TextSource> StageContext::Open(std::string_view stage,
-                                                std::string_view file) const {
-  return artifact::OpenText(PathTo(stage, file));
+Result<TextSource> StageContext::Open(std::string_view stage, std::string_view file) const {
+  return storage::OpenText(PathTo(stage, file));
 }
 
 Status StageContext::Write(std::string_view file, std::string_view bytes) {
-  return Write(file, [bytes](const artifact::TextSink& sink) { return sink(bytes); });
+  return Write(file, [bytes](const TextSink& sink) { return sink(bytes); });
 }
 
-Status StageContext::Write(std::string_view file, const artifact::TextWriter& text) {
+Status StageContext::Write(std::string_view file, const TextWriter& text) {
   const std::filesystem::path path = folder_ / file;
-  if (Status status = artifact::MakeFolders(path.parent_path()); !status.ok()) return status;
+  if (Status status = storage::MakeFolders(path.parent_path()); !status.ok()) return status;
   Sha256 hash;
   std::uintmax_t num_bytes = 0;
-  const auto hashed = [&](const artifact::TextSink& to_file) {
+  const auto hashed = [&](const TextSink& to_file) {
     return text([&](std::string_view piece) {
       hash.Update(piece);
       num_bytes += piece.size();
       return to_file(piece);
     });
   };
-  if (Status status = artifact::WriteFileUnsynced(path, hashed); !status.ok()) return status;
+  if (Status status = storage::WriteFileUnsynced(path, hashed); !status.ok()) return status;
   outputs_[std::string(file)] = {hash.HexDigest(), num_bytes};
   return Ok();
 }
 
-std::shared_ptr<artifact::ScratchFile> StageContext::Scratch() const {
+std::shared_ptr<storage::ScratchFile> StageContext::Scratch() const {
   const std::lock_guard<std::mutex> lock(scratch_mutex_);
-  return scratch_.emplace_back(std::make_shared<artifact::ScratchFile>(folder_));
+  return scratch_.emplace_back(std::make_shared<storage::ScratchFile>(folder_));
 }
 
 std::optional<Error> StageContext::scratch_fault() const {

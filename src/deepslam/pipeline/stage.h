@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
-#include "deepslam/artifact/scratch_file.h"
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
+#include "deepslam/storage/scratch_file.h"
 
 namespace deepslam::pipeline {
 
@@ -44,14 +44,13 @@ class StageContext {
   // relative to its folder.
   [[nodiscard]] Result<std::string> Read(std::string_view stage, std::string_view file) const;
   // The same by pieces, for texts that grow with the capture.
-  [[nodiscard]] Result<artifact::TextSource> Open(std::string_view stage,
-                                                  std::string_view file) const;
+  [[nodiscard]] Result<TextSource> Open(std::string_view stage, std::string_view file) const;
   // Writes a file of this stage's output, `file` relative ("models/a.binvox").
   [[nodiscard]] Status Write(std::string_view file, std::string_view bytes);
-  [[nodiscard]] Status Write(std::string_view file, const artifact::TextWriter& text);
+  [[nodiscard]] Status Write(std::string_view file, const TextWriter& text);
   // A file for the time of the stage, beside what it writes. A stage that could not read it back is
   // failed when it is done. Thread-safe.
-  [[nodiscard]] std::shared_ptr<artifact::ScratchFile> Scratch() const;
+  [[nodiscard]] std::shared_ptr<storage::ScratchFile> Scratch() const;
   // The stages whose files may be read, in the order declared.
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
   [[nodiscard]] Progress& progress() const { return progress_; }
@@ -70,7 +69,7 @@ class StageContext {
   Progress& progress_;
   std::map<std::string, OutputFile> outputs_;
   mutable std::mutex scratch_mutex_;
-  mutable std::vector<std::shared_ptr<artifact::ScratchFile>> scratch_;
+  mutable std::vector<std::shared_ptr<storage::ScratchFile>> scratch_;
 };
 
 struct Stage {

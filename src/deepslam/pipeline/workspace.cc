@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::pipeline {
 namespace {
@@ -42,9 +42,9 @@ Status RemoveLeftovers(const fs::path& folder, std::span<const std::string> stag
       return Failed(fmt::format("{}: cannot remove: {}", leftover.string(), error.message()));
   }
   for (const std::string& stage : stage_names) {
-    if (Status status = artifact::RemoveAsideFiles(folder / stage); !status.ok()) return status;
+    if (Status status = storage::RemoveAsideFiles(folder / stage); !status.ok()) return status;
   }
-  return artifact::RemoveAsideFiles(folder);
+  return storage::RemoveAsideFiles(folder);
 }
 
 Status WriteWorkspaceFile(const fs::path& folder) {
@@ -52,7 +52,7 @@ Status WriteWorkspaceFile(const fs::path& folder) {
   const Result<std::string> text =
       DumpJson(artifact::NewDocument(kFormat, kWorkspaceVersion), kWorkspaceFile);
   if (!text.ok()) return text.error();
-  return artifact::WriteFileAtomically(folder / kWorkspaceFile, *text);
+  return storage::WriteFileAtomically(folder / kWorkspaceFile, *text);
 }
 
 // False when another process still has it after that time.
@@ -116,7 +116,7 @@ Status CheckWorkspace(const fs::path& folder, bool may_be_missing) {
     if (may_be_missing) return Ok();
     return InvalidInput(fmt::format("{}: is no workspace of deepslam", folder.string()));
   }
-  const Result<std::string> text = artifact::ReadFile(file);
+  const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   artifact::JsonReader reader(*text, file.string(), kFormat, kWorkspaceVersion);
   if (!reader.ok()) {
@@ -148,7 +148,7 @@ Result<Workspace> Workspace::Open(const fs::path& folder,
                                   std::span<const std::string> stage_names,
                                   int lock_patience_s) {
   if (Status status = CheckWorkspace(folder, true); !status.ok()) return status.error();
-  if (Status status = artifact::MakeFolders(folder); !status.ok()) return status.error();
+  if (Status status = storage::MakeFolders(folder); !status.ok()) return status.error();
   const Result<int> lock = TakeLock(folder, lock_patience_s);
   if (!lock.ok()) return lock.error();
   Workspace workspace(folder, *lock);

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 namespace {
@@ -50,8 +50,8 @@ Result<std::string> ContentHashes::Of(const fs::path& file_or_folder) {
   if (known.state == state && !known.hash.empty()) return known.hash;
   std::error_code error;
   Result<std::string> hash = fs::is_directory(file_or_folder, error)
-                                 ? artifact::HashFolder(file_or_folder)
-                                 : artifact::HashFile(file_or_folder);
+                                 ? storage::HashFolder(file_or_folder)
+                                 : storage::HashFile(file_or_folder);
   if (hash.ok()) known = {state, *hash};
   return hash;
 }

@@ -17,7 +17,7 @@ namespace deepslam::stages {
 // For one thread at a time. Files are taken as unchanged while StateOf() is.
 class ContentHashes {
  public:
-  // Of a file's bytes, or of names and bytes of a folder's files (artifact::HashFile, HashFolder).
+  // Of a file's bytes, or of names and bytes of a folder's files (storage::HashFile, HashFolder).
   [[nodiscard]] Result<std::string> Of(const std::filesystem::path& file_or_folder);
 
  private:

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/coco_file.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
@@ -19,6 +18,7 @@
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 namespace {
@@ -89,7 +89,7 @@ Result<artifact::CocoDetections> ReadFileDetections(
   const DetectStageOptions& options = inputs.config.detect_stage;
   if (options.source != "file") return artifact::CocoDetections();
   Result<artifact::CocoDetections> coco =
-      artifact::ReadCocoFile([&] { return artifact::OpenText(options.file); },
+      artifact::ReadCocoFile([&] { return storage::OpenText(options.file); },
                              options.file,
                              images,
                              inputs.classes,

@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
-#include "deepslam/artifact/store.h"
 #include "deepslam/propose/shape_prior.h"
 #include "deepslam/stages/data_folder.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 
@@ -21,7 +21,7 @@ Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
     std::array<std::string, 3> networks;
     constexpr std::array kFiles = {"sketch.onnx", "encoder.onnx", "decoder.onnx"};
     for (std::size_t n = 0; n < kFiles.size(); ++n) {
-      Result<std::string> bytes = artifact::ReadFile(of_class / kFiles.at(n));
+      Result<std::string> bytes = storage::ReadFile(of_class / kFiles.at(n));
       if (!bytes.ok()) return bytes.error();
       networks.at(n) = std::move(bytes).value();
     }

@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/mapped_file.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/load_priors.h"
+#include "deepslam/storage/mapped_file.h"
 
 namespace deepslam::stages {
 namespace {
@@ -31,7 +31,7 @@ std::string OptionsText(detect::DetectorOptions options) {
 
 Result<std::unique_ptr<detect::Detector>> LoadDetectorFile(const fs::path& onnx_file,
                                                            const detect::DetectorOptions& options) {
-  const Result<artifact::MappedFile> file = artifact::MappedFile::Open(onnx_file);
+  const Result<storage::MappedFile> file = storage::MappedFile::Open(onnx_file);
   if (!file.ok()) return file.error();
   Result<std::unique_ptr<detect::Detector>> detector =
       detect::LoadNetworkDetector(file->bytes(), options);

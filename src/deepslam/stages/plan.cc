@@ -6,9 +6,9 @@
 
 #include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/overrides_yaml.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/stages/data_folder.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 namespace {
@@ -113,7 +113,7 @@ Result<StageSummary> RunOn(StageContext& context, const RunInputs& inputs, Stage
 
 Result<ClassTable> LoadClasses(const Config& config) {
   if (config.classes_file.empty()) return artifact::DefaultClassTable();
-  const Result<std::string> text = artifact::ReadFile(config.classes_file);
+  const Result<std::string> text = storage::ReadFile(config.classes_file);
   if (!text.ok()) return Error{ErrorCode::kInvalidConfig, "classes.file: " + text.error().message};
   return artifact::DecodeClassTable(*text, config.classes_file);
 }

@@ -8,7 +8,6 @@
 
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/proposals_json.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/propose/level_cloud.h"
@@ -17,6 +16,7 @@
 #include "deepslam/stages/load_priors.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 namespace {

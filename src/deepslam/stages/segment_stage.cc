@@ -77,7 +77,7 @@ Result<StageSummary> RunSegment(StageContext& context, const RunInputs& inputs) 
   };
   ParallelAhead(groups.size(), kAhead, look, take);
   if (context.progress().StopRequested()) return Interrupted();
-  const Status written = context.Write("segments.json", [&](const artifact::TextSink& sink) {
+  const Status written = context.Write("segments.json", [&](const TextSink& sink) {
     return artifact::EncodeSegments(segments, "segments.json", sink);
   });
   if (!written.ok()) return written.error();

@@ -43,7 +43,7 @@ RelativePose FromStored(const Stored& stored) {
 
 }  // namespace
 
-ShelfOfEdges::ShelfOfEdges(std::shared_ptr<artifact::ScratchFile> file) : file_(std::move(file)) {}
+ShelfOfEdges::ShelfOfEdges(std::shared_ptr<storage::ScratchFile> file) : file_(std::move(file)) {}
 ShelfOfEdges::~ShelfOfEdges() = default;
 
 Status ShelfOfEdges::Add(const RelativePose& edge) {

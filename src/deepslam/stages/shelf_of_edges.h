@@ -6,15 +6,15 @@
 #include <span>
 #include <vector>
 
-#include "deepslam/artifact/scratch_file.h"
 #include "deepslam/core/result.h"
 #include "deepslam/scene/trajectory.h"
+#include "deepslam/storage/scratch_file.h"
 
 namespace deepslam::stages {
 
 class ShelfOfEdges final : public ShelvedEdges {
  public:
-  explicit ShelfOfEdges(std::shared_ptr<artifact::ScratchFile> file);
+  explicit ShelfOfEdges(std::shared_ptr<storage::ScratchFile> file);
   ~ShelfOfEdges() override;
 
   // Behind those that are there. Not beside anybody who reads.
@@ -25,7 +25,7 @@ class ShelfOfEdges final : public ShelvedEdges {
   void Read(std::size_t first, std::span<RelativePose> edges) const override;
 
  private:
-  std::shared_ptr<artifact::ScratchFile> file_;
+  std::shared_ptr<storage::ScratchFile> file_;
   std::size_t num_in_file_ = 0;
   std::vector<RelativePose> last_;  // on their way there
 };

@@ -10,7 +10,7 @@ namespace deepslam::stages {
 using pipeline::StageContext;
 
 Result<std::shared_ptr<const ShelvedSegments>> ShelvedSegments::Read(const StageContext& context) {
-  Result<artifact::TextSource> text = context.Open("segment", "segments.json");
+  Result<TextSource> text = context.Open("segment", "segments.json");
   if (!text.ok()) return text.error();
   const auto shelved = std::make_shared<ShelvedSegments>();
   shelved->file_ = context.Scratch();

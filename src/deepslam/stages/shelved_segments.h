@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "deepslam/artifact/scratch_file.h"
 #include "deepslam/core/result.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/detection.h"
+#include "deepslam/storage/scratch_file.h"
 
 namespace deepslam::stages {
 
@@ -38,7 +38,7 @@ class ShelvedSegments {
   [[nodiscard]] Status Add(Segment segment);
   [[nodiscard]] Result<PixelMask> MaskAt(const Place& place) const;
 
-  std::shared_ptr<artifact::ScratchFile> file_;
+  std::shared_ptr<storage::ScratchFile> file_;
   std::vector<Segment> segments_;
   std::vector<Place> masks_;
 };

@@ -39,16 +39,16 @@ template <typename Decoder>
 auto Decode(const StageContext& context,
             std::string_view stage,
             std::string_view file,
-            const Decoder& decode) -> decltype(decode(std::declval<artifact::TextSource>(), file)) {
-  Result<artifact::TextSource> text = context.Open(stage, file);
+            const Decoder& decode) -> decltype(decode(std::declval<TextSource>(), file)) {
+  Result<TextSource> text = context.Open(stage, file);
   if (!text.ok()) return text.error();
   return decode(std::move(text).value(), StageContext::DisplayName(stage, file));
 }
 
 Result<Trajectory> ReadTrajectoryOf(const StageContext& context, std::string_view stage) {
-  Result<artifact::TextSource> frames = context.Open(stage, "frames.json");
+  Result<TextSource> frames = context.Open(stage, "frames.json");
   if (!frames.ok()) return frames.error();
-  Result<artifact::TextSource> tum = context.Open(stage, "trajectory.tum");
+  Result<TextSource> tum = context.Open(stage, "trajectory.tum");
   if (!tum.ok()) return tum.error();
   return artifact::DecodeTrajectory(std::move(frames).value(),
                                     std::move(tum).value(),
@@ -88,10 +88,10 @@ Result<PlannedViews> PlanViews(const ShelvedSegments& segments,
 Result<Odometry> ReadOdometry(const StageContext& context) {
   const std::string frames_file = StageContext::DisplayName("track", "frames.json");
   const std::string edges_file = StageContext::DisplayName("track", "odometry.g2o");
-  Result<artifact::TextSource> frames = context.Open("track", "frames.json");
-  Result<artifact::TextSource> tum = context.Open("track", "trajectory.tum");
-  Result<artifact::TextSource> edges = context.Open("track", "odometry.g2o");
-  for (const Result<artifact::TextSource>* text : {&frames, &tum, &edges}) {
+  Result<TextSource> frames = context.Open("track", "frames.json");
+  Result<TextSource> tum = context.Open("track", "trajectory.tum");
+  Result<TextSource> edges = context.Open("track", "odometry.g2o");
+  for (const Result<TextSource>* text : {&frames, &tum, &edges}) {
     if (!text->ok()) return text->error();
   }
   const auto shelf = std::make_shared<ShelfOfEdges>(context.Scratch());
@@ -124,10 +124,9 @@ Result<std::vector<Segment>> ReadSegmentsWithoutMasks(const StageContext& contex
 
 Result<std::vector<Segment>> ReadSegmentsOf(const StageContext& context,
                                             const std::set<DetectionId>& wanted) {
-  return Decode(
-      context, "segment", "segments.json", [&](artifact::TextSource text, std::string_view name) {
-        return artifact::DecodeSegmentsOf(wanted, std::move(text), name);
-      });
+  return Decode(context, "segment", "segments.json", [&](TextSource text, std::string_view name) {
+    return artifact::DecodeSegmentsOf(wanted, std::move(text), name);
+  });
 }
 
 Result<Association> ReadAssociation(const StageContext& context, std::string_view stage) {

@@ -70,7 +70,7 @@ Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
               odometry->frames, odometry->keyframes, JoinsOf(*odometry), "frames.json");
         }}});
   if (!written.ok()) return written.error();
-  const Status edges = context.Write("odometry.g2o", [&](const artifact::TextSink& sink) {
+  const Status edges = context.Write("odometry.g2o", [&](const TextSink& sink) {
     return artifact::EncodeG2o(*odometry, "odometry.g2o", sink);
   });
   if (!edges.ok()) return edges.error();

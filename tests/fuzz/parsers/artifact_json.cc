@@ -34,9 +34,8 @@ Reader Of(Decode decode, Encode encode) {
 }
 
 Result<std::string> SegmentsText(const std::vector<Segment>& segments, std::string_view name) {
-  return artifact::Whole([&](const artifact::TextSink& sink) {
-    return artifact::EncodeSegments(segments, name, sink);
-  });
+  return WholeText(
+      [&](const TextSink& sink) { return artifact::EncodeSegments(segments, name, sink); });
 }
 
 const std::map<std::string, Reader, std::less<>>& Readers() {

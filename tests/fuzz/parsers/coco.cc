@@ -10,8 +10,8 @@ DEEPSLAM_FUZZ(coco) {
   static const std::array<artifact::DetectedImage, 2> images = {
       artifact::DetectedImage{FrameIdx{0}, "rgb/000000.jpg", 64, 48},
       artifact::DetectedImage{FrameIdx{3}, "rgb/000003.jpg", 64, 48}};
-  const auto found = artifact::ReadCocoFile(
-      [&] { return Result<artifact::TextSource>(bytes); }, kFile, images, classes);
+  const auto found =
+      artifact::ReadCocoFile([&] { return Result<TextSource>(bytes); }, kFile, images, classes);
   if (!found.ok()) return Refused(found.error());
   for (const Detection& detection : found->detections) {
     DEEPSLAM_CHECK(detection.score >= 0 && detection.score <= 1, "a score is a share");

@@ -1,4 +1,4 @@
-#include "deepslam/artifact/scratch_file.h"
+#include "deepslam/storage/scratch_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 namespace {
 
 Error ScratchError(const std::filesystem::path& folder, std::string_view what, int error) {
@@ -68,4 +68,4 @@ std::optional<Error> ScratchFile::fault() const {
   return fault_;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

@@ -10,14 +10,14 @@
 
 #include "deepslam/core/result.h"
 
-namespace deepslam::artifact {
+namespace deepslam {
 
 // Takes the pieces of a text in their order; an error ends the text.
 using TextSink = std::function<Status(std::string_view piece)>;
 // Hands a text over to a sink.
 using TextWriter = std::function<Status(const TextSink& sink)>;
 // All of it, where it is short or somebody wants it whole.
-[[nodiscard]] Result<std::string> Whole(const TextWriter& writer);
+[[nodiscard]] Result<std::string> WholeText(const TextWriter& writer);
 
 // A text to read, once: by pieces as they come, or the whole of one that is there (and outlives
 // this).
@@ -46,4 +46,4 @@ class TextSource {
                               std::string_view name,
                               const std::function<Status(std::string_view line)>& use);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam

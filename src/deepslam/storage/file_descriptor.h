@@ -9,7 +9,7 @@
 
 #include "deepslam/core/result.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 
 class FileDescriptor {
  public:
@@ -41,4 +41,4 @@ struct FileToRead {
 // kMaxFileBytes (store.h).
 [[nodiscard]] Result<FileToRead> OpenToRead(const std::filesystem::path& file);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

@@ -9,12 +9,12 @@
 
 #include <gmock/gmock.h>
 
-#include "deepslam/artifact/mapped_file.h"
-#include "deepslam/artifact/store.h"
 #include "deepslam/core/sha256.h"
+#include "deepslam/storage/mapped_file.h"
+#include "deepslam/storage/store.h"
 #include "support/temp_dir.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 namespace {
 
 using testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST(Store, HashesContentNotPlace) {
 }
 
 }  // namespace
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

@@ -1,13 +1,11 @@
-#include "deepslam/artifact/text_pieces.h"
+#include "deepslam/core/text_pieces.h"
 
 #include <cstddef>
 #include <string>
 
-#include <fmt/format.h>
+namespace deepslam {
 
-namespace deepslam::artifact {
-
-Result<std::string> Whole(const TextWriter& writer) {
+Result<std::string> WholeText(const TextWriter& writer) {
   std::string text;
   const auto append = [&text](std::string_view piece) {
     text += piece;
@@ -26,8 +24,9 @@ Status ForLines(TextSource text,
     ++line_number;
     const Status status = use(line);
     if (status.ok()) return status;
-    return Error{status.error().code,
-                 fmt::format("{}:{}: {}", name, line_number, status.error().message)};
+    return Error{
+        status.error().code,
+        std::string(name) + ":" + std::to_string(line_number) + ": " + status.error().message};
   };
   while (true) {
     Result<std::string_view> piece = text.Next();
@@ -44,4 +43,4 @@ Status ForLines(TextSource text,
   }
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam

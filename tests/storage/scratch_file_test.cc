@@ -1,4 +1,4 @@
-#include "deepslam/artifact/scratch_file.h"
+#include "deepslam/storage/scratch_file.h"
 
 #include <sys/resource.h>
 
@@ -13,7 +13,7 @@
 
 #include "support/temp_dir.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 namespace {
 
 using testing::HasSubstr;
@@ -91,4 +91,4 @@ TEST(ScratchFile, SaysThatItIsFull) {
 }
 
 }  // namespace
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

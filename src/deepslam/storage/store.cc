@@ -1,4 +1,4 @@
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -16,10 +16,10 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/file_descriptor.h"
 #include "deepslam/core/sha256.h"
+#include "deepslam/storage/file_descriptor.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 namespace {
 
 namespace fs = std::filesystem;
@@ -244,4 +244,4 @@ Result<std::string> HashFolder(const fs::path& folder) {
   return hash.HexDigest();
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

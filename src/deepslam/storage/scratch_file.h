@@ -9,10 +9,10 @@
 #include <optional>
 #include <span>
 
-#include "deepslam/artifact/file_descriptor.h"
 #include "deepslam/core/result.h"
+#include "deepslam/storage/file_descriptor.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 
 class ScratchFile {
  public:
@@ -38,4 +38,4 @@ class ScratchFile {
   mutable std::optional<Error> fault_;  // the first
 };
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

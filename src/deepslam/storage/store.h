@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "deepslam/artifact/text_pieces.h"
 #include "deepslam/core/result.h"
+#include "deepslam/core/text_pieces.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 
 // Files larger than this are refused by ReadFile (2 GiB): nothing here is that large.
 inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
@@ -48,4 +48,4 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 31;
 // not enter.
 [[nodiscard]] Result<std::string> HashFolder(const std::filesystem::path& folder);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

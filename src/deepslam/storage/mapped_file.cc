@@ -1,4 +1,4 @@
-#include "deepslam/artifact/mapped_file.h"
+#include "deepslam/storage/mapped_file.h"
 
 #include <sys/mman.h>
 
@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/file_descriptor.h"
+#include "deepslam/storage/file_descriptor.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 
 Result<MappedFile> MappedFile::Open(const std::filesystem::path& file) {
   const Result<FileToRead> opened = OpenToRead(file);
@@ -27,4 +27,4 @@ MappedFile::~MappedFile() {
   if (begin_ != nullptr) ::munmap(const_cast<char*>(begin_), size_);
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

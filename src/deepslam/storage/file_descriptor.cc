@@ -1,4 +1,4 @@
-#include "deepslam/artifact/file_descriptor.h"
+#include "deepslam/storage/file_descriptor.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/store.h"
+#include "deepslam/storage/store.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 
 namespace fs = std::filesystem;
 
@@ -50,4 +50,4 @@ std::string_view RemedyOf(int error) {
   }
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage

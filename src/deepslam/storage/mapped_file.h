@@ -8,7 +8,7 @@
 
 #include "deepslam/core/result.h"
 
-namespace deepslam::artifact {
+namespace deepslam::storage {
 
 // The bytes of a file as they are when it is opened. Of files that nobody writes into: what is cut
 // off while it is read ends the program, as with every mapping; one that is replaced does no harm.
@@ -35,4 +35,4 @@ class MappedFile {
   std::size_t size_;
 };
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::storage
