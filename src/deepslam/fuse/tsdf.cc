@@ -11,37 +11,23 @@
 #include "deepslam/fuse/block_surface.h"
 #include "deepslam/fuse/canonical_mesh.h"
 #include "deepslam/fuse/fewer_faces.h"
+#include "deepslam/fuse/frame_check.h"
 #include "deepslam/fuse/voxel_blocks.h"
 
 namespace deepslam::fuse {
 namespace {
 
+// Colour is wanted, and a mask of the same size.
 Status CheckInputs(const Frame& frame,
                    const PinholeCamera& camera,
                    const Pose3& pose,
                    const Mask* mask) {
+  if (Status usable = CheckFrame(frame, camera, pose); !usable) return usable;
   const std::string name = "frame " + std::to_string(frame.idx.value);
-  const int width = frame.depth_m.width();
-  const int height = frame.depth_m.height();
-  if (frame.depth_m.empty() || width != camera.width || height != camera.height) {
-    return InvalidInput(name + ": depth is " + std::to_string(width) + " x " +
-                        std::to_string(height) + ", the camera " + std::to_string(camera.width) +
-                        " x " + std::to_string(camera.height));
-  }
-  if (frame.colour.width() != width || frame.colour.height() != height) {
-    return InvalidInput(name + ": colour and depth differ in size");
-  }
-  if (mask != nullptr && (mask->width() != width || mask->height() != height)) {
+  if (frame.colour.empty()) return InvalidInput(name + ": colour and depth differ in size");
+  if (mask != nullptr &&
+      (mask->width() != frame.depth_m.width() || mask->height() != frame.depth_m.height())) {
     return InvalidInput(name + ": the mask to leave out differs from the image in size");
-  }
-  if (!(camera.fx > 0) || !(camera.fy > 0) || !std::isfinite(camera.fx + camera.fy) ||
-      !std::isfinite(camera.cx) || !std::isfinite(camera.cy)) {
-    return InvalidInput(name + ": focal length or principal point is not usable");
-  }
-  // Blocks are counted in 32-bit integers: a pose far off would overflow them.
-  constexpr double kMaxPlace = 1e5;
-  if (!pose.Matrix().allFinite() || pose.translation_m.cwiseAbs().maxCoeff() > kMaxPlace) {
-    return InvalidInput(name + ": pose is not finite or absurdly far");
   }
   return Ok();
 }

@@ -1,0 +1,163 @@
+#include "deepslam/fuse/coarse_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "box_world.h"
+#include "deepslam/core/parallel.h"
+
+namespace deepslam::fuse {
+namespace {
+
+using testing_support::BoxWorldSource;
+using testing_support::Cuboid;
+
+// A wall at x = 2 with a window in it, and a crate before it; seen from a few places at x < 0.
+std::vector<Cuboid> WallWithWindow() {
+  return {{-1, {2, -2, 0}, {2.2, -0.5, 2.4}},
+          {-1, {2, 0.5, 0}, {2.2, 2, 2.4}},
+          {-1, {2, -0.5, 0}, {2.2, 0.5, 0.9}},
+          {-1, {2, -0.5, 1.9}, {2.2, 0.5, 2.4}},
+          {0, {1.0, -1.6, 0}, {1.6, -1.0, 0.6}}};
+}
+
+std::vector<Pose3> Places() {
+  std::vector<Pose3> poses;
+  for (const double y : {-0.8, -0.4, 0.0, 0.4, 0.8})
+    poses.push_back(testing_support::LookAt({-1, y, 1.4}, {2, 0.2 * y, 1.0}));
+  return poses;
+}
+
+CoarseSurface Fused(const std::vector<Cuboid>& world, const std::vector<Pose3>& poses) {
+  const BoxWorldSource frames(world, poses);
+  CoarseFusion fusion{CoarseOptions()};
+  for (int n = 0; n < frames.num_frames(); ++n) {
+    const FrameIdx frame{n};
+    EXPECT_TRUE(fusion.Integrate(frames.View(frame).frame, frames.camera(), poses[n]).ok());
+  }
+  return std::move(fusion).Take();
+}
+
+TEST(CoarseFusion, HasTheSurfaceWithinAVoxelAndItsNormals) {
+  const CoarseSurface surface = Fused(WallWithWindow(), Places());
+  const std::size_t n = surface.mesh.vertices.size();
+  ASSERT_GT(n, 1000U);
+  ASSERT_EQ(surface.normals.size(), n);
+  ASSERT_EQ(surface.num_frames.size(), n);
+  EXPECT_EQ(surface.mesh.colours.size(), n);
+  EXPECT_EQ(surface.viewpoints.size(), 5U);
+  int num_on_wall = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3f& p = surface.mesh.vertices[i];
+    EXPECT_GE(surface.num_frames[i], 1);
+    EXPECT_LE(surface.num_frames[i], 5);
+    // Well inside the wall's right half, above the crate.
+    if (p.x() < 1.8F || p.y() > -0.7F || p.y() < -1.4F || p.z() < 1.0F || p.z() > 1.8F) continue;
+    ++num_on_wall;
+    EXPECT_NEAR(p.x(), 2.0, 0.5 * surface.voxel_m);
+    EXPECT_LT(surface.normals[i].x(), -0.95F);
+  }
+  EXPECT_GT(num_on_wall, 200);
+}
+
+TEST(CoarseFusion, TellsFreeFromUnseenFromBlind) {
+  const CoarseSurface surface = Fused(WallWithWindow(), Places());
+  const ObservedSpace& space = surface.space;
+  EXPECT_EQ(space.Passed({0.5, 0, 1.2}), 5);     // before the wall
+  EXPECT_EQ(space.Passed({2.3, -1.2, 1.4}), 0);  // in and behind it
+  EXPECT_EQ(space.Passed({2.6, -1.2, 1.4}), 0);
+  EXPECT_EQ(space.Passed({1.3, -1.3, 0.3}), 0);  // in the crate
+  EXPECT_GT(space.Passed({1.3, -1.3, 0.9}), 0);  // above it
+  // Through the window the sky is seen, of which nothing was measured.
+  EXPECT_EQ(space.Blind({2.1, 0, 1.6}), 5);
+  EXPECT_EQ(space.Passed({2.1, 0, 1.6}), 0);
+  EXPECT_EQ(space.Blind({0.5, -0.6, 0.5}), 0);
+}
+
+TEST(CoarseFusion, NothingOfASurfaceIsFree) {
+  const CoarseSurface surface = Fused(WallWithWindow(), Places());
+  for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d behind =
+        (surface.mesh.vertices[i] - 0.06F * surface.normals[i]).cast<double>();
+    // Corners and edges have slanted normals; flat parts are what is asked.
+    if (surface.normals[i].cwiseAbs().maxCoeff() < 0.999F || behind.z() < 0) continue;
+    EXPECT_LE(surface.space.Passed(behind), 1) << behind.transpose();
+  }
+}
+
+TEST(CoarseFusion, DoesNotDependOnTheNumberOfThreads) {
+  const auto with_threads = [](int num_threads) {
+    const ThreadLimit limit(num_threads);
+    return Fused(WallWithWindow(), Places());
+  };
+  const CoarseSurface one = with_threads(1);
+  const CoarseSurface four = with_threads(4);
+  EXPECT_EQ(one.mesh.vertices, four.mesh.vertices);
+  EXPECT_EQ(one.mesh.faces, four.mesh.faces);
+  EXPECT_EQ(one.normals, four.normals);
+  EXPECT_EQ(one.num_frames, four.num_frames);
+  ASSERT_EQ(one.space.blocks().size(), four.space.blocks().size());
+  for (std::size_t n = 0; n < one.space.blocks().size(); ++n) {
+    EXPECT_EQ(one.space.blocks()[n].index, four.space.blocks()[n].index);
+    EXPECT_EQ(one.space.blocks()[n].passed, four.space.blocks()[n].passed);
+    EXPECT_EQ(one.space.blocks()[n].blind, four.space.blocks()[n].blind);
+  }
+}
+
+TEST(CoarseFusion, GoesWithoutColour) {
+  const BoxWorldSource frames(WallWithWindow(), Places());
+  CoarseFusion fusion{CoarseOptions()};
+  Frame depth_only = frames.View({0}).frame;
+  depth_only.colour = ColourImage();
+  ASSERT_TRUE(fusion.Integrate(depth_only, frames.camera(), Places()[0]).ok());
+  const CoarseSurface surface = std::move(fusion).Take();
+  EXPECT_GT(surface.mesh.vertices.size(), 500U);
+  EXPECT_TRUE(surface.mesh.colours.empty());
+}
+
+TEST(CoarseFusion, RefusesBadFramesAndGoesOn) {
+  const BoxWorldSource frames(WallWithWindow(), Places());
+  const Frame good = frames.View({0}).frame;
+  CoarseFusion fusion{CoarseOptions()};
+  Frame small = good;
+  small.depth_m = DepthImage(3, 3, 1.0F);
+  EXPECT_EQ(fusion.Integrate(small, frames.camera(), {}).error().code, ErrorCode::kInvalidInput);
+  Frame other_colour = good;
+  other_colour.colour = ColourImage(3, 3, {});
+  EXPECT_FALSE(fusion.Integrate(other_colour, frames.camera(), {}).ok());
+  Pose3 nan;
+  nan.translation_m.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(fusion.Integrate(good, frames.camera(), nan).ok());
+  PinholeCamera flat = frames.camera();
+  flat.fy = 0;
+  EXPECT_FALSE(fusion.Integrate(good, flat, {}).ok());
+  EXPECT_TRUE(fusion.Integrate(good, frames.camera(), Places()[0]).ok());
+  EXPECT_FALSE(std::move(fusion).Take().mesh.empty());
+}
+
+TEST(CoarseFusion, SaysWhereTheSurfaceOutgrewItsBound) {
+  const BoxWorldSource frames(WallWithWindow(), Places());
+  CoarseOptions options;
+  options.max_voxel_blocks = 2;
+  CoarseFusion fusion(options);
+  EXPECT_FALSE(fusion.surface_full());
+  EXPECT_TRUE(fusion.Integrate(frames.View({0}).frame, frames.camera(), Places()[0]).ok());
+  EXPECT_TRUE(fusion.surface_full());
+  EXPECT_TRUE(std::move(fusion).Take().mesh.empty());
+}
+
+TEST(CoarseFusion, OfNothingIsEmpty) {
+  const CoarseSurface surface = CoarseFusion(CoarseOptions()).Take();
+  EXPECT_TRUE(surface.mesh.empty());
+  EXPECT_TRUE(surface.space.empty());
+  EXPECT_TRUE(surface.viewpoints.empty());
+}
+
+}  // namespace
+}  // namespace deepslam::fuse
