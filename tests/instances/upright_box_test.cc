@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <gmock/gmock.h>
+#include <Eigen/Geometry>
 
 namespace deepslam::instances {
 namespace {

@@ -66,9 +66,8 @@ std::string ClassBySize(const UprightBox& box, const ClassTable& classes) {
   double least = 1;
   for (const ObjectClass& c : classes.classes) {
     if (!c.detector_labels.empty() || c.name == kFurnitureClass) continue;
-    const double eccentricity =
-        std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
-                 Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
+    const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
+                                         Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
     if (eccentricity > least) continue;
     least = eccentricity;
     best = c.name;
@@ -134,7 +133,11 @@ UprightBox BoxOfElements(const SurfaceElements& elements, const std::vector<int>
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, InstanceOptions& options) {
-  visitor.Field("min_size_m", options.min_size_m, {0.05, 5}, "m", "least length and least height or width of a thing");
+  visitor.Field("min_size_m",
+                options.min_size_m,
+                {0.05, 5},
+                "m",
+                "least length and least height or width of a thing");
   visitor.Field("min_surface_m2",
                 options.min_surface_m2,
                 {0.001, 10},

@@ -9,7 +9,8 @@
 namespace deepslam::instances {
 namespace {
 
-// Fewer pairs of elements that touch are no contact for a consensus, a convex edge, or a small part.
+// Fewer pairs of elements that touch are no contact for a consensus, a convex edge, or a small
+// part.
 constexpr int kMinPairsOfConsensus = 3;
 constexpr int kMinPairsOfConvexEdge = 4;
 constexpr int kMinPairsOfSmallPart = 2;
@@ -58,7 +59,11 @@ class PartGraph {
     }
     for (const auto& [pair, contact] : contacts)
       Add(pair,
-          {0, 0, 0, static_cast<double>(contact.num_pairs), static_cast<double>(contact.num_convex)});
+          {0,
+           0,
+           0,
+           static_cast<double>(contact.num_pairs),
+           static_cast<double>(contact.num_convex)});
   }
 
   // Merges while some pair is to be merged; of equally urgent ones the first.
@@ -77,9 +82,8 @@ class PartGraph {
     for (const auto& [pair, link] : links_) reconsider(pair);
     while (!queue.empty()) {
       const SuperpointPair pair = queue.begin()->second;
-      const std::set<int> changed = Merge(pair, [&](const SuperpointPair& gone) {
-        Forget(gone, queue, waiting);
-      });
+      const std::set<int> changed =
+          Merge(pair, [&](const SuperpointPair& gone) { Forget(gone, queue, waiting); });
       const int kept = part_of_[static_cast<std::size_t>(pair.first)];
       for (const int other : changed) reconsider(std::minmax(kept, other));
     }
@@ -134,7 +138,8 @@ class PartGraph {
       Add(std::minmax(kept, other), link);
     }
     neighbours_[static_cast<std::size_t>(merged)].clear();
-    num_elements_[static_cast<std::size_t>(kept)] += num_elements_[static_cast<std::size_t>(merged)];
+    num_elements_[static_cast<std::size_t>(kept)] +=
+        num_elements_[static_cast<std::size_t>(merged)];
     for (int& part : part_of_) {
       if (part == merged) part = kept;
     }
@@ -160,11 +165,12 @@ void Describe(OptionsVisitor& visitor, MergeOptions& options) {
                 {0, 1000},
                 "views",
                 "how many views that takes; as many tell parts apart");
-  visitor.Field("min_convex_share",
-                options.min_convex_share,
-                {0, 1},
-                "1",
-                "share of a contact that is convex where parts are merged that no view tells apart");
+  visitor.Field(
+      "min_convex_share",
+      options.min_convex_share,
+      {0, 1},
+      "1",
+      "share of a contact that is convex where parts are merged that no view tells apart");
   visitor.Field("min_contact_ratio",
                 options.min_contact_ratio,
                 {0, 100},

@@ -65,8 +65,7 @@ bool TouchesBorder(const Box2& box_px, const DepthImage& depth_m, double margin_
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, SilhouetteOptions& options) {
-  visitor.Field(
-      "max_depth_m", options.max_depth_m, {0.5, 20}, "m", "farther depth is not used");
+  visitor.Field("max_depth_m", options.max_depth_m, {0.5, 20}, "m", "farther depth is not used");
   visitor.Field("min_points",
                 options.min_points,
                 {1, 1000000},
@@ -90,8 +89,8 @@ std::vector<Silhouette> FindSilhouettes(const SurfaceElements& elements,
                                         const PinholeCamera& camera,
                                         const Pose3& level_from_camera,
                                         const SilhouetteOptions& options) {
-  const Labels labels = LabelPixels(
-      elements, instances, depth_m, camera, level_from_camera, options.max_depth_m);
+  const Labels labels =
+      LabelPixels(elements, instances, depth_m, camera, level_from_camera, options.max_depth_m);
   std::vector<std::size_t> num_pixels(instances.instances.size(), 0);
   std::vector<std::set<int>> visible(instances.instances.size());
   for (int v = 0; v < depth_m.height(); ++v) {
@@ -106,8 +105,7 @@ std::vector<Silhouette> FindSilhouettes(const SurfaceElements& elements,
   std::vector<int> place(instances.instances.size(), -1);
   for (std::size_t k = 0; k < instances.instances.size(); ++k) {
     const Instance& instance = instances.instances[k];
-    const double least =
-        options.min_visible_share * static_cast<double>(instance.elements.size());
+    const double least = options.min_visible_share * static_cast<double>(instance.elements.size());
     if (!instance.rejection.empty() ||
         num_pixels[k] < static_cast<std::size_t>(options.min_points) ||
         static_cast<double>(visible[k].size()) < least)
@@ -128,8 +126,7 @@ std::vector<Silhouette> FindSilhouettes(const SurfaceElements& elements,
     }
   }
   for (Silhouette& silhouette : silhouettes)
-    silhouette.touches_border =
-        TouchesBorder(silhouette.box_px, depth_m, options.border_margin_px);
+    silhouette.touches_border = TouchesBorder(silhouette.box_px, depth_m, options.border_margin_px);
   return silhouettes;
 }
 

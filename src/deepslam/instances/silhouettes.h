@@ -16,10 +16,10 @@
 namespace deepslam::instances {
 
 struct SilhouetteOptions {
-  double max_depth_m = 5;       // farther depth is not used
-  int min_points = 400;         // silhouettes with fewer pixels are no view
+  double max_depth_m = 5;          // farther depth is not used
+  int min_points = 400;            // silhouettes with fewer pixels are no view
   double min_visible_share = 0.1;  // nor those that show a smaller share of the thing's surface
-  double border_margin_px = 8;  // one nearer to the image border touches it
+  double border_margin_px = 8;     // one nearer to the image border touches it
 };
 void Describe(OptionsVisitor& visitor, SilhouetteOptions& options);
 

@@ -10,8 +10,8 @@ namespace deepslam::instances {
 namespace {
 
 // Within these a contact counts as flat: normals of a voxel a few centimetres wide are that noisy.
-constexpr double kFlatDifference = 0.1;    // 1 - cos of 26 degrees
-constexpr float kConcaveSlack = 0.05F;     // along the unit vector between two elements
+constexpr double kFlatDifference = 0.1;  // 1 - cos of 26 degrees
+constexpr float kConcaveSlack = 0.05F;   // along the unit vector between two elements
 
 struct Edge {
   ElementPair pair;
@@ -99,8 +99,7 @@ bool IsConvex(const SurfaceElements& elements, const ElementPair& pair) {
   if (NormalDifference(elements, pair) < kFlatDifference) return true;
   const auto first = static_cast<std::size_t>(pair.first);
   const auto second = static_cast<std::size_t>(pair.second);
-  const Eigen::Vector3f way =
-      (elements.points()[second] - elements.points()[first]).normalized();
+  const Eigen::Vector3f way = (elements.points()[second] - elements.points()[first]).normalized();
   return (elements.normals()[second] - elements.normals()[first]).dot(way) > -kConcaveSlack;
 }
 
@@ -109,8 +108,7 @@ Superpoints MakeSuperpoints(const SurfaceElements& elements,
                             std::span<const ElementPair> pairs,
                             const SuperpointOptions& options) {
   DEEPSLAM_CHECK(is_structure.size() == elements.size(), "one flag per element");
-  const std::vector<Edge> edges =
-      SortedEdges(elements, is_structure, pairs, options.convex_cost);
+  const std::vector<Edge> edges = SortedEdges(elements, is_structure, pairs, options.convex_cost);
   Forest forest(elements.size(), options.threshold);
   for (const Edge& edge : edges) {
     const int a = forest.Find(edge.pair.first);

@@ -11,8 +11,8 @@
 namespace deepslam::instances {
 namespace {
 
-constexpr int kNumYaws = 30;              // of a quarter turn: 3 degrees apart
-constexpr double kLeftOutShare = 0.01;    // of the points, at either end of a side
+constexpr int kNumYaws = 30;            // of a quarter turn: 3 degrees apart
+constexpr double kLeftOutShare = 0.01;  // of the points, at either end of a side
 // A flat set of points has a least rectangle as well.
 constexpr double kFlatM = 0.02;
 

@@ -51,8 +51,7 @@ std::vector<int> CountBySuperpoint(const Superpoints& superpoints,
                                    const Region* region) {
   std::vector<int> counts(static_cast<std::size_t>(superpoints.count()), 0);
   for (std::size_t n = 0; n < visible.elements.size(); ++n) {
-    const int superpoint =
-        superpoints.of_element[static_cast<std::size_t>(visible.elements[n])];
+    const int superpoint = superpoints.of_element[static_cast<std::size_t>(visible.elements[n])];
     if (superpoint < 0) continue;
     if (region == nullptr || region->Contains(visible.pixels[n]))
       ++counts[static_cast<std::size_t>(superpoint)];
@@ -68,26 +67,21 @@ void Describe(OptionsVisitor& visitor, VoteOptions& options) {
                 {0, 1},
                 "1",
                 "share of a superpoint that a frame must see to vote about it");
-  visitor.Field("min_mask_share",
-                options.min_mask_share,
-                {0, 1},
-                "1",
-                "share of what is seen of a superpoint that an instance mask must hold to claim it");
-  visitor.Field("min_box_share",
-                options.min_box_share,
-                {0, 1},
-                "1",
-                "the same for a box without a mask");
+  visitor.Field(
+      "min_mask_share",
+      options.min_mask_share,
+      {0, 1},
+      "1",
+      "share of what is seen of a superpoint that an instance mask must hold to claim it");
+  visitor.Field(
+      "min_box_share", options.min_box_share, {0, 1}, "1", "the same for a box without a mask");
   visitor.Field("depth_noise_m",
                 options.depth_noise_m,
                 {0.001, 1},
                 "m",
                 "the surface is visible where the depth is at most this far off ...");
-  visitor.Field("depth_noise_per_m",
-                options.depth_noise_per_m,
-                {0, 1},
-                "1",
-                "... plus this times the depth");
+  visitor.Field(
+      "depth_noise_per_m", options.depth_noise_per_m, {0, 1}, "1", "... plus this times the depth");
 }
 
 VisibleElements FindVisible(const SurfaceElements& elements,

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "deepslam/core/image.h"
 #include "deepslam/core/options.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/core/image.h"
 #include "deepslam/instances/superpoints.h"
 #include "deepslam/instances/surface_elements.h"
 #include "deepslam/scene/detection.h"
@@ -25,8 +25,8 @@ namespace deepslam::instances {
 
 struct VoteOptions {
   double min_visible_share = 0.3;  // of a superpoint's elements, for a frame to see it
-  double min_mask_share = 0.6;  // of its visible elements inside an instance mask that claims it
-  double min_box_share = 0.85;  // the same of a box that came without a mask
+  double min_mask_share = 0.6;     // of its visible elements inside an instance mask that claims it
+  double min_box_share = 0.85;     // the same of a box that came without a mask
   double depth_noise_m = 0.04;  // an element is visible where the depth is as far off as this ...
   double depth_noise_per_m = 0.02;  // ... plus this times the depth, at most
 };
