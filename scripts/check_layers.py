@@ -31,6 +31,7 @@ ROOMS = {
     "detect": ALGORITHM,
     "segment": ALGORITHM,
     "associate": ALGORITHM,
+    "instances": ALGORITHM,
     "observe": ALGORITHM,
     "propose": ALGORITHM,
     "registration": ALGORITHM,

@@ -1,0 +1,209 @@
+#include "deepslam/instances/find_instances.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace deepslam::instances {
+namespace {
+
+// Things that hide what they stand on begin where they were seen first: one that begins below this
+// and is longer than it is high reaches down to the floor.
+constexpr double kHiddenBaseM = 0.45;
+
+std::vector<Instance> Gather(const Superpoints& superpoints,
+                             const std::vector<int>& thing_of_superpoint) {
+  int num_things = 0;
+  for (const int thing : thing_of_superpoint) num_things = std::max(num_things, thing + 1);
+  std::vector<Instance> instances(static_cast<std::size_t>(num_things));
+  for (std::size_t i = 0; i < superpoints.of_element.size(); ++i) {
+    const int superpoint = superpoints.of_element[i];
+    if (superpoint < 0) continue;
+    const int thing = thing_of_superpoint[static_cast<std::size_t>(superpoint)];
+    instances[static_cast<std::size_t>(thing)].elements.push_back(static_cast<int>(i));
+  }
+  return instances;
+}
+
+// Votes of the superpoints, weighted by their size.
+void CountClasses(const Superpoints& superpoints,
+                  const std::vector<int>& thing_of_superpoint,
+                  const ViewVotes& votes,
+                  std::vector<Instance>& instances) {
+  std::vector<double> num_views(instances.size(), 0);
+  for (std::size_t s = 0; s < votes.classes.size(); ++s) {
+    const auto thing = static_cast<std::size_t>(thing_of_superpoint[s]);
+    const double weight = superpoints.num_elements[s];
+    num_views[thing] += weight * votes.num_views[s];
+    for (const auto& [name, score] : votes.classes[s])
+      instances[thing].class_shares[name] += weight * score;
+  }
+  for (std::size_t thing = 0; thing < instances.size(); ++thing) {
+    for (auto& [name, share] : instances[thing].class_shares)
+      share /= std::max(1.0, num_views[thing]);
+  }
+}
+
+// 0 in the middle of the range, 1 at its ends.
+double Eccentricity(double value, double low, double high) {
+  return high > low ? std::abs(value - 0.5 * (low + high)) / (0.5 * (high - low)) : 2.0;
+}
+
+bool MayBe(const ObjectClass& object_class, const UprightBox& box) {
+  const double longest_m = std::max(box.long_side_m(), box.height_m());
+  // What was seen of a thing may be less than all of it.
+  return longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
+}
+
+// The class without detector labels whose sizes hold the box, the most central one; `furniture`
+// where none does.
+std::string ClassBySize(const UprightBox& box, const ClassTable& classes) {
+  const double longest_m = std::max(box.long_side_m(), box.height_m());
+  std::string best(kFurnitureClass);
+  double least = 1;
+  for (const ObjectClass& c : classes.classes) {
+    if (!c.detector_labels.empty() || c.name == kFurnitureClass) continue;
+    const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
+                                         Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
+    if (eccentricity > least) continue;
+    least = eccentricity;
+    best = c.name;
+  }
+  return best;
+}
+
+void Name(const ClassTable& classes, const InstanceOptions& options, Instance& instance) {
+  double most = options.min_class_share;
+  for (const auto& [name, share] : instance.class_shares) {
+    const ObjectClass* object_class = classes.Find(name);
+    if (share < most || object_class == nullptr || !MayBe(*object_class, instance.box_level))
+      continue;
+    if (instance.is_named && share <= most) continue;
+    most = share;
+    instance.class_name = name;
+    instance.is_named = true;
+  }
+  if (!instance.is_named) instance.class_name = ClassBySize(instance.box_level, classes);
+}
+
+// Why something is too small to be mapped, whoever names it.
+std::string TooLittle(const Instance& instance, double voxel_m, const InstanceOptions& options) {
+  const UprightBox& box = instance.box_level;
+  const double surface_m2 = static_cast<double>(instance.elements.size()) * voxel_m * voxel_m;
+  if (surface_m2 < options.min_surface_m2)
+    return fmt::format("only {:.2f} m2 of it were seen", surface_m2);
+  std::array<double, 3> sides_m = {box.length_m, box.width_m, box.height_m()};
+  std::ranges::sort(sides_m);
+  if (sides_m[1] < options.min_size_m)
+    return fmt::format("small: {:.2f} x {:.2f} m", sides_m[2], sides_m[1]);
+  return {};
+}
+
+// Why something that no detection names is not taken for a thing.
+std::string NoThing(const UprightBox& box, const InstanceOptions& options) {
+  if (box.top_m > options.max_top_m)
+    return fmt::format("reaches {:.2f} m high: part of the room", box.top_m);
+  if (box.long_side_m() > options.max_size_m)
+    return fmt::format("{:.2f} m long: no single thing", box.long_side_m());
+  const double size_m = std::max(box.long_side_m(), box.height_m());
+  const bool stands = box.bottom_m < options.max_base_m;
+  const double min_depth_m = stands ? options.min_depth_m : options.min_hung_depth_m;
+  if (box.short_side_m() < min_depth_m)
+    return fmt::format("only {:.2f} m deep", box.short_side_m());
+  if (!stands && size_m < options.min_hung_size_m)
+    return fmt::format("{:.2f} m large on or above other things", size_m);
+  if (stands && box.height_m() < 0.5 * options.min_size_m)
+    return fmt::format("only {:.2f} m high", box.height_m());
+  return {};
+}
+
+UprightBox BoxOfElements(const SurfaceElements& elements, const std::vector<int>& own) {
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(own.size());
+  for (const int i : own) points.push_back(elements.points()[static_cast<std::size_t>(i)]);
+  UprightBox box = BoxOf(points);
+  if (box.bottom_m < kHiddenBaseM && box.long_side_m() > box.height_m())
+    box.bottom_m = std::min(box.bottom_m, 0.0);
+  return box;
+}
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, InstanceOptions& options) {
+  visitor.Field("min_size_m",
+                options.min_size_m,
+                {0.05, 5},
+                "m",
+                "least length and least height or width of a thing");
+  visitor.Field("min_surface_m2",
+                options.min_surface_m2,
+                {0.001, 10},
+                "m2",
+                "least surface that was seen of a thing");
+  visitor.Field("min_class_share",
+                options.min_class_share,
+                {0, 1},
+                "1",
+                "share of the views, weighted by scores, in which detections must name a thing");
+  visitor.Field("max_base_m",
+                options.max_base_m,
+                {0, 2},
+                "m",
+                "what no detection names stands on the floor when it begins below this");
+  visitor.Field("min_depth_m",
+                options.min_depth_m,
+                {0, 2},
+                "m",
+                "thinner ones that no detection names are parts of walls and doors");
+  visitor.Field("min_hung_size_m",
+                options.min_hung_size_m,
+                {0, 5},
+                "m",
+                "least longest side of one that stands on or hangs from something");
+  visitor.Field("min_hung_depth_m",
+                options.min_hung_depth_m,
+                {0, 2},
+                "m",
+                "least shorter side of one that stands on or hangs from something");
+  visitor.Field("max_top_m",
+                options.max_top_m,
+                {0.5, 10},
+                "m",
+                "higher ones that no detection names belong to the room");
+  visitor.Field("max_size_m",
+                options.max_size_m,
+                {0.5, 20},
+                "m",
+                "longer ones that no detection names are no single thing");
+}
+
+Instances FindInstances(const SurfaceElements& elements,
+                        const Superpoints& superpoints,
+                        std::span<const ElementPair> pairs,
+                        const ViewVotes& votes,
+                        const ClassTable& classes,
+                        const InstanceOptions& options) {
+  const Contacts contacts = FindContacts(elements, superpoints, pairs);
+  const std::vector<int> thing_of_superpoint =
+      MergeSuperpoints(superpoints, contacts, votes, elements.voxel_m(), options.merge);
+  Instances found;
+  found.instances = Gather(superpoints, thing_of_superpoint);
+  CountClasses(superpoints, thing_of_superpoint, votes, found.instances);
+  found.of_element.assign(elements.size(), -1);
+  for (std::size_t k = 0; k < found.instances.size(); ++k) {
+    Instance& instance = found.instances[k];
+    for (const int i : instance.elements)
+      found.of_element[static_cast<std::size_t>(i)] = static_cast<int>(k);
+    instance.box_level = BoxOfElements(elements, instance.elements);
+    Name(classes, options, instance);
+    instance.rejection = TooLittle(instance, elements.voxel_m(), options);
+    if (instance.rejection.empty() && !instance.is_named)
+      instance.rejection = NoThing(instance.box_level, options);
+  }
+  return found;
+}
+
+}  // namespace deepslam::instances

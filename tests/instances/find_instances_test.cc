@@ -1,0 +1,327 @@
+#include "deepslam/instances/find_instances.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "deepslam/instances/silhouettes.h"
+#include "support/box_world.h"
+
+namespace deepslam::instances {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using namespace testing_support;  // NOLINT
+
+constexpr double kVoxelM = 0.04;
+constexpr double kSampleM = 0.02;
+// Of masks against the truth: a voxel at the edges of things is theirs or their neighbour's.
+constexpr double kMinMaskIou = 0.85;
+
+// Surface of a world of cuboids as a fused capture has it, with the cuboid's object.
+struct SampledWorld {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;
+};
+
+bool IsInside(const std::vector<Cuboid>& world, const Eigen::Vector3d& point) {
+  return std::ranges::any_of(world, [&](const Cuboid& box) {
+    return (point.array() > box.min_m.array() + 1e-6).all() &&
+           (point.array() < box.max_m.array() - 1e-6).all();
+  });
+}
+
+void SampleSide(const std::vector<Cuboid>& world,
+                const Cuboid& box,
+                int axis,
+                double sign,
+                SampledWorld& sampled) {
+  const int a = (axis + 1) % 3;
+  const int b = (axis + 2) % 3;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  normal[axis] = sign;
+  for (double s = box.min_m[a] + kSampleM / 2; s < box.max_m[a]; s += kSampleM) {
+    for (double t = box.min_m[b] + kSampleM / 2; t < box.max_m[b]; t += kSampleM) {
+      Eigen::Vector3d p;
+      p[axis] = sign > 0 ? box.max_m[axis] : box.min_m[axis];
+      p[a] = s;
+      p[b] = t;
+      // Sides on the floor, and sides that other things cover, nobody sees.
+      if (p.z() < 1e-3 || IsInside(world, p + 1e-3 * normal)) continue;
+      sampled.points.push_back(p.cast<float>());
+      sampled.normals.push_back(normal.cast<float>());
+    }
+  }
+}
+
+SampledWorld Sample(const std::vector<Cuboid>& world) {
+  SampledWorld sampled;
+  for (const Cuboid& box : world) {
+    for (int axis = 0; axis < 3; ++axis) {
+      SampleSide(world, box, axis, 1, sampled);
+      SampleSide(world, box, axis, -1, sampled);
+    }
+  }
+  return sampled;
+}
+
+ClassTable Classes() {
+  ClassTable table;
+  table.classes = {{"chair", {"chair"}, {}, 0.4, 1.5, 0.4, 1.4, {}},
+                   {"table", {"dining table"}, {}, 0.4, 4, 0.3, 1.2, {}},
+                   {"bed", {"bed"}, {}, 1.2, 2.7, 0.25, 2, {}},
+                   {"cabinet", {}, {}, 0.3, 2.6, 0.3, 2.5, {}},
+                   {"furniture", {}, {}, 0.2, 3.5, 0.15, 2.7, {}}};
+  return table;
+}
+
+struct Label {
+  int object;
+  std::string class_name;
+};
+
+enum class Evidence { kNone, kBoxes, kMasks };
+
+// True detections of the objects that have a label, as a network would give them.
+std::vector<Detection> Detect(const BoxView& view,
+                              const std::vector<Label>& labels,
+                              Evidence evidence) {
+  std::vector<Detection> detections;
+  for (const Label& label : labels) {
+    std::optional<Detection> detection = DetectTruth(view, label.object, label.class_name);
+    if (!detection || evidence == Evidence::kNone) continue;
+    if (evidence == Evidence::kMasks) {
+      Mask mask(view.object.width(), view.object.height());
+      for (std::size_t p = 0; p < mask.size(); ++p)
+        mask.data()[p] = view.object.data()[p] == label.object ? 1 : 0;
+      detection->mask = mask;
+    }
+    detections.push_back(*std::move(detection));
+  }
+  return detections;
+}
+
+struct Found {
+  SurfaceElements elements{{}, {}, kVoxelM};
+  Instances instances;
+};
+
+VotingView ViewOf(const BoxView& view, const Pose3& pose, std::span<const Detection> detections) {
+  return {&view.frame.depth_m, SmallCamera(), pose.Inverse(), detections};
+}
+
+Found Find(const std::vector<Cuboid>& world,
+           const std::vector<Pose3>& poses,
+           const std::vector<Label>& labels,
+           Evidence evidence,
+           const InstanceOptions& options = {}) {
+  const SampledWorld sampled = Sample(world);
+  Found found{SurfaceElements(sampled.points, sampled.normals, kVoxelM), {}};
+  const std::vector<char> is_structure(found.elements.size(), 0);
+  const std::vector<ElementPair> pairs = found.elements.PairsWithin(1.9 * kVoxelM);
+  const Superpoints superpoints =
+      MakeSuperpoints(found.elements, is_structure, pairs, options.superpoints);
+  ViewVotes votes;
+  for (const Pose3& pose : poses) {
+    const BoxView view = RenderBoxes(world, SmallCamera(), pose);
+    const std::vector<Detection> detections = Detect(view, labels, evidence);
+    const VisibleElements visible =
+        FindVisible(found.elements, ViewOf(view, pose, detections), options.votes);
+    AddVotes(ClaimSuperpoints(superpoints, visible, detections, options.votes),
+             detections,
+             superpoints.count(),
+             votes);
+  }
+  found.instances = FindInstances(found.elements, superpoints, pairs, votes, Classes(), options);
+  return found;
+}
+
+std::vector<Instance> Mapped(const Found& found) {
+  std::vector<Instance> mapped;
+  std::ranges::copy_if(found.instances.instances,
+                       std::back_inserter(mapped),
+                       [](const Instance& i) { return i.rejection.empty(); });
+  return mapped;
+}
+
+int CountClass(const std::vector<Instance>& instances, const std::string& name) {
+  return static_cast<int>(std::ranges::count(instances, name, &Instance::class_name));
+}
+
+const Eigen::Vector3d kMiddle(0, 0, 0.4);
+
+std::vector<Cuboid> TwoCabinets(double gap_m) {
+  return {{0, {-0.6, 0, 0}, {-gap_m / 2, 0.5, 0.8}}, {1, {gap_m / 2, 0.15, 0}, {0.6, 0.65, 0.5}}};
+}
+
+TEST(FindInstances, ThingsApartAreThingsWithoutAnyDetection) {
+  const Found found = Find(TwoCabinets(0.3), {}, {}, Evidence::kNone);
+  const std::vector<Instance> mapped = Mapped(found);
+  ASSERT_THAT(mapped, SizeIs(2));
+  for (const Instance& instance : mapped) {
+    EXPECT_EQ(instance.class_name, "cabinet");
+    EXPECT_FALSE(instance.is_named);
+  }
+}
+
+TEST(FindInstances, AThingAgainstALowerOneIsAnother) {
+  // They touch: what tells them apart is the concave edge between side and top.
+  const std::vector<Instance> mapped = Mapped(Find(TwoCabinets(0), {}, {}, Evidence::kNone));
+  EXPECT_THAT(mapped, SizeIs(2));
+}
+
+TEST(FindInstances, FlushThingsAreToldApartByMasks) {
+  // A bed and a nightstand of its height: geometry sees one block.
+  const std::vector<Cuboid> world = {{0, {-1, -0.7, 0}, {1, 0.7, 0.5}},
+                                     {1, {-1, 0.7, 0}, {-0.5, 1.2, 0.5}}};
+  const std::vector<Pose3> poses = Orbit(kMiddle, 3, 1.6, 0, 40, 9);
+  const std::vector<Instance> mapped =
+      Mapped(Find(world, poses, {{0, "bed"}, {1, "chair"}}, Evidence::kMasks));
+  EXPECT_EQ(CountClass(mapped, "bed"), 1);
+  for (const Instance& instance : mapped) {
+    if (instance.class_name != "bed") continue;
+    EXPECT_NEAR(instance.box_level.long_side_m(), 2, 0.12);
+  }
+}
+
+std::vector<Cuboid> TableWithChairs() {
+  std::vector<Cuboid> world = TableAt(0, 0, 0);
+  Append(world, ChairAt(1, -0.3, -0.45, -1));
+  Append(world, ChairAt(2, 0.3, -0.45, -1));
+  Append(world, ChairAt(3, 0.0, 0.45, 1));
+  return world;
+}
+const std::vector<Label> kTableWithChairs = {
+    {0, "table"}, {1, "chair"}, {2, "chair"}, {3, "chair"}};
+
+TEST(FindInstances, ChairsPushedUnderATableAreEachAThing) {
+  for (const Evidence evidence : {Evidence::kBoxes, Evidence::kMasks}) {
+    const std::vector<Instance> mapped = Mapped(
+        Find(TableWithChairs(), Orbit(kMiddle, 2.4, 1.5, 0, 20, 18), kTableWithChairs, evidence));
+    EXPECT_EQ(CountClass(mapped, "chair"), 3);
+    EXPECT_EQ(CountClass(mapped, "table"), 1);
+  }
+}
+
+TEST(FindInstances, AClassIsAVoteOfAllViews) {
+  const std::vector<Cuboid> world = TableAt(0, 0, 0);
+  const SampledWorld sampled = Sample(world);
+  const SurfaceElements elements(sampled.points, sampled.normals, kVoxelM);
+  const InstanceOptions options;
+  const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
+  const Superpoints superpoints =
+      MakeSuperpoints(elements, std::vector<char>(elements.size(), 0), pairs, options.superpoints);
+  ViewVotes votes;
+  const std::vector<Pose3> poses = Orbit(kMiddle, 2.4, 1.5, 0, 40, 9);
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    const BoxView view = RenderBoxes(world, SmallCamera(), poses[n]);
+    const std::vector<Detection> detections =
+        Detect(view, {{0, n % 3 == 0 ? "chair" : "table"}}, Evidence::kMasks);
+    const VisibleElements visible =
+        FindVisible(elements, ViewOf(view, poses[n], detections), options.votes);
+    AddVotes(ClaimSuperpoints(superpoints, visible, detections, options.votes),
+             detections,
+             superpoints.count(),
+             votes);
+  }
+  const Instances found = FindInstances(elements, superpoints, pairs, votes, Classes(), options);
+  ASSERT_FALSE(found.instances.empty());
+  const auto largest = std::ranges::max_element(
+      found.instances, {}, [](const Instance& i) { return i.elements.size(); });
+  EXPECT_EQ(largest->class_name, "table");
+  EXPECT_GT(largest->class_shares.at("table"), largest->class_shares.at("chair"));
+}
+
+TEST(FindInstances, WhatNobodyNamesAndIsThinSmallOrHighIsNotMappedAndSaysWhy) {
+  const std::vector<Cuboid> world = {{0, {-1, 0, 0}, {1, 0.08, 1.8}},  // a door leaf
+                                     {1, {3, 0, 0}, {3.2, 0.2, 0.2}},  // a shoe
+                                     {2, {6, 0, 0}, {7, 0.5, 2.6}}};   // a pillar
+  const Found found = Find(world, {}, {}, Evidence::kNone);
+  EXPECT_THAT(Mapped(found), IsEmpty());
+  std::string reasons;
+  for (const Instance& instance : found.instances.instances) reasons += instance.rejection + '\n';
+  EXPECT_THAT(reasons, HasSubstr("small"));
+  EXPECT_THAT(reasons, HasSubstr("part of the room"));
+}
+
+TEST(FindInstances, StructureIsNoThing) {
+  const SampledWorld sampled = Sample(TwoCabinets(0.3));
+  const SurfaceElements elements(sampled.points, sampled.normals, kVoxelM);
+  const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
+  const Superpoints superpoints =
+      MakeSuperpoints(elements, std::vector<char>(elements.size(), 1), pairs, {});
+  EXPECT_EQ(superpoints.count(), 0);
+  const Instances found = FindInstances(elements, superpoints, pairs, {}, Classes(), {});
+  EXPECT_THAT(found.instances, IsEmpty());
+}
+
+TEST(FindInstances, NothingIsFoundWhereNothingWasSeen) {
+  EXPECT_THAT(Find({}, Orbit(kMiddle, 2, 1, 0, 90, 4), {}, Evidence::kMasks).instances.instances,
+              IsEmpty());
+}
+
+TEST(FindInstances, MasksOfAnotherSizeClaimNothingOutsideThem) {
+  const std::vector<Cuboid> world = TwoCabinets(0.3);
+  const SampledWorld sampled = Sample(world);
+  const SurfaceElements elements(sampled.points, sampled.normals, kVoxelM);
+  const Superpoints superpoints = MakeSuperpoints(
+      elements, std::vector<char>(elements.size(), 0), elements.PairsWithin(1.9 * kVoxelM), {});
+  const Pose3 pose = LookAt({0, -3, 1}, kMiddle);
+  const BoxView view = RenderBoxes(world, SmallCamera(), pose);
+  Detection detection;
+  detection.class_name = "chair";
+  detection.box_px = {0, 0, 319, 239};
+  detection.mask = Mask(2, 2, 1);
+  const std::vector<Detection> detections = {detection};
+  const VisibleElements visible = FindVisible(elements, ViewOf(view, pose, detections), {});
+  ASSERT_THAT(visible.elements, testing::Not(IsEmpty()));
+  for (const int claimed_by : ClaimSuperpoints(superpoints, visible, detections, {}).claimed_by)
+    EXPECT_EQ(claimed_by, -1);
+}
+
+TEST(Silhouettes, AreThePixelsOfTheThingAndOverlapNowhere) {
+  const std::vector<Cuboid> world = TableWithChairs();
+  const std::vector<Pose3> poses = Orbit(kMiddle, 2.4, 1.5, 0, 20, 18);
+  const Found found = Find(world, poses, kTableWithChairs, Evidence::kMasks);
+  int num_checked = 0;
+  for (const Pose3& pose : {poses[2], poses[7], poses[13]}) {
+    const BoxView view = RenderBoxes(world, SmallCamera(), pose);
+    Mask taken(320, 240);
+    SilhouetteOptions options;
+    options.min_points = 200;
+    for (const Silhouette& silhouette : FindSilhouettes(
+             found.elements, found.instances, view.frame.depth_m, SmallCamera(), pose, options)) {
+      std::map<int, int> shown;
+      for (std::size_t p = 0; p < taken.size(); ++p) {
+        if (silhouette.mask.data()[p] == 0) continue;
+        EXPECT_EQ(taken.data()[p], 0);
+        taken.data()[p] = 1;
+        ++shown[view.object.data()[p]];
+      }
+      const auto most = std::ranges::max_element(shown, {}, &std::pair<const int, int>::second);
+      EXPECT_GT(MaskIoU(silhouette.mask, view, most->first), kMinMaskIou);
+      ++num_checked;
+    }
+  }
+  EXPECT_GE(num_checked, 6);
+}
+
+TEST(Silhouettes, OfAFrameWithoutDepthThereAreNone) {
+  const Found found = Find(TwoCabinets(0.3), {}, {}, Evidence::kNone);
+  EXPECT_THAT(FindSilhouettes(found.elements,
+                              found.instances,
+                              DepthImage(320, 240),
+                              SmallCamera(),
+                              LookAt({0, -3, 1}, kMiddle),
+                              {}),
+              IsEmpty());
+}
+
+}  // namespace
+}  // namespace deepslam::instances
