@@ -323,7 +323,7 @@ TEST(ClassTable, TellsAllFaultsWithTheirLines) {
                              HasSubstr("sice_m"),
                              HasSubstr("c.yaml:9"),
                              HasSubstr("\"Chair\""),
-                             HasSubstr("two classes")));
+                             HasSubstr("belongs to another class")));
 }
 
 }  // namespace

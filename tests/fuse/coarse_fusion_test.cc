@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "box_world.h"
+#include "support/box_world.h"
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::fuse {

@@ -73,11 +73,11 @@ SampledWorld Sample(const std::vector<Cuboid>& world) {
 
 ClassTable Classes() {
   ClassTable table;
-  table.classes = {{"chair", {"chair"}, {}, 0.4, 1.5, 0.4, 1.4, {}},
-                   {"table", {"dining table"}, {}, 0.4, 4, 0.3, 1.2, {}},
-                   {"bed", {"bed"}, {}, 1.2, 2.7, 0.25, 2, {}},
-                   {"cabinet", {}, {}, 0.3, 2.6, 0.3, 2.5, {}},
-                   {"furniture", {}, {}, 0.2, 3.5, 0.15, 2.7, {}}};
+  table.classes = {{"chair", {"chair"}, {}, 0.4, 1.5, 0.4, 1.4, {}, {}},
+                   {"table", {"dining table"}, {}, 0.4, 4, 0.3, 1.2, {}, {}},
+                   {"bed", {"bed"}, {}, 1.2, 2.7, 0.25, 2, {}, {}},
+                   {"cabinet", {}, {}, 0.3, 2.6, 0.3, 2.5, {}, {}},
+                   {"furniture", {}, {}, 0.2, 3.5, 0.15, 2.7, {}, {.fallback = true}}};
   return table;
 }
 

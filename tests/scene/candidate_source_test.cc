@@ -29,7 +29,9 @@ TEST(SourceTraits, AreOfOnePiece) {
       EXPECT_FALSE(traits.can_be_completed) << traits.name;
     }
     // What is made in selection is made of the depth.
-    if (traits.is_derived) EXPECT_TRUE(traits.follows_depth) << traits.name;
+    if (traits.is_derived) {
+      EXPECT_TRUE(traits.follows_depth) << traits.name;
+    }
     // Whoever follows the depth agrees with it by nature and has to lead for it; nobody else has
     // to.
     EXPECT_EQ(traits.follows_depth, traits.margin != WinningMargin::kNone) << traits.name;

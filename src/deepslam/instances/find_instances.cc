@@ -58,21 +58,21 @@ bool MayBe(const ObjectClass& object_class, const UprightBox& box) {
   return longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
 }
 
-// The class without detector labels whose sizes hold the box, the most central one; `furniture`
-// where none does.
+// The class without detector labels whose sizes hold the box, the most central one; where none does
+// the one that takes what fits no other.
 std::string ClassBySize(const UprightBox& box, const ClassTable& classes) {
   const double longest_m = std::max(box.long_side_m(), box.height_m());
-  std::string best(kFurnitureClass);
+  const ObjectClass* best = classes.Fallback();
   double least = 1;
   for (const ObjectClass& c : classes.classes) {
-    if (!c.detector_labels.empty() || c.name == kFurnitureClass) continue;
+    if (!c.detector_labels.empty() || c.traits.fallback) continue;
     const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
                                          Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
     if (eccentricity > least) continue;
     least = eccentricity;
-    best = c.name;
+    best = &c;
   }
-  return best;
+  return best != nullptr ? best->name : std::string();
 }
 
 void Name(const ClassTable& classes, const InstanceOptions& options, Instance& instance) {
@@ -202,6 +202,8 @@ Instances FindInstances(const SurfaceElements& elements,
     instance.rejection = TooLittle(instance, elements.voxel_m(), options);
     if (instance.rejection.empty() && !instance.is_named)
       instance.rejection = NoThing(instance.box_level, options);
+    if (instance.rejection.empty() && instance.class_name.empty())
+      instance.rejection = "no class of the table is as large";
   }
   return found;
 }
