@@ -53,6 +53,8 @@ ROOMS = {
     # control
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }
+# composition: joins algorithms on interfaces, in memory
+ROOMS["discovery"] = ALGORITHM | {"instances"}
 ROOMS["stages"] = set(ROOMS) - {"synth", "furniture", "priors", "video"}
 # Many runs: lists, plans, states, processes, other schedulers. It knows nothing of what a run does.
 ROOMS["batch"] = {"core", "artifact", "storage"}

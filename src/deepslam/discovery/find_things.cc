@@ -1,0 +1,235 @@
+#include "deepslam/discovery/find_things.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deepslam/discovery/frame_claims.h"
+
+namespace deepslam::discovery {
+namespace {
+
+using instances::Instance;
+using instances::Instances;
+using instances::Silhouette;
+using instances::Superpoints;
+using instances::SurfaceElements;
+
+// Neighbours on a surface whose elements lie a voxel apart, also across its edges and diagonals.
+constexpr double kNeighbourVoxels = 1.9;
+// Of a silhouette that no detection shows: less than any detection that is kept by default.
+constexpr double kUndetectedScore = 0.25;
+// Rejected things of so much surface are told of.
+constexpr double kLargeM2 = 0.3;
+
+// Which thing each detection of a frame is of: the one that most of what it claims belongs to.
+std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,
+                                    std::span<const Detection> detections,
+                                    const Superpoints& superpoints,
+                                    const std::vector<int>& thing_of_superpoint) {
+  std::vector<std::map<int, int>> num_claimed(detections.size());
+  for (std::size_t k = 0; k < claims.superpoints.size(); ++k) {
+    if (claims.claimed_by[k] < 0) continue;
+    const auto superpoint = static_cast<std::size_t>(claims.superpoints[k]);
+    num_claimed[static_cast<std::size_t>(claims.claimed_by[k])][thing_of_superpoint[superpoint]] +=
+        superpoints.num_elements[superpoint];
+  }
+  std::vector<int> things;
+  for (const std::map<int, int>& claimed : num_claimed) {
+    const auto most = std::ranges::max_element(claimed, {}, &std::pair<const int, int>::second);
+    things.push_back(most == claimed.end() ? -1 : most->first);
+  }
+  return things;
+}
+
+std::vector<int> ThingsOfSuperpoints(const Superpoints& superpoints, const Instances& found) {
+  std::vector<int> things(static_cast<std::size_t>(superpoints.count()), -1);
+  for (std::size_t i = 0; i < superpoints.of_element.size(); ++i) {
+    if (superpoints.of_element[i] >= 0)
+      things[static_cast<std::size_t>(superpoints.of_element[i])] = found.of_element[i];
+  }
+  return things;
+}
+
+Segment SegmentOf(const Silhouette& silhouette,
+                  const Instance& instance,
+                  FrameIdx frame,
+                  const Detection* detection) {
+  Segment segment;
+  segment.frame = frame;
+  segment.class_name = instance.class_name;
+  segment.score = detection != nullptr ? detection->score : kUndetectedScore;
+  segment.source = detection != nullptr ? detection->source : DetectionSource::kCluster;
+  segment.box_px = silhouette.box_px;
+  segment.mask = silhouette.mask;
+  segment.num_points = silhouette.num_points;
+  segment.extent_camera = silhouette.extent_camera;
+  segment.depth_support = silhouette.num_points / silhouette.box_px.area_px();
+  segment.touches_border = silhouette.touches_border;
+  segment.usable = true;
+  return segment;
+}
+
+// The tracks of a capture while its frames are gone through.
+class Tracks {
+ public:
+  Tracks(const ThingInputs& inputs, const Instances& found) : inputs_(inputs), found_(found) {
+    for (const Detection& detection : inputs.detections)
+      next_id_ = std::max(next_id_, detection.id.value + 1);
+    members_.resize(found.instances.size());
+  }
+
+  // `thing_of_detection`: of the detections of the n-th frame looked at.
+  void Add(std::size_t n,
+           std::span<const Silhouette> silhouettes,
+           const std::vector<int>& thing_of_detection) {
+    const std::span<const Detection> detections = DetectionsOf(inputs_, n);
+    std::vector<bool> is_used(detections.size(), false);
+    for (const Silhouette& silhouette : silhouettes) {
+      const auto thing = static_cast<std::size_t>(silhouette.instance);
+      const std::optional<std::size_t> own =
+          BestOf(detections, thing_of_detection, silhouette.instance);
+      if (own) is_used[*own] = true;
+      Segment segment = SegmentOf(silhouette,
+                                  found_.instances[thing],
+                                  inputs_.looked_at[n],
+                                  own ? &detections[*own] : nullptr);
+      segment.detection = own ? detections[*own].id : DetectionId{next_id_++};
+      members_[thing].push_back({segment.detection, segment.frame, 0, 0, "surface"});
+      segments_.push_back(std::move(segment));
+    }
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      if (!is_used[d]) Reject(detections[d], thing_of_detection[d]);
+    }
+  }
+
+  [[nodiscard]] FoundThings Take() && {
+    FoundThings found;
+    found.segments = std::move(segments_);
+    found.association.rejections = std::move(rejections_);
+    int next_object = 0;
+    for (std::size_t thing = 0; thing < members_.size(); ++thing) {
+      const Instance& instance = found_.instances[thing];
+      const double voxel_m = inputs_.surface.voxel_m;
+      const double surface_m2 = static_cast<double>(instance.elements.size()) * voxel_m * voxel_m;
+      const instances::UprightBox& box = instance.box_level;
+      const std::string what = fmt::format("{:.2f} x {:.2f} x {:.2f} m, {:.1f} m2 seen",
+                                           box.length_m,
+                                           box.width_m,
+                                           box.height_m(),
+                                           surface_m2);
+      const std::string why = !instance.rejection.empty() ? instance.rejection
+                              : members_[thing].empty()   ? "no frame shows enough of it"
+                                                          : "";
+      if (!why.empty()) {
+        if (surface_m2 >= kLargeM2 || instance.is_named)
+          found.not_mapped.push_back(
+              fmt::format("{} at {:.2f}, {:.2f} ({}): {}",
+                          instance.class_name.empty() ? "thing" : instance.class_name,
+                          box.centre_m.x(),
+                          box.centre_m.y(),
+                          what,
+                          why));
+        continue;
+      }
+      ObjectTrack track;
+      track.id = ObjectId{next_object++};
+      track.class_name = instance.class_name;
+      track.members = std::move(members_[thing]);
+      track.reason = what + (instance.is_named ? Votes(instance) : "; no detection names it");
+      found.association.tracks.push_back(std::move(track));
+    }
+    return found;
+  }
+
+ private:
+  // The best detection of that thing.
+  static std::optional<std::size_t> BestOf(std::span<const Detection> detections,
+                                           const std::vector<int>& thing_of_detection,
+                                           int thing) {
+    std::optional<std::size_t> best;
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      if (thing_of_detection[d] == thing &&
+          (!best || detections[d].score > detections[*best].score))
+        best = d;
+    }
+    return best;
+  }
+
+  void Reject(const Detection& detection, int thing) {
+    std::string reason = "no surface of a thing lies in it";
+    if (thing >= 0) {
+      const std::string& why = found_.instances[static_cast<std::size_t>(thing)].rejection;
+      reason = why.empty() ? "another detection of the frame is of the same thing, or it is "
+                             "hardly in sight"
+                           : why;
+    }
+    rejections_.push_back({detection.id, detection.frame, reason});
+  }
+
+  static std::string Votes(const Instance& instance) {
+    std::string text = "; votes:";
+    for (const auto& [name, share] : instance.class_shares)
+      text += fmt::format(" {} {:.2f}", name, share);
+    return text;
+  }
+
+  const ThingInputs& inputs_;
+  const Instances& found_;
+  int next_id_ = 0;
+  std::vector<std::vector<TrackMember>> members_;  // of each instance
+  std::vector<Segment> segments_;
+  std::vector<Rejection> rejections_;
+};
+
+}  // namespace
+
+void Describe(OptionsVisitor& visitor, ThingOptions& options) {
+  instances::Describe(visitor, options.instances);
+}
+
+Result<FoundThings> FindThings(const ThingInputs& inputs,
+                               const ThingOptions& options,
+                               Progress& progress) {
+  const SurfaceElements elements(
+      inputs.surface.mesh.vertices, inputs.surface.normals, inputs.surface.voxel_m);
+  const std::vector<char> is_structure =
+      instances::StructureElements(elements, inputs.layout, options.structure);
+  const std::vector<instances::ElementPair> pairs =
+      elements.PairsWithin(kNeighbourVoxels * elements.voxel_m());
+  const Superpoints superpoints =
+      instances::MakeSuperpoints(elements, is_structure, pairs, options.instances.superpoints);
+  Result<Claims> claims =
+      CollectClaims(inputs, elements, superpoints, options.instances.votes, progress);
+  if (!claims.ok()) return claims.error();
+  claims->votes.classes.resize(static_cast<std::size_t>(superpoints.count()));
+  claims->votes.num_views.resize(static_cast<std::size_t>(superpoints.count()), 0);
+  const Instances found = instances::FindInstances(
+      elements, superpoints, pairs, claims->votes, inputs.classes, options.instances);
+  const std::vector<int> thing_of_superpoint = ThingsOfSuperpoints(superpoints, found);
+
+  Tracks tracks(inputs, found);
+  const auto look = [&](std::size_t, const Frame& frame) {
+    return instances::FindSilhouettes(elements,
+                                      found,
+                                      frame.depth_m,
+                                      inputs.frames.camera(),
+                                      LevelFromCamera(inputs, frame.idx),
+                                      options.silhouettes);
+  };
+  const auto add = [&](std::size_t n, std::vector<Silhouette> silhouettes) {
+    tracks.Add(n,
+               silhouettes,
+               ThingsOfDetections(
+                   claims->frames[n], DetectionsOf(inputs, n), superpoints, thing_of_superpoint));
+    progress.Report(n + 1, inputs.looked_at.size());
+  };
+  const Status status = ForDepthFrames<std::vector<Silhouette>>(inputs, false, progress, look, add);
+  if (!status.ok()) return status.error();
+  return std::move(tracks).Take();
+}
+
+}  // namespace deepslam::discovery

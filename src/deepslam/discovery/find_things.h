@@ -1,0 +1,61 @@
+// The things of a capture, found in the surface of all its frames: what is not floor, wall or
+// ceiling is divided by its shape and by the votes of all detections (instances), and each thing's
+// silhouette in a frame is the part of the frame that lies on it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "deepslam/core/options.h"
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/instances/find_instances.h"
+#include "deepslam/instances/silhouettes.h"
+#include "deepslam/instances/structure.h"
+#include "deepslam/scene/coarse_surface.h"
+#include "deepslam/scene/detection.h"
+#include "deepslam/scene/frame_source.h"
+#include "deepslam/scene/layout.h"
+#include "deepslam/scene/object_class.h"
+#include "deepslam/scene/object_track.h"
+#include "deepslam/scene/trajectory.h"
+
+namespace deepslam::discovery {
+
+struct ThingOptions {
+  instances::StructureOptions structure;
+  instances::InstanceOptions instances;
+  instances::SilhouetteOptions silhouettes;
+};
+void Describe(OptionsVisitor& visitor, ThingOptions& options);
+
+struct ThingInputs {
+  const FrameSource& frames;
+  const Trajectory& trajectory;
+  const CoarseSurface& surface;  // of these frames
+  const Layout& layout;          // of this surface
+  const ClassTable& classes;
+  // Frames that the detector looked at and the surface was made of, ascending.
+  std::span<const FrameIdx> looked_at;
+  std::span<const Detection> detections;  // of these frames, in ascending frames
+};
+
+struct FoundThings {
+  // One track per thing that is an object of the map, ids from 0; every detection that names none
+  // of them is among the rejections.
+  Association association;
+  // One per thing and frame that shows enough of it, ascending frames: what the tracks' members
+  // name. Where a detection of the frame is of the thing the segment has its id and score;
+  // otherwise an id above those of all detections.
+  std::vector<Segment> segments;
+  // Things of some size that are no objects of the map, with the reason.
+  std::vector<std::string> not_mapped;
+};
+
+// Frames that cannot be read are left out with a warning. Errors: Interrupted only.
+[[nodiscard]] Result<FoundThings> FindThings(const ThingInputs& inputs,
+                                             const ThingOptions& options,
+                                             Progress& progress);
+
+}  // namespace deepslam::discovery

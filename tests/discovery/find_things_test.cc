@@ -1,0 +1,187 @@
+#include "deepslam/discovery/find_things.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "deepslam/core/parallel.h"
+#include "deepslam/fuse/coarse_fusion.h"
+#include "support/box_world.h"
+
+namespace deepslam::discovery {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using namespace testing_support;  // NOLINT
+
+// A table with two chairs pushed under it and a cabinet that no detector names.
+std::vector<Cuboid> Kitchen() {
+  std::vector<Cuboid> world = TableAt(0, 0, 0);
+  Append(world, ChairAt(1, -0.3, -0.45, -1));
+  Append(world, ChairAt(2, 0.3, 0.45, 1));
+  world.push_back({3, {1.6, -0.5, 0}, {2.1, 0.5, 0.9}});
+  return world;
+}
+
+ClassTable Classes() {
+  ClassTable table;
+  table.classes = {{"chair", {"chair"}, {}, 0.4, 1.5, 0.4, 1.4, {}, {}},
+                   {"table", {"dining table"}, {}, 0.4, 4, 0.3, 1.2, {}, {}},
+                   {"cabinet", {}, {}, 0.3, 2.6, 0.3, 2.5, {}, {}},
+                   {"furniture", {}, {}, 0.2, 3.5, 0.15, 2.7, {}, {.fallback = true}}};
+  return table;
+}
+
+std::vector<Pose3> Walk() { return Orbit({0.6, 0, 0.4}, 3.0, 1.6, 0, 15, 24); }
+
+CoarseSurface Fuse(const BoxWorldSource& source) {
+  fuse::CoarseFusion fusion({});
+  for (int f = 0; f < source.num_frames(); ++f) {
+    EXPECT_TRUE(fusion
+                    .Integrate(source.View({f}).frame,
+                               source.camera(),
+                               *source.capture_world_from_camera({f}))
+                    .ok());
+  }
+  CoarseSurface surface = std::move(fusion).Take();
+  surface.has_ground = true;
+  return surface;
+}
+
+// True boxes with masks of everything but the cabinet.
+std::vector<Detection> Detect(const BoxWorldSource& source) {
+  std::vector<Detection> detections;
+  const std::vector<std::string> names = {"table", "chair", "chair"};
+  for (int f = 0; f < source.num_frames(); ++f) {
+    const BoxView& view = source.View({f});
+    for (int object = 0; object < 3; ++object) {
+      auto detection = DetectTruth(view, object, names[static_cast<std::size_t>(object)]);
+      if (!detection) continue;
+      Mask mask(view.object.width(), view.object.height());
+      for (std::size_t p = 0; p < mask.size(); ++p)
+        mask.data()[p] = view.object.data()[p] == object ? 1 : 0;
+      detection->mask = mask;
+      detection->id = {static_cast<int>(detections.size())};
+      detections.push_back(*std::move(detection));
+    }
+  }
+  return detections;
+}
+
+class CountingProgress final : public Progress {
+ public:
+  void Report(std::size_t, std::size_t) override {}
+  void Warn(std::string_view message) override { warnings.emplace_back(message); }
+  [[nodiscard]] bool StopRequested() const override { return stop; }
+
+  std::vector<std::string> warnings;
+  bool stop = false;
+};
+
+class FindThingsTest : public testing::Test {
+ protected:
+  FindThingsTest()
+      : source_(Kitchen(), Walk()),
+        surface_(Fuse(source_)),
+        detections_(Detect(source_)),
+        odometry_(source_.TrueOdometry()) {
+    for (int f = 0; f < source_.num_frames(); ++f) looked_at_.push_back({f});
+  }
+
+  Result<FoundThings> Find() {
+    const ThingInputs inputs{
+        source_, odometry_, surface_, layout_, classes_, looked_at_, detections_};
+    ThingOptions options;
+    options.silhouettes.min_points = 150;
+    return FindThings(inputs, options, progress_);
+  }
+
+  BoxWorldSource source_;
+  CoarseSurface surface_;
+  Layout layout_;
+  ClassTable classes_ = Classes();
+  std::vector<Detection> detections_;
+  Odometry odometry_;
+  std::vector<FrameIdx> looked_at_;
+  CountingProgress progress_;
+};
+
+TEST_F(FindThingsTest, EveryThingIsATrackOfItsOwn) {
+  const Result<FoundThings> found = Find();
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  std::multiset<std::string> classes;
+  for (const ObjectTrack& track : found->association.tracks) classes.insert(track.class_name);
+  EXPECT_THAT(classes, ElementsAre("cabinet", "chair", "chair", "table"));
+}
+
+TEST_F(FindThingsTest, MembersNameSegmentsAndEachDetectionIsUsedOnce) {
+  const Result<FoundThings> found = Find();
+  ASSERT_TRUE(found.ok());
+  std::map<DetectionId, FrameIdx> frames;
+  for (const Segment& segment : found->segments)
+    EXPECT_TRUE(frames.emplace(segment.detection, segment.frame).second);
+  std::set<DetectionId> named;
+  for (const ObjectTrack& track : found->association.tracks) {
+    EXPECT_TRUE(std::ranges::is_sorted(track.members, {}, &TrackMember::frame));
+    for (const TrackMember& member : track.members) {
+      EXPECT_EQ(frames.at(member.detection), member.frame);
+      EXPECT_TRUE(named.insert(member.detection).second);
+    }
+  }
+  for (const Rejection& rejection : found->association.rejections)
+    EXPECT_TRUE(named.insert(rejection.detection).second);
+  for (const Detection& detection : detections_) EXPECT_TRUE(named.contains(detection.id));
+}
+
+TEST_F(FindThingsTest, DoesNotDependOnTheNumberOfThreads) {
+  const auto summary = [&](int num_threads) {
+    const ThreadLimit limit(num_threads);
+    const Result<FoundThings> found = Find();
+    EXPECT_TRUE(found.ok());
+    std::vector<std::string> lines;
+    for (const Segment& segment : found->segments)
+      lines.push_back(std::to_string(segment.detection.value) + segment.mask.rle());
+    return lines;
+  };
+  EXPECT_EQ(summary(1), summary(2));
+}
+
+TEST_F(FindThingsTest, AFrameThatCannotBeReadIsWarnedAboutOnceAndLeftOut) {
+  source_.broken.insert(3);
+  const Result<FoundThings> found = Find();
+  ASSERT_TRUE(found.ok());
+  EXPECT_THAT(progress_.warnings, ElementsAre(HasSubstr("broken")));
+  EXPECT_THAT(found->association.tracks, SizeIs(4));
+  for (const Segment& segment : found->segments) EXPECT_NE(segment.frame.value, 3);
+}
+
+TEST_F(FindThingsTest, StopsWhenAskedTo) {
+  progress_.stop = true;
+  const Result<FoundThings> found = Find();
+  ASSERT_FALSE(found.ok());
+  EXPECT_EQ(found.error().code, ErrorCode::kInterrupted);
+}
+
+TEST_F(FindThingsTest, WithoutFramesOrSurfaceThereIsNothing) {
+  looked_at_.clear();
+  detections_.clear();
+  Result<FoundThings> found = Find();
+  ASSERT_TRUE(found.ok());
+  EXPECT_THAT(found->association.tracks, IsEmpty());
+  EXPECT_THAT(found->not_mapped, testing::Not(IsEmpty()));  // the cabinet, which no frame shows
+  surface_ = {};
+  surface_.voxel_m = 0.04;
+  found = Find();
+  ASSERT_TRUE(found.ok());
+  EXPECT_THAT(found->association.tracks, IsEmpty());
+}
+
+}  // namespace
+}  // namespace deepslam::discovery
