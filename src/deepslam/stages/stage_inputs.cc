@@ -25,7 +25,7 @@
 #include "deepslam/core/parallel_ahead.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/shape/binvox.h"
-#include "deepslam/stages/shelf_of_edges.h"
+#include "deepslam/stages/disk_edge_store.h"
 
 namespace deepslam::stages {
 namespace {
@@ -94,12 +94,12 @@ Result<Odometry> ReadOdometry(const StageContext& context) {
   for (const Result<TextSource>* text : {&frames, &tum, &edges}) {
     if (!text->ok()) return text->error();
   }
-  const auto shelf = std::make_shared<ShelfOfEdges>(context.Scratch());
+  const auto edge_store = std::make_shared<DiskEdgeStore>(context.Scratch());
   Result<Trajectory> trajectory = artifact::DecodeOdometry(
       {*std::move(frames), *std::move(tum), *std::move(edges), frames_file, edges_file},
-      [&](const RelativePose& edge) { return shelf->Add(edge); });
+      [&](const RelativePose& edge) { return edge_store->Add(edge); });
   if (!trajectory.ok()) return trajectory.error();
-  return Odometry{std::move(trajectory).value(), {}, shelf};
+  return Odometry{std::move(trajectory).value(), {}, edge_store};
 }
 
 Result<Trajectory> ReadTrajectory(const StageContext& context) {
