@@ -1,44 +1,26 @@
 // A camera that walks through a textured room: frames, truth, and what tracking would say of it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <numbers>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "deepslam/core/progress.h"
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/memory_frame_source.h"
 #include "deepslam/mapping/edge_store.h"
 #include "deepslam/scene/trajectory.h"
 #include "loop/textured_room.h"
+#include "support/recording_progress.h"
 
 namespace deepslam::mapping {
 
+using ::deepslam::testing_support::RecordingProgress;
 using loop::testing_support::kCamera;
 using loop::testing_support::Looking;
 using loop::testing_support::Photograph;
 using loop::testing_support::TexturedRoom;
-
-// Keeps what it is told, and stops when it was asked so many times (0: never).
-class RecordingProgress final : public Progress {
- public:
-  explicit RecordingProgress(int stop_after = 0) : stop_after_(stop_after) {}
-  void Report(std::size_t, std::size_t) override {}
-  void Warn(std::string_view message) override { warnings.emplace_back(message); }
-  [[nodiscard]] bool StopRequested() const override {
-    return stop_after_ > 0 && ++times_asked_ >= stop_after_;
-  }
-
-  std::vector<std::string> warnings;
-
- private:
-  int stop_after_;
-  mutable int times_asked_ = 0;
-};
 
 inline std::vector<Frame> FramesAlong(const TexturedRoom& room, const std::vector<Pose3>& truth) {
   std::vector<Frame> frames;
