@@ -50,6 +50,8 @@ ROOMS = {
     "furniture": {"core", "geometry", "scene"},
     # training views of the shape networks: drawn by the ray caster, cut out as the networks see objects
     "priors": VOCABULARY | {"render", "furniture", "propose"},
+    # composition: joins algorithms, in memory
+    "mapping": VOCABULARY | {"alignment", "tracking", "loop", "graph"},
     # control
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }

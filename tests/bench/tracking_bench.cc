@@ -2,7 +2,6 @@
 // beside decoding its frames alone: what no tracker can do without. The capture is the folder that
 // DEEPSLAM_BENCH_CAPTURE names. Real time; as many threads as the argument says.
 //   DEEPSLAM_BENCH_CAPTURE=... deepslam_tracking_bench --benchmark_repetitions=5
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,8 +11,8 @@
 #include "bench_capture.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
-#include "deepslam/pipeline/stage.h"
-#include "deepslam/stages/refine_path.h"
+#include "deepslam/mapping/edge_store.h"
+#include "deepslam/mapping/track_path.h"
 #include "deepslam/tracking/odometry.h"
 
 namespace deepslam {
@@ -38,27 +37,18 @@ void TrackFrames(benchmark::State& state) {
 }
 
 void TrackAndRefine(benchmark::State& state) {
-  Result<dataset::Capture> capture = bench::OpenNamedCapture();
+  const Result<dataset::Capture> capture = bench::OpenNamedCapture();
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
   const ThreadLimit limit(static_cast<int>(state.range(0)));
-  stages::RunInputs inputs;
-  inputs.capture = std::make_shared<const dataset::Capture>(std::move(capture).value());
-  const FrameSource& frames = *inputs.capture->frames;
   SilentProgress progress;
-  const auto folder = std::filesystem::temp_directory_path();  // of scratch files alone
-  const pipeline::StageContext context(folder, folder, {}, progress);
+  const auto in_memory = [] { return std::make_shared<mapping::MemoryEdgeStore>(); };
   for (auto _ : state) {
-    stages::KeyframePyramids pyramids = stages::PyramidsToRefine(inputs);
-    const auto take = [&](tracking::ReadKeyframe keyframe) {
-      pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
-    };
-    Result<Odometry> odometry =
-        tracking::EstimateOdometry(frames, inputs.config.track, progress, take);
-    if (!odometry.ok()) return state.SkipWithError(odometry.error().message.c_str());
-    const Status refined = stages::RefinePath(context, inputs, std::move(pyramids), *odometry);
-    if (!refined.ok()) return state.SkipWithError(refined.error().message.c_str());
+    const Result<mapping::TrackedPath> path =
+        mapping::TrackPath(*capture->frames, {}, {}, in_memory, progress);
+    if (!path.ok()) return state.SkipWithError(path.error().message.c_str());
+    benchmark::DoNotOptimize(path->odometry.frames.size());
   }
-  Report(state, frames.num_frames());
+  Report(state, capture->frames->num_frames());
 }
 
 BENCHMARK(bench::DecodeFrames)

@@ -1,4 +1,4 @@
-// Edges for the tests of this folder, and shelves of edges.
+// Edges for the tests of this folder, and stores of edges on disk.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
-#include "deepslam/stages/shelf_of_edges.h"
+#include "deepslam/stages/disk_edge_store.h"
 
 namespace deepslam::testing_support {
 
@@ -29,12 +29,12 @@ inline std::vector<RelativePose> SampleEdges(int count) {
   return edges;
 }
 
-inline std::shared_ptr<const ShelvedEdges> ShelfOf(const std::vector<RelativePose>& edges,
+inline std::shared_ptr<const ShelvedEdges> StoreOf(const std::vector<RelativePose>& edges,
                                                    const std::filesystem::path& folder) {
-  const auto shelf =
-      std::make_shared<stages::ShelfOfEdges>(std::make_shared<storage::ScratchFile>(folder));
-  EXPECT_TRUE(shelf->Add(edges).ok());
-  return shelf;
+  const auto store =
+      std::make_shared<stages::DiskEdgeStore>(std::make_shared<storage::ScratchFile>(folder));
+  EXPECT_TRUE(mapping::AddAll(edges, *store).ok());
+  return store;
 }
 
 }  // namespace deepslam::testing_support

@@ -21,10 +21,10 @@
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/shared_place.h"
 #include "deepslam/loop/visits.h"
+#include "deepslam/mapping/close_by_appearance.h"
+#include "deepslam/mapping/keyframe_graph.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/shape/view_points.h"
-#include "deepslam/stages/appearance_stage.h"
-#include "deepslam/stages/keyframe_graph.h"
 #include "deepslam/stages/loop_world.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/prepared_models.h"
@@ -42,11 +42,20 @@ constexpr float kMaxSurroundingsDepthM = 5.0F;
 // Every pass closes the path further; what two passes leave, a third seldom finds.
 constexpr int kMaxPasses = 6;
 
+mapping::AppearanceClosing ClosingOptions(const Config& config) {
+  mapping::AppearanceClosing options{
+      config.appearance, config.track.alignment, config.optimize, false};
+  options.appearance.enabled &= config.loops.enabled;
+  options.by_depth_alone =
+      config.track_stage.poses != "capture" && !config.track.alignment.photometric;
+  return options;
+}
+
 // Cameras and ground as loops by appearance close them, and objects where that puts them, judged
 // anew where it moves their views apart.
 Result<LoopWorld> ReadWorld(const StageContext& context,
                             const RunInputs& inputs,
-                            ClosedTrajectory& closed) {
+                            mapping::ClosedTrajectory& closed) {
   LoopWorld world;
   Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
@@ -62,8 +71,12 @@ Result<LoopWorld> ReadWorld(const StageContext& context,
   Result<ObjectMap> map = ReadObjects(context, "select");
   if (!map.ok()) return map.error();
   world.map = std::move(map).value();
-  Result<ClosedTrajectory> by_appearance =
-      CloseByAppearance(context, inputs, world.odometry, *ground);
+  Result<mapping::ClosedTrajectory> by_appearance =
+      mapping::CloseByAppearance(*inputs.capture->frames,
+                                 world.odometry,
+                                 *ground,
+                                 ClosingOptions(inputs.config),
+                                 context.progress());
   if (!by_appearance.ok()) return by_appearance.error();
   closed = std::move(by_appearance).value();
   world.tracked = static_cast<const Trajectory&>(world.odometry);
@@ -273,8 +286,8 @@ Result<bool> Close(const StageContext& context,
                    LoopWorld& world) {
   const graph::GraphOptions& options = inputs.config.optimize;
   if (!options.use_objects) return false;
-  Result<SolvedPath> solved =
-      SolvePath(world.odometry, world.ground, world.edges, options, world.map);
+  Result<mapping::SolvedPath> solved =
+      mapping::SolvePath(world.odometry, world.ground, world.edges, options, world.map);
   if (!solved.ok()) return solved.error();
   Trajectory closed{std::move(solved->frames), world.odometry.keyframes};
   const bool apart = std::ranges::any_of(world.map.objects, [&](const MapObject& object) {
@@ -438,7 +451,7 @@ StageSummary Summary(const Loops& loops, int num_measured_again, std::size_t num
 }  // namespace
 
 Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
-  ClosedTrajectory by_appearance;
+  mapping::ClosedTrajectory by_appearance;
   Result<LoopWorld> read = ReadWorld(context, inputs, by_appearance);
   if (!read.ok()) return read.error();
   LoopWorld& world = *read;
@@ -450,7 +463,7 @@ Result<StageSummary> RunLoops(StageContext& context, const RunInputs& inputs) {
   if (Status status = DropIntruders(context, inputs, world); !status.ok()) return status.error();
   MoveObjects(world.odometry, world.tracked, world.map);
   if (Status status = Write(context, world, loops); !status.ok()) return status.error();
-  return Summary(loops, by_appearance.num_measured_again, world.map.objects.size());
+  return Summary(loops, by_appearance.num_reregistered, world.map.objects.size());
 }
 
 }  // namespace deepslam::stages

@@ -1,13 +1,13 @@
 #include "deepslam/stages/plan.h"
 
-#include <filesystem>
+#include <array>
+#include <iterator>
 #include <optional>
-#include <utility>
+#include <sstream>
+#include <string_view>
 
 #include "deepslam/artifact/class_table_yaml.h"
-#include "deepslam/artifact/overrides_yaml.h"
-#include "deepslam/core/sha256.h"
-#include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/external_inputs.h"
 #include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
@@ -16,87 +16,78 @@ namespace {
 using pipeline::Stage;
 using pipeline::StageContext;
 using pipeline::StageSummary;
-using StringMap = std::map<std::string, std::string>;
 using StageFunction = Result<StageSummary> (*)(StageContext&, const RunInputs&);
 
-// What a stage takes from outside the workspace.
-enum External : unsigned {
-  kNothing = 0,
-  kFrames = 1,
-  kClasses = 2,
-  kDetector = 4,
-  kLibrary = 8,
-  // parts of overrides.yaml
-  kGroundHint = 16,
-  kTrackOverrides = 32,
-  kChoices = 64,
-  kPriors = 128,
+struct PlannedStage {
+  std::string_view name;
+  int version;                // rises whenever results may differ with equal options
+  std::string_view inputs;    // names of stages ...
+  std::string_view sections;  // ... and of the configuration's sections, spaces between
+  unsigned externals;
+  StageFunction run;
 };
 
-// What lies at a place enters a key by its content.
-Status AddContent(const RunInputs& inputs,
-                  const std::string& key,
-                  const Result<std::filesystem::path>& place,
-                  StringMap& hashes) {
-  if (!place.ok()) return place.error();
-  const Result<std::string> hash =
-      inputs.hashes ? inputs.hashes->Of(*place) : ContentHashes().Of(*place);
-  if (!hash.ok()) return hash.error();
-  hashes.emplace(key, *hash);
-  return Ok();
-}
+constexpr std::array<PlannedStage, 14> kChain = {{
+    {"track", 18, "", "track track.covisible", kFrames, RunTrack},
+    {"ground", 6, "track", "ground", kFrames | kGroundHint, RunGround},
+    {"detect",
+     7,
+     "track ground",
+     "detect detect.network detect.clusters",
+     kFrames | kClasses | kDetector,
+     RunDetect},
+    {"segment", 7, "track ground detect", "segment", kFrames | kClasses, RunSegment},
+    {"associate", 7, "track segment", "associate", kFrames | kTrackOverrides, RunAssociate},
+    {"propose",
+     8,
+     "track ground segment associate",
+     "views propose propose.retrieval propose.measured propose.networks",
+     kFrames | kClasses | kLibrary | kPriors,
+     RunPropose},
+    {"register",
+     7,
+     "track ground segment associate propose",
+     "views register",
+     kFrames,
+     RunRegister},
+    {"select",
+     17,
+     "track ground segment associate propose register",
+     "views register select select.refine",
+     kFrames | kChoices | kPriors,
+     RunSelect},
+    {"loops",
+     28,
+     "track ground segment associate propose register select",
+     "track views register select select.refine loops loops.appearance optimize",
+     kFrames | kClasses | kChoices,
+     RunLoops},
+    {"optimize", 4, "track ground loops", "optimize", kNothing, RunOptimize},
+    {"mesh",
+     2,
+     "track ground segment loops optimize",
+     "views mesh.surface mesh.refine mesh.colour",
+     kFrames | kClasses,
+     RunMesh},
+    {"fuse", 5, "detect segment loops optimize", "fuse", kFrames, RunFuse},
+    {"export",
+     10,
+     "track propose select loops optimize mesh fuse",
+     "export export.ground export.gltf",
+     kFrames | kClasses,
+     RunExport},
+    {"report",
+     11,
+     "track ground detect segment associate propose register select loops optimize "
+     "mesh fuse export",
+     "",
+     kFrames | kClasses,
+     RunReport},
+}};
 
-Status AddDetector(const RunInputs& inputs, StringMap& hashes) {
-  const DetectStageOptions& options = inputs.config.detect_stage;
-  if (options.source == "none") return Ok();
-  if (options.source == "network") {
-    const Result<std::filesystem::path> file = FindWeights(inputs.data_folder, options.weights);
-    return AddContent(inputs, "weights", file, hashes);
-  }
-  if (options.file.empty())
-    return InvalidConfig("detect.source is file, but detect.file names none");
-  return AddContent(inputs, "coco_file", std::filesystem::path(options.file), hashes);
-}
-
-Status AddLibrary(const RunInputs& inputs, StringMap& hashes) {
-  const ProposeStageOptions& options = inputs.config.propose_stage;
-  if (!options.retrieval) return Ok();
-  const Result<std::filesystem::path> folder = FindLibrary(inputs.data_folder, options.library);
-  return AddContent(inputs, "library", folder, hashes);
-}
-
-Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
-  const ProposeStageOptions& options = inputs.config.propose_stage;
-  if (!options.network) return Ok();
-  const auto folder = FindPriors(inputs.data_folder, options.priors);
-  if (!folder.ok()) return folder.error();
-  if (!*folder) return Ok();
-  return AddContent(inputs, "priors", **folder, hashes);
-}
-
-Result<StringMap> Externals(const RunInputs& inputs, unsigned what) {
-  StringMap hashes;
-  if ((what & kFrames) != 0 && inputs.capture)
-    hashes.emplace("capture", inputs.capture->content_hash);
-  if ((what & kClasses) != 0)
-    hashes.emplace("classes", Sha256Hex(artifact::EncodeClassTable(inputs.classes)));
-  if ((what & kDetector) != 0) {
-    if (Status status = AddDetector(inputs, hashes); !status.ok()) return status.error();
-  }
-  if ((what & kLibrary) != 0) {
-    if (Status status = AddLibrary(inputs, hashes); !status.ok()) return status.error();
-  }
-  if ((what & kPriors) != 0) {
-    if (Status status = AddPriors(inputs, hashes); !status.ok()) return status.error();
-  }
-  // What is not overridden leaves no trace: an empty file is as good as none.
-  const auto add = [&](unsigned part, std::string_view name, const std::string& text) {
-    if ((what & part) != 0 && !text.empty()) hashes.emplace(name, Sha256Hex(text));
-  };
-  add(kGroundHint, kOverrideInputs[0], artifact::GroundOverridesText(inputs.overrides));
-  add(kTrackOverrides, kOverrideInputs[1], artifact::TrackOverridesText(inputs.overrides));
-  add(kChoices, kOverrideInputs[2], artifact::ChoiceOverridesText(inputs.overrides));
-  return hashes;
+std::vector<std::string> Words(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 // What a stage made while the machine did not give it all frames is nobody's result: it would pass
@@ -118,101 +109,19 @@ Result<ClassTable> LoadClasses(const Config& config) {
   return artifact::DecodeClassTable(*text, config.classes_file);
 }
 
-void HashModels(const RunInputs& inputs) {
-  for (const unsigned what : {kDetector, kLibrary, kPriors})
-    static_cast<void>(Externals(inputs, what));
-}
-
 std::vector<Stage> MakePlan(SharedInputs inputs) {
   std::vector<Stage> stages;
-  const auto add = [&](std::string name,
-                       int version,
-                       std::vector<std::string> stage_inputs,
-                       const std::set<std::string>& sections,
-                       unsigned externals,
-                       StageFunction function) {
-    stages.push_back(
-        {std::move(name),
-         version,
-         std::move(stage_inputs),
-         KeyOptions(inputs->config, sections),
-         [inputs, externals] { return Externals(*inputs, externals); },
-         [inputs, function](StageContext& context) { return RunOn(context, *inputs, function); }});
-  };
-  // Versions rise whenever results may differ with equal options.
-  add("track", 18, {}, {"track", "track.covisible"}, kFrames, RunTrack);
-  add("ground", 6, {"track"}, {"ground"}, kFrames | kGroundHint, RunGround);
-  add("detect",
-      7,
-      {"track", "ground"},
-      {"detect", "detect.network", "detect.clusters"},
-      kFrames | kClasses | kDetector,
-      RunDetect);
-  add("segment", 7, {"track", "ground", "detect"}, {"segment"}, kFrames | kClasses, RunSegment);
-  add("associate", 7, {"track", "segment"}, {"associate"}, kFrames | kTrackOverrides, RunAssociate);
-  add("propose",
-      8,
-      {"track", "ground", "segment", "associate"},
-      {"views", "propose", "propose.retrieval", "propose.measured", "propose.networks"},
-      kFrames | kClasses | kLibrary | kPriors,
-      RunPropose);
-  add("register",
-      7,
-      {"track", "ground", "segment", "associate", "propose"},
-      {"views", "register"},
-      kFrames,
-      RunRegister);
-  add("select",
-      17,
-      {"track", "ground", "segment", "associate", "propose", "register"},
-      {"views", "register", "select", "select.refine"},
-      kFrames | kChoices | kPriors,
-      RunSelect);
-  add("loops",
-      28,
-      {"track", "ground", "segment", "associate", "propose", "register", "select"},
-      {"track",
-       "views",
-       "register",
-       "select",
-       "select.refine",
-       "loops",
-       "loops.appearance",
-       "optimize"},
-      kFrames | kClasses | kChoices,
-      RunLoops);
-  add("optimize", 4, {"track", "ground", "loops"}, {"optimize"}, kNothing, RunOptimize);
-  add("mesh",
-      2,
-      {"track", "ground", "segment", "loops", "optimize"},
-      {"views", "mesh.surface", "mesh.refine", "mesh.colour"},
-      kFrames | kClasses,
-      RunMesh);
-  add("fuse", 5, {"detect", "segment", "loops", "optimize"}, {"fuse"}, kFrames, RunFuse);
-  add("export",
-      10,
-      {"track", "propose", "select", "loops", "optimize", "mesh", "fuse"},
-      {"export", "export.ground", "export.gltf"},
-      kFrames | kClasses,
-      RunExport);
-  add("report",
-      11,
-      {"track",
-       "ground",
-       "detect",
-       "segment",
-       "associate",
-       "propose",
-       "register",
-       "select",
-       "loops",
-       "optimize",
-       "mesh",
-       "fuse",
-       "export"},
-      {},
-      kFrames | kClasses,
-      RunReport);
+  for (const PlannedStage& planned : kChain) {
+    const std::vector<std::string> sections = Words(planned.sections);
+    stages.push_back({std::string(planned.name),
+                      planned.version,
+                      Words(planned.inputs),
+                      KeyOptions(inputs->config, {sections.begin(), sections.end()}),
+                      [inputs, &planned] { return HashExternals(*inputs, planned.externals); },
+                      [inputs, &planned](StageContext& context) {
+                        return RunOn(context, *inputs, planned.run);
+                      }});
+  }
   return stages;
 }
 

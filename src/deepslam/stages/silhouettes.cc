@@ -10,6 +10,7 @@
 #include "deepslam/artifact/ply.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/eval/silhouette.h"
+#include "deepslam/scene/for_frames.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -133,7 +134,7 @@ Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& worksp
     }
     return Ok();
   };
-  if (Status status = ForFrames(context, frames, wanted, compare); !status.ok())
+  if (Status status = ForFrames(frames, wanted, progress, compare); !status.ok())
     return status.error();
   Summarise(report);
   return report;

@@ -1,7 +1,6 @@
 #include "deepslam/stages/stage_inputs.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -22,17 +21,15 @@
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/core/parallel_ahead.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/shape/binvox.h"
-#include "deepslam/stages/shelf_of_edges.h"
+#include "deepslam/stages/disk_edge_store.h"
 
 namespace deepslam::stages {
 namespace {
 
 using pipeline::StageContext;
 
-constexpr std::size_t kFramesAhead = 8;                     // 2 MB each
 constexpr std::size_t kBatchBytes = std::size_t{96} << 20;  // of views, until a batch has enough
 
 template <typename Decoder>
@@ -94,12 +91,12 @@ Result<Odometry> ReadOdometry(const StageContext& context) {
   for (const Result<TextSource>* text : {&frames, &tum, &edges}) {
     if (!text->ok()) return text->error();
   }
-  const auto shelf = std::make_shared<ShelfOfEdges>(context.Scratch());
+  const auto edge_store = std::make_shared<DiskEdgeStore>(context.Scratch());
   Result<Trajectory> trajectory = artifact::DecodeOdometry(
       {*std::move(frames), *std::move(tum), *std::move(edges), frames_file, edges_file},
-      [&](const RelativePose& edge) { return shelf->Add(edge); });
+      [&](const RelativePose& edge) { return edge_store->Add(edge); });
   if (!trajectory.ok()) return trajectory.error();
-  return Odometry{std::move(trajectory).value(), {}, shelf};
+  return Odometry{std::move(trajectory).value(), {}, edge_store};
 }
 
 Result<Trajectory> ReadTrajectory(const StageContext& context) {
@@ -332,33 +329,6 @@ Status CheckOfThisCapture(std::size_t num_frames,
                   frames.num_frames(),
                   camera.width,
                   camera.height));
-}
-
-Status ForFrames(const StageContext& context,
-                 const FrameSource& frames,
-                 std::span<const FrameIdx> wanted,
-                 const std::function<Status(const Frame&)>& use) {
-  std::array<std::optional<Result<Frame>>, kFramesAhead> read;
-  Status status;
-  const auto use_one = [&](std::size_t n) -> Status {
-    if (context.progress().StopRequested()) return Interrupted();
-    const Result<Frame> frame = *std::exchange(read[n % kFramesAhead], std::nullopt);
-    if (n % kFramesAhead == 0) context.progress().Report(n, wanted.size());
-    if (frame.ok()) return use(*frame);
-    context.progress().Warn(
-        fmt::format("frame {} skipped: {}", wanted[n].value, frame.error().message));
-    return Ok();
-  };
-  ParallelAhead(
-      wanted.size(),
-      kFramesAhead,
-      [&](std::size_t n) { read[n % kFramesAhead] = frames.Read(wanted[n]); },
-      [&](std::size_t n) {
-        status = use_one(n);
-        return status.ok();
-      });
-  if (status.ok()) context.progress().Report(wanted.size(), wanted.size());
-  return status;
 }
 
 }  // namespace deepslam::stages

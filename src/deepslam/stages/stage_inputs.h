@@ -1,5 +1,4 @@
-// What several stages read and do alike: typed values out of other stages' files, views of objects,
-// frames in batches.
+// What several stages read and do alike: typed values out of other stages' files, views of objects.
 #pragma once
 
 #include <functional>
@@ -164,13 +163,5 @@ template <typename Value>
 [[nodiscard]] Status CheckOfThisCapture(std::size_t num_frames,
                                         std::span<const Segment> segments,
                                         const FrameSource& frames);
-
-// Reads frames in parallel, a few at a time and ahead of need, and hands each to `use` in the order
-// given. A frame that cannot be read is warned about and skipped. Stops at the first error of `use`
-// and when the user asks to.
-[[nodiscard]] Status ForFrames(const pipeline::StageContext& context,
-                               const FrameSource& frames,
-                               std::span<const FrameIdx> wanted,
-                               const std::function<Status(const Frame&)>& use);
 
 }  // namespace deepslam::stages

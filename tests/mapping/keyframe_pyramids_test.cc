@@ -1,4 +1,4 @@
-#include "deepslam/stages/keyframe_pyramids.h"
+#include "deepslam/mapping/keyframe_pyramids.h"
 
 #include <atomic>
 #include <optional>
@@ -11,7 +11,7 @@
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/dataset/memory_frame_source.h"
 
-namespace deepslam::stages {
+namespace deepslam::mapping {
 namespace {
 
 using testing::ElementsAre;
@@ -129,4 +129,4 @@ TEST(KeyframePyramids, WhatCannotBeReadIsEmptyAndTold) {
 }
 
 }  // namespace
-}  // namespace deepslam::stages
+}  // namespace deepslam::mapping

@@ -14,7 +14,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/scene/frame_source.h"
 
-namespace deepslam::stages {
+namespace deepslam::mapping {
 
 class KeyframePyramids {
  public:
@@ -53,4 +53,4 @@ class KeyframePyramids {
   std::map<FrameIdx, Entry> entries_;
 };
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::mapping

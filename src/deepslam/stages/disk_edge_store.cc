@@ -1,4 +1,4 @@
-#include "deepslam/stages/shelf_of_edges.h"
+#include "deepslam/stages/disk_edge_store.h"
 
 #include <algorithm>
 #include <array>
@@ -43,10 +43,10 @@ RelativePose FromStored(const Stored& stored) {
 
 }  // namespace
 
-ShelfOfEdges::ShelfOfEdges(std::shared_ptr<storage::ScratchFile> file) : file_(std::move(file)) {}
-ShelfOfEdges::~ShelfOfEdges() = default;
+DiskEdgeStore::DiskEdgeStore(std::shared_ptr<storage::ScratchFile> file) : file_(std::move(file)) {}
+DiskEdgeStore::~DiskEdgeStore() = default;
 
-Status ShelfOfEdges::Add(const RelativePose& edge) {
+Status DiskEdgeStore::Add(const RelativePose& edge) {
   last_.push_back(edge);
   if (last_.size() < kAtOnce) return Ok();
   std::vector<Stored> stored(last_.size());
@@ -57,14 +57,7 @@ Status ShelfOfEdges::Add(const RelativePose& edge) {
   return Ok();
 }
 
-Status ShelfOfEdges::Add(std::span<const RelativePose> edges) {
-  for (const RelativePose& edge : edges) {
-    if (Status status = Add(edge); !status.ok()) return status;
-  }
-  return Ok();
-}
-
-void ShelfOfEdges::Read(std::size_t first, std::span<RelativePose> edges) const {
+void DiskEdgeStore::Read(std::size_t first, std::span<RelativePose> edges) const {
   DEEPSLAM_CHECK(first + edges.size() <= size(), "edges that are there");
   const std::size_t from_file =
       std::min(edges.size(), num_in_file_ - std::min(first, num_in_file_));
@@ -72,6 +65,10 @@ void ShelfOfEdges::Read(std::size_t first, std::span<RelativePose> edges) const 
   file_->Read(first * sizeof(Stored), std::as_writable_bytes(std::span(stored)));
   std::ranges::transform(stored, edges.begin(), FromStored);
   for (std::size_t n = from_file; n < edges.size(); ++n) edges[n] = last_[first + n - num_in_file_];
+}
+
+mapping::EdgeStoreFactory DiskEdgeStores(const pipeline::StageContext& context) {
+  return [&context] { return std::make_shared<DiskEdgeStore>(context.Scratch()); };
 }
 
 }  // namespace deepslam::stages

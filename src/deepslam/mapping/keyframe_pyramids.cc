@@ -1,4 +1,4 @@
-#include "deepslam/stages/keyframe_pyramids.h"
+#include "deepslam/mapping/keyframe_pyramids.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/parallel.h"
 
-namespace deepslam::stages {
+namespace deepslam::mapping {
 
 using alignment::FramePyramid;
 
@@ -83,4 +83,4 @@ void KeyframePyramids::GiveUpOldest() {
   }
 }
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::mapping

@@ -12,9 +12,9 @@
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 #include "deepslam/loop/appearance.h"
-#include "deepslam/stages/keyframe_pyramids.h"
+#include "deepslam/mapping/keyframe_pyramids.h"
 
-namespace deepslam::stages {
+namespace deepslam::mapping {
 
 struct KeyframePair {
   FrameIdx older;
@@ -39,4 +39,4 @@ struct PairAlignment {
     const PairAlignment& alignment,
     Progress& progress);
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::mapping

@@ -1,4 +1,4 @@
-#include "deepslam/stages/shelf_of_edges.h"
+#include "deepslam/stages/disk_edge_store.h"
 
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace deepslam::stages {
 namespace {
 
 using testing_support::SampleEdges;
-using testing_support::ShelfOf;
+using testing_support::StoreOf;
 using testing_support::TempDir;
 
 void ExpectEqual(const RelativePose& a, const RelativePose& b) {
@@ -24,39 +24,41 @@ void ExpectEqual(const RelativePose& a, const RelativePose& b) {
   EXPECT_EQ(a.composed, b.composed);
 }
 
-class ShelfOfSoManyEdges : public ::testing::TestWithParam<int> {};
+class DiskStoreOfSoManyEdges : public ::testing::TestWithParam<int> {};
 
 // Whether all are on their way to the file, some, or none.
-TEST_P(ShelfOfSoManyEdges, GivesThemBackToTheLastBit) {
+TEST_P(DiskStoreOfSoManyEdges, GivesThemBackToTheLastBit) {
   const TempDir dir;
   const std::vector<RelativePose> edges = SampleEdges(GetParam());
-  const auto shelf = ShelfOf(edges, dir.path());
-  ASSERT_EQ(shelf->size(), edges.size());
+  const auto store = StoreOf(edges, dir.path());
+  ASSERT_EQ(store->size(), edges.size());
   std::size_t n = 0;
-  ForEach(*shelf, [&](const RelativePose& edge) { ExpectEqual(edge, edges[n++]); });
+  ForEach(*store, [&](const RelativePose& edge) { ExpectEqual(edge, edges[n++]); });
   EXPECT_EQ(n, edges.size());
   for (std::size_t first = 0; first < edges.size(); first += 77) {
     std::vector<RelativePose> some(std::min<std::size_t>(50, edges.size() - first));
-    shelf->Read(first, some);
+    store->Read(first, some);
     for (std::size_t k = 0; k < some.size(); ++k) ExpectEqual(some[k], edges[first + k]);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Edges, ShelfOfSoManyEdges, ::testing::Values(0, 1, 255, 256, 257, 1000));
+INSTANTIATE_TEST_SUITE_P(Edges,
+                         DiskStoreOfSoManyEdges,
+                         ::testing::Values(0, 1, 255, 256, 257, 1000));
 
-TEST(ShelfOfEdges, ComeBehindThoseThatAreHeld) {
+TEST(DiskEdgeStore, ComeBehindThoseThatAreHeld) {
   const TempDir dir;
   const std::vector<RelativePose> edges = SampleEdges(700);
   Odometry whole;
   whole.edges = edges;
-  Odometry shelved;
-  shelved.edges.assign(edges.begin(), edges.begin() + 100);
-  shelved.more_edges = ShelfOf({edges.begin() + 100, edges.end()}, dir.path());
-  EXPECT_EQ(shelved.num_edges(), edges.size());
+  Odometry out_of_core;
+  out_of_core.edges.assign(edges.begin(), edges.begin() + 100);
+  out_of_core.more_edges = StoreOf({edges.begin() + 100, edges.end()}, dir.path());
+  EXPECT_EQ(out_of_core.num_edges(), edges.size());
   std::size_t n = 0;
-  shelved.ForEachEdge([&](const RelativePose& edge) { ExpectEqual(edge, edges[n++]); });
+  out_of_core.ForEachEdge([&](const RelativePose& edge) { ExpectEqual(edge, edges[n++]); });
   EXPECT_EQ(n, edges.size());
-  const std::vector<KeyframeJoin> joins = JoinsOf(shelved);
+  const std::vector<KeyframeJoin> joins = JoinsOf(out_of_core);
   const std::vector<KeyframeJoin> expected = JoinsOf(whole);
   ASSERT_EQ(joins.size(), expected.size());
   for (std::size_t k = 0; k < joins.size(); ++k) {
@@ -67,20 +69,20 @@ TEST(ShelfOfEdges, ComeBehindThoseThatAreHeld) {
 }
 
 // As a disk that fails would have it.
-TEST(ShelfOfEdges, WhatTheMachineDoesNotGiveJoinsNothing) {
+TEST(DiskEdgeStore, WhatTheMachineDoesNotGiveJoinsNothing) {
   const TempDir dir;
   const auto file = std::make_shared<storage::ScratchFile>(dir.path());
   const auto other = std::make_shared<storage::ScratchFile>(dir.path());
-  ShelfOfEdges shelf(file);
-  ASSERT_TRUE(shelf.Add(SampleEdges(256)).ok());
+  DiskEdgeStore store(file);
+  ASSERT_TRUE(mapping::AddAll(SampleEdges(256), store).ok());
   RelativePose edge;
-  ShelfOfEdges broken(other);
-  ASSERT_TRUE(broken.Add(SampleEdges(256)).ok());
+  DiskEdgeStore broken(other);
+  ASSERT_TRUE(mapping::AddAll(SampleEdges(256), broken).ok());
   const std::vector<std::byte> none(file->num_bytes());
-  shelf.Read(0, {&edge, 1});
+  store.Read(0, {&edge, 1});
   EXPECT_TRUE(edge.i.valid() && edge.j.valid());
   ASSERT_TRUE(other->Append(none).ok());  // zeros where a second block should be
-  ASSERT_TRUE(broken.Add(SampleEdges(256)).ok());
+  ASSERT_TRUE(mapping::AddAll(SampleEdges(256), broken).ok());
   broken.Read(256, {&edge, 1});
   EXPECT_FALSE(edge.i.valid());
   EXPECT_FALSE(edge.j.valid());

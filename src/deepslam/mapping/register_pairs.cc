@@ -1,4 +1,4 @@
-#include "deepslam/stages/register_pairs.h"
+#include "deepslam/mapping/register_pairs.h"
 
 #include <algorithm>
 #include <string>
@@ -7,7 +7,7 @@
 
 #include "deepslam/core/parallel.h"
 
-namespace deepslam::stages {
+namespace deepslam::mapping {
 namespace {
 
 std::vector<FrameIdx> KeyframesOf(std::span<const KeyframePair> pairs) {
@@ -46,4 +46,4 @@ Result<std::vector<loop::KeyframeRegistration>> RegisterPairs(KeyframePyramids& 
   return registrations;
 }
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::mapping

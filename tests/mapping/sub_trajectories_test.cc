@@ -1,18 +1,18 @@
-// A path solved in stretches against the graph of the whole.
-#include "deepslam/stages/keyframe_graph.h"
+// A path solved by overlapping sub-trajectories against the graph of the whole.
+#include "deepslam/mapping/sub_trajectories.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
-#include "stages/edge_samples.h"
+#include "deepslam/mapping/edge_store.h"
 #include "support/pose_matchers.h"
-#include "support/temp_dir.h"
 
-namespace deepslam::stages {
+namespace deepslam::mapping {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
@@ -59,11 +59,11 @@ Odometry LongPath(int num_keyframes) {
   return odometry;
 }
 
-std::vector<TrackedFrame> Solved(const Odometry& odometry, const Stretches& stretches) {
+std::vector<TrackedFrame> Solved(const Odometry& odometry, const SubTrajectorySizes& sizes) {
   graph::GraphOptions robust;
   robust.odometry_loss = "cauchy";
   robust.max_direct_keyframes = 1000;
-  const Result<std::vector<TrackedFrame>> frames = SolveStretches(odometry, robust, stretches);
+  const Result<std::vector<TrackedFrame>> frames = SolveSubTrajectories(odometry, robust, sizes);
   EXPECT_TRUE(frames.ok());
   return frames.ok() ? *frames : std::vector<TrackedFrame>{};
 }
@@ -72,28 +72,28 @@ Pose3 From(const std::vector<TrackedFrame>& frames, std::size_t i, std::size_t j
   return frames[i].world_from_camera.Inverse() * frames[j].world_from_camera;
 }
 
-class SolveStretchesOfAPath : public ::testing::TestWithParam<int> {};
+class SubTrajectoriesOfAPath : public ::testing::TestWithParam<int> {};
 
-// Also where the last stretch is hardly longer than what it shares with the one before.
-TEST_P(SolveStretchesOfAPath, MakesThePathOfTheWhole) {
+// Also where the last sub-trajectory is hardly longer than what it shares with the one before.
+TEST_P(SubTrajectoriesOfAPath, MakesThePathOfTheWhole) {
   const Odometry odometry = LongPath(GetParam());
   const std::vector<TrackedFrame> whole = Solved(odometry, {1000, 40});
-  const std::vector<TrackedFrame> stretched = Solved(odometry, {100, 40});
-  ASSERT_EQ(stretched.size(), odometry.frames.size());
-  EXPECT_THAT(stretched.front().world_from_camera,
+  const std::vector<TrackedFrame> by_parts = Solved(odometry, {100, 40});
+  ASSERT_EQ(by_parts.size(), odometry.frames.size());
+  EXPECT_THAT(by_parts.front().world_from_camera,
               PoseNear(odometry.frames.front().world_from_camera, 1e-12, 1e-9));
   for (std::size_t k = 0; k < whole.size(); ++k) {
     if (k >= 20) {
-      EXPECT_THAT(From(stretched, k - 20, k), PoseNear(From(whole, k - 20, k), 1e-4, 0.005)) << k;
+      EXPECT_THAT(From(by_parts, k - 20, k), PoseNear(From(whole, k - 20, k), 1e-4, 0.005)) << k;
     }
-    EXPECT_THAT(stretched[k].world_from_camera, PoseNear(whole[k].world_from_camera, 2e-3, 0.05))
+    EXPECT_THAT(by_parts[k].world_from_camera, PoseNear(whole[k].world_from_camera, 2e-3, 0.05))
         << k;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Keyframes, SolveStretchesOfAPath, ::testing::Values(101, 160, 161, 300));
+INSTANTIATE_TEST_SUITE_P(Keyframes, SubTrajectoriesOfAPath, ::testing::Values(101, 160, 161, 300));
 
-TEST(SolveStretches, OfAShortPathIsTheGraphOfTheWhole) {
+TEST(SolveSubTrajectories, OfAShortPathIsTheGraphOfTheWhole) {
   const Odometry odometry = LongPath(60);
   const std::vector<TrackedFrame> whole = Solved(odometry, {1000, 40});
   const std::vector<TrackedFrame> one = Solved(odometry, {60, 40});
@@ -101,22 +101,23 @@ TEST(SolveStretches, OfAShortPathIsTheGraphOfTheWhole) {
     EXPECT_EQ(T2v(one[k].world_from_camera), T2v(whole[k].world_from_camera));
 }
 
-// Edges on the shelf are of what comes behind those that are held.
-TEST(SolveStretches, TakesEdgesFromTheShelfAsThoseThatAreHeld) {
-  const testing_support::TempDir dir;
+TEST(SolveSubTrajectories, TakesEdgesOutOfCoreAsThoseThatAreHeld) {
   const Odometry held = LongPath(300);
-  Odometry shelved = held;
+  Odometry out_of_core = held;
   const auto own = std::stable_partition(
-      shelved.edges.begin(), shelved.edges.end(), [](const RelativePose& edge) {
+      out_of_core.edges.begin(), out_of_core.edges.end(), [](const RelativePose& edge) {
         return edge.j.value - edge.i.value <= 2;  // from keyframe to keyframe
       });
-  Odometry reordered = shelved;
-  shelved.more_edges = testing_support::ShelfOf({own, shelved.edges.end()}, dir.path());
-  shelved.edges.erase(own, shelved.edges.end());
-  ASSERT_GT(shelved.more_edges->size(), shelved.edges.size());
-  for (const Stretches& stretches : {Stretches{100, 40}, Stretches{1000, 40}}) {
-    const std::vector<TrackedFrame> expected = Solved(reordered, stretches);
-    const std::vector<TrackedFrame> solved = Solved(shelved, stretches);
+  Odometry reordered = out_of_core;
+  const auto store = std::make_shared<MemoryEdgeStore>();
+  ASSERT_TRUE(AddAll({own, out_of_core.edges.end()}, *store).ok());
+  out_of_core.more_edges = store;
+  out_of_core.edges.erase(own, out_of_core.edges.end());
+  ASSERT_GT(out_of_core.more_edges->size(), out_of_core.edges.size());
+  for (const SubTrajectorySizes& sizes :
+       {SubTrajectorySizes{100, 40}, SubTrajectorySizes{1000, 40}}) {
+    const std::vector<TrackedFrame> expected = Solved(reordered, sizes);
+    const std::vector<TrackedFrame> solved = Solved(out_of_core, sizes);
     ASSERT_EQ(solved.size(), expected.size());
     for (std::size_t k = 0; k < solved.size(); ++k)
       EXPECT_EQ(solved[k].world_from_camera, expected[k].world_from_camera) << k;
@@ -124,13 +125,13 @@ TEST(SolveStretches, TakesEdgesFromTheShelfAsThoseThatAreHeld) {
 }
 
 // A measured path has less error than a tracked one, whichever way it is solved.
-TEST(SolveStretches, MovesThePath) {
+TEST(SolveSubTrajectories, MovesThePath) {
   const Odometry odometry = LongPath(160);
-  const std::vector<TrackedFrame> stretched = Solved(odometry, {100, 40});
+  const std::vector<TrackedFrame> by_parts = Solved(odometry, {100, 40});
   const Pose3 moved =
-      odometry.frames.back().world_from_camera.Inverse() * stretched.back().world_from_camera;
+      odometry.frames.back().world_from_camera.Inverse() * by_parts.back().world_from_camera;
   EXPECT_GT(moved.translation_m.norm(), 0.01);
 }
 
 }  // namespace
-}  // namespace deepslam::stages
+}  // namespace deepslam::mapping

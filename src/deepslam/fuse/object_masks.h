@@ -1,0 +1,36 @@
+// The pixels of objects that the room's surface is fused without.
+#pragma once
+
+#include <map>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/image.h"
+#include "deepslam/scene/detection.h"
+#include "deepslam/scene/object_track.h"
+#include "deepslam/scene/optimized_map.h"
+#include "deepslam/scene/pixel_mask.h"
+
+namespace deepslam::fuse {
+
+// Per frame that was looked at the pixels of objects; none where nothing was found.
+using ObjectMasks = std::map<FrameIdx, std::vector<PixelMask>>;
+
+// The detections of objects that are in the map.
+[[nodiscard]] std::set<DetectionId> DetectionsOfMap(const OptimizedMap& map,
+                                                    const Association& association);
+
+// `looked_at`: frames in which objects were looked for; `segments`: those of the objects.
+[[nodiscard]] ObjectMasks MasksByFrame(std::span<const FrameIdx> looked_at,
+                                       std::span<const Segment> segments);
+
+// The pixels of all objects of a frame, 1 where there is one; empty where there are none.
+[[nodiscard]] Mask ObjectPixels(const ObjectMasks& masks, FrameIdx frame);
+
+// Of the aligned frames those that were looked at, in order: others would fuse objects.
+[[nodiscard]] std::vector<FrameIdx> FramesWithMasks(std::span<const TrackedFrame> frames,
+                                                    const ObjectMasks& masks);
+
+}  // namespace deepslam::fuse

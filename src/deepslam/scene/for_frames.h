@@ -1,0 +1,22 @@
+// Frames of a source one after another, read ahead of need.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/scene/frame_source.h"
+
+namespace deepslam {
+
+// Reads frames in parallel, a few at a time, and hands each to `use` in the order given, with
+// progress. A frame that cannot be read is warned about and skipped. Ends with the first error of
+// `use`, and with Interrupted when asked to stop.
+[[nodiscard]] Status ForFrames(const FrameSource& frames,
+                               std::span<const FrameIdx> wanted,
+                               Progress& progress,
+                               const std::function<Status(const Frame&)>& use);
+
+}  // namespace deepslam
