@@ -42,6 +42,7 @@ ROOMS = {
     "overrides": ALGORITHM,
     "mesh": ALGORITHM,
     "fuse": ALGORITHM,
+    "layout": ALGORITHM,
     "gltf": ALGORITHM,
     "render": ALGORITHM,
     "eval": ALGORITHM,
@@ -56,7 +57,7 @@ ROOMS = {
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }
 # composition: joins algorithms on interfaces, in memory
-ROOMS["discovery"] = ALGORITHM | {"instances"}
+ROOMS["discovery"] = ALGORITHM | {"instances", "associate"}
 ROOMS["stages"] = set(ROOMS) - {"synth", "furniture", "priors", "video"}
 # Many runs: lists, plans, states, processes, other schedulers. It knows nothing of what a run does.
 ROOMS["batch"] = {"core", "artifact", "storage"}
@@ -69,7 +70,8 @@ FILE_ROOMS = {"dataset", "storage", "library", "pipeline", "stages", "batch"}
 FENCES = {
     "opencv2/": {"video", "detect", "loop", "report", "synth"},
     "ceres/": {"graph", "registration", "ground", "refine"},
-    "CGAL/": {"mesh"},
+    "CGAL/": {"mesh", "layout"},
+    "boost/": {"layout"},
     "OpenMesh/": {"mesh", "gltf"},
     "draco/": {"gltf"},
     "tiny_gltf.h": {"gltf"},

@@ -9,6 +9,7 @@ void AddEvalTrajectory(CLI::App& eval_command, Command& chosen);
 void AddEvalObjects(CLI::App& eval_command, Command& chosen);
 void AddEvalSelection(CLI::App& eval_command, Command& chosen);
 void AddEvalDetections(CLI::App& eval_command, Command& chosen);
+void AddEvalLayout(CLI::App& eval_command, Command& chosen);
 void AddEvalMap(CLI::App& eval_command, Command& chosen);
 
 // `eval selection --held-out`: WORKSPACE CAPTURE pairs; one of them where a `judging_workspace` is

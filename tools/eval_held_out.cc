@@ -125,7 +125,7 @@ Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_worksp
   }
   Result<ObjectMap> map = ReadMap(workspace);
   if (!map.ok()) return map.error();
-  const auto segments = DecodeFile<std::vector<Segment>>(workspace / "segment" / "segments.json",
+  const auto segments = DecodeFile<std::vector<Segment>>(workspace / "associate" / "segments.json",
                                                          artifact::DecodeSegments);
   if (!segments.ok()) return segments.error();
   Bench bench{std::move(map).value(), {}};

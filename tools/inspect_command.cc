@@ -153,6 +153,7 @@ void AddEval(CLI::App& app, Command& chosen) {
   AddEvalDetections(*eval_command, chosen);
   AddEvalObjects(*eval_command, chosen);
   AddEvalSelection(*eval_command, chosen);
+  AddEvalLayout(*eval_command, chosen);
   AddEvalMap(*eval_command, chosen);
   AddEvalSilhouettes(*eval_command, chosen);
 }

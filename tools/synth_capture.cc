@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/artifact/layout_json.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
@@ -21,6 +22,7 @@
 #include "deepslam/synth/obj_model.h"
 #include "deepslam/synth/render_capture.h"
 #include "deepslam/synth/scene_description.h"
+#include "deepslam/synth/true_layout.h"
 #include "deepslam/synth/truth.h"
 #include "deepslam/synth/world.h"
 #include "furniture_files.h"
@@ -191,6 +193,10 @@ Status WriteTruth(const fs::path& folder, const synth::World& world) {
   }
   const Status room = WriteMesh(folder / "room.ply", synth::RoomMesh(world));
   if (!room) return room;
+  const Result<std::string> layout =
+      artifact::EncodeLayout(synth::TrueLayout(world.description), "layout.json");
+  if (!layout) return layout.error();
+  if (Status written = WriteBytes(folder / "layout.json", *layout); !written) return written;
   return WriteBytes(folder / "objects.json", synth::TruthJson(world));
 }
 

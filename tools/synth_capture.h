@@ -26,10 +26,10 @@ struct SynthRequest {
   std::filesystem::path out;                     // must not exist, or be empty
 };
 
-// Renders the scene into `out`: TUM layout, truth/objects.json, truth/meshes/<id>.ply,
-// truth/room.ply and truth/instances/<frame>.png. Furniture in files is looked for beside the scene
-// first, then in the furniture folders, then in that of the catalogues. Rendered aside and moved
-// into place at the end, so that `out` is a whole capture or not there.
+// Renders the scene into `out`: TUM layout, truth/objects.json, truth/layout.json,
+// truth/meshes/<id>.ply, truth/room.ply and truth/instances/<frame>.png. Furniture in files is
+// looked for beside the scene first, then in the furniture folders, then in that of the catalogues.
+// Rendered aside and moved into place at the end, so that `out` is a whole capture or not there.
 Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& progress);
 
 }  // namespace deepslam::tools

@@ -7,6 +7,6 @@ add_executable(deepslam
 target_link_libraries(deepslam PRIVATE deepslam::batch deepslam::stages deepslam::synth deepslam::furniture deepslam::priors CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam)
 target_sources(deepslam PRIVATE
-  candidate_files.cc eval_data.cc eval_detections.cc eval_held_out.cc eval_map.cc eval_objects.cc eval_selection.cc eval_trajectory.cc)
+  candidate_files.cc eval_data.cc eval_detections.cc eval_held_out.cc eval_layout.cc eval_map.cc eval_objects.cc eval_selection.cc eval_trajectory.cc)
 set_target_properties(deepslam PROPERTIES INSTALL_RPATH "$ORIGIN/../${DEEPSLAM_PRIVATE_LIBDIR}")
 install(TARGETS deepslam)

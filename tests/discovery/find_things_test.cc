@@ -97,7 +97,8 @@ class FindThingsTest : public testing::Test {
 
   Result<FoundThings> Find() {
     const ThingInputs inputs{
-        source_, odometry_, surface_, layout_, classes_, looked_at_, detections_};
+        source_, odometry_, surface_, layout_, classes_, looked_at_, detections_,
+        static_cast<int>(detections_.size())};
     ThingOptions options;
     options.silhouettes.min_points = 150;
     return FindThings(inputs, options, progress_);

@@ -77,8 +77,7 @@ Segment SegmentOf(const Silhouette& silhouette,
 class Tracks {
  public:
   Tracks(const ThingInputs& inputs, const Instances& found) : inputs_(inputs), found_(found) {
-    for (const Detection& detection : inputs.detections)
-      next_id_ = std::max(next_id_, detection.id.value + 1);
+    next_id_ = inputs.next_detection_id;
     members_.resize(found.instances.size());
   }
 

@@ -39,6 +39,7 @@ struct ThingInputs {
   // Frames that the detector looked at and the surface was made of, ascending.
   std::span<const FrameIdx> looked_at;
   std::span<const Detection> detections;  // of these frames, in ascending frames
+  int next_detection_id = 0;              // above the ids of all detections of the capture
 };
 
 struct FoundThings {

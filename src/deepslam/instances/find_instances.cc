@@ -13,6 +13,12 @@ namespace {
 // Things that hide what they stand on begin where they were seen first: one that begins below this
 // and is longer than it is high reaches down to the floor.
 constexpr double kHiddenBaseM = 0.45;
+// What detections name may be seen in part: the back of a chair that stands under a table is 0.2 m
+// high. Of the least side that is asked of other things, 0.25 m by default.
+constexpr double kNamedSideShare = 0.6;
+// A class names nothing of which less than this share of its least length was seen: a cushion is no
+// bed.
+constexpr double kMinSeenShare = 0.5;
 
 std::vector<Instance> Gather(const Superpoints& superpoints,
                              const std::vector<int>& thing_of_superpoint) {
@@ -55,7 +61,8 @@ double Eccentricity(double value, double low, double high) {
 bool MayBe(const ObjectClass& object_class, const UprightBox& box) {
   const double longest_m = std::max(box.long_side_m(), box.height_m());
   // What was seen of a thing may be less than all of it.
-  return longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
+  return longest_m >= kMinSeenShare * object_class.min_size_m &&
+         longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
 }
 
 // The class without detector labels whose sizes hold the box, the most central one; where none does
@@ -97,7 +104,8 @@ std::string TooLittle(const Instance& instance, double voxel_m, const InstanceOp
     return fmt::format("only {:.2f} m2 of it were seen", surface_m2);
   std::array<double, 3> sides_m = {box.length_m, box.width_m, box.height_m()};
   std::ranges::sort(sides_m);
-  if (sides_m[1] < options.min_size_m)
+  const double min_side_m = (instance.is_named ? kNamedSideShare : 1) * options.min_size_m;
+  if (sides_m[1] < min_side_m)
     return fmt::format("small: {:.2f} x {:.2f} m", sides_m[2], sides_m[1]);
   return {};
 }
@@ -186,7 +194,8 @@ Instances FindInstances(const SurfaceElements& elements,
                         const ViewVotes& votes,
                         const ClassTable& classes,
                         const InstanceOptions& options) {
-  const Contacts contacts = FindContacts(elements, superpoints, pairs);
+  Contacts contacts = FindContacts(elements, superpoints, pairs);
+  AddNear(elements, superpoints, contacts);
   const std::vector<int> thing_of_superpoint =
       MergeSuperpoints(superpoints, contacts, votes, elements.voxel_m(), options.merge);
   Instances found;

@@ -6,6 +6,8 @@
 #include <optional>
 #include <set>
 
+#include <Eigen/Geometry>
+
 namespace deepslam::instances {
 namespace {
 
@@ -14,6 +16,8 @@ namespace {
 constexpr int kMinPairsOfConsensus = 3;
 constexpr int kMinPairsOfConvexEdge = 4;
 constexpr int kMinPairsOfSmallPart = 2;
+// Slats, arms and what hides them leave gaps of this width between parts of one thing.
+constexpr float kNearM = 0.12F;
 // More consensus votes than this make a merge no more urgent.
 constexpr double kManyVotes = 10;
 
@@ -23,6 +27,7 @@ struct Link {
   double same = 0;
   double different = 0;
   double vote_weight = 0;
+  double num_contacts = 0;  // of superpoints that touch or are near
   double num_pairs = 0;
   double num_convex = 0;
 
@@ -30,6 +35,7 @@ struct Link {
     same += other.same;
     different += other.different;
     vote_weight += other.vote_weight;
+    num_contacts += other.num_contacts;
     num_pairs += other.num_pairs;
     num_convex += other.num_convex;
     return *this;
@@ -55,13 +61,14 @@ class PartGraph {
     for (std::size_t s = 0; s < part_of_.size(); ++s) part_of_[s] = static_cast<int>(s);
     for (const auto& [pair, vote] : votes.pairs) {
       const double weight = Smaller(pair);
-      Add(pair, {vote.same * weight, vote.different * weight, weight, 0, 0});
+      Add(pair, {vote.same * weight, vote.different * weight, weight, 0, 0, 0});
     }
     for (const auto& [pair, contact] : contacts)
       Add(pair,
           {0,
            0,
            0,
+           1,
            static_cast<double>(contact.num_pairs),
            static_cast<double>(contact.num_convex)});
   }
@@ -165,6 +172,13 @@ void Describe(OptionsVisitor& visitor, MergeOptions& options) {
                 {0, 1000},
                 "views",
                 "how many views that takes; as many tell parts apart");
+  visitor.Field("min_consensus_apart",
+                options.min_consensus_apart,
+                {0, 1},
+                "1",
+                "the same share for parts near each other that do not touch");
+  visitor.Field(
+      "min_votes_apart", options.min_votes_apart, {0, 1000}, "views", "how many views that takes");
   visitor.Field(
       "min_convex_share",
       options.min_convex_share,
@@ -198,6 +212,20 @@ Contacts FindContacts(const SurfaceElements& elements,
   return contacts;
 }
 
+void AddNear(const SurfaceElements& elements, const Superpoints& superpoints, Contacts& contacts) {
+  std::vector<Eigen::AlignedBox3f> boxes(static_cast<std::size_t>(superpoints.count()));
+  for (std::size_t i = 0; i < superpoints.of_element.size(); ++i) {
+    if (superpoints.of_element[i] >= 0)
+      boxes[static_cast<std::size_t>(superpoints.of_element[i])].extend(elements.points()[i]);
+  }
+  for (std::size_t a = 0; a < boxes.size(); ++a) {
+    for (std::size_t b = a + 1; b < boxes.size(); ++b) {
+      if (boxes[a].squaredExteriorDistance(boxes[b]) < kNearM * kNearM)
+        contacts.try_emplace({static_cast<int>(a), static_cast<int>(b)});
+    }
+  }
+}
+
 std::vector<int> MergeSuperpoints(const Superpoints& superpoints,
                                   const Contacts& contacts,
                                   const ViewVotes& votes,
@@ -206,9 +234,12 @@ std::vector<int> MergeSuperpoints(const Superpoints& superpoints,
   PartGraph parts(superpoints, contacts, votes);
   parts.MergeAll([&](const Link& link, double) -> std::optional<double> {
     const double same = link.Same();
-    if (link.num_pairs < kMinPairsOfConsensus || same < options.min_votes) return std::nullopt;
+    const bool touch = link.num_pairs >= kMinPairsOfConsensus;
+    if (link.num_contacts == 0 || same < (touch ? options.min_votes : options.min_votes_apart))
+      return std::nullopt;
     const double consensus = same / (same + link.Different());
-    if (consensus < options.min_consensus) return std::nullopt;
+    if (consensus < (touch ? options.min_consensus : options.min_consensus_apart))
+      return std::nullopt;
     return consensus * std::min(same, kManyVotes);
   });
   parts.MergeAll([&](const Link& link, double smaller) -> std::optional<double> {

@@ -18,6 +18,9 @@ struct MergeOptions {
   // weighted by size, that takes.
   double min_consensus = 0.65;
   double min_votes = 1.5;
+  // The same of parts that are near each other and do not touch.
+  double min_consensus_apart = 0.8;
+  double min_votes_apart = 4;
   // Share of a contact's edges that are convex with which parts are merged that views do not tell
   // apart.
   double min_convex_share = 0.55;
@@ -36,6 +39,10 @@ using Contacts = std::map<SuperpointPair, Contact>;
 [[nodiscard]] Contacts FindContacts(const SurfaceElements& elements,
                                     const Superpoints& superpoints,
                                     std::span<const ElementPair> pairs);
+
+// Adds contacts without pairs between superpoints whose boxes come as near to each other as a gap
+// in the surface of one thing is wide: between the back of a chair and its seat behind a table top.
+void AddNear(const SurfaceElements& elements, const Superpoints& superpoints, Contacts& contacts);
 
 // The number of the thing of each superpoint, in the order of the things' first superpoints.
 [[nodiscard]] std::vector<int> MergeSuperpoints(const Superpoints& superpoints,

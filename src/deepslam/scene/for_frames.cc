@@ -19,7 +19,8 @@ constexpr std::size_t kFramesAhead = 8;  // 2 MB each
 Status ForFrames(const FrameSource& frames,
                  std::span<const FrameIdx> wanted,
                  Progress& progress,
-                 const std::function<Status(const Frame&)>& use) {
+                 const std::function<Status(const Frame&)>& use,
+                 FrameContent content) {
   std::array<std::optional<Result<Frame>>, kFramesAhead> read;
   Status status;
   const auto use_one = [&](std::size_t n) -> Status {
@@ -33,7 +34,10 @@ Status ForFrames(const FrameSource& frames,
   ParallelAhead(
       wanted.size(),
       kFramesAhead,
-      [&](std::size_t n) { read[n % kFramesAhead] = frames.Read(wanted[n]); },
+      [&](std::size_t n) {
+        read[n % kFramesAhead] =
+            content == FrameContent::kDepth ? frames.ReadDepth(wanted[n]) : frames.Read(wanted[n]);
+      },
       [&](std::size_t n) {
         status = use_one(n);
         return status.ok();

@@ -1,10 +1,14 @@
 // associate: which detections are the same object.
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/association_json.h"
-#include "deepslam/associate/associate.h"
+#include "deepslam/artifact/segments_json.h"
+#include "deepslam/discovery/associate_capture.h"
 #include "deepslam/overrides/apply_to_tracks.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/stages/plan.h"
@@ -17,50 +21,89 @@ using pipeline::StageSummary;
 
 namespace {
 
-struct PartedTrajectory {
+struct PathOfCapture {
   Trajectory trajectory;
   std::vector<int> part_of_frame;
 };
 
-Result<PartedTrajectory> ReadParted(const StageContext& context) {
+Result<PathOfCapture> ReadPath(const StageContext& context) {
   Result<Odometry> odometry = ReadOdometry(context);
   if (!odometry.ok()) return odometry.error();
   std::vector<int> parts = PartsOfFrames(*odometry, JoinsOf(*odometry));
-  return PartedTrajectory{std::move(static_cast<Trajectory&>(*odometry)), std::move(parts)};
+  return PathOfCapture{std::move(static_cast<Trajectory&>(*odometry)), std::move(parts)};
+}
+
+Result<std::optional<discovery::SurfaceOfCapture>> ReadSurface(
+    const StageContext& context, const AssociateStageOptions& options) {
+  if (options.method != kBySurface) return std::optional<discovery::SurfaceOfCapture>();
+  Result<CoarseSurface> surface = ReadCoarseSurface(context);
+  if (!surface.ok()) return surface.error();
+  Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
+  surface->level_from_tracking = layout->level_from_tracking;
+  return std::optional(
+      discovery::SurfaceOfCapture{std::move(surface).value(), std::move(layout).value()});
+}
+
+Result<discovery::FoundThings> Find(const StageContext& context, const RunInputs& inputs) {
+  const Result<PathOfCapture> path = ReadPath(context);
+  if (!path.ok()) return path.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  Result<std::optional<discovery::SurfaceOfCapture>> surface =
+      ReadSurface(context, inputs.config.associate_stage);
+  if (!surface.ok()) return surface.error();
+  if (*surface) (*surface)->surface.has_ground = ground->plane_world.has_value();
+  const Result<artifact::DetectionTable> table = ReadDetections(context);
+  if (!table.ok()) return table.error();
+  std::vector<FrameIdx> looked_at;
+  for (const artifact::DetectedImage& image : table->images) looked_at.push_back(image.frame);
+  Result<std::vector<Segment>> segments = ReadSegments(context, "segment");
+  if (!segments.ok()) return segments.error();
+  return discovery::AssociateCapture({*inputs.capture->frames,
+                                      path->trajectory,
+                                      path->part_of_frame,
+                                      *ground,
+                                      inputs.classes,
+                                      looked_at,
+                                      table->detections,
+                                      *surface},
+                                     std::move(segments).value(),
+                                     inputs.config.associate,
+                                     inputs.config.things,
+                                     context.progress());
+}
+
+StageSummary Summarise(const discovery::FoundThings& found) {
+  StageSummary summary{fmt::format("{} objects, {} detections left out",
+                                   found.association.tracks.size(),
+                                   found.association.rejections.size()),
+                       {{"num_objects", static_cast<double>(found.association.tracks.size())}}};
+  for (const ObjectTrack& track : found.association.tracks) {
+    summary.line +=
+        fmt::format(", {}_{:02d} ({})", track.class_name, track.id.value, track.members.size());
+  }
+  for (const std::string& thing : found.not_mapped) summary.line += "; not mapped: " + thing;
+  return summary;
 }
 
 }  // namespace
 
 Result<StageSummary> RunAssociate(StageContext& context, const RunInputs& inputs) {
-  const Result<PartedTrajectory> path = ReadParted(context);
-  if (!path.ok()) return path.error();
-  Result<std::vector<Segment>> segments = ReadSegments(context);
-  if (!segments.ok()) return segments.error();
-  Result<Association> association = associate::Associate(*inputs.capture->frames,
-                                                         path->trajectory,
-                                                         path->part_of_frame,
-                                                         std::move(segments).value(),
-                                                         inputs.config.associate,
-                                                         context.progress());
-  if (!association.ok()) return association.error();
+  Result<discovery::FoundThings> found = Find(context, inputs);
+  if (!found.ok()) return found.error();
   const Result<std::vector<std::string>> applied =
-      overrides::ApplyToTracks(inputs.overrides, inputs.classes, *association);
+      overrides::ApplyToTracks(inputs.overrides, inputs.classes, found->association);
   if (!applied.ok()) return applied.error();
   if (Status status = WriteApplied(context, *applied); !status.ok()) return status.error();
-  if (Status status = WriteEncoded(
-          context, "tracks.json", artifact::EncodeAssociation(*association, "tracks.json"));
-      !status.ok()) {
-    return status.error();
-  }
-  StageSummary summary{fmt::format("{} objects, {} detections left out",
-                                   association->tracks.size(),
-                                   association->rejections.size()),
-                       {{"num_objects", static_cast<double>(association->tracks.size())}}};
-  for (const ObjectTrack& track : association->tracks) {
-    summary.line +=
-        fmt::format(", {}_{:02d} ({})", track.class_name, track.id.value, track.members.size());
-  }
-  return summary;
+  const Status segments = context.Write("segments.json", [&](const TextSink& sink) {
+    return artifact::EncodeSegments(found->segments, "segments.json", sink);
+  });
+  if (!segments.ok()) return segments.error();
+  const Status tracks = WriteEncoded(
+      context, "tracks.json", artifact::EncodeAssociation(found->association, "tracks.json"));
+  if (!tracks.ok()) return tracks.error();
+  return Summarise(*found);
 }
 
 }  // namespace deepslam::stages

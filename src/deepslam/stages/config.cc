@@ -8,6 +8,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kPoses = {"track", "capture"};
 constexpr std::array<std::string_view, 3> kDetectSources = {"network", "file", "none"};
 constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
+constexpr std::array<std::string_view, 2> kAssociationMethods = {kBySurface, "votes"};
 constexpr std::array<std::string_view, 2> kAppearances = {"measured", "class"};
 const std::set<std::string>& PathOptions() {
   static const std::set<std::string> names = {
@@ -52,6 +53,14 @@ void Describe(OptionsVisitor& visitor, FuseStageOptions& options) {
       "fuse only frames that the detector looked at, without the pixels of mapped objects");
 }
 
+void Describe(OptionsVisitor& visitor, AssociateStageOptions& options) {
+  visitor.Choice("method",
+                 options.method,
+                 kAssociationMethods,
+                 "objects out of the surface of all frames, or by votes of the last frames alone, "
+                 "as in the paper");
+}
+
 void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
   visitor.Field("uncompressed_twin",
                 options.uncompressed_twin,
@@ -93,13 +102,19 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("track", "Camera tracking", c.track_stage, c.track),
       Section("track.covisible", "Keyframes that see the same, measured as well", c.covisible),
       Section("ground", "Ground plane", c.ground),
+      Section("layout", "Walls, rooms and openings", c.layout),
+      Section("layout.surface",
+              "The coarse surface of the whole capture, which they are read from",
+              c.coarse_frames,
+              c.coarse),
       Section("detect", "Boxes in colour images", c.detect_stage, c.detect),
       Section("detect.network", "The detector network", c.network),
       Section("detect.clusters",
               "Boxes of floor-standing depth clusters that no detection covers",
               c.clusters),
       Section("segment", "Which pixels of a box are the object", c.segment),
-      Section("associate", "Which detections are one object", c.associate),
+      Section("associate", "Which detections are one object", c.associate_stage, c.associate),
+      Section("associate.things", "Things found in the surface of all frames", c.things),
       Section("views", "Views of an object that later stages look at", c.views),
       Section("propose", "Whole shapes for objects", c.propose_stage),
       Section("propose.retrieval", "CAD models of the library", c.retrieval),

@@ -10,11 +10,14 @@
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
+#include "deepslam/discovery/find_things.h"
 #include "deepslam/fuse/choose_frames.h"
+#include "deepslam/fuse/coarse_fusion.h"
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/graph/object_graph.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/layout/estimate_layout.h"
 #include "deepslam/loop/appearance.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/covisible.h"
@@ -59,6 +62,11 @@ struct FuseStageOptions {
   bool leave_objects_out = false;
 };
 
+inline constexpr std::string_view kBySurface = "surface";
+struct AssociateStageOptions {
+  std::string method = "votes";  // surface | votes
+};
+
 struct ExportStageOptions {
   bool uncompressed_twin = true;        // scene.uncompressed.glb, for programs without Draco
   std::string appearance = "measured";  // measured | class
@@ -73,12 +81,17 @@ struct Config {
   TrackStageOptions track_stage;
   tracking::OdometryOptions track;
   ground::GroundOptions ground;
+  fuse::FrameChoice coarse_frames = fuse::CoarseFrameChoice();
+  fuse::CoarseOptions coarse;
+  layout::LayoutOptions layout;
   DetectStageOptions detect_stage;
   detect::DetectOptions detect;
   detect::DetectorOptions network;
   detect::ClusterOptions clusters;
   segment::SegmentOptions segment;
+  AssociateStageOptions associate_stage;
   associate::AssociateOptions associate;
+  discovery::ThingOptions things;
   observe::ViewOptions views;
   ProposeStageOptions propose_stage;
   propose::RetrievalOptions retrieval;

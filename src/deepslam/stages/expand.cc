@@ -64,13 +64,13 @@ Result<VoxelGrid> LibraryShape(const CompactShape& shape, const ModelLibrary& li
 Result<VoxelGrid> ShapeOf(const CompactShape& shape, const ModelLibrary* library) {
   if (!shape.voxel_code.empty()) return shape::DecodeVoxels(shape.voxel_code);
   if (library != nullptr) return LibraryShape(shape, *library);
-  return InvalidInput(
-      fmt::format("needs model {} of the furniture library; name its folder by --library",
-                  shape.library_id));
+  return InvalidInput(fmt::format(
+      "needs model {} of the furniture library; name its folder by --library", shape.library_id));
 }
 
 // The shapes of a map, each once: one chair a thousand times is one shape.
-using ShapeKey = std::tuple<std::string, double, double, double, std::string, std::string, std::string>;
+using ShapeKey =
+    std::tuple<std::string, double, double, double, std::string, std::string, std::string>;
 ShapeKey KeyOf(const CompactShape& shape) {
   const Eigen::Vector3d& stretch = shape.stretch;
   return {shape.library_id,
@@ -120,9 +120,7 @@ Result<TriangleMesh> ExpandShape(const CompactObject& entry, const UnitMeshes& u
   return TriangleMesh();  // an object without a surface, as in the scene
 }
 
-gltf::GltfObject ToGltf(const CompactObject& entry,
-                        TriangleMesh mesh,
-                        const CompactMap& map) {
+gltf::GltfObject ToGltf(const CompactObject& entry, TriangleMesh mesh, const CompactMap& map) {
   gltf::GltfObject object;
   object.name = entry.name;
   object.class_name = entry.class_name;

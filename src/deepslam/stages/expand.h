@@ -1,9 +1,9 @@
 // The scene again from the compact map alone.
 #pragma once
 
-#include "deepslam/scene/compact_map.h"
 #include "deepslam/core/result.h"
 #include "deepslam/gltf/scene_writer.h"
+#include "deepslam/scene/compact_map.h"
 #include "deepslam/scene/model_library.h"
 
 namespace deepslam::stages {
@@ -16,11 +16,12 @@ inline constexpr double kMapRotationStep = 1e-7;  // components of unit quaterni
 inline constexpr double kMapScaleStepM = 1e-6;    // metres per object unit
 inline constexpr double kMapScoreStep = 1e-4;     // confidence
 
-// The ground with its corners rounded to kMapOutlineStepM, or to kMapPlaceStepM where that would make
-// its outline cross itself: scene and map then hold the very same one.
+// The ground with its corners rounded to kMapOutlineStepM, or to kMapPlaceStepM where that would
+// make its outline cross itself: scene and map then hold the very same one.
 [[nodiscard]] TriangleMesh RoundedGround(const TriangleMesh& ground_polygon);
 
-// The numbers of a map rounded so; the outline of the ground to kMapPlaceStepM (see RoundedGround). Rotations stay unit quaternions within what readers accept.
+// The numbers of a map rounded so; the outline of the ground to kMapPlaceStepM (see RoundedGround).
+// Rotations stay unit quaternions within what readers accept.
 [[nodiscard]] CompactMap Rounded(CompactMap map);
 
 // Whether any object of the map needs the library.
@@ -30,7 +31,6 @@ inline constexpr double kMapScoreStep = 1e-4;     // confidence
 // be null when no object needs it. Errors (kInvalidInput), each naming the object: its model is not
 // in the library or is another there; its shape is a network's and no decoder is installed; its
 // voxels are damaged; a mesh option is unknown.
-[[nodiscard]] Result<gltf::GltfScene> ExpandMap(const CompactMap& map,
-                                                const ModelLibrary* library);
+[[nodiscard]] Result<gltf::GltfScene> ExpandMap(const CompactMap& map, const ModelLibrary* library);
 
 }  // namespace deepslam::stages

@@ -59,6 +59,8 @@ inline constexpr std::string_view kToolVersion = "0.1.0";
                                                       const RunInputs& inputs);
 [[nodiscard]] Result<pipeline::StageSummary> RunGround(pipeline::StageContext& context,
                                                        const RunInputs& inputs);
+[[nodiscard]] Result<pipeline::StageSummary> RunLayout(pipeline::StageContext& context,
+                                                       const RunInputs& inputs);
 [[nodiscard]] Result<pipeline::StageSummary> RunDetect(pipeline::StageContext& context,
                                                        const RunInputs& inputs);
 [[nodiscard]] Result<pipeline::StageSummary> RunSegment(pipeline::StageContext& context,

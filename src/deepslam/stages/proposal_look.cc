@@ -87,7 +87,7 @@ Result<std::vector<ProposalLook>> LookAtProposals(const std::filesystem::path& w
   if (!*priors) return InvalidInput("no shape networks are there; name a folder by propose.priors");
   const Result<Trajectory> trajectory = ReadTrajectory(context);
   if (!trajectory.ok()) return trajectory.error();
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  const Result<std::vector<Segment>> segments = ReadSegments(context, "associate");
   if (!segments.ok()) return segments.error();
   if (const Status status =
           CheckOfThisCapture(trajectory->frames.size(), *segments, *inputs.capture->frames);

@@ -12,8 +12,8 @@ namespace deepslam::stages {
 inline constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
 inline constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
 
-// `room_world` without what lies on the objects (`meshes` in their object frames, in the same order) or
-// on the ground polygon, and without the crumbs this leaves (mesh/floor_surface.h).
+// `room_world` without what lies on the objects (`meshes` in their object frames, in the same
+// order) or on the ground polygon, and without the crumbs this leaves (mesh/floor_surface.h).
 [[nodiscard]] TriangleMesh RoomBeside(const TriangleMesh& room_world,
                                       std::span<const MapObject> objects,
                                       std::span<const TriangleMesh> meshes,

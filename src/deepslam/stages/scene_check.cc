@@ -23,8 +23,12 @@ void CompareObject(const gltf::ValidatedObject& scene,
                    const CompactObject& entry,
                    std::vector<std::string>& differences) {
   const auto differ = [&](std::string_view what, const auto& in_scene, const auto& in_map) {
-    differences.push_back(fmt::format(
-        "object {} ('{}'): {} is {} in the scene, {} in the map", entry.id.value, entry.name, what, in_scene, in_map));
+    differences.push_back(fmt::format("object {} ('{}'): {} is {} in the scene, {} in the map",
+                                      entry.id.value,
+                                      entry.name,
+                                      what,
+                                      in_scene,
+                                      in_map));
   };
   if (scene.name != entry.name) differ("name", scene.name, entry.name);
   if (scene.class_name != entry.class_name) differ("class", scene.class_name, entry.class_name);
@@ -40,10 +44,11 @@ void CompareObject(const gltf::ValidatedObject& scene,
   const double turn_rad =
       scene.world_from_object.rotation.angularDistance(entry.world_from_object.rotation);
   if (!(turn_rad <= kRotationErrorRad)) {
-    differences.push_back(fmt::format("object {} ('{}'): is turned by {:.6f} rad between scene and map",
-                                      entry.id.value,
-                                      entry.name,
-                                      turn_rad));
+    differences.push_back(
+        fmt::format("object {} ('{}'): is turned by {:.6f} rad between scene and map",
+                    entry.id.value,
+                    entry.name,
+                    turn_rad));
   }
   constexpr double kSizeErrorM = kMapPlaceStepM + kSceneSizeErrorM;
   if ((scene.size_m - entry.size_m).cwiseAbs().maxCoeff() > kSizeErrorM)
@@ -60,8 +65,8 @@ std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
   for (const CompactObject& entry : map.objects) {
     const auto found = by_instance.find(entry.id.value);
     if (found == by_instance.end()) {
-      differences.push_back(
-          fmt::format("object {} ('{}') of the map is not in the scene", entry.id.value, entry.name));
+      differences.push_back(fmt::format(
+          "object {} ('{}') of the map is not in the scene", entry.id.value, entry.name));
       continue;
     }
     CompareObject(*found->second, entry, differences);

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "deepslam/scene/compact_map.h"
 #include "deepslam/gltf/validate.h"
+#include "deepslam/scene/compact_map.h"
 
 namespace deepslam::stages {
 

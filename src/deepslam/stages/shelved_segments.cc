@@ -10,13 +10,13 @@ namespace deepslam::stages {
 using pipeline::StageContext;
 
 Result<std::shared_ptr<const ShelvedSegments>> ShelvedSegments::Read(const StageContext& context) {
-  Result<TextSource> text = context.Open("segment", "segments.json");
+  Result<TextSource> text = context.Open("associate", "segments.json");
   if (!text.ok()) return text.error();
   const auto shelved = std::make_shared<ShelvedSegments>();
   shelved->file_ = context.Scratch();
   const Status read = artifact::DecodeEachSegment(
       std::move(text).value(),
-      StageContext::DisplayName("segment", "segments.json"),
+      StageContext::DisplayName("associate", "segments.json"),
       [&](Segment segment) { return shelved->Add(std::move(segment)); });
   if (!read.ok()) return read.error();
   return std::shared_ptr<const ShelvedSegments>(shelved);

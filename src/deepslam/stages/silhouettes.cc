@@ -89,12 +89,12 @@ void Summarise(SilhouetteReport& report) {
 Result<SilhouetteReport> EvaluateSilhouettes(const std::filesystem::path& workspace,
                                              const FrameSource& frames,
                                              Progress& progress) {
-  const StageContext context(workspace, {}, {"segment", "loops", "optimize", "mesh"}, progress);
+  const StageContext context(workspace, {}, {"associate", "loops", "optimize", "mesh"}, progress);
   const Result<OptimizedMap> map = ReadOptimized(context);
   if (!map.ok()) return map.error();
   const Result<Association> association = ReadAssociation(context, "loops");
   if (!association.ok()) return association.error();
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  const Result<std::vector<Segment>> segments = ReadSegments(context, "associate");
   if (!segments.ok()) return segments.error();
   const Result<std::vector<TriangleMesh>> meshes = ReadMeshes(context, map->map);
   if (!meshes.ok()) return meshes.error();

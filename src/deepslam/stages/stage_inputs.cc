@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/association_json.h"
+#include "deepslam/artifact/coarse_surface_file.h"
 #include "deepslam/artifact/ground_json.h"
+#include "deepslam/artifact/layout_json.h"
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/overrides_yaml.h"
@@ -107,21 +109,36 @@ Result<Ground> ReadGround(const StageContext& context, std::string_view stage) {
   return Decode(context, stage, "ground.json", artifact::DecodeGround);
 }
 
+Result<Layout> ReadLayout(const StageContext& context) {
+  return Decode(context, "layout", "layout.json", artifact::DecodeLayout);
+}
+
+Result<CoarseSurface> ReadCoarseSurface(const StageContext& context) {
+  const Result<std::string> mesh = context.Read("layout", "surface.ply");
+  if (!mesh.ok()) return mesh.error();
+  const Result<std::string> space = context.Read("layout", "space.bin");
+  if (!space.ok()) return space.error();
+  return artifact::DecodeCoarseSurface(*mesh,
+                                       StageContext::DisplayName("layout", "surface.ply"),
+                                       *space,
+                                       StageContext::DisplayName("layout", "space.bin"));
+}
+
 Result<artifact::DetectionTable> ReadDetections(const StageContext& context) {
   return Decode(context, "detect", "detections.json", artifact::DecodeDetections);
 }
 
-Result<std::vector<Segment>> ReadSegments(const StageContext& context) {
-  return Decode(context, "segment", "segments.json", artifact::DecodeSegments);
+Result<std::vector<Segment>> ReadSegments(const StageContext& context, std::string_view stage) {
+  return Decode(context, stage, "segments.json", artifact::DecodeSegments);
 }
 
 Result<std::vector<Segment>> ReadSegmentsWithoutMasks(const StageContext& context) {
-  return Decode(context, "segment", "segments.json", artifact::DecodeSegmentsWithoutMasks);
+  return Decode(context, "associate", "segments.json", artifact::DecodeSegmentsWithoutMasks);
 }
 
 Result<std::vector<Segment>> ReadSegmentsOf(const StageContext& context,
                                             const std::set<DetectionId>& wanted) {
-  return Decode(context, "segment", "segments.json", [&](TextSource text, std::string_view name) {
+  return Decode(context, "associate", "segments.json", [&](TextSource text, std::string_view name) {
     return artifact::DecodeSegmentsOf(wanted, std::move(text), name);
   });
 }
@@ -266,7 +283,7 @@ Result<ObjectViews> CollectViews(const StageContext& context,
                                  const Trajectory& trajectory,
                                  const Ground& ground,
                                  const Association& association) {
-  const Result<std::vector<Segment>> segments = ReadSegments(context);
+  const Result<std::vector<Segment>> segments = ReadSegments(context, "associate");
   if (!segments.ok()) return segments.error();
   return observe::CollectObjectViews(*inputs.capture->frames,
                                      trajectory,

@@ -17,8 +17,10 @@
 #include "deepslam/core/result.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/pipeline/stage.h"
+#include "deepslam/scene/coarse_surface.h"
 #include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/ground.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/loop.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/object_track.h"
@@ -41,9 +43,14 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 [[nodiscard]] Result<Trajectory> ReadTrajectory(const pipeline::StageContext& context);
 [[nodiscard]] Result<Ground> ReadGround(const pipeline::StageContext& context,
                                         std::string_view stage);
+[[nodiscard]] Result<Layout> ReadLayout(const pipeline::StageContext& context);
+[[nodiscard]] Result<CoarseSurface> ReadCoarseSurface(const pipeline::StageContext& context);
 [[nodiscard]] Result<artifact::DetectionTable> ReadDetections(
     const pipeline::StageContext& context);
-[[nodiscard]] Result<std::vector<Segment>> ReadSegments(const pipeline::StageContext& context);
+// Of each detection, by stage `segment`; of each member of a track, by `associate`.
+[[nodiscard]] Result<std::vector<Segment>> ReadSegments(const pipeline::StageContext& context,
+                                                        std::string_view stage);
+// Of the members of tracks.
 [[nodiscard]] Result<std::vector<Segment>> ReadSegmentsWithoutMasks(
     const pipeline::StageContext& context);
 // Those of these detections alone.

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "deepslam/layout/build_rooms.h"
+#include "deepslam/layout/wall_openings.h"
+
+namespace deepslam::layout {
+namespace {
+
+constexpr double kThickest_m = 0.5;  // wall between two faces of one opening
+constexpr double kBeyond_m = 0.25;   // steps in which the room behind an opening is looked for
+constexpr int kMostSteps = 4;
+
+// The room behind an opening in a wall; -1 where there is none.
+int RoomBehind(const Layout& layout, const LayoutWall& wall, const Eigen::Vector2d& middle) {
+  const Eigen::Vector2d along = (wall.to_m - wall.from_m).normalized();
+  const Eigen::Vector2d behind(along.y(), -along.x());
+  for (int step = 1; step <= kMostSteps; ++step) {
+    const Eigen::Vector2d p = middle + step * kBeyond_m * behind;
+    for (std::size_t room = 0; room < layout.rooms.size(); ++room) {
+      const bool is_own = std::find(wall.rooms.begin(), wall.rooms.end(), static_cast<int>(room)) !=
+                          wall.rooms.end();
+      if (!is_own && IsInside(layout.rooms[room].polygon_m, p)) return static_cast<int>(room);
+    }
+  }
+  return -1;
+}
+
+// Whether both are the two faces of one opening.
+bool AreOne(const Layout& layout, const LayoutOpening& a, const LayoutOpening& b) {
+  const LayoutWall& wall_a = layout.walls[static_cast<std::size_t>(a.wall)];
+  const LayoutWall& wall_b = layout.walls[static_cast<std::size_t>(b.wall)];
+  const Eigen::Vector2d along_a = (wall_a.to_m - wall_a.from_m).normalized();
+  const Eigen::Vector2d along_b = (wall_b.to_m - wall_b.from_m).normalized();
+  constexpr double kOpposite = -0.95;
+  if (along_a.dot(along_b) > kOpposite) return false;
+  const Eigen::Vector2d between = 0.5 * (b.from_m + b.to_m) - 0.5 * (a.from_m + a.to_m);
+  const double shift_m = std::abs(along_a.dot(between));
+  const double thickness_m = std::abs(along_a.x() * between.y() - along_a.y() * between.x());
+  return thickness_m < kThickest_m && 2 * shift_m < (a.to_m - a.from_m).norm();
+}
+
+}  // namespace
+
+void AddOpenings(const CellComplex& complex, BuiltLayout& built) {
+  Layout& layout = built.layout;
+  std::vector<LayoutOpening> found;
+  for (std::size_t n = 0; n < layout.walls.size(); ++n) {
+    const LayoutWall& wall = layout.walls[n];
+    const std::size_t line_number = built.line_of_wall[n];
+    const WallLine& line = complex.lines[line_number];
+    const bool ceiling_seen =
+        !wall.rooms.empty() && layout.rooms[static_cast<std::size_t>(wall.rooms[0])].ceiling_m > 0;
+    const WallFace face{line.along().dot(wall.from_m),
+                        line.along().dot(wall.to_m),
+                        wall.bottom_m,
+                        wall.top_m,
+                        ceiling_seen};
+    for (FaceOpening& opening : FindOpenings(complex.profiles[line_number], face)) {
+      LayoutOpening placed;
+      placed.wall = static_cast<int>(n);
+      placed.kind = opening.kind;
+      placed.from_m = line.At(opening.from_m);
+      placed.to_m = line.At(opening.to_m);
+      placed.bottom_m = opening.bottom_m;
+      placed.top_m = opening.top_m;
+      placed.rooms = wall.rooms;
+      placed.confidence = opening.confidence;
+      placed.note = std::move(opening.note);
+      const int behind = RoomBehind(layout, wall, 0.5 * (placed.from_m + placed.to_m));
+      if (behind >= 0 && placed.kind != OpeningKind::kWindow) placed.rooms.push_back(behind);
+      found.push_back(std::move(placed));
+    }
+  }
+  for (LayoutOpening& opening : found) {
+    const auto other =
+        std::find_if(layout.openings.begin(), layout.openings.end(), [&](const auto& known) {
+          return AreOne(layout, known, opening);
+        });
+    if (other == layout.openings.end()) {
+      layout.openings.push_back(std::move(opening));
+    } else if (opening.confidence > other->confidence) {
+      *other = std::move(opening);
+    }
+  }
+}
+
+}  // namespace deepslam::layout

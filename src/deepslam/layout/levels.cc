@@ -1,0 +1,91 @@
+#include "deepslam/layout/levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace deepslam::layout {
+namespace {
+
+constexpr double kUpright = 0.98;      // least vertical part of a level's normal: 11 deg
+constexpr double kSteepest = 0.98;     // what is slanted is 11 deg from lying
+constexpr double kLeastSteep = 0.2;    // and 12 deg from standing
+constexpr double kSlanted_m2 = 1.5;    // smaller slopes are of furniture
+constexpr double kGround_m = 0.10;     // the ground, with carpets and noise
+constexpr double kSameLevel_m = 0.08;  // steps are twice as high
+constexpr double kFloorBelow_m2 = 0.5;
+constexpr double kCeiling_m2 = 0.5;
+constexpr double kLowestCeiling_m = 1.8;
+constexpr double kHighestFloor_m = 2.0;  // above the ground
+// How high a camera is carried, and how many of the fused frames were taken over a floor.
+constexpr double kCarriedFrom_m = 0.9;
+constexpr double kCarriedTo_m = 2.2;
+constexpr double kUnderFoot_m = 0.3;
+constexpr int kFewestFrames = 2;
+
+// Whether cameras were carried over the plane.
+bool WasWalkedOn(const CoarseSurface& surface, const SurfacePlane& plane) {
+  int num_frames = 0;
+  for (const Eigen::Vector3f& viewpoint : surface.viewpoints) {
+    const auto above_m = static_cast<double>(viewpoint.z()) - plane.centre_m.z();
+    if (above_m < kCarriedFrom_m || above_m > kCarriedTo_m) continue;
+    const bool over = std::any_of(plane.vertices.begin(), plane.vertices.end(), [&](std::uint32_t v) {
+      return static_cast<double>((surface.mesh.vertices[v] - viewpoint).head<2>().norm()) <
+             kUnderFoot_m;
+    });
+    num_frames += over ? 1 : 0;
+  }
+  return num_frames >= kFewestFrames;
+}
+
+void AddLevel(LevelKind kind, const SurfacePlane& plane, std::vector<LayoutLevel>& levels) {
+  for (LayoutLevel& level : levels) {
+    if (level.kind != kind || std::abs(level.height_m - plane.centre_m.z()) > kSameLevel_m)
+      continue;
+    const double area_m2 = level.area_m2 + plane.area_m2;
+    level.height_m += (plane.centre_m.z() - level.height_m) * plane.area_m2 / area_m2;
+    level.area_m2 = area_m2;
+    return;
+  }
+  levels.push_back({kind, plane.centre_m.z(), plane.area_m2});
+}
+
+bool IsFloor(const CoarseSurface& surface, const SurfacePlane& plane) {
+  const double height_m = plane.centre_m.z();
+  if (std::abs(height_m) < kGround_m) return surface.has_ground;
+  if (height_m < 0) return plane.area_m2 > kFloorBelow_m2;
+  return height_m < kHighestFloor_m && plane.area_m2 > kFloorBelow_m2 &&
+         WasWalkedOn(surface, plane);
+}
+
+}  // namespace
+
+std::vector<LayoutLevel> FindLevels(const CoarseSurface& surface,
+                                    const std::vector<SurfacePlane>& planes) {
+  std::vector<LayoutLevel> levels;
+  for (const SurfacePlane& plane : planes) {
+    const double up = plane.plane.normal.z();
+    if (up > kUpright && IsFloor(surface, plane)) AddLevel(LevelKind::kFloor, plane, levels);
+    if (up < -kUpright && plane.centre_m.z() > kLowestCeiling_m)
+      AddLevel(LevelKind::kCeiling, plane, levels);
+  }
+  std::erase_if(levels, [](const LayoutLevel& level) {
+    return level.kind == LevelKind::kCeiling && level.area_m2 < kCeiling_m2;
+  });
+  std::sort(levels.begin(), levels.end(), [](const LayoutLevel& a, const LayoutLevel& b) {
+    return a.kind != b.kind ? a.kind < b.kind : a.height_m < b.height_m;
+  });
+  return levels;
+}
+
+std::vector<SlantedPlane> FindSlanted(const std::vector<SurfacePlane>& planes) {
+  std::vector<SlantedPlane> slanted;
+  for (const SurfacePlane& plane : planes) {
+    const double steep = std::abs(plane.plane.normal.z());
+    if (steep > kSteepest || steep < kLeastSteep || plane.area_m2 < kSlanted_m2) continue;
+    slanted.push_back({plane.plane, plane.centre_m, plane.area_m2});
+  }
+  return slanted;
+}
+
+}  // namespace deepslam::layout

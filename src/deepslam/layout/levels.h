@@ -1,0 +1,20 @@
+// Floors and ceilings, and planes that neither stand nor lie.
+#pragma once
+
+#include <vector>
+
+#include "deepslam/layout/surface_planes.h"
+#include "deepslam/scene/layout.h"
+
+namespace deepslam::layout {
+
+// Floors, ascending, then ceilings, ascending. The ground is a floor where it was seen; what lies
+// below it is one from half a square metre on; what lies above only where a camera was carried over
+// it as people carry one, for tables and beds are flat too.
+[[nodiscard]] std::vector<LayoutLevel> FindLevels(const CoarseSurface& surface,
+                                                  const std::vector<SurfacePlane>& planes);
+
+// By area, largest first.
+[[nodiscard]] std::vector<SlantedPlane> FindSlanted(const std::vector<SurfacePlane>& planes);
+
+}  // namespace deepslam::layout

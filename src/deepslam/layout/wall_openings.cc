@@ -1,0 +1,302 @@
+#include "deepslam/layout/wall_openings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <utility>
+
+namespace deepslam::layout {
+namespace {
+
+constexpr double kMinWidth_m = 0.4;
+constexpr double kMinHeight_m = 0.4;
+constexpr double kMinFill = 0.5;      // of the rectangle that is gap
+constexpr double kMinFrame = 0.4;     // of a side that is wall
+constexpr double kThreshold_m = 0.3;  // what begins lower reaches the floor
+// Doors of homes: 0.6 to 1.3 m wide, two-winged ones included, 1.8 to 2.3 m high (DIN 18101 has
+// 0.6 to 1.25 and 1.98 to 2.11, other countries a little more).
+constexpr double kNarrowDoor_m = 0.55;
+constexpr double kWidestDoor_m = 1.35;
+constexpr double kLowestDoor_m = 1.75;
+constexpr double kHighestDoor_m = 2.35;
+constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wall, or more
+constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
+
+// Rows and slots [first, end) of a profile.
+struct CellBox {
+  int first_slot = 0;
+  int end_slot = 0;
+  int first_row = 0;
+  int end_row = 0;
+
+  [[nodiscard]] double width_m() const { return (end_slot - first_slot) * kCell_m; }
+  [[nodiscard]] double height_m() const { return (end_row - first_row) * kCell_m; }
+};
+
+using CellTest = std::function<bool(int slot, int row)>;
+
+double ShareOf(const CellBox& box, const CellBox& within, const CellTest& test) {
+  int num = 0;
+  int count = 0;
+  for (int slot = std::max(box.first_slot, within.first_slot);
+       slot < std::min(box.end_slot, within.end_slot);
+       ++slot) {
+    for (int row = std::max(box.first_row, within.first_row);
+         row < std::min(box.end_row, within.end_row);
+         ++row) {
+      ++count;
+      num += test(slot, row) ? 1 : 0;
+    }
+  }
+  return count > 0 ? static_cast<double>(num) / count : 0.0;
+}
+
+using Cells = std::vector<std::pair<int, int>>;  // slot, row
+
+// Connected cells that pass the test.
+std::vector<Cells> Components(const CellBox& within, const CellTest& test) {
+  const int width = within.end_slot - within.first_slot;
+  const int height = within.end_row - within.first_row;
+  std::vector<Cells> components;
+  if (width <= 0 || height <= 0) return components;
+  std::vector<std::uint8_t> known(static_cast<std::size_t>(width) *
+                                  static_cast<std::size_t>(height));
+  const auto take = [&](int slot, int row) {
+    if (slot < within.first_slot || slot >= within.end_slot || row < within.first_row ||
+        row >= within.end_row)
+      return false;
+    std::uint8_t& mark = known[static_cast<std::size_t>(slot - within.first_slot) *
+                                   static_cast<std::size_t>(height) +
+                               static_cast<std::size_t>(row - within.first_row)];
+    if (mark != 0) return false;
+    mark = 1;
+    return test(slot, row);
+  };
+  for (int slot = within.first_slot; slot < within.end_slot; ++slot) {
+    for (int row = within.first_row; row < within.end_row; ++row) {
+      if (!take(slot, row)) continue;
+      Cells cells = {{slot, row}};
+      for (std::size_t n = 0; n < cells.size(); ++n) {
+        const auto [s, r] = cells[n];
+        for (const auto& [ds, dr] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+          if (take(s + ds, r + dr)) cells.emplace_back(s + ds, r + dr);
+        }
+      }
+      components.push_back(std::move(cells));
+    }
+  }
+  return components;
+}
+
+// First and end of where counts reach half of their largest.
+std::pair<int, int> HalfHeight(const std::vector<int>& counts) {
+  const int most = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  int first = 0;
+  int end = static_cast<int>(counts.size());
+  while (first < end && 2 * counts[static_cast<std::size_t>(first)] < most) ++first;
+  while (end > first && 2 * counts[static_cast<std::size_t>(end - 1)] < most) --end;
+  return {first, end};
+}
+
+// The rectangle that most of the cells fill.
+CellBox BoxOf(const Cells& cells, const CellBox& within) {
+  std::vector<int> by_slot(static_cast<std::size_t>(within.end_slot - within.first_slot), 0);
+  std::vector<int> by_row(static_cast<std::size_t>(within.end_row - within.first_row), 0);
+  for (const auto& [slot, row] : cells) {
+    ++by_slot[static_cast<std::size_t>(slot - within.first_slot)];
+    ++by_row[static_cast<std::size_t>(row - within.first_row)];
+  }
+  const auto [first_slot, end_slot] = HalfHeight(by_slot);
+  const auto [first_row, end_row] = HalfHeight(by_row);
+  return {within.first_slot + first_slot,
+          within.first_slot + end_slot,
+          within.first_row + first_row,
+          within.first_row + end_row};
+}
+
+// Which sides of an opening are wall.
+struct Frame {
+  bool left = false;
+  bool right = false;
+  bool above = false;
+  bool below = false;
+  bool to_ceiling = false;  // nothing of the wall is above it
+
+  [[nodiscard]] int num_sides() const { return left + right + above + below; }
+};
+
+class FaceSearch {
+ public:
+  FaceSearch(const WallProfile& profile, const WallFace& face) : profile_(profile), face_(face) {
+    const auto row_at = [&](double height_m) {
+      return std::clamp(static_cast<int>(std::lround((height_m - profile.bottom_m) / kCell_m)),
+                        0,
+                        profile.num_rows);
+    };
+    const auto slot_at = [&](double position_m) {
+      return std::clamp(static_cast<int>(std::lround((position_m - profile.begin_m) / kCell_m)),
+                        0,
+                        profile.num_slots);
+    };
+    box_ = {slot_at(face.from_m), slot_at(face.to_m), row_at(face.floor_m), row_at(face.top_m)};
+  }
+
+  void AddGaps(std::vector<FaceOpening>& found) const {
+    const CellTest gap = [this](int slot, int row) {
+      return (At(slot, row) & (kOpen | kBlind)) != 0;
+    };
+    for (const Cells& cells : Components(box_, gap)) {
+      const CellBox box = BoxOf(cells, box_);
+      if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
+      if (ShareOf(box, box_, gap) < kMinFill) continue;
+      if (const auto opening = Classified(box)) found.push_back(*opening);
+    }
+  }
+
+  void AddLeaves(std::vector<FaceOpening>& found) const {
+    const CellTest deep = [this](int slot, int row) {
+      return (At(slot, row) & kSolid) != 0 && profile_.OffsetAt(slot, row) < -kRecess_m;
+    };
+    for (const Cells& cells : Components(box_, deep)) {
+      const CellBox box = BoxOf(cells, box_);
+      if (!IsDoorSized(box) || ShareOf(box, box_, deep) < kMinFill) continue;
+      if (Bottom(box) > face_.floor_m + kThreshold_m) continue;
+      const CellTest flush = [&](int slot, int row) {
+        return (At(slot, row) & kSolid) != 0 && !deep(slot, row);
+      };
+      const Frame frame = FrameOf(box, flush);
+      if (frame.num_sides() < 2) continue;
+      FaceOpening opening = OpeningOf(box, OpeningKind::kDoor);
+      opening.confidence = 0.4 + 0.1 * frame.num_sides();
+      opening.note = "closed: a leaf deeper than its wall";
+      found.push_back(std::move(opening));
+    }
+  }
+
+ private:
+  [[nodiscard]] std::uint8_t At(int slot, int row) const { return profile_.at(slot, row); }
+  [[nodiscard]] bool IsSolid(int slot, int row) const { return (At(slot, row) & kSolid) != 0; }
+  [[nodiscard]] double Bottom(const CellBox& box) const { return profile_.HeightOf(box.first_row); }
+  [[nodiscard]] double Top(const CellBox& box) const { return profile_.HeightOf(box.end_row); }
+
+  [[nodiscard]] bool IsDoorSized(const CellBox& box) const {
+    const double top_m = Top(box) - face_.floor_m;
+    return box.width_m() >= kNarrowDoor_m && box.width_m() <= kWidestDoor_m &&
+           top_m >= kLowestDoor_m && top_m <= kHighestDoor_m;
+  }
+
+  [[nodiscard]] Frame FrameOf(const CellBox& box, const CellTest& wall) const {
+    const int beside = static_cast<int>(kBeside_m / kCell_m);
+    Frame frame;
+    // The corner of the room is a side as well.
+    frame.left =
+        box.first_slot - box_.first_slot < beside / 2 ||
+        ShareOf({box.first_slot - beside, box.first_slot, box.first_row, box.end_row}, box_, wall) >
+            kMinFrame;
+    frame.right =
+        box_.end_slot - box.end_slot < beside / 2 ||
+        ShareOf({box.end_slot, box.end_slot + beside, box.first_row, box.end_row}, box_, wall) >
+            kMinFrame;
+    frame.above =
+        ShareOf({box.first_slot, box.end_slot, box.end_row, box.end_row + beside}, box_, wall) >
+        kMinFrame;
+    frame.below =
+        ShareOf({box.first_slot, box.end_slot, box.first_row - beside, box.first_row}, box_, wall) >
+        kMinFrame;
+    frame.to_ceiling = face_.ceiling_seen && box_.end_row - box.end_row < beside;
+    return frame;
+  }
+
+  [[nodiscard]] FaceOpening OpeningOf(const CellBox& box, OpeningKind kind) const {
+    FaceOpening opening;
+    opening.kind = kind;
+    opening.from_m = profile_.PositionOf(box.first_slot);
+    opening.to_m = profile_.PositionOf(box.end_slot);
+    opening.bottom_m = Bottom(box);
+    opening.top_m = Top(box);
+    if (kind != OpeningKind::kWindow) opening.bottom_m = face_.floor_m;
+    return opening;
+  }
+
+  [[nodiscard]] std::optional<FaceOpening> Classified(const CellBox& box) const {
+    const Frame frame = FrameOf(box, [this](int slot, int row) { return IsSolid(slot, row); });
+    const double behind =
+        ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBehind) != 0; });
+    const double blind =
+        ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBlind) != 0; });
+    return Bottom(box) <= face_.floor_m + kThreshold_m ? AtFloor(box, frame, behind, blind)
+                                                       : Above(box, frame, behind, blind);
+  }
+
+  [[nodiscard]] std::optional<FaceOpening> AtFloor(const CellBox& box,
+                                                   const Frame& frame,
+                                                   double behind,
+                                                   double blind) const {
+    if (Top(box) - face_.floor_m < kLowestDoor_m || box.width_m() < kNarrowDoor_m)
+      return std::nullopt;
+    if (frame.num_sides() < 2) return std::nullopt;
+    const bool is_door = frame.above && IsDoorSized(box);
+    FaceOpening opening = OpeningOf(box, is_door ? OpeningKind::kDoor : OpeningKind::kPassage);
+    opening.confidence = 0.35 + 0.15 * frame.num_sides();
+    if (behind < 0.5 && blind > 0.5) {
+      opening.confidence -= 0.1;
+      opening.note = "nothing was measured behind it";
+    } else if (behind < 0.5) {
+      opening.confidence -= 0.3;
+      opening.note = "not deep: a niche, or a leaf that stands back";
+    }
+    if (!frame.above && !frame.to_ceiling) {
+      opening.confidence -= 0.15;
+      opening.note = "its upper edge was not seen";
+    }
+    opening.confidence = std::clamp(opening.confidence, 0.05, 0.95);
+    return opening;
+  }
+
+  [[nodiscard]] std::optional<FaceOpening> Above(const CellBox& box,
+                                                 const Frame& frame,
+                                                 double behind,
+                                                 double blind) const {
+    if (frame.num_sides() < 3 || !frame.below) return std::nullopt;
+    FaceOpening opening = OpeningOf(box, OpeningKind::kWindow);
+    opening.confidence = 0.2 + 0.15 * frame.num_sides();
+    if (blind > 0.5) {
+      opening.confidence -= 0.1;
+      opening.note = "nothing was measured in it: glass, a mirror or a screen";
+    } else if (behind < 0.5) {
+      opening.confidence -= 0.25;
+      opening.note = "not deep: a niche, or a window with something before its pane";
+    }
+    opening.confidence = std::clamp(opening.confidence, 0.05, 0.95);
+    return opening;
+  }
+
+  const WallProfile& profile_;
+  const WallFace& face_;
+  CellBox box_;
+};
+
+}  // namespace
+
+std::vector<FaceOpening> FindOpenings(const WallProfile& profile, const WallFace& face) {
+  std::vector<FaceOpening> found;
+  const FaceSearch search(profile, face);
+  search.AddGaps(found);
+  std::vector<FaceOpening> leaves;
+  search.AddLeaves(leaves);
+  for (FaceOpening& leaf : leaves) {
+    const bool known = std::any_of(found.begin(), found.end(), [&](const FaceOpening& other) {
+      return leaf.from_m < other.to_m && other.from_m < leaf.to_m;
+    });
+    if (!known) found.push_back(std::move(leaf));
+  }
+  std::stable_sort(found.begin(), found.end(), [](const FaceOpening& a, const FaceOpening& b) {
+    return a.from_m < b.from_m;
+  });
+  return found;
+}
+
+}  // namespace deepslam::layout

@@ -1,0 +1,190 @@
+#include "deepslam/layout/estimate_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "deepslam/core/parallel.h"
+#include "layout/box_rooms.h"
+
+namespace deepslam::layout {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Layout LayoutOf(const std::vector<Cuboid>& world,
+                const std::vector<Pose3>& poses,
+                double turned_rad = 0) {
+  return EstimateLayout(SurfaceOf(world, poses, turned_rad), LayoutOptions());
+}
+
+std::vector<Cuboid> OneRoom() {
+  std::vector<Cuboid> world;
+  AddRoomWalls(-2, -1.5, 2, 1.5, world);
+  AddCeiling(-2.2, -1.7, 2.2, 1.7, world);
+  return world;
+}
+
+std::vector<Pose3> InTheMiddle() {
+  std::vector<Pose3> poses;
+  LookAround(0.3, 0.2, poses);
+  LookAround(-0.6, -0.3, poses);
+  return poses;
+}
+
+double ToCorner(const LayoutRoom& room, const Eigen::Vector2d& corner) {
+  double nearest = 1e9;
+  for (const Eigen::Vector2d& p : room.polygon_m) nearest = std::min(nearest, (p - corner).norm());
+  return nearest;
+}
+
+TEST(EstimateLayout, FindsARoomAtAnyAngle) {
+  for (const double angle_deg : {0.0, 17.0, 45.0, 71.5}) {
+    const Layout layout = LayoutOf(OneRoom(), InTheMiddle(), angle_deg * kDegree);
+    ASSERT_EQ(layout.rooms.size(), 1U) << angle_deg;
+    const LayoutRoom& room = layout.rooms[0];
+    EXPECT_EQ(room.polygon_m.size(), 4U) << angle_deg;
+    EXPECT_NEAR(AreaOf(room.polygon_m), 12.0, 0.36) << angle_deg;
+    EXPECT_NEAR(room.floor_m, 0, 0.03);
+    EXPECT_NEAR(room.ceiling_m, kCeiling_m, 0.03);
+    const Eigen::Rotation2Dd turn(angle_deg * kDegree);
+    for (const Eigen::Vector2d& corner : {Eigen::Vector2d(2, 1.5), Eigen::Vector2d(-2, 1.5)})
+      EXPECT_LT(ToCorner(room, turn * corner), 0.05) << angle_deg;
+    EXPECT_EQ(layout.walls.size(), 4U) << angle_deg;
+    for (const LayoutWall& wall : layout.walls) {
+      EXPECT_GT(wall.seen_share, 0.9);
+      EXPECT_NEAR(wall.top_m, kCeiling_m, 0.03);
+      EXPECT_EQ(wall.rooms, std::vector<int>{0});
+    }
+    EXPECT_TRUE(layout.openings.empty());
+    EXPECT_EQ(std::count(room.guessed.begin(), room.guessed.end(), true), 0);
+  }
+}
+
+TEST(EstimateLayout, DoesNotDependOnTheNumberOfThreads) {
+  const CoarseSurface surface = SurfaceOf(OneRoom(), InTheMiddle());
+  const auto with_threads = [&](int num_threads) {
+    const ThreadLimit limit(num_threads);
+    return EstimateLayout(surface, LayoutOptions());
+  };
+  EXPECT_EQ(with_threads(1), with_threads(4));
+}
+
+// Two rooms with a door between them, and a window in the second.
+std::vector<Cuboid> TwoRooms() {
+  std::vector<Cuboid> world;
+  AddWall({true, 1.5, -2.2, 6.2, 0.2, {{4.0, 5.2, 0.9, 2.1}}}, world);
+  AddWall({true, -1.5, -2.2, 6.2, -0.2, {}}, world);
+  AddWall({false, -2, -1.5, 1.5, -0.2, {}}, world);
+  AddWall({false, 6, -1.5, 1.5, 0.2, {}}, world);
+  AddWall({false, 2, -1.5, 1.5, 0.12, {{-0.4, 0.5, 0, 2.05}}}, world);
+  AddCeiling(-2.2, -1.7, 6.2, 1.7, world);
+  return world;
+}
+
+std::vector<Pose3> ThroughTheDoor() {
+  std::vector<Pose3> poses = InTheMiddle();
+  LookAround(1.3, 0.05, poses);
+  LookAround(3.0, 0.05, poses);
+  LookAround(4.4, -0.3, poses);
+  return poses;
+}
+
+TEST(EstimateLayout, TellsTwoRoomsWithADoorBetweenThem) {
+  const Layout layout = LayoutOf(TwoRooms(), ThroughTheDoor(), 0.3);
+  ASSERT_EQ(layout.rooms.size(), 2U);
+  const double a = AreaOf(layout.rooms[0].polygon_m);
+  const double b = AreaOf(layout.rooms[1].polygon_m);
+  EXPECT_NEAR(std::min(a, b), 3.88 * 3, 0.36);
+  EXPECT_NEAR(std::max(a, b), 4 * 3, 0.36);
+  std::vector<LayoutOpening> doors;
+  std::vector<LayoutOpening> windows;
+  for (const LayoutOpening& opening : layout.openings)
+    (opening.kind == OpeningKind::kWindow ? windows : doors).push_back(opening);
+  ASSERT_EQ(doors.size(), 1U);
+  EXPECT_EQ(doors[0].kind, OpeningKind::kDoor);
+  EXPECT_NEAR((doors[0].to_m - doors[0].from_m).norm(), 0.9, 0.15);
+  EXPECT_NEAR(doors[0].top_m, 2.05, 0.1);
+  EXPECT_EQ(doors[0].rooms.size(), 2U);
+  EXPECT_GT(doors[0].confidence, 0.6);
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_NEAR((windows[0].to_m - windows[0].from_m).norm(), 1.2, 0.15);
+  EXPECT_NEAR(windows[0].bottom_m, 0.9, 0.1);
+  EXPECT_NEAR(windows[0].top_m, 2.1, 0.1);
+}
+
+TEST(EstimateLayout, FurnitureIsNoWall) {
+  std::vector<Cuboid> world = OneRoom();
+  AddBox({-2, -1.5, 0}, {-1.4, 0, 2.0}, world);      // a wardrobe in the corner
+  AddBox({0.5, 0.9, 0}, {2, 1.5, 0.9}, world);       // a counter
+  AddBox({0.0, -1.5, 0}, {1.2, -0.9, 0.75}, world);  // a desk
+  AddBox({-0.8, 1.2, 1.4}, {0.4, 1.5, 2.1}, world);  // a wall cabinet
+  const Layout layout = LayoutOf(world, InTheMiddle());
+  ASSERT_EQ(layout.rooms.size(), 1U);
+  EXPECT_NEAR(AreaOf(layout.rooms[0].polygon_m), 12.0, 0.36);
+  EXPECT_EQ(layout.walls.size(), 4U);
+}
+
+TEST(EstimateLayout, WithoutWallsThereIsNoRoom) {
+  std::vector<Cuboid> world;
+  testing_support::Append(world, testing_support::TableAt(-1, 1.5, 0));
+  const Layout layout = LayoutOf(world, InTheMiddle());
+  EXPECT_TRUE(layout.rooms.empty());
+  EXPECT_TRUE(layout.walls.empty());
+  EXPECT_TRUE(layout.openings.empty());
+  EXPECT_FALSE(layout.notes.empty());
+}
+
+TEST(EstimateLayout, OfNothingIsEmpty) {
+  const Layout layout = EstimateLayout(CoarseSurface(), LayoutOptions());
+  EXPECT_TRUE(layout.rooms.empty());
+  EXPECT_TRUE(layout.walls.empty());
+  EXPECT_FALSE(layout.notes.empty());
+}
+
+TEST(EstimateLayout, OneWallIsOneWall) {
+  std::vector<Cuboid> world;
+  AddWall({true, 1.5, -2, 2, 0.2, {}}, world);
+  std::vector<Pose3> poses;
+  for (const double x : {-0.8, 0.0, 0.8}) {
+    for (const double z : {0.5, 1.5, 2.4})
+      poses.push_back(testing_support::LookAt({x, -0.8, 1.5}, {x, 1.5, z}));
+  }
+  const Layout layout = LayoutOf(world, poses);
+  ASSERT_EQ(layout.walls.size(), 1U);
+  const Eigen::Vector2d along = (layout.walls[0].to_m - layout.walls[0].from_m).normalized();
+  EXPECT_NEAR(std::abs(along.x()), 1, 0.001);
+  EXPECT_NEAR(layout.walls[0].from_m.y(), 1.5, 0.03);
+  for (const LayoutRoom& room : layout.rooms)
+    EXPECT_GE(std::count(room.guessed.begin(), room.guessed.end(), true), 2);
+}
+
+TEST(EstimateLayout, TheEndsOfAHallThatWereNotSeenAreGuessed) {
+  std::vector<Cuboid> world;
+  AddWall({true, 1.2, -20, 20, 0.2, {}}, world);
+  AddWall({true, -1.2, -20, 20, -0.2, {}}, world);
+  AddCeiling(-20, -1.4, 20, 1.4, world);
+  const Layout layout = LayoutOf(world, InTheMiddle());
+  ASSERT_EQ(layout.rooms.size(), 1U);
+  const LayoutRoom& room = layout.rooms[0];
+  EXPECT_EQ(std::count(room.guessed.begin(), room.guessed.end(), false), 2);
+  EXPECT_GE(std::count(room.guessed.begin(), room.guessed.end(), true), 2);
+  // As far as was looked, and no further.
+  EXPECT_LT(AreaOf(room.polygon_m), 2.4 * 14);
+  for (const LayoutWall& wall : layout.walls) EXPECT_LT(wall.length_m(), 14);
+}
+
+TEST(EstimateLayout, WithoutAGroundThereAreWallsButNoRooms) {
+  CoarseSurface surface = SurfaceOf(OneRoom(), InTheMiddle());
+  surface.has_ground = false;
+  const Layout layout = EstimateLayout(surface, LayoutOptions());
+  EXPECT_TRUE(layout.rooms.empty());
+  EXPECT_EQ(layout.walls.size(), 4U);
+  for (const LayoutWall& wall : layout.walls) EXPECT_LT(wall.confidence, 0.5);
+}
+
+}  // namespace
+}  // namespace deepslam::layout
