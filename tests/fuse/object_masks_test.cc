@@ -20,13 +20,19 @@ Segment SegmentOf(FrameIdx frame, const Mask& mask) {
   return segment;
 }
 
+TrackMember MemberOf(DetectionId detection) {
+  TrackMember member;
+  member.detection = detection;
+  return member;
+}
+
 TEST(DetectionsOfMap, AreThoseOfObjectsInTheMap) {
   Association association;
   association.tracks.resize(2);
   association.tracks[0].id = ObjectId{1};
-  association.tracks[0].members = {{DetectionId{10}, FrameIdx{0}}, {DetectionId{12}, FrameIdx{1}}};
+  association.tracks[0].members = {MemberOf(DetectionId{10}), MemberOf(DetectionId{12})};
   association.tracks[1].id = ObjectId{2};
-  association.tracks[1].members = {{DetectionId{11}, FrameIdx{0}}};
+  association.tracks[1].members = {MemberOf(DetectionId{11})};
   OptimizedMap map;
   map.map.objects.resize(1);
   map.map.objects[0].id = ObjectId{1};

@@ -66,8 +66,8 @@ TEST(CloseByAppearance, APlaceSeenAgainTakesTheDriftOutOfThePath) {
                          0.01,
                          0.3));
   }
-  EXPECT_EQ(closed->frames.front().world_from_camera,
-            walk.tracked.frames.front().world_from_camera);
+  EXPECT_THAT(closed->frames.front().world_from_camera,
+              PoseNear(walk.tracked.frames.front().world_from_camera, 1e-12, 1e-9));
   // At the end, where the drift was, and the loop measured it.
   EXPECT_THAT(
       closed->frames.front().world_from_camera.Inverse() * closed->frames.back().world_from_camera,
