@@ -94,7 +94,6 @@ TEST(LayoutScore, OnlyWhatWasSeenIsAskedFor) {
   EXPECT_EQ(Score(layout).wall_recall(), 0.75);
   EXPECT_EQ(Score(layout).missed_walls, std::vector<int>{1});
   EXPECT_EQ(Score(layout, {true, false, true, true}).wall_recall(), 1);
-  EXPECT_EQ(Score(layout, {true, false, true, true}).corner_m.size(), 2U);
 }
 
 TEST(LayoutScore, HoldsDistanceAngleAndLength) {

