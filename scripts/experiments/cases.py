@@ -12,7 +12,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DRIFT = pathlib.Path(__file__).resolve().parent / "drift.yaml"
-FRONT_END = ("track", "ground", "detect", "segment", "associate")
+FRONT_END = ("track", "ground", "layout", "detect", "segment", "associate")
 
 CANDIDATES = ("propose", "register", "select")
 

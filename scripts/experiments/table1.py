@@ -26,7 +26,7 @@ WITHHELD = ROOT / "configs/withheld_models.yaml"
 NUM_CHAIRS, NUM_TABLES = 12, 4
 RINGS = ((5, 0.9), (11, 2.2))  # pieces of furniture, and metres from the middle
 REACH_M = 3.7
-FRONT_END = ("track", "ground", "detect", "segment", "associate")
+FRONT_END = ("track", "ground", "layout", "detect", "segment", "associate")
 VARIANTS = {"networks": ["--set", "propose.network=true", "--set", "propose.retrieval=false", "--set", "propose.fused=false"],
             "all": ["--set", "propose.network=true"],
             "measured": ["--set", "propose.network=false"]}

@@ -20,7 +20,7 @@ import sys
 import tempfile
 import time
 
-STAGES = ("track", "ground", "detect", "segment", "associate", "propose", "register", "select", "loops", "optimize", "mesh",
+STAGES = ("track", "ground", "layout", "detect", "segment", "associate", "propose", "register", "select", "loops", "optimize", "mesh",
           "fuse", "export", "report")
 
 

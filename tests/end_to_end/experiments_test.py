@@ -29,7 +29,7 @@ if args[0] == "synth":
     after("-o").mkdir(parents=True)
 if args[0] == "run":
     workspace = after("-o")
-    for stage in ("track", "ground", "detect", "segment", "associate", "propose", "register", "select", "loops", "export"):
+    for stage in ("track", "ground", "layout", "detect", "segment", "associate", "propose", "register", "select", "loops", "export"):
         (workspace / stage).mkdir(parents=True, exist_ok=True)
         (workspace / stage / "timing.json").write_text('{"wall_s": 1.0}')
     (workspace / "workspace.json").write_text("{}")

@@ -37,11 +37,11 @@ std::vector<Segment> SampleSegments(int count) {
 
 Result<std::shared_ptr<const ShelvedSegments>> Read(const std::string& text,
                                                     const std::filesystem::path& workspace) {
-  std::filesystem::create_directories(workspace / "segment");
+  std::filesystem::create_directories(workspace / "associate");
   std::filesystem::create_directories(workspace / "own");
-  WriteText(workspace / "segment" / "segments.json", text);
+  WriteText(workspace / "associate" / "segments.json", text);
   SilentProgress progress;
-  const pipeline::StageContext context(workspace, workspace / "own", {"segment"}, progress);
+  const pipeline::StageContext context(workspace, workspace / "own", {"associate"}, progress);
   return ShelvedSegments::Read(context);
 }
 
@@ -73,7 +73,7 @@ TEST(ShelvedSegments, PassOnWhatIsWrongWithTheFile) {
   const std::string text = *SegmentsText(SampleSegments(4));
   const auto cut = Read(text.substr(0, text.size() / 2), dir.path());
   ASSERT_FALSE(cut.ok());
-  EXPECT_NE(cut.error().message.find("segment/segments.json"), std::string::npos);
+  EXPECT_NE(cut.error().message.find("associate/segments.json"), std::string::npos);
 }
 
 }  // namespace

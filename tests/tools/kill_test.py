@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 
-STAGES = ["track", "ground", "detect", "segment", "associate", "propose", "register", "select", "loops", "optimize",
+STAGES = ["track", "ground", "layout", "detect", "segment", "associate", "propose", "register", "select", "loops", "optimize",
           "mesh", "fuse", "export", "report"]
 NOT_COMPARED = {"timing.json", "timing.html", ".lock"}  # times, and the process that held the workspace
 

@@ -13,8 +13,9 @@ namespace fs = std::filesystem;
 
 // Seconds of the stages on a room of 500 frames of 640 x 480, two threads; for the first capture of
 // a batch, before there is anything better.
-const std::array<std::pair<const char*, double>, 14> kUsualSeconds = {{{"track", 6.0},
+const std::array<std::pair<const char*, double>, 15> kUsualSeconds = {{{"track", 6.0},
                                                                        {"ground", 0.5},
+                                                                       {"layout", 1.0},
                                                                        {"detect", 6.0},
                                                                        {"segment", 0.5},
                                                                        {"associate", 0.5},
@@ -104,7 +105,8 @@ std::optional<double> SecondsLeft(const CaptureRecord& running,
       const double within =
           running.total == 0
               ? 0
-              : std::min(1.0, static_cast<double>(running.done) / static_cast<double>(running.total));
+              : std::min(1.0,
+                         static_cast<double>(running.done) / static_cast<double>(running.total));
       share += of_stage * within;
       found = true;
       break;
