@@ -260,7 +260,8 @@ def main():
 
         hits, most, num_kills = collections.Counter(), 0, 0
         for number in range(options.kills):
-            stage = STAGES[number % len(STAGES)]  # 14 and 3 have no divisor: every stage in every way
+            # One further in every round, so that each stage is met in each of the three ways.
+            stage = STAGES[(number + number // len(STAGES)) % len(STAGES)]
             # Stages too short for the clock are tried again.
             for _ in range(3):
                 inside, written = kill(trials, stage, number, chance)
@@ -280,7 +281,7 @@ def main():
         if options.shim and options.faults:
             met, calls = collections.Counter(), {}
             for number in range(options.faults):
-                stage = STAGES[number * 5 % len(STAGES)]
+                stage = STAGES[number * 4 % len(STAGES)]  # 4 and 15 have no divisor: every stage
                 calls.setdefault(stage, count_calls(trials, stage, options.shim.resolve()))
                 met[disk_fault(trials, stage, number, chance, options.shim.resolve(), calls[stage])] += 1
             print(f"faults    {options.faults} (ENOSPC and EIO): {', '.join(f'{call} {met[call]}' for call in sorted(met))}",

@@ -9,7 +9,7 @@ DEEPSLAM_FUZZ(overrides_yaml) {
   (void)artifact::ChoiceOverridesText(*overrides);
   (void)artifact::GroundOverridesText(*overrides);
   for (const auto* names : {&overrides->named, &overrides->named_choices}) {
-    for (const artifact::NamedObject& name : *names)
+    for (const NamedObject& name : *names)
       DEEPSLAM_CHECK(name.object.valid() && !name.class_name.empty(), "a name holds both");
   }
   if (overrides->ground)
