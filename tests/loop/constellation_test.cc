@@ -12,6 +12,7 @@ namespace {
 
 using ::deepslam::testing_support::PoseNear;
 using testing_support::AddVisit;
+using testing_support::Classes;
 using testing_support::Clutter;
 using testing_support::Detect;
 using testing_support::Furniture;
