@@ -7,6 +7,7 @@ The map is laid onto the capture's world by its path and groundtruth.txt (rotati
 Boxes are matched by the intersection over union of upright boxes, greatest first, each once. Prints a line per true
 object, and recall at 0.25 and 0.5, the share that also has the right class, and the share of mapped objects that match.
 """
+import argparse
 import csv
 import json
 import math
@@ -118,9 +119,15 @@ def match(truth, mapped):
 
 
 def main():
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    workspace, capture = map(pathlib.Path, sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("workspace", type=pathlib.Path)
+    parser.add_argument("capture", type=pathlib.Path)
+    options = parser.parse_args()
+    workspace, capture = options.workspace, options.capture
+    for needed in (workspace / "optimize" / "trajectory.tum", workspace / "export" / "objects.csv",
+                   capture / "objects.json", capture / "groundtruth.txt"):
+        if not needed.is_file():
+            sys.exit(f"boxes: {needed} is missing: a finished workspace and a capture with true boxes are needed")
     yaw, translation = level_transform(read_tum(workspace / "optimize" / "trajectory.tum"),
                                        read_tum(capture / "groundtruth.txt"))
     truth, mapped = true_boxes(capture), mapped_boxes(workspace, yaw, translation)

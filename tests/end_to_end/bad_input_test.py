@@ -392,7 +392,7 @@ class Workspaces(BadInput):
     def test_damaged_artifacts_are_made_again(self):
         self.copy_finished()
         stages = sorted(path.name for path in self.workspace.iterdir() if path.is_dir())
-        self.assertEqual(len(stages), 14)
+        self.assertEqual(len(stages), 15)
         for stage in stages:
             file = max((self.workspace / stage).rglob("*"), key=lambda f: f.stat().st_size if f.is_file() else -1)
             data = bytearray(file.read_bytes())
