@@ -29,7 +29,7 @@ constexpr std::string_view kHeader =
     "# that may stand for them, `size_m` the range of the longest side and `height_m` of the "
     "height of real ones.\n"
     "# A class without labels is found by its depth alone.\n"
-    "# Traits, each `true` or left out: `support_plane` is a level top and what carries it, so "
+    "# Traits, each `true` or left out: `support_plane` is a level plane and what carries it, so "
     "that "
     "things on it are not its\n"
     "# own; `solid_inside` is closed, and solid where nobody saw into it; `yaw_free` is alike from "

@@ -13,7 +13,8 @@ inline constexpr double kFloorBandM = 0.04;  // measured points this near to z =
 inline constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
 
 // `room_world` without what lies on the objects (`meshes` in their object frames, in the same
-// order) or on the ground polygon, and without the crumbs this leaves (mesh/floor_surface.h).
+// order) or on the ground polygon, and without the small components this leaves
+// (mesh/floor_surface.h).
 [[nodiscard]] TriangleMesh RoomBeside(const TriangleMesh& room_world,
                                       std::span<const MapObject> objects,
                                       std::span<const TriangleMesh> meshes,
