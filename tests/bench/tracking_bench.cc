@@ -11,8 +11,8 @@
 #include "bench_capture.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
-#include "deepslam/mapping/edge_store.h"
 #include "deepslam/mapping/track_path.h"
+#include "deepslam/scene/edge_store.h"
 #include "deepslam/tracking/odometry.h"
 
 namespace deepslam {
@@ -41,7 +41,7 @@ void TrackAndRefine(benchmark::State& state) {
   if (!capture.ok()) return state.SkipWithError(capture.error().message.c_str());
   const ThreadLimit limit(static_cast<int>(state.range(0)));
   SilentProgress progress;
-  const auto in_memory = [] { return std::make_shared<mapping::MemoryEdgeStore>(); };
+  const auto in_memory = [] { return std::make_shared<MemoryEdgeStore>(); };
   for (auto _ : state) {
     const Result<mapping::TrackedPath> path =
         mapping::TrackPath(*capture->frames, {}, {}, in_memory, progress);

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
-#include "deepslam/mapping/edge_store.h"
+#include "deepslam/scene/edge_store.h"
 #include "support/pose_matchers.h"
 
 namespace deepslam::mapping {

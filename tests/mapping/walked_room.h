@@ -9,7 +9,7 @@
 
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/memory_frame_source.h"
-#include "deepslam/mapping/edge_store.h"
+#include "deepslam/scene/edge_store.h"
 #include "deepslam/scene/trajectory.h"
 #include "loop/textured_room.h"
 #include "support/recording_progress.h"

@@ -74,15 +74,15 @@ TEST(DiskEdgeStore, WhatTheMachineDoesNotGiveJoinsNothing) {
   const auto file = std::make_shared<storage::ScratchFile>(dir.path());
   const auto other = std::make_shared<storage::ScratchFile>(dir.path());
   DiskEdgeStore store(file);
-  ASSERT_TRUE(mapping::AddAll(SampleEdges(256), store).ok());
+  ASSERT_TRUE(AddAll(SampleEdges(256), store).ok());
   RelativePose edge;
   DiskEdgeStore broken(other);
-  ASSERT_TRUE(mapping::AddAll(SampleEdges(256), broken).ok());
+  ASSERT_TRUE(AddAll(SampleEdges(256), broken).ok());
   const std::vector<std::byte> none(file->num_bytes());
   store.Read(0, {&edge, 1});
   EXPECT_TRUE(edge.i.valid() && edge.j.valid());
   ASSERT_TRUE(other->Append(none).ok());  // zeros where a second block should be
-  ASSERT_TRUE(mapping::AddAll(SampleEdges(256), broken).ok());
+  ASSERT_TRUE(AddAll(SampleEdges(256), broken).ok());
   broken.Read(256, {&edge, 1});
   EXPECT_FALSE(edge.i.valid());
   EXPECT_FALSE(edge.j.valid());

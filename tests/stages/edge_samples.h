@@ -29,11 +29,11 @@ inline std::vector<RelativePose> SampleEdges(int count) {
   return edges;
 }
 
-inline std::shared_ptr<const ShelvedEdges> StoreOf(const std::vector<RelativePose>& edges,
-                                                   const std::filesystem::path& folder) {
+inline std::shared_ptr<const EdgeStore> StoreOf(const std::vector<RelativePose>& edges,
+                                                const std::filesystem::path& folder) {
   const auto store =
       std::make_shared<stages::DiskEdgeStore>(std::make_shared<storage::ScratchFile>(folder));
-  EXPECT_TRUE(mapping::AddAll(edges, *store).ok());
+  EXPECT_TRUE(AddAll(edges, *store).ok());
   return store;
 }
 

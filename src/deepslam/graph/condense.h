@@ -5,7 +5,7 @@
 // Every n keyframes that follow each other become one node, that of the first of them. The others
 // keep their place beside it while the graph is solved: what lies between them is taken as true,
 // since they were measured against each other many times and less than a metre is left to drift
-// (stages/refine_path.h). So a node ends where tracking did not measure from one keyframe to the
+// (mapping/refine_path.h). So a node ends where tracking did not measure from one keyframe to the
 // next, and where a measurement within it contradicts the path as it is. What was measured from or
 // to a keyframe is carried to its node,
 //   a'_from_b' = a'_from_a a_from_b b_from_b',   Omega' = Ad(b_from_b')^T Omega Ad(b_from_b'),

@@ -14,7 +14,7 @@ namespace deepslam::mapping {
 namespace {
 
 using loop::CovisiblePair;
-using SharedEdges = std::shared_ptr<const ShelvedEdges>;
+using SharedEdges = std::shared_ptr<const EdgeStore>;
 
 // Of eight keyframes: each has at most twelve pairs (CovisibleOptions::max_pairs).
 constexpr std::size_t kPairsAtOnce = 96;
@@ -64,7 +64,7 @@ Result<SharedEdges> MeasureCovisible(const Odometry& tracked,
 }
 
 // Those that the solved path does not contradict.
-Result<SharedEdges> ConsistentOf(const ShelvedEdges& edges,
+Result<SharedEdges> ConsistentOf(const EdgeStore& edges,
                                  const Trajectory& solved,
                                  const loop::CovisibleOptions& options,
                                  const std::shared_ptr<EdgeStore>& consistent) {

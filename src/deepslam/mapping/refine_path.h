@@ -6,8 +6,8 @@
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 #include "deepslam/loop/covisible.h"
-#include "deepslam/mapping/edge_store.h"
 #include "deepslam/mapping/keyframe_pyramids.h"
+#include "deepslam/scene/edge_store.h"
 #include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/trajectory.h"
 

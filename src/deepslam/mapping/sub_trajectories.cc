@@ -7,6 +7,7 @@
 
 #include "deepslam/core/check.h"
 #include "deepslam/mapping/keyframe_graph.h"
+#include "deepslam/scene/edge_store.h"
 
 namespace deepslam::mapping {
 namespace {
@@ -20,7 +21,7 @@ struct SubTrajectory {
 // Goes once along edges that ascend by j.
 class EdgeWindow {
  public:
-  explicit EdgeWindow(const ShelvedEdges* store) : store_(store) {}
+  explicit EdgeWindow(const EdgeStore* store) : store_(store) {}
 
   // All that join keyframes from `first` to `last`, and some more; both never go back.
   [[nodiscard]] const std::vector<RelativePose>& Around(FrameIdx first, FrameIdx last) {
@@ -37,7 +38,7 @@ class EdgeWindow {
   }
 
  private:
-  const ShelvedEdges* store_;
+  const EdgeStore* store_;
   std::size_t next_ = 0;
   std::vector<RelativePose> edges_;
 };

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 
+#include "deepslam/scene/edge_store.h"
+
 namespace deepslam {
 
-void ForEach(const ShelvedEdges& edges, const std::function<void(const RelativePose&)>& use) {
-  constexpr std::size_t kAtOnce = 256;  // 64 KB
-  std::vector<RelativePose> some;
-  for (std::size_t first = 0; first < edges.size(); first += some.size()) {
-    some.resize(std::min(kAtOnce, edges.size() - first));
-    edges.Read(first, some);
-    std::ranges::for_each(some, use);
-  }
+std::size_t Odometry::num_edges() const {
+  return edges.size() + (more_edges ? more_edges->size() : 0);
 }
 
 void Odometry::ForEachEdge(const std::function<void(const RelativePose&)>& use) const {

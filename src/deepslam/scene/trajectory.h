@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,8 @@
 #include "deepslam/geometry/symmetric_matrix6.h"
 
 namespace deepslam {
+
+class EdgeStore;
 
 enum class TrackingStatus {
   kTracked,     // aligned, all six directions constrained
@@ -59,28 +60,14 @@ struct Trajectory {
   }
 };
 
-// Measurements that lie elsewhere than in memory.
-class ShelvedEdges {
- public:
-  virtual ~ShelvedEdges() = default;
-  [[nodiscard]] virtual std::size_t size() const = 0;
-  // Those from `first` on, as many as there is place for. Thread-safe. One that the machine does
-  // not give joins no frames (its ids are not valid), and whoever keeps the shelf knows of it.
-  virtual void Read(std::size_t first, std::span<RelativePose> edges) const = 0;
-};
-
-// One after the other, in their order.
-void ForEach(const ShelvedEdges& edges, const std::function<void(const RelativePose&)>& use);
-
 // A trajectory and what it was measured by, which is by far the larger part of it: a long path does
 // not hold all of that.
 struct Odometry : Trajectory {
   std::vector<RelativePose> edges;  // between keyframes; consecutive ones always joined
-  std::shared_ptr<const ShelvedEdges> more_edges;  // behind `edges`; none: these are all
+  // Behind `edges`, where they are too many to be held (edge_store.h); none: these are all.
+  std::shared_ptr<const EdgeStore> more_edges;
 
-  [[nodiscard]] std::size_t num_edges() const {
-    return edges.size() + (more_edges ? more_edges->size() : 0);
-  }
+  [[nodiscard]] std::size_t num_edges() const;
   void ForEachEdge(const std::function<void(const RelativePose&)>& use) const;
 };
 

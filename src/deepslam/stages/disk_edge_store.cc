@@ -67,7 +67,7 @@ void DiskEdgeStore::Read(std::size_t first, std::span<RelativePose> edges) const
   for (std::size_t n = from_file; n < edges.size(); ++n) edges[n] = last_[first + n - num_in_file_];
 }
 
-mapping::EdgeStoreFactory DiskEdgeStores(const pipeline::StageContext& context) {
+EdgeStoreFactory DiskEdgeStores(const pipeline::StageContext& context) {
   return [&context] { return std::make_shared<DiskEdgeStore>(context.Scratch()); };
 }
 

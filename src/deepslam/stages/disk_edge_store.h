@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "deepslam/core/result.h"
-#include "deepslam/mapping/edge_store.h"
 #include "deepslam/pipeline/stage.h"
+#include "deepslam/scene/edge_store.h"
 #include "deepslam/scene/trajectory.h"
 #include "deepslam/storage/scratch_file.h"
 
 namespace deepslam::stages {
 
-class DiskEdgeStore final : public mapping::EdgeStore {
+class DiskEdgeStore final : public EdgeStore {
  public:
   explicit DiskEdgeStore(std::shared_ptr<storage::ScratchFile> file);
   ~DiskEdgeStore() override;
@@ -31,6 +31,6 @@ class DiskEdgeStore final : public mapping::EdgeStore {
 };
 
 // Stores in scratch files of the stage.
-[[nodiscard]] mapping::EdgeStoreFactory DiskEdgeStores(const pipeline::StageContext& context);
+[[nodiscard]] EdgeStoreFactory DiskEdgeStores(const pipeline::StageContext& context);
 
 }  // namespace deepslam::stages

@@ -1,10 +1,10 @@
-#include "deepslam/mapping/edge_store.h"
+#include "deepslam/scene/edge_store.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace deepslam::mapping {
+namespace deepslam {
 namespace {
 
 std::vector<RelativePose> Edges(int count) {
@@ -59,4 +59,4 @@ TEST(AddAll, EndsWithTheFirstError) {
 }
 
 }  // namespace
-}  // namespace deepslam::mapping
+}  // namespace deepslam
