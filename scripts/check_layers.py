@@ -53,6 +53,7 @@ ROOMS = {
     "priors": VOCABULARY | {"render", "furniture", "propose"},
     # composition: joins algorithms, in memory
     "mapping": VOCABULARY | {"alignment", "tracking", "loop", "graph"},
+    "modelling": VOCABULARY | {"observe", "propose", "registration", "select", "refine", "loop", "graph", "mapping"},
     # control
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }

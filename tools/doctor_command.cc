@@ -15,7 +15,7 @@
 #include "deepslam/dataset/capture.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/stages/data_folder.h"
-#include "deepslam/stages/load_priors.h"
+#include "deepslam/stages/model_cache.h"
 #include "deepslam/stages/plan.h"
 
 namespace deepslam::tools {

@@ -1,6 +1,8 @@
 #include "eval_silhouettes.h"
 
 #include <cstdio>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -10,11 +12,42 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/dataset/capture.h"
+#include "deepslam/eval/map_silhouettes.h"
 #include "deepslam/eval/silhouette.h"
 #include "deepslam/pipeline/consistency.h"
-#include "deepslam/stages/silhouettes.h"
+#include "deepslam/pipeline/stage.h"
+#include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::tools {
+namespace {
+
+// Of a workspace with stages up to `mesh`; InvalidInput where it lacks one or does not fit the
+// capture.
+Result<eval::SilhouetteReport> CompareSilhouettes(const std::string& workspace,
+                                                  const FrameSource& frames) {
+  SilentProgress progress;
+  const pipeline::StageContext context(
+      workspace, {}, {"associate", "loops", "optimize", "mesh"}, progress);
+  const Result<OptimizedMap> map = stages::ReadOptimized(context);
+  if (!map.ok()) return map.error();
+  const Result<Association> association = stages::ReadAssociation(context, "loops");
+  if (!association.ok()) return association.error();
+  const Result<std::vector<Segment>> segments = stages::ReadSegments(context, "associate");
+  if (!segments.ok()) return segments.error();
+  std::vector<TriangleMesh> meshes;
+  for (const MapObject& object : map->map.objects) {
+    Result<TriangleMesh> mesh =
+        stages::ReadMesh(context, "mesh", fmt::format("objects/{}.ply", ObjectName(object)));
+    if (!mesh.ok()) return mesh.error();
+    meshes.push_back(std::move(mesh).value());
+  }
+  if (Status status = stages::CheckOfThisCapture(map->frames.size(), *segments, frames);
+      !status.ok())
+    return status.error();
+  return eval::CompareSilhouettes({*map, meshes, *association, *segments}, frames, progress);
+}
+
+}  // namespace
 
 int EvalSilhouettes(const std::string& workspace,
                     const std::string& capture,
@@ -23,9 +56,7 @@ int EvalSilhouettes(const std::string& workspace,
     return ReportError(status.error());
   const Result<dataset::Capture> opened = dataset::OpenCapture(capture);
   if (!opened.ok()) return ReportError(opened.error());
-  SilentProgress progress;
-  const Result<stages::SilhouetteReport> report =
-      stages::EvaluateSilhouettes(workspace, *opened->frames, progress);
+  const Result<eval::SilhouetteReport> report = CompareSilhouettes(workspace, *opened->frames);
   if (!report.ok())
     return ReportError(
         Error{report.error().code, fmt::format("{}: {}", workspace, report.error().message)});
@@ -39,7 +70,7 @@ int EvalSilhouettes(const std::string& workspace,
              "views",
              "where measured",
              "all pixels");
-  for (const stages::ObjectSilhouette& object : report->objects) {
+  for (const eval::ObjectSilhouette& object : report->objects) {
     print(object.name, object.ious.size(), object.median_iou, object.median_iou_all_px);
     artifact::JsonObject row;
     row.emplace("name", object.name);

@@ -11,9 +11,9 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/kept_frames.h"
+#include "deepslam/modelling/prepared_models.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
-#include "deepslam/stages/prepared_models.h"
 #include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
@@ -145,7 +145,7 @@ Result<CaptureRunResult> RunCapture(const CaptureRun& run,
   opened->frames = dataset::KeepFrames(std::move(opened->frames), depth_units_per_m, kept_bytes);
   const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
   inputs.capture = capture;
-  inputs.prepared = std::make_shared<stages::PreparedModels>(kPreparedModelBytes);
+  inputs.prepared = std::make_shared<modelling::PreparedModels>(kPreparedModelBytes);
   const std::vector<pipeline::Stage> plan =
       stages::MakePlan(std::make_shared<const stages::RunInputs>(std::move(inputs)));
   pipeline::RunRequest request;

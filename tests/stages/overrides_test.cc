@@ -4,7 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/artifact/overrides_yaml.h"
-#include "deepslam/stages/judge_object.h"
+#include "deepslam/modelling/candidate_set.h"
+#include "deepslam/stages/object_sources.h"
 #include "deepslam/stages/plan.h"
 
 namespace deepslam::stages {
@@ -30,19 +31,19 @@ ClassTable Classes() {
 }
 
 TEST(SelectOrChoose, SaysWhyWhatWasChosenFitsNowhere) {
-  Contest contest = {ObjectId{1}, "chair", {}, {}, {}, {}, {}};
-  contest.candidates.resize(1);
-  contest.candidates[0].id = CandidateId{8};
-  contest.registrations.resize(1);
-  contest.scores.resize(1);
-  contest.scores[0].candidate = CandidateId{8};
-  RunInputs inputs;
-  inputs.overrides = Parsed("choose: {1: 8}");
+  modelling::CandidateSet set = {ObjectId{1}, "chair", {}, {}, {}, {}, {}};
+  set.candidates.resize(1);
+  set.candidates[0].id = CandidateId{8};
+  set.registrations.resize(1);
+  set.scores.resize(1);
+  set.scores[0].candidate = CandidateId{8};
+  const Overrides overrides = Parsed("choose: {1: 8}");
+  const modelling::ObjectOptions options = ObjectOptionsOf({}, overrides);
   std::vector<std::string> applied;
   const auto why = [&](bool ok, const std::string& note) {
-    contest.registrations[0].ok = ok;
-    contest.scores[0].note = note;
-    const Result<MapObject> chosen = SelectOrChoose(contest, {}, inputs, applied);
+    set.registrations[0].ok = ok;
+    set.scores[0].note = note;
+    const Result<MapObject> chosen = modelling::SelectOrChoose(set, {}, options, applied);
     return chosen.ok() ? "" : chosen.error().message;
   };
   EXPECT_EQ(

@@ -1,11 +1,9 @@
 #include "deepslam/scene/object_map.h"
 
-#include <fmt/format.h>
+#include "deepslam/scene/object_name.h"
 
 namespace deepslam {
 
-std::string ObjectName(const MapObject& object) {
-  return fmt::format("{}_{:02d}", object.class_name, object.id.value);
-}
+std::string ObjectName(const MapObject& object) { return ObjectName(object.class_name, object.id); }
 
 }  // namespace deepslam

@@ -18,7 +18,9 @@
 #include "deepslam/core/parallel_in_order.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/colour_mesh.h"
+#include "deepslam/scene/object_map.h"
 #include "deepslam/stages/object_mesh.h"
+#include "deepslam/stages/object_sources.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 
@@ -115,7 +117,7 @@ Status ColourAll(const StageContext& context,
                [&](const ObjectTrack& track) { return index_of.contains(track.id); });
   std::vector<std::uint8_t> is_coloured(objects.size(), 0);
   std::size_t done = 0;
-  const auto colour_batch = [&](std::span<TrackViews> batch) {
+  const auto colour_batch = [&](std::span<modelling::TrackViews> batch) {
     ParallelFor(batch.size(), [&](std::size_t i) {
       const std::size_t n = index_of.at(batch[i].track->id);
       UseOptimizedPoses(map, batch[i].views);
@@ -125,16 +127,10 @@ Status ColourAll(const StageContext& context,
     context.progress().Report(done += batch.size(), tracks.size());
     return Ok();
   };
-  const auto segments = ShelvedSegments::Read(context);
-  if (!segments.ok()) return segments.error();
-  const Status status = ForTrackViews(context,
-                                      inputs,
-                                      **segments,
-                                      trajectory,
-                                      ground,
-                                      tracks,
-                                      observe::ViewContent::kColourAndDepth,
-                                      colour_batch);
+  const auto views = OpenViews(context, *inputs.capture->frames, inputs.config.views);
+  if (!views.ok()) return views.error();
+  const Status status = views->ForBatches(
+      {tracks, trajectory, ground}, observe::ViewContent::kColourAndDepth, colour_batch);
   for (std::size_t n = 0; n < objects.size(); ++n) {
     if (is_coloured[n] == 0) Colour(objects[n], {}, inputs, meshes[n]);
   }

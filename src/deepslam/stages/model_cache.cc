@@ -1,14 +1,18 @@
 #include "deepslam/stages/model_cache.h"
 
+#include <array>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/pipeline/config.h"
+#include "deepslam/propose/shape_prior.h"
 #include "deepslam/stages/content_hashes.h"
-#include "deepslam/stages/load_priors.h"
+#include "deepslam/stages/data_folder.h"
 #include "deepslam/storage/mapped_file.h"
+#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 namespace {
@@ -39,6 +43,34 @@ Result<std::unique_ptr<detect::Detector>> LoadDetectorFile(const fs::path& onnx_
     return Error{detector.error().code,
                  fmt::format("{}: {}", onnx_file.string(), detector.error().message)};
   return detector;
+}
+
+Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
+                                        const ClassTable& classes) {
+  propose::ShapePriors priors;
+  for (const ObjectClass& object_class : classes.classes) {
+    const std::filesystem::path of_class = folder / object_class.name;
+    std::error_code code;
+    if (!std::filesystem::is_directory(of_class, code)) continue;
+    std::array<std::string, 3> networks;
+    constexpr std::array kFiles = {"sketch.onnx", "encoder.onnx", "decoder.onnx"};
+    for (std::size_t n = 0; n < kFiles.size(); ++n) {
+      Result<std::string> bytes = storage::ReadFile(of_class / kFiles.at(n));
+      if (!bytes.ok()) return bytes.error();
+      networks.at(n) = std::move(bytes).value();
+    }
+    Result<std::unique_ptr<propose::ShapePrior>> prior =
+        propose::ShapePrior::Load(object_class.name, networks[0], networks[1], networks[2]);
+    if (!prior.ok())
+      return Error{prior.error().code, of_class.string() + "/" + prior.error().message};
+    priors.emplace(object_class.name, std::move(prior).value());
+  }
+  if (priors.empty())
+    return InvalidInput(
+        folder.string() +
+        ": holds no networks of any class; expected CLASS/sketch.onnx, encoder.onnx, "
+        "decoder.onnx, as scripts/train/train.sh makes them");
+  return priors;
 }
 
 Result<std::shared_ptr<const detect::Detector>> ModelCache::Detector(
@@ -72,6 +104,28 @@ Result<std::shared_ptr<const propose::ShapePriors>> ModelCache::Priors(const fs:
   if (!loaded.ok()) return loaded.error();
   priors_ = {source, std::make_shared<const propose::ShapePriors>(std::move(loaded).value())};
   return priors_.value;
+}
+
+Result<std::shared_ptr<const propose::ShapePriors>> FindShapePriors(const ModelFolders& folders,
+                                                                    const std::string& named,
+                                                                    const ClassTable& classes) {
+  const auto folder = FindPriors(folders.data_folder, named);
+  if (!folder.ok()) return folder.error();
+  if (!*folder) return std::shared_ptr<const propose::ShapePriors>();
+  if (folders.cache) return folders.cache->Priors(**folder, classes);
+  Result<propose::ShapePriors> priors = LoadPriors(**folder, classes);
+  if (!priors.ok()) return priors.error();
+  return std::make_shared<const propose::ShapePriors>(std::move(priors).value());
+}
+
+Result<std::shared_ptr<const ModelLibrary>> FindModelLibrary(const ModelFolders& folders,
+                                                             const std::string& named) {
+  const Result<fs::path> folder = FindLibrary(folders.data_folder, named);
+  if (!folder.ok()) return folder.error();
+  if (folders.cache) return folders.cache->Library(*folder);
+  Result<ModelLibrary> library = library::LoadLibrary(*folder);
+  if (!library.ok()) return library.error();
+  return std::make_shared<const ModelLibrary>(std::move(library).value());
 }
 
 }  // namespace deepslam::stages

@@ -1,5 +1,5 @@
-// Networks and libraries that the runs of one process share: loaded once, and again only when their
-// files changed.
+// Networks and libraries out of their folders; and those that the runs of one process share: loaded
+// once, and again only when their files changed.
 #pragma once
 
 #include <filesystem>
@@ -35,6 +35,28 @@ class ModelCache {
   Held<ModelLibrary> library_;
   Held<propose::ShapePriors> priors_;
 };
+
+// The shape networks of every class of the table that has a folder CLASS/ with sketch.onnx,
+// encoder.onnx and decoder.onnx. InvalidInput naming the file when one is missing or is no such
+// network, and when there is none at all.
+[[nodiscard]] Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
+                                                      const ClassTable& classes);
+
+// Where a run's networks and libraries are found. A cache shares them between the stages of a run
+// and the runs of a process; none: they are loaded anew.
+struct ModelFolders {
+  std::filesystem::path data_folder;
+  std::shared_ptr<ModelCache> cache;
+};
+
+// Those of the folder named (FindPriors in data_folder.h); null where none is named and none is
+// there.
+[[nodiscard]] Result<std::shared_ptr<const propose::ShapePriors>> FindShapePriors(
+    const ModelFolders& folders, const std::string& named, const ClassTable& classes);
+
+// Likewise (FindLibrary).
+[[nodiscard]] Result<std::shared_ptr<const ModelLibrary>> FindModelLibrary(
+    const ModelFolders& folders, const std::string& named);
 
 // The detector of an ONNX file, loaded anew.
 [[nodiscard]] Result<std::unique_ptr<detect::Detector>> LoadDetectorFile(

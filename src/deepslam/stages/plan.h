@@ -10,6 +10,7 @@
 
 #include "deepslam/core/result.h"
 #include "deepslam/dataset/capture.h"
+#include "deepslam/modelling/prepared_models.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/object_class.h"
 #include "deepslam/scene/overrides.h"
@@ -18,8 +19,6 @@
 #include "deepslam/stages/model_cache.h"
 
 namespace deepslam::stages {
-
-class PreparedModels;
 
 // What every stage may use. Shared by the stages of one plan, which are copied about by value.
 struct RunInputs {
@@ -33,8 +32,10 @@ struct RunInputs {
   std::shared_ptr<ModelCache> models = {};
   // What HashModels(), or an earlier run of the process, has hashed already. None: nothing.
   std::shared_ptr<ContentHashes> hashes = {};
-  // What stages of this run have prepared for each other. None: each prepares for itself.
-  std::shared_ptr<PreparedModels> prepared = {};
+  // What stages of this run have prepared for each other. As it is here it keeps nothing: each
+  // prepares for itself.
+  std::shared_ptr<modelling::PreparedModels> prepared =
+      std::make_shared<modelling::PreparedModels>(0);
 };
 using SharedInputs = std::shared_ptr<const RunInputs>;
 

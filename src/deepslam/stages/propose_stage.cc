@@ -1,22 +1,17 @@
 // propose: whole shapes for every object, from every source that is switched on.
-#include <algorithm>
-#include <array>
 #include <memory>
-#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/artifact/proposals_json.h"
-#include "deepslam/core/parallel.h"
-#include "deepslam/library/furniture_library.h"
-#include "deepslam/propose/level_cloud.h"
+#include "deepslam/modelling/propose_objects.h"
 #include "deepslam/propose/proposer.h"
-#include "deepslam/stages/data_folder.h"
-#include "deepslam/stages/load_priors.h"
+#include "deepslam/stages/model_cache.h"
+#include "deepslam/stages/object_sources.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
-#include "deepslam/storage/store.h"
 
 namespace deepslam::stages {
 namespace {
@@ -25,43 +20,33 @@ using pipeline::StageContext;
 using pipeline::StageSummary;
 
 struct Sources {
-  std::vector<std::unique_ptr<propose::Proposer>> proposers;
+  modelling::CandidateSources of_candidates;
   // Shared by the retrieval source and by this stage, which notes the checksums of the models
   // offered.
   std::shared_ptr<const ModelLibrary> library;
-  bool use_depth = true;
 };
 
-Result<std::shared_ptr<const ModelLibrary>> LoadLibraryFolder(const std::filesystem::path& folder) {
-  Result<ModelLibrary> library = library::LoadLibrary(folder);
-  if (!library.ok()) return library.error();
-  return std::make_shared<const ModelLibrary>(std::move(library).value());
-}
-
-Result<Sources> MakeSources(const RunInputs& inputs, Progress& progress) {
-  const Config& config = inputs.config;
+Result<Sources> MakeSources(const Config& config,
+                            const ClassTable& classes,
+                            const ModelFolders& folders,
+                            Progress& progress) {
   const bool use_depth = config.propose_stage.use_depth;
+  const auto sight = use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour;
   Sources sources;
-  sources.use_depth = use_depth;
+  sources.of_candidates.use_depth = use_depth;
+  auto& proposers = sources.of_candidates.proposers;
   if (config.propose_stage.retrieval) {
-    const Result<std::filesystem::path> folder =
-        FindLibrary(inputs.data_folder, config.propose_stage.library);
-    if (!folder.ok()) return folder.error();
-    Result<std::shared_ptr<const ModelLibrary>> library =
-        inputs.models ? inputs.models->Library(*folder) : LoadLibraryFolder(*folder);
+    auto library = FindModelLibrary(folders, config.propose_stage.library);
     if (!library.ok()) return library.error();
     sources.library = std::move(library).value();
-    sources.proposers.push_back(propose::MakeRetrievalProposer(
-        sources.library,
-        inputs.classes,
-        config.retrieval,
-        use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour));
+    proposers.push_back(
+        propose::MakeRetrievalProposer(sources.library, classes, config.retrieval, sight));
   }
   if (config.propose_stage.fused && use_depth) {
-    sources.proposers.push_back(propose::MakeFusedProposer(inputs.classes, config.fused));
+    proposers.push_back(propose::MakeFusedProposer(classes, config.fused));
   }
   if (config.propose_stage.network) {
-    const auto priors = PriorsOf(inputs);
+    const auto priors = FindShapePriors(folders, config.propose_stage.priors, classes);
     if (!priors.ok()) return priors.error();
     if (!*priors) {
       progress.Warn(
@@ -69,71 +54,10 @@ Result<Sources> MakeSources(const RunInputs& inputs, Progress& progress) {
           "(propose.priors names a folder with networks)");
       return sources;
     }
-    sources.proposers.push_back(propose::MakeNetworkProposer(
-        **priors,
-        inputs.classes,
-        config.shape_network,
-        use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour));
+    proposers.push_back(
+        propose::MakeNetworkProposer(**priors, classes, config.shape_network, sight));
   }
   return sources;
-}
-
-// What all sources say of one object, in their order. Candidates have no numbers yet.
-Result<Proposals> ProposeOne(const Sources& sources, const TrackViews& of_track) {
-  const ObjectTrack& track = *of_track.track;
-  const std::string name = fmt::format("{}_{:02d}", track.class_name, track.id.value);
-  Proposals all;
-  if (of_track.views.empty()) {
-    all.notes.push_back(name + ": no view could be read");
-    return all;
-  }
-  propose::ObjectObservations object{track.id, track.class_name, of_track.views};
-  std::optional<propose::LevelCloud> cloud;
-  if (sources.use_depth) {
-    cloud = propose::AccumulateLevel(object.views);
-    object.cloud = &*cloud;
-  }
-  const std::size_t num_sources = sources.proposers.size();
-  std::vector<std::optional<Result<Proposals>>> answers(num_sources);
-  ParallelFor(num_sources,
-              [&](std::size_t s) { answers[s] = sources.proposers[s]->Propose(object); });
-  for (std::size_t s = 0; s < num_sources; ++s) {
-    if (!answers[s]->ok()) {
-      return Error{
-          answers[s]->error().code,
-          fmt::format("source {}: {}", sources.proposers[s]->name(), answers[s]->error().message)};
-    }
-    Proposals answer = std::move(*answers[s]).value();
-    for (std::string& note : answer.notes) note = fmt::format("{}: {}", name, note);
-    Join(std::move(answer), all);
-  }
-  return all;
-}
-
-Result<Proposals> ProposeAll(const StageContext& context,
-                             const RunInputs& inputs,
-                             const Sources& sources,
-                             const Trajectory& trajectory,
-                             const Ground& ground,
-                             const Association& association) {
-  Proposals all;
-  const auto append = [&](const TrackViews&, Proposals of_object) {
-    auto next_id = static_cast<int>(all.candidates.size());
-    for (ShapeCandidate& candidate : of_object.candidates) candidate.id = CandidateId{next_id++};
-    Join(std::move(of_object), all);
-    return Ok();
-  };
-  const Status status = ForEachTrackViews<Proposals>(
-      context,
-      inputs,
-      trajectory,
-      ground,
-      association.tracks,
-      observe::ViewContent::kColourAndDepth,
-      [&](const TrackViews& of_track) { return ProposeOne(sources, of_track); },
-      append);
-  if (!status.ok()) return status.error();
-  return all;
 }
 
 // library_models.json: checksums of the library models among the candidates, for the map.
@@ -161,10 +85,16 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  const Result<Sources> sources = MakeSources(inputs, context.progress());
+  const Result<Sources> sources = MakeSources(
+      inputs.config, inputs.classes, {inputs.data_folder, inputs.models}, context.progress());
   if (!sources.ok()) return sources.error();
+  const auto views = OpenViews(context, *inputs.capture->frames, inputs.config.views);
+  if (!views.ok()) return views.error();
   const Result<Proposals> proposals =
-      ProposeAll(context, inputs, *sources, *trajectory, *ground, *association);
+      modelling::ProposeObjects({association->tracks, *trajectory, *ground},
+                                sources->of_candidates,
+                                *views,
+                                context.progress());
   if (!proposals.ok()) return proposals.error();
 
   if (Status status = WriteEncoded(

@@ -14,7 +14,6 @@
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/report/report.h"
-#include "deepslam/stages/prepared_models.h"
 #include "deepslam/stages/read_side_by_side.h"
 #include "deepslam/stages/report_pictures.h"
 #include "deepslam/stages/room_beside.h"
@@ -219,7 +218,8 @@ void AddThumbnails(const StageContext& context,
     Result<VoxelGrid> model = ReadModel(context, stage, candidate.model);
     if (!model.ok()) model = ReadModel(context, "loops", candidate.model);  // made, not chosen
     if (!model.ok()) return;
-    rows[i].thumbnail = Thumbnail(*Prepared(inputs, candidate.model, *model), pictured.colour);
+    rows[i].thumbnail =
+        Thumbnail(*inputs.prepared->Prepare(candidate.model, *model), pictured.colour);
   });
 }
 

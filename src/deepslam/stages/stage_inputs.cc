@@ -1,9 +1,7 @@
 #include "deepslam/stages/stage_inputs.h"
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -23,7 +21,7 @@
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/observe/object_views.h"
+#include "deepslam/modelling/candidate_set.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/stages/disk_edge_store.h"
 
@@ -31,8 +29,6 @@ namespace deepslam::stages {
 namespace {
 
 using pipeline::StageContext;
-
-constexpr std::size_t kBatchBytes = std::size_t{96} << 20;  // of views, until a batch has enough
 
 template <typename Decoder>
 auto Decode(const StageContext& context,
@@ -52,34 +48,6 @@ Result<Trajectory> ReadTrajectoryOf(const StageContext& context, std::string_vie
   return artifact::DecodeTrajectory(std::move(frames).value(),
                                     std::move(tum).value(),
                                     StageContext::DisplayName(stage, "frames.json"));
-}
-
-// Segments of which some are the views of tracks.
-struct PlannedViews {
-  std::vector<Segment> segments;
-  observe::ViewPlan plan;  // of them
-};
-
-// All segments are looked at for the plan, and the masks of those in it are read then.
-Result<PlannedViews> PlanViews(const ShelvedSegments& segments,
-                               const Trajectory& trajectory,
-                               std::span<const ObjectTrack> tracks,
-                               const observe::ViewOptions& options) {
-  PlannedViews views{
-      {}, observe::PlanObjectViews(trajectory, segments.without_masks(), tracks, options)};
-  std::set<DetectionId> wanted;
-  for (const auto& [object, planned] : views.plan) {
-    for (const Segment* segment : planned) wanted.insert(segment->detection);
-  }
-  Result<std::vector<Segment>> with_masks = segments.Of(wanted);
-  if (!with_masks.ok()) return with_masks.error();
-  views.segments = std::move(with_masks).value();
-  std::map<DetectionId, const Segment*> by_detection;
-  for (const Segment& segment : views.segments) by_detection.emplace(segment.detection, &segment);
-  for (auto& [object, planned] : views.plan) {
-    for (const Segment*& segment : planned) segment = by_detection.at(segment->detection);
-  }
-  return views;
 }
 
 }  // namespace
@@ -151,19 +119,13 @@ Result<Proposals> ReadProposals(const StageContext& context) {
   return Decode(context, "propose", "candidates.json", artifact::DecodeProposals);
 }
 
-void Join(Proposals more, Proposals& all) {
-  std::move(more.candidates.begin(), more.candidates.end(), std::back_inserter(all.candidates));
-  std::move(more.notes.begin(), more.notes.end(), std::back_inserter(all.notes));
-  all.models.merge(more.models);
-}
-
 Result<Proposals> ReadCandidates(const StageContext& context, std::string_view last_stage) {
   Result<Proposals> all = ReadProposals(context);
   if (!all.ok()) return all.error();
   for (const std::string_view stage : {"select", "loops"}) {
     Result<Proposals> added = Decode(context, stage, "candidates.json", artifact::DecodeProposals);
     if (!added.ok()) return added.error();
-    Join(std::move(added).value(), *all);
+    modelling::Append(std::move(added).value(), *all);
     if (stage == last_stage) break;
   }
   return all;
@@ -274,58 +236,6 @@ Status CopyChosenModels(StageContext& context,
     const std::string file = fmt::format("models/{}.binvox", key);
     if (Status status = WriteEncoded(context, file, context.Read(stage, file)); !status.ok())
       return status;
-  }
-  return Ok();
-}
-
-Result<ObjectViews> CollectViews(const StageContext& context,
-                                 const RunInputs& inputs,
-                                 const Trajectory& trajectory,
-                                 const Ground& ground,
-                                 const Association& association) {
-  const Result<std::vector<Segment>> segments = ReadSegments(context, "associate");
-  if (!segments.ok()) return segments.error();
-  return observe::CollectObjectViews(*inputs.capture->frames,
-                                     trajectory,
-                                     ground,
-                                     *segments,
-                                     association.tracks,
-                                     inputs.config.views,
-                                     context.progress());
-}
-
-Status ForTrackViews(const StageContext& context,
-                     const RunInputs& inputs,
-                     const ShelvedSegments& segments,
-                     const Trajectory& trajectory,
-                     const Ground& ground,
-                     std::span<const ObjectTrack> tracks,
-                     observe::ViewContent content,
-                     const std::function<Status(std::span<TrackViews>)>& use) {
-  const FrameSource& frames = *inputs.capture->frames;
-  const observe::ViewOptions& options = inputs.config.views;
-  Result<PlannedViews> planned_views = PlanViews(segments, trajectory, tracks, options);
-  if (!planned_views.ok()) return planned_views.error();
-  observe::ViewPlan& plan = planned_views->plan;
-  for (std::size_t begin = 0; begin < tracks.size();) {
-    observe::ViewPlan of_batch;
-    std::size_t num_bytes = 0;
-    std::size_t end = begin;
-    for (; end < tracks.size() && num_bytes < kBatchBytes; ++end) {
-      const auto planned = plan.find(tracks[end].id);
-      if (planned == plan.end()) continue;
-      num_bytes += observe::NumBytes(planned->second, frames.camera(), options);
-      of_batch.insert(plan.extract(planned));
-    }
-    Result<ObjectViews> views = observe::CutObjectViews(
-        frames, trajectory, ground, of_batch, options, content, context.progress());
-    if (!views.ok()) return views.error();
-    std::vector<TrackViews> batch;
-    for (std::size_t t = begin; t < end; ++t)
-      batch.push_back({&tracks[t], std::move((*views)[tracks[t].id])});
-    views->clear();
-    if (Status status = use(batch); !status.ok()) return status;
-    begin = end;
   }
   return Ok();
 }

@@ -1,9 +1,8 @@
-// What several stages read and do alike: typed values out of other stages' files, views of objects.
+// What several stages read and write alike: typed values out of other stages' files.
 #pragma once
 
 #include <functional>
 #include <map>
-#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -12,10 +11,7 @@
 
 #include "deepslam/artifact/detections_json.h"
 #include "deepslam/artifact/summary_json.h"
-#include "deepslam/core/parallel.h"
-#include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
-#include "deepslam/observe/object_views.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/coarse_surface.h"
 #include "deepslam/scene/frame_source.h"
@@ -24,18 +20,14 @@
 #include "deepslam/scene/loop.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/object_track.h"
-#include "deepslam/scene/object_view.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/registration.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/scene/trajectory.h"
 #include "deepslam/scene/triangle_mesh.h"
 #include "deepslam/stages/plan.h"
-#include "deepslam/stages/shelved_segments.h"
 
 namespace deepslam::stages {
-
-using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 
 // Its edges lie in a scratch file of the stage.
 [[nodiscard]] Result<Odometry> ReadOdometry(const pipeline::StageContext& context);
@@ -64,8 +56,6 @@ using ObjectViews = std::map<ObjectId, std::vector<ObjectView>>;
 [[nodiscard]] Result<Proposals> ReadProposals(const pipeline::StageContext& context);
 [[nodiscard]] Result<Proposals> ReadCandidates(const pipeline::StageContext& context,
                                                std::string_view last_stage);
-// Behind those that are there, in their order.
-void Join(Proposals more, Proposals& all);
 // The stage before `loops` that made a model of this source.
 [[nodiscard]] std::string_view StageOfModel(CandidateSource source);
 [[nodiscard]] Result<VoxelGrid> ReadModel(const pipeline::StageContext& context,
@@ -108,62 +98,6 @@ struct EncodedFile {
 [[nodiscard]] Status CopyChosenModels(pipeline::StageContext& context,
                                       const ObjectMap& map,
                                       const std::map<std::string, VoxelGrid>& own);
-
-// Views of all tracks at once, with the frames' tracked poses: for captures known to be small.
-[[nodiscard]] Result<ObjectViews> CollectViews(const pipeline::StageContext& context,
-                                               const RunInputs& inputs,
-                                               const Trajectory& trajectory,
-                                               const Ground& ground,
-                                               const Association& association);
-
-struct TrackViews {
-  const ObjectTrack* track = nullptr;
-  std::vector<ObjectView> views;  // ascending frames; empty when none could be read
-};
-
-// The same of these segments for a few tracks at a time, in their order, so that memory does not
-// grow with the number of objects; every track comes once. Stops at the first error of `use` and
-// when the user asks to.
-[[nodiscard]] Status ForTrackViews(const pipeline::StageContext& context,
-                                   const RunInputs& inputs,
-                                   const ShelvedSegments& segments,
-                                   const Trajectory& trajectory,
-                                   const Ground& ground,
-                                   std::span<const ObjectTrack> tracks,
-                                   observe::ViewContent content,
-                                   const std::function<Status(std::span<TrackViews>)>& use);
-
-// The same of all segments, with what is made of each track: `make` of several tracks side by side,
-// `take` of one after another in their order, with progress. Stops at the first error in that
-// order.
-template <typename Value>
-[[nodiscard]] Status ForEachTrackViews(
-    const pipeline::StageContext& context,
-    const RunInputs& inputs,
-    const Trajectory& trajectory,
-    const Ground& ground,
-    std::span<const ObjectTrack> tracks,
-    observe::ViewContent content,
-    const std::function<Result<Value>(const TrackViews&)>& make,
-    const std::function<Status(const TrackViews&, Value)>& take) {
-  std::size_t done = 0;
-  const auto use_batch = [&](std::span<TrackViews> batch) -> Status {
-    std::vector<std::optional<Result<Value>>> made(batch.size());
-    ParallelFor(batch.size(), [&](std::size_t n) {
-      if (!context.progress().StopRequested()) made[n] = make(batch[n]);
-    });
-    for (std::size_t n = 0; n < batch.size(); ++n) {
-      if (context.progress().StopRequested() || !made[n]) return Interrupted();
-      if (!made[n]->ok()) return made[n]->error();
-      if (Status status = take(batch[n], *std::move(*made[n])); !status.ok()) return status;
-      context.progress().Report(++done, tracks.size());
-    }
-    return Ok();
-  };
-  const auto segments = ShelvedSegments::Read(context);
-  if (!segments.ok()) return segments.error();
-  return ForTrackViews(context, inputs, **segments, trajectory, ground, tracks, content, use_batch);
-}
 
 // That a workspace of so many frames and with these segments was made of this capture; InvalidInput
 // otherwise.

@@ -1,0 +1,54 @@
+// Views of objects cut out of the frames of a capture, batch by batch.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "deepslam/core/ids.h"
+#include "deepslam/core/progress.h"
+#include "deepslam/core/result.h"
+#include "deepslam/modelling/view_source.h"
+#include "deepslam/observe/object_views.h"
+#include "deepslam/scene/detection.h"
+#include "deepslam/scene/frame_source.h"
+
+namespace deepslam::modelling {
+
+// Segments whose masks, most of what they take, may lie elsewhere than in memory.
+class SegmentStore {
+ public:
+  virtual ~SegmentStore() = default;
+  [[nodiscard]] virtual std::span<const Segment> without_masks() const = 0;
+  // Those of these detections with their masks, in the order of without_masks().
+  [[nodiscard]] virtual Result<std::vector<Segment>> Of(
+      const std::set<DetectionId>& wanted) const = 0;
+};
+
+class FrameViews final : public ViewSource {
+ public:
+  static constexpr std::size_t kBatchBytes = std::size_t{96} << 20;
+
+  // A batch takes further tracks while its views take less than `batch_bytes`. `frames` and
+  // `progress` outlive the source; the segments are shared with whoever else looks at them.
+  FrameViews(const FrameSource& frames,
+             std::shared_ptr<const SegmentStore> segments,
+             const observe::ViewOptions& options,
+             Progress& progress,
+             std::size_t batch_bytes = kBatchBytes);
+
+  [[nodiscard]] Status ForBatches(const TrackedObjects& objects,
+                                  observe::ViewContent content,
+                                  const UseViews& use) const override;
+
+ private:
+  const FrameSource& frames_;
+  std::shared_ptr<const SegmentStore> segments_;
+  observe::ViewOptions options_;
+  Progress& progress_;
+  std::size_t batch_bytes_;
+};
+
+}  // namespace deepslam::modelling

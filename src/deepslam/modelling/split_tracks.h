@@ -1,0 +1,40 @@
+// Objects that association re-identified where what was measured stands apart: their tracks are
+// split, what each visit saw is looked for like an object of its own, and what no loop joins
+// becomes whole again.
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "deepslam/core/result.h"
+#include "deepslam/loop/visits.h"
+#include "deepslam/modelling/loop_world.h"
+#include "deepslam/scene/loop.h"
+
+namespace deepslam::modelling {
+
+// The visits of re-identified objects, where they stand apart.
+[[nodiscard]] Result<loop::PartedObjects> FindSplits(const LoopClosing& closing,
+                                                     const LoopWorld& world);
+
+// Objects as they were before their tracks were split, by id.
+struct WholeObjects {
+  Trajectory trajectory;  // at that time
+  std::vector<PartedVisit> visits;
+  std::map<ObjectId, MapObject> objects;
+  std::map<ObjectId, ObjectTrack> tracks;
+};
+
+// The visits take the places of their objects, each scored by what it saw alone.
+[[nodiscard]] Result<WholeObjects> SplitTracks(const loop::PartedObjects& splits,
+                                               const LoopClosing& closing,
+                                               LoopWorld& world);
+
+// These objects are whole again, and scored anew where the path has moved their views apart since.
+[[nodiscard]] Status RejoinTracks(const std::set<ObjectId>& rejoined,
+                                  const WholeObjects& before,
+                                  const LoopClosing& closing,
+                                  LoopWorld& world);
+
+}  // namespace deepslam::modelling
