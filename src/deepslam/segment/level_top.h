@@ -1,7 +1,6 @@
-// Tables: a level top at one height above the ground, and what carries it.
+// Tables: a level top at one height above the ground.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "deepslam/geometry/plane.h"
 #include "deepslam/segment/image_pieces.h"
 #include "deepslam/segment/region.h"
+#include "deepslam/segment/top_heights.h"
 
 namespace deepslam::segment {
 
@@ -20,17 +20,6 @@ struct LevelTop {
   std::vector<Eigen::Vector2d>
       hull_ground_m;  // convex, counter-clockwise, in GroundTangentBasis coordinates
 };
-
-// How high the pixels of a piece lie, in steps of heights at which tops are.
-struct PieceHeights {
-  static constexpr int kNumBins = 51;
-
-  int all = 0;                               // pixels
-  std::array<int, kNumBins + 1> from_bin{};  // of them in this bin or higher
-};
-
-// Of every piece.
-[[nodiscard]] std::vector<PieceHeights> HeightsOf(const ImagePieces& pieces);
 
 // Finds the layer with the largest outline inside the region that hides what is under it, and gives
 // its pixels that have no owner to `owner`. Nothing when there is none between the heights of seats
@@ -44,20 +33,5 @@ struct PieceHeights {
                                                     int owner,
                                                     const SegmentOptions& options,
                                                     Owners& owners);
-
-struct OwnedTop {
-  int owner = 0;
-  LevelTop top;
-};
-
-// Gives unowned pixels of what carries each top to its owner, also outside its box: pieces under
-// the top, inside its outline on the ground, that are seen to reach up to it and not above it, and
-// are not level themselves (a seat pushed under the table is), and the slim parts of legs that hang
-// together with these. Chairs before a table do not get its legs that way.
-void ClaimCarriers(const ImagePieces& pieces,
-                   const Plane& ground_camera,
-                   std::span<const OwnedTop> tops,
-                   const SegmentOptions& options,
-                   Owners& owners);
 
 }  // namespace deepslam::segment

@@ -13,6 +13,7 @@
 #include "deepslam/segment/level_top.h"
 #include "deepslam/segment/region.h"
 #include "deepslam/segment/surface_behind.h"
+#include "deepslam/segment/top_carriers.h"
 
 namespace deepslam::segment {
 namespace {
