@@ -7,8 +7,10 @@
 #include "console.h"
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/library/furniture_library.h"
+#include "deepslam/presentation/expand_map.h"
 #include "deepslam/stages/data_folder.h"
-#include "deepslam/stages/expand.h"
+#include "deepslam/stages/mesh_options.h"
+#include "deepslam/stages/plan.h"
 #include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
@@ -27,13 +29,14 @@ Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
   if (!text.ok()) return text.error();
   map_bytes = text->size();
   if (text->starts_with("glTF")) {
-    return InvalidInput(fmt::format(
-        "{}: is a glTF scene already; expand makes one from the map.json beside it", arguments.map));
+    return InvalidInput(
+        fmt::format("{}: is a glTF scene already; expand makes one from the map.json beside it",
+                    arguments.map));
   }
   const Result<CompactMap> map = artifact::DecodeMap(*text, arguments.map);
   if (!map.ok()) return map.error();
   ModelLibrary library;
-  if (stages::NeedsLibrary(*map)) {
+  if (presentation::NeedsLibrary(*map)) {
     const Result<std::filesystem::path> folder =
         stages::FindLibrary(stages::FindDataFolder(arguments.data), arguments.library);
     if (!folder.ok()) return folder.error();
@@ -41,10 +44,14 @@ Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
     if (!loaded.ok()) return loaded.error();
     library = std::move(loaded).value();
   }
-  const Result<gltf::GltfScene> scene = stages::ExpandMap(*map, &library);
-  if (!scene.ok()) {
-    return Error{scene.error().code, fmt::format("{}: {}", arguments.map, scene.error().message)};
-  }
+  const auto in_map = [&](const Error& error) {
+    return Error{error.code, fmt::format("{}: {}", arguments.map, error.message)};
+  };
+  const Result<mesh::ObjectMeshOptions> options = stages::MeshOptionsOf(*map);
+  if (!options.ok()) return in_map(options.error());
+  const Result<gltf::GltfScene> scene =
+      presentation::ExpandMap(*map, &library, *options, stages::kToolVersion);
+  if (!scene.ok()) return in_map(scene.error());
   return gltf::WriteGlb(*scene, {.draco = !arguments.uncompressed});
 }
 

@@ -12,7 +12,7 @@
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/gltf/validate.h"
-#include "deepslam/stages/scene_check.h"
+#include "deepslam/presentation/scene_check.h"
 #include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_silhouettes.h"
@@ -92,7 +92,7 @@ int Validate(const ValidateArguments& arguments) {
   const Result<std::optional<CompactMap>> map = ReadMapOf(arguments);
   if (!map.ok()) return ReportError(map.error());
   gltf::ValidationReport report = gltf::ValidateGlb(*bytes);
-  if (report.ok() && *map) report.errors = stages::CompareWithMap(report, **map);
+  if (report.ok() && *map) report.errors = presentation::CompareWithMap(report, **map);
   for (const std::string& warning : report.warnings)
     LogWarning(fmt::format("{}: {}", arguments.file, warning));
   for (const std::string& error : report.errors)

@@ -10,8 +10,8 @@
 #include "deepslam/core/random.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/colour_mesh.h"
+#include "deepslam/mesh/object_mesh.h"
 #include "deepslam/shape/voxel_code.h"
-#include "deepslam/stages/object_mesh.h"
 #include "support/voxel_shapes.h"
 
 namespace deepslam {
@@ -88,7 +88,7 @@ std::vector<TriangleMesh> MakeMeshes() {
   const std::vector<ObjectView> views = Views();
   std::vector<TriangleMesh> meshes(kNumObjects);
   ParallelFor(kNumObjects, [&](std::size_t i) {
-    const Result<TriangleMesh> mesh = stages::MakeObjectMesh(Grids()[i], 1.0, {}, {});
+    const Result<TriangleMesh> mesh = mesh::MakeObjectMesh(Grids()[i], 1.0, {});
     if (mesh.ok()) meshes[i] = mesh::ColourMesh(*mesh, views, {});
   });
   return meshes;

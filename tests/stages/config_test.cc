@@ -5,6 +5,7 @@
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/config.h"
 #include "deepslam/stages/data_folder.h"
+#include "deepslam/stages/mesh_options.h"
 #include "deepslam/stages/plan.h"
 #include "support/temp_dir.h"
 
@@ -150,6 +151,26 @@ TEST(Plan, InputsStandBeforeTheirUsers) {
     for (const std::string& input : stage.inputs)
       EXPECT_TRUE(seen.contains(input)) << stage.name << " reads " << input;
     seen.insert(stage.name);
+  }
+}
+
+TEST(MeshOptions, OfTheMapAreThoseItsShapesWereMadeBy) {
+  EXPECT_TRUE(NotedMeshOptions(Config()).empty());
+  Config config;
+  config.surface.iterations = 7;
+  config.colour.segment_only = !config.colour.segment_only;  // no matter of shape
+  CompactMap map;
+  map.mesh_options = NotedMeshOptions(config);
+  EXPECT_EQ(map.mesh_options.size(), 1U);
+  const Result<mesh::ObjectMeshOptions> options = MeshOptionsOf(map);
+  ASSERT_TRUE(options.ok()) << options.error().message;
+  EXPECT_EQ(options->surface.iterations, 7);
+  for (const char* wrong : {"mesh.surface.nonsense", "track.poses"}) {
+    map.mesh_options = {{wrong, "1"}};
+    const Result<mesh::ObjectMeshOptions> refused = MeshOptionsOf(map);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidInput);
+    EXPECT_THAT(refused.error().message, HasSubstr(wrong));
   }
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "deepslam/core/check.h"
-#include "deepslam/eval/silhouette.h"
+#include "deepslam/shape/rasterise_depth.h"
 
 namespace deepslam::eval {
 
@@ -24,7 +24,7 @@ HeldOutAgreement JudgeHeldOut(const TriangleMesh& mesh,
                               const DepthImage& depth_m) {
   DEEPSLAM_CHECK(depth_m.width() == camera.width && depth_m.height() == camera.height,
                  "depth and camera differ in size");
-  const DepthImage model_m = RasteriseDepth(mesh, camera_from_mesh, camera);
+  const DepthImage model_m = shape::RasteriseDepth(mesh, camera_from_mesh, camera);
   HeldOutAgreement agreement;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {

@@ -15,13 +15,6 @@ inline constexpr std::string_view kSilhouetteProtocol =
     "silhouettes: IoU of the projected object with its segment, per view, median; pixels that "
     "something nearer hides say nothing, nor do those without depth but in all_px";
 
-// Depth of a mesh's nearest surface at pixel centres, by z-buffer; 0 where it is not. Both sides of
-// faces are seen; faces that reach behind the camera are cut at its near plane (1 cm). Faces with
-// corners that are not finite, or that are not there, are left out.
-DepthImage RasteriseDepth(const TriangleMesh& mesh,
-                          const Pose3& camera_from_mesh,
-                          const PinholeCamera& camera);
-
 struct SilhouetteOptions {
   // A measured depth this much nearer than the model hides it there, so the pixel says nothing;
   // metres plus share of depth.

@@ -1,6 +1,8 @@
 #include "deepslam/scene/object_class.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 namespace deepslam {
 
@@ -29,6 +31,15 @@ const ObjectClass* ClassTable::Fallback() const {
 ClassTraits ClassTable::TraitsOf(std::string_view name) const {
   const ObjectClass* const known = Find(name);
   return known == nullptr ? ClassTraits() : known->traits;
+}
+
+Rgb8 ClassColour(const ClassTable& classes, std::string_view class_name) {
+  const ObjectClass* known = classes.Find(class_name);
+  if (known == nullptr) return {160, 160, 160};
+  const auto channel = [&](std::size_t n) {
+    return static_cast<std::uint8_t>(std::clamp(known->colour_rgb[n], 0, 255));
+  };
+  return {channel(0), channel(1), channel(2)};
 }
 
 }  // namespace deepslam

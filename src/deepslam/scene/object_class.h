@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "deepslam/core/image.h"
+
 namespace deepslam {
 
 // The defaults are what holds for a class that nothing is said of.
@@ -56,5 +58,8 @@ struct ClassTable {
   // The defaults for a name that is not in the table.
   [[nodiscard]] ClassTraits TraitsOf(std::string_view name) const;
 };
+
+// The class's colour in pictures and scenes, sRGB; grey for classes that the table does not know.
+[[nodiscard]] Rgb8 ClassColour(const ClassTable& classes, std::string_view class_name);
 
 }  // namespace deepslam

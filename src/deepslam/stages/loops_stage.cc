@@ -12,11 +12,11 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
+#include "deepslam/core/side_by_side.h"
 #include "deepslam/mapping/close_by_appearance.h"
 #include "deepslam/modelling/close_loops.h"
 #include "deepslam/stages/object_sources.h"
 #include "deepslam/stages/plan.h"
-#include "deepslam/stages/read_side_by_side.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -35,7 +35,7 @@ Result<MapWithLoops> ReadMap(const StageContext& context) {
       [&] { return Take(ReadAssociation(context, "associate"), map.association); },
       [&] { return Take(ReadCandidates(context, "select"), map.proposals); },
       [&] { return Take(ReadObjects(context, "select"), map.map); }};
-  if (Status status = ReadSideBySide(readers); !status.ok()) return status.error();
+  if (Status status = RunSideBySide(readers); !status.ok()) return status.error();
   map.tracked = static_cast<const Trajectory&>(map.odometry);
   return map;
 }

@@ -11,13 +11,13 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/proposals_json.h"
 #include "deepslam/artifact/registrations_json.h"
+#include "deepslam/core/side_by_side.h"
 #include "deepslam/modelling/select_objects.h"
 #include "deepslam/overrides/choices.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/stages/model_cache.h"
 #include "deepslam/stages/object_sources.h"
 #include "deepslam/stages/plan.h"
-#include "deepslam/stages/read_side_by_side.h"
 #include "deepslam/stages/stage_inputs.h"
 
 namespace deepslam::stages {
@@ -43,7 +43,7 @@ Result<Sources> ReadSources(const StageContext& context) {
       [&] { return Take(ReadProposals(context), sources.proposals); },
       [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
       [&] { return Take(ReadGround(context, "ground"), sources.ground); }};
-  if (Status status = ReadSideBySide(readers); !status.ok()) return status.error();
+  if (Status status = RunSideBySide(readers); !status.ok()) return status.error();
   return sources;
 }
 

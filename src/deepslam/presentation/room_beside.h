@@ -7,7 +7,7 @@
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/triangle_mesh.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 
 inline constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
 inline constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
@@ -20,4 +20,4 @@ inline constexpr double kObjectRimM = 0.05;  // depth this near to an object's m
                                       std::span<const TriangleMesh> meshes,
                                       const std::optional<TriangleMesh>& ground);
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

@@ -1,5 +1,5 @@
 // Scenes held against maps, and what Draco does to their surfaces.
-#include "deepslam/stages/scene_check.h"
+#include "deepslam/presentation/scene_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,14 @@
 #include "deepslam/core/random.h"
 #include "deepslam/gltf/draco_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
+#include "deepslam/mesh/object_mesh.h"
 #include "deepslam/mesh/surface_distance.h"
+#include "deepslam/presentation/expand_map.h"
+#include "deepslam/presentation/map_rounding.h"
 #include "deepslam/shape/voxel_code.h"
-#include "deepslam/stages/expand.h"
-#include "deepslam/stages/object_mesh.h"
 #include "support/voxel_shapes.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 namespace {
 
 using testing::ElementsAre;
@@ -27,7 +28,7 @@ using testing::HasSubstr;
 
 const TriangleMesh& ChairMesh() {
   static const TriangleMesh kMesh =
-      *MakeObjectMesh(testing_support::ChairWithThinLegs(), 1.0, {}, {});
+      *mesh::MakeObjectMesh(testing_support::ChairWithThinLegs(), 1.0, {});
   return kMesh;
 }
 
@@ -57,7 +58,7 @@ CompactMap MapOfTwo() {
 }
 
 gltf::ValidationReport ReportOf(const CompactMap& map) {
-  return gltf::ValidateGlb(*gltf::WriteGlb(*ExpandMap(map, nullptr), {}));
+  return gltf::ValidateGlb(*gltf::WriteGlb(*ExpandMap(map, nullptr, {}, "0.1.0"), {}));
 }
 
 TEST(CompareWithMap, FindsNothingBetweenAMapAndItsScene) {
@@ -123,18 +124,20 @@ std::vector<Eigen::Vector3f> Sampled(const TriangleMesh& mesh, double spacing) {
 
 bool AllNear(const TriangleMesh& from, const TriangleMesh& to, double distance) {
   const std::vector<std::uint8_t> near = mesh::AreNear(Sampled(from, 0.004), to, distance);
-  return near.size() > 5000 && std::count(near.begin(), near.end(), 1) ==
-                                   static_cast<std::ptrdiff_t>(near.size());
+  return near.size() > 5000 &&
+         std::count(near.begin(), near.end(), 1) == static_cast<std::ptrdiff_t>(near.size());
 }
 
-// The bound that docs/artifacts.md states for scene.glb, both ways, at points all over the surfaces.
+// The bound that docs/artifacts.md states for scene.glb, both ways, at points all over the
+// surfaces.
 TEST(Draco, DecodedSurfacesStayWithinTheStatedDistance) {
   const VoxelGrid sofa = testing_support::FillGrid([](double x, double y, double z) {
     const double bump = 1.2 * std::sin(0.5 * x) * std::cos(0.6 * y) * std::sin(0.5 * z);
     return std::abs(x) < 16 + bump && std::abs(y) < 30 + bump && std::abs(z) < 16 + bump;
   });
-  for (const VoxelGrid& grid : {testing_support::ChairWithThinLegs(), testing_support::RoundTable(), sofa}) {
-    const TriangleMesh source = *MakeObjectMesh(grid, 1.0, {}, {});
+  for (const VoxelGrid& grid :
+       {testing_support::ChairWithThinLegs(), testing_support::RoundTable(), sofa}) {
+    const TriangleMesh source = *mesh::MakeObjectMesh(grid, 1.0, {});
     for (const int bits : {10, 14}) {
       const TriangleMesh decoded = *gltf::DracoDecode(*gltf::DracoEncode(source, bits));
       const double bound = std::sqrt(3.0) * gltf::QuantisationError(source, bits);
@@ -147,4 +150,4 @@ TEST(Draco, DecodedSurfacesStayWithinTheStatedDistance) {
 }
 
 }  // namespace
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

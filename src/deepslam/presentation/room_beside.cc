@@ -1,4 +1,4 @@
-#include "deepslam/stages/room_beside.h"
+#include "deepslam/presentation/room_beside.h"
 
 #include <cstddef>
 #include <vector>
@@ -6,7 +6,7 @@
 #include "deepslam/fuse/canonical_mesh.h"
 #include "deepslam/mesh/floor_surface.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 namespace {
 
 // Smaller pieces of the room that hang in the air once floor and objects are gone are crumbs.
@@ -28,4 +28,4 @@ TriangleMesh RoomBeside(const TriangleMesh& room_world,
   return fuse::CanonicalMesh(fuse::WithoutSmallComponents(room, kMinPieceFaces));
 }
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

@@ -1,5 +1,5 @@
 // The scene made again from map.json alone, against the scene it was written beside.
-#include "deepslam/stages/expand.h"
+#include "deepslam/presentation/expand_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +10,15 @@
 #include "deepslam/core/sha256.h"
 #include "deepslam/gltf/validate.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/presentation/habitat_pair.h"
+#include "deepslam/presentation/labelled_surface.h"
+#include "deepslam/presentation/map_rounding.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxel_code.h"
-#include "deepslam/stages/object_mesh.h"
-#include "deepslam/stages/scene_files.h"
 #include "support/voxel_shapes.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 namespace {
 
 using testing::HasSubstr;
@@ -38,7 +39,7 @@ const Eigen::Vector3d kStretch(1.1, 0.95, 0.01 * 23 * 5);
 VoxelGrid StretchedTable() { return shape::StretchGrid(OneTable().models[0].shape, kStretch); }
 
 TriangleMesh TableMesh(double scale_m) {
-  static const TriangleMesh kUnit = *MakeObjectMesh(StretchedTable(), 1.0, {}, {});
+  static const TriangleMesh kUnit = *mesh::MakeObjectMesh(StretchedTable(), 1.0, {});
   TriangleMesh mesh = kUnit;
   for (Eigen::Vector3f& p : mesh.vertices) p *= static_cast<float>(scale_m);
   return mesh;
@@ -58,11 +59,11 @@ CompactMap MakeMap() {
   map.ground_outline_m = {{-1, -1}, {2.00004, -1}, {2, 1}, {0, 0.5}};
   map.class_colours = {{"table", {10, 20, 30}}};
   const CompactShape cad = {{},
-                                  "maker/table",
-                                  OneTable().models[0].checksum,
-                                  kStretch,
-                                  Sha256Hex(shape::WriteBinvox(StretchedTable())),
-                                  ""};
+                            "maker/table",
+                            OneTable().models[0].checksum,
+                            kStretch,
+                            Sha256Hex(shape::WriteBinvox(StretchedTable())),
+                            ""};
   for (int n = 0; n < 2; ++n) {
     CompactObject entry;
     entry.id = ObjectId{3 + n};
@@ -95,7 +96,7 @@ Result<gltf::GltfScene> Expanded(const CompactMap& map, const ModelLibrary& libr
   const Result<CompactMap> read =
       artifact::DecodeMap(*artifact::EncodeMap(Rounded(map), "map.json"), "map.json");
   if (!read.ok()) return read.error();
-  return ExpandMap(*read, &library);
+  return ExpandMap(*read, &library, {}, "0.2.0");
 }
 
 TEST(ExpandMap, GivesObjectsBackWithinTheStatedQuantisation) {
@@ -158,7 +159,7 @@ TEST(ExpandMap, SceneIsValidAndLikeObjectsShareAMesh) {
 
 TEST(ExpandMap, SaysWhatIsMissing) {
   const auto fault = [](const CompactMap& map, const ModelLibrary* library) {
-    const Result<gltf::GltfScene> scene = ExpandMap(map, library);
+    const Result<gltf::GltfScene> scene = ExpandMap(map, library, {}, "0.2.0");
     EXPECT_FALSE(scene.ok());
     if (scene.ok()) return std::string();
     EXPECT_EQ(scene.error().code, ErrorCode::kInvalidInput);
@@ -184,17 +185,43 @@ TEST(ExpandMap, SaysWhatIsMissing) {
   CompactMap crossing = SomeMap();
   crossing.ground_outline_m = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
   EXPECT_THAT(fault(crossing, &library), HasSubstr("ground outline"));
-  CompactMap option = SomeMap();
-  option.mesh_options = {{"mesh.surface.nonsense", "1"}};
-  EXPECT_THAT(fault(option, &library), HasSubstr("nonsense"));
 }
 
-TEST(SceneFiles, LabelledPlyAndHabitatPairCarryEveryObject) {
+TEST(ExpandMap, NamesTheVersionsOfBothPrograms) {
   const Result<gltf::GltfScene> scene = Expanded(SomeMap(), OneTable());
   ASSERT_TRUE(scene.ok());
-  const Result<std::string> ply = EncodeLabelledPly(*scene);
-  ASSERT_TRUE(ply.ok());
-  EXPECT_THAT(ply->substr(0, 400), HasSubstr("property int label"));
+  EXPECT_EQ(scene->generator, "deepslam 0.2.0");
+  EXPECT_EQ(scene->provenance.at("deepslam_version"), "0.1.0");
+  EXPECT_EQ(scene->provenance.at("capture_sha256"), "ab12");
+}
+
+TEST(JoinSurfaces, LabelsEveryVertexWithItsObject) {
+  const Result<gltf::GltfScene> scene = Expanded(SomeMap(), OneTable());
+  ASSERT_TRUE(scene.ok());
+  const LabelledSurface joined = JoinSurfaces(*scene);
+  ASSERT_EQ(joined.labels.size(), joined.mesh.vertices.size());
+  ASSERT_EQ(joined.mesh.colours.size(), joined.mesh.vertices.size());
+  std::size_t at = 0;
+  for (const gltf::GltfObject& object : scene->objects) {
+    for (const Eigen::Vector3f& p : object.mesh.vertices) {
+      ASSERT_EQ(joined.labels[at], object.instance);
+      ASSERT_EQ(joined.mesh.colours[at], object.class_colour);
+      const Eigen::Vector3d p_world = object.world_from_object * p.cast<double>();
+      ASSERT_LT((joined.mesh.vertices[at].cast<double>() - p_world).norm(), 1e-6);
+      ++at;
+    }
+  }
+  EXPECT_EQ(std::count(joined.labels.begin(), joined.labels.end(), kGroundLabel),
+            static_cast<std::ptrdiff_t>(scene->ground->vertices.size()));
+  for (const auto& face : joined.mesh.faces) {
+    EXPECT_EQ(joined.labels[face[0]], joined.labels[face[1]]);
+    EXPECT_EQ(joined.labels[face[0]], joined.labels[face[2]]);
+  }
+}
+
+TEST(EncodeHabitatPair, CarriesEveryObject) {
+  const Result<gltf::GltfScene> scene = Expanded(SomeMap(), OneTable());
+  ASSERT_TRUE(scene.ok());
   const Result<HabitatPair> pair = EncodeHabitatPair(*scene);
   ASSERT_TRUE(pair.ok());
   EXPECT_TRUE(pair->txt.starts_with("HM3D Semantic Annotations\n1,800000,\"table\",0\n"));
@@ -203,4 +230,4 @@ TEST(SceneFiles, LabelledPlyAndHabitatPairCarryEveryObject) {
 }
 
 }  // namespace
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

@@ -1,35 +1,15 @@
-#include "deepslam/stages/scene_files.h"
+#include "deepslam/presentation/habitat_pair.h"
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/ply.h"
-
-namespace deepslam::stages {
+namespace deepslam::presentation {
 namespace {
-
-constexpr Rgb8 kPlain{176, 170, 160};  // of surfaces without colours of their own
-
-void Append(const TriangleMesh& mesh,
-            const Pose3& world_from_mesh,
-            Rgb8 plain,
-            int label,
-            artifact::PlyMesh& ply) {
-  const auto first = static_cast<std::uint32_t>(ply.mesh.vertices.size());
-  for (const Eigen::Vector3f& p : mesh.vertices) {
-    ply.mesh.vertices.emplace_back((world_from_mesh * p.cast<double>()).cast<float>());
-  }
-  for (const auto& face : mesh.faces) {
-    ply.mesh.faces.push_back({face[0] + first, face[1] + first, face[2] + first});
-  }
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    ply.mesh.colours.push_back(mesh.colours.empty() ? plain : mesh.colours[v]);
-  }
-  ply.labels.resize(ply.mesh.vertices.size(), label);
-}
 
 // Colours that differ in their upper bits, so that neighbours in the list look different as well:
 // the bits of the number go to red, green and blue in turn, the lowest bit to the highest place.
@@ -51,16 +31,6 @@ std::string QuotedCategory(const std::string& name) {
 }
 
 }  // namespace
-
-Result<std::string> EncodeLabelledPly(const gltf::GltfScene& scene) {
-  artifact::PlyMesh ply;
-  for (const gltf::GltfObject& object : scene.objects) {
-    Append(object.mesh, object.world_from_object, object.class_colour, object.instance, ply);
-  }
-  if (scene.ground) Append(*scene.ground, {}, kPlain, kGroundLabel, ply);
-  if (scene.room) Append(*scene.room, {}, kPlain, kRoomLabel, ply);
-  return artifact::EncodePly(ply, "scene.ply");
-}
 
 Result<HabitatPair> EncodeHabitatPair(const gltf::GltfScene& scene) {
   gltf::GltfScene semantic;
@@ -94,4 +64,4 @@ Result<HabitatPair> EncodeHabitatPair(const gltf::GltfScene& scene) {
   return pair;
 }
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

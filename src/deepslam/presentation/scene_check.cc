@@ -1,14 +1,13 @@
-#include "deepslam/stages/scene_check.h"
+#include "deepslam/presentation/scene_check.h"
 
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/scene_json.h"
-#include "deepslam/stages/expand.h"
+#include "deepslam/presentation/map_rounding.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 namespace {
 
 // What the scene's own numbers and its Draco grid may add to the rounding of the map's.
@@ -84,4 +83,4 @@ std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
   return differences;
 }
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

@@ -1,34 +1,24 @@
-#include "deepslam/stages/expand.h"
+#include "deepslam/presentation/expand_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/scene_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/mesh/ground_polygon.h"
-#include "deepslam/pipeline/config.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxel_code.h"
-#include "deepslam/stages/config.h"
-#include "deepslam/stages/object_mesh.h"
-#include "deepslam/stages/plan.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 namespace {
-
-double RoundedTo(double value, double step) {
-  // The inverse is a whole number, so that the result has as few digits as its shortest text.
-  const double inverse = std::round(1.0 / step);
-  return std::round(value * inverse) / inverse;
-}
 
 Result<VoxelGrid> LibraryShape(const CompactShape& shape, const ModelLibrary& library) {
   const auto found =
@@ -86,7 +76,7 @@ using UnitMeshes = std::map<ShapeKey, std::optional<Result<TriangleMesh>>>;
 // In object units.
 UnitMeshes MakeUnitMeshes(const CompactMap& map,
                           const ModelLibrary* library,
-                          const Config& config) {
+                          const mesh::ObjectMeshOptions& options) {
   UnitMeshes meshes;
   std::map<ShapeKey, const CompactShape*> shapes;
   for (const CompactObject& entry : map.objects) {
@@ -97,8 +87,8 @@ UnitMeshes MakeUnitMeshes(const CompactMap& map,
   for (const auto& [key, shape] : shapes) work.emplace_back(shape, &meshes[key]);
   ParallelFor(work.size(), [&](std::size_t i) {
     const Result<VoxelGrid> grid = ShapeOf(*work[i].first, library);
-    *work[i].second = grid.ok() ? MakeObjectMesh(*grid, 1.0, config.surface, config.refine)
-                                : Result<TriangleMesh>(grid.error());
+    *work[i].second =
+        grid.ok() ? mesh::MakeObjectMesh(*grid, 1.0, options) : Result<TriangleMesh>(grid.error());
   });
   return meshes;
 }
@@ -146,53 +136,7 @@ gltf::GltfObject ToGltf(const CompactObject& entry, TriangleMesh mesh, const Com
   return object;
 }
 
-Result<Config> MeshConfig(const CompactMap& map) {
-  Config config;
-  for (const auto& [option, value] : map.mesh_options) {
-    if (!option.starts_with("mesh.")) {
-      return InvalidInput(fmt::format("map.json: mesh_options.{} is no option of mesh", option));
-    }
-  }
-  const Status status =
-      pipeline::ApplyValues(Sections(config), map.mesh_options, "map.json: mesh_options");
-  if (!status.ok()) return InvalidInput(status.error().message);
-  return config;
-}
-
 }  // namespace
-
-TriangleMesh RoundedGround(const TriangleMesh& ground_polygon) {
-  const std::vector<Eigen::Vector2d> outline = mesh::OutlineOf(ground_polygon);
-  for (const double step_m : {kMapOutlineStepM, kMapPlaceStepM}) {
-    std::vector<Eigen::Vector2d> rounded;
-    for (const Eigen::Vector2d& p : outline) {
-      const Eigen::Vector2d q = {RoundedTo(p.x(), step_m), RoundedTo(p.y(), step_m)};
-      if (rounded.empty() || q != rounded.back()) rounded.push_back(q);
-    }
-    if (rounded.size() > 1 && rounded.front() == rounded.back()) rounded.pop_back();
-    Result<TriangleMesh> mesh = mesh::TriangulateOutline(rounded);
-    if (mesh.ok()) return std::move(mesh).value();
-  }
-  return ground_polygon;
-}
-
-CompactMap Rounded(CompactMap map) {
-  for (Eigen::Vector2d& p : map.ground_outline_m) {
-    p = p.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
-  }
-  for (CompactObject& entry : map.objects) {
-    Pose3& pose = entry.world_from_object;
-    pose.rotation.coeffs() = pose.rotation.normalized().coeffs().unaryExpr(
-        [](double value) { return RoundedTo(value, kMapRotationStep); });
-    pose.translation_m =
-        pose.translation_m.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
-    entry.scale_m = RoundedTo(entry.scale_m, kMapScaleStepM);
-    entry.size_m =
-        entry.size_m.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
-    entry.confidence = RoundedTo(entry.confidence, kMapScoreStep);
-  }
-  return map;
-}
 
 bool NeedsLibrary(const CompactMap& map) {
   return std::any_of(map.objects.begin(), map.objects.end(), [](const CompactObject& entry) {
@@ -200,10 +144,11 @@ bool NeedsLibrary(const CompactMap& map) {
   });
 }
 
-Result<gltf::GltfScene> ExpandMap(const CompactMap& map, const ModelLibrary* library) {
-  const Result<Config> config = MeshConfig(map);
-  if (!config.ok()) return config.error();
-  const UnitMeshes unit_meshes = MakeUnitMeshes(map, library, *config);
+Result<gltf::GltfScene> ExpandMap(const CompactMap& map,
+                                  const ModelLibrary* library,
+                                  const mesh::ObjectMeshOptions& options,
+                                  std::string_view tool_version) {
+  const UnitMeshes unit_meshes = MakeUnitMeshes(map, library, options);
   gltf::GltfScene scene;
   for (const CompactObject& entry : map.objects) {
     Result<TriangleMesh> mesh = ExpandShape(entry, unit_meshes);
@@ -218,11 +163,11 @@ Result<gltf::GltfScene> ExpandMap(const CompactMap& map, const ModelLibrary* lib
     if (!ground.ok()) return ground.error();
     scene.ground = std::move(ground).value();
   }
-  scene.generator = fmt::format("deepslam {}", kToolVersion);
+  scene.generator = fmt::format("deepslam {}", tool_version);
   scene.provenance = {{"capture_sha256", map.capture_hash},
                       {"deepslam_version", map.tool_version},
                       {"expanded_from", "map.json"}};
   return scene;
 }
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

@@ -1,15 +1,12 @@
-// The scene again from the compact map alone.
+// What the compact map's numbers are rounded to when it is written; a scene that is made of it
+// gives poses back to half of it.
 #pragma once
 
-#include "deepslam/core/result.h"
-#include "deepslam/gltf/scene_writer.h"
 #include "deepslam/scene/compact_map.h"
-#include "deepslam/scene/model_library.h"
+#include "deepslam/scene/triangle_mesh.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 
-// What the map's numbers are rounded to when it is written; `expand` gives poses back to half of
-// it.
 inline constexpr double kMapPlaceStepM = 1e-4;    // translations
 inline constexpr double kMapOutlineStepM = 1e-2;  // corners of the ground's outline
 inline constexpr double kMapRotationStep = 1e-7;  // components of unit quaternions
@@ -24,13 +21,4 @@ inline constexpr double kMapScoreStep = 1e-4;     // confidence
 // Rotations stay unit quaternions within what readers accept.
 [[nodiscard]] CompactMap Rounded(CompactMap map);
 
-// Whether any object of the map needs the library.
-[[nodiscard]] bool NeedsLibrary(const CompactMap& map);
-
-// Objects with ids, names, classes, poses, shapes and class colours, and the ground. `library` may
-// be null when no object needs it. Errors (kInvalidInput), each naming the object: its model is not
-// in the library or is another there; its shape is a network's and no decoder is installed; its
-// voxels are damaged; a mesh option is unknown.
-[[nodiscard]] Result<gltf::GltfScene> ExpandMap(const CompactMap& map, const ModelLibrary* library);
-
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

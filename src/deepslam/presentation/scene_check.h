@@ -7,7 +7,7 @@
 #include "deepslam/gltf/validate.h"
 #include "deepslam/scene/compact_map.h"
 
-namespace deepslam::stages {
+namespace deepslam::presentation {
 
 // The disagreements, each naming the object and both values; empty when scene and map agree:
 // every object of either is in the other, with the same name, class, source, confidence, pose and
@@ -15,4 +15,4 @@ namespace deepslam::stages {
 [[nodiscard]] std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
                                                       const CompactMap& map);
 
-}  // namespace deepslam::stages
+}  // namespace deepslam::presentation

@@ -1,0 +1,24 @@
+// A scene as one mesh whose vertices are labelled.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "deepslam/gltf/scene_writer.h"
+#include "deepslam/scene/triangle_mesh.h"
+
+namespace deepslam::presentation {
+
+inline constexpr int kGroundLabel = -1;
+inline constexpr int kRoomLabel = -2;
+
+struct LabelledSurface {
+  TriangleMesh mesh;                 // world, z up, m; coloured (sRGB)
+  std::vector<std::int32_t> labels;  // one per vertex
+};
+
+// Every mesh of the scene, one after the other; the label of a vertex is the object's id,
+// kGroundLabel for ground and kRoomLabel for the room.
+[[nodiscard]] LabelledSurface JoinSurfaces(const gltf::GltfScene& scene);
+
+}  // namespace deepslam::presentation
