@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,7 +11,6 @@
 #include <Eigen/LU>
 
 #include "alignment/box_world.h"
-#include "deepslam/alignment/moved_surfaces.h"
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/random.h"
 #include "support/pose_matchers.h"
@@ -113,7 +110,7 @@ TEST(AlignFrames, InformationIsPositiveDefiniteAndNotOverconfident) {
   EXPECT_GT(sum_chi2 / kDraws, 0.015);
 }
 
-// Highlights and shading that move with the camera: bumps of brightness some 40 pixels of a 640
+// Highlights and shading that move with the camera: bumps of intensity some 40 pixels of a 640
 // pixel wide image across.
 ColourImage Blotched(const ColourImage& image, std::uint64_t seed) {
   Random random(seed, "blotches", 0);
@@ -125,8 +122,8 @@ ColourImage Blotched(const ColourImage& image, std::uint64_t seed) {
     for (int v = 0; v < image.height(); ++v) {
       for (int u = 0; u < image.width(); ++u) {
         const double add = height * std::exp(-(std::pow(u - at_u, 2) + std::pow(v - at_v, 2)) / 50);
-        Rgb8& texel = blotched(u, v);
-        for (std::uint8_t* const level : {&texel.r, &texel.g, &texel.b})
+        Rgb8& pixel = blotched(u, v);
+        for (std::uint8_t* const level : {&pixel.r, &pixel.g, &pixel.b})
           *level = static_cast<std::uint8_t>(std::clamp(std::lround(*level + add), 0L, 255L));
       }
     }
@@ -138,7 +135,7 @@ double ErrorM(const FrameAlignment& alignment, const Pose3& i_from_j) {
   return (alignment.i_from_j.translation_m - i_from_j.translation_m).norm();
 }
 
-TEST(AlignFrames, BrightnessCountsAsOftenAsItsErrorsAreIndependent) {
+TEST(AlignFrames, IntensityCountsAsOftenAsItsErrorsAreIndependent) {
   AlignmentOptions trusting;
   trusting.photometric_correlation_length_px = 1;
   double balanced_m = 0;
@@ -187,7 +184,7 @@ TEST(Sharpened, ForgetsTheStart) {
   }
 }
 
-TEST(Sharpened, LeavesWhatIsNotOkOrHeld) {
+TEST(Sharpened, LeavesWhatIsNotOkOrRemapped) {
   const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
   const FramePyramid i = AsReference(BuildPyramid(pair.i, kSmallCamera, {}));
   const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
@@ -195,7 +192,7 @@ TEST(Sharpened, LeavesWhatIsNotOkOrHeld) {
   found.ok = false;
   found.i_from_j = V2t((Vector6d() << 0.01, 0, 0, 0, 0, 0).finished()) * kIFromJ;
   EXPECT_THAT(Sharpened(found, i, j, {}).i_from_j, PoseNear(found.i_from_j, 1e-12, 1e-9));
-  found.ok = found.held = true;
+  found.ok = found.remapped = true;
   EXPECT_THAT(Sharpened(found, i, j, {}).i_from_j, PoseNear(found.i_from_j, 1e-12, 1e-9));
 }
 
@@ -443,59 +440,6 @@ TEST(AlignFrames, FramesWithoutUsableImagesAreRefused) {
     EXPECT_TRUE(first.i_from_j.translation_m.allFinite());
     EXPECT_TRUE(first.information.allFinite());
   }
-}
-
-TEST(AsReference, NormalsOfAWallFaceTheCamera) {
-  const Frame frame = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
-  const FramePyramid pyramid = AsReference(BuildPyramid(frame, kSmallCamera, PyramidOptions{}));
-  ASSERT_GE(pyramid.levels.size(), 2U);
-  for (const PyramidLevel& level : pyramid.levels) {
-    const std::size_t centre = static_cast<std::size_t>(
-        level.camera.height / 2 * level.camera.width + level.camera.width / 2);
-    EXPECT_NEAR(level.surface[centre].nz, -1.0F, 1e-3F);
-    EXPECT_NEAR(level.surface[centre].offset_m, -2.0F, 1e-3F);
-  }
-}
-
-void ExpectSightOfDepthAndSurface(const FramePyramid& target) {
-  for (const PyramidLevel& level : target.levels) {
-    ASSERT_EQ(level.sight_m.size(), level.depth_m.size());
-    for (std::size_t k = 0; k < level.sight_m.size(); ++k) {
-      const bool has_normal = level.surface[k].offset_m < 0;
-      EXPECT_EQ(level.sight_m[k], has_normal ? level.depth_m[k] : -level.depth_m[k]) << k;
-    }
-  }
-}
-
-TEST(AsReference, SightIsOfDepthAndSurfaceAlsoWhereWhatMovedIsHidden) {
-  const Frame wall = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
-  Frame passed_by = wall;
-  for (int v = 0; v < kSmallCamera.height; ++v) {
-    for (int u = 0; u < kSmallCamera.width / 3; ++u) passed_by.depth_m(u, v) = 1.0F;
-  }
-  const auto earlier =
-      std::make_shared<const FramePyramid>(AsReference(BuildPyramid(wall, kSmallCamera, {})));
-  const auto frame =
-      std::make_shared<const FramePyramid>(AsReference(BuildPyramid(passed_by, kSmallCamera, {})));
-  ExpectSightOfDepthAndSurface(*frame);
-  const std::vector<PlacedPyramid> keyframes = {{earlier, Pose3{}}};
-  const auto hidden = WithoutMoved({frame, Pose3{}}, keyframes, {});
-  ASSERT_NE(hidden, frame) << "nothing was hidden";
-  ExpectSightOfDepthAndSurface(*hidden);
-}
-
-TEST(BuildPyramid, TakesDepthOutOfRangeAndColourOfAnotherSizeAsMissing) {
-  Frame frame = RenderFrame(BoxWorld::Wall(), Pose3{}, 0.0);
-  frame.depth_m(80, 60) = -1.0F;
-  frame.depth_m(81, 60) = std::numeric_limits<float>::infinity();
-  frame.depth_m(82, 60) = 1e9F;
-  frame.colour = ColourImage(7, 5);
-  const FramePyramid pyramid = BuildPyramid(frame, kSmallCamera, PyramidOptions{});
-  const PyramidLevel& level = pyramid.levels.front();
-  for (int u = 80; u <= 82; ++u)
-    EXPECT_EQ(level.depth_m[static_cast<std::size_t>(60 * 160 + u)], 0.0F);
-  EXPECT_TRUE(level.brightness.empty());
-  EXPECT_TRUE(AsReference(pyramid).levels.front().intensity.empty());
 }
 
 }  // namespace

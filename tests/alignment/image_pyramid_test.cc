@@ -6,10 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "alignment/box_world.h"
+#include "deepslam/alignment/reference_pixels.h"
 
 namespace deepslam::alignment {
 namespace {
@@ -69,7 +73,7 @@ TEST(ImagePyramid, NoiseOfASurfaceFallsByAsMuchAsItsWindowHolds) {
     const double before = Error(Smoothed(image, false), slanted, Inside);
     const double after = Error(Smoothed(image), slanted, Inside);
     EXPECT_NEAR(before, times, 0.1 * times);
-    // Twenty independent texels; range weights take part of that.
+    // Twenty independent pixels; range weights take part of that.
     EXPECT_LT(after, before / 3) << times;
     EXPECT_LT(Error(Smoothed(image), slanted, Everywhere), before / 2) << "at the image's border";
   }
@@ -148,6 +152,20 @@ TEST(ImagePyramid, RowsAndColumnsAreAlikeToWithinTheNoiseThatIsLeft) {
   }
   const auto by_one = [&](int u, int v) { return one[static_cast<std::size_t>(v * kSide + u)]; };
   EXPECT_LT(Error(back, by_one, Everywhere), Error(one, bent, Everywhere));
+}
+
+TEST(BuildPyramid, TakesDepthOutOfRangeAndColourOfAnotherSizeAsMissing) {
+  Frame frame = testing_support::RenderFrame(testing_support::BoxWorld::Wall(), Pose3{}, 0.0);
+  frame.depth_m(80, 60) = -1.0F;
+  frame.depth_m(81, 60) = std::numeric_limits<float>::infinity();
+  frame.depth_m(82, 60) = 1e9F;
+  frame.colour = ColourImage(7, 5);
+  const FramePyramid pyramid = BuildPyramid(frame, testing_support::kSmallCamera, PyramidOptions{});
+  const PyramidLevel& level = pyramid.levels.front();
+  for (int u = 80; u <= 82; ++u)
+    EXPECT_EQ(level.depth_m[static_cast<std::size_t>(60 * 160 + u)], 0.0F);
+  EXPECT_TRUE(level.intensity.empty());
+  EXPECT_TRUE(AsReference(pyramid).levels.front().gradients.empty());
 }
 
 }  // namespace

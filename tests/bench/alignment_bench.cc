@@ -11,11 +11,10 @@
 #include <benchmark/benchmark.h>
 
 #include "bench_capture.h"
-#include "deepslam/alignment/alignment_levels.h"
+#include "deepslam/alignment/alignment_system.h"
 #include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/alignment/image_pyramid.h"
-#include "deepslam/alignment/place_judgement.h"
-#include "deepslam/alignment/point_alignment.h"
+#include "deepslam/alignment/place_score.h"
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/alignment/rotation_search.h"
 #include "deepslam/alignment/source_points.h"
@@ -30,8 +29,8 @@ constexpr int kCoarsestStride = 2;
 
 struct TwoFrames {
   StoredDepth depth;             // of j
-  BrightnessImage brightness;    // of j, at the size of its finest level
-  alignment::FramePyramid i, j;  // i is a target
+  BrightnessImage intensity;     // of j, at the size of its finest level
+  alignment::FramePyramid i, j;  // i is a reference
   Pose3 i_from_j;
   PinholeCamera camera;
 };
@@ -46,7 +45,7 @@ Result<TwoFrames> ReadTwo() {
   Result<alignment::ReadFrame> j = alignment::ReadPyramid(frames, FrameIdx{last}, {});
   if (!j.ok()) return j.error();
   TwoFrames two{std::move(j->depth),
-                j->pyramid.levels.front().brightness,
+                j->pyramid.levels.front().intensity,
                 alignment::AsReference(std::move(i->pyramid)),
                 std::move(j->pyramid),
                 Pose3{},
@@ -68,7 +67,7 @@ void Repeat(benchmark::State& state, const Kernel& kernel) {
 
 void BuildPyramid(benchmark::State& state) {
   Repeat(state, [](const TwoFrames& two) {
-    return alignment::BuildPyramid(two.depth, two.brightness, two.camera, {}).valid_share;
+    return alignment::BuildPyramid(two.depth, two.intensity, two.camera, {}).valid_share;
   });
 }
 BENCHMARK(BuildPyramid)->Unit(benchmark::kMicrosecond);
@@ -111,7 +110,7 @@ void BuildAlignmentSystem(benchmark::State& state) {
 BENCHMARK(BuildAlignmentSystem)->ArgName("cross")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 // One of the places that compete, at the coarsest level that is aligned.
-void JudgePlace(benchmark::State& state) {
+void ScorePlace(benchmark::State& state) {
   const Result<TwoFrames> two = ReadTwo();
   if (!two.ok()) return state.SkipWithError(two.error().message.c_str());
   const std::size_t coarsest = alignment::NumAlignmentLevels(two->i) - 1;
@@ -119,11 +118,11 @@ void JudgePlace(benchmark::State& state) {
       two->j.levels[coarsest], {.stride = kCoarsestStride, .photometric = true, .near = false});
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        alignment::JudgePlace(two->i.levels[coarsest], points, two->i_from_j, {}, {}).support);
+        alignment::ScorePlace(two->i.levels[coarsest], points, two->i_from_j, {}, {}).support);
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
 }
-BENCHMARK(JudgePlace)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ScorePlace)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace deepslam

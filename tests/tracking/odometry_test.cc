@@ -86,7 +86,7 @@ TEST(EstimateOdometry, ImagesThatAgreeMakeUpForUnderratedNoise) {
 }
 
 // Such depth leaves every alignment doubtful, also where images show that it is right.
-TEST(EstimateOdometry, ImagesThatAgreeCarryPiecesOverDespiteUnderratedNoise) {
+TEST(EstimateOdometry, ImagesThatAgreeCarrySubTrajectoriesOverDespiteUnderratedNoise) {
   std::vector<Pose3> truth = Arc(6, 1.0);
   const std::vector<Pose3> round = Arc(31, 2.0);
   for (std::size_t k = 0; k < round.size(); ++k) truth.push_back(round[round.size() - 1 - k]);

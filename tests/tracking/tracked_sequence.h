@@ -62,4 +62,24 @@ inline void ExpectConsistent(const Odometry& odometry) {
   }
 }
 
+inline void ExpectStatus(const Odometry& odometry,
+                         std::size_t begin,
+                         std::size_t end,
+                         TrackingStatus status) {
+  for (std::size_t k = begin; k < end; ++k)
+    EXPECT_EQ(odometry.frames[k].status, status) << "frame " << k;
+}
+
+// Every edge that claims to be measured is as good as it claims.
+inline void ExpectHonestEdges(const Odometry& odometry, const std::vector<Pose3>& truth) {
+  for (const RelativePose& edge : odometry.edges) {
+    if (edge.composed) continue;
+    const Pose3 true_i_from_j = truth[static_cast<std::size_t>(edge.i.value)].Inverse() *
+                                truth[static_cast<std::size_t>(edge.j.value)];
+    const Vector6d error = T2v(edge.i_from_j.Inverse() * true_i_from_j);
+    // Five standard deviations.
+    EXPECT_LT(error.dot(edge.information.Full() * error), 25) << edge.i << " to " << edge.j;
+  }
+}
+
 }  // namespace deepslam::tracking

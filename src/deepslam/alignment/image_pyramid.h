@@ -1,9 +1,11 @@
-// Frames prepared for alignment: smoothed depth and brightness on a pyramid, and what other frames
+// Frames prepared for alignment: smoothed depth and intensity on a pyramid, and what other frames
 // are aligned to, as flat float arrays.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "deepslam/alignment/depth_noise.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
@@ -14,26 +16,6 @@
 #include "deepslam/scene/stored_depth.h"
 
 namespace deepslam::alignment {
-
-// Depth noise of structured-light and time-of-flight cameras along the ray, one standard deviation
-// (Nguyen et al. 2012): sigma(z) = base_m + growth_per_m * (z - 0.4)^2.
-struct DepthNoise {
-  double base_m = 0.0012;
-  double growth_per_m = 0.0019;
-
-  [[nodiscard]] float SigmaM(float z_m) const {
-    const float beyond = z_m - 0.4F;
-    return static_cast<float>(base_m) + static_cast<float>(growth_per_m) * beyond * beyond;
-  }
-
-  [[nodiscard]] DepthNoise Scaled(double scale) const {
-    return {scale * base_m, scale * growth_per_m};
-  }
-};
-
-// Depth of one surface within a block or window differs by at most this many standard deviations of
-// its noise.
-inline constexpr float kSameSurfaceSigmas = 4.0F;
 
 struct PyramidOptions {
   int work_width_px =
@@ -49,15 +31,15 @@ struct PyramidOptions {
 
 void Describe(OptionsVisitor& visitor, PyramidOptions& options);
 
-// One texel of the surface as a target of projective association. All zero where the surface has no
-// normal. Trivial, as the one below, so that rows of them are copied at once.
-struct SurfaceTexel {
+// One pixel of the surface as a reference of projective association. All zero where the surface has
+// no normal. Trivial, as the one below, so that rows of them are copied at once.
+struct SurfacePixel {
   float nx, ny, nz;  // unit normal, camera frame, towards the camera
-  float offset_m;  // n . q of the texel's point q, < 0; the residual of point p is n . p - offset_m
+  float offset_m;  // n . q of the pixel's point q, < 0; the residual of point p is n . p - offset_m
 };
 
 // Intensity and its derivatives, grey levels (0-255) and grey levels per pixel of this level.
-struct IntensityTexel {
+struct IntensityPixel {
   float value, du, dv;
 };
 
@@ -65,23 +47,32 @@ struct IntensityTexel {
 struct PyramidLevel {
   PinholeCamera camera;
   UnfilledVector<float> depth_m;  // 0 = invalid
-  BrightnessImage brightness;     // empty when the frame had no colour
+  BrightnessImage intensity;      // empty when the frame had no colour
   DepthNoise noise;               // of the depth, as it was found
-  // Empty but of targets (reference_pixels.h).
-  UnfilledVector<SurfaceTexel> surface;
-  UnfilledVector<float> sight_m;             // depth_m, negated where there is no normal
-  UnfilledVector<IntensityTexel> intensity;  // ... and when the frame had no colour
+  // Empty but of references (reference_pixels.h).
+  UnfilledVector<SurfacePixel> surface;
+  UnfilledVector<float> signed_depth_m;      // depth_m, negated where there is no normal
+  UnfilledVector<IntensityPixel> gradients;  // ... and when the frame had no colour
 };
 
 struct FramePyramid {
   std::vector<PyramidLevel> levels;  // finest first; at least one
-  double valid_share = 0;            // texels of the finest level with a normal, of all; from some
+  double valid_share = 0;            // pixels of the finest level with a normal, of all; from some
   // Deviation of the smoothed depth in units of DepthNoise, measured across this frame; 1 to 8.
   double noise_scale = 1;
   bool one_depth = false;  // the same at every pixel: a sensor that hangs; even a wall has noise
 
   [[nodiscard]] bool empty() const { return levels.empty(); }
 };
+
+// Levels that hold enough to align by, at least one. Coarser ones hold too few points for all six
+// directions; they serve the rotation search.
+[[nodiscard]] inline std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
+  constexpr int kMinWidth = 60;
+  std::size_t count = 1;
+  while (count < pyramid.levels.size() && pyramid.levels[count].camera.width >= kMinWidth) ++count;
+  return count;
+}
 
 // By how much the capture is reduced for the finest level: a whole factor.
 [[nodiscard]] int WorkReduction(const PinholeCamera& camera, const PyramidOptions& options);
@@ -92,13 +83,13 @@ struct FramePyramid {
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);
 
-// The same of its parts; `brightness` is that of the finest level (BrightnessOf by WorkReduction).
+// The same of its parts; `intensity` is that of the finest level (BrightnessOf by WorkReduction).
 [[nodiscard]] FramePyramid BuildPyramid(const StoredDepth& depth,
-                                        BrightnessImage brightness,
+                                        BrightnessImage intensity,
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);
 
-// A frame of a capture read for alignment: no more of its colour than its brightness, at the size
+// A frame of a capture read for alignment: no more of its colour than its intensity, at the size
 // that is worked on.
 struct ReadFrame {
   FramePyramid pyramid;  // never empty

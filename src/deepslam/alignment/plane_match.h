@@ -3,10 +3,17 @@
 
 #include <cmath>
 
-#include "deepslam/alignment/image_pyramid.h"
-#include "deepslam/alignment/triple.h"
+#include "deepslam/alignment/batch_columns.h"
+#include "deepslam/alignment/depth_noise.h"
 
 namespace deepslam::alignment {
+
+// What a correspondence must fulfil, and the scale that its geometric residual is divided by.
+struct CorrespondenceGates {
+  float max_distance_m = 0.1F;  // along the optical axis of i
+  float min_normal_cosine = 0.64F;
+  float geometric_scale = 1.0F;  // standard deviation of residual / noise(z)
+};
 
 // Of a residual in standard deviations: Student's t with five degrees of freedom (Kerl et al.
 // 2013).
@@ -16,7 +23,7 @@ inline float StudentWeight(float normalised) {
 }
 
 struct PlaneMatch {
-  float agrees = 0;  // 1 where the normals do
+  float fits = 0;  // 1 where the normals do
   float residual_m = 0;
   float inverse_sigma = 0;  // of the noise of both points, 1/m
   float normalised = 0;     // absolute, in standard deviations
@@ -30,7 +37,7 @@ class PlaneMatcher {
         growth_per_m_(kSqrt2 * static_cast<float>(noise.growth_per_m)),
         min_cosine_(min_normal_cosine) {}
 
-  // Point p in frame i, the target's tangent plane there, the source's normal in frame j.
+  // Point p in frame i, the reference's tangent plane there, the source's normal in frame j.
   PlaneMatch operator()(const Triple& p,
                         const Triple& normal,
                         float offset_m,
@@ -38,12 +45,14 @@ class PlaneMatcher {
     const Triple turned = i_from_j_ * source_normal;
     const float cosine = turned.x * normal.x + turned.y * normal.y + turned.z * normal.z;
     PlaneMatch match;
-    match.agrees = cosine >= min_cosine_ ? 1.0F : 0.0F;
+    match.fits = cosine >= min_cosine_ ? 1.0F : 0.0F;
     match.residual_m = normal.x * p.x + normal.y * p.y + normal.z * p.z - offset_m;
     match.inverse_sigma = 1.0F / (base_m_ + growth_per_m_ * (p.z - 0.4F) * (p.z - 0.4F));
     match.normalised = std::abs(match.residual_m) * match.inverse_sigma;
     return match;
   }
+
+  [[nodiscard]] const Rotation& i_from_j() const { return i_from_j_; }
 
  private:
   static constexpr float kSqrt2 = 1.41421356F;

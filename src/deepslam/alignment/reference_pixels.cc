@@ -3,14 +3,14 @@
 #include <cstddef>
 #include <utility>
 
-#include "deepslam/alignment/texel_rows.h"
+#include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::alignment {
 namespace {
 
-UnfilledVector<SurfaceTexel> SurfaceOf(const PyramidLevel& level) {
-  UnfilledVector<SurfaceTexel> surface(level.depth_m.size());
+UnfilledVector<SurfacePixel> SurfaceOf(const PyramidLevel& level) {
+  UnfilledVector<SurfacePixel> surface(level.depth_m.size());
   SurfaceRow row(level.camera.width);
   for (int v = 0; v < level.camera.height; ++v) {
     ReadSurface(level, v, row);
@@ -19,17 +19,17 @@ UnfilledVector<SurfaceTexel> SurfaceOf(const PyramidLevel& level) {
   return surface;
 }
 
-UnfilledVector<float> SightOf(const PyramidLevel& level) {
-  UnfilledVector<float> sight_m(level.depth_m.size());
-  for (std::size_t k = 0; k < sight_m.size(); ++k)
-    sight_m[k] = level.surface[k].offset_m < 0 ? level.depth_m[k] : -level.depth_m[k];
-  return sight_m;
+UnfilledVector<float> SignedDepthOf(const PyramidLevel& level) {
+  UnfilledVector<float> signed_depth_m(level.depth_m.size());
+  for (std::size_t k = 0; k < signed_depth_m.size(); ++k)
+    signed_depth_m[k] = level.surface[k].offset_m < 0 ? level.depth_m[k] : -level.depth_m[k];
+  return signed_depth_m;
 }
 
-DEEPSLAM_WIDE_VECTORS void AddTexels(PyramidLevel& level) {
+DEEPSLAM_WIDE_VECTORS void AddPixels(PyramidLevel& level) {
   level.surface = SurfaceOf(level);
-  level.sight_m = SightOf(level);
-  level.intensity = WithDerivatives(level.brightness);
+  level.signed_depth_m = SignedDepthOf(level);
+  level.gradients = WithDerivatives(level.intensity);
 }
 
 }  // namespace
@@ -39,25 +39,25 @@ bool IsReference(const FramePyramid& pyramid) {
 }
 
 FramePyramid AsReference(FramePyramid pyramid) {
-  for (PyramidLevel& level : pyramid.levels) AddTexels(level);
+  for (PyramidLevel& level : pyramid.levels) AddPixels(level);
   return pyramid;
 }
 
-void HidePixel(std::size_t texel, PyramidLevel& level) {
-  level.depth_m[texel] = 0;
+void HidePixel(std::size_t pixel, PyramidLevel& level) {
+  level.depth_m[pixel] = 0;
   if (level.surface.empty()) return;
-  level.surface[texel] = SurfaceTexel{};
-  level.sight_m[texel] = 0;
+  level.surface[pixel] = SurfacePixel{};
+  level.signed_depth_m[pixel] = 0;
 }
 
-UnfilledVector<IntensityTexel> WithDerivatives(const BrightnessImage& image) {
-  UnfilledVector<IntensityTexel> texels(image.size());
+UnfilledVector<IntensityPixel> WithDerivatives(const BrightnessImage& image) {
+  UnfilledVector<IntensityPixel> pixels(image.size());
   IntensityRow row(image.width());
   for (int v = 0; v < image.height(); ++v) {
     ReadIntensity(image, v, row);
-    row.WriteTo(texels.data() + static_cast<std::ptrdiff_t>(v) * image.width());
+    row.WriteTo(pixels.data() + static_cast<std::ptrdiff_t>(v) * image.width());
   }
-  return texels;
+  return pixels;
 }
 
 }  // namespace deepslam::alignment

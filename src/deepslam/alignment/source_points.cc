@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "deepslam/alignment/batch_columns.h"
-#include "deepslam/alignment/texel_rows.h"
+#include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/wide_vectors.h"
 
 namespace deepslam::alignment {
@@ -26,15 +26,13 @@ std::size_t MostPoints(const PyramidLevel& level, int stride) {
 }  // namespace
 
 SourcePoints::SourcePoints(const PyramidLevel& level, const SourceChoice& choice)
-    : level_(level),
-      choice_(choice),
-      photometric_(choice.photometric && !level.brightness.empty()) {
+    : level_(level), choice_(choice), photometric_(choice.photometric && !level.intensity.empty()) {
   const std::size_t most = MostPoints(level, choice.stride);
   // Without initial values: these would take as long as a step over the points.
   for (auto* numbers : {&column_, &depth_m_, &rho2_})
     *numbers = std::make_unique_for_overwrite<float[]>(most);
-  for (auto* texels : {&surface_, &intensity_})
-    *texels = std::make_unique_for_overwrite<PackedTexel[]>(most);
+  for (auto* pixels : {&surface_, &intensity_})
+    *pixels = std::make_unique_for_overwrite<PackedPixel[]>(most);
   for (auto* flags : {&has_normal_, &has_texture_})
     *flags = std::make_unique_for_overwrite<std::int32_t[]>(most);
   Gather();
@@ -42,14 +40,14 @@ SourcePoints::SourcePoints(const PyramidLevel& level, const SourceChoice& choice
 
 DEEPSLAM_WIDE_VECTORS void SourcePoints::Gather() {
   SurfaceRow surface(level_.camera.width);
-  IntensityRow intensity(level_.camera.width);  // all 0 where brightness does not count
+  IntensityRow intensity(level_.camera.width);  // all 0 where intensity does not count
   for (int v = choice_.stride / 2; v < level_.camera.height; v += choice_.stride) {
     const std::size_t begin = size_;
     ReadSurface(level_, v, surface);
-    if (photometric_) ReadIntensity(level_.brightness, v, intensity);
+    if (photometric_) ReadIntensity(level_.intensity, v, intensity);
     AddRow(v, surface, intensity);
     FillLanes();
-    AddPieces(v, begin);
+    AddRowPieces(v, begin);
   }
 }
 
@@ -65,7 +63,7 @@ void SourcePoints::AddRow(int v, const SurfaceRow& surface, const IntensityRow& 
     const bool has_depth = depth_m[u] > 0;
     const bool has_normal = offset_m[u] < 0;
     bool has_texture = std::abs(du[u]) + std::abs(dv[u]) >= kMinGradient;
-    // Outlines of objects have depth but no normal; their brightness still says where they are.
+    // Outlines of objects have depth but no normal; their intensity still says where they are.
     if (choice_.near & has_texture & has_depth & !has_normal)
       has_texture = ShowsItself(level_, static_cast<std::int32_t>(start) + u);
     column_[n] = static_cast<float>(u);
@@ -88,7 +86,7 @@ void SourcePoints::FillLanes() {
   }
 }
 
-void SourcePoints::AddPieces(int v, std::size_t begin) {
+void SourcePoints::AddRowPieces(int v, std::size_t begin) {
   const Eigen::Vector2f ray = level_.camera.Ray(0, v).head<2>().cast<float>();
   const float ray_x = ray.x(), ray_y2 = ray.y() * ray.y();
   const float ray_step = 1.0F / static_cast<float>(level_.camera.fx);
@@ -103,15 +101,15 @@ void SourcePoints::AddPieces(int v, std::size_t begin) {
   }
 }
 
-bool ShowsItself(const PyramidLevel& level, std::int32_t texel) {
+bool ShowsItself(const PyramidLevel& level, std::int32_t pixel) {
   const std::int32_t width = level.camera.width, height = level.camera.height;
-  const std::int32_t u = texel % width, v = texel / width;
+  const std::int32_t u = pixel % width, v = pixel / width;
   const std::int32_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
-  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(texel)];
+  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(pixel)];
   for (std::int32_t y = std::max(0, v - 1); y <= std::min(height - 1, v + 1); ++y) {
     const float* const row_m = level.depth_m.data() + static_cast<std::ptrdiff_t>(y) * width + u;
     for (std::int32_t x = left; x <= right; ++x) {
-      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;  // mostly the first one tells
+      if (!(row_m[x] > 0) || row_m[x] < nearest_m) return false;  // mostly the first one says so
     }
   }
   return true;

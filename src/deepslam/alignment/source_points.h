@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "deepslam/alignment/image_pyramid.h"
-#include "deepslam/alignment/texel_rows.h"
+#include "deepslam/alignment/reference_pixels.h"
 
 namespace deepslam::alignment {
 
 struct SourceChoice {
   int stride = 1;           // every stride-th row and column
-  bool photometric = true;  // brightness counts, where there is some
-  // Beyond the coarsest level, within a pixel or two of the place: brightness counts where a texel
+  bool photometric = true;  // intensity counts, where there is some
+  // Beyond the coarsest level, within a pixel or two of the place: intensity counts where a pixel
   // surely shows its own surface, and the lens's falloff is fitted. Far off all that pulls counts.
   bool near = false;
 };
@@ -28,8 +28,8 @@ struct SourceRow {
   std::size_t end = 0;
 };
 
-// A texel's numbers where they are read at once; without initial values.
-struct alignas(16) PackedTexel {
+// A pixel's numbers where they are read at once; without initial values.
+struct alignas(16) PackedPixel {
   float a, b, c, d;
 };
 
@@ -51,8 +51,8 @@ class SourcePoints {
   [[nodiscard]] const float* depth_m() const { return depth_m_.get(); }
   // Squared tangent of the ray's angle with the optical axis.
   [[nodiscard]] const float* rho2() const { return rho2_.get(); }
-  [[nodiscard]] const PackedTexel* surface() const { return surface_.get(); }      // SurfaceTexel
-  [[nodiscard]] const PackedTexel* intensity() const { return intensity_.get(); }  // ... and 0
+  [[nodiscard]] const PackedPixel* surface() const { return surface_.get(); }      // SurfacePixel
+  [[nodiscard]] const PackedPixel* intensity() const { return intensity_.get(); }  // ... and 0
   // 1 or 0.
   [[nodiscard]] const std::int32_t* has_normal() const { return has_normal_.get(); }
   [[nodiscard]] const std::int32_t* has_texture() const { return has_texture_.get(); }
@@ -61,7 +61,7 @@ class SourcePoints {
   void Gather();
   void AddRow(int v, const SurfaceRow& surface, const IntensityRow& intensity);
   void FillLanes();
-  void AddPieces(int v, std::size_t begin);
+  void AddRowPieces(int v, std::size_t begin);
 
   const PyramidLevel& level_;
   const SourceChoice choice_;
@@ -70,13 +70,13 @@ class SourcePoints {
   std::size_t size_ = 0;
   std::vector<SourceRow> rows_;
   std::unique_ptr<float[]> column_, depth_m_, rho2_;
-  std::unique_ptr<PackedTexel[]> surface_, intensity_;
+  std::unique_ptr<PackedPixel[]> surface_, intensity_;
   std::unique_ptr<std::int32_t[]> has_normal_, has_texture_;
 };
 
-// Whether what a texel without a normal shows is its own surface's brightness. Behind an outline
+// Whether what a pixel without a normal shows is its own surface's intensity. Behind an outline
 // the image is blurred with what is in front and moves with it; beside a gap of the depth it is not
 // known who is in front.
-[[nodiscard]] bool ShowsItself(const PyramidLevel& level, std::int32_t texel);
+[[nodiscard]] bool ShowsItself(const PyramidLevel& level, std::int32_t pixel);
 
 }  // namespace deepslam::alignment

@@ -2,19 +2,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/tracking/keyframe_policy.h"
 #include "deepslam/tracking/odometry.h"
+#include "deepslam/tracking/odometry_builder.h"
 #include "deepslam/tracking/pose_interpolation.h"
 
 namespace deepslam::tracking {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 bool Usable(const std::optional<Pose3>& pose) {
   return pose && pose->translation_m.allFinite() && pose->rotation.coeffs().allFinite() &&
@@ -22,20 +21,11 @@ bool Usable(const std::optional<Pose3>& pose) {
 }
 
 RelativePose Edge(const TrackedFrame& i, const TrackedFrame& j, const OdometryOptions& options) {
-  Vector6d diagonal;
-  diagonal.head<3>().setConstant(1 / std::pow(options.capture_translation_m, 2));
-  diagonal.tail<3>().setConstant(1 / std::pow(options.capture_rotation_deg * kRadPerDeg, 2));
   return {i.frame,
           j.frame,
           i.world_from_camera.Inverse() * j.world_from_camera,
-          diagonal.asDiagonal(),
+          DiagonalInformation(options.capture_translation_m, options.capture_rotation_deg),
           false};
-}
-
-bool FarApart(const Pose3& a, const Pose3& b, const OdometryOptions& options) {
-  const Pose3 moved = a.Inverse() * b;
-  return moved.translation_m.norm() > options.keyframe_distance_m ||
-         RotationAngle(moved.rotation) > options.keyframe_angle_deg * kRadPerDeg;
 }
 
 void ChooseKeyframes(const OdometryOptions& options, Odometry& odometry) {
@@ -45,7 +35,7 @@ void ChooseKeyframes(const OdometryOptions& options, Odometry& odometry) {
     const bool known = frame.status == TrackingStatus::kTracked;
     const TrackedFrame* keyframe = last ? &odometry.frames[*last] : nullptr;
     if (known && (keyframe == nullptr ||
-                  FarApart(keyframe->world_from_camera, frame.world_from_camera, options))) {
+                  IsFarFrom(keyframe->world_from_camera, frame.world_from_camera, options))) {
       if (keyframe != nullptr) odometry.edges.push_back(Edge(*keyframe, frame, options));
       odometry.keyframes.push_back(frame.frame);
       last = k;
@@ -57,7 +47,7 @@ void ChooseKeyframes(const OdometryOptions& options, Odometry& odometry) {
   }
 }
 
-// Poses tell nothing about the images: those that cannot be read are marked and told, as tracking
+// Poses say nothing about the images: those that cannot be read are marked and named, as tracking
 // does. Refuses captures of which most are bad.
 Status MarkUnreadable(const FrameSource& frames, Progress& progress, Odometry& odometry) {
   std::vector<std::string> faults(odometry.frames.size());

@@ -1,0 +1,10 @@
+// Degrees, as options and reports have them, and radians, as everything else has.
+#pragma once
+
+#include <numbers>
+
+namespace deepslam {
+
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+}  // namespace deepslam

@@ -1,0 +1,24 @@
+// Whether an alignment can be a frame's place. In rooms most frames fit somewhere: walls, floors
+// and corners are alike. So what an alignment has to show depends on how likely its motion is.
+#pragma once
+
+#include "deepslam/alignment/frame_alignment.h"
+#include "deepslam/tracking/placement.h"
+
+namespace deepslam::tracking {
+
+// Share of free space that keyframes and a frame may violate where no hand would have carried the
+// camera, and where sub-trajectories are joined.
+inline constexpr double kMaxViolationFar = 0.01;
+
+// What fits where the camera was expected is taken for it, whatever has moved: unless it looks like
+// another place as well. Elsewhere most frames fit somehow, so nothing may speak against it; and
+// where no hand would have carried the camera, all has to speak for it. Of `found`, an ok alignment
+// of `frame` to `reference`, of a camera that was at `last` before.
+[[nodiscard]] bool IsAcceptable(const PathSoFar& path,
+                                const PosedFrame& reference,
+                                const PosedFrame& last,
+                                const PosedFrame& frame,
+                                const alignment::FrameAlignment& found);
+
+}  // namespace deepslam::tracking

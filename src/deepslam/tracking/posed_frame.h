@@ -1,0 +1,26 @@
+// A frame in the tracker: prepared for alignment, and where it was placed.
+#pragma once
+
+#include <memory>
+
+#include "deepslam/alignment/free_space.h"
+#include "deepslam/alignment/image_pyramid.h"
+#include "deepslam/core/ids.h"
+#include "deepslam/geometry/pose.h"
+
+namespace deepslam::tracking {
+
+struct PosedFrame {
+  FrameIdx frame;
+  double time_s = 0;   // of the capture
+  double clock_s = 0;  // of MonotonicClock
+  std::shared_ptr<const alignment::FramePyramid> pyramid;
+  Pose3 world_from_camera;
+  int sub_trajectory = 0;
+  // Since the keyframe before, a degenerate direction of its motion was predicted alone.
+  bool remapped = false;
+
+  [[nodiscard]] alignment::PlacedPyramid Placed() const { return {pyramid, world_from_camera}; }
+};
+
+}  // namespace deepslam::tracking
