@@ -67,7 +67,7 @@ std::vector<TrueObject> ReadTruth(const fs::path& capture, int turns) {
     TrueObject object;
     object.class_name = node["class"].String();
     object.scale_m = node["scale_m"].Number();
-    object.world_from_object = artifact::ReadPose(node);
+    object.world_from_object = artifact::FromJson<Pose3>(node);
     const fs::path mesh = capture / "truth" / node["mesh"].String();
     object.mesh = Must(artifact::DecodePly(Must(storage::ReadFile(mesh)), mesh.string())).mesh;
     object.grid = Must(shape::Voxelize(object.mesh));

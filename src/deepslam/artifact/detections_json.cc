@@ -2,17 +2,16 @@
 
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
 namespace {
 
-constexpr std::string_view kFormat = "deepslam/detections";
-constexpr int kVersion = 2;
-constexpr int kMaxImageSide = 1 << 15;
+constexpr JsonFormat kFormat{"deepslam/detections", 2};
+constexpr Range kImageSide{1, 1 << 15};
 
+// COCO's numbers of the classes, by their names.
 std::map<std::string, int> CategoryIds(const DetectionTable& table) {
   std::map<std::string, int> ids;
   for (const Detection& detection : table.detections) ids.emplace(detection.class_name, 0);
@@ -21,84 +20,56 @@ std::map<std::string, int> CategoryIds(const DetectionTable& table) {
   return ids;
 }
 
-JsonValue ImageToJson(const DetectedImage& image) {
-  JsonObject row;
-  row.emplace("id", ToJson(image.frame));
-  row.emplace("file_name", image.file_name);
-  row.emplace("width", image.width);
-  row.emplace("height", image.height);
-  if (image.contains_person) row.emplace("contains_person", *image.contains_person);
-  return JsonValue(std::move(row));
-}
-
-DetectedImage ReadImage(const JsonNode& row) {
-  DetectedImage image{ReadId<FrameIdx>(row["id"]),
-                      row["file_name"].String(),
-                      row["width"].Int(1, kMaxImageSide),
-                      row["height"].Int(1, kMaxImageSide)};
-  const JsonNode person = row.Maybe("contains_person");
-  if (person.exists()) image.contains_person = person.Bool();
-  return image;
-}
-
-JsonValue AnnotationToJson(const Detection& detection, int category_id) {
-  JsonObject row;
-  row.emplace("id", ToJson(detection.id));
-  row.emplace("image_id", ToJson(detection.frame));
-  row.emplace("category_id", category_id);
-  row.emplace("category_name", detection.class_name);
-  row.emplace("bbox", ToCocoBox(detection.box_px));
-  row.emplace("area", detection.box_px.area_px());
-  row.emplace("iscrowd", 0);
-  row.emplace("score", detection.score);
-  row.emplace("source", NameOf(detection.source));
-  if (!detection.mask.empty()) row.emplace("segmentation", ToJson(detection.mask));
-  return JsonValue(std::move(row));
-}
-
-Detection ReadAnnotation(const JsonNode& row) {
-  Detection detection;
-  detection.id = ReadId<DetectionId>(row["id"]);
-  detection.frame = ReadId<FrameIdx>(row["image_id"]);
-  detection.class_name = row["category_name"].String();
-  detection.box_px = ReadCocoBox(row["bbox"]);
-  detection.score = row["score"].Number(0, 1);
-  detection.source = ReadDetectionSource(row["source"]);
-  detection.mask = ReadMask(row.Maybe("segmentation"));
-  return detection;
-}
-
-}  // namespace
-
-Result<std::string> EncodeDetections(const DetectionTable& table, std::string_view name) {
-  JsonObject document = NewDocument(kFormat, kVersion);
-  document.emplace("images", RowsOf(table.images, ImageToJson));
-  const std::map<std::string, int> category_ids = CategoryIds(table);
+JsonValue Categories(const std::map<std::string, int>& ids) {
   JsonArray categories;
-  for (const auto& [class_name, id] : category_ids) {
+  for (const auto& [class_name, id] : ids) {
     JsonObject row;
     row.emplace("id", id);
     row.emplace("name", class_name);
     categories.emplace_back(std::move(row));
   }
-  const auto annotation = [&](std::size_t i) {
-    const Detection& detection = table.detections[i];
-    return AnnotationToJson(detection, category_ids.at(detection.class_name));
-  };
-  document.emplace("categories", std::move(categories));
-  document.emplace("annotations", JsonRows{table.detections.size(), annotation});
-  return DumpJson(std::move(document), name);
+  return JsonValue(std::move(categories));
+}
+
+}  // namespace
+
+void Describe(JsonVisitor& visitor, DetectedImage& image) {
+  visitor.Field("id", image.frame);
+  visitor.Field("file_name", image.file_name);
+  visitor.Field("width", image.width, kImageSide);
+  visitor.Field("height", image.height, kImageSide);
+  visitor.Maybe("contains_person", image.contains_person, image.contains_person.has_value());
+}
+
+void Describe(JsonVisitor& visitor, Detection& detection) {
+  visitor.Field("id", detection.id);
+  visitor.Field("image_id", detection.frame);
+  visitor.Field("category_name", detection.class_name);
+  visitor.Field("bbox", detection.box_px);
+  visitor.Field("score", detection.score, kShare);
+  visitor.Field("source", detection.source);
+  visitor.Maybe("segmentation", detection.mask, !detection.mask.empty());
+  visitor.WriteOnly("area", detection.box_px.area_px());
+  visitor.WriteOnly("iscrowd", 0);
+}
+
+void Describe(JsonVisitor& visitor, DetectionTable& table) {
+  visitor.Table("images", table.images);
+  const std::map<std::string, int> ids =
+      visitor.writing() ? CategoryIds(table) : std::map<std::string, int>();
+  visitor.WriteOnly("categories", Categories(ids));
+  visitor.Table("annotations", table.detections, [ids](JsonVisitor& row, Detection& detection) {
+    Describe(row, detection);
+    if (row.writing()) row.WriteOnly("category_id", ids.at(detection.class_name));
+  });
+}
+
+Result<std::string> EncodeDetections(const DetectionTable& table, std::string_view name) {
+  return EncodeDocument(kFormat, table, name);
 }
 
 Result<DetectionTable> DecodeDetections(TextSource text, std::string_view name) {
-  DetectionTable table;
-  const JsonReader reader(std::move(text),
-                          name,
-                          kFormat,
-                          kVersion,
-                          {{"images", AppendRows(table.images, ReadImage)},
-                           {"annotations", AppendRows(table.detections, ReadAnnotation)}});
-  return reader.Finish(std::move(table));
+  return DecodeDocument<DetectionTable>(kFormat, std::move(text), name);
 }
 
 }  // namespace deepslam::artifact

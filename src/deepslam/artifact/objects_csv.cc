@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/artifact/scene_json.h"
 #include "deepslam/core/check.h"
 
 namespace deepslam::artifact {

@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
-#include "deepslam/artifact/scene_json.h"
+#include "deepslam/artifact/json_visitor.h"
 
 namespace deepslam::artifact {
 namespace {
@@ -21,8 +21,11 @@ constexpr std::size_t kMaxBytes = 1U << 20;
 constexpr int kMaxItems = 100'000;
 constexpr int kMaxFaults = 50;
 constexpr std::size_t kMaxClassBytes = 256;  // of a name; aliases repeat it
-constexpr std::string_view kAppliedFormat = "deepslam/overrides";
-constexpr int kAppliedVersion = 1;
+constexpr JsonFormat kAppliedFormat{"deepslam/overrides", 1};
+
+void DescribeApplied(JsonVisitor& visitor, std::vector<std::string>& applied) {
+  visitor.Field("applied", applied);
+}
 
 int Line(const YAML::Node& node) { return node.Mark().line + 1; }
 
@@ -264,18 +267,12 @@ std::string GroundOverridesText(const Overrides& overrides) {
 }
 
 Result<std::string> EncodeApplied(const std::vector<std::string>& applied, std::string_view name) {
-  JsonObject document = NewDocument(kAppliedFormat, kAppliedVersion);
-  JsonArray rows;
-  for (const std::string& row : applied) rows.emplace_back(row);
-  document.emplace("applied", std::move(rows));
-  return DumpJson(std::move(document), name);
+  return EncodeDocument(kAppliedFormat, applied, name, DescribeApplied);
 }
 
 Result<std::vector<std::string>> DecodeApplied(TextSource text, std::string_view name) {
-  JsonReader reader(std::move(text), name, kAppliedFormat, kAppliedVersion);
-  std::vector<std::string> applied;
-  for (const JsonNode& row : reader.root()["applied"].Items()) applied.push_back(row.String());
-  return reader.Finish(std::move(applied));
+  return DecodeDocument<std::vector<std::string>>(
+      kAppliedFormat, std::move(text), name, DescribeApplied);
 }
 
 }  // namespace deepslam::artifact

@@ -7,186 +7,121 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/core/check.h"
-#include "deepslam/core/parallel.h"
-
 namespace deepslam::artifact {
 namespace {
 
-constexpr int kMaxImageSide = 1 << 15;
+constexpr Range kImageSide{1, 1 << 15};
+// Of a number that was written in full; nobody else writes these files.
+constexpr double kUnitTolerance = 1e-6;
 
 constexpr std::array<std::string_view, 4> kTrackingNames = {
     "tracked", "degenerate", "lost", "unreadable"};
 constexpr std::array<std::string_view, 3> kDetectionNames = {"network", "file", "cluster"};
 
-template <typename Enum, std::size_t kCount>
-Enum ReadEnum(const JsonNode& node, const std::array<std::string_view, kCount>& names) {
-  const std::string text = node.String();
-  std::string known;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    if (names[i] == text) return static_cast<Enum>(i);
-    known += (i > 0 ? ", " : "") + std::string(names[i]);
-  }
-  node.Fail(fmt::format("is \"{}\", must be one of: {}", text, known));
-  return static_cast<Enum>(0);
+template <int kSize>
+void DescribeRowMajor(JsonVisitor& visitor, Eigen::Matrix<double, kSize, kSize>& matrix) {
+  Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor> rows = matrix;
+  visitor.Numbers({rows.data(), kSize * kSize});
+  if (visitor.reading()) matrix = rows;
 }
 
-template <int kSize>
-JsonValue MatrixToJson(const Eigen::Matrix<double, kSize, kSize>& matrix) {
-  JsonArray numbers;
-  for (int row = 0; row < kSize; ++row) {
-    for (int col = 0; col < kSize; ++col) numbers.emplace_back(matrix(row, col));
-  }
-  return JsonValue(std::move(numbers));
-}
-
-template <int kSize>
-Eigen::Matrix<double, kSize, kSize> ReadMatrix(const JsonNode& node) {
-  const std::vector<double> numbers = node.Numbers(kSize * kSize);
-  Eigen::Matrix<double, kSize, kSize> matrix;
-  for (int row = 0; row < kSize; ++row) {
-    for (int col = 0; col < kSize; ++col) {
-      matrix(row, col) = numbers[static_cast<std::size_t>(row * kSize + col)];
-    }
-  }
-  return matrix;
-}
+struct ImageSide {
+  int px = 1;
+};
+struct ImageSize {
+  ImageSide height;
+  ImageSide width;
+};
 
 }  // namespace
 
-JsonValue ToJson(const Eigen::Vector3d& value) {
-  return JsonArray{value.x(), value.y(), value.z()};
+void Describe(JsonVisitor& visitor, ImageSide& side) { visitor.Value(side.px, kImageSide); }
+void Describe(JsonVisitor& visitor, ImageSize& size) { visitor.Columns(size.height, size.width); }
+
+void Describe(JsonVisitor& visitor, Eigen::Vector3d& value) { visitor.Numbers({value.data(), 3}); }
+
+void Describe(JsonVisitor& visitor, Eigen::Quaterniond& rotation) {
+  visitor.Numbers({rotation.coeffs().data(), 4});
+  if (!visitor.reading() || std::abs(rotation.norm() - 1.0) <= kUnitTolerance) return;
+  visitor.Fail({}, fmt::format("has norm {}, must be a unit quaternion", rotation.norm()));
+  rotation = Eigen::Quaterniond::Identity();
 }
 
-JsonValue ToJson(const Pose3& b_from_a) {
-  const Eigen::Vector4d q = b_from_a.rotation.coeffs();
-  JsonObject object;
-  object.emplace("rotation_xyzw", JsonArray{q[0], q[1], q[2], q[3]});
-  object.emplace("translation_m", ToJson(b_from_a.translation_m));
-  return JsonValue(std::move(object));
+void Describe(JsonVisitor& visitor, Pose3& b_from_a) {
+  visitor.Field("rotation_xyzw", b_from_a.rotation);
+  visitor.Field("translation_m", b_from_a.translation_m);
 }
 
-JsonValue ToJson(const Plane& plane) {
-  JsonObject object;
-  object.emplace("normal", ToJson(plane.normal));
-  object.emplace("d_m", plane.d_m);
-  return JsonValue(std::move(object));
+void Describe(JsonVisitor& visitor, Plane& plane) {
+  visitor.Field("normal", plane.normal);
+  visitor.Field("d_m", plane.d_m);
+  if (visitor.reading() && std::abs(plane.normal.norm() - 1.0) > kUnitTolerance)
+    visitor.Fail({}, fmt::format("has a normal of length {}, must be 1", plane.normal.norm()));
 }
 
-JsonValue ToJson(const Box3& box) {
-  if (box.empty()) return {};
-  JsonObject object;
-  object.emplace("min", ToJson(box.min));
-  object.emplace("max", ToJson(box.max));
-  return JsonValue(std::move(object));
+void Describe(JsonVisitor& visitor, Box2& box) {
+  std::array<double, 4> numbers = {
+      box.u_min, box.v_min, box.u_max - box.u_min, box.v_max - box.v_min};
+  visitor.Numbers(numbers);
+  if (!visitor.reading()) return;
+  box = {numbers[0], numbers[1], numbers[0] + numbers[2], numbers[1] + numbers[3]};
 }
 
-JsonValue ToJson(const PixelMask& mask) {
-  if (mask.empty()) return {};
-  JsonObject object;
-  object.emplace("size", JsonArray{mask.height(), mask.width()});
-  object.emplace("counts", mask.rle());
-  return JsonValue(std::move(object));
+void Describe(JsonVisitor& visitor, Box3& box) {
+  if (visitor.Null(box.empty())) return;
+  visitor.Field("min", box.min);
+  visitor.Field("max", box.max);
 }
 
-JsonValue ToJson(const PinholeCamera& camera) {
-  JsonObject object;
-  object.emplace("width", camera.width);
-  object.emplace("height", camera.height);
-  object.emplace("fx", camera.fx);
-  object.emplace("fy", camera.fy);
-  object.emplace("cx", camera.cx);
-  object.emplace("cy", camera.cy);
-  return JsonValue(std::move(object));
-}
-
-JsonValue ToJson(const Eigen::Matrix3d& matrix) { return MatrixToJson<3>(matrix); }
-JsonValue ToJson(const Matrix6d& matrix) { return MatrixToJson<6>(matrix); }
-
-JsonValue ToCocoBox(const Box2& box_px) {
-  return JsonArray{
-      box_px.u_min, box_px.v_min, box_px.u_max - box_px.u_min, box_px.v_max - box_px.v_min};
-}
-
-Eigen::Vector3d ReadVector3(const JsonNode& node) {
-  const std::vector<double> n = node.Numbers(3);
-  return {n[0], n[1], n[2]};
-}
-
-Pose3 ReadPose(const JsonNode& node) {
-  const JsonNode rotation = node["rotation_xyzw"];
-  const std::vector<double> q = rotation.Numbers(4);
-  Pose3 pose;
-  pose.rotation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
-  if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
-    rotation.Fail(fmt::format("has norm {}, must be a unit quaternion", pose.rotation.norm()));
-    pose.rotation = Eigen::Quaterniond::Identity();
+void Describe(JsonVisitor& visitor, PixelMask& mask) {
+  if (visitor.Null(mask.empty())) return;
+  ImageSize size{{mask.height()}, {mask.width()}};
+  std::string counts = mask.rle();
+  visitor.Field("size", size);
+  visitor.Field("counts", counts);
+  if (!visitor.reading()) return;
+  Result<PixelMask> read = PixelMask::FromRle(counts, size.width.px, size.height.px);
+  if (read.ok()) {
+    mask = std::move(read).value();
+  } else {
+    visitor.Fail("counts", ": " + read.error().message);
   }
-  pose.translation_m = ReadVector3(node["translation_m"]);
-  return pose;
 }
 
-Plane ReadPlane(const JsonNode& node) {
-  Plane plane{ReadVector3(node["normal"]), node["d_m"].Number()};
-  if (std::abs(plane.normal.norm() - 1.0) > 1e-6) {
-    node.Fail(fmt::format("has a normal of length {}, must be 1", plane.normal.norm()));
-  }
-  return plane;
+void Describe(JsonVisitor& visitor, Rgb8& colour) { visitor.Columns(colour.r, colour.g, colour.b); }
+
+void Describe(JsonVisitor& visitor, Eigen::Matrix3d& matrix) {
+  DescribeRowMajor<3>(visitor, matrix);
+}
+void Describe(JsonVisitor& visitor, Matrix6d& matrix) { DescribeRowMajor<6>(visitor, matrix); }
+void Describe(JsonVisitor& visitor, SymmetricMatrix6d& matrix) {
+  Matrix6d full = matrix.Full();
+  Describe(visitor, full);
+  if (visitor.reading()) matrix = full;
 }
 
-Box3 ReadBox3(const JsonNode& node) {
-  if (!node.exists()) return {};
-  return {ReadVector3(node["min"]), ReadVector3(node["max"])};
+void Describe(JsonVisitor& visitor, ViewRegistration& view) {
+  visitor.Maybe("view", view.view);
+  visitor.Maybe("frame", view.frame);
+  visitor.Field("ok", view.ok);
+  visitor.Field("reason", view.reason);
+  visitor.Field("camera_from_object", view.camera_from_object);
+  visitor.Field("rmse_m", view.rmse_m);
+  visitor.Field("inlier_share", view.inlier_share);
+  visitor.Field("information", view.information);
+  visitor.Field("yaw_free", view.yaw_free);
 }
 
-PixelMask ReadMask(const JsonNode& node) {
-  if (!node.exists()) return {};
-  const std::vector<JsonNode> size = node["size"].Items(2);
-  const int height = size[0].Int(1, kMaxImageSide);
-  const int width = size[1].Int(1, kMaxImageSide);
-  const JsonNode counts = node["counts"];
-  Result<PixelMask> mask = PixelMask::FromRle(counts.String(), width, height);
-  if (mask.ok()) return std::move(mask).value();
-  counts.Fail(": " + mask.error().message);
-  return {};
+void Describe(JsonVisitor& visitor, TrackingStatus& status) {
+  visitor.Choice(status, kTrackingNames);
 }
-
-PinholeCamera ReadCamera(const JsonNode& node) {
-  PinholeCamera camera;
-  camera.width = node["width"].Int(1, kMaxImageSide);
-  camera.height = node["height"].Int(1, kMaxImageSide);
-  camera.fx = node["fx"].Number(1e-3, 1e6);
-  camera.fy = node["fy"].Number(1e-3, 1e6);
-  camera.cx = node["cx"].Number(-1e6, 1e6);
-  camera.cy = node["cy"].Number(-1e6, 1e6);
-  return camera;
+void Describe(JsonVisitor& visitor, DetectionSource& source) {
+  visitor.Choice(source, kDetectionNames);
 }
-
-Eigen::Matrix3d ReadMatrix3(const JsonNode& node) { return ReadMatrix<3>(node); }
-Matrix6d ReadMatrix6(const JsonNode& node) { return ReadMatrix<6>(node); }
-
-Box2 ReadCocoBox(const JsonNode& node) {
-  const std::vector<double> n = node.Numbers(4);
-  return {n[0], n[1], n[0] + n[2], n[1] + n[3]};
-}
-
-std::string_view NameOf(TrackingStatus status) {
-  return kTrackingNames[static_cast<std::size_t>(status)];
-}
-std::string_view NameOf(DetectionSource source) {
-  return kDetectionNames[static_cast<std::size_t>(source)];
-}
-
-TrackingStatus ReadTrackingStatus(const JsonNode& node) {
-  return ReadEnum<TrackingStatus>(node, kTrackingNames);
-}
-DetectionSource ReadDetectionSource(const JsonNode& node) {
-  return ReadEnum<DetectionSource>(node, kDetectionNames);
-}
-CandidateSource ReadCandidateSource(const JsonNode& node) {
+void Describe(JsonVisitor& visitor, CandidateSource& source) {
   std::array<std::string_view, kNumCandidateSources> names;
   std::ranges::transform(AllSourceTraits(), names.begin(), &SourceTraits::name);
-  return ReadEnum<CandidateSource>(node, names);
+  visitor.Choice(source, names);
 }
 
 }  // namespace deepslam::artifact

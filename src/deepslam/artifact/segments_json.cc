@@ -6,53 +6,35 @@
 #include "deepslam/artifact/scene_json.h"
 
 namespace deepslam::artifact {
+
+constexpr JsonFormat kFormat{"deepslam/segments", 1};
+constexpr std::string_view kRows = "segments";
+
 namespace {
 
-constexpr std::string_view kFormat = "deepslam/segments";
-constexpr int kVersion = 1;
-
-JsonValue SegmentToJson(const Segment& segment) {
-  JsonObject row;
-  row.emplace("detection", ToJson(segment.detection));
-  row.emplace("frame", ToJson(segment.frame));
-  row.emplace("class", segment.class_name);
-  row.emplace("score", segment.score);
-  row.emplace("source", NameOf(segment.source));
-  row.emplace("bbox", ToCocoBox(segment.box_px));
-  row.emplace("segmentation", ToJson(segment.mask));
-  row.emplace("num_points", segment.num_points);
-  row.emplace("extent_camera_m", ToJson(segment.extent_camera));
-  row.emplace("depth_support", segment.depth_support);
-  row.emplace("touches_border", segment.touches_border);
-  row.emplace("usable", segment.usable);
-  row.emplace("reason", segment.reason);
-  return JsonValue(std::move(row));
+void DescribeWithoutMask(JsonVisitor& visitor, Segment& segment) {
+  visitor.Field("detection", segment.detection);
+  visitor.Field("frame", segment.frame);
+  visitor.Field("class", segment.class_name);
+  visitor.Field("score", segment.score, kShare);
+  visitor.Maybe("source", segment.source);
+  visitor.Field("bbox", segment.box_px);
+  visitor.Field("num_points", segment.num_points);
+  visitor.Maybe("extent_camera_m", segment.extent_camera);
+  visitor.Field("depth_support", segment.depth_support);
+  visitor.Field("touches_border", segment.touches_border);
+  visitor.Field("usable", segment.usable);
+  visitor.Field("reason", segment.reason);
 }
 
-// All but its mask.
-Segment ReadSegment(const JsonNode& row) {
-  Segment segment;
-  segment.detection = ReadId<DetectionId>(row["detection"]);
-  segment.frame = ReadId<FrameIdx>(row["frame"]);
-  segment.class_name = row["class"].String();
-  segment.score = row["score"].Number(0, 1);
-  if (const JsonNode source = row.Maybe("source"); source.is_string())
-    segment.source = ReadDetectionSource(source);
-  segment.box_px = ReadCocoBox(row["bbox"]);
-  segment.num_points = row["num_points"].Int(0, kMaxId);
-  segment.extent_camera = ReadBox3(row.Maybe("extent_camera_m"));
-  segment.depth_support = row["depth_support"].Number();
-  segment.touches_border = row["touches_border"].Bool();
-  segment.usable = row["usable"].Bool();
-  segment.reason = row["reason"].String();
-  return segment;
+}  // namespace
+
+void Describe(JsonVisitor& visitor, Segment& segment) {
+  DescribeWithoutMask(visitor, segment);
+  visitor.Maybe("segmentation", segment.mask);
 }
 
-Segment ReadSegmentWithMask(const JsonNode& row) {
-  Segment segment = ReadSegment(row);
-  segment.mask = ReadMask(row.Maybe("segmentation"));
-  return segment;
-}
+namespace {
 
 // Of the rows, what `take` makes of them.
 Result<std::vector<Segment>> DecodeRows(
@@ -63,7 +45,7 @@ Result<std::vector<Segment>> DecodeRows(
   const auto read = [&](std::span<const JsonNode> rows) {
     for (const JsonNode& row : rows) take(row, segments);
   };
-  const JsonReader reader(std::move(text), name, kFormat, kVersion, {{"segments", read}});
+  const JsonReader reader(std::move(text), name, kFormat.name, kFormat.version, {{kRows, read}});
   return reader.Finish(std::move(segments));
 }
 
@@ -72,14 +54,14 @@ Result<std::vector<Segment>> DecodeRows(
 Status EncodeSegments(std::span<const Segment> segments,
                       std::string_view name,
                       const TextSink& sink) {
-  JsonObject document = NewDocument(kFormat, kVersion);
-  document.emplace("segments", RowsOf(segments, SegmentToJson));
+  JsonObject document = NewDocument(kFormat.name, kFormat.version);
+  document.emplace(kRows, RowsOf(segments, [](const Segment& segment) { return ToJson(segment); }));
   return DumpJson(std::move(document), name, sink);
 }
 
 Result<std::vector<Segment>> DecodeSegments(TextSource text, std::string_view name) {
   return DecodeRows(std::move(text), name, [](const JsonNode& row, std::vector<Segment>& segments) {
-    segments.push_back(ReadSegmentWithMask(row));
+    segments.push_back(FromJson<Segment>(row));
   });
 }
 
@@ -89,14 +71,15 @@ Status DecodeEachSegment(TextSource text,
   Status taken = Ok();
   const auto decoded =
       DecodeRows(std::move(text), name, [&](const JsonNode& row, std::vector<Segment>&) {
-        if (taken.ok()) taken = take(ReadSegmentWithMask(row));
+        if (taken.ok()) taken = take(FromJson<Segment>(row));
       });
   return decoded.ok() ? taken : Status(decoded.error());
 }
 
 Result<std::vector<Segment>> DecodeSegmentsWithoutMasks(TextSource text, std::string_view name) {
   return DecodeRows(std::move(text), name, [](const JsonNode& row, std::vector<Segment>& segments) {
-    segments.push_back(ReadSegment(row));
+    JsonVisitor visitor(row);
+    DescribeWithoutMask(visitor, segments.emplace_back());
   });
 }
 
@@ -105,8 +88,8 @@ Result<std::vector<Segment>> DecodeSegmentsOf(const std::set<DetectionId>& wante
                                               std::string_view name) {
   return DecodeRows(
       std::move(text), name, [&](const JsonNode& row, std::vector<Segment>& segments) {
-        if (!wanted.contains(ReadId<DetectionId>(row["detection"]))) return;
-        segments.push_back(ReadSegmentWithMask(row));
+        if (!wanted.contains(FromJson<DetectionId>(row["detection"]))) return;
+        segments.push_back(FromJson<Segment>(row));
       });
 }
 

@@ -12,8 +12,7 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr std::string_view kFormat = "deepslam/frames";
-constexpr int kVersion = 1;
+constexpr JsonFormat kFormat{"deepslam/frames", 1};
 constexpr std::size_t kTumColumns = 8;
 
 Result<StampedPose> DecodeTumLine(std::span<const std::string_view> words) {
@@ -36,73 +35,90 @@ Result<StampedPose> DecodeTumLine(std::span<const std::string_view> words) {
   return pose;
 }
 
-JsonValue FrameToJson(const TrackedFrame& frame) {
-  JsonObject row;
-  row.emplace("frame", ToJson(frame.frame));
-  row.emplace("time_s", frame.time_s);
-  row.emplace("status", NameOf(frame.status));
-  row.emplace("keyframe", ToJson(frame.keyframe));
-  row.emplace("rmse_m", frame.rmse_m);
-  row.emplace("inlier_share", frame.inlier_share);
-  return JsonValue(std::move(row));
-}
-
-// Entry `index` of as many as there are poses.
-TrackedFrame ReadFrame(const JsonNode& row, std::size_t index, std::span<const StampedPose> poses) {
-  TrackedFrame frame;
-  frame.frame = ReadId<FrameIdx>(row["frame"]);
-  frame.time_s = row["time_s"].Number();
-  frame.world_from_camera = poses[index].world_from_camera;
-  frame.status = ReadTrackingStatus(row["status"]);
-  frame.keyframe = ReadId<FrameIdx>(row.Maybe("keyframe"));
-  frame.rmse_m = row["rmse_m"].Number();
-  frame.inlier_share = row["inlier_share"].Number();
-  // Frames are addressed by their index all over the program.
-  if (frame.frame.value != static_cast<int>(index))
-    row.Fail(fmt::format("is frame {}, must be {}", frame.frame.value, index));
-  if (frame.time_s != poses[index].time_s) row.Fail("differs in time from the trajectory");
-  if (frame.keyframe.value >= static_cast<int>(poses.size()))
-    row.Fail("names a keyframe that does not exist");
-  return frame;
-}
-
+struct ComposedEdge {
+  FrameIdx i;
+  FrameIdx j;
+};
 struct FramesFile {
-  Trajectory trajectory;
-  std::set<std::pair<FrameIdx, FrameIdx>> composed;  // edges
+  std::vector<TrackedFrame> frames;  // all but the poses, which the TUM text has
+  std::vector<FrameIdx> keyframes;
+  std::vector<ComposedEdge> composed_edges;
 };
 
+}  // namespace
+
+void Describe(JsonVisitor& visitor, TrackedFrame& frame) {
+  visitor.Field("frame", frame.frame);
+  visitor.Field("time_s", frame.time_s);
+  visitor.Field("status", frame.status);
+  visitor.Maybe("keyframe", frame.keyframe);
+  visitor.Field("rmse_m", frame.rmse_m);
+  visitor.Field("inlier_share", frame.inlier_share);
+}
+
+void Describe(JsonVisitor& visitor, ComposedEdge& edge) { visitor.Columns(edge.i, edge.j); }
+
+void Describe(JsonVisitor& visitor, FramesFile& file) {
+  visitor.Table("frames", file.frames);
+  visitor.Field("keyframes", file.keyframes);
+  visitor.Field("composed_edges", file.composed_edges);
+}
+
+namespace {
+
+// What is wrong with entry `index`; empty: nothing.
+std::string FaultOf(const TrackedFrame& frame,
+                    std::size_t index,
+                    std::span<const StampedPose> poses) {
+  // Frames are addressed by their index all over the program.
+  if (frame.frame.value != static_cast<int>(index))
+    return fmt::format("is frame {}, must be {}", frame.frame.value, index);
+  if (frame.time_s != poses[index].time_s) return "differs in time from the trajectory";
+  if (frame.keyframe.value >= static_cast<int>(poses.size()))
+    return "names a keyframe that does not exist";
+  return {};
+}
+
+Status CheckFrames(const FramesFile& file,
+                   std::span<const StampedPose> poses,
+                   std::string_view name) {
+  if (file.frames.size() != poses.size()) {
+    return InvalidInput(fmt::format("{}: frames has {} entries, the trajectory has {} poses",
+                                    name,
+                                    file.frames.size(),
+                                    poses.size()));
+  }
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    if (const std::string fault = FaultOf(file.frames[n], n, poses); !fault.empty())
+      return InvalidInput(fmt::format("{}: frames[{}] {}", name, n, fault));
+  }
+  FrameIdx last;
+  for (std::size_t n = 0; n < file.keyframes.size(); ++n) {
+    const FrameIdx keyframe = file.keyframes[n];
+    if (keyframe <= last || keyframe.value >= static_cast<int>(poses.size())) {
+      return InvalidInput(fmt::format("{}: keyframes[{}] is {}, must be a frame behind {}",
+                                      name,
+                                      n,
+                                      keyframe.value,
+                                      last.value));
+    }
+    last = keyframe;
+  }
+  return Ok();
+}
+
+// frames.json with the poses of the TUM text.
 Result<FramesFile> DecodeFrames(TextSource frames_json,
                                 TextSource tum_text,
                                 std::string_view name) {
   const Result<std::vector<StampedPose>> poses = DecodeTum(std::move(tum_text), name);
   if (!poses.ok()) return poses.error();
-  FramesFile file;
-  std::vector<TrackedFrame>& frames = file.trajectory.frames;
-  std::size_t num_rows = 0;
-  const auto read = [&](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) {
-      if (num_rows < poses->size()) frames.push_back(ReadFrame(row, num_rows, *poses));
-      ++num_rows;
-    }
-  };
-  JsonReader reader(std::move(frames_json), name, kFormat, kVersion, {{"frames", read}});
-  if (num_rows != poses->size()) {
-    reader.Fail(
-        "frames",
-        fmt::format("has {} entries, the trajectory has {} poses", num_rows, poses->size()));
-  }
-  FrameIdx last;
-  for (const JsonNode& node : reader.root()["keyframes"].Items()) {
-    const FrameIdx keyframe{node.Int(0, std::max(0, static_cast<int>(num_rows) - 1))};
-    if (keyframe <= last) node.Fail("is not ascending");
-    last = keyframe;
-    file.trajectory.keyframes.push_back(keyframe);
-  }
-  for (const JsonNode& node : reader.root()["composed_edges"].Items()) {
-    const std::vector<JsonNode> pair = node.Items(2);
-    file.composed.emplace(ReadId<FrameIdx>(pair[0]), ReadId<FrameIdx>(pair[1]));
-  }
-  return reader.Finish(std::move(file));
+  Result<FramesFile> file = DecodeDocument<FramesFile>(kFormat, std::move(frames_json), name);
+  if (!file.ok()) return file.error();
+  if (Status status = CheckFrames(*file, *poses, name); !status.ok()) return status.error();
+  for (std::size_t n = 0; n < poses->size(); ++n)
+    file->frames[n].world_from_camera = (*poses)[n].world_from_camera;
+  return file;
 }
 
 }  // namespace
@@ -159,17 +175,11 @@ Result<std::string> EncodeFrames(std::span<const TrackedFrame> frames,
                                  std::span<const FrameIdx> keyframes,
                                  std::span<const KeyframeJoin> joins,
                                  std::string_view name) {
-  JsonObject document = NewDocument(kFormat, kVersion);
-  JsonArray keyframe_list;
-  for (const FrameIdx keyframe : keyframes) keyframe_list.push_back(ToJson(keyframe));
-  JsonArray composed;
+  FramesFile file{{frames.begin(), frames.end()}, {keyframes.begin(), keyframes.end()}, {}};
   for (const KeyframeJoin& join : joins) {
-    if (join.composed) composed.emplace_back(JsonArray{ToJson(join.i), ToJson(join.j)});
+    if (join.composed) file.composed_edges.push_back({join.i, join.j});
   }
-  document.emplace("frames", RowsOf(frames, FrameToJson));
-  document.emplace("keyframes", std::move(keyframe_list));
-  document.emplace("composed_edges", std::move(composed));
-  return DumpJson(std::move(document), name);
+  return EncodeDocument(kFormat, file, name);
 }
 
 Result<Trajectory> DecodeTrajectory(TextSource frames_json,
@@ -177,14 +187,16 @@ Result<Trajectory> DecodeTrajectory(TextSource frames_json,
                                     std::string_view name) {
   Result<FramesFile> file = DecodeFrames(std::move(frames_json), std::move(tum_text), name);
   if (!file.ok()) return file.error();
-  return std::move(file->trajectory);
+  return Trajectory{std::move(file->frames), std::move(file->keyframes)};
 }
 
 Result<Trajectory> DecodeOdometry(OdometryTexts texts, const EdgeSink& take) {
   Result<FramesFile> file =
       DecodeFrames(std::move(texts.frames_json), std::move(texts.tum), texts.name);
   if (!file.ok()) return file.error();
-  const int num_frames = static_cast<int>(file->trajectory.frames.size());
+  const int num_frames = static_cast<int>(file->frames.size());
+  std::set<std::pair<FrameIdx, FrameIdx>> composed;
+  for (const ComposedEdge& edge : file->composed_edges) composed.emplace(edge.i, edge.j);
   const auto take_flagged = [&](RelativePose edge) -> Status {
     if (edge.i.value >= num_frames || edge.j.value >= num_frames) {
       return InvalidInput(fmt::format("joins frames {} and {} of the {} of {}",
@@ -193,13 +205,13 @@ Result<Trajectory> DecodeOdometry(OdometryTexts texts, const EdgeSink& take) {
                                       num_frames,
                                       texts.name));
     }
-    edge.composed = file->composed.contains({edge.i, edge.j});
+    edge.composed = composed.contains({edge.i, edge.j});
     return take(edge);
   };
   if (Status status = DecodeG2oEdges(std::move(texts.g2o), texts.g2o_name, take_flagged);
       !status.ok())
     return status.error();
-  return std::move(file->trajectory);
+  return Trajectory{std::move(file->frames), std::move(file->keyframes)};
 }
 
 }  // namespace deepslam::artifact
