@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include "deepslam/artifact/npy.h"
+#include "deepslam/priors/npy.h"
 #include "deepslam/storage/store.h"
 
 namespace deepslam::tools {
@@ -77,7 +77,7 @@ Status TrainingShards::Open(std::string_view name,
   const fs::path file = aside_ / (std::string(name) + ".npy");
   std::ofstream& out = files_[std::string(name)];
   out.open(file, std::ios::binary | std::ios::trunc);
-  const std::string header = artifact::NpyHeader(dtype, shape);
+  const std::string header = priors::NpyHeader(dtype, shape);
   out.write(header.data(), static_cast<std::streamsize>(header.size()));
   if (!out) return Failed(file.string() + ": cannot be written");
   artifact::JsonArray sides;

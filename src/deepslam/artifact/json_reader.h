@@ -72,15 +72,6 @@ struct JsonTable {
   bool must_be_there = true;
 };
 
-// Reads rows into a list that outlives the reading.
-template <typename List, typename Read>
-[[nodiscard]] std::function<void(std::span<const JsonNode> rows)> AppendRows(List& list,
-                                                                             const Read& read) {
-  return [&list, read](std::span<const JsonNode> rows) {
-    for (const JsonNode& row : rows) list.push_back(read(row));
-  };
-}
-
 class JsonReader {
  public:
   // `name` is the file's name for messages. Checks the document's "format" and "version" fields;

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/text_numbers.h"
+#include "deepslam/core/text_numbers.h"
 
 namespace deepslam::artifact {
 namespace {

@@ -6,6 +6,8 @@
 #include <span>
 #include <system_error>
 
+#include "deepslam/core/text_numbers.h"
+
 namespace deepslam::graph {
 namespace {
 
@@ -80,17 +82,6 @@ void WriteTermsOfTheGround(const G2oGraph& graph, std::string& text) {
     Append(text, stand.information);
     text += '\n';
   }
-}
-
-std::vector<std::string_view> Words(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r";
-  std::vector<std::string_view> words;
-  for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kBlank, end);
-  }
-  return words;
 }
 
 // Numbers of one line, with the first fault remembered.

@@ -6,8 +6,8 @@
 #include <fmt/ranges.h>
 
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/artifact/text_numbers.h"
 #include "deepslam/core/nearest_word.h"
+#include "deepslam/core/text_numbers.h"
 #include "deepslam/pipeline/yaml_values.h"
 
 namespace deepslam::pipeline {
@@ -83,7 +83,7 @@ class Setter final : public OptionsVisitor {
              std::string_view) override {
     const AssignedValue* given = Take(name);
     if (given == nullptr) return;
-    const std::optional<double> number = artifact::ParseNumber(given->text);
+    const std::optional<double> number = ParseNumber(given->text);
     if (!number) return Fault(*given, name, fmt::format("must be a number ({})", unit));
     if (*number < range.min || *number > range.max) {
       return Fault(
@@ -98,7 +98,7 @@ class Setter final : public OptionsVisitor {
              std::string_view) override {
     const AssignedValue* given = Take(name);
     if (given == nullptr) return;
-    const std::optional<int> number = artifact::ParseInt(given->text);
+    const std::optional<int> number = ParseInt(given->text);
     if (!number) return Fault(*given, name, fmt::format("must be an integer ({})", unit));
     if (*number < range.min || *number > range.max) {
       return Fault(

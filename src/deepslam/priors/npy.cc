@@ -1,6 +1,6 @@
-#include "deepslam/artifact/npy.h"
+#include "deepslam/priors/npy.h"
 
-namespace deepslam::artifact {
+namespace deepslam::priors {
 
 std::string NpyHeader(std::string_view dtype, std::span<const std::size_t> shape) {
   std::string text = "{'descr': '" + std::string(dtype) + "', 'fortran_order': False, 'shape': (";
@@ -17,4 +17,4 @@ std::string NpyHeader(std::string_view dtype, std::span<const std::size_t> shape
   return header + text;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::priors

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-namespace deepslam::artifact {
+namespace deepslam::priors {
 
 // `dtype` as NumPy names it: "|u1", "<i4", "<f4".
 [[nodiscard]] std::string NpyHeader(std::string_view dtype, std::span<const std::size_t> shape);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::priors

@@ -1,13 +1,14 @@
 // Numbers of line-oriented text files, parsed without locale.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-namespace deepslam::artifact {
+namespace deepslam {
 
 // Words of a line between blanks, tabs and a trailing carriage return.
 [[nodiscard]] inline std::vector<std::string_view> Words(std::string_view line) {
@@ -47,4 +48,4 @@ namespace deepslam::artifact {
   return value;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam
