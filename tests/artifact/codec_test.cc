@@ -13,6 +13,7 @@
 #include "artifact/sample_values.h"
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/artifact/ground_json.h"
+#include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/loops_json.h"
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/ply.h"

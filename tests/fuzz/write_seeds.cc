@@ -20,7 +20,7 @@
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/batch/batch_plan.h"
 #include "deepslam/batch/batch_state.h"
-#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/draco_encode.h"
 #include "deepslam/pipeline/manifest.h"
 #include "deepslam/scene/run_lengths.h"
 #include "deepslam/shape/binvox.h"
@@ -137,9 +137,12 @@ void PutScenes(Corpus& corpus) {
     corpus.Put("furniture_gltf", name, glb);
   }
   TriangleMesh box = gltf::BoxMesh(0.3F, 0.2F, 0.9F);
-  corpus.Put("draco", "box", *gltf::DracoEncode(box, 12));
+  const auto seed = [](const TriangleMesh& mesh) {
+    return gltf::DracoEncode(gltf::MakeRenderMesh(mesh, 0.7), 12, 8)->bytes;
+  };
+  corpus.Put("draco", "box", seed(box));
   box.colours.assign(box.vertices.size(), {1, 200, 30});
-  corpus.Put("draco", "coloured", *gltf::DracoEncode(box, 12));
+  corpus.Put("draco", "coloured", seed(box));
 }
 
 void PutCaptures(Corpus& corpus) {

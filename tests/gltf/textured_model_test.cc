@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -10,6 +11,7 @@
 
 #include "deepslam/core/base64.h"
 #include "deepslam/geometry/box.h"
+#include "deepslam/gltf/validate.h"
 #include "gltf/test_scene.h"
 
 namespace deepslam::gltf {
@@ -277,8 +279,8 @@ TEST(ReadTexturedModel, GlassAndPolishedMetalAreShiny) {
     model.json["materials"] = {material};
     return Read(model.Glb())->materials[0].shiny;
   };
-  EXPECT_TRUE(shiny({{"alphaMode", "BLEND"},
-                     {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.2}}}}}));
+  EXPECT_TRUE(shiny(
+      {{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.2}}}}}));
   EXPECT_TRUE(
       shiny({{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 0.9}}}}}}));
   EXPECT_TRUE(shiny({{"pbrMetallicRoughness", {{"roughnessFactor", 0.05}}}}));
@@ -313,16 +315,22 @@ TEST(ReadTexturedModel, RefusesByField) {
               HasSubstr("bufferViews[0]"));
   EXPECT_THAT(refused([](Json& j) { j["bufferViews"][0]["buffer"] = 3; }), HasSubstr("3 of 1"));
   EXPECT_THAT(refused([](Json& j) { j["accessors"][0]["count"] = 3; }), HasSubstr("vertex 3 of 3"));
-  EXPECT_THAT(refused([](Json& j) { j["accessors"][0]["sparse"] = {{"count", 1}}; }),
+  EXPECT_THAT(refused([](Json& j) {
+                j["accessors"][0]["sparse"] = {{"count", 1}};
+              }),
               HasSubstr("sparse"));
   EXPECT_THAT(refused([](Json& j) { j["accessors"][0].erase("bufferView"); }),
               HasSubstr("has no data"));
   EXPECT_THAT(refused([](Json& j) { j["accessors"][1]["componentType"] = 5126; }),
               HasSubstr("unsigned"));
-  EXPECT_THAT(refused([](Json& j) { j["nodes"] = {{{"mesh", 0}, {"children", {0}}}}; }),
+  EXPECT_THAT(refused([](Json& j) {
+                j["nodes"] = {{{"mesh", 0}, {"children", {0}}}};
+              }),
               HasSubstr("nodes[0]"));
   EXPECT_THAT(refused([](Json& j) { j["nodes"][0]["scale"] = {1, 2}; }), HasSubstr("3 finite"));
-  EXPECT_THAT(refused([](Json& j) { j["nodes"][0]["rotation"] = {0, 0, 0, 0}; }),
+  EXPECT_THAT(refused([](Json& j) {
+                j["nodes"][0]["rotation"] = {0, 0, 0, 0};
+              }),
               HasSubstr("quaternion"));
   EXPECT_THAT(refused([](Json& j) { j["meshes"][0]["primitives"][0]["mode"] = 1; }),
               HasSubstr("no triangles"));
@@ -332,8 +340,13 @@ TEST(ReadTexturedModel, RefusesByField) {
 }
 
 TEST(ReadTexturedModel, NeverAsksForFilesElsewhere) {
-  for (const char* uri : {"../model.bin", "/etc/passwd", "a/../../b", "http://x/y.bin", "..\\m.bin",
-                          "%2e%2e/model.bin", "file:///etc/passwd"}) {
+  for (const char* uri : {"../model.bin",
+                          "/etc/passwd",
+                          "a/../../b",
+                          "http://x/y.bin",
+                          "..\\m.bin",
+                          "%2e%2e/model.bin",
+                          "file:///etc/passwd"}) {
     Model model = Tetrahedron();
     model.json["buffers"] = {{{"uri", uri}, {"byteLength", model.buffer.size()}}};
     const ResourceLookup any = [&](const std::string& path) -> std::optional<std::string> {
@@ -360,6 +373,56 @@ TEST(ReadTexturedModel, StopsAtTheLimitOfFaces) {
   ASSERT_FALSE(mesh.ok());
   EXPECT_THAT(mesh.error().message,
               testing::AllOf(HasSubstr("more than 350"), HasSubstr("coarser")));
+}
+
+// Scenes of the program's own come to furniture as validation sees them.
+TEST(ReadTexturedModel, ReadsOfSceneFilesWhatValidationFindsInThem) {
+  GltfScene scene;
+  scene.objects = {BoxObject("chair", 1), BoxObject("chair", 2), BoxObject("table", 1)};
+  for (const bool draco : {true, false}) {
+    GltfOptions options;
+    options.draco = draco;
+    const std::string glb = *WriteGlb(scene, options);
+    const ValidationReport report = ValidateGlb(glb);
+    ASSERT_TRUE(report.ok()) << report.errors.front();
+    const Result<TexturedMesh> mesh = Read(glb);
+    ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+    EXPECT_EQ(static_cast<std::int64_t>(mesh->faces.size()), report.num_faces);
+    EXPECT_EQ(static_cast<std::int64_t>(mesh->vertices.size()), report.num_vertices);
+    double volume = 0;
+    for (const ValidatedObject& object : report.objects) volume += object.volume_m3;
+    EXPECT_NEAR(Volume(*mesh), volume, 1e-5) << "draco " << draco;
+  }
+}
+
+// What the standard forbids and a reader can do without is no reason to refuse furniture, but one
+// to find fault with a scene.
+TEST(ReadTexturedModel, IsLenientWhereValidationIsStrict) {
+  GltfScene scene;
+  scene.objects = {BoxObject("chair", 1)};
+  const std::string glb = *WriteGlb(scene, Plain());
+  const std::vector<std::function<void(Json&)>> breaches = {
+      [](Json& j) { j["asset"]["version"] = "2.1"; },
+      [](Json& j) {
+        j["nodes"][0]["rotation"] = {0, 0, 0, 1.1};
+      },
+      [](Json& j) { j["accessors"][0]["max"] = "large"; },
+      [](Json& j) {
+        j["accessors"].push_back({{"sparse", {{"count", 1}}}});
+      },
+      [](Json& j) {
+        j["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1'000'000}});
+      },
+      [](Json& j) { j["nodes"][0]["camera"] = 77; },
+  };
+  for (std::size_t n = 0; n < breaches.size(); ++n) {
+    Json json = Json::parse(JsonOf(glb));
+    breaches[n](json);
+    const std::string breached = WithJson(glb, json.dump());
+    EXPECT_FALSE(ValidateGlb(breached).ok()) << n;
+    const Result<TexturedMesh> mesh = Read(breached);
+    EXPECT_TRUE(mesh.ok()) << n << ": " << mesh.error().message;
+  }
 }
 
 TEST(ReadTexturedModel, DamagedBytesAreNeverWorseThanAnError) {

@@ -185,6 +185,13 @@ INSTANTIATE_TEST_SUITE_P(
                  j["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]
                   ["attributes"]["POSITION"] = 55;
                }},
+        Damage{"DracoIdOfColours",
+               "draco",
+               true,
+               [](Json& j) {
+                 j["meshes"][1]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]
+                  ["attributes"]["COLOR_0"] = 55;
+               }},
         Damage{"VariantIndex",
                "mappings[1].variants",
                true,
@@ -206,12 +213,11 @@ INSTANTIATE_TEST_SUITE_P(
                  j["meshes"][1]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"]
                   [0]["material"] = 99;
                }},
-        Damage{"VariantsAreNone",
-               "KHR_materials_variants.variants",
-               true,
-               [](Json& j) {
-                 j["extensions"]["KHR_materials_variants"]["variants"] = Json::array();
-               }},
+        Damage{
+            "VariantsAreNone",
+            "KHR_materials_variants.variants",
+            true,
+            [](Json& j) { j["extensions"]["KHR_materials_variants"]["variants"] = Json::array(); }},
         Damage{"Version", "asset.version", true, [](Json& j) { j["asset"]["version"] = "1.0"; }},
         Damage{"ListIsNumber", "nodes", true, [](Json& j) { j["nodes"] = 5; }},
         Damage{"NodeIsNumber", "nodes[0]", true, [](Json& j) { j["nodes"][0] = 5; }}),

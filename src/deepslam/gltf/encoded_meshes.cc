@@ -30,7 +30,7 @@ void EncodedMeshes::Compress(std::size_t n, const GltfOptions& options) {
   std::optional<EncodedMesh>& encoded = entries_[n].encoded;
   if (!encoded || encoded->mesh.faces.empty()) return;
   try {
-    encoded->draco = DracoEncodeForGltf(
+    encoded->draco = DracoEncode(
         encoded->mesh, options.position_bits, options.normal_bits, entries_[n].wanted.closed);
   } catch (const std::exception&) {
     encoded->draco.reset();

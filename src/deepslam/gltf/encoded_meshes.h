@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "deepslam/core/result.h"
-#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/draco_encode.h"
 #include "deepslam/gltf/render_mesh.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/scene/triangle_mesh.h"

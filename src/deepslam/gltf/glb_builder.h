@@ -9,7 +9,7 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
-#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/draco_encode.h"
 #include "deepslam/gltf/encoded_meshes.h"
 #include "deepslam/gltf/glb_accessors.h"
 #include "deepslam/gltf/glb_materials.h"

@@ -10,8 +10,6 @@ namespace {
 constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
-// Readers take JSON apart recursively: no honest scene is deeper.
-constexpr int kMaxJsonDepth = 64;
 
 std::uint32_t U32At(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -67,24 +65,6 @@ std::optional<GlbChunks> ReadGlbChunks(std::string_view bytes, Findings& finding
     at += 8 + length;
   }
   return chunks;
-}
-
-std::string NestingFault(std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t n = 0; n < text.size(); ++n) {
-    const char c = text[n];
-    if (in_string) {
-      if (c == '\\') ++n;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > kMaxJsonDepth) return "nested deeper than " + std::to_string(kMaxJsonDepth);
-  }
-  return {};
 }
 
 }  // namespace deepslam::gltf

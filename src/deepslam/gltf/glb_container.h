@@ -2,10 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
-#include "deepslam/gltf/gltf_document.h"
+#include "deepslam/gltf/findings.h"
 
 namespace deepslam::gltf {
 
@@ -17,9 +16,5 @@ struct GlbChunks {
 
 // Nothing when it is no GLB, truncated or damaged; `findings` says where.
 [[nodiscard]] std::optional<GlbChunks> ReadGlbChunks(std::string_view bytes, Findings& findings);
-
-// What is wrong with the nesting of a JSON text: parsers go down into it recursively. Empty =
-// nothing.
-[[nodiscard]] std::string NestingFault(std::string_view json);
 
 }  // namespace deepslam::gltf

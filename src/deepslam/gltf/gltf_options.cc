@@ -1,4 +1,4 @@
-#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/draco_encode.h"
 #include "deepslam/gltf/scene_writer.h"
 
 namespace deepslam::gltf {

@@ -2,19 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
-#include <optional>
-#include <string>
 #include <string_view>
 
 #include "deepslam/core/result.h"
+#include "deepslam/gltf/gltf_buffers.h"
 #include "deepslam/scene/textured_mesh.h"
 
 namespace deepslam::gltf {
-
-// Bytes of a file that a glTF names, by its path relative to the glTF's folder, never one that
-// leads out of it; nothing when there is none.
-using ResourceLookup = std::function<std::optional<std::string>(const std::string& path)>;
 
 // `bytes` is a GLB or the JSON of a .gltf; its default scene (else the first, else all nodes) as
 // one mesh, node transforms applied, faces of mirrored nodes turned round so that they look out.

@@ -2,41 +2,47 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <exception>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "deepslam/gltf/draco_mesh.h"
+#include "deepslam/gltf/check_structure.h"
+#include "deepslam/gltf/gltf_buffers.h"
 #include "deepslam/gltf/gltf_document.h"
+#include "deepslam/gltf/gltf_nodes.h"
+#include "deepslam/gltf/primitive_geometry.h"
 #include "deepslam/gltf/tiny_gltf_check.h"
 #include "deepslam/scene/mesh_check.h"
 
 namespace deepslam::gltf {
 namespace {
 
-constexpr int kUnsignedByte = 5121;
-constexpr int kUnsignedShort = 5123;
-constexpr int kUnsignedInt = 5125;
-constexpr int kFloat = 5126;
-constexpr int kTriangles = 4;
-
-// Geometry of one primitive as a reader gets it.
-struct Geometry {
-  std::vector<Eigen::Vector3f> positions;
-  std::vector<std::uint32_t> indices;
+// What a node says of the object it is.
+struct Label {
+  std::string class_name;
+  std::optional<std::int64_t> instance;
+  std::string prior;
+  std::optional<double> score;
 };
+
+// Nothing where the node is none.
+std::optional<Label> LabelOf(const JsonPlace& node) {
+  const JsonPlace extras = node["extras"];
+  if (!extras["class"].exists()) return std::nullopt;
+  return Label{extras["class"].Text(),
+               extras["instance"].MaybeWhole(),
+               extras["prior"].Text(),
+               extras["score"].MaybeNumber()};
+}
 
 // glTF's axes back to ours: its (x, y, z) is our (y, z, x).
 Eigen::Vector3d FromGltfAxes(const Eigen::Vector3d& p) { return {p.z(), p.x(), p.y()}; }
 
 Pose3 PoseOf(const GltfNode& node) {
-  const auto& r = node.rotation;
-  const auto& t = node.translation;
-  return {Eigen::Quaterniond(r[3], r[2], r[0], r[1]).normalized(),
-          FromGltfAxes({t[0], t[1], t[2]})};
+  const Eigen::Quaterniond& r = node.rotation;
+  return {Eigen::Quaterniond(r.w(), r.z(), r.x(), r.y()).normalized(),
+          FromGltfAxes(node.translation)};
 }
 
 Eigen::Vector3d SizeOf(const std::vector<Eigen::Vector3f>& points_gltf) {
@@ -52,20 +58,23 @@ Eigen::Vector3d SizeOf(const std::vector<Eigen::Vector3f>& points_gltf) {
 
 class Validator {
  public:
-  Validator(const GltfDocument& document, Findings& findings, ValidationReport& report)
-      : document_(document), findings_(findings), report_(report) {}
+  Validator(const JsonPlace& root, GltfBuffers& buffers, ValidationReport& report)
+      : root_(root), buffers_(buffers), report_(report) {}
 
   void Run() {
-    report_.num_nodes = static_cast<int>(document_.nodes.size());
-    report_.num_meshes = static_cast<int>(document_.meshes.size());
-    report_.num_cameras = document_.num_cameras;
-    report_.variants = document_.variants;
+    const JsonPlace nodes = root_["nodes"];
+    for (std::size_t n = 0; n < nodes.Size(); ++n) nodes_.push_back(ReadNode(root_, n));
+    const JsonPlace meshes = root_["meshes"];
+    report_.num_nodes = static_cast<int>(nodes_.size());
+    report_.num_meshes = static_cast<int>(meshes.Size());
+    report_.num_cameras = static_cast<int>(root_["cameras"].Size());
+    report_.variants = VariantsOf(root_);
     CheckTree();
-    for (const GltfMesh& mesh : document_.meshes) {
+    for (std::size_t n = 0; n < meshes.Size(); ++n) {
+      const JsonPlace primitives = meshes.At(n)["primitives"];
       geometries_.emplace_back();
-      for (const GltfPrimitive& primitive : mesh.primitives) {
-        geometries_.back().push_back(ReadGeometry(primitive));
-      }
+      for (std::size_t p = 0; p < primitives.Size(); ++p)
+        geometries_.back().push_back(ReadGeometry(primitives.At(p)));
     }
     CheckObjects();
   }
@@ -73,249 +82,160 @@ class Validator {
  private:
   // Every node has one parent at most, and none is its own ancestor.
   void CheckTree() {
-    std::vector<int> parents(document_.nodes.size(), 0);
-    for (std::size_t n = 0; n < document_.nodes.size(); ++n) {
-      for (const int child : document_.nodes[n].children)
-        ++parents[static_cast<std::size_t>(child)];
+    const JsonPlace nodes = root_["nodes"];
+    std::vector<int> parents(nodes_.size(), 0);
+    for (const GltfNode& node : nodes_) {
+      for (const int child : node.children) ++parents[static_cast<std::size_t>(child)];
     }
     std::vector<int> pending;
     for (std::size_t n = 0; n < parents.size(); ++n) {
-      if (parents[n] > 1) findings_.Error(NodePlace(n), "has several parents");
+      if (parents[n] > 1) nodes.At(n).Error("has several parents");
       if (parents[n] == 0) pending.push_back(static_cast<int>(n));
     }
     // What cannot be reached from a node without parent hangs in a cycle.
     std::size_t reached = 0;
     while (!pending.empty() && reached <= parents.size()) {
-      const GltfNode& node = document_.nodes[static_cast<std::size_t>(pending.back())];
+      const GltfNode& node = nodes_[static_cast<std::size_t>(pending.back())];
       pending.pop_back();
       ++reached;
       pending.insert(pending.end(), node.children.begin(), node.children.end());
     }
-    if (findings_.errors.empty() && reached != parents.size()) {
-      findings_.Error("nodes", "form a cycle");
-    }
-    for (const auto& roots : document_.scenes) {
-      for (const int root : roots) {
-        if (parents[static_cast<std::size_t>(root)] != 0) {
-          findings_.Error(NodePlace(static_cast<std::size_t>(root)), "is a root and a child");
-        }
+    if (root_.num_errors() == 0 && reached != parents.size()) nodes.Error("form a cycle");
+    const JsonPlace scenes = root_["scenes"];
+    for (std::size_t s = 0; s < scenes.Size(); ++s) {
+      for (const int node : scenes.At(s)["nodes"].Indices(nodes_.size())) {
+        const auto n = static_cast<std::size_t>(node);
+        if (parents[n] != 0) nodes.At(n).Error("is a root and a child");
       }
     }
   }
 
-  static std::string NodePlace(std::size_t n) { return "nodes[" + std::to_string(n) + "]"; }
-
-  std::optional<Geometry> ReadGeometry(const GltfPrimitive& primitive) {
-    const std::size_t before = findings_.errors.size();
-    const GltfAccessor* position = AttributeAccessor(primitive, "POSITION");
-    if (position == nullptr) return std::nullopt;
+  std::optional<PrimitiveGeometry> ReadGeometry(const JsonPlace& primitive) {
+    const std::size_t errors_before = root_.num_errors();
+    const JsonPlace attributes = primitive["attributes"];
+    const JsonPlace place = attributes["POSITION"];
+    const std::optional<GltfAccessor> position = buffers_.Accessor(place);
+    if (!position) return std::nullopt;
     if (position->component_type != kFloat || position->num_components != 3) {
-      findings_.Error(primitive.place + ".attributes.POSITION", "must be VEC3 of floats");
+      place.Error("must be VEC3 of floats");
       return std::nullopt;
     }
-    for (const auto& [name, index] : primitive.attributes) {
-      const GltfAccessor* accessor = AttributeAccessor(primitive, name);
-      if (accessor == nullptr) continue;
-      if (accessor->count != position->count) {
-        findings_.Error(primitive.place + ".attributes." + name,
-                        std::to_string(accessor->count) + " values for " +
-                            std::to_string(position->count) + " vertices");
-      }
-    }
-    if (findings_.errors.size() != before) return std::nullopt;
-    Geometry geometry;
-    const bool ok = primitive.draco_view >= 0 ? ReadDraco(primitive, *position, geometry)
-                                              : ReadPlain(primitive, *position, geometry);
-    if (!ok) return std::nullopt;
-    CheckGeometry(primitive, *position, geometry);
-    if (findings_.errors.size() != before) return std::nullopt;
-    if (primitive.mode == kTriangles) {
-      report_.num_vertices += static_cast<std::int64_t>(geometry.positions.size());
-      report_.num_faces += static_cast<std::int64_t>(geometry.indices.size() / 3);
+    const bool compressed = DracoOf(primitive).exists();
+    for (const std::string& name : attributes.Members())
+      CheckAttribute(attributes[name], *position, compressed);
+    if (compressed &&
+        (primitive["mode"].Whole(kTriangles) != kTriangles || !primitive["indices"].exists()))
+      DracoOf(primitive).Error("needs triangles with indices");
+    if (root_.num_errors() != errors_before) return std::nullopt;
+    report_.draco |= compressed;
+    const std::optional<PrimitiveGeometry> geometry =
+        ReadPrimitive(buffers_, primitive, {.strict = true});
+    if (!geometry) return std::nullopt;
+    if (compressed) CheckCounts(primitive, *position, *geometry);
+    if (root_.num_errors() != errors_before) return std::nullopt;
+    CheckGeometry(primitive, *geometry);
+    if (root_.num_errors() != errors_before) return std::nullopt;
+    if (primitive["mode"].Whole(kTriangles) == kTriangles) {
+      report_.num_vertices += static_cast<std::int64_t>(geometry->positions.size());
+      report_.num_faces += static_cast<std::int64_t>(geometry->corners.size() / 3);
     }
     return geometry;
   }
 
-  const GltfAccessor* AttributeAccessor(const GltfPrimitive& primitive, const std::string& name) {
-    const auto found = primitive.attributes.find(name);
-    if (found == primitive.attributes.end() || found->second < 0) return nullptr;
-    return &document_.accessors[static_cast<std::size_t>(found->second)];
+  void CheckAttribute(const JsonPlace& place, const GltfAccessor& position, bool compressed) {
+    const std::optional<GltfAccessor> accessor = buffers_.Accessor(place);
+    if (!accessor) return;
+    if (accessor->count != position.count) {
+      place.Error("has " + std::to_string(accessor->count) + " values for " +
+                  std::to_string(position.count) + " vertices");
+    }
+    if (!compressed && !accessor->has_data) place.Error("has no data");
   }
 
-  [[nodiscard]] std::string_view ViewBytes(int view_index) const {
-    const GltfView& view = document_.views[static_cast<std::size_t>(view_index)];
-    return document_.binary.substr(view.offset, view.length);
+  // A decoder has to get what the accessors say.
+  void CheckCounts(const JsonPlace& primitive,
+                   const GltfAccessor& position,
+                   const PrimitiveGeometry& geometry) {
+    const std::optional<GltfAccessor> indices = buffers_.Accessor(primitive["indices"]);
+    if (!indices ||
+        (geometry.positions.size() == position.count && geometry.corners.size() == indices->count))
+      return;
+    DracoOf(primitive).Error("decodes to " + std::to_string(geometry.positions.size()) +
+                             " vertices and " + std::to_string(geometry.corners.size()) +
+                             " indices, the accessors say " + std::to_string(position.count) +
+                             " and " + std::to_string(indices->count));
   }
 
-  bool ReadDraco(const GltfPrimitive& primitive, const GltfAccessor& position, Geometry& geometry) {
-    report_.draco = true;
-    const std::string place = primitive.place + ".extensions.KHR_draco_mesh_compression";
-    if (primitive.mode != kTriangles || primitive.indices < 0) {
-      findings_.Error(place, "needs triangles with indices");
-      return false;
-    }
-    const auto id = [&](const char* name) {
-      const auto found = primitive.draco_attributes.find(name);
-      return found == primitive.draco_attributes.end() ? -1 : found->second;
-    };
-    const Result<RenderMesh> mesh =
-        DracoDecodeForGltf(ViewBytes(primitive.draco_view), id("POSITION"), id("NORMAL"), -1);
-    if (!mesh) {
-      findings_.Error(place, mesh.error().message);
-      return false;
-    }
-    const GltfAccessor& indices = document_.accessors[static_cast<std::size_t>(primitive.indices)];
-    if (mesh->positions.size() != position.count || 3 * mesh->faces.size() != indices.count) {
-      findings_.Error(place,
-                      "decodes to " + std::to_string(mesh->positions.size()) + " vertices and " +
-                          std::to_string(3 * mesh->faces.size()) + " indices, the accessors say " +
-                          std::to_string(position.count) + " and " + std::to_string(indices.count));
-      return false;
-    }
-    geometry.positions = mesh->positions;
-    for (const auto& face : mesh->faces) {
-      geometry.indices.insert(geometry.indices.end(), face.begin(), face.end());
-    }
-    return true;
-  }
-
-  bool ReadPlain(const GltfPrimitive& primitive, const GltfAccessor& position, Geometry& geometry) {
-    for (const auto& [name, index] : primitive.attributes) {
-      if (document_.accessors[static_cast<std::size_t>(index)].view < 0) {
-        findings_.Error(primitive.place + ".attributes." + name, "accessor has no data");
-        return false;
-      }
-    }
-    const std::string_view bytes = ViewBytes(position.view);
-    const std::uint64_t stride = std::max<std::uint64_t>(
-        document_.views[static_cast<std::size_t>(position.view)].stride, 12);
-    geometry.positions.resize(position.count);
-    for (std::uint64_t n = 0; n < position.count; ++n) {
-      std::memcpy(geometry.positions[n].data(), bytes.data() + position.offset + n * stride, 12);
-    }
-    if (primitive.indices >= 0) return ReadIndices(primitive, geometry);
-    for (std::uint32_t n = 0; n < position.count; ++n) geometry.indices.push_back(n);
-    return true;
-  }
-
-  bool ReadIndices(const GltfPrimitive& primitive, Geometry& geometry) {
-    const GltfAccessor& accessor = document_.accessors[static_cast<std::size_t>(primitive.indices)];
-    const bool known = accessor.component_type == kUnsignedByte ||
-                       accessor.component_type == kUnsignedShort ||
-                       accessor.component_type == kUnsignedInt;
-    if (!known || accessor.num_components != 1 || accessor.view < 0 ||
-        document_.views[static_cast<std::size_t>(accessor.view)].stride != 0) {
-      findings_.Error(primitive.place + ".indices", "must be packed unsigned numbers with data");
-      return false;
-    }
-    const std::string_view bytes = ViewBytes(accessor.view).substr(accessor.offset);
-    const std::size_t width = static_cast<std::size_t>(accessor.component_bytes);
-    geometry.indices.reserve(accessor.count);
-    for (std::uint64_t n = 0; n < accessor.count; ++n) {
-      std::uint32_t value = 0;
-      std::memcpy(&value, bytes.data() + n * width, width);
-      geometry.indices.push_back(value);
-    }
-    return true;
-  }
-
-  void CheckGeometry(const GltfPrimitive& primitive,
-                     const GltfAccessor& position,
-                     const Geometry& geometry) {
-    const std::string place = primitive.place + ".attributes.POSITION";
-    for (const Eigen::Vector3f& p : geometry.positions) {
-      if (!p.allFinite()) {
-        findings_.Error(place, "a vertex is not finite");
-        return;
-      }
-    }
+  // Finite, and with the bounds that the accessor states.
+  void CheckGeometry(const JsonPlace& primitive, const PrimitiveGeometry& geometry) {
+    const JsonPlace place = primitive["attributes"]["POSITION"];
     Eigen::Vector3f low = geometry.positions.front();
     Eigen::Vector3f high = low;
     for (const Eigen::Vector3f& p : geometry.positions) {
+      if (!p.allFinite()) return place.Error("a vertex is not finite");
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     }
-    const auto differs = [](const std::vector<double>& stated, const Eigen::Vector3f& true_value) {
-      return stated.size() != 3 || static_cast<float>(stated[0]) != true_value.x() ||
-             static_cast<float>(stated[1]) != true_value.y() ||
-             static_cast<float>(stated[2]) != true_value.z();
+    const int number = place.Index(buffers_.num_accessors());
+    const JsonPlace accessor = root_["accessors"].At(static_cast<std::size_t>(number));
+    const auto differs = [](const JsonPlace& stated, const Eigen::Vector3f& true_value) {
+      Eigen::Vector3d value;
+      return !stated.Numbers({value.data(), 3}) || value.cast<float>() != true_value;
     };
-    if (differs(position.min, low) || differs(position.max, high)) {
-      findings_.Error(place, "min and max are not those of the vertices");
-    }
-    if (primitive.mode == kTriangles && geometry.indices.size() % 3 != 0) {
-      findings_.Error(primitive.place + ".indices", "no multiple of three");
-    }
-    for (const std::uint32_t index : geometry.indices) {
-      if (index < geometry.positions.size()) continue;
-      findings_.Error(primitive.place + ".indices",
-                      "index " + std::to_string(index) + " of " +
-                          std::to_string(geometry.positions.size()) + " vertices");
-      return;
-    }
+    if (differs(accessor["min"], low) || differs(accessor["max"], high))
+      place.Error("min and max are not those of the vertices");
+    if (primitive["mode"].Whole(kTriangles) == kTriangles && geometry.corners.size() % 3 != 0)
+      primitive["indices"].Error("no multiple of three");
   }
 
   void CheckObjects() {
+    const JsonPlace places = root_["nodes"];
     std::set<std::pair<std::string, std::int64_t>> labels;
     std::set<std::string> names;
-    for (std::size_t n = 0; n < document_.nodes.size(); ++n) {
-      const GltfNode& node = document_.nodes[n];
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      const GltfNode& node = nodes_[n];
       report_.has_ground |= node.name == "ground" && node.mesh >= 0;
       report_.has_room |= node.name == "room" && node.mesh >= 0;
       report_.has_trajectory |= node.name == "trajectory" && node.mesh >= 0;
-      if (!node.is_object) continue;
-      const std::string place = NodePlace(n) + " '" + node.name + "'";
+      const std::optional<Label> label = LabelOf(places.At(n));
+      if (!label) continue;
+      const JsonPlace place = places.At(n).Named(node.name);
       ++report_.num_objects;
-      if (node.name.empty()) findings_.Error(place, "an object without a name");
-      if (!names.insert(node.name).second) findings_.Error(place, "name is not unique");
-      if (node.class_name.empty() || !node.instance) {
-        findings_.Error(place + ".extras", "class must be a text and instance a whole number");
+      if (node.name.empty()) place.Error("an object without a name");
+      if (!names.insert(node.name).second) place.Error("name is not unique");
+      if (label->class_name.empty() || !label->instance) {
+        place["extras"].Error("class must be a text and instance a whole number");
         continue;
       }
-      if (!labels.emplace(node.class_name, *node.instance).second) {
-        findings_.Error(place + ".extras", "class and instance are not unique");
-      }
-      if (node.name.rfind(node.class_name, 0) != 0) {
-        findings_.Warn(place, "name does not begin with its class " + node.class_name);
-      }
-      CheckObjectMesh(node, place);
+      if (!labels.emplace(label->class_name, *label->instance).second)
+        place["extras"].Error("class and instance are not unique");
+      if (node.name.rfind(label->class_name, 0) != 0)
+        place.Warn("name does not begin with its class " + label->class_name);
+      CheckObjectMesh(node, *label, place);
     }
   }
 
-  void CheckObjectMesh(const GltfNode& node, const std::string& place) {
+  void CheckObjectMesh(const GltfNode& node, const Label& label, const JsonPlace& place) {
     ValidatedObject object;
     object.name = node.name;
-    object.class_name = node.class_name;
-    object.instance = static_cast<int>(*node.instance);
-    object.prior = node.prior;
-    object.score = node.score;
+    object.class_name = label.class_name;
+    object.instance = static_cast<int>(*label.instance);
+    object.prior = label.prior;
+    object.score = label.score;
     object.world_from_object = PoseOf(node);
     if (node.mesh < 0) {
-      findings_.Warn(place, "object has no mesh");
+      place.Warn("object has no mesh");
       report_.objects.push_back(object);
       return;
     }
-    TriangleMesh mesh;
-    const Eigen::Vector3f scale =
-        Eigen::Map<const Eigen::Vector3d>(node.scale.data()).cast<float>();
-    for (const auto& geometry : geometries_[static_cast<std::size_t>(node.mesh)]) {
-      if (!geometry) return;
-      const std::uint32_t first = static_cast<std::uint32_t>(mesh.vertices.size());
-      for (const Eigen::Vector3f& p : geometry->positions) {
-        mesh.vertices.emplace_back(p.cwiseProduct(scale));
-      }
-      for (std::size_t n = 0; n + 2 < geometry->indices.size(); n += 3) {
-        mesh.faces.push_back({first + geometry->indices[n],
-                              first + geometry->indices[n + 1],
-                              first + geometry->indices[n + 2]});
-      }
-    }
-    object.size_m = SizeOf(mesh.vertices);
-    const MeshCheck check = CheckMesh(mesh);
-    if (!check.ok()) findings_.Error(place, "mesh is not closed and oriented: " + check.fault);
-    object.num_faces = static_cast<int>(mesh.faces.size());
+    const std::optional<TriangleMesh> mesh = MeshOf(node);
+    if (!mesh) return;
+    object.size_m = SizeOf(mesh->vertices);
+    const MeshCheck check = CheckMesh(*mesh);
+    if (!check.ok()) place.Error("mesh is not closed and oriented: " + check.fault);
+    object.num_faces = static_cast<int>(mesh->faces.size());
     std::set<std::array<float, 3>> places;
-    for (const Eigen::Vector3f& p : mesh.vertices) places.insert({p.x(), p.y(), p.z()});
+    for (const Eigen::Vector3f& p : mesh->vertices) places.insert({p.x(), p.y(), p.z()});
     object.num_vertices = static_cast<int>(places.size());
     object.num_components = check.num_components;
     object.volume_m3 = check.volume_m3;
@@ -324,10 +244,29 @@ class Validator {
     report_.objects.push_back(object);
   }
 
-  const GltfDocument& document_;
-  Findings& findings_;
+  // Along the object's axes, glTF's; nothing where a primitive could not be read.
+  [[nodiscard]] std::optional<TriangleMesh> MeshOf(const GltfNode& node) const {
+    TriangleMesh mesh;
+    const Eigen::Vector3f scale = node.scale.cast<float>();
+    for (const auto& geometry : geometries_[static_cast<std::size_t>(node.mesh)]) {
+      if (!geometry) return std::nullopt;
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      for (const Eigen::Vector3f& p : geometry->positions)
+        mesh.vertices.emplace_back(p.cwiseProduct(scale));
+      for (std::size_t n = 0; n + 2 < geometry->corners.size(); n += 3) {
+        mesh.faces.push_back({first + geometry->corners[n],
+                              first + geometry->corners[n + 1],
+                              first + geometry->corners[n + 2]});
+      }
+    }
+    return mesh;
+  }
+
+  JsonPlace root_;
+  GltfBuffers& buffers_;
   ValidationReport& report_;
-  std::vector<std::vector<std::optional<Geometry>>> geometries_;
+  std::vector<GltfNode> nodes_;
+  std::vector<std::vector<std::optional<PrimitiveGeometry>>> geometries_;  // of each mesh
 };
 
 }  // namespace
@@ -336,10 +275,15 @@ ValidationReport ValidateGlb(std::string_view bytes) {
   ValidationReport report;
   report.num_bytes = bytes.size();
   Findings findings;
+  findings.strict = true;
+  const ResourceLookup nothing_beside = [](const std::string&) { return std::nullopt; };
   try {
-    const std::optional<GltfDocument> document = ReadGltfDocument(bytes, findings);
-    if (document && findings.errors.empty()) Validator(*document, findings, report).Run();
-    if (findings.errors.empty()) {
+    if (const std::optional<GltfDocument> document = OpenGlb(bytes, findings)) {
+      GltfBuffers buffers(document->root(), document->binary, nothing_beside);
+      CheckStructure(document->root(), buffers);
+      if (findings.ok()) Validator(document->root(), buffers, report).Run();
+    }
+    if (findings.ok()) {
       // A second reader's opinion, on a file that has nothing left to hurt it with.
       const std::string refusal = LoadByTinyGltf(bytes);
       if (!refusal.empty()) findings.Warn("tinygltf", refusal);

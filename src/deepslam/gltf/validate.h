@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "deepslam/geometry/pose.h"
+#include "deepslam/gltf/findings.h"
 
 namespace deepslam::gltf {
 
@@ -23,7 +24,7 @@ struct ValidatedObject {
   std::optional<double> score;                       // extras.score
   Pose3 world_from_object;                           // in our axes: z up, m
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // of the mesh along the object's axes
-  int num_vertices = 0;  // after welding by position
+  int num_vertices = 0;                              // after welding by position
   int num_faces = 0;
   int num_components = 0;
   double volume_m3 = 0;
@@ -51,8 +52,6 @@ struct ValidationReport {
 
   [[nodiscard]] bool ok() const { return errors.empty(); }
 };
-
-inline constexpr std::size_t kMaxFindings = 100;
 
 // Checks header and chunks, JSON, buffer views, accessors (bounds, alignment, true min and max),
 // indices, Draco payloads against their accessors, materials of variants, transforms, the node
