@@ -20,6 +20,8 @@ ROOMS = {
     "video": set(),
     # files in, files out
     "dataset": VOCABULARY | {"image_codec", "video"},
+    "layouts": VOCABULARY | {"dataset"},
+    "convert": VOCABULARY | {"image_codec", "dataset", "layouts"},
     "storage": {"core"},
     "library": VOCABULARY,
     # text or bytes to values and back
@@ -66,7 +68,7 @@ ROOMS["batch"] = {"core", "artifact", "storage"}
 TOOLS = set(ROOMS) - {"video"}
 
 # Rooms that may touch the disk.
-FILE_ROOMS = {"dataset", "storage", "library", "pipeline", "stages", "batch"}
+FILE_ROOMS = {"dataset", "layouts", "convert", "storage", "library", "pipeline", "stages", "batch"}
 
 # Third-party include prefix -> rooms whose .cc files may include it. Never in a header.
 FENCES = {
@@ -85,11 +87,12 @@ FENCES = {
     "onnxruntime": {"detect", "propose"},
     "google/protobuf": set(),
     "onnx_excerpt.pb.h": {"detect"},
-    "nlohmann/": {"artifact", "gltf", "pipeline", "report", "stages", "eval", "library", "detect", "tools", "dataset"},
+    "nlohmann/": {"artifact", "gltf", "pipeline", "report", "stages", "eval", "library", "detect", "tools", "layouts",
+                  "convert"},
     "png.h": {"image_codec"},
     "jpeglib.h": {"image_codec"},
     "webp/": {"image_codec"},
-    "zlib.h": {"dataset", "image_codec"},
+    "zlib.h": {"layouts", "image_codec"},
     "blosc.h": {"dataset"},
     "yaml-cpp/": {"dataset", "pipeline", "synth", "artifact"},
     "CLI/": {"tools"},

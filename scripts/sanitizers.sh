@@ -27,7 +27,7 @@ done
 cd "$(dirname "$0")/.."
 if [ ${#rooms[@]} -eq 0 ]; then
   # asan:fuzz replays the corpora of all parsers.
-  rooms=(tsan:core asan:fuzz tsan:dataset asan:dataset asan:artifact asan:gltf
+  rooms=(tsan:core asan:fuzz tsan:dataset tsan:layouts asan:dataset asan:layouts asan:convert asan:artifact asan:gltf
     tsan:alignment tsan:tracking tsan:associate tsan:registration tsan:select tsan:fuse tsan:observe tsan:propose tsan:render tsan:shape
     tsan:report tsan:stages tsan:batch)
   for tests in tests/*/CMakeLists.txt; do

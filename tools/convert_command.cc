@@ -6,8 +6,8 @@
 
 #include "commands.h"
 #include "console.h"
-#include "deepslam/dataset/capture.h"
-#include "deepslam/dataset/convert.h"
+#include "deepslam/convert/convert.h"
+#include "deepslam/layouts/open_capture.h"
 
 namespace deepslam::tools {
 namespace {
@@ -23,16 +23,16 @@ struct Arguments {
 int Convert(const Arguments& arguments) {
   if (arguments.out.empty())
     return ReportError(InvalidConfig("OUT: names no folder or file; give the result's"));
-  const dataset::OutputFormat* format = dataset::FindOutputFormat(arguments.to);
+  const convert::OutputFormat* format = convert::FindOutputFormat(arguments.to);
   CatchStopSignals();
   const Result<dataset::Capture> capture =
-      dataset::OpenCapture(arguments.in, dataset::FramesTaken::kAll);
+      layouts::OpenCapture(arguments.in, layouts::FramesTaken::kAll);
   if (!capture.ok()) return ReportError(capture.error());
   for (const std::string& warning : capture->warnings) LogWarning(warning);
   ConsoleListener listener(ParseProgressStyle(arguments.progress), false);
   listener.StageStarts("convert", {});
-  const Result<dataset::ConversionReport> report =
-      dataset::ConvertCapture(*capture,
+  const Result<convert::ConversionReport> report =
+      convert::ConvertCapture(*capture,
                               arguments.out,
                               *format,
                               arguments.depth_units_per_m,
@@ -52,7 +52,7 @@ int Convert(const Arguments& arguments) {
   for (const std::string& loss : report->losses) LogWarning("lost: " + loss);
   if (report->losses.empty()) LogInfo("nothing is lost");
   if (::isatty(STDOUT_FILENO) != 0) return kExitOk;
-  const Status status = WriteResult("", dataset::FormatReport(*report));
+  const Status status = WriteResult("", convert::FormatReport(*report));
   return status.ok() ? kExitOk : ReportError(status.error());
 }
 
@@ -66,7 +66,7 @@ void AddConvert(CLI::App& app, Command& chosen) {
   convert->add_option("OUT", arguments->out, "Folder to write; for scannet a file NAME.sens")
       ->required();
   std::vector<std::string> names;
-  for (const dataset::OutputFormat& format : dataset::OutputFormats())
+  for (const convert::OutputFormat& format : convert::OutputFormats())
     names.emplace_back(format.name);
   convert->add_option("--to", arguments->to, "Layout to write: tum, 7scenes, scannet or open3d")
       ->required()

@@ -12,7 +12,7 @@
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
-#include "deepslam/dataset/capture.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/model_cache.h"
@@ -127,7 +127,7 @@ std::string Registration(const dataset::Capture& capture) {
 }
 
 Finding CheckCapture(const std::string& folder) {
-  const Result<dataset::Capture> capture = dataset::OpenCapture(folder);
+  const Result<dataset::Capture> capture = layouts::OpenCapture(folder);
   if (!capture.ok()) return {"capture", false, capture.error().message};
   const int frames = capture->frames->num_frames();
   const PinholeCamera& camera = capture->frames->camera();

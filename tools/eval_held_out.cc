@@ -13,8 +13,8 @@
 #include "deepslam/artifact/objects_json.h"
 #include "deepslam/artifact/segments_json.h"
 #include "deepslam/artifact/trajectory_files.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/eval/held_out.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/mesh/extract_surface.h"
 #include "deepslam/pipeline/consistency.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -62,7 +62,7 @@ std::set<FrameIdx> FramesOf(const MapObject& object) {
 
 Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_folder) {
   if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
-  Result<dataset::Capture> capture = dataset::OpenCapture(capture_folder);
+  Result<dataset::Capture> capture = layouts::OpenCapture(capture_folder);
   if (!capture.ok()) return capture.error();
   const Result<std::string> tum = ReadTracking(workspace);
   if (!tum.ok()) return tum.error();

@@ -7,9 +7,9 @@
 
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/trajectory_files.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/tsdf.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
@@ -90,7 +90,7 @@ Result<Points> FusedPoints(const MapResult& map, const Truth& truth) {
 
 // Surface points of the frames that stage `fuse` takes, at 1 cm.
 Result<std::int64_t> CountCloudPoints(const fs::path& workspace, const fs::path& capture_folder) {
-  const Result<dataset::Capture> capture = dataset::OpenCapture(capture_folder);
+  const Result<dataset::Capture> capture = layouts::OpenCapture(capture_folder);
   if (!capture.ok()) return capture.error();
   const Result<std::string> frames_json = storage::ReadFile(workspace / "optimize" / "frames.json");
   if (!frames_json.ok()) return frames_json.error();

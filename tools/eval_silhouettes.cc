@@ -11,9 +11,9 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/core/progress.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/eval/map_silhouettes.h"
 #include "deepslam/eval/silhouette.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/pipeline/consistency.h"
 #include "deepslam/pipeline/stage.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -54,7 +54,7 @@ int EvalSilhouettes(const std::string& workspace,
                     const std::string& json_file) {
   if (const Status status = pipeline::CheckConsistency(workspace); !status.ok())
     return ReportError(status.error());
-  const Result<dataset::Capture> opened = dataset::OpenCapture(capture);
+  const Result<dataset::Capture> opened = layouts::OpenCapture(capture);
   if (!opened.ok()) return ReportError(opened.error());
   const Result<eval::SilhouetteReport> report = CompareSilhouettes(workspace, *opened->frames);
   if (!report.ok())

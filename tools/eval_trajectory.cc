@@ -7,8 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/eval/trajectory_error.h"
+#include "deepslam/layouts/open_capture.h"
 #include "eval_commands.h"
 #include "eval_data.h"
 
@@ -21,7 +21,7 @@ using artifact::JsonValue;
 
 // Those that came with a capture of a layout other than TUM's.
 Result<std::vector<eval::TimedPose>> CapturePoses(const std::string& path) {
-  const Result<dataset::Capture> capture = dataset::OpenCapture(path, dataset::FramesTaken::kAll);
+  const Result<dataset::Capture> capture = layouts::OpenCapture(path, layouts::FramesTaken::kAll);
   if (!capture.ok() || !capture->has_poses) {
     return InvalidInput(
         fmt::format("{}: holds no trajectory: neither a workspace nor a capture with poses", path));

@@ -10,8 +10,8 @@
 
 #include "commands.h"
 #include "console.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/dataset/image_files.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/modelling/proposal_look.h"
 #include "deepslam/priors/proposal_sheet.h"
 #include "deepslam/stages/data_folder.h"
@@ -101,7 +101,7 @@ Result<std::vector<modelling::ProposalLook>> LookAt(const LookArguments& argumen
   if (!config.ok()) return config.error();
   const Result<ClassTable> classes = stages::LoadClasses(*config);
   if (!classes.ok()) return classes.error();
-  Result<dataset::Capture> opened = dataset::OpenCapture(arguments.capture);
+  Result<dataset::Capture> opened = layouts::OpenCapture(arguments.capture);
   if (!opened.ok()) return opened.error();
   const auto capture = std::make_shared<const dataset::Capture>(std::move(opened).value());
   const stages::RunInputs inputs{

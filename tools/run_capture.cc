@@ -11,6 +11,7 @@
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/kept_frames.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/modelling/prepared_models.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
@@ -69,7 +70,7 @@ Result<dataset::Capture> OpenBesideModels(const fs::path& capture,
   Result<dataset::Capture> opened = InvalidInput("");
   ParallelFor(2, [&](std::size_t n) {
     if (n == 0) {
-      opened = dataset::OpenCapture(capture);
+      opened = layouts::OpenCapture(capture);
     } else {
       stages::HashModels(inputs);
     }

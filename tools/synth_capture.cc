@@ -11,11 +11,11 @@
 #include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/layout_json.h"
 #include "deepslam/artifact/ply.h"
+#include "deepslam/convert/tum_writer.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/dataset/read_bytes.h"
-#include "deepslam/dataset/tum_writer.h"
 #include "deepslam/gltf/textured_model.h"
 #include "deepslam/library/catalogue.h"
 #include "deepslam/library/zip_archive.h"
@@ -212,7 +212,7 @@ Status WriteInstances(const fs::path& folder, int frame, const Image<std::uint8_
 // Frames are rendered some at a time, while those before are encoded and written in their order.
 Status WriteFrames(const fs::path& folder,
                    const synth::CaptureRenderer& renderer,
-                   dataset::TumWriter& writer,
+                   convert::TumWriter& writer,
                    Progress& progress) {
   constexpr int kAtATime = 4;
   std::vector<synth::RenderedFrame> ready;
@@ -252,7 +252,7 @@ Status RenderInto(const fs::path& folder,
   dataset::CaptureSettings settings;
   settings.camera = scene.camera;
   settings.depth_units_per_m = scene.depth_units_per_m;
-  Result<dataset::TumWriter> writer = dataset::TumWriter::Create(folder, settings);
+  Result<convert::TumWriter> writer = convert::TumWriter::Create(folder, settings);
   if (!writer) return writer.error();
   std::error_code code;
   fs::create_directories(folder / "truth" / "instances", code);

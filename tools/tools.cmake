@@ -4,7 +4,7 @@ add_executable(deepslam
   make_command.cc man_page.cc
   run_capture.cc run_command.cc
   furniture_files.cc known_shapes.cc priors_command.cc priors_look.cc synth_capture.cc training_models.cc training_shards.cc)
-target_link_libraries(deepslam PRIVATE deepslam::batch deepslam::stages deepslam::synth deepslam::furniture deepslam::priors CLI11::CLI11 spdlog::spdlog fmt::fmt)
+target_link_libraries(deepslam PRIVATE deepslam::batch deepslam::stages deepslam::convert deepslam::layouts deepslam::synth deepslam::furniture deepslam::priors CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam)
 target_sources(deepslam PRIVATE
   candidate_files.cc eval_data.cc eval_detections.cc eval_held_out.cc eval_layout.cc eval_map.cc eval_objects.cc eval_selection.cc eval_trajectory.cc)

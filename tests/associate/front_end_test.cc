@@ -10,11 +10,11 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/associate/associate.h"
-#include "deepslam/dataset/capture.h"
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/fitted_network.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/scene/measured_parts.h"
 #include "deepslam/segment/segment_objects.h"
@@ -119,7 +119,7 @@ TEST(FrontEnd, FindsOneTableAndItsChairsInARealKitchen) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
   const auto weights = WeightBytes("yolov8s.onnx");
   ASSERT_TRUE(weights) << "scripts/setup.sh installs yolov8s.onnx";
-  const auto capture = dataset::OpenCapture(data / "data/redkitchen");
+  const auto capture = layouts::OpenCapture(data / "data/redkitchen");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   const Outcome outcome = RunFrontEnd(*capture->frames, 20, *weights);
   const auto counts = CountClasses(outcome.association);
@@ -144,7 +144,7 @@ TEST(FrontEnd, FindsACabinetThatNoDetectorKnows) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
   const auto weights = WeightBytes("yolov8s.onnx");
   ASSERT_TRUE(weights) << "scripts/setup.sh installs yolov8s.onnx";
-  const auto capture = dataset::OpenCapture(data / "data/fr3_cabinet");
+  const auto capture = layouts::OpenCapture(data / "data/fr3_cabinet");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   const Outcome outcome = RunFrontEnd(*capture->frames, 3, *weights);
   ASSERT_THAT(outcome.association.tracks, SizeIs(1));
@@ -155,7 +155,7 @@ TEST(FrontEnd, FindsACabinetThatNoDetectorKnows) {
 
 TEST(FrontEnd, DetectsTheSameWithAnyNumberOfThreads) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
-  const auto capture = dataset::OpenCapture(data / "data/redkitchen");
+  const auto capture = layouts::OpenCapture(data / "data/redkitchen");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   const Frame frame = *capture->frames->Read({250});
   for (const char* file : {"yolov8s.onnx", "yolo11n.onnx", "yolo11n-seg.onnx"}) {
@@ -200,7 +200,7 @@ void ExpectAmong(const std::vector<detect::RawDetection>& some,
 
 TEST(FrontEnd, DetectsTheSameWithoutPadding) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
-  const auto capture = dataset::OpenCapture(data / "data/redkitchen");
+  const auto capture = layouts::OpenCapture(data / "data/redkitchen");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   for (const char* file : {"yolov8n.onnx", "yolov8s.onnx", "yolo11n.onnx", "yolo11n-seg.onnx"}) {
     const auto weights = WeightBytes(file);

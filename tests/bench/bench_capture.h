@@ -11,7 +11,7 @@
 #include "deepslam/core/freed_memory.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/result.h"
-#include "deepslam/dataset/capture.h"
+#include "deepslam/layouts/open_capture.h"
 
 namespace deepslam::bench {
 
@@ -22,7 +22,7 @@ inline Result<dataset::Capture> OpenNamedCapture() {
       std::getenv("DEEPSLAM_BENCH_CAPTURE");  // NOLINT(concurrency-mt-unsafe)
   if (folder == nullptr)
     return InvalidConfig("DEEPSLAM_BENCH_CAPTURE: not set; name the folder of a capture");
-  return dataset::OpenCapture(folder);
+  return layouts::OpenCapture(folder);
 }
 
 // All frames once, by the number of threads that the benchmark's argument gives.

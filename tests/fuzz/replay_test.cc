@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dataset/allocation_watch.h"
+#include "support/allocation_watch.h"
 #include "support/temp_dir.h"
 
 namespace deepslam::fuzz {

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "artifact/sample_values.h"
-#include "dataset/foreign_captures.h"
 #include "deepslam/artifact/association_json.h"
 #include "deepslam/artifact/ground_json.h"
 #include "deepslam/artifact/loops_json.h"
@@ -26,6 +25,7 @@
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/voxel_code.h"
 #include "gltf/test_scene.h"
+#include "layouts/foreign_captures.h"
 #include "support/grid_onnx.h"
 #include "support/temp_dir.h"
 #include "support/tiny_onnx.h"
@@ -147,24 +147,24 @@ void PutScenes(Corpus& corpus) {
 
 void PutCaptures(Corpus& corpus) {
   for (const int codec : {0, 1, 2}) {
-    dataset::foreign::SensOptions options;
+    layouts::foreign::SensOptions options;
     options.num_frames = 2;
     options.colour_codec = codec == 0 ? 1 : codec;  // raw colour is large
     options.depth_codec = codec;
     options.num_motions = codec;
-    corpus.Put("sens", std::to_string(codec), dataset::foreign::Sens(options));
+    corpus.Put("sens", std::to_string(codec), layouts::foreign::Sens(options));
   }
   const std::string head = {'\x1F', '\0', '\x17', '\0'};  // 32 x 24
-  corpus.Put("sens_depth", "raw", '\1' + head + dataset::foreign::RawDepth(0));
-  corpus.Put("sens_depth", "zlib", '\2' + head + dataset::foreign::ZlibDepth(0));
-  corpus.Put("sens_depth", "occi", '\3' + head + dataset::foreign::OcciDepth());
+  corpus.Put("sens_depth", "raw", '\1' + head + layouts::foreign::RawDepth(0));
+  corpus.Put("sens_depth", "zlib", '\2' + head + layouts::foreign::ZlibDepth(0));
+  corpus.Put("sens_depth", "occi", '\3' + head + layouts::foreign::OcciDepth());
   const cv::Mat picture(6, 8, CV_8UC3, cv::Scalar(9, 80, 200));
-  corpus.Put("image", "colour.png", dataset::foreign::Encoded(".png", picture));
-  corpus.Put("image", "colour.jpg", dataset::foreign::Encoded(".jpg", picture));
-  corpus.Put("image", "colour.bmp", dataset::foreign::Encoded(".bmp", picture));
-  corpus.Put("image", "other_size.png", dataset::foreign::ColourFile(0));
+  corpus.Put("image", "colour.png", layouts::foreign::Encoded(".png", picture));
+  corpus.Put("image", "colour.jpg", layouts::foreign::Encoded(".jpg", picture));
+  corpus.Put("image", "colour.bmp", layouts::foreign::Encoded(".bmp", picture));
+  corpus.Put("image", "other_size.png", layouts::foreign::ColourFile(0));
   for (const char* const end : {".png", ".jpg", ".webp"})
-    corpus.Put("texture", std::string("colour") + end, dataset::foreign::Encoded(end, picture));
+    corpus.Put("texture", std::string("colour") + end, layouts::foreign::Encoded(end, picture));
 }
 
 void PutNetworks(Corpus& corpus) {

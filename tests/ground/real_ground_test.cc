@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "deepslam/dataset/capture.h"
 #include "deepslam/ground/ground_plane.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/tracking/odometry.h"
 #include "support/test_data.h"
 
@@ -22,7 +22,7 @@ struct Estimated {
 
 Estimated Estimate(const std::filesystem::path& folder) {
   SilentProgress progress;
-  Result<dataset::Capture> capture = dataset::OpenCapture(folder);
+  Result<dataset::Capture> capture = layouts::OpenCapture(folder);
   Estimated result{std::move(capture).value(), {}, {}};
   Result<Odometry> odometry = tracking::OdometryFromCapturePoses(
       *result.capture.frames, tracking::OdometryOptions{}, progress);

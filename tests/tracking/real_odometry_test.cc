@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "deepslam/dataset/capture.h"
+#include "deepslam/layouts/open_capture.h"
 #include "deepslam/tracking/odometry.h"
 #include "support/test_data.h"
 
@@ -35,7 +35,7 @@ int NumAligned(const Odometry& odometry) {
 
 TEST(RealOdometry, FollowsTheKitchenWithoutLosingAFrame) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
-  const auto capture = dataset::OpenCapture(data / "data" / "redkitchen");
+  const auto capture = layouts::OpenCapture(data / "data" / "redkitchen");
   ASSERT_TRUE(capture.ok());
   SilentProgress progress;
   const auto odometry = EstimateOdometry(*capture->frames, OdometryOptions{}, progress);
@@ -48,7 +48,7 @@ TEST(RealOdometry, FollowsTheKitchenWithoutLosingAFrame) {
 
 TEST(RealOdometry, FollowsBigStepsRoundAPlainCabinet) {
   DEEPSLAM_REQUIRE_TEST_DATA(data);
-  const auto capture = dataset::OpenCapture(data / "data" / "fr3_cabinet");
+  const auto capture = layouts::OpenCapture(data / "data" / "fr3_cabinet");
   ASSERT_TRUE(capture.ok());
   SilentProgress progress;
   const auto odometry = EstimateOdometry(*capture->frames, OdometryOptions{}, progress);

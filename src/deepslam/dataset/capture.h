@@ -1,5 +1,4 @@
-// A capture opened for reading: any known layout becomes a FrameSource. Layouts: layout.h,
-// docs/formats.md; capture.yaml, which may stand in any folder: capture_settings.h.
+// A capture opened for reading, whatever its layout (layouts/open_capture.h opens it).
 #pragma once
 
 #include <filesystem>
@@ -7,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "deepslam/core/result.h"
 #include "deepslam/dataset/read_faults.h"
 #include "deepslam/dataset/stored_frames.h"
 #include "deepslam/scene/frame_source.h"
@@ -30,14 +28,5 @@ struct Capture {
   bool has_poses = false;             // at least one frame has a pose
   bool has_times = true;  // false: the layout has none, frames are taken for 30 per second
 };
-
-// Opens a capture. Frames are read later, one at a time; here every file is read once for the hash,
-// and a few frames are decoded so that a capture of which nothing can be used is refused now.
-// Errors name file, line, field and remedy.
-//
-// Of more frames than capture.yaml's max_frames every n-th is taken, which a warning tells; or all.
-enum class FramesTaken { kAtMostMaxFrames, kAll };
-Result<Capture> OpenCapture(const std::filesystem::path& path,
-                            FramesTaken taken = FramesTaken::kAtMostMaxFrames);
 
 }  // namespace deepslam::dataset

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "deepslam/core/sha256.h"
+#include "deepslam/dataset/image_pair.h"
 #include "deepslam/dataset/stored_frames.h"
-#include "deepslam/dataset/tum_lists.h"
 
 namespace deepslam::dataset {
 

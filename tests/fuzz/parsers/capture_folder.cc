@@ -5,9 +5,9 @@
 #include <fstream>
 #include <string>
 
-#include "deepslam/dataset/capture.h"
 #include "deepslam/dataset/image_files.h"
 #include "deepslam/image_codec/png.h"
+#include "deepslam/layouts/open_capture.h"
 #include "fuzz/entry.h"
 
 namespace deepslam::fuzz {
@@ -81,7 +81,7 @@ DEEPSLAM_FUZZ(capture_folder) {
     fs::create_directories((folder.path() / name).parent_path(), ignored);
     std::ofstream(folder.path() / name, std::ios::binary) << text;
   }
-  const auto capture = dataset::OpenCapture(folder.path());
+  const auto capture = layouts::OpenCapture(folder.path());
   if (!capture.ok()) return Refused(capture.error(), folder.path().string());
   for (std::size_t i = 0; i < 2 && i < static_cast<std::size_t>(capture->frames->num_frames()); ++i)
     (void)capture->frames->Read(FrameIdx{static_cast<int>(i)});
