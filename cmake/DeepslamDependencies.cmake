@@ -23,6 +23,8 @@ find_package(nanoflann REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(Open3D REQUIRED)
+# It states the compiler's default, and a macro of the command line keeps precompiled headers from being taken.
+set_property(TARGET Open3D::Open3D PROPERTY INTERFACE_COMPILE_DEFINITIONS "")
 
 # ONNX Runtime: an installation given by onnxruntime_ROOT, else the one that scripts/setup.sh made.
 if(DEFINED ENV{XDG_DATA_HOME})

@@ -20,7 +20,7 @@
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/batch/batch_state.h"
-#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/geometry/trajectory_error.h"
 #include "deepslam/storage/store.h"
 #include "run_capture.h"
 
@@ -123,7 +123,7 @@ std::optional<batch::PathError> MeasurePath(const CaptureRunResult& result,
   if (!result.capture->has_poses || !text.ok()) return std::nullopt;
   const auto poses = artifact::DecodeTum(*text, "trajectory.tum");
   if (!poses.ok()) return std::nullopt;
-  std::vector<eval::TimedPose> estimate, truth;
+  std::vector<TimedPose> estimate, truth;
   for (const artifact::StampedPose& pose : *poses)
     estimate.push_back({pose.time_s, pose.world_from_camera});
   const FrameSource& frames = *result.capture->frames;
@@ -131,7 +131,7 @@ std::optional<batch::PathError> MeasurePath(const CaptureRunResult& result,
     if (const auto pose = frames.capture_world_from_camera(FrameIdx{i}))
       truth.push_back({frames.time_s(FrameIdx{i}), *pose});
   }
-  const auto error = eval::ComputeTrajectoryError(std::move(estimate), std::move(truth), {});
+  const auto error = ComputeTrajectoryError(std::move(estimate), std::move(truth), {});
   if (!error.ok()) return std::nullopt;
   return batch::PathError{error->ate_m.rmse, error->num_scored, error->num_frames};
 }

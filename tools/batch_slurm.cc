@@ -113,9 +113,8 @@ Result<Jobs> SubmitAll(const batch::BatchFolder& folder,
   batch.program = fs::read_symlink("/proc/self/exe", error);
   batch.script = folder.internals() / "task.sh";
   batch.num_captures = static_cast<int>(plan.captures.size());
-  batch.per_task = arguments.per_task > 0
-                       ? arguments.per_task
-                       : batch::CapturesPerTask(batch.num_captures, MaxTasks());
+  batch.per_task = arguments.per_task > 0 ? arguments.per_task
+                                          : batch::CapturesPerTask(batch.num_captures, MaxTasks());
   batch.at_a_time = at_a_time;
   batch.num_threads = plan.num_threads;
   batch.options = arguments.options;
@@ -253,8 +252,7 @@ void GatherRecords(const batch::BatchFolder& folder,
   int num_asked = 0;
   for (std::size_t i = 0; i < plan.captures.size(); ++i) {
     CaptureRecord record = ReadRecordOf(folder, plan.captures[i]);
-    const bool ended =
-        record.state == CaptureState::kDone || record.state == CaptureState::kFailed;
+    const bool ended = record.state == CaptureState::kDone || record.state == CaptureState::kFailed;
     if (!ended && jobs_are_over) {
       std::string job_state;
       if (jobs.ok() && ++num_asked <= kMaxJobsAsked) {

@@ -24,7 +24,8 @@ void ReplaceAll(std::string& text, std::string_view what, std::string_view with)
 }
 
 // Pages are passed on: where things lie on this machine is nobody's business.
-std::string WithoutPaths(std::string text, const batch::BatchFolder& folder,
+std::string WithoutPaths(std::string text,
+                         const batch::BatchFolder& folder,
                          const CaptureRecord& record) {
   ReplaceAll(text, record.capture + "/", "");
   ReplaceAll(text, folder.root.string() + "/", "");

@@ -1,5 +1,5 @@
-// A worker of `deepslam batch`: takes numbers of captures on standard input, answers with records on
-// standard output. Not for people: no help lists it.
+// A worker of `deepslam batch`: takes numbers of captures on standard input, answers with records
+// on standard output. Not for people: no help lists it.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -46,8 +46,8 @@ class LineReader {
   std::string unread_;
 };
 
-// One record, one line. What libraries print to standard output must not come between: it goes where
-// the log goes.
+// One record, one line. What libraries print to standard output must not come between: it goes
+// where the log goes.
 class RecordWriter {
  public:
   RecordWriter() : fd_(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3)) {
@@ -111,7 +111,8 @@ int WorkOnTask(const std::string& root, std::size_t task, std::size_t per_task) 
     state.captures.push_back(ReadRecordOf(work->folder, work->plan.captures[i]));
   }
   BatchDisplay display(BatchStyle::kLines, {});
-  const Status outcome = RunLocally(work->folder, indices, [] { return Ok(); }, display, state);
+  const Status outcome = RunLocally(
+      work->folder, indices, [] { return Ok(); }, display, state);
   return outcome.ok() ? ExitCode(state) : ReportError(outcome.error());
 }
 

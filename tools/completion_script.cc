@@ -27,7 +27,9 @@ std::string Replaced(std::string_view text, char from, std::string_view to) {
 }
 
 // Inside single quotes of bash and zsh.
-std::string Quoted(const std::string& text) { return fmt::format("'{}'", Replaced(text, '\'', "'\\''")); }
+std::string Quoted(const std::string& text) {
+  return fmt::format("'{}'", Replaced(text, '\'', "'\\''"));
+}
 
 // Inside single quotes of fish.
 std::string FishQuoted(const std::string& text) {
@@ -67,7 +69,9 @@ ValueCases CasesOf(const CommandNode& root, std::string_view offer) {
         if (!cases.any.empty()) cases.any += " | ";
         cases.any += pattern;
       } else {
-        cases.known += fmt::format("    {}) {} ;;\n", pattern, fmt::format(fmt::runtime(offer), Joined(option.choices, " ")));
+        cases.known += fmt::format("    {}) {} ;;\n",
+                                   pattern,
+                                   fmt::format(fmt::runtime(offer), Joined(option.choices, " ")));
       }
     }
   }
@@ -99,7 +103,9 @@ std::string BashCompletion(const CommandNode& root, const SettingWords& settings
       "_deepslam_files() { compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -f "
       "-- \"$cur\"); }\n\n";
   text += "_deepslam() {\n";
-  text += "  local cur=\"${COMP_WORDS[COMP_CWORD]}\" prev=\"${COMP_WORDS[COMP_CWORD-1]}\" before=\"\"\n";
+  text +=
+      "  local cur=\"${COMP_WORDS[COMP_CWORD]}\" prev=\"${COMP_WORDS[COMP_CWORD-1]}\" "
+      "before=\"\"\n";
   text += "  local command=\"\" word i setting=\"\"\n";
   text += "  COMPREPLY=()\n";
   text += "  for ((i = 1; i < COMP_CWORD; i++)); do\n";
@@ -114,12 +120,14 @@ std::string BashCompletion(const CommandNode& root, const SettingWords& settings
   text += "    case \"$before\" in\n";
   for (const auto& [name, words] : settings) {
     if (!words.empty())
-      text += fmt::format("      {}) _deepslam_words \"{}\"; return ;;\n", name, Joined(words, " "));
+      text +=
+          fmt::format("      {}) _deepslam_words \"{}\"; return ;;\n", name, Joined(words, " "));
   }
   text += "    esac\n  fi\n";
   text += "  case \"$command $prev\" in\n";
-  text += fmt::format("    *' --set') compopt -o nospace 2>/dev/null; _deepslam_words \"{}\"; return ;;\n",
-                      SettingNames(settings));
+  text += fmt::format(
+      "    *' --set') compopt -o nospace 2>/dev/null; _deepslam_words \"{}\"; return ;;\n",
+      SettingNames(settings));
   text += values.known;
   text += fmt::format("    {}) _deepslam_files; return ;;\n", values.any);
   text += "  esac\n";
@@ -198,7 +206,7 @@ std::string FishCompletion(const CommandNode& root, const SettingWords& settings
       text += "complete -c deepslam" + condition;
       for (const std::string& name : option.names)
         text += name.starts_with("--") ? fmt::format(" -l {}", name.substr(2))
-                                      : fmt::format(" -s {}", name.substr(1));
+                                       : fmt::format(" -s {}", name.substr(1));
       if (option.names.back() == "--set") {
         text += " -x -a " + FishQuoted(SettingNames(settings));
       } else if (!option.choices.empty()) {

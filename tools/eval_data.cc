@@ -207,19 +207,19 @@ Result<MappedObject> ReadMapped(const fs::path& workspace,
 
 }  // namespace
 
-Result<std::vector<eval::TimedPose>> ReadTum(const fs::path& file) {
+Result<std::vector<TimedPose>> ReadTum(const fs::path& file) {
   const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   const auto decoded = artifact::DecodeTum(*text, file.string());
   if (!decoded.ok()) return decoded.error();
-  std::vector<eval::TimedPose> poses;
+  std::vector<TimedPose> poses;
   for (const artifact::StampedPose& pose : *decoded)
     poses.push_back({pose.time_s, pose.world_from_camera});
   return poses;
 }
 
-Result<std::vector<eval::TimedPose>> ReadCaptureTum(const fs::path& file) {
-  Result<std::vector<eval::TimedPose>> strict = ReadTum(file);
+Result<std::vector<TimedPose>> ReadCaptureTum(const fs::path& file) {
+  Result<std::vector<TimedPose>> strict = ReadTum(file);
   if (strict.ok()) return strict;
   const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
@@ -227,7 +227,7 @@ Result<std::vector<eval::TimedPose>> ReadCaptureTum(const fs::path& file) {
   const Result<std::vector<layouts::TimedPose>> parsed = layouts::ParsePoses(*text, file, warnings);
   if (!parsed.ok()) return parsed.error();
   for (const std::string& warning : warnings) LogWarning(warning);
-  std::vector<eval::TimedPose> poses;
+  std::vector<TimedPose> poses;
   for (const layouts::TimedPose& pose : *parsed)
     poses.push_back({pose.time_s, pose.world_from_camera});
   return poses;
@@ -254,7 +254,7 @@ Result<Truth> ReadTruth(const fs::path& capture,
                         bool objects_wanted) {
   Truth truth;
   truth.capture = capture;
-  Result<std::vector<eval::TimedPose>> poses = ReadCaptureTum(capture / "groundtruth.txt");
+  Result<std::vector<TimedPose>> poses = ReadCaptureTum(capture / "groundtruth.txt");
   if (!poses.ok()) return poses.error();
   truth.poses = std::move(poses).value();
   if (!objects_wanted) return truth;
@@ -273,11 +273,10 @@ Result<MapResult> ReadMapResult(const fs::path& workspace, const Truth& truth) {
   if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
   MapResult result;
   result.workspace = workspace;
-  const Result<std::vector<eval::TimedPose>> poses =
-      ReadTum(workspace / "optimize" / "trajectory.tum");
+  const Result<std::vector<TimedPose>> poses = ReadTum(workspace / "optimize" / "trajectory.tum");
   if (!poses.ok()) return poses.error();
-  Result<eval::TrajectoryError> error =
-      eval::ComputeTrajectoryError(*poses, truth.poses, eval::TrajectoryErrorOptions());
+  Result<TrajectoryError> error =
+      ComputeTrajectoryError(*poses, truth.poses, TrajectoryErrorOptions());
   if (!error.ok())
     return InvalidInput(fmt::format("{} and {}: cannot be aligned: {}",
                                     workspace.string(),

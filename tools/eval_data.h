@@ -12,7 +12,7 @@
 #include "deepslam/eval/bootstrap.h"
 #include "deepslam/eval/placement.h"
 #include "deepslam/eval/surface_comparison.h"
-#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/geometry/trajectory_error.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/triangle_mesh.h"
 #include "deepslam/scene/voxel_grid.h"
@@ -35,16 +35,15 @@ struct TrueObject {
 struct Truth {
   std::filesystem::path capture;
   std::vector<TrueObject> objects;  // those that some frame sees
-  std::vector<eval::TimedPose> poses;
+  std::vector<TimedPose> poses;
   int num_unseen = 0;  // objects that no frame sees well enough to ask for them
 };
 
 // Of a workspace: what this program wrote, and nothing else.
-[[nodiscard]] Result<std::vector<eval::TimedPose>> ReadTum(const std::filesystem::path& file);
+[[nodiscard]] Result<std::vector<TimedPose>> ReadTum(const std::filesystem::path& file);
 // Of a capture, or given as truth: whatever `run` takes as a capture's groundtruth.txt is read as
 // it is there. What is left out or sorted is told on stderr.
-[[nodiscard]] Result<std::vector<eval::TimedPose>> ReadCaptureTum(
-    const std::filesystem::path& file);
+[[nodiscard]] Result<std::vector<TimedPose>> ReadCaptureTum(const std::filesystem::path& file);
 
 // `capture` is a folder with groundtruth.txt and truth/objects.json (`deepslam synth`) or
 // objects.json (annotated by hand, docs/evaluation.md); `annotation` names another file in its
@@ -65,7 +64,7 @@ struct MappedObject {
 struct MapResult {
   std::filesystem::path workspace;
   std::vector<MappedObject> objects;
-  eval::TrajectoryError trajectory;  // truth_from_estimate brings the map into the true world
+  TrajectoryError trajectory;  // truth_from_estimate brings the map into the true world
 };
 // The final map, aligned by the trajectory's rigid motion.
 [[nodiscard]] Result<MapResult> ReadMapResult(const std::filesystem::path& workspace,

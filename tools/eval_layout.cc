@@ -60,8 +60,7 @@ void MoveTo(const Pose3& truth_from_level, Layout& layout) {
 Result<EstimatedLayout> ReadEstimate(const fs::path& workspace, const Truth& truth) {
   const auto poses = ReadTum(workspace / "track" / "trajectory.tum");
   if (!poses.ok()) return poses.error();
-  const auto error =
-      eval::ComputeTrajectoryError(*poses, truth.poses, eval::TrajectoryErrorOptions());
+  const auto error = ComputeTrajectoryError(*poses, truth.poses, TrajectoryErrorOptions());
   if (!error.ok()) {
     return InvalidInput(fmt::format("{} and {}: cannot be aligned: {}",
                                     workspace.string(),

@@ -108,7 +108,7 @@ Result<ObjectScore> ScoreObject(const MappedObject& mapped,
   return score;
 }
 
-JsonValue TrajectoryJson(const eval::TrajectoryError& error) {
+JsonValue TrajectoryJson(const TrajectoryError& error) {
   JsonObject row;
   row.emplace("ate_rmse_m", error.ate_m.rmse);
   row.emplace("num_scored", error.num_scored);

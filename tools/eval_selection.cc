@@ -66,11 +66,11 @@ Result<Proposed> ReadProposed(const fs::path& workspace, const Truth& truth) {
   if (!tum.ok()) return tum.error();
   const auto decoded = artifact::DecodeTum(*tum, poses_file.string());
   if (!decoded.ok()) return decoded.error();
-  std::vector<eval::TimedPose> poses;
+  std::vector<TimedPose> poses;
   for (const artifact::StampedPose& pose : *decoded)
     poses.push_back({pose.time_s, pose.world_from_camera});
-  const Result<eval::TrajectoryError> error =
-      eval::ComputeTrajectoryError(poses, truth.poses, eval::TrajectoryErrorOptions());
+  const Result<TrajectoryError> error =
+      ComputeTrajectoryError(poses, truth.poses, TrajectoryErrorOptions());
   if (!error.ok()) return InvalidInput(poses_file.string() + ": " + error.error().message);
   proposed.truth_from_tracking = error->truth_from_estimate;
   return proposed;

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/geometry/trajectory_error.h"
 #include "deepslam/layouts/open_capture.h"
 #include "eval_commands.h"
 #include "eval_data.h"
@@ -20,24 +20,24 @@ using artifact::JsonObject;
 using artifact::JsonValue;
 
 // Those that came with a capture of a layout other than TUM's.
-Result<std::vector<eval::TimedPose>> CapturePoses(const std::string& path) {
+Result<std::vector<TimedPose>> CapturePoses(const std::string& path) {
   const Result<dataset::Capture> capture = layouts::OpenCapture(path, layouts::FramesTaken::kAll);
   if (!capture.ok() || !capture->has_poses) {
     return InvalidInput(
         fmt::format("{}: holds no trajectory: neither a workspace nor a capture with poses", path));
   }
-  std::vector<eval::TimedPose> poses;
+  std::vector<TimedPose> poses;
   for (const dataset::StoredFrame& frame : capture->stored->frames()) {
     if (frame.world_from_colour) poses.push_back({frame.depth_time_s, *frame.world_from_colour});
   }
   return poses;
 }
 
-using PoseReader = Result<std::vector<eval::TimedPose>> (*)(const fs::path& file);
+using PoseReader = Result<std::vector<TimedPose>> (*)(const fs::path& file);
 
 // Poses of a workspace (the final ones), those that came with a capture, or of a TUM file, read by
 // `read_file`.
-Result<std::vector<eval::TimedPose>> ReadPoses(const fs::path& path, PoseReader read_file) {
+Result<std::vector<TimedPose>> ReadPoses(const fs::path& path, PoseReader read_file) {
   std::error_code error;
   if (!fs::is_directory(path, error))
     return path.extension() == ".sens" ? CapturePoses(path) : read_file(path);
@@ -49,7 +49,7 @@ Result<std::vector<eval::TimedPose>> ReadPoses(const fs::path& path, PoseReader 
   return fs::exists(file, error) ? ReadCaptureTum(file) : CapturePoses(path);
 }
 
-JsonValue ToJson(const eval::ErrorStatistics& statistics) {
+JsonValue ToJson(const ErrorStatistics& statistics) {
   JsonObject row;
   row.emplace("rmse", statistics.rmse);
   row.emplace("mean", statistics.mean);
@@ -58,7 +58,7 @@ JsonValue ToJson(const eval::ErrorStatistics& statistics) {
   return JsonValue(std::move(row));
 }
 
-void PrintRow(std::string_view name, const eval::ErrorStatistics& statistics) {
+void PrintRow(std::string_view name, const ErrorStatistics& statistics) {
   fmt::print(stderr,
              "{:<12} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f}\n",
              name,
@@ -72,17 +72,16 @@ struct Arguments {
   std::string estimate;
   std::string truth;
   std::string json;
-  eval::TrajectoryErrorOptions options;
+  TrajectoryErrorOptions options;
 };
 
 int EvalTrajectory(const Arguments& arguments) {
-  const Result<std::vector<eval::TimedPose>> estimated = ReadPoses(arguments.estimate, ReadTum);
+  const Result<std::vector<TimedPose>> estimated = ReadPoses(arguments.estimate, ReadTum);
   if (!estimated.ok()) return ReportError(estimated.error());
-  const Result<std::vector<eval::TimedPose>> true_poses =
-      ReadPoses(arguments.truth, ReadCaptureTum);
+  const Result<std::vector<TimedPose>> true_poses = ReadPoses(arguments.truth, ReadCaptureTum);
   if (!true_poses.ok()) return ReportError(true_poses.error());
-  const Result<eval::TrajectoryError> result =
-      eval::ComputeTrajectoryError(*estimated, *true_poses, arguments.options);
+  const Result<TrajectoryError> result =
+      ComputeTrajectoryError(*estimated, *true_poses, arguments.options);
   if (!result.ok()) {
     return ReportError(InvalidInput(
         fmt::format("{} and {}: {}", arguments.estimate, arguments.truth, result.error().message)));
@@ -100,7 +99,7 @@ int EvalTrajectory(const Arguments& arguments) {
   JsonObject document = artifact::NewDocument("deepslam/trajectory_error", 1);
   document.emplace("protocol",
                    fmt::format("{}; pairs within {} s; relative poses over {} scored frames",
-                               eval::kTrajectoryProtocol,
+                               kTrajectoryProtocol,
                                arguments.options.max_time_difference_s,
                                arguments.options.rpe_delta));
   document.emplace("num_frames", result->num_frames);

@@ -33,8 +33,8 @@ std::string Synopsis(const CommandNode& node) {
   line += "\\fR";
   for (const CommandOption& option : node.options) {
     if (!option.required) continue;
-    line += fmt::format(
-        " \\fB{}\\fR \\fI{}\\fR", Escaped(option.names.front()), Escaped(option.value));
+    line +=
+        fmt::format(" \\fB{}\\fR \\fI{}\\fR", Escaped(option.names.front()), Escaped(option.value));
   }
   line += " [\\fIOPTIONS\\fR]";
   for (const CommandOption& positional : node.positionals) {
@@ -78,8 +78,10 @@ std::string Entry(const CommandOption& option) {
 }
 
 std::string Section(const CommandNode& node) {
-  std::string text = fmt::format(
-      ".SS deepslam {}\n{}.\n.PP\n{}\n", Escaped(PathText(node)), Escaped(node.description), Synopsis(node));
+  std::string text = fmt::format(".SS deepslam {}\n{}.\n.PP\n{}\n",
+                                 Escaped(PathText(node)),
+                                 Escaped(node.description),
+                                 Synopsis(node));
   for (const CommandOption& positional : node.positionals) text += Entry(positional);
   for (const CommandOption& option : node.options) {
     // The same everywhere: said once, with the program's own.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "catalogues.h"
 #include "commands.h"
 #include "console.h"
 #include "deepslam/core/parallel.h"

@@ -11,7 +11,6 @@
 namespace deepslam::tools {
 
 // Where Debian's sweethome3d-furniture puts the catalogues.
-inline constexpr const char* kCatalogueFolder = "/usr/share/sweethome3d/furniture";
 
 struct SynthSummary {
   int num_frames = 0;

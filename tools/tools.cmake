@@ -1,12 +1,28 @@
-add_executable(deepslam
+# Two programs. `deepslam` is what maps captures. What makes worlds, training data and figures (synth, eval, priors), and what
+# needs all commands there are (completions, man page), is `deepslam-tools`; `deepslam` starts it where it is asked for such.
+add_library(deepslam_commands OBJECT
   batch_capture.cc batch_command.cc batch_display.cc batch_local.cc batch_slurm.cc batch_summary.cc batch_worker.cc
-  command_tree.cc completion_script.cc config_command.cc console.cc convert_command.cc deepslam.cc doctor_command.cc eval_silhouettes.cc expand_command.cc forms_command.cc inspect_command.cc
-  make_command.cc man_page.cc
-  run_capture.cc run_command.cc
-  furniture_files.cc known_shapes.cc priors_command.cc priors_look.cc synth_capture.cc training_models.cc training_shards.cc)
-target_link_libraries(deepslam PRIVATE deepslam::batch deepslam::stages deepslam::convert deepslam::layouts deepslam::synth deepslam::furniture deepslam::priors CLI11::CLI11 spdlog::spdlog fmt::fmt)
-deepslam_compile_options(deepslam)
-target_sources(deepslam PRIVATE
-  candidate_files.cc eval_data.cc eval_detections.cc eval_held_out.cc eval_layout.cc eval_map.cc eval_objects.cc eval_selection.cc eval_trajectory.cc)
-set_target_properties(deepslam PROPERTIES INSTALL_RPATH "$ORIGIN/../${DEEPSLAM_PRIVATE_LIBDIR}")
-install(TARGETS deepslam)
+  command_line.cc config_command.cc console.cc convert_command.cc doctor_command.cc expand_command.cc
+  library_command.cc run_capture.cc run_command.cc validate_command.cc)
+target_link_libraries(deepslam_commands PUBLIC
+  deepslam::batch deepslam::stages deepslam::convert deepslam::layouts CLI11::CLI11 spdlog::spdlog fmt::fmt)
+deepslam_compile_options(deepslam_commands)
+
+add_executable(deepslam deepslam.cc other_program.cc)
+target_link_libraries(deepslam PRIVATE deepslam_commands)
+
+add_executable(deepslam_tools
+  candidate_files.cc command_tree.cc completion_script.cc deepslam_tools.cc eval_command.cc eval_data.cc
+  eval_detections.cc eval_held_out.cc eval_layout.cc eval_map.cc eval_objects.cc eval_selection.cc
+  eval_silhouettes.cc eval_trajectory.cc forms_command.cc furniture_files.cc known_shapes.cc man_page.cc
+  priors_command.cc priors_look.cc synth_capture.cc synth_command.cc training_models.cc training_shards.cc)
+target_link_libraries(deepslam_tools PRIVATE
+  deepslam_commands deepslam::eval deepslam::synth deepslam::furniture deepslam::priors)
+set_target_properties(deepslam_tools PROPERTIES OUTPUT_NAME deepslam-tools)
+add_dependencies(deepslam deepslam_tools)  # what it starts lies beside it
+
+foreach(program deepslam deepslam_tools)
+  deepslam_compile_options(${program})
+  set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../${DEEPSLAM_PRIVATE_LIBDIR}")
+  install(TARGETS ${program})
+endforeach()

@@ -27,7 +27,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/dataset/memory_frame_source.h"
-#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/geometry/trajectory_error.h"
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/tracking/odometry.h"
 
@@ -62,14 +62,14 @@ Result<Sequence> ReadSequence() {
 
 void Report(benchmark::State& state, const Sequence& sequence, const std::vector<Pose3>& found) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(sequence.frames.size()));
-  std::vector<eval::TimedPose> estimate;
-  std::vector<eval::TimedPose> truth;
+  std::vector<TimedPose> estimate;
+  std::vector<TimedPose> truth;
   for (std::size_t n = 0; n < found.size(); ++n) {
     estimate.push_back({sequence.frames[n].time_s, found[n]});
     if (sequence.true_poses[n])
       truth.push_back({sequence.frames[n].time_s, *sequence.true_poses[n]});
   }
-  const auto error = eval::ComputeTrajectoryError(estimate, truth, {});
+  const auto error = ComputeTrajectoryError(estimate, truth, {});
   if (error.ok()) state.counters["ate_mm"] = 1000.0 * error->ate_m.rmse;
 }
 

@@ -28,9 +28,7 @@ struct Plane {
 
 // The rotation that turns `from` into `to` by the shortest way (unit vectors; any axis when
 // opposite).
-[[nodiscard]] inline Eigen::Quaterniond ShortestRotation(const Eigen::Vector3d& from,
-                                                         const Eigen::Vector3d& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to);
-}
+[[nodiscard]] Eigen::Quaterniond ShortestRotation(const Eigen::Vector3d& from,
+                                                  const Eigen::Vector3d& to);
 
 }  // namespace deepslam

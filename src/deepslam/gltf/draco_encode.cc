@@ -157,7 +157,8 @@ Result<RenderMesh> Decoded(std::string_view bytes, const DracoPayload& payload) 
                                        {.position = payload.position_id,
                                         .normal = payload.normal_id,
                                         .colour = payload.colour_id,
-                                        .strict = true});
+                                        .strict = true,
+                                        .others = {}});
   if (!mesh) return mesh.error();
   constexpr float kFull = 65535;
   RenderMesh decoded;

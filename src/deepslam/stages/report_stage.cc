@@ -42,7 +42,7 @@ void AddManifests(const StageContext& context, report::ReportContent& content) {
 }
 
 // Null where it cannot be read.
-PreparedModel ReadPrepared(const StageContext& context,
+modelling::PreparedModel ReadPrepared(const StageContext& context,
                            const RunInputs& inputs,
                            const ShapeCandidate& candidate,
                            bool chosen) {

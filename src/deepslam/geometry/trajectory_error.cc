@@ -1,4 +1,4 @@
-#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/geometry/trajectory_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "deepslam/core/clock_stretches.h"
 
-namespace deepslam::eval {
+namespace deepslam {
 namespace {
 
 ErrorStatistics Statistics(std::vector<double> values) {
@@ -217,4 +217,4 @@ Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
   return error;
 }
 
-}  // namespace deepslam::eval
+}  // namespace deepslam

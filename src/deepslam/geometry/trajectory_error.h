@@ -9,7 +9,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/pose.h"
 
-namespace deepslam::eval {
+namespace deepslam {
 
 inline constexpr std::string_view kTrajectoryProtocol =
     "evo-ate-rpe: SE(3) alignment of positions by least squares, no scale; ATE of positions, RPE "
@@ -60,4 +60,4 @@ Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
 Pose3 AlignRigidly(const std::vector<Eigen::Vector3d>& points_a,
                    const std::vector<Eigen::Vector3d>& points_b);
 
-}  // namespace deepslam::eval
+}  // namespace deepslam

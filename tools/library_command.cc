@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "catalogues.h"
 #include "commands.h"
 #include "console.h"
 #include "deepslam/core/sha256.h"
@@ -12,7 +13,6 @@
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/storage/store.h"
-#include "synth_capture.h"
 
 namespace deepslam::tools {
 namespace {
@@ -53,10 +53,9 @@ Result<std::vector<std::string>> Withheld(const std::string& file) {
 std::string DefaultWithheld(const std::string& given, const fs::path& data_folder) {
   if (!given.empty()) return given;
   std::error_code error;
-  for (const fs::path& file :
-       {fs::path("configs/withheld_models.yaml"),
-        data_folder / "withheld_models.yaml",
-        stages::InstalledFolder() / "configs" / "withheld_models.yaml"}) {
+  for (const fs::path& file : {fs::path("configs/withheld_models.yaml"),
+                               data_folder / "withheld_models.yaml",
+                               stages::InstalledFolder() / "configs" / "withheld_models.yaml"}) {
     if (fs::exists(file, error)) return file.string();
   }
   return {};
@@ -120,41 +119,7 @@ int SplitLibrary(const std::string& catalogues, double share) {
   return kExitOk;
 }
 
-int Synthesise(const SynthRequest& request) {
-  CatchStopSignals();
-  ConsoleListener listener(ParseProgressStyle("auto"), false);
-  listener.StageStarts("synth", {});
-  const auto start = std::chrono::steady_clock::now();
-  const Result<SynthSummary> summary = SynthesiseCapture(request, listener);
-  if (!summary.ok()) return ReportError(summary.error());
-  for (const std::string& warning : summary->warnings) LogWarning(warning);
-  listener.StageDone("synth",
-                     fmt::format("{} frames in {}", summary->num_frames, request.out.string()),
-                     {SecondsSince(start), 0, 0});
-  return kExitOk;
-}
-
 }  // namespace
-
-void AddSynth(CLI::App& app, Command& chosen) {
-  auto request = std::make_shared<SynthRequest>();
-  request->catalogues = kCatalogueFolder;
-  CLI::App* synth = app.add_subcommand("synth", "Render a capture with truth from a scene file");
-  synth->add_option("SCENE", request->scene_file, "Scene file (YAML), see configs/scenes")
-      ->required();
-  synth->add_option("-o,--output", request->out, "Capture folder to make")->required();
-  synth->add_option("--rung", request->rung, "Variant of the scene, one of its `rungs`");
-  synth
-      ->add_option(
-          "--catalogues", request->catalogues, "Folder with *.sh3f furniture catalogues")
-      ->capture_default_str();
-  synth->add_option("--furniture",
-                    request->furniture,
-                    "Folder with furniture of yours (OBJ, glTF, GLB; y up, z front, metres), which "
-                    "scenes name by path; may be given again")
-      ->allow_extra_args(false);
-  synth->callback([&chosen, request] { chosen = [request] { return Synthesise(*request); }; });
-}
 
 void AddLibrary(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<LibraryArguments>();

@@ -1,4 +1,4 @@
-#include "deepslam/eval/trajectory_error.h"
+#include "deepslam/geometry/trajectory_error.h"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include "deepslam/core/random.h"
 #include "support/pose_matchers.h"
 
-namespace deepslam::eval {
+namespace deepslam {
 namespace {
 
 using testing::HasSubstr;
@@ -184,4 +184,4 @@ TEST(TrajectoryError, StraightAndStandingPathsDoNotBreakTheAlignment) {
 }
 
 }  // namespace
-}  // namespace deepslam::eval
+}  // namespace deepslam
