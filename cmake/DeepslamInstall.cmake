@@ -1,6 +1,6 @@
 # What `cmake --install` puts where. All places are relative to the prefix, so that an installed tree can be moved:
 #
-#   bin/deepslam, deepslam-demo, deepslam-fetch-weights
+#   bin/deepslam, deepslam-tools, deepslam-demo, deepslam-fetch-weights
 #   lib/deepslam/libonnxruntime.so.1        ours alone; the program finds both by its run path $ORIGIN/../lib/deepslam
 #   lib/deepslam/libdeepslam_video.so       loaded when a video is opened
 #   share/deepslam/configs, scripts         the same two folders as in the source tree

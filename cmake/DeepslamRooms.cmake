@@ -46,29 +46,42 @@ endfunction()
 
 option(DEEPSLAM_PCH "What most files include is compiled once, which takes a cold build half its time" ON)
 
-# The headers of most files, compiled once for all modules; every file still includes what it uses, as builds without it show
-# (those with sanitizers). gcc's bookkeeping of macros (-fpch-preprocess) is for compiler caches.
-if(DEEPSLAM_PCH AND NOT DEEPSLAM_ASAN AND NOT DEEPSLAM_TSAN AND NOT DEEPSLAM_FUZZ)
-  file(WRITE "${PROJECT_BINARY_DIR}/common_headers.cc" "")
-  add_library(deepslam_common_headers OBJECT "${PROJECT_BINARY_DIR}/common_headers.cc")
-  target_compile_features(deepslam_common_headers PUBLIC cxx_std_20)
-  target_link_libraries(deepslam_common_headers PRIVATE Eigen3::Eigen)
-  deepslam_compile_options(deepslam_common_headers)
-  target_precompile_headers(deepslam_common_headers PRIVATE
+# deepslam_compile_headers(<name> [HEADERS <header>...] [LINKS <target>...]): the headers of most files, and those given,
+# compiled once, as users of these targets compile them, for all that ask for them. Every file still includes what it uses, as
+# builds without this show (those with sanitizers).
+function(deepslam_compile_headers name)
+  cmake_parse_arguments(COMPILED "" "" "HEADERS;LINKS" ${ARGN})
+  if(NOT DEEPSLAM_PCH OR DEEPSLAM_ASAN OR DEEPSLAM_TSAN OR DEEPSLAM_FUZZ)
+    return()
+  endif()
+  file(WRITE "${PROJECT_BINARY_DIR}/${name}.cc" "")
+  add_library(${name} OBJECT "${PROJECT_BINARY_DIR}/${name}.cc")
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen fmt::fmt ${COMPILED_LINKS})
+  deepslam_compile_options(${name})
+  target_precompile_headers(${name} PRIVATE
     <algorithm> <array> <cmath> <cstddef> <cstdint> <filesystem> <functional> <map> <memory> <numbers> <optional> <set> <span> <string>
-    <string_view> <utility> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
-  target_link_libraries(deepslam_common_headers PRIVATE fmt::fmt)
-endif()
+    <string_view> <utility> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h> ${COMPILED_HEADERS})
+endfunction()
+deepslam_compile_headers(deepslam_common_headers)
 
-function(deepslam_common_headers_of target)
-  if(TARGET deepslam_common_headers)
-    target_precompile_headers(${target} REUSE_FROM deepslam_common_headers)
-    target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)  # as they were compiled
-    if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-      # gcc 12 forgets that precompiled headers are the system's, and warns of what it takes their inlined code for.
-      target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict
-                             -Wno-array-bounds -Wno-maybe-uninitialized)
-    endif()
+# deepslam_use_headers(<target> <name>): of deepslam_compile_headers.
+function(deepslam_use_headers target name)
+  if(NOT TARGET ${name})
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${name})
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL EXECUTABLE)  # code that can be moved as that of libraries is, since the headers were compiled for these
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC)
+  endif()
+  target_compile_definitions(${target} PRIVATE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)  # as they were compiled
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # What compiler caches need to know is kept. And gcc 12 forgets that precompiled headers are the system's, and warns of what
+    # it takes their inlined code for.
+    target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict
+                           -Wno-array-bounds -Wno-maybe-uninitialized)
   endif()
 endfunction()
 
@@ -98,7 +111,7 @@ function(deepslam_room room)
   else()
     deepslam_compile_options(${target})
   endif()
-  deepslam_common_headers_of(${target})
+  deepslam_use_headers(${target} deepslam_common_headers)
   deepslam_install_room(${room} DEPS ${ROOM_DEPS} FENCED ${ROOM_FENCED})
 endfunction()
 
@@ -136,6 +149,7 @@ function(deepslam_test name)
     endif()
   endforeach()
   deepslam_compile_options(${target})
+  deepslam_use_headers(${target} deepslam_test_headers)
   gtest_discover_tests(${target}
     DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ${TEST_LABEL} TIMEOUT ${TEST_TIMEOUT})

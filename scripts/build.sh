@@ -12,6 +12,8 @@ if command -v ccache >/dev/null && [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ]; th
 fi
 # What was compiled in one checkout serves every other one.
 export CCACHE_BASEDIR="${CCACHE_BASEDIR:-$PWD}"
+# Headers that are compiled once (DEEPSLAM_PCH) are told apart by what is in them.
+export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}"
 
 # The largest files take 2 GB each to compile, 4 GB with sanitizers: more jobs than memory would not be faster.
 gib_per_job=2

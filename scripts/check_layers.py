@@ -8,13 +8,14 @@ import pathlib
 import re
 import sys
 
-VOCABULARY = {"core", "geometry", "scene", "shape"}
+VOCABULARY = {"core", "geometry", "frames", "scene", "shape"}
 ALGORITHM = VOCABULARY
 ROOMS = {
     "core": set(),
     "geometry": {"core"},
-    "scene": {"core", "geometry"},
-    "shape": {"core", "geometry", "scene"},
+    "frames": {"core", "geometry"},
+    "scene": {"core", "geometry", "frames"},
+    "shape": {"core", "geometry", "frames", "scene"},
     # image files in memory to pixels and back; the decoder of videos, a module that is loaded and not linked
     "image_codec": {"core"},
     "video": set(),

@@ -4,10 +4,12 @@
     scripts/code_figures.py [REPOSITORY]            prints them
     scripts/code_figures.py --check [REPOSITORY]    fails where a limit below is passed
 
-Functions are measured by lizard 1.24.3 (`pip install lizard==1.24.3`); without it the other figures are printed and --check
-fails, since it could not look.
+Functions are measured by lizard 1.24.3, which `scripts/setup.sh --tests` installs (or `pip install lizard==1.24.3`). Without it
+the other figures are printed, and --check ends with 77 where these have no fault: it could not look at all.
 """
 import argparse
+import glob
+import os
 import pathlib
 import re
 import sys
@@ -17,14 +19,20 @@ MAX_FILE_LINES = 500
 MAX_MODULE_FILES = 45
 MAX_STAGES_LINES = 4499
 LIZARD = "1.24.3"
+UNKNOWN = 77  # what ctest takes for a test that was not run
 NUM_LONGEST = 10  # printed
 
 # Functions that may be longer, and why. A pattern is matched against the whole of "module::Function" (tools: "tools::...").
 REASONS = [
+    (r"shape::SampleField", "three loops over one batch, compiled for wide vectors inside its callers"),
     (r".*::Describe", "one line of code per option: a table"),
     (r"stages::MakePlan", "the whole chain on one page"),
     (r"tools::Add[A-Z]\w*", "one line of code per option of a command: a table"),
 ]
+
+
+def cache_folder():
+    return os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
 
 
 def module_of(path, root):
@@ -45,6 +53,7 @@ def count_lines(path):
 def long_functions(files, root):
     """(lines, "module::Function", path:line), longest first; None without lizard."""
     try:
+        sys.path += glob.glob(os.path.join(cache_folder(), "deepslam", "python", f"lizard-{LIZARD}"))
         import lizard
     except ImportError:
         return None
@@ -89,8 +98,7 @@ def main():
     functions = long_functions(files, root)
     print(f"Functions over {MAX_FUNCTION_LINES} lines")
     if functions is None:
-        print(f"  lizard is not installed: pip install lizard=={LIZARD}")
-        faults.append("functions were not measured: lizard is not installed")
+        print(f"  not measured: lizard is not installed (pip install lizard=={LIZARD})")
     for lines, name, place in functions or []:
         reason = reason_for(name)
         print(f"  {lines:5}  {name:45} {place:55} {reason or '-'}")
@@ -119,7 +127,9 @@ def main():
         for fault in faults:
             print(fault)
         print(f"{len(faults)} faults")
-        return 1 if faults else 0
+        if faults:
+            return 1
+        return UNKNOWN if functions is None else 0
     return 0
 
 

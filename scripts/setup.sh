@@ -51,7 +51,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   sweethome3d-furniture
 )
-[ "$with_tests" = no ] || packages+=(chromium python3-numpy slurm-wlm munge man-db debootstrap)
+[ "$with_tests" = no ] || packages+=(chromium python3-numpy python3-pathspec python3-pygments slurm-wlm munge man-db debootstrap)
 [ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev)
 
 # 1. Debian's packages.
@@ -152,6 +152,9 @@ febf1052ee15e56ce136c41d028938d04b3e217bd4820dcafcb9bcd0f4f2c5ea $headers/onnxru
 # 3. Python packages that only tests use, as wheels for Debian's Python and its numpy.
 gtsam_wheel="gtsam==4.3.0 gtsam-4.3.0-cp311-cp311-manylinux2014_x86_64.manylinux_2_17_x86_64.whl
   63cae1c925f0094832b7f8d629951d4631cac57c6d7faba140c8ecc9f3c57752"
+# It measures functions, for scripts/code_figures.py.
+lizard_wheel="lizard==1.24.3 lizard-1.24.3-py2.py3-none-any.whl
+  f7fccd909719170e323a240cc6927bfea65984d77a8f9c0e6405be582e9861db"
 
 # fetch_wheel PACKAGE==VERSION WHEEL SHA256: the wheel lies in $downloads afterwards, else false.
 fetch_wheel() {
@@ -190,6 +193,7 @@ if [ "$fetch_only" = yes ]; then
     fetch $playwright_archive
     fetch $validator_archive
     fetch_wheel $gtsam_wheel || fail "GTSAM for the tests is missing (needs pip)"
+    fetch_wheel $lizard_wheel || fail "lizard for the tests is missing (needs pip)"
   fi
   say "all that setup.sh needs lies in $downloads"
   exit 0
@@ -220,6 +224,7 @@ if [ "$with_tests" = yes ]; then
   install_package $playwright_archive "$render/playwright-core"
   install_package $validator_archive "$node/gltf-validator-2.0.0-dev.3.10/node_modules/gltf-validator"
   # Where tests/support/python_packages.py looks.
+  install_wheel $lizard_wheel "${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/python/lizard-1.24.3"
   install_wheel $gtsam_wheel "${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/python/gtsam-4.3.0"
 fi
 say "everything is there ($data)"

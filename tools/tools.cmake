@@ -7,6 +7,8 @@ add_library(deepslam_commands OBJECT
 target_link_libraries(deepslam_commands PUBLIC
   deepslam::batch deepslam::stages deepslam::convert deepslam::layouts CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam_commands)
+deepslam_compile_headers(deepslam_command_headers HEADERS <CLI/CLI.hpp> LINKS CLI11::CLI11)
+deepslam_use_headers(deepslam_commands deepslam_command_headers)
 
 add_executable(deepslam deepslam.cc other_program.cc)
 target_link_libraries(deepslam PRIVATE deepslam_commands)
@@ -23,6 +25,7 @@ add_dependencies(deepslam deepslam_tools)  # what it starts lies beside it
 
 foreach(program deepslam deepslam_tools)
   deepslam_compile_options(${program})
+  deepslam_use_headers(${program} deepslam_command_headers)
   set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../${DEEPSLAM_PRIVATE_LIBDIR}")
   install(TARGETS ${program})
 endforeach()

@@ -14,10 +14,10 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/core/random.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::testing_support {
 

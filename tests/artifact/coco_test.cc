@@ -8,7 +8,7 @@
 #include "artifact/sample_values.h"
 #include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/coco_file.h"
-#include "deepslam/scene/run_lengths.h"
+#include "deepslam/frames/run_lengths.h"
 
 namespace deepslam::artifact {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/read_bytes.h"
-#include "deepslam/scene/brightness.h"
+#include "deepslam/frames/brightness.h"
 #include "support/temp_dir.h"
 
 namespace deepslam::dataset {

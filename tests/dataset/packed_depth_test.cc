@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "deepslam/scene/raw_depth.h"
+#include "deepslam/frames/raw_depth.h"
 
 namespace deepslam::dataset {
 namespace {

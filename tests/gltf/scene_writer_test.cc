@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "deepslam/gltf/scene_files.h"
 #include "deepslam/gltf/validate.h"
 #include "gltf/test_scene.h"
 

@@ -12,10 +12,10 @@
 #include <Eigen/Core>
 
 #include "deepslam/core/random.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam::loop::testing_support {

@@ -17,11 +17,11 @@
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/modelling/frame_views.h"
 #include "deepslam/modelling/object_options.h"
 #include "deepslam/modelling/register_objects.h"
 #include "deepslam/modelling/select_objects.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/shape/render_voxels.h"
 #include "support/box_world.h"
 #include "support/furniture_world.h"

@@ -15,8 +15,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/trajectory.h"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "deepslam/scene/stored_depth.h"
+#include "deepslam/frames/stored_depth.h"
 
 namespace deepslam::alignment {
 

@@ -4,8 +4,8 @@
 
 #include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/unfilled.h"
+#include "deepslam/frames/stored_depth.h"
 #include "deepslam/geometry/camera.h"
-#include "deepslam/scene/stored_depth.h"
 
 namespace deepslam::alignment {
 

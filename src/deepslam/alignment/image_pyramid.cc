@@ -9,7 +9,7 @@
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
-#include "deepslam/scene/brightness.h"
+#include "deepslam/frames/brightness.h"
 
 namespace deepslam::alignment {
 namespace {

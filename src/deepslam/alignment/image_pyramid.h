@@ -10,10 +10,10 @@
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
 #include "deepslam/core/unfilled.h"
+#include "deepslam/frames/frame.h"
+#include "deepslam/frames/frame_source.h"
+#include "deepslam/frames/stored_depth.h"
 #include "deepslam/geometry/camera.h"
-#include "deepslam/scene/frame.h"
-#include "deepslam/scene/frame_source.h"
-#include "deepslam/scene/stored_depth.h"
 
 namespace deepslam::alignment {
 

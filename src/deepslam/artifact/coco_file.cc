@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/json_reader.h"
-#include "deepslam/scene/run_lengths.h"
+#include "deepslam/frames/run_lengths.h"
 
 namespace deepslam::artifact {
 namespace {

@@ -17,8 +17,8 @@
 #include "deepslam/core/options.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/trajectory.h"
 

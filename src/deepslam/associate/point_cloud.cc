@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 #include <nanoflann.hpp>
 
-#include "deepslam/scene/set_pixels.h"
+#include "deepslam/frames/set_pixels.h"
 
 namespace deepslam::associate {
 namespace {

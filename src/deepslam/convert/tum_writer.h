@@ -7,8 +7,8 @@
 
 #include "deepslam/core/result.h"
 #include "deepslam/dataset/capture_settings.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::convert {
 

@@ -8,7 +8,7 @@
 
 #include "deepslam/dataset/read_faults.h"
 #include "deepslam/dataset/stored_frames.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 namespace deepslam::dataset {
 

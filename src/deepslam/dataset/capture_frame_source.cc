@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "deepslam/dataset/depth_registration.h"
-#include "deepslam/scene/brightness.h"
-#include "deepslam/scene/raw_depth.h"
+#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/raw_depth.h"
 
 namespace deepslam::dataset {
 namespace {

@@ -6,13 +6,13 @@
 
 #include "deepslam/dataset/read_faults.h"
 #include "deepslam/dataset/stored_frames.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 namespace deepslam::dataset {
 
 // A frame's time is that of its depth image, since depth is what is tracked; its camera is that of
 // colour, reduced when depth is coarser (depth_registration.h). Depth is in metres by MetresOfRaw
-// (scene/raw_depth.h). Faults of the machine are noted in `faults`, where there is one.
+// (frames/raw_depth.h). Faults of the machine are noted in `faults`, where there is one.
 std::unique_ptr<FrameSource> MakeCaptureFrameSource(std::shared_ptr<const StoredFrames> stored,
                                                     std::shared_ptr<ReadFaults> faults = nullptr);
 

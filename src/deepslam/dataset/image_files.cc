@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/frames/brightness.h"
 #include "deepslam/image_codec/decode.h"
 #include "deepslam/image_codec/jpeg.h"
 #include "deepslam/image_codec/png.h"
 #include "deepslam/image_codec/structure.h"
-#include "deepslam/scene/brightness.h"
 
 namespace deepslam::dataset {
 namespace {

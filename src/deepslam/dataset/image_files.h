@@ -10,7 +10,7 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/core/result.h"
-#include "deepslam/scene/raw_depth.h"
+#include "deepslam/frames/raw_depth.h"
 
 namespace deepslam::dataset {
 

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 namespace deepslam::dataset {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "deepslam/scene/brightness.h"
+#include "deepslam/frames/brightness.h"
 
 namespace deepslam::dataset {
 

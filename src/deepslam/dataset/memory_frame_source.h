@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 namespace deepslam::dataset {
 

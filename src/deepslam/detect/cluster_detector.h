@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "deepslam/core/options.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/scene/object_class.h"
 
 namespace deepslam::detect {

@@ -7,8 +7,8 @@
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
 #include "deepslam/detect/detector.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/scene/object_class.h"
 
 namespace deepslam::detect {

@@ -6,9 +6,9 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/detect/cluster_detector.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::detect {
 

@@ -4,9 +4,9 @@
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/ground_clusters.h"
 #include "deepslam/detect/ground_grid.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::detect {
 

@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "deepslam/core/image.h"
+#include "deepslam/frames/pixel_mask.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/geometry/similarity.h"
-#include "deepslam/scene/pixel_mask.h"
 #include "deepslam/scene/triangle_mesh.h"
 #include "deepslam/shape/shape_model.h"
 

@@ -7,7 +7,7 @@
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/eval/silhouette.h"
-#include "deepslam/scene/for_frames.h"
+#include "deepslam/frames/for_frames.h"
 #include "deepslam/scene/object_map.h"
 
 namespace deepslam::eval {

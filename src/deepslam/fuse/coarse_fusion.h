@@ -6,11 +6,11 @@
 
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/fuse/choose_frames.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/scene/coarse_surface.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::fuse {
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::fuse {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "deepslam/scene/for_frames.h"
+#include "deepslam/frames/for_frames.h"
 
 namespace deepslam::fuse {
 Result<TriangleMesh> FuseFrames(const FusionInputs& inputs,

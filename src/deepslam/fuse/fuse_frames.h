@@ -5,9 +5,9 @@
 
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/fuse/object_masks.h"
 #include "deepslam/fuse/tsdf.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/trajectory.h"
 #include "deepslam/scene/triangle_mesh.h"
 

@@ -8,10 +8,10 @@
 
 #include "deepslam/core/ids.h"
 #include "deepslam/core/image.h"
+#include "deepslam/frames/pixel_mask.h"
 #include "deepslam/scene/detection.h"
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/optimized_map.h"
-#include "deepslam/scene/pixel_mask.h"
 
 namespace deepslam::fuse {
 

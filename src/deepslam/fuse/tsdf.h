@@ -8,9 +8,9 @@
 #include "deepslam/core/image.h"
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/scene/triangle_mesh.h"
 
 namespace deepslam::fuse {

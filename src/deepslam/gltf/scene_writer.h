@@ -17,6 +17,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -77,5 +78,15 @@ void Describe(OptionsVisitor& visitor, GltfOptions& options);
 // stay as nodes without mesh. Errors: indices out of range, coordinates or poses that are not
 // finite, each with the object's name.
 [[nodiscard]] Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options);
+
+struct GlbKind {
+  bool draco = true;           // in place of that of the options
+  bool objects_alone = false;  // to say how large they are: no surroundings, path or cameras
+};
+
+// Each as WriteGlb writes it. Meshes are encoded once for all, side by side.
+[[nodiscard]] std::vector<Result<std::string>> WriteGlbs(const GltfScene& scene,
+                                                         const GltfOptions& options,
+                                                         std::span<const GlbKind> kinds);
 
 }  // namespace deepslam::gltf

@@ -15,7 +15,7 @@
 #include "deepslam/core/options.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/trajectory.h"
 

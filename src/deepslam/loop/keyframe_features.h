@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/camera.h"
-#include "deepslam/scene/frame.h"
 
 namespace deepslam::loop {
 

@@ -7,9 +7,9 @@
 #include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/graph/object_graph.h"
 #include "deepslam/loop/appearance.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/trajectory.h"
 

@@ -12,7 +12,7 @@
 #include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/core/result.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 namespace deepslam::mapping {
 

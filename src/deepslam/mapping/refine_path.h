@@ -5,10 +5,10 @@
 #include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/loop/covisible.h"
 #include "deepslam/mapping/keyframe_pyramids.h"
 #include "deepslam/scene/edge_store.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam::mapping {

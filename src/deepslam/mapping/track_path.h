@@ -5,9 +5,9 @@
 
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/loop/covisible.h"
 #include "deepslam/scene/edge_store.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/trajectory.h"
 #include "deepslam/tracking/odometry.h"
 

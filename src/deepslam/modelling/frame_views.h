@@ -10,10 +10,10 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/modelling/view_source.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 
 namespace deepslam::modelling {
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/modelling/view_source.h"
 #include "deepslam/propose/network_crop.h"
 #include "deepslam/propose/proposer.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam::modelling {

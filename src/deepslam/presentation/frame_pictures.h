@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/report/report_content.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/optimized_map.h"
 

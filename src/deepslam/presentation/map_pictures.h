@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/presentation/pictured_object.h"
 #include "deepslam/report/report_content.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/triangle_mesh.h"
 

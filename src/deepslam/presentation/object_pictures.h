@@ -9,10 +9,10 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/presentation/pictured_object.h"
 #include "deepslam/report/report_content.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/shape/shape_model.h"
 

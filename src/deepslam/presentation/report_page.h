@@ -10,10 +10,10 @@
 
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/presentation/finished_map.h"
 #include "deepslam/report/report_content.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/loop.h"
 #include "deepslam/scene/object_class.h"

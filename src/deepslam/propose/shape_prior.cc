@@ -271,59 +271,94 @@ Result<VoxelGrid> ShapePrior::Impl::SolidOf(std::span<const float> logits, bool 
 ShapePrior::ShapePrior(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ShapePrior::~ShapePrior() = default;
 
+namespace {
+
+// Sessions of one class's networks, each on one thread: proposals are made side by side.
+class SessionOpener {
+ public:
+  // `role` becomes that of the network being opened, for messages about what is thrown.
+  explicit SessionOpener(const char*& role)
+      : role_(&role), env_(ORT_LOGGING_LEVEL_FATAL, "deepslam") {
+    options_.SetIntraOpNumThreads(1);
+    options_.SetInterOpNumThreads(1);
+  }
+
+  Ort::Session Open(const char* role, std::string_view bytes) {
+    *role_ = role;
+    return Ort::Session(env_, bytes.data(), bytes.size(), options_);
+  }
+  [[nodiscard]] Ort::Env TakeEnv() { return std::move(env_); }
+
+ private:
+  const char** role_;
+  Ort::Env env_;
+  Ort::SessionOptions options_;
+};
+
+const Port& CropPort() {
+  static const Port port = {"crop", {kCropPlanes, kCropSide, kCropSide}};
+  return port;
+}
+const Port& SketchPort() {
+  static const Port port = {"sketch", {kSketchPlanes, kSketchPixels, kSketchPixels}};
+  return port;
+}
+const Port& LatentsPort() {
+  static const Port port = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
+  return port;
+}
+
+// `num_sight_values` becomes how many numbers it takes of how an object was seen.
+Network MakeEncoder(Ort::Session session, std::size_t& num_sight_values) {
+  std::vector<Port> inputs = {CropPort(), SketchPort()};
+  num_sight_values = 0;
+  if (session.GetInputCount() > 2) {
+    num_sight_values = NameOfInput(session, 2) == "sight" ? 3 : 1;
+    inputs.push_back({num_sight_values == 3 ? "sight" : "spread",
+                      {static_cast<std::int64_t>(num_sight_values)}});
+  }
+  return {"encoder",
+          std::move(session),
+          std::move(inputs),
+          {LatentsPort(), {"azimuth", {kBins}}, {"elevation", {1}}}};
+}
+
+// `has_gradient` becomes whether it gives the gradient of its latents as well.
+Network MakeDecoder(Ort::Session session, bool& has_gradient) {
+  const Port cotangent = {"cotangent", {kGridSize, kGridSize, kGridSize}};
+  has_gradient = Metadata(session, "version") != "1";
+  std::vector<Port> inputs = {LatentsPort()};
+  std::vector<Port> outputs = {{"logits", cotangent.shape}};
+  if (has_gradient) {
+    inputs.push_back(cotangent);
+    outputs.push_back({"latent_gradient", LatentsPort().shape});
+  }
+  return {"decoder", std::move(session), std::move(inputs), std::move(outputs)};
+}
+
+}  // namespace
+
 Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name,
                                                      std::string_view sketch_onnx,
                                                      std::string_view encoder_onnx,
                                                      std::string_view decoder_onnx) {
-  const char* reading = "sketch";
+  const char* opening = "sketch";
   try {
-    Ort::Env env(ORT_LOGGING_LEVEL_FATAL, "deepslam");
-    Ort::SessionOptions options;
-    options.SetIntraOpNumThreads(1);
-    options.SetInterOpNumThreads(1);
-    const auto open = [&](const char* role, std::string_view bytes) {
-      reading = role;
-      return Ort::Session(env, bytes.data(), bytes.size(), options);
-    };
-    const Port crop = {"crop", {kCropPlanes, kCropSide, kCropSide}};
-    const Port sketch = {"sketch", {kSketchPlanes, kSketchPixels, kSketchPixels}};
-    const Port latents = {"latents", {static_cast<std::int64_t>(kNumLatents)}};
-    Network sketch_network("sketch", open("sketch", sketch_onnx), {crop}, {sketch});
-    Ort::Session encoder_session = open("encoder", encoder_onnx);
-    std::vector<Port> encoder_inputs = {crop, sketch};
+    SessionOpener opener(opening);
     std::size_t num_sight_values = 0;
-    if (encoder_session.GetInputCount() > 2) {
-      num_sight_values = NameOfInput(encoder_session, 2) == "sight" ? 3 : 1;
-      encoder_inputs.push_back({num_sight_values == 3 ? "sight" : "spread",
-                                {static_cast<std::int64_t>(num_sight_values)}});
-    }
-    Network encoder("encoder",
-                    std::move(encoder_session),
-                    std::move(encoder_inputs),
-                    {latents, {"azimuth", {kBins}}, {"elevation", {1}}});
-    const Port cotangent = {"cotangent", {kGridSize, kGridSize, kGridSize}};
-    const Port logits = {"logits", cotangent.shape};
-    Ort::Session decoder_session = open("decoder", decoder_onnx);
-    const bool has_gradient = Metadata(decoder_session, "version") != "1";
-    std::vector<Port> decoder_inputs = {latents};
-    std::vector<Port> decoder_outputs = {logits};
-    if (has_gradient) {
-      decoder_inputs.push_back(cotangent);
-      decoder_outputs.push_back({"latent_gradient", latents.shape});
-    }
-    Network decoder("decoder",
-                    std::move(decoder_session),
-                    std::move(decoder_inputs),
-                    std::move(decoder_outputs));
-    for (const Network* network : {&sketch_network, &encoder, &decoder}) {
+    bool has_gradient = false;
+    Network sketch("sketch", opener.Open("sketch", sketch_onnx), {CropPort()}, {SketchPort()});
+    Network encoder = MakeEncoder(opener.Open("encoder", encoder_onnx), num_sight_values);
+    Network decoder = MakeDecoder(opener.Open("decoder", decoder_onnx), has_gradient);
+    for (const Network* network : {&sketch, &encoder, &decoder}) {
       if (Status status = network->Check(class_name); !status.ok()) return status.error();
     }
     const Result<SolidCut> by_depth = CutOf(decoder, "");
     if (!by_depth) return by_depth.error();
     const Result<SolidCut> by_colour = CutOf(decoder, "_colour");
     if (!by_colour) return by_colour.error();
-    auto impl = std::unique_ptr<Impl>(new Impl{std::move(env),
-                                               std::move(sketch_network),
+    auto impl = std::unique_ptr<Impl>(new Impl{opener.TakeEnv(),
+                                               std::move(sketch),
                                                std::move(encoder),
                                                std::move(decoder),
                                                num_sight_values,
@@ -332,7 +367,7 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
                                                *by_colour});
     return std::unique_ptr<ShapePrior>(new ShapePrior(std::move(impl)));
   } catch (const std::exception& failure) {
-    return InvalidInput(std::string(reading) +
+    return InvalidInput(std::string(opening) +
                         ".onnx: not a network that can be run: " + failure.what());
   }
 }

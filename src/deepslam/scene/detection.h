@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/frames/pixel_mask.h"
 #include "deepslam/geometry/box.h"
-#include "deepslam/scene/pixel_mask.h"
 
 namespace deepslam {
 

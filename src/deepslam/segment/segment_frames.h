@@ -6,8 +6,8 @@
 
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/object_class.h"
 #include "deepslam/scene/trajectory.h"

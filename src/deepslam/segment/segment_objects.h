@@ -7,10 +7,10 @@
 
 #include "deepslam/core/options.h"
 #include "deepslam/core/quarter_turn.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/scene/detection.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/scene/object_class.h"
 
 namespace deepslam::segment {

@@ -6,15 +6,15 @@
 #include <fmt/format.h>
 
 #include "deepslam/artifact/map_json.h"
-#include "deepslam/artifact/objects_csv.h"
 #include "deepslam/artifact/ply.h"
 #include "deepslam/core/parallel.h"
-#include "deepslam/gltf/scene_files.h"
+#include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/presentation/compact_map.h"
 #include "deepslam/presentation/habitat_pair.h"
 #include "deepslam/presentation/labelled_scene.h"
 #include "deepslam/presentation/labelled_surface.h"
+#include "deepslam/presentation/objects_csv.h"
 #include "deepslam/report/sanity_checks.h"
 #include "deepslam/stages/mesh_options.h"
 #include "deepslam/stages/plan.h"
@@ -104,7 +104,7 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   if (status.ok()) status = WriteOnRequest(context, scene, config.export_stage);
   if (status.ok()) status = WriteEncoded(context, "map.json", map_json);
   if (status.ok()) {
-    status = context.Write("objects.csv", artifact::EncodeObjectsCsv(map.objects, volumes_m3));
+    status = context.Write("objects.csv", presentation::EncodeObjectsCsv(map.objects, volumes_m3));
   }
   if (!status.ok()) return status.error();
   return Summary(map, glbs, *map_json);

@@ -9,11 +9,11 @@
 
 #include "deepslam/artifact/coarse_surface_file.h"
 #include "deepslam/artifact/layout_json.h"
+#include "deepslam/frames/for_frames.h"
 #include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/coarse_fusion.h"
 #include "deepslam/graph/gravity_world.h"
 #include "deepslam/layout/estimate_layout.h"
-#include "deepslam/scene/for_frames.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
 

@@ -4,12 +4,12 @@
 #include <string>
 
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/modelling/frame_views.h"
 #include "deepslam/modelling/model_source.h"
 #include "deepslam/modelling/object_options.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/pipeline/stage.h"
-#include "deepslam/scene/frame_source.h"
 #include "deepslam/scene/overrides.h"
 #include "deepslam/stages/config.h"
 

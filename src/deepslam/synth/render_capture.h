@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "deepslam/core/image.h"
+#include "deepslam/frames/frame.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
 #include "deepslam/synth/world.h"
 
 namespace deepslam::synth {

@@ -18,7 +18,7 @@
 #include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/trajectory.h"
 #include "deepslam/tracking/odometry_options.h"
 

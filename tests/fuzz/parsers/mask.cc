@@ -1,6 +1,6 @@
 // Run-length masks. Width and height come first, two bytes each.
-#include "deepslam/scene/pixel_mask.h"
-#include "deepslam/scene/run_lengths.h"
+#include "deepslam/frames/pixel_mask.h"
+#include "deepslam/frames/run_lengths.h"
 #include "fuzz/entry.h"
 
 DEEPSLAM_FUZZ(mask) {

@@ -1,4 +1,4 @@
-#include "deepslam/scene/for_frames.h"
+#include "deepslam/frames/for_frames.h"
 
 #include <array>
 #include <cstddef>

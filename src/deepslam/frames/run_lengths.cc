@@ -1,4 +1,4 @@
-#include "deepslam/scene/run_lengths.h"
+#include "deepslam/frames/run_lengths.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "deepslam/core/image.h"
-#include "deepslam/scene/raw_depth.h"
+#include "deepslam/frames/raw_depth.h"
 
 namespace deepslam {
 

@@ -1,4 +1,4 @@
-#include "deepslam/artifact/objects_csv.h"
+#include "deepslam/presentation/objects_csv.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,7 +7,7 @@
 
 #include "deepslam/core/check.h"
 
-namespace deepslam::artifact {
+namespace deepslam::presentation {
 namespace {
 
 std::string Quoted(const std::string& text) {
@@ -53,4 +53,4 @@ std::string EncodeObjectsCsv(std::span<const CompactObject> objects,
   return text;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::presentation

@@ -7,7 +7,7 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 namespace deepslam {
 

@@ -1,8 +1,8 @@
-#include "deepslam/scene/frame_source.h"
+#include "deepslam/frames/frame_source.h"
 
 #include <utility>
 
-#include "deepslam/scene/brightness.h"
+#include "deepslam/frames/brightness.h"
 
 namespace deepslam {
 

@@ -1,4 +1,4 @@
-#include "deepslam/scene/brightness.h"
+#include "deepslam/frames/brightness.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "deepslam/scene/raw_depth.h"
+#include "deepslam/frames/raw_depth.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "deepslam/scene/pixel_mask.h"
+#include "deepslam/frames/pixel_mask.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "deepslam/scene/pixel_mask.h"
+#include "deepslam/frames/pixel_mask.h"
 
 #include <utility>
 
-#include "deepslam/scene/run_lengths.h"
+#include "deepslam/frames/run_lengths.h"
 
 namespace deepslam {
 

@@ -6,10 +6,10 @@
 
 #include "deepslam/core/ids.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame.h"
+#include "deepslam/frames/stored_depth.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/scene/frame.h"
-#include "deepslam/scene/stored_depth.h"
 
 namespace deepslam {
 

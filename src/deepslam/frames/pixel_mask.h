@@ -1,6 +1,6 @@
 // The pixels of one thing in an image, kept small: a capture has tens of thousands of them. Their
-// run lengths, as artifacts hold them too (scene/run_lengths.h): as large an image as it is, a mask
-// costs what the thing's outline does.
+// run lengths, as artifacts hold them too (frames/run_lengths.h): as large an image as it is, a
+// mask costs what the thing's outline does.
 #pragma once
 
 #include <string>

@@ -6,7 +6,7 @@
 
 #include "deepslam/scene/compact_map.h"
 
-namespace deepslam::artifact {
+namespace deepslam::presentation {
 
 // One row per object: name, class, size along its axes, volume, place of its centre, heading,
 // confidence, source. `volumes_m3` has one entry per object. Text fields are quoted; a field that a
@@ -14,4 +14,4 @@ namespace deepslam::artifact {
 [[nodiscard]] std::string EncodeObjectsCsv(std::span<const CompactObject> objects,
                                            std::span<const double> volumes_m3);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::presentation

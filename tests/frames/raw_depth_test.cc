@@ -1,4 +1,4 @@
-#include "deepslam/scene/raw_depth.h"
+#include "deepslam/frames/raw_depth.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "deepslam/scene/stored_depth.h"
+#include "deepslam/frames/stored_depth.h"
 
 namespace deepslam {
 namespace {
