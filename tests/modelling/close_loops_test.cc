@@ -1,6 +1,7 @@
 // Loops closed by objects in a furnished room that is visited twice: duplicates and constellations
 // merged, others rejected, tracks split and rejoined.
 #include "deepslam/modelling/close_loops.h"
+#include "deepslam/modelling/candidate_set.h"
 
 #include <algorithm>
 #include <set>

@@ -92,7 +92,9 @@ TEST_F(ATable, ItsLegsCarryIt) {
       const bool leg = view_.object(u, v) == 0 && HeightAt(u, v) < 0.6 && HeightAt(u, v) > 0.1;
       num_legs += leg ? 1 : 0;
       num_missed += leg && owners_(u, v) != 7 ? 1 : 0;
-      if (owners_(u, v) == 7) EXPECT_EQ(view_.object(u, v), 0);
+      if (owners_(u, v) == 7) {
+        EXPECT_EQ(view_.object(u, v), 0);
+      }
     }
   }
   ASSERT_GT(num_legs, 100);

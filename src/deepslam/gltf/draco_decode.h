@@ -21,7 +21,7 @@ struct DracoAttributeIds {
   // Of scenes of the program's own: positions and normals have to be finite floats, else numbers of
   // any type will do; and there have to be `others` that are not given out, of one to four numbers.
   bool strict = false;
-  std::vector<int> others;
+  std::vector<int> others = {};
 };
 
 struct DracoMesh {

@@ -157,8 +157,7 @@ Result<RenderMesh> Decoded(std::string_view bytes, const DracoPayload& payload) 
                                        {.position = payload.position_id,
                                         .normal = payload.normal_id,
                                         .colour = payload.colour_id,
-                                        .strict = true,
-                                        .others = {}});
+                                        .strict = true});
   if (!mesh) return mesh.error();
   constexpr float kFull = 65535;
   RenderMesh decoded;
