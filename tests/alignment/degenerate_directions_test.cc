@@ -9,13 +9,13 @@
 namespace deepslam::alignment {
 namespace {
 
-// A square of points on a plane through `centre`, as point-to-plane residuals see it.
+// A square of 2 m, of points on a plane through `centre`, as point-to-plane residuals see it.
 void AddPlane(const Eigen::Vector3d& centre, const Eigen::Vector3d& normal, Matrix6d& hessian) {
   const Eigen::Vector3d a = normal.unitOrthogonal();
   const Eigen::Vector3d b = normal.cross(a);
   for (int i = -5; i <= 5; ++i) {
     for (int j = -5; j <= 5; ++j) {
-      const Eigen::Vector3d p = centre + 0.1 * (i * a + j * b);
+      const Eigen::Vector3d p = centre + 0.2 * (i * a + j * b);
       Vector6d row;
       row << normal, p.cross(normal);
       hessian += row * row.transpose();

@@ -155,7 +155,8 @@ class World:
     def __init__(self, folder):
         self.folder, self.made = folder, 0
         (folder / "bin").mkdir()
-        for name, target in (("deepslam", PROGRAM), ("deepslam-demo", REPOSITORY / "scripts/sample.sh"),
+        for name, target in (("deepslam", PROGRAM), ("deepslam-tools", PROGRAM.with_name("deepslam-tools")),
+                             ("deepslam-demo", REPOSITORY / "scripts/sample.sh"),
                              ("deepslam-fetch-weights", REPOSITORY / "scripts/fetch_weights.sh")):
             (folder / "bin" / name).symlink_to(target)
         for name in ("configs", "scripts", "tests", "examples"):

@@ -20,7 +20,7 @@ REPOSITORY = pathlib.Path(sys.argv[2])
 def version_of(source):
     """Version of the files that a codec of this source tree writes."""
     text = (REPOSITORY / "src/deepslam/artifact" / source).read_text()
-    return int(re.search(r"kVersion\s*=\s*(\d+)", text).group(1))
+    return int(re.search(r"JsonFormat kFormat\{[^}]*, (\d+)\}", text).group(1))
 
 
 def objects_version():

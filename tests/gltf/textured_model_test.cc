@@ -321,7 +321,7 @@ TEST(ReadTexturedModel, RefusesByField) {
               HasSubstr("sparse"));
   EXPECT_THAT(refused([](Json& j) { j["accessors"][0].erase("bufferView"); }),
               HasSubstr("has no data"));
-  EXPECT_THAT(refused([](Json& j) { j["accessors"][1]["componentType"] = 5126; }),
+  EXPECT_THAT(refused([](Json& j) { j["accessors"][1]["componentType"] = 5122; }),
               HasSubstr("unsigned"));
   EXPECT_THAT(refused([](Json& j) {
                 j["nodes"] = {{{"mesh", 0}, {"children", {0}}}};

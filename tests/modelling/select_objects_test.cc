@@ -68,7 +68,7 @@ TEST(SelectObjects, ACompletedCandidateReplacesTheOneItIsMadeOf) {
   ASSERT_EQ(selection->map.objects.size(), 1U);
   const MapObject& seat = selection->map.objects[0];
   EXPECT_EQ(seat.source, CandidateSource::kCompleted);
-  EXPECT_EQ(seat.model, "filled_000_000");
+  EXPECT_EQ(seat.model, "filled_000_0");
   ASSERT_EQ(selection->made.candidates.size(), 1U);
   EXPECT_EQ(seat.chosen, selection->made.candidates[0].id);
   EXPECT_EQ(seat.chosen, CandidateId{1}) << "numbered behind the proposed";
@@ -105,7 +105,7 @@ TEST(SelectObjects, ARefinedPoseReplacesTheProposedRegistration) {
 TEST(SelectObjects, WhatAPersonChoseWins) {
   ModelledRoom room({kChair});
   room.Track(0, 0, Frames(0, 6));
-  room.AddCandidate(0, "stool", StoolGrid(), 0.9);
+  room.AddCandidate(0, "armless", ChairGrid(), 0.8);  // smaller than it is: scores worse
   ObjectOptions options;
   options.refinement.complete = false;
   options.choice = {"choices.yaml",
@@ -113,9 +113,9 @@ TEST(SelectObjects, WhatAPersonChoseWins) {
   const Result<Selection> selection = room.Select(options);
   ASSERT_TRUE(selection.ok()) << selection.error().message;
   ASSERT_EQ(selection->map.objects.size(), 1U);
-  EXPECT_EQ(selection->map.objects[0].model, "stool");
+  EXPECT_EQ(selection->map.objects[0].model, "armless");
   EXPECT_THAT(selection->map.objects[0].note, HasSubstr("chosen by hand"));
-  EXPECT_THAT(selection->applied, ElementsAre(HasSubstr("object 0 is candidate 1 (stool)")));
+  EXPECT_THAT(selection->applied, ElementsAre(HasSubstr("object 0 is candidate 1 (armless)")));
   options.choice.choose = [](ObjectId, auto) -> Result<CandidateId> {
     return InvalidConfig("no candidate \"throne\"");
   };

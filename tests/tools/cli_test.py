@@ -126,7 +126,7 @@ class CommandLine(unittest.TestCase):
         file.write_bytes(whole[:-4])
         self.check(run("validate", file), 1, "header: length", "truncated or damaged")
         file.write_bytes(glb({"asset": {"version": "2.0"}, "nodes": [{"mesh": 7}]}))
-        self.check(run("validate", file), 1, "nodes[0].mesh: 7 of 0")
+        self.check(run("validate", file), 1, "nodes[0].mesh: is 7 of 0")
 
     def test_validate_holds_a_scene_against_its_map(self):
         file, beside = self.dir / "scene.glb", self.dir / "map.json"
