@@ -19,6 +19,7 @@
 #include "deepslam/gltf/textured_model.h"
 #include "deepslam/library/catalogue.h"
 #include "deepslam/library/zip_archive.h"
+#include "deepslam/synth/furnished_home.h"
 #include "deepslam/synth/obj_model.h"
 #include "deepslam/synth/render_capture.h"
 #include "deepslam/synth/scene_description.h"
@@ -179,6 +180,45 @@ Result<Models> ReadModels(const SynthRequest& request, const synth::SceneDescrip
   return models;
 }
 
+// Depth, width and height of the pieces that homes are furnished with.
+Result<synth::PieceSizes> HomePieceSizes(const fs::path& catalogues) {
+  const std::vector<std::string> pieces = synth::HomePieces();
+  synth::PieceSizes sizes;
+  std::error_code code;
+  for (const fs::directory_entry& entry : fs::directory_iterator(catalogues, code)) {
+    if (entry.path().extension() != ".sh3f") continue;
+    const Result<library::ZipArchive> archive = library::ZipArchive::Open(entry.path());
+    if (!archive) return archive.error();
+    const Result<std::string> properties =
+        archive->Read("PluginFurnitureCatalog.properties", kMaxEntryBytes);
+    if (!properties) return properties.error();
+    const Result<library::Catalogue> catalogue = library::ParseCatalogue(*properties);
+    if (!catalogue) return catalogue.error();
+    for (const library::CatalogueItem& item : catalogue->items) {
+      if (item.fault.empty() && std::ranges::find(pieces, item.id) != pieces.end())
+        sizes[item.id] = {item.depth_m, item.width_m, item.height_m};
+    }
+  }
+  if (sizes.empty()) {
+    return InvalidInput(
+        catalogues.string() +
+        ": no furniture of the *.sh3f catalogues there; run scripts/setup.sh (Debian "
+        "package sweethome3d-furniture), or name their folder with --catalogues");
+  }
+  return sizes;
+}
+
+Result<synth::SceneDescription> DescribeScene(const SynthRequest& request) {
+  if (request.home) {
+    const Result<synth::PieceSizes> sizes = HomePieceSizes(request.catalogues);
+    if (!sizes) return sizes.error();
+    return synth::FurnishHome(*request.home, *sizes);
+  }
+  const Result<std::string> text = dataset::ReadFileBytes(request.scene_file);
+  if (!text) return text.error();
+  return synth::ParseScene(*text, request.scene_file, request.rung);
+}
+
 Status WriteMesh(const fs::path& file, const TriangleMesh& mesh) {
   const Result<std::string> ply = artifact::EncodePly({mesh, {}, {}}, file.string());
   if (!ply) return ply.error();
@@ -266,16 +306,15 @@ Status RenderInto(const fs::path& folder,
 }  // namespace
 
 Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& progress) {
-  const fs::path& scene_file = request.scene_file;
+  const fs::path scene_file =
+      request.home ? fs::path("home " + std::to_string(*request.home)) : request.scene_file;
   const fs::path& out = request.out;
   std::error_code code;
   if (fs::exists(out, code) && !(fs::is_directory(out, code) && fs::is_empty(out, code))) {
     return InvalidConfig(out.string() +
                          ": exists and is not an empty folder; name a new one or remove it");
   }
-  const Result<std::string> text = dataset::ReadFileBytes(scene_file);
-  if (!text) return text.error();
-  const Result<synth::SceneDescription> scene = synth::ParseScene(*text, scene_file, request.rung);
+  const Result<synth::SceneDescription> scene = DescribeScene(request);
   if (!scene) return scene.error();
   const Result<Models> models = ReadModels(request, *scene);
   if (!models) return models.error();

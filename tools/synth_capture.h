@@ -1,7 +1,9 @@
 // `deepslam synth`: a scene file becomes a capture folder with its truth.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,8 +12,6 @@
 
 namespace deepslam::tools {
 
-// Where Debian's sweethome3d-furniture puts the catalogues.
-
 struct SynthSummary {
   int num_frames = 0;
   std::vector<std::string> warnings;  // e.g. a way through a wall; each names the scene file
@@ -19,8 +19,9 @@ struct SynthSummary {
 
 struct SynthRequest {
   std::filesystem::path scene_file;
-  std::string rung;                              // variant of the scene; empty: as it stands
-  std::filesystem::path catalogues;              // folder with *.sh3f: furniture by id
+  std::optional<std::uint64_t> home;  // in place of a scene file: a home made up by this seed
+  std::string rung;                   // variant of the scene; empty: as it stands
+  std::filesystem::path catalogues;   // folder with *.sh3f: furniture by id
   std::vector<std::filesystem::path> furniture;  // folders with OBJ, glTF and GLB files, by path
   std::filesystem::path out;                     // must not exist, or be empty
 };

@@ -36,8 +36,14 @@ void AddSynth(CLI::App& app, Command& chosen) {
   auto request = std::make_shared<SynthRequest>();
   request->catalogues = kCatalogueFolder;
   CLI::App* synth = app.add_subcommand("synth", "Render a capture with truth from a scene file");
-  synth->add_option("SCENE", request->scene_file, "Scene file (YAML), see configs/scenes")
-      ->required();
+  CLI::Option* scene =
+      synth->add_option("SCENE", request->scene_file, "Scene file (YAML), see configs/scenes");
+  CLI::Option* home =
+      synth->add_option("--home",
+                        request->home,
+                        "Instead: a home of several furnished rooms, made up by this "
+                        "seed, and a walk through it");
+  scene->excludes(home);
   synth->add_option("-o,--output", request->out, "Capture folder to make")->required();
   synth->add_option("--rung", request->rung, "Variant of the scene, one of its `rungs`");
   synth->add_option("--catalogues", request->catalogues, "Folder with *.sh3f furniture catalogues")
@@ -48,7 +54,10 @@ void AddSynth(CLI::App& app, Command& chosen) {
                    "Folder with furniture of yours (OBJ, glTF, GLB; y up, z front, metres), which "
                    "scenes name by path; may be given again")
       ->allow_extra_args(false);
-  synth->callback([&chosen, request] { chosen = [request] { return Synthesise(*request); }; });
+  synth->callback([&chosen, request, scene, home] {
+    if (scene->empty() && home->empty()) throw CLI::RequiredError("SCENE or --home");
+    chosen = [request] { return Synthesise(*request); };
+  });
 }
 
 }  // namespace deepslam::tools

@@ -143,6 +143,12 @@ TEST(ParseScene, RefusesByFileLineAndField) {
               HasSubstr("'walk.points_m[1]' is not a point"));
   EXPECT_THAT(Refusal("walk: {points_m: [[0, 0, 1], [1, 1, .nan]]}\n"), HasSubstr("not a point"));
   EXPECT_THAT(Refusal("openings: [{wall: up}]\n"), AllOf(HasSubstr("'up'"), HasSubstr("east")));
+  EXPECT_THAT(Refusal("partitions: [{from_m: [0, 0], to_m: [1, 1]}]\n"),
+              AllOf(HasSubstr("'partitions[0].to_m'"), HasSubstr("along x or along y")));
+  EXPECT_THAT(Refusal("partitions: [{from_m: [0, 0]}]\n"), HasSubstr("to_m' is missing"));
+  EXPECT_THAT(
+      Refusal("partitions: [{from_m: [0, 0], to_m: [2, 0], openings: [{width_m: wide}]}]\n"),
+      HasSubstr("'partitions[0].openings[0].width_m' is 'wide'"));
   EXPECT_THAT(Refusal("faults: {missing_share: 2}\n"), HasSubstr("'faults.missing_share' is '2'"));
   EXPECT_THAT(Refusal("lights: 3\n"), HasSubstr("'lights' is not a list"));
   EXPECT_THAT(Refusal("faults: {depth_noise: perhaps}\n"), HasSubstr("true or false"));

@@ -1,6 +1,6 @@
 #include "deepslam/synth/true_layout.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "deepslam/synth/world.h"
 #include "synth/small_world.h"
@@ -58,6 +58,55 @@ TEST(TrueLayout, OpeningsAreWhereTheWallsHaveGaps) {
     }
     EXPECT_TRUE(touches);
   }
+}
+
+// A wall across makes two rooms; its gap is a door between them, seen from either side.
+TEST(TrueLayout, APartitionMakesTwoRoomsAndItsGapADoor) {
+  SceneDescription scene = SmallScene();
+  scene.objects.clear();
+  ScenePartition across;
+  across.from_m = {0.5, -2};
+  across.to_m = {0.5, 2};
+  across.openings.push_back({0, 1.0, 0.9, 0, 2.05, 1});
+  scene.partitions.push_back(across);
+  const Layout layout = TrueLayout(scene);
+  ASSERT_EQ(layout.rooms.size(), 2U);
+  EXPECT_NEAR(AreaOf(layout.rooms[0].polygon_m) + AreaOf(layout.rooms[1].polygon_m),
+              16 - 4 * across.thickness_m,
+              1e-9);
+  EXPECT_EQ(layout.walls.size(), 8U);
+  ASSERT_EQ(layout.openings.size(), 1U);
+  const LayoutOpening& door = layout.openings[0];
+  EXPECT_EQ(door.kind, OpeningKind::kDoor);
+  EXPECT_THAT(door.rooms, testing::UnorderedElementsAre(0, 1));
+  EXPECT_NEAR(std::abs(door.from_m.y() - door.to_m.y()), 0.9, 1e-9);
+  EXPECT_NEAR(std::min(door.from_m.y(), door.to_m.y()), -1.0, 1e-9);
+  const Result<World> world = BuildWorld(scene, {}, Classes());
+  ASSERT_TRUE(world.ok()) << world.error().message;
+  int num_faces = 0;
+  for (const RoomPart& part : world->room) {
+    if (part.surface != RoomSurface::kWall || part.number < 4) continue;
+    for (const auto& face : part.mesh.faces) {
+      ++num_faces;
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (const std::uint32_t v : face) middle += part.mesh.vertices[v].cast<double>() / 3;
+      EXPECT_FALSE(middle.y() > -0.95 && middle.y() < -0.15 && middle.z() > 0.05 &&
+                   middle.z() < 2.0);
+    }
+  }
+  EXPECT_GT(num_faces, 8);
+}
+
+TEST(TrueLayout, ALeafFillsAClosedDoor) {
+  SceneDescription scene = SmallScene();
+  scene.openings = {{0, 0.5, 0.9, 0, 2.05, 1, false}};
+  const auto num_faces = [&] {
+    const Result<World> world = BuildWorld(scene, {{"box", BoxModel()}}, Classes());
+    return world.ok() ? RoomMesh(*world).faces.size() : 0;
+  };
+  const std::size_t open = num_faces();
+  scene.openings[0].closed = true;
+  EXPECT_EQ(num_faces(), open + 2);
 }
 
 }  // namespace

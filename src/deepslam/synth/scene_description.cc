@@ -12,189 +12,14 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "deepslam/core/nearest_word.h"
+#include "deepslam/synth/scene_table.h"
 
 namespace deepslam::synth {
 namespace {
 
 constexpr int kMaxFrames = 100'000;
 constexpr int kMaxSidePx = 4096;
-constexpr std::size_t kMaxPoints = 1000;
 constexpr int kMaxRungDepth = 8;
-
-std::string DidYouMean(const std::string& word, const std::vector<std::string>& known) {
-  const std::string nearest = NearestWord(word, known);
-  return nearest.empty() ? nearest : fmt::format(" (did you mean {}?)", nearest);
-}
-
-// One table of the file. Remembers the first fault and the names that were asked for.
-class Table {
- public:
-  Table(YAML::Node node,
-        const std::filesystem::path& file,
-        std::string path,
-        std::optional<Error>& fault)
-      : node_(std::move(node)), file_(file), path_(std::move(path)), fault_(fault) {
-    if (node_.IsDefined() && !node_.IsNull() && !node_.IsMap())
-      Fail(node_, path_, "is not a table");
-  }
-
-  void Number(const std::string& name, double& value, double min, double max) {
-    const YAML::Node node = Find(name);
-    if (!node) return;
-    double read = 0;
-    if (!node.IsScalar() || !YAML::convert<double>::decode(node, read) ||
-        !(read >= min && read <= max)) {
-      Fail(node,
-           Path(name),
-           fmt::format("is '{}', expected a number of {} .. {}", Shown(node), min, max));
-      return;
-    }
-    value = read;
-  }
-
-  void Number(const std::string& name, int& value, int min, int max) {
-    double read = value;
-    Number(name, read, min, max);
-    if (read != std::floor(read)) {
-      Fail(Find(name), Path(name), fmt::format("is '{}', expected a whole number", read));
-      return;
-    }
-    value = static_cast<int>(read);
-  }
-
-  void Switch(const std::string& name, bool& value) {
-    const YAML::Node node = Find(name);
-    if (!node) return;
-    if (!node.IsScalar() || !YAML::convert<bool>::decode(node, value)) {
-      Fail(node, Path(name), fmt::format("is '{}', expected true or false", Shown(node)));
-    }
-  }
-
-  void Text(const std::string& name, std::string& value, bool required) {
-    const YAML::Node node = Find(name);
-    if (!node) {
-      if (required) Fail(node_, Path(name), "is missing");
-      return;
-    }
-    if (!node.IsScalar() || node.Scalar().empty()) {
-      Fail(node, Path(name), "is not a word");
-      return;
-    }
-    value = node.Scalar();
-  }
-
-  template <typename Vector>
-  void Vec(const std::string& name, Vector& value, double min, double max, bool required = false) {
-    const YAML::Node node = Find(name);
-    if (!node) {
-      if (required) Fail(node_, Path(name), "is missing");
-      return;
-    }
-    const auto count = static_cast<std::size_t>(value.size());
-    if (!node.IsSequence() || node.size() != count) {
-      Fail(node, Path(name), fmt::format("is not a list of {} numbers", count));
-      return;
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      double read = 0;
-      if (!node[i].IsScalar() || !YAML::convert<double>::decode(node[i], read) ||
-          !(read >= min && read <= max)) {
-        Fail(node[i],
-             fmt::format("{}[{}]", Path(name), i),
-             fmt::format("is '{}', expected a number of {} .. {}", Shown(node[i]), min, max));
-        return;
-      }
-      value[static_cast<Eigen::Index>(i)] = read;
-    }
-  }
-
-  Table Sub(const std::string& name) { return Table(Find(name), file_, Path(name), fault_); }
-
-  void Points(const std::string& name, std::vector<Eigen::Vector3d>& value) {
-    const YAML::Node node = Find(name);
-    if (!node) return;
-    if (!node.IsSequence() || node.size() > kMaxPoints) {
-      Fail(node, Path(name), fmt::format("is not a list of at most {} points", kMaxPoints));
-      return;
-    }
-    for (std::size_t i = 0; i < node.size(); ++i) {
-      Eigen::Vector3d point = Eigen::Vector3d::Zero();
-      for (std::size_t k = 0; k < 3; ++k) {
-        double& x = point[static_cast<Eigen::Index>(k)];
-        if (node[i].IsSequence() && node[i].size() == 3 && node[i][k].IsScalar() &&
-            YAML::convert<double>::decode(node[i][k], x) && std::abs(x) <= 100)
-          continue;
-        Fail(node[i],
-             fmt::format("{}[{}]", Path(name), i),
-             "is not a point: a list of 3 numbers of -100 .. 100");
-        return;
-      }
-      value.push_back(point);
-    }
-  }
-
-  std::vector<Table> List(const std::string& name) {
-    const YAML::Node node = Find(name);
-    std::vector<Table> tables;
-    if (!node) return tables;
-    if (!node.IsSequence()) {
-      Fail(node, Path(name), "is not a list");
-      return tables;
-    }
-    for (std::size_t i = 0; i < node.size(); ++i) {
-      tables.emplace_back(node[i], file_, fmt::format("{}[{}]", Path(name), i), fault_);
-    }
-    return tables;
-  }
-
-  // To be called last: what was not asked for is unknown.
-  void RefuseOthers() {
-    if (!node_.IsMap()) return;
-    for (const auto& entry : node_) {
-      const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : "?";
-      if (asked_.contains(name)) continue;
-      const std::vector<std::string> known(asked_.begin(), asked_.end());
-      Fail(entry.first,
-           Path(name),
-           fmt::format(
-               "is unknown{}; known here: {}", DidYouMean(name, known), fmt::join(known, ", ")));
-    }
-  }
-
-  // The field's node, for messages.
-  YAML::Node At(const std::string& name) { return Find(name); }
-  [[nodiscard]] int line() const { return node_.Mark().is_null() ? 0 : node_.Mark().line + 1; }
-
-  void Fail(const YAML::Node& node, const std::string& field, const std::string& what) {
-    if (fault_) return;
-    const bool has_line = node.IsDefined() && !node.Mark().is_null();
-    const std::string place =
-        has_line ? fmt::format("{}:{}", file_.string(), node.Mark().line + 1) : file_.string();
-    fault_ = InvalidConfig(fmt::format("{}: field '{}' {}", place, field, what));
-  }
-  [[nodiscard]] std::string Path(const std::string& name) const {
-    return path_.empty() ? name : path_ + "." + name;
-  }
-
- private:
-  YAML::Node Find(const std::string& name) {
-    asked_.insert(name);
-    if (!node_.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
-    // A lookup that fails gives a node that throws at every question.
-    const YAML::Node found = std::as_const(node_)[name];
-    return found.IsDefined() ? found : YAML::Node(YAML::NodeType::Undefined);
-  }
-  static std::string Shown(const YAML::Node& node) {
-    return node.IsScalar() ? node.Scalar().substr(0, 60) : "a structure";
-  }
-
-  YAML::Node node_;
-  std::filesystem::path file_;
-  std::string path_;
-  std::optional<Error>& fault_;
-  std::set<std::string> asked_;
-};
 
 // A smaller picture of the same sensor: what the sensor does over so many of its pixels it does
 // over as much of the picture.
@@ -207,7 +32,7 @@ DepthSensor SeenByWidth(DepthSensor sensor, int width) {
   return sensor;
 }
 
-void ReadCamera(Table camera, SceneDescription& scene) {
+void ReadCamera(SceneTable camera, SceneDescription& scene) {
   std::string preset = "kinect_v1";
   camera.Text("preset", preset, false);
   if (const std::optional<DepthSensor> sensor = DepthSensorPreset(preset)) {
@@ -218,7 +43,7 @@ void ReadCamera(Table camera, SceneDescription& scene) {
                 camera.Path("preset"),
                 fmt::format("is '{}'{}, expected one of {}",
                             preset,
-                            DidYouMean(preset, known),
+                            NearestOf(preset, known),
                             fmt::join(known, ", ")));
   }
   PinholeCamera& value = scene.camera;
@@ -234,7 +59,7 @@ void ReadCamera(Table camera, SceneDescription& scene) {
   scene.sensor = SeenByWidth(scene.sensor, value.width);
 }
 
-void ReadRoom(Table room, SceneDescription& scene) {
+void ReadRoom(SceneTable room, SceneDescription& scene) {
   room.Vec("size_m", scene.room_size_m, 1, 100);
   room.Text("floor", scene.floor, false);
   if (scene.floor != "wood" && scene.floor != "carpet" && scene.floor != "tiles") {
@@ -252,7 +77,7 @@ void ReadRoom(Table room, SceneDescription& scene) {
   room.RefuseOthers();
 }
 
-void ReadOrbit(Table orbit, SceneOrbit& value) {
+void ReadOrbit(SceneTable orbit, SceneOrbit& value) {
   orbit.Vec("centre_m", value.centre_m, -100, 100);
   orbit.Number("radius_m", value.radius_m, 0.1, 100);
   orbit.Number("height_m", value.height_m, 0.1, 100);
@@ -264,7 +89,7 @@ void ReadOrbit(Table orbit, SceneOrbit& value) {
   orbit.RefuseOthers();
 }
 
-void ReadWalk(Table walk, SceneWalk& value) {
+void ReadWalk(SceneTable walk, SceneWalk& value) {
   walk.Points("points_m", value.points_m);
   walk.Points("look_at_m", value.look_at_m);
   walk.Number("ahead_height_m", value.ahead_height_m, 0, 100);
@@ -283,7 +108,7 @@ void ReadWalk(Table walk, SceneWalk& value) {
     fail("look_at_m", "must hold one point, or as many as points_m");
 }
 
-void ReadFaults(Table faults, SensorFaults& value) {
+void ReadFaults(SceneTable faults, SensorFaults& value) {
   bool all = true;
   bool noise = true;
   bool holes = true;
@@ -318,12 +143,13 @@ void ReadFaults(Table faults, SensorFaults& value) {
   faults.RefuseOthers();
 }
 
-void ReadObject(Table object, SceneDescription& scene) {
+void ReadObject(SceneTable object, SceneDescription& scene) {
   SceneObject value;
   object.Text("class", value.class_name, true);
   object.Text("model", value.model, true);
   object.Vec("position_m", value.position_m, -100, 100, true);
   object.Number("yaw_deg", value.yaw_deg, -3600, 3600);
+  object.Number("bottom_m", value.bottom_m, 0, 100);
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   object.Vec("size_m", size_m, 0.01, 20);
   if (size_m.x() > 0) value.size_m = size_m;
@@ -332,7 +158,17 @@ void ReadObject(Table object, SceneDescription& scene) {
   scene.objects.push_back(value);
 }
 
-void ReadOpening(Table opening, SceneDescription& scene) {
+void ReadGap(SceneTable opening, SceneOpening& value) {
+  opening.Number("from_m", value.from_m, 0, 100);
+  opening.Number("width_m", value.width_m, 0.05, 100);
+  opening.Number("bottom_m", value.bottom_m, 0, 100);
+  opening.Number("height_m", value.height_m, 0.05, 100);
+  opening.Switch("closed", value.closed);
+  opening.RefuseOthers();
+  value.line = opening.line();
+}
+
+void ReadOpening(SceneTable opening, SceneDescription& scene) {
   static constexpr std::array<const char*, 4> kWalls = {"east", "north", "west", "south"};
   SceneOpening value;
   std::string wall;
@@ -344,17 +180,31 @@ void ReadOpening(Table opening, SceneDescription& scene) {
                  fmt::format("is '{}', expected {}", wall, fmt::join(kWalls, ", ")));
   }
   value.wall = static_cast<int>(found - kWalls.begin()) % 4;
-  opening.Number("from_m", value.from_m, 0, 100);
-  opening.Number("width_m", value.width_m, 0.05, 100);
-  opening.Number("bottom_m", value.bottom_m, 0, 100);
-  opening.Number("height_m", value.height_m, 0.05, 100);
-  opening.RefuseOthers();
-  value.line = opening.line();
+  ReadGap(opening, value);
   scene.openings.push_back(value);
 }
 
-void ReadLists(Table& root, SceneDescription& scene) {
-  for (Table light : root.List("lights")) {
+void ReadPartition(SceneTable partition, SceneDescription& scene) {
+  ScenePartition value;
+  partition.Vec("from_m", value.from_m, -100, 100, true);
+  partition.Vec("to_m", value.to_m, -100, 100, true);
+  partition.Number("thickness_m", value.thickness_m, 0.01, 1);
+  for (const SceneTable& gap : partition.List("openings")) {
+    value.openings.emplace_back();
+    ReadGap(gap, value.openings.back());
+  }
+  partition.RefuseOthers();
+  value.line = partition.line();
+  const Eigen::Vector2d along = value.to_m - value.from_m;
+  if (std::min(std::abs(along.x()), std::abs(along.y())) > 1e-9 || along.norm() < 0.1)
+    partition.Fail(partition.At("to_m"),
+                   partition.Path("to_m"),
+                   "must lie 10 cm or more from from_m, along x or along y");
+  scene.partitions.push_back(value);
+}
+
+void ReadLists(SceneTable& root, SceneDescription& scene) {
+  for (SceneTable light : root.List("lights")) {
     SceneLight value;
     light.Vec("position_m", value.position_m, -100, 100, true);
     light.Number("side_m", value.side_m, 0.01, 10);
@@ -362,15 +212,16 @@ void ReadLists(Table& root, SceneDescription& scene) {
     light.RefuseOthers();
     scene.lights.push_back(value);
   }
-  for (Table object : root.List("objects")) ReadObject(object, scene);
-  for (Table opening : root.List("openings")) ReadOpening(opening, scene);
-  Table clutter = root.Sub("clutter");
+  for (SceneTable object : root.List("objects")) ReadObject(object, scene);
+  for (SceneTable opening : root.List("openings")) ReadOpening(opening, scene);
+  for (SceneTable partition : root.List("partitions")) ReadPartition(partition, scene);
+  SceneTable clutter = root.Sub("clutter");
   clutter.Number("floor_boxes", scene.clutter.num_floor_boxes, 0, 100);
   clutter.Number("per_table", scene.clutter.num_per_table, 0, 50);
   clutter.RefuseOthers();
 }
 
-SceneDescription ReadScene(Table root) {
+SceneDescription ReadScene(SceneTable root) {
   SceneDescription scene;
   int seed = 1;
   root.Number("seed", seed, 0, 2'000'000'000);
@@ -425,7 +276,7 @@ Status ChooseRung(YAML::Node root, const std::filesystem::path& file, const std:
       fmt::format("{}: has no rung '{}'{}; its rungs: {}",
                   file.string(),
                   rung,
-                  DidYouMean(rung, known),
+                  NearestOf(rung, known),
                   known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
 }
 
@@ -451,7 +302,7 @@ Result<SceneDescription> ParseScene(const std::string& text,
           fmt::format("{}: holds no scene; see configs/scenes/demo_room.yaml", file.string()));
     const Status chosen = ChooseRung(root, file, rung);
     if (!chosen) return chosen.error();
-    SceneDescription scene = ReadScene(Table(root, file, "", fault));
+    SceneDescription scene = ReadScene(SceneTable(root, file, "", fault));
     if (fault) return *fault;
     return scene;
   } catch (const YAML::Exception& fault) {

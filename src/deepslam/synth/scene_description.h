@@ -28,6 +28,7 @@ struct SceneObject {
   int line = 0;                 // of the scene file, for messages
   // Along x (front), y, z: stretches the model; without it, its own size (files: y up, metres).
   std::optional<Eigen::Vector3d> size_m;
+  double bottom_m = 0;  // above the floor: of what stands on furniture or hangs on a wall
 };
 
 struct SceneOpening {  // a door or window: a gap in a wall
@@ -36,6 +37,17 @@ struct SceneOpening {  // a door or window: a gap in a wall
   double width_m = 0.9;
   double bottom_m = 0;
   double height_m = 2.05;
+  int line = 0;
+  bool closed = false;  // a leaf fills it: nobody sees what is behind
+};
+
+// A wall within the room, from floor to ceiling along x or y: it makes rooms of it. Gaps count from
+// `from_m` on; their `wall` says nothing.
+struct ScenePartition {
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  // middle of its thickness
+  Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
+  double thickness_m = 0.1;
+  std::vector<SceneOpening> openings;
   int line = 0;
 };
 
@@ -118,6 +130,7 @@ struct SceneDescription {
   std::vector<SceneLight> lights;
   std::vector<SceneObject> objects;
   std::vector<SceneOpening> openings;
+  std::vector<ScenePartition> partitions;
   SceneClutter clutter;
   SceneOrbit orbit;
   SceneWalk walk;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,6 +21,7 @@ namespace {
 
 constexpr double kCameraMarginM = 0.1;
 constexpr double kWallThicknessM = 0.15;
+constexpr double kLeafDepth = 0.4;        // share of the wall's thickness behind its face
 constexpr std::size_t kMaxObjects = 254;  // truth/instances counts in bytes
 constexpr double kPosterGapM = 0.004;     // before its wall
 // Furniture beyond these is in another unit than metres.
@@ -59,18 +62,16 @@ void AddQuad(const Eigen::Vector3d& origin,
   mesh.faces.push_back({first, first + 2, first + 3});
 }
 
-// Cuts the openings out of a wall, and lines them as deep as the wall is thick.
-void CutOpenings(const std::vector<SceneOpening>& openings, RoomPart& wall) {
+// Cuts gaps out of a wall, lines them as deep as the wall is thick, and hangs leaves into those
+// that are closed.
+void CutGaps(const std::vector<SceneOpening>& here, std::optional<double> depth_m, RoomPart& wall) {
+  if (here.empty()) return;
   std::vector<double> us = {0, wall.extent_m.x()};
   std::vector<double> vs = {0, wall.extent_m.y()};
-  std::vector<SceneOpening> here;
-  for (const SceneOpening& opening : openings) {
-    if (opening.wall != wall.number) continue;
-    here.push_back(opening);
+  for (const SceneOpening& opening : here) {
     us.insert(us.end(), {opening.from_m, opening.from_m + opening.width_m});
     vs.insert(vs.end(), {opening.bottom_m, opening.bottom_m + opening.height_m});
   }
-  if (here.empty()) return;
   std::sort(us.begin(), us.end());
   std::sort(vs.begin(), vs.end());
   wall.mesh = TriangleMesh();
@@ -88,16 +89,54 @@ void CutOpenings(const std::vector<SceneOpening>& openings, RoomPart& wall) {
               wall.mesh);
     }
   }
-  const Eigen::Vector3d out = -kWallThicknessM * wall.u_axis.cross(wall.v_axis);
+  if (!depth_m) return;  // lined from the other face
+  const Eigen::Vector3d out = -*depth_m * wall.u_axis.cross(wall.v_axis);
   for (const SceneOpening& o : here) {
     const Eigen::Vector3d corner = wall.origin + o.from_m * wall.u_axis + o.bottom_m * wall.v_axis;
     const Eigen::Vector3d u = o.width_m * wall.u_axis;
     const Eigen::Vector3d v = o.height_m * wall.v_axis;
+    if (o.closed) AddQuad(corner + kLeafDepth * out, u, v, wall.mesh);
     AddQuad(corner, out, v, wall.mesh);
     AddQuad(corner + u, out, v, wall.mesh);
     AddQuad(corner, u, out, wall.mesh);
     AddQuad(corner + v, u, out, wall.mesh);
   }
+}
+
+void CutOpenings(const std::vector<SceneOpening>& openings, RoomPart& wall) {
+  std::vector<SceneOpening> here;
+  std::ranges::copy_if(openings, std::back_inserter(here), [&](const SceneOpening& opening) {
+    return opening.wall == wall.number;
+  });
+  CutGaps(here, kWallThicknessM, wall);
+}
+
+// Both faces; the gaps are lined from the first one.
+void AddPartition(const ScenePartition& partition,
+                  double height_m,
+                  int number,
+                  std::vector<RoomPart>& room) {
+  const Eigen::Vector2d run = partition.to_m - partition.from_m;
+  const double length_m = run.norm();
+  const Eigen::Vector3d along(run.x() / length_m, run.y() / length_m, 0);
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d aside = 0.5 * partition.thickness_m * along.cross(z);
+  const Eigen::Vector3d from(partition.from_m.x(), partition.from_m.y(), 0);
+  room.push_back(
+      Rectangle(RoomSurface::kWall, number, from + aside, along, z, {length_m, height_m}));
+  CutGaps(partition.openings, partition.thickness_m, room.back());
+  room.push_back(Rectangle(RoomSurface::kWall,
+                           number + 1,
+                           from - aside + length_m * along,
+                           -along,
+                           z,
+                           {length_m, height_m}));
+  std::vector<SceneOpening> seen_from_behind = partition.openings;
+  for (SceneOpening& gap : seen_from_behind) {
+    gap.from_m = length_m - gap.from_m - gap.width_m;
+    gap.closed = false;  // one leaf a gap
+  }
+  CutGaps(seen_from_behind, std::nullopt, room.back());
 }
 
 Status CheckOpenings(const SceneDescription& description) {
@@ -113,6 +152,20 @@ Status CheckOpenings(const SceneDescription& description) {
                     opening.line,
                     length_m,
                     description.room_size_m.z()));
+  }
+  for (const ScenePartition& partition : description.partitions) {
+    const double length_m = (partition.to_m - partition.from_m).norm();
+    for (const SceneOpening& gap : partition.openings) {
+      if (gap.from_m + gap.width_m <= length_m &&
+          gap.bottom_m + gap.height_m <= description.room_size_m.z())
+        continue;
+      return InvalidInput(fmt::format(
+          "line {} of the scene: opening reaches beyond its partition of {:.2f} x {:.2f} m; change "
+          "its from_m, width_m, bottom_m or height_m",
+          gap.line,
+          length_m,
+          description.room_size_m.z()));
+    }
   }
   return Ok();
 }
@@ -145,6 +198,10 @@ std::vector<RoomPart> MakeRoom(const SceneDescription& description) {
                              z,
                              {walls[w].length_m, s.z()}));
     CutOpenings(description.openings, room.back());
+  }
+  for (std::size_t p = 0; p < description.partitions.size(); ++p) {
+    const int number = static_cast<int>(walls.size() + 2 * p);
+    AddPartition(description.partitions[p], s.z(), number, room);
   }
   Random random(description.seed, "posters", 0);
   for (int i = 0; i < description.num_posters; ++i) {
@@ -265,7 +322,7 @@ Result<World> BuildWorld(const SceneDescription& description,
     object.world_from_object.rotation =
         Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
     object.world_from_object.translation_m = {
-        wanted.position_m.x(), wanted.position_m.y(), object.size_m.z() / 2};
+        wanted.position_m.x(), wanted.position_m.y(), wanted.bottom_m + object.size_m.z() / 2};
     for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
       const Eigen::Vector3d p_world = object.world_from_object * vertex.cast<double>();
       if (InsideRoom(p_world, description.room_size_m, -1e-3)) continue;

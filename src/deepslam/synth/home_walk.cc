@@ -1,0 +1,242 @@
+#include "deepslam/synth/home_walk.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <utility>
+
+namespace deepslam::synth {
+namespace {
+
+constexpr double kCell_m = 0.1;
+constexpr double kClearance_m = 0.28;  // between the camera and what stands there or walls
+constexpr double kEye_m = 1.5;
+constexpr double kTarget_m = 0.55;
+constexpr double kSpeed_m_per_s = 0.45;
+constexpr double kFramesPerS = 10;
+constexpr double kPointEvery_m = 0.5;
+constexpr double kCornerShare = 0.6;  // of the way from a room's middle to its corner
+constexpr std::size_t kMaxPoints = 1000;
+
+// Where one can walk, in cells.
+class FreeFloor {
+ public:
+  FreeFloor(const HomePlan& plan, const std::vector<FloorRectangle>& taken)
+      : half_(plan.size_m.head<2>() / 2),
+        nx_(static_cast<int>(plan.size_m.x() / kCell_m)),
+        ny_(static_cast<int>(plan.size_m.y() / kCell_m)),
+        free_(static_cast<std::size_t>(nx_ * ny_), 0) {
+    for (int n = 0; n < nx_ * ny_; ++n)
+      free_[static_cast<std::size_t>(n)] = IsFree(plan, taken, PlaceOf(n)) ? 1 : 0;
+    KeepLargestPart();
+  }
+
+  [[nodiscard]] Eigen::Vector2d PlaceOf(int cell) const {
+    return {-half_.x() + (cell % nx_ + 0.5) * kCell_m, -half_.y() + (cell / nx_ + 0.5) * kCell_m};
+  }
+
+  // The free cell of a rectangle that is nearest to a place.
+  [[nodiscard]] std::optional<int> Nearest(const Eigen::Vector2d& place,
+                                           const FloorRectangle& within) const {
+    std::optional<int> nearest;
+    double best = std::numeric_limits<double>::infinity();
+    for (int n = 0; n < nx_ * ny_; ++n) {
+      const Eigen::Vector2d p = PlaceOf(n);
+      if (free_[static_cast<std::size_t>(n)] == 0 || !within.Contains({p, p})) continue;
+      if (const double away = (p - place).norm(); away < best) {
+        best = away;
+        nearest = n;
+      }
+    }
+    return nearest;
+  }
+
+  // Cells from one to another, both included; none where no way leads there.
+  [[nodiscard]] std::vector<int> Way(int from, int to) const {
+    constexpr std::array<std::pair<int, int>, 8> kSteps = {
+        {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}};
+    std::vector<double> cost(free_.size(), std::numeric_limits<double>::infinity());
+    std::vector<int> before(free_.size(), -1);
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    cost[static_cast<std::size_t>(from)] = 0;
+    open.emplace(0.0, from);
+    while (!open.empty()) {
+      const auto [so_far, cell] = open.top();
+      open.pop();
+      if (cell == to) break;
+      if (so_far > cost[static_cast<std::size_t>(cell)]) continue;
+      for (const auto& [dx, dy] : kSteps) {
+        const int x = cell % nx_ + dx, y = cell / nx_ + dy;
+        if (x < 0 || x >= nx_ || y < 0 || y >= ny_) continue;
+        const auto next = static_cast<std::size_t>(y * nx_ + x);
+        const double there = so_far + std::hypot(dx, dy);
+        if (free_[next] == 0 || there >= cost[next]) continue;
+        cost[next] = there;
+        before[next] = cell;
+        open.emplace(there, static_cast<int>(next));
+      }
+    }
+    std::vector<int> way;
+    if (std::isinf(cost[static_cast<std::size_t>(to)])) return way;
+    for (int cell = to; cell >= 0; cell = before[static_cast<std::size_t>(cell)])
+      way.push_back(cell);
+    std::ranges::reverse(way);
+    return way;
+  }
+
+ private:
+  // What cannot be walked to from most of the home is no place to stand.
+  void KeepLargestPart() {
+    std::vector<int> part_of(free_.size(), -1);
+    std::vector<std::size_t> sizes;
+    for (std::size_t first = 0; first < free_.size(); ++first) {
+      if (free_[first] == 0 || part_of[first] >= 0) continue;
+      const int part = static_cast<int>(sizes.size());
+      sizes.push_back(0);
+      std::vector<int> open = {static_cast<int>(first)};
+      part_of[first] = part;
+      while (!open.empty()) {
+        const int cell = open.back();
+        open.pop_back();
+        ++sizes.back();
+        const int x = cell % nx_, y = cell / nx_;
+        for (const auto& [dx, dy] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+          if (x + dx < 0 || x + dx >= nx_ || y + dy < 0 || y + dy >= ny_) continue;
+          const auto next = static_cast<std::size_t>((y + dy) * nx_ + x + dx);
+          if (free_[next] == 0 || part_of[next] >= 0) continue;
+          part_of[next] = part;
+          open.push_back(static_cast<int>(next));
+        }
+      }
+    }
+    const auto largest = static_cast<int>(std::ranges::max_element(sizes) - sizes.begin());
+    for (std::size_t n = 0; n < free_.size(); ++n) free_[n] = part_of[n] == largest ? 1 : 0;
+  }
+
+  static bool IsFree(const HomePlan& plan,
+                     const std::vector<FloorRectangle>& taken,
+                     const Eigen::Vector2d& p) {
+    const FloorRectangle about{p.array() - kClearance_m, p.array() + kClearance_m};
+    const bool in_room = std::ranges::any_of(
+        plan.rooms, [&](const PlannedRoom& room) { return room.floor.Contains(about); });
+    const bool in_door = std::ranges::any_of(plan.doors, [&](const PlannedDoor& door) {
+      const Eigen::Vector2d away = p - door.middle_m;
+      const Eigen::Vector2d across(-door.through.y(), door.through.x());
+      return std::abs(away.dot(door.through)) < 0.5 && std::abs(away.dot(across)) < 0.12;
+    });
+    const bool meets = std::ranges::any_of(
+        taken, [&](const FloorRectangle& piece) { return about.Overlaps(piece); });
+    return (in_room || in_door) && !meets;
+  }
+
+  Eigen::Vector2d half_;
+  int nx_, ny_;
+  std::vector<std::uint8_t> free_;
+};
+
+struct Stop {
+  int cell = 0;
+  Eigen::Vector2d look_at_m = Eigen::Vector2d::Zero();
+};
+
+class Tour {
+ public:
+  Tour(const HomePlan& plan, const FreeFloor& floor)
+      : plan_(plan), floor_(floor), visited_(plan.rooms.size(), false) {}
+
+  std::vector<Stop> Take() {
+    VisitRoom(0, plan_.rooms[0].floor.min);
+    return std::move(stops_);
+  }
+
+ private:
+  // From corner to corner, the one next to where one comes in first, looking at the one across.
+  void VisitRoom(std::size_t n, const Eigen::Vector2d& entry) {
+    visited_[n] = true;
+    const FloorRectangle& room = plan_.rooms[n].floor;
+    const Eigen::Vector2d middle = room.middle();
+    const std::array<Eigen::Vector2d, 4> corners = {room.min,
+                                                    Eigen::Vector2d(room.max.x(), room.min.y()),
+                                                    room.max,
+                                                    Eigen::Vector2d(room.min.x(), room.max.y())};
+    std::size_t first = 0;
+    for (std::size_t k = 1; k < corners.size(); ++k) {
+      if ((corners[k] - entry).norm() < (corners[first] - entry).norm()) first = k;
+    }
+    for (std::size_t k = 0; k <= corners.size(); ++k) {
+      const Eigen::Vector2d& corner = corners[(first + k) % corners.size()];
+      const Eigen::Vector2d from = middle + kCornerShare * (corner - middle);
+      if (const std::optional<int> cell = floor_.Nearest(from, room))
+        stops_.push_back({*cell, middle - 0.8 * (corner - middle)});
+    }
+    for (const PlannedDoor& door : plan_.doors) {
+      if (door.from != static_cast<int>(n) && door.to != static_cast<int>(n)) continue;
+      const auto other =
+          static_cast<std::size_t>(door.from == static_cast<int>(n) ? door.to : door.from);
+      if (visited_[other]) continue;
+      Through(door, plan_.rooms[other].floor.middle());
+      VisitRoom(other, door.middle_m);
+      Through(door, middle);
+    }
+  }
+
+  void Through(const PlannedDoor& door, const Eigen::Vector2d& towards) {
+    const FloorRectangle here{door.middle_m.array() - 0.3, door.middle_m.array() + 0.3};
+    if (const std::optional<int> cell = floor_.Nearest(door.middle_m, here))
+      stops_.push_back({*cell, towards});
+  }
+
+  const HomePlan& plan_;
+  const FreeFloor& floor_;
+  std::vector<bool> visited_;
+  std::vector<Stop> stops_;
+};
+
+void AddPoint(const Eigen::Vector2d& at, const Eigen::Vector2d& look_at, SceneWalk& walk) {
+  walk.points_m.emplace_back(at.x(), at.y(), kEye_m);
+  walk.look_at_m.emplace_back(look_at.x(), look_at.y(), kTarget_m);
+}
+
+}  // namespace
+
+void AddWalk(const HomePlan& plan,
+             const std::vector<FloorRectangle>& taken,
+             SceneDescription& scene) {
+  const FreeFloor floor(plan, taken);
+  const std::vector<Stop> stops = Tour(plan, floor).Take();
+  SceneWalk& walk = scene.walk;
+  double length_m = 0;
+  const int stride = static_cast<int>(kPointEvery_m / kCell_m);
+  std::optional<Stop> last;
+  for (const Stop& stop : stops) {
+    if (!last) {
+      AddPoint(floor.PlaceOf(stop.cell), stop.look_at_m, walk);
+      last = stop;
+      continue;
+    }
+    const std::vector<int> way = floor.Way(last->cell, stop.cell);
+    if (way.empty() || walk.points_m.size() + way.size() > kMaxPoints) continue;
+    for (std::size_t k = 1; k < way.size(); ++k) {
+      length_m += (floor.PlaceOf(way[k]) - floor.PlaceOf(way[k - 1])).norm();
+      const bool is_last = k + 1 == way.size();
+      if (!is_last && k % static_cast<std::size_t>(stride) != 0) continue;
+      // The view turns from one target to the next on the way.
+      const double share = static_cast<double>(k) / static_cast<double>(way.size() - 1);
+      AddPoint(floor.PlaceOf(way[k]), (1 - share) * last->look_at_m + share * stop.look_at_m, walk);
+    }
+    last = stop;
+  }
+  if (walk.points_m.size() == 1) {  // a way has two ends
+    walk.points_m.push_back(walk.points_m.front() + Eigen::Vector3d(0.01, 0, 0));
+    walk.look_at_m.push_back(walk.look_at_m.front());
+  }
+  scene.frames_per_s = kFramesPerS;
+  scene.num_frames = std::max(2, static_cast<int>(length_m / kSpeed_m_per_s * kFramesPerS));
+}
+
+}  // namespace deepslam::synth
