@@ -59,6 +59,8 @@ SpaceOptions SpaceOf(const CoarseOptions& options) {
   SpaceOptions space;
   space.voxel_m = options.voxel_m;
   space.range_m = options.space_range_m;
+  // A wall nearer than what is fused would have been measured.
+  space.blind_range_m = options.max_depth_m;
   return space;
 }
 

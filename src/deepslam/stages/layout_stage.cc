@@ -1,17 +1,12 @@
 // layout: the room itself, and the coarse surface of the whole capture that it is read from.
-#include <algorithm>
-#include <cstddef>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "deepslam/artifact/coarse_surface_file.h"
 #include "deepslam/artifact/layout_json.h"
-#include "deepslam/frames/for_frames.h"
-#include "deepslam/fuse/choose_frames.h"
-#include "deepslam/fuse/coarse_fusion.h"
+#include "deepslam/fuse/fuse_coarse.h"
 #include "deepslam/graph/gravity_world.h"
 #include "deepslam/layout/estimate_layout.h"
 #include "deepslam/stages/plan.h"
@@ -23,48 +18,11 @@ namespace {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-// Those whose place in the world of the first keyframe was measured.
-std::vector<FrameIdx> FramesOfOneWorld(const Trajectory& trajectory,
-                                       const Ground& ground,
-                                       const fuse::FrameChoice& choice) {
-  std::vector<TrackedFrame> frames;
-  for (const TrackedFrame& frame : trajectory.frames) {
-    if (ApartAt(ground, frame.frame) == nullptr) frames.push_back(frame);
-  }
-  return fuse::FramesToFuse(frames, choice);
-}
-
-Result<CoarseSurface> FuseCoarse(const StageContext& context,
-                                 const RunInputs& inputs,
-                                 const Trajectory& trajectory,
-                                 const Ground& ground) {
-  const FrameSource& frames = *inputs.capture->frames;
-  Pose3 level_from_tracking;
-  if (!trajectory.frames.empty()) {
-    level_from_tracking = graph::GravityFromTracking(trajectory.frames.front().world_from_camera,
-                                                     ground.plane_world,
-                                                     ground.upright.value_or(QuarterTurn::kNone));
-  }
-  fuse::CoarseFusion fusion(inputs.config.coarse);
-  const auto integrate = [&](const Frame& frame) {
-    return fusion.Integrate(
-        frame, frames.camera(), level_from_tracking * trajectory.at(frame.idx).world_from_camera);
-  };
-  const std::vector<FrameIdx> wanted =
-      FramesOfOneWorld(trajectory, ground, inputs.config.coarse_frames);
-  if (Status status =
-          ForFrames(frames, wanted, context.progress(), integrate, FrameContent::kDepth);
-      !status.ok())
-    return status.error();
-  if (fusion.surface_full()) {
-    context.progress().Warn(
-        "the capture outgrows layout.surface.max_voxel_blocks: what lies beyond is left out of the "
-        "layout");
-  }
-  CoarseSurface surface = std::move(fusion).Take();
-  surface.level_from_tracking = level_from_tracking;
-  surface.has_ground = ground.plane_world.has_value();
-  return surface;
+Pose3 LevelFromTracking(const Trajectory& trajectory, const Ground& ground) {
+  if (trajectory.frames.empty()) return {};
+  return graph::GravityFromTracking(trajectory.frames.front().world_from_camera,
+                                    ground.plane_world,
+                                    ground.upright.value_or(QuarterTurn::kNone));
 }
 
 StageSummary Summarise(const CoarseSurface& surface, const Layout& layout) {
@@ -89,7 +47,15 @@ Result<StageSummary> RunLayout(StageContext& context, const RunInputs& inputs) {
   if (!trajectory.ok()) return trajectory.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
-  const Result<CoarseSurface> surface = FuseCoarse(context, inputs, *trajectory, *ground);
+  const std::vector<FrameIdx> wanted =
+      fuse::CoarseFrames(trajectory->frames, *ground, inputs.config.coarse_frames);
+  const Result<CoarseSurface> surface = fuse::FuseCoarse({*inputs.capture->frames,
+                                                          trajectory->frames,
+                                                          LevelFromTracking(*trajectory, *ground),
+                                                          ground->plane_world.has_value()},
+                                                         wanted,
+                                                         inputs.config.coarse,
+                                                         context.progress());
   if (!surface.ok()) return surface.error();
   const Layout layout = layout::EstimateLayout(*surface, inputs.config.layout);
   const std::vector<EncodedFile> files = {

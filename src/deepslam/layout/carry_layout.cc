@@ -1,0 +1,84 @@
+#include "deepslam/layout/carry_layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deepslam::layout {
+namespace {
+
+// How far a camera's word reaches: rooms are seen from a few metres.
+constexpr double kReach_m = 2.0;
+constexpr double kFarthest =
+    4.0;  // of it; all cameras count a little, so that something always does
+
+class Carrier {
+ public:
+  explicit Carrier(const std::vector<MovedCamera>& cameras) : cameras_(cameras) {
+    for (const MovedCamera& camera : cameras)
+      world_from_level_.push_back(camera.world_from_camera * camera.level_from_camera.Inverse());
+  }
+
+  [[nodiscard]] Eigen::Vector3d Moved(const Eigen::Vector3d& p_level) const {
+    double whole = 0;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t n = 0; n < cameras_.size(); ++n) {
+      const double off = (cameras_[n].level_from_camera.translation_m - p_level).norm() / kReach_m;
+      const double weight = std::exp(-std::min(off, kFarthest) * std::min(off, kFarthest) / 2);
+      whole += weight;
+      sum += weight * (world_from_level_[n] * p_level);
+    }
+    return sum / whole;
+  }
+  // Along the ground, at eye level; and up, at a place.
+  [[nodiscard]] Eigen::Vector2d OnGround(const Eigen::Vector2d& p) const {
+    constexpr double kEyes_m = 1.5;
+    return Moved({p.x(), p.y(), kEyes_m}).head<2>();
+  }
+  [[nodiscard]] double Height(const Eigen::Vector2d& p, double height_m) const {
+    return Moved({p.x(), p.y(), height_m}).z();
+  }
+  template <typename Part>
+  void Move(Part& part) const {
+    const Eigen::Vector2d middle = 0.5 * (part.from_m + part.to_m);
+    part.bottom_m = Height(middle, part.bottom_m);
+    part.top_m = Height(middle, part.top_m);
+    part.from_m = OnGround(part.from_m);
+    part.to_m = OnGround(part.to_m);
+  }
+
+ private:
+  const std::vector<MovedCamera>& cameras_;
+  std::vector<Pose3> world_from_level_;
+};
+
+Eigen::Vector2d MiddleOf(const std::vector<Eigen::Vector2d>& polygon_m) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : polygon_m) sum += p;
+  return sum / static_cast<double>(polygon_m.size());
+}
+
+}  // namespace
+
+Layout CarryLayout(Layout layout, const std::vector<MovedCamera>& cameras) {
+  layout.level_from_tracking = Pose3();
+  if (cameras.empty()) return layout;
+  const Carrier carrier(cameras);
+  for (LayoutRoom& room : layout.rooms) {
+    const Eigen::Vector2d middle = MiddleOf(room.polygon_m);
+    if (room.ceiling_m > room.floor_m) room.ceiling_m = carrier.Height(middle, room.ceiling_m);
+    room.floor_m = carrier.Height(middle, room.floor_m);
+    for (Eigen::Vector2d& corner : room.polygon_m) corner = carrier.OnGround(corner);
+  }
+  for (LayoutWall& wall : layout.walls) carrier.Move(wall);
+  for (LayoutOpening& opening : layout.openings) carrier.Move(opening);
+  for (SlantedPlane& slanted : layout.slanted) {
+    const Eigen::Vector3d centre = carrier.Moved(slanted.centre_m);
+    const Eigen::Vector3d ahead = carrier.Moved(slanted.centre_m + slanted.plane.normal);
+    slanted.centre_m = centre;
+    slanted.plane.normal = (ahead - centre).normalized();
+    slanted.plane.d_m = -slanted.plane.normal.dot(centre);
+  }
+  return layout;
+}
+
+}  // namespace deepslam::layout
