@@ -7,10 +7,10 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
+#include "deepslam/frames/frame_source.h"
 #include "deepslam/fuse/choose_frames.h"
 #include "deepslam/fuse/coarse_fusion.h"
 #include "deepslam/scene/coarse_surface.h"
-#include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/trajectory.h"
 

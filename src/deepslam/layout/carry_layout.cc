@@ -37,14 +37,6 @@ class Carrier {
   [[nodiscard]] double Height(const Eigen::Vector2d& p, double height_m) const {
     return Moved({p.x(), p.y(), height_m}).z();
   }
-  template <typename Part>
-  void Move(Part& part) const {
-    const Eigen::Vector2d middle = 0.5 * (part.from_m + part.to_m);
-    part.bottom_m = Height(middle, part.bottom_m);
-    part.top_m = Height(middle, part.top_m);
-    part.from_m = OnGround(part.from_m);
-    part.to_m = OnGround(part.to_m);
-  }
 
  private:
   const std::vector<MovedCamera>& cameras_;
@@ -55,6 +47,17 @@ Eigen::Vector2d MiddleOf(const std::vector<Eigen::Vector2d>& polygon_m) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : polygon_m) sum += p;
   return sum / static_cast<double>(polygon_m.size());
+}
+
+// Openings stay in their walls: at the same share of its length.
+Eigen::Vector2d OnMovedWall(const LayoutWall& before,
+                            const LayoutWall& moved,
+                            const Eigen::Vector2d& p) {
+  const double length_m = before.length_m();
+  if (!(length_m > 0)) return moved.from_m;
+  const Eigen::Vector2d along = (before.to_m - before.from_m) / length_m;
+  const double share = along.dot(p - before.from_m) / length_m;
+  return moved.from_m + share * (moved.to_m - moved.from_m);
 }
 
 }  // namespace
@@ -69,8 +72,22 @@ Layout CarryLayout(Layout layout, const std::vector<MovedCamera>& cameras) {
     room.floor_m = carrier.Height(middle, room.floor_m);
     for (Eigen::Vector2d& corner : room.polygon_m) corner = carrier.OnGround(corner);
   }
-  for (LayoutWall& wall : layout.walls) carrier.Move(wall);
-  for (LayoutOpening& opening : layout.openings) carrier.Move(opening);
+  const std::vector<LayoutWall> as_read = layout.walls;
+  for (LayoutWall& wall : layout.walls) {
+    const Eigen::Vector2d middle = 0.5 * (wall.from_m + wall.to_m);
+    wall.bottom_m = carrier.Height(middle, wall.bottom_m);
+    wall.top_m = carrier.Height(middle, wall.top_m);
+    wall.from_m = carrier.OnGround(wall.from_m);
+    wall.to_m = carrier.OnGround(wall.to_m);
+  }
+  for (LayoutOpening& opening : layout.openings) {
+    const Eigen::Vector2d middle = 0.5 * (opening.from_m + opening.to_m);
+    opening.bottom_m = carrier.Height(middle, opening.bottom_m);
+    opening.top_m = carrier.Height(middle, opening.top_m);
+    const auto wall = static_cast<std::size_t>(opening.wall);
+    opening.from_m = OnMovedWall(as_read[wall], layout.walls[wall], opening.from_m);
+    opening.to_m = OnMovedWall(as_read[wall], layout.walls[wall], opening.to_m);
+  }
   for (SlantedPlane& slanted : layout.slanted) {
     const Eigen::Vector3d centre = carrier.Moved(slanted.centre_m);
     const Eigen::Vector3d ahead = carrier.Moved(slanted.centre_m + slanted.plane.normal);

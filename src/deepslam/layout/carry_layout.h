@@ -15,8 +15,8 @@ struct MovedCamera {
 };
 
 // The layout in the world of the moved cameras, z up in both. Each place moves as the cameras near
-// it did, those within arm's length most. `level_from_tracking` is of no use then and becomes the
-// identity. Without cameras the layout stays where it is.
+// it did, the nearest most; openings stay in their walls. `level_from_tracking` is of no use then
+// and becomes the identity. Without cameras the layout stays where it is.
 [[nodiscard]] Layout CarryLayout(Layout layout, const std::vector<MovedCamera>& cameras);
 
 }  // namespace deepslam::layout
