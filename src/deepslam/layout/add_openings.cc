@@ -10,6 +10,7 @@ namespace deepslam::layout {
 namespace {
 
 constexpr double kThickest_m = 0.5;  // wall between two faces of one opening
+constexpr double kSameFace_m = 0.2;  // between lines that one face was told on
 constexpr double kBeyond_m = 0.25;   // steps in which the room behind an opening is looked for
 constexpr int kMostSteps = 4;
 
@@ -28,18 +29,21 @@ int RoomBehind(const Layout& layout, const LayoutWall& wall, const Eigen::Vector
   return -1;
 }
 
-// Whether both are the two faces of one opening.
+// Whether both are the two faces of one opening, or one face told twice: by the wall of a room and
+// by one that reaches beyond it.
 bool AreOne(const Layout& layout, const LayoutOpening& a, const LayoutOpening& b) {
   const LayoutWall& wall_a = layout.walls[static_cast<std::size_t>(a.wall)];
   const LayoutWall& wall_b = layout.walls[static_cast<std::size_t>(b.wall)];
   const Eigen::Vector2d along_a = (wall_a.to_m - wall_a.from_m).normalized();
   const Eigen::Vector2d along_b = (wall_b.to_m - wall_b.from_m).normalized();
-  constexpr double kOpposite = -0.95;
-  if (along_a.dot(along_b) > kOpposite) return false;
+  constexpr double kParallel = 0.95;
+  const double turned = along_a.dot(along_b);
+  if (std::abs(turned) < kParallel) return false;
+  const double apart_m = turned < 0 ? kThickest_m : kSameFace_m;
   const Eigen::Vector2d between = 0.5 * (b.from_m + b.to_m) - 0.5 * (a.from_m + a.to_m);
   const double shift_m = std::abs(along_a.dot(between));
   const double thickness_m = std::abs(along_a.x() * between.y() - along_a.y() * between.x());
-  return thickness_m < kThickest_m && 2 * shift_m < (a.to_m - a.from_m).norm();
+  return thickness_m < apart_m && 2 * shift_m < (a.to_m - a.from_m).norm();
 }
 
 }  // namespace

@@ -16,9 +16,11 @@ namespace deepslam::layout {
 namespace {
 
 constexpr double kGuessedShare = 0.25;  // of a side where a wall was seen: less is a guess
-constexpr double kSeen_m = 0.3;         // of wall that makes a wall
-constexpr double kNearCorner_m = 0.5;   // a wall seen up to here reaches the corner
-constexpr double kUpright = 0.9;        // least vertical part of a normal of floors and ceilings
+// Of a room's outline that was seen as wall: less is a place outdoors, or a corner of a hall.
+constexpr double kWalledShare = 0.2;
+constexpr double kSeen_m = 0.3;        // of wall that makes a wall
+constexpr double kNearCorner_m = 0.5;  // a wall seen up to here reaches the corner
+constexpr double kUpright = 0.9;       // least vertical part of a normal of floors and ceilings
 constexpr double kLowestCeiling_m = 1.8;
 constexpr double kCeilingShare = 0.03;    // of a room's area that has to be seen of its ceiling
 constexpr double kOutsideFloor_m2 = 1.0;  // of the floor of a room that no camera was in
@@ -288,6 +290,11 @@ void AddRooms(const CoarseSurface& surface,
       round_m += length_m;
       seen_m += length_m * WallShareOf(complex, side);
     }
+    if (seen_m < kWalledShare * round_m) {
+      built.layout.notes.emplace_back(
+          "too little of what would bound a room was seen as wall: none is told there");
+      continue;
+    }
     room.confidence = (was_entered ? 1.0 : 0.5) * 0.5 * (room.seen_share + seen_m / round_m);
     const int id = static_cast<int>(built.layout.rooms.size());
     built.layout.rooms.push_back(std::move(room));
@@ -298,7 +305,9 @@ void AddRooms(const CoarseSurface& surface,
 void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, BuiltLayout& built) {
   constexpr double kLeast_m = 1.0;
   constexpr double kBridged_m = 1.5;  // windows and doors in it
-  constexpr double kBefore_m = 0.6;   // what stands this near before a wall stands at it
+  // What stands alone and is lower than people is a fence, a hedge, a car.
+  constexpr double kLowest_m = 1.8;
+  constexpr double kBefore_m = 0.6;  // what stands this near before a wall stands at it
   for (std::size_t line = 0; line < complex.num_wall_lines(); ++line) {
     const WallProfile& profile = complex.profiles[line];
     std::vector<std::pair<double, double>> ranges;
@@ -311,6 +320,7 @@ void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, Bui
     for (const auto& range : ranges) {
       const LayoutWall wall = WallOn(complex, line, range);
       if (wall.length_m() < kLeast_m || wall.seen_share < 0.5) continue;
+      if (surface.has_ground && wall.top_m < kLowest_m) continue;
       const bool known =
           std::any_of(built.layout.walls.begin(), built.layout.walls.end(), [&](const auto& other) {
             const Eigen::Vector2d along = (other.to_m - other.from_m).normalized();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deepslam/scene/wall_geometry.h"
+
 namespace deepslam::layout {
 namespace {
 
@@ -68,7 +70,7 @@ Layout CarryLayout(Layout layout, const std::vector<MovedCamera>& cameras) {
   const Carrier carrier(cameras);
   for (LayoutRoom& room : layout.rooms) {
     const Eigen::Vector2d middle = MiddleOf(room.polygon_m);
-    if (room.ceiling_m > room.floor_m) room.ceiling_m = carrier.Height(middle, room.ceiling_m);
+    if (HasCeiling(room)) room.ceiling_m = carrier.Height(middle, room.ceiling_m);
     room.floor_m = carrier.Height(middle, room.floor_m);
     for (Eigen::Vector2d& corner : room.polygon_m) corner = carrier.OnGround(corner);
   }

@@ -59,6 +59,7 @@ Layout EstimateLayout(const CoarseSurface& surface, const LayoutOptions& options
     AddRooms(surface, columns, complex, options, built);
   }
   AddLooseWalls(surface, complex, built);
+  if (layout.walls.empty() && layout.notes.empty()) layout.notes.emplace_back("no walls were seen");
   AddOpenings(complex, built);
   return std::move(built.layout);
 }

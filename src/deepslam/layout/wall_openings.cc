@@ -8,6 +8,9 @@
 #include <optional>
 #include <utility>
 
+#include "deepslam/layout/door_casings.h"
+#include "deepslam/layout/door_sizes.h"
+
 namespace deepslam::layout {
 namespace {
 
@@ -16,14 +19,14 @@ constexpr double kMinHeight_m = 0.4;
 constexpr double kMinFill = 0.5;      // of the rectangle that is gap
 constexpr double kMinFrame = 0.4;     // of a side that is wall
 constexpr double kThreshold_m = 0.3;  // what begins lower reaches the floor
-// Doors of homes: 0.6 to 1.3 m wide, two-winged ones included, 1.8 to 2.3 m high (DIN 18101 has
-// 0.6 to 1.25 and 1.98 to 2.11, other countries a little more).
-constexpr double kNarrowDoor_m = 0.55;
-constexpr double kWidestDoor_m = 1.35;
-constexpr double kLowestDoor_m = 1.75;
-constexpr double kHighestDoor_m = 2.35;
-constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wall, or more
-constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
+constexpr double kRecess_m = 0.02;    // a leaf lies this much deeper than its wall, or more
+constexpr double kBeside_m = 0.2;     // where the frame of an opening is looked for
+
+constexpr double kThingShare = 0.1;  // before a gap without depth: then it is a thing's
+constexpr double kPaneFill = 0.7;     // of a window's rectangle that is set back
+constexpr double kPaneConfidence = 0.6;
+constexpr double kMullion_m = 0.2;  // wall between the sashes of one window
+constexpr double kLevel_m = 0.12;   // their ends differ by less: two cells and a little
 
 // Rows and slots [first, end) of a profile.
 struct CellBox {
@@ -176,6 +179,31 @@ class FaceSearch {
     }
   }
 
+  // Windows whose panes, blinds or curtains were measured behind the wall's face, wholly or in
+  // part.
+  void AddPanes(std::vector<FaceOpening>& found) const {
+    const CellTest set_back = [this](int slot, int row) {
+      const std::uint8_t cell = At(slot, row);
+      if ((cell & kSolid) != 0) return profile_.OffsetAt(slot, row) < -kRecess_m;
+      return (cell & (kOpen | kBlind | kFront)) != 0;
+    };
+    const CellTest flush = [&](int slot, int row) {
+      return IsSolid(slot, row) && !set_back(slot, row);
+    };
+    for (const Cells& cells : Components(box_, set_back)) {
+      const CellBox box = BoxOf(cells, box_);
+      if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
+      if (ShareOf(box, box_, set_back) < kPaneFill) continue;
+      if (Bottom(box) <= face_.floor_m + kThreshold_m) continue;
+      const Frame frame = FrameOf(box, flush);
+      if (frame.num_sides() < 4 || IsDarkThing(box)) continue;
+      FaceOpening opening = OpeningOf(box, OpeningKind::kWindow);
+      opening.confidence = kPaneConfidence;
+      opening.note = "what was measured in it lies behind the wall's face: a window, or a niche";
+      found.push_back(std::move(opening));
+    }
+  }
+
  private:
   [[nodiscard]] std::uint8_t At(int slot, int row) const { return profile_.at(slot, row); }
   [[nodiscard]] bool IsSolid(int slot, int row) const { return (At(slot, row) & kSolid) != 0; }
@@ -210,6 +238,23 @@ class FaceSearch {
     return frame;
   }
 
+  [[nodiscard]] double BlindShare(const CellBox& box) const {
+    return ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBlind) != 0; });
+  }
+
+  // Dark and shiny things return no depth either; what stands around them does.
+  [[nodiscard]] bool IsDarkThing(const CellBox& box) const {
+    constexpr int kAround = 2;  // cells: the sides of a shelf
+    if (BlindShare(box) <= 0.5) return false;
+    const CellBox around{box.first_slot - kAround,
+                         box.end_slot + kAround,
+                         box.first_row - kAround,
+                         box.end_row + kAround};
+    return ShareOf(around, box_, [this](int slot, int row) {
+             return (At(slot, row) & kThing) != 0;
+           }) > kThingShare;
+  }
+
   [[nodiscard]] FaceOpening OpeningOf(const CellBox& box, OpeningKind kind) const {
     FaceOpening opening;
     opening.kind = kind;
@@ -225,8 +270,8 @@ class FaceSearch {
     const Frame frame = FrameOf(box, [this](int slot, int row) { return IsSolid(slot, row); });
     const double behind =
         ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBehind) != 0; });
-    const double blind =
-        ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBlind) != 0; });
+    const double blind = BlindShare(box);
+    if (IsDarkThing(box)) return std::nullopt;
     return Bottom(box) <= face_.floor_m + kThreshold_m ? AtFloor(box, frame, behind, blind)
                                                        : Above(box, frame, behind, blind);
   }
@@ -279,6 +324,65 @@ class FaceSearch {
   CellBox box_;
 };
 
+bool Overlap(const FaceOpening& a, const FaceOpening& b) {
+  return a.from_m < b.to_m && b.from_m < a.to_m && a.bottom_m < b.top_m && b.bottom_m < a.top_m;
+}
+
+// Adds those that lie over none that is known.
+void AddNew(std::vector<FaceOpening> more, std::vector<FaceOpening>& found) {
+  for (FaceOpening& opening : more) {
+    const bool known = std::any_of(found.begin(), found.end(), [&](const FaceOpening& other) {
+      return Overlap(opening, other);
+    });
+    if (!known) found.push_back(std::move(opening));
+  }
+}
+
+// Windows of which parts were found as gaps are as large as what is set back around these.
+void AddAround(std::vector<FaceOpening> panes, std::vector<FaceOpening>& found) {
+  for (FaceOpening& pane : panes) {
+    const bool within = std::any_of(found.begin(), found.end(), [&](const FaceOpening& other) {
+      return other.kind != OpeningKind::kWindow && Overlap(pane, other);
+    });
+    if (within) continue;
+    for (const FaceOpening& other : found) {
+      if (Overlap(pane, other)) pane.confidence = std::max(pane.confidence, other.confidence);
+    }
+    std::erase_if(found, [&](const FaceOpening& other) { return Overlap(pane, other); });
+    found.push_back(std::move(pane));
+  }
+}
+
+void SortByPosition(std::vector<FaceOpening>& found) {
+  std::stable_sort(found.begin(), found.end(), [](const FaceOpening& a, const FaceOpening& b) {
+    return a.from_m < b.from_m;
+  });
+}
+
+// Windows of one height beside each other are the sashes of one.
+void JoinSashes(std::vector<FaceOpening>& found) {
+  SortByPosition(found);
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    for (std::size_t k = n + 1; k < found.size();) {
+      FaceOpening& a = found[n];
+      const FaceOpening& b = found[k];
+      const bool is_sash = a.kind == OpeningKind::kWindow && b.kind == OpeningKind::kWindow &&
+                           b.from_m - a.to_m < kMullion_m &&
+                           std::abs(a.bottom_m - b.bottom_m) < kLevel_m &&
+                           std::abs(a.top_m - b.top_m) < kLevel_m;
+      if (!is_sash) {
+        ++k;
+        continue;
+      }
+      a.to_m = std::max(a.to_m, b.to_m);
+      a.bottom_m = std::min(a.bottom_m, b.bottom_m);
+      a.top_m = std::max(a.top_m, b.top_m);
+      a.confidence = std::max(a.confidence, b.confidence);
+      found.erase(found.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<FaceOpening> FindOpenings(const WallProfile& profile, const WallFace& face) {
@@ -287,15 +391,12 @@ std::vector<FaceOpening> FindOpenings(const WallProfile& profile, const WallFace
   search.AddGaps(found);
   std::vector<FaceOpening> leaves;
   search.AddLeaves(leaves);
-  for (FaceOpening& leaf : leaves) {
-    const bool known = std::any_of(found.begin(), found.end(), [&](const FaceOpening& other) {
-      return leaf.from_m < other.to_m && other.from_m < leaf.to_m;
-    });
-    if (!known) found.push_back(std::move(leaf));
-  }
-  std::stable_sort(found.begin(), found.end(), [](const FaceOpening& a, const FaceOpening& b) {
-    return a.from_m < b.from_m;
-  });
+  AddNew(std::move(leaves), found);
+  AddNew(FindCasings(profile, face), found);
+  std::vector<FaceOpening> panes;
+  search.AddPanes(panes);
+  AddAround(std::move(panes), found);
+  JoinSashes(found);
   return found;
 }
 

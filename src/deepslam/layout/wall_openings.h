@@ -29,7 +29,8 @@ struct FaceOpening {
 };
 
 // By position. Gaps that rays went through or in which nothing was measured (glass), with wall at
-// two sides at least; and leaves that lie deeper than the wall, as closed doors do.
+// two sides at least; leaves that lie deeper than the wall or have a casing around them, as closed
+// doors do; and what is set back with wall all around, as panes and blinds of windows are.
 [[nodiscard]] std::vector<FaceOpening> FindOpenings(const WallProfile& profile,
                                                     const WallFace& face);
 

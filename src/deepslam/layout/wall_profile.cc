@@ -11,9 +11,10 @@ namespace {
 constexpr double kBefore = 2.5;
 constexpr double kWithin = 1.5;
 constexpr double kBehindFace = 4;
-constexpr double kMinFacing = 0.6;    // cosine between a vertex's normal and the face's
-constexpr double kMaxVertical = 0.5;  // of a vertex's normal
-constexpr double kFloorBand_m = 0.1;  // nothing is told of the wall where it meets the ground
+constexpr double kMinFacing = 0.6;      // cosine between a vertex's normal and the face's
+constexpr double kMaxVertical = 0.5;    // of a vertex's normal
+constexpr double kThingDepth_m = 0.65;  // wardrobes and desks are 60 cm deep, shelves less
+constexpr double kFloorBand_m = 0.1;    // nothing is told of the wall where it meets the ground
 
 std::size_t IndexOf(const WallProfile& profile, int slot, int row) {
   return static_cast<std::size_t>(slot) * static_cast<std::size_t>(profile.num_rows) +
@@ -28,20 +29,25 @@ void MarkSurface(const CoarseSurface& surface,
   const Eigen::Vector2f along = line.along().cast<float>();
   const auto offset = static_cast<float>(line.offset_m);
   const auto thickness = static_cast<float>(options.thickness_m);
+  const auto deepest = static_cast<float>(kThingDepth_m);
   std::vector<std::uint16_t> counts(profile.cells.size(), 0);
   for (std::size_t v = 0; v < surface.mesh.vertices.size(); ++v) {
     const Eigen::Vector3f& p = surface.mesh.vertices[v];
     const float off = normal.dot(p.head<2>()) - offset;
-    if (std::abs(off) > thickness) continue;
-    const Eigen::Vector3f& facing = surface.normals[v];
-    if (std::abs(static_cast<double>(facing.z())) > kMaxVertical ||
-        static_cast<double>(facing.head<2>().dot(normal)) < kMinFacing)
-      continue;
+    if (off < -thickness || off > deepest) continue;
     const int slot = profile.SlotOf(static_cast<double>(along.dot(p.head<2>())));
     const int row =
         static_cast<int>(std::floor((static_cast<double>(p.z()) - profile.bottom_m) / kCell_m));
     if (slot < 0 || slot >= profile.num_slots || row < 0 || row >= profile.num_rows) continue;
     const std::size_t at = IndexOf(profile, slot, row);
+    if (off > thickness) {
+      profile.cells[at] |= kThing;
+      continue;
+    }
+    const Eigen::Vector3f& facing = surface.normals[v];
+    if (std::abs(static_cast<double>(facing.z())) > kMaxVertical ||
+        static_cast<double>(facing.head<2>().dot(normal)) < kMinFacing)
+      continue;
     profile.cells[at] |= kSolid | kFront;
     ++counts[at];
     profile.offset_m[at] += (off - profile.offset_m[at]) / static_cast<float>(counts[at]);

@@ -21,6 +21,7 @@ enum FaceCell : std::uint8_t {
   kFront = 4,    // the space before it was looked into, or its surface was seen
   kBlind = 8,    // it was looked at, and nothing was measured there
   kBehind = 16,  // rays went on well behind it
+  kThing = 32,   // a surface stands before it, no further off than furniture at a wall is deep
 };
 
 // Cells of kCell_m: slot s begins at begin_m + s * kCell_m along the line, row r at

@@ -1,0 +1,13 @@
+// How wide and how high doors of homes are.
+#pragma once
+
+namespace deepslam::layout {
+
+// 0.6 to 1.3 m wide, two-winged ones included, 1.8 to 2.3 m high (DIN 18101 has 0.6 to 1.25
+// and 1.98 to 2.11, other countries a little more); a cell is added on either side.
+inline constexpr double kNarrowDoor_m = 0.55;
+inline constexpr double kWidestDoor_m = 1.35;
+inline constexpr double kLowestDoor_m = 1.75;
+inline constexpr double kHighestDoor_m = 2.35;
+
+}  // namespace deepslam::layout
