@@ -57,7 +57,7 @@ ROOMS = {
     # composition: joins algorithms, in memory
     "mapping": VOCABULARY | {"alignment", "tracking", "loop", "graph"},
     "modelling": VOCABULARY | {"observe", "propose", "registration", "select", "refine", "loop", "graph", "mapping"},
-    "presentation": VOCABULARY | {"mesh", "fuse", "gltf", "render", "report"},
+    "presentation": VOCABULARY | {"mesh", "fuse", "layout", "gltf", "render", "report"},
     # control
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }

@@ -322,6 +322,17 @@ inline CompactMap SampleMap() {
                   "",
                   "",
                   {{0.5F, -0.1F}, "", "", Eigen::Vector3d::Ones(), "", ""}}};
+  map.layout.emplace();
+  map.layout->rooms = {{{{0, 0}, {4.125, 0}, {4, 3}}, 0.01, 2.5},
+                       {{{0, 0}, {-1, 0.5}, {-1, -0.5}, {0, -1}}, 0, std::nullopt}};
+  map.layout->walls = {{{0, 1}, {0, 0}, {4.125, 0}, 0.01, 2.5, 0.75, 0.9},
+                       {{}, {0, 5}, {4, 5}, 0, 2.0, 0.5, 0.25}};
+  map.layout->openings = {{0, OpeningKind::kWindow, {1, 0}, {2, 0}, 0.9, 2.1, 0.5},
+                          {1, OpeningKind::kPassage, {1, 5}, {2, 5}, 0, 2, 0.75}};
+  map.objects[0].room = 1;
+  map.objects[0].stands_on = "table_05";
+  map.objects[1].against_wall = 1;
+  map.objects[1].stands_on = kOnFloor;
   return map;
 }
 

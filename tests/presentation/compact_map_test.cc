@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/artifact/map_json.h"
+#include "deepslam/geometry/box.h"
 #include "deepslam/gltf/validate.h"
 #include "deepslam/presentation/expand_map.h"
 #include "deepslam/presentation/labelled_scene.h"
 #include "deepslam/presentation/map_rounding.h"
 #include "deepslam/presentation/scene_check.h"
 #include "presentation/room_with_box.h"
+#include "support/layout_samples.h"
 
 namespace deepslam::presentation {
 namespace {
@@ -53,6 +55,68 @@ TEST(MakeCompactMap, IsEnoughToMakeTheSceneAgain) {
     ASSERT_LT((again->objects[0].mesh.vertices[v] - scene.objects[0].mesh.vertices[v]).norm(),
               kMapScaleStepM + 1e-6);
   }
+}
+
+TEST(MakeCompactMap, SaysWhereThingsAre) {
+  FinishedMap finished = RoomWithBox();
+  finished.map.map.objects[0].world_from_object.translation_m = {2, 0.52, 0.5};
+  finished.layout_world = testing_support::TwoRoomLayout();
+  const CompactMap map = MapOf(finished, CodesOfRoomWithBox());
+  EXPECT_EQ(map.objects[0].room, 0);
+  EXPECT_EQ(map.objects[0].against_wall, 0);
+  EXPECT_EQ(map.objects[0].stands_on, kOnFloor);
+  ASSERT_TRUE(map.layout.has_value());
+  EXPECT_EQ(map.layout->walls.size(), 8U);
+  finished.map.has_ground = false;  // heights then say nothing
+  EXPECT_THAT(MapOf(finished, CodesOfRoomWithBox()).objects[0].stands_on, IsEmpty());
+}
+
+// 1.5 KB a room, with all its walls and openings.
+TEST(MakeCompactMap, ALayoutIsSmall) {
+  FinishedMap finished = RoomWithBox();
+  const auto size = [&] {
+    return artifact::EncodeMap(MapOf(finished, CodesOfRoomWithBox()), "map.json")->size();
+  };
+  const std::size_t without = size();
+  finished.layout_world = testing_support::TwoRoomLayout();
+  // Numbers as captures have them, with all their digits.
+  for (LayoutWall& wall : finished.layout_world.walls) {
+    wall.from_m += Eigen::Vector2d(0.1234567, -11.7654321);
+    wall.to_m += Eigen::Vector2d(0.1234567, -11.7654321);
+    wall.seen_share = wall.confidence = 0.8765432;
+  }
+  for (LayoutRoom& room : finished.layout_world.rooms) {
+    for (Eigen::Vector2d& p : room.polygon_m) p += Eigen::Vector2d(0.1234567, -11.7654321);
+  }
+  EXPECT_LT(size() - without, 2 * 1500U);
+}
+
+TEST(MakeCompactMap, ExpandsToTheLayoutOfTheScene) {
+  FinishedMap finished = RoomWithBox();
+  finished.layout_world = testing_support::TwoRoomLayout();
+  const CompactMap map = MapOf(finished, CodesOfRoomWithBox());
+  const gltf::GltfScene scene =
+      MakeScene(finished, OneClass(), testing_support::SmallCamera(), SomeRun(), {});
+  const Result<gltf::GltfScene> again = ExpandMap(map, nullptr, {}, "0.1.0");
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  ASSERT_EQ(again->parts.size(), scene.parts.size());
+  for (std::size_t n = 0; n < scene.parts.size(); ++n) {
+    EXPECT_EQ(again->parts[n].name, scene.parts[n].name);
+    Box3 box;
+    Box3 expanded;
+    for (const Eigen::Vector3f& p : scene.parts[n].mesh_world.vertices)
+      box.Extend(p.cast<double>());
+    for (const Eigen::Vector3f& p : again->parts[n].mesh_world.vertices)
+      expanded.Extend(p.cast<double>());
+    EXPECT_LT((box.min - expanded.min).norm(), 2 * kMapLayoutStepM) << scene.parts[n].name;
+    EXPECT_LT((box.max - expanded.max).norm(), 2 * kMapLayoutStepM) << scene.parts[n].name;
+  }
+  gltf::ValidationReport report = gltf::ValidateGlb(*gltf::WriteGlb(*again, {}));
+  EXPECT_THAT(CompareWithMap(report, map), IsEmpty());
+  report.parts.pop_back();
+  report.parts.erase(report.parts.begin());
+  EXPECT_THAT(CompareWithMap(report, map),
+              testing::ElementsAre("walls: 7 in the scene, 8 in the map"));
 }
 
 TEST(MakeCompactMap, StoresEachShapeInItsWay) {

@@ -262,11 +262,12 @@ TEST(Plots, OfHoursAreNotMuchLargerThanOfMinutesAndShowWhatIsAmiss) {
   EXPECT_LT(size(HeightOverTime(hours.map.frames)), 4 * size(HeightOverTime(minutes.map.frames)));
   EXPECT_LT(size(GraphCorrection(hours.map.frames, hours.tracked_world_from_camera)),
             4 * size(GraphCorrection(minutes.map.frames, minutes.tracked_world_from_camera)));
-  EXPECT_LT(size(TopView(hours)), 3e6) << "rounds over each other are drawn by their lines alone";
+  EXPECT_LT(size(PlanWithPath(hours)), 3e6)
+      << "rounds over each other are drawn by their lines alone";
   for (const ReportContent* content : {&minutes, &hours}) {
     const std::string height = HeightOverTime(content->map.frames);
     EXPECT_THAT(height, HasSubstr("#d62828")) << "the lost frame";
-    EXPECT_THAT(TopView(*content), HasSubstr("#d62828"));
+    EXPECT_THAT(PlanWithPath(*content), HasSubstr("#d62828"));
     EXPECT_THAT(height, ContainsRegex("L36[0-9.]+ 11\\.8")) << "the one frame that is higher";
   }
 }

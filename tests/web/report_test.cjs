@@ -77,7 +77,8 @@ async function checkRoom(tab, page) {
   const names = await open(tab, page);
   assert.ok(names.length > 0, "the scene has objects");
   const labels = (await tab.locator(".viewer-label").allTextContents()).sort();
-  assert.deepStrictEqual(labels, [...names].sort(), "every object has its label");
+  const rooms = await view(tab, "roomLabels()");
+  assert.deepStrictEqual(labels, [...names, ...rooms].sort(), "every object and every room has its label");
   const boxes = await tab.locator(".viewer-label:visible").evaluateAll((all) => all.map((one) => {
     const box = one.getBoundingClientRect();
     return [box.left, box.top, box.right, box.bottom];
@@ -92,13 +93,36 @@ async function checkRoom(tab, page) {
   console.log(`${picked} of ${names.length} objects picked by a click`);
   await shot(tab, "picked.png");
   await view(tab, "select(null)");
-  for (const layer of ["objects", "colours", "seethrough", "measured", "room", "trajectory", "labels"]) {
+  for (const layer of ["objects", "colours", "seethrough", "measured", "layout", "room", "trajectory", "labels"]) {
     await switchesLayer(tab, layer);
   }
+  await checkWalls(tab);
   await turnsByKeyAndMouse(tab);
   await selectsByKeyAndList(tab, names);
   assert.ok(await tab.locator("#timing").isVisible(), "times of the last run are shown");
   await tab.screenshot({path: path.join(folder, "page.png"), fullPage: true, timeout: TIMEOUT_MS});
+}
+
+// Walls between the viewer and their room are seen through, and one that is not tells its length.
+async function checkWalls(tab) {
+  const walls = (await view(tab, "parts()")).filter((name) => name.startsWith("wall_"));
+  assert.ok(walls.length > 0, "the scene has walls");
+  const faded = await view(tab, "faded()");
+  const solid = walls.filter((name) => !faded.includes(name));
+  assert.ok(solid.length > 0, "from above, some walls stand behind their room");
+  assert.ok(faded.some((name) => name.startsWith("wall_")), "and some before it");
+  let told = false;
+  for (const name of solid) {
+    const pixel = await view(tab, `pixelOf(${JSON.stringify(name)})`);
+    if (!pixel) continue;
+    await tab.mouse.click(...pixel);
+    assert.strictEqual(await view(tab, "selected()"), name, "a click picks the wall");
+    told = (await tab.locator(".viewer-panel").textContent()).includes("length");
+    break;
+  }
+  assert.ok(told, "a wall tells its length");
+  await shot(tab, "walls.png");
+  await view(tab, "select(null)");
 }
 
 // A page away from its workspace is whole but for the times, and says so.

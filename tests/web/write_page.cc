@@ -52,8 +52,53 @@ std::vector<Item> MakeItems(int count) {
   return items;
 }
 
+// A room around the items above.
+Layout MakeLayout() {
+  Layout layout;
+  LayoutRoom room;
+  room.polygon_m = {{-1, -2}, {2.5, -2}, {2.5, 2}, {-1, 2}};
+  room.guessed.assign(4, false);
+  for (std::size_t n = 0; n < 4; ++n) {
+    LayoutWall wall;
+    wall.from_m = room.polygon_m[n];
+    wall.to_m = room.polygon_m[(n + 1) % 4];
+    wall.top_m = 2;
+    wall.rooms = {0};
+    wall.confidence = 0.9;
+    layout.walls.push_back(wall);
+  }
+  layout.rooms = {room};
+  return layout;
+}
+
+// Boxes behind the walls' faces.
+std::vector<gltf::GltfPart> MakeParts() {
+  std::vector<gltf::GltfPart> parts;
+  for (const LayoutWall& wall : MakeLayout().walls) {
+    constexpr float kThickness_m = 0.06F;
+    gltf::GltfPart part;
+    part.id = static_cast<int>(parts.size());
+    part.name = "wall_0" + std::to_string(part.id);
+    part.kind = "wall";
+    part.rooms = {0};
+    part.figures = {{"length_m", wall.length_m()}, {"height_m", 2.0}};
+    const Eigen::Vector2d along = (wall.to_m - wall.from_m).normalized();
+    const Eigen::Vector2d outward(along.y(), -along.x());
+    const Eigen::Vector2d middle =
+        0.5 * (wall.from_m + wall.to_m) + 0.5 * static_cast<double>(kThickness_m) * outward;
+    const Eigen::Vector2f size = (wall.length_m() * along.cwiseAbs()).cast<float>() +
+                                 kThickness_m * outward.cwiseAbs().cast<float>();
+    part.mesh_world = BoxMesh({size.x(), size.y(), 2.0F});
+    for (Eigen::Vector3f& p : part.mesh_world.vertices)
+      p += Eigen::Vector3d(middle.x(), middle.y(), 1).cast<float>();
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
 gltf::GltfScene MakeScene(const std::vector<Item>& items) {
   gltf::GltfScene scene;
+  scene.parts = MakeParts();
   for (const Item& item : items) {
     gltf::GltfObject object;
     object.name = item.name;
@@ -63,12 +108,12 @@ gltf::GltfScene MakeScene(const std::vector<Item>& items) {
     object.class_colour = item.colour;
     scene.objects.push_back(std::move(object));
   }
-  TriangleMesh wall = BoxMesh({0.05f, 4.0f, 2.0f});
-  for (Eigen::Vector3f& vertex : wall.vertices) {
-    vertex += Eigen::Vector3f(2.5f, 0, 1);
-    wall.colours.push_back({180, 170, 160});
+  TriangleMesh measured = BoxMesh({0.6f, 0.4f, 0.5f});  // what no object stands for
+  for (Eigen::Vector3f& vertex : measured.vertices) {
+    vertex += Eigen::Vector3f(2.1f, -1.6f, 0.25f);
+    measured.colours.push_back({180, 170, 160});
   }
-  scene.room = wall;
+  scene.room = measured;
   TriangleMesh floor;
   floor.vertices = {{-1, -2, 0}, {2.5f, -2, 0}, {2.5f, 2, 0}, {-1, 2, 0}};
   floor.faces = {{0, 1, 2}, {0, 2, 3}};
@@ -119,6 +164,7 @@ report::ReportContent MakeContent(const std::vector<Item>& items) {
   }
   content.map.keyframes = {FrameIdx{0}, FrameIdx{20}};
   content.map.has_ground = true;
+  content.layout_world = MakeLayout();
   content.heights = {{FrameIdx{0}, 1.4, 1.4, 1.4}, {FrameIdx{20}, 1.4, 1.42, 1.4}};
   for (const Item& item : items) content.objects.push_back(MakeRow(item));
   return content;
@@ -146,5 +192,6 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: deepslam_web_page FILE [NUM_OBJECTS]\n");
     return 2;
   }
-  return deepslam::Run(argv[1], argc == 3 ? std::atoi(argv[2]) : static_cast<int>(std::size(deepslam::kItems)));
+  return deepslam::Run(
+      argv[1], argc == 3 ? std::atoi(argv[2]) : static_cast<int>(std::size(deepslam::kItems)));
 }

@@ -112,6 +112,12 @@ JsonReader::JsonReader(TextSource text,
                        std::string_view format,
                        int version,
                        std::vector<JsonTable> tables)
+    : JsonReader(std::move(text), name, JsonFormat{format, version}, std::move(tables)) {}
+
+JsonReader::JsonReader(TextSource text,
+                       std::string_view name,
+                       const JsonFormat& format,
+                       std::vector<JsonTable> tables)
     : name_(name) {
   std::vector<JsonStream> streams;
   for (const JsonTable& table : tables) {
@@ -133,7 +139,7 @@ JsonReader::JsonReader(TextSource text,
   document_ = std::move(parsed).value();
   // Rows come before the version, which says more than what is wrong in them.
   const std::string fault_of_rows = std::exchange(fault_, {});
-  if (!format.empty()) CheckFormat(format, version);
+  if (!format.name.empty()) CheckFormat(format);
   if (ok()) fault_ = fault_of_rows;
   for (const JsonTable& table : tables) {
     if (!table.must_be_there) continue;
@@ -142,22 +148,25 @@ JsonReader::JsonReader(TextSource text,
   }
 }
 
-void JsonReader::CheckFormat(std::string_view format, int version) {
+void JsonReader::CheckFormat(const JsonFormat& format) {
   const JsonNode document = root();
   const JsonNode found_format = document.Maybe("format");
-  if (!found_format.is_string() || found_format.String() != format) {
+  if (!found_format.is_string() || found_format.String() != format.name) {
     Fail("format",
-         fmt::format("is not \"{}\": this is no file of deepslam, or one of another kind", format));
+         fmt::format("is not \"{}\": this is no file of deepslam, or one of another kind",
+                     format.name));
     return;
   }
   const int found = document["version"].Int(1, 1000000);
-  if (ok() && found != version) {
+  const bool is_read = found == format.version ||
+                       (format.oldest > 0 && found >= format.oldest && found < format.version);
+  if (ok() && !is_read) {
     Fail("version",
-         fmt::format(
-             "is {}, this program reads {}: {}",
-             found,
-             version,
-             found > version ? "use a newer deepslam" : "make the file again with this deepslam"));
+         fmt::format("is {}, this program reads {}: {}",
+                     found,
+                     format.version,
+                     found > format.version ? "use a newer deepslam"
+                                            : "make the file again with this deepslam"));
   }
 }
 

@@ -72,6 +72,13 @@ struct JsonTable {
   bool must_be_there = true;
 };
 
+// What the fields "format" and "version" of a file of the program's own say.
+struct JsonFormat {
+  std::string_view name;
+  int version = 1;
+  int oldest = 0;  // version that is read as well; 0: none older
+};
+
 class JsonReader {
  public:
   // `name` is the file's name for messages. Checks the document's "format" and "version" fields;
@@ -80,6 +87,10 @@ class JsonReader {
              std::string_view name,
              std::string_view format,
              int version,
+             std::vector<JsonTable> tables = {});
+  JsonReader(TextSource text,
+             std::string_view name,
+             const JsonFormat& format,
              std::vector<JsonTable> tables = {});
   JsonReader(const JsonReader&) = delete;
   JsonReader& operator=(const JsonReader&) = delete;
@@ -96,7 +107,7 @@ class JsonReader {
   }
 
  private:
-  void CheckFormat(std::string_view format, int version);
+  void CheckFormat(const JsonFormat& format);
   std::string name_;
   JsonValue document_;
   std::string fault_;

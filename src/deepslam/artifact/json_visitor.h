@@ -144,12 +144,6 @@ template <typename T, typename... Limits>
   return value;
 }
 
-// What the fields "format" and "version" of a file of the program's own say.
-struct JsonFormat {
-  std::string_view name;
-  int version = 1;
-};
-
 // A whole file, as Describe of T or `describe` has it; `name` is what messages call it.
 template <typename T, typename DescribeT = ByDescribe>
 [[nodiscard]] Result<std::string> EncodeDocument(const JsonFormat& format,
@@ -171,7 +165,7 @@ template <typename T, typename DescribeT = ByDescribe>
   std::vector<JsonTable> tables;
   JsonVisitor for_tables(tables);
   describe(for_tables, value);
-  JsonReader reader(std::move(text), name, format.name, format.version, std::move(tables));
+  JsonReader reader(std::move(text), name, format, std::move(tables));
   const JsonNode root = reader.root();
   JsonVisitor visitor(root);
   describe(visitor, value);

@@ -3,43 +3,33 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "deepslam/artifact/scene_json.h"
+#include "deepslam/scene/wall_geometry.h"
 
 namespace deepslam::artifact {
 
 constexpr JsonFormat kFormat{"deepslam/layout", 1};
-constexpr Range kPlace_m{-1e6, 1e6};  // far beyond any home
 constexpr Range kArea_m2{0, 1e12};
 constexpr Range kSigma{0, 1e6};
-constexpr std::array<std::string_view, 3> kOpeningKinds{"door", "window", "passage"};
 constexpr std::array<std::string_view, 2> kLevelKinds{"floor", "ceiling"};
+constexpr std::array<std::string_view, 3> kOpeningKinds{"door", "window", "passage"};
 
 void Describe(JsonVisitor& visitor, OpeningKind& kind) { visitor.Choice(kind, kOpeningKinds); }
-void Describe(JsonVisitor& visitor, LevelKind& kind) { visitor.Choice(kind, kLevelKinds); }
 
-// A place on the floor plan.
 void Describe(JsonVisitor& visitor, Eigen::Vector2d& place_m) {
   visitor.Numbers(std::span<double>(place_m.data(), 2));
-  if (!(place_m.cwiseAbs().array() < kPlace_m.max).all()) visitor.Fail({}, "is no place");
+  if (!(place_m.cwiseAbs().array() < kPlanPlace_m.max).all()) visitor.Fail({}, "is no place");
 }
 
-// What has a lower and an upper end.
-template <typename T>
-void DescribeHeights(JsonVisitor& visitor, T& value) {
-  visitor.Field("bottom_m", value.bottom_m, kPlace_m);
-  visitor.Field("top_m", value.top_m, kPlace_m);
-  if (value.top_m < value.bottom_m) visitor.Fail("top_m", "must not be below bottom_m");
-}
-
-// x, y of each corner, in one list.
 void DescribePolygon(JsonVisitor& visitor, std::vector<Eigen::Vector2d>& polygon_m) {
   std::vector<double> numbers;
   for (const Eigen::Vector2d& corner : polygon_m)
     numbers.insert(numbers.end(), {corner.x(), corner.y()});
-  visitor.Field("polygon_m", numbers, kPlace_m);
+  visitor.Field("polygon_m", numbers, kPlanPlace_m);
   if (!visitor.reading()) return;
   if (numbers.size() < 6 || numbers.size() % 2 != 0)
     visitor.Fail("polygon_m", "must be x, y of three corners or more");
@@ -48,12 +38,24 @@ void DescribePolygon(JsonVisitor& visitor, std::vector<Eigen::Vector2d>& polygon
     polygon_m.emplace_back(numbers[n], numbers[n + 1]);
 }
 
+void CheckRooms(JsonVisitor& visitor,
+                std::string_view member,
+                const std::vector<int>& rooms,
+                std::size_t num_rooms) {
+  for (const int room : rooms) {
+    if (room < 0 || static_cast<std::size_t>(room) >= num_rooms)
+      visitor.Fail(member, "names a room that is not there");
+  }
+}
+
+void Describe(JsonVisitor& visitor, LevelKind& kind) { visitor.Choice(kind, kLevelKinds); }
+
 void DescribeCeiling(JsonVisitor& visitor, LayoutRoom& room) {
   std::optional<double> ceiling_m;  // null: not seen
-  if (room.ceiling_m > room.floor_m) ceiling_m = room.ceiling_m;
+  if (HasCeiling(room)) ceiling_m = room.ceiling_m;
   visitor.Maybe("ceiling_m", ceiling_m);
   if (!visitor.reading() || !ceiling_m) return;
-  if (!(*ceiling_m > room.floor_m && *ceiling_m < kPlace_m.max))
+  if (!(*ceiling_m > room.floor_m && *ceiling_m < kPlanPlace_m.max))
     visitor.Fail("ceiling_m", "must be above floor_m");
   room.ceiling_m = *ceiling_m;
 }
@@ -64,7 +66,7 @@ void Describe(JsonVisitor& visitor, LayoutRoom& room) {
   if (room.guessed.size() != room.polygon_m.size())
     visitor.Fail("guessed", "must have one value per corner of the polygon");
   visitor.WriteOnly("area_m2", AreaOf(room.polygon_m));
-  visitor.Field("floor_m", room.floor_m, kPlace_m);
+  visitor.Field("floor_m", room.floor_m, kPlanPlace_m);
   DescribeCeiling(visitor, room);
   visitor.Field("seen_share", room.seen_share, kShare);
   visitor.Field("confidence", room.confidence, kShare);
@@ -95,7 +97,7 @@ void Describe(JsonVisitor& visitor, LayoutOpening& opening) {
 
 void Describe(JsonVisitor& visitor, LayoutLevel& level) {
   visitor.Field("kind", level.kind);
-  visitor.Field("height_m", level.height_m, kPlace_m);
+  visitor.Field("height_m", level.height_m, kPlanPlace_m);
   visitor.Field("area_m2", level.area_m2, kArea_m2);
 }
 
@@ -103,16 +105,6 @@ void Describe(JsonVisitor& visitor, SlantedPlane& slanted) {
   visitor.Field("plane", slanted.plane);
   visitor.Field("centre_m", slanted.centre_m);
   visitor.Field("area_m2", slanted.area_m2, kArea_m2);
-}
-
-void CheckRooms(JsonVisitor& visitor,
-                std::string_view member,
-                const std::vector<int>& rooms,
-                std::size_t num_rooms) {
-  for (const int room : rooms) {
-    if (static_cast<std::size_t>(room) >= num_rooms)
-      visitor.Fail(member, "names a room that is not there");
-  }
 }
 
 void CheckIds(JsonVisitor& visitor, const Layout& layout) {

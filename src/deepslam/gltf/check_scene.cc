@@ -45,8 +45,13 @@ std::string UniqueName(const GltfObject& object, std::set<std::string>& taken) {
     const std::string number = std::to_string(object.instance);
     name = ToValidUtf8(object.class_name) + "_" + (number.size() < 2 ? "0" : "") + number;
   }
-  std::string unique = name;
-  for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
+  return UniqueName(name, taken);
+}
+
+std::string UniqueName(const std::string& name, std::set<std::string>& taken) {
+  std::string unique = ToValidUtf8(name);
+  for (int n = 2; !taken.insert(unique).second; ++n)
+    unique = ToValidUtf8(name) + "_" + std::to_string(n);
   return unique;
 }
 

@@ -20,6 +20,8 @@ namespace deepslam::gltf {
 // The object's name as valid UTF-8, made of class and instance where it is empty, with a suffix
 // where it is taken; joins `taken`.
 [[nodiscard]] std::string UniqueName(const GltfObject& object, std::set<std::string>& taken);
+// The same of any name.
+[[nodiscard]] std::string UniqueName(const std::string& name, std::set<std::string>& taken);
 
 // Same faces, and vertices that are `ratio` times those of `first` but for rounding. Colours are
 // not compared.

@@ -52,8 +52,10 @@ Result<int> GlbBuilder::AddMesh(const std::string& name,
   if (mesh.faces.empty()) return -1;
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = materials_.Add(
-      style.material_name, mesh.colours.empty() ? style.plain_colour : kWhite, style.double_sided);
+  primitive.material = materials_.Add(style.material_name,
+                                      mesh.colours.empty() ? style.plain_colour : kWhite,
+                                      style.double_sided,
+                                      style.opacity);
   if (style.class_variant && !mesh.colours.empty())
     materials_.AddClassVariant(style.material_name, style.plain_colour, primitive);
   if (options_.draco) {

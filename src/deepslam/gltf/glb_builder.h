@@ -33,6 +33,7 @@ struct MeshStyle {
   bool closed = true;
   double crease_angle_deg = kSmoothDeg;
   bool class_variant = false;  // coloured meshes: `plain_colour` as a second appearance
+  double opacity = 1;
 };
 
 // Options and meshes outlive it. Meshes come in the axes of the map and are turned into glTF's.

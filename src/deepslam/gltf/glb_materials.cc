@@ -33,12 +33,13 @@ void UseExtension(const char* name, bool required, tinygltf::Model& model) {
   if (required) add(model.extensionsRequired);
 }
 
-int GlbMaterials::Add(const std::string& name, Rgb8 colour, bool double_sided) {
-  return Add(name, {.base = colour, .double_sided = double_sided});
+int GlbMaterials::Add(const std::string& name, Rgb8 colour, bool double_sided, double opacity) {
+  return Add(name, {.base = colour, .double_sided = double_sided, .opacity = opacity});
 }
 
 int GlbMaterials::Add(const std::string& name, const Surface& surface) {
-  const auto key = std::tuple(name, Key(surface.base), Key(surface.glow), surface.double_sided);
+  const auto key =
+      std::tuple(name, Key(surface.base), Key(surface.glow), surface.double_sided, surface.opacity);
   const auto found = of_surface_.find(key);
   if (found != of_surface_.end()) return found->second;
   const auto linear = [](Rgb8 c) {
@@ -49,11 +50,12 @@ int GlbMaterials::Add(const std::string& name, const Surface& surface) {
   tinygltf::Material material;
   material.name = ToValidUtf8(name);
   material.pbrMetallicRoughness.baseColorFactor = linear(surface.base);
-  material.pbrMetallicRoughness.baseColorFactor.push_back(1.0);
+  material.pbrMetallicRoughness.baseColorFactor.push_back(surface.opacity);
   material.pbrMetallicRoughness.metallicFactor = 0.0;
   material.pbrMetallicRoughness.roughnessFactor = kRoughness;
   material.emissiveFactor = linear(surface.glow);
   material.doubleSided = surface.double_sided;
+  if (surface.opacity < 1) material.alphaMode = "BLEND";
   const int index = static_cast<int>(model_.materials.size());
   model_.materials.push_back(material);
   of_surface_[key] = index;

@@ -28,7 +28,7 @@ class GlbMaterials {
   explicit GlbMaterials(tinygltf::Model& model) : model_(model) {}
 
   // The index of a rough material of that base colour (sRGB).
-  int Add(const std::string& name, Rgb8 colour, bool double_sided);
+  int Add(const std::string& name, Rgb8 colour, bool double_sided, double opacity = 1);
 
   // A second appearance of a coloured primitive, by KHR_materials_variants: flat in that colour.
   void AddClassVariant(const std::string& name, Rgb8 class_colour, tinygltf::Primitive& primitive);
@@ -38,12 +38,13 @@ class GlbMaterials {
     Rgb8 base;
     Rgb8 glow{0, 0, 0};  // shown whatever light and vertex colours there are
     bool double_sided = false;
+    double opacity = 1;
   };
 
   int Add(const std::string& name, const Surface& surface);
 
   tinygltf::Model& model_;
-  std::map<std::tuple<std::string, ColourKey, ColourKey, bool>, int> of_surface_;
+  std::map<std::tuple<std::string, ColourKey, ColourKey, bool, double>, int> of_surface_;
 };
 
 }  // namespace deepslam::gltf

@@ -30,6 +30,19 @@ tinygltf::Value ObjectExtras(const GltfObject& object) {
   return tinygltf::Value(std::move(extras));
 }
 
+tinygltf::Value PartExtras(const GltfPart& part) {
+  tinygltf::Value::Array rooms;
+  for (const int room : part.rooms) rooms.emplace_back(room);
+  tinygltf::Value::Object extras;
+  extras["layout"] = StringValue(part.kind);
+  extras["id"] = tinygltf::Value(part.id);
+  extras["rooms"] = tinygltf::Value(std::move(rooms));
+  if (part.wall) extras["wall"] = tinygltf::Value(*part.wall);
+  for (const auto& [name, figure] : part.figures)
+    extras[ToValidUtf8(name)] = tinygltf::Value(std::isfinite(figure) ? figure : 0.0);
+  return tinygltf::Value(std::move(extras));
+}
+
 }  // namespace
 
 tinygltf::Value StringValue(const std::string& text) { return tinygltf::Value(ToValidUtf8(text)); }
@@ -88,6 +101,28 @@ Status ObjectNodes::Add(const GltfObject& object) {
   status = AddMesh(object, node);
   if (status) builder_.AddNode(std::move(node), true);
   return status;
+}
+
+Status ObjectNodes::Add(const GltfPart& part) {
+  const std::string name = UniqueName(part.name, taken_names_);
+  const Status status = CheckMeshInput(part.mesh_world, name);
+  if (!status) return status;
+  tinygltf::Node node;
+  node.name = name;
+  node.extras = PartExtras(part);
+  const Result<int> mesh = builder_.AddMesh(name,
+                                            part.mesh_world,
+                                            {.material_name = part.kind,
+                                             .plain_colour = part.colour,
+                                             .double_sided = false,
+                                             .closed = true,
+                                             .crease_angle_deg = options_.crease_angle_deg,
+                                             .class_variant = false,
+                                             .opacity = part.opacity});
+  if (!mesh) return Error{mesh.error().code, name + ": " + mesh.error().message};
+  node.mesh = *mesh;
+  builder_.AddNode(std::move(node), true);
+  return Ok();
 }
 
 }  // namespace deepslam::gltf

@@ -22,13 +22,16 @@ namespace deepslam::gltf {
 
 void SetPose(const Pose3& world_from_node_gltf, tinygltf::Node& node);
 
-// Adds objects one by one; options and builder outlive it, and so do the objects.
+// Adds objects and parts of the room one by one; options and builder outlive it, and so do the
+// objects.
 class ObjectNodes {
  public:
   ObjectNodes(const GltfOptions& options, GlbBuilder& builder);
 
   // Errors name the object.
   Status Add(const GltfObject& object);
+  // A part without a mesh is a node without one. Errors name the part.
+  Status Add(const GltfPart& part);
 
  private:
   Status AddMesh(const GltfObject& object, tinygltf::Node& node);

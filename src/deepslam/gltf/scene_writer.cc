@@ -129,6 +129,10 @@ Result<std::string> WriteScene(const GltfScene& scene,
                                .closed = false};
   const MeshStyle room_style{
       .material_name = "room", .plain_colour = kWhite, .double_sided = false, .closed = false};
+  for (const GltfPart& part : scene.parts) {
+    status = objects.Add(part);
+    if (!status) return status.error();
+  }
   status = AddSurface("ground", scene.ground, ground_style, builder);
   if (status) status = AddSurface("room", scene.room, room_style, builder);
   if (status) status = AddTrajectory(scene, builder);
@@ -156,6 +160,8 @@ std::vector<EncodedMeshes::Wanted> MeshesOf(const GltfScene& scene, const GltfOp
   for (const std::optional<TriangleMesh>& surface :
        {std::cref(scene.room), std::cref(scene.ground)})
     if (surface) wanted.push_back({&*surface, kRadPerDeg * kSmoothDeg, false});
+  for (const GltfPart& part : scene.parts)
+    wanted.push_back({&part.mesh_world, kRadPerDeg * options.crease_angle_deg, true});
   std::set<std::string> models;
   for (const GltfObject& object : scene.objects) {
     const bool shares = !object.model.empty() && object.mesh.colours.empty();

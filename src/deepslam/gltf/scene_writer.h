@@ -6,8 +6,10 @@
 // program.
 //
 // Nodes of the scene, in this order: one per object (name `chair_03`, extras {class, instance,
-// score, prior, views}), `ground`, `room`, `trajectory` (LINE_STRIP), `keyframes` (its children are
-// cameras `keyframe_000017`).
+// score, prior, views}), one per part of the room itself (name `wall_03`, extras {layout, id,
+// rooms,
+// ...}), `ground`, `room`, `trajectory` (LINE_STRIP), `keyframes` (its children are cameras
+// `keyframe_000017`).
 //
 // Objects of the same model whose meshes carry no colours and are equal up to size share one mesh;
 // the size is then the node's scale. Coloured objects have a mesh each, since the colours lie in
@@ -47,6 +49,19 @@ struct GltfObject {
   double scale_m = 1;
 };
 
+// A part of the room itself: a wall, a door, a ceiling.
+struct GltfPart {
+  std::string name;                       // `wall_03`; unique as names of objects are
+  std::string kind;                       // extras.layout
+  int id = 0;                             // extras.id
+  std::vector<int> rooms;                 // extras.rooms: whose it is
+  std::optional<int> wall;                // extras.wall: that an opening is in
+  std::map<std::string, double> figures;  // extras of these names: lengths, areas, confidence
+  TriangleMesh mesh_world;                // closed; empty: a node without a mesh
+  Rgb8 colour{200, 200, 200};             // sRGB; used where the mesh has no colours
+  double opacity = 1;                     // below 1: what lies behind it is seen through it
+};
+
 struct GltfKeyframe {
   int frame = 0;
   Pose3 world_from_camera;
@@ -54,6 +69,7 @@ struct GltfKeyframe {
 
 struct GltfScene {
   std::vector<GltfObject> objects;
+  std::vector<GltfPart> parts;         // of the room itself
   std::optional<TriangleMesh> room;    // world, may be open
   std::optional<TriangleMesh> ground;  // world polygon
   std::vector<Pose3> trajectory_world_from_camera;

@@ -197,6 +197,7 @@ class Validator {
       report_.has_ground |= node.name == "ground" && node.mesh >= 0;
       report_.has_room |= node.name == "room" && node.mesh >= 0;
       report_.has_trajectory |= node.name == "trajectory" && node.mesh >= 0;
+      CheckPart(node, places.At(n).Named(node.name));
       const std::optional<Label> label = LabelOf(places.At(n));
       if (!label) continue;
       const JsonPlace place = places.At(n).Named(node.name);
@@ -213,6 +214,23 @@ class Validator {
         place.Warn("name does not begin with its class " + label->class_name);
       CheckObjectMesh(node, *label, place);
     }
+  }
+
+  // A wall, a door, a ceiling: named by its kind, and closed.
+  void CheckPart(const GltfNode& node, const JsonPlace& place) {
+    const JsonPlace extras = place["extras"];
+    if (!extras["layout"].exists()) return;
+    const std::string kind = extras["layout"].Text();
+    const std::optional<std::int64_t> id = extras["id"].MaybeWhole();
+    if (kind.empty() || !id) return extras.Error("layout must be a text and id a whole number");
+    if (!parts_.emplace(kind, *id).second) return extras.Error("layout and id are not unique");
+    if (node.name.rfind(kind, 0) != 0) place.Warn("name does not begin with its kind " + kind);
+    report_.parts.push_back({node.name, kind, static_cast<int>(*id), node.mesh >= 0});
+    if (node.mesh < 0) return;
+    const std::optional<TriangleMesh> mesh = MeshOf(node);
+    if (!mesh) return;
+    const MeshCheck check = CheckMesh(*mesh);
+    if (!check.ok()) place.Error("mesh is not closed and oriented: " + check.fault);
   }
 
   void CheckObjectMesh(const GltfNode& node, const Label& label, const JsonPlace& place) {
@@ -266,6 +284,7 @@ class Validator {
   GltfBuffers& buffers_;
   ValidationReport& report_;
   std::vector<GltfNode> nodes_;
+  std::set<std::pair<std::string, std::int64_t>> parts_;  // kind and id of those seen
   std::vector<std::vector<std::optional<PrimitiveGeometry>>> geometries_;  // of each mesh
 };
 

@@ -32,6 +32,14 @@ struct ValidatedObject {
   bool two_manifold = false;
 };
 
+// A part of the room itself (a node with extras.layout).
+struct ValidatedPart {
+  std::string name;
+  std::string kind;
+  int id = 0;
+  bool has_mesh = false;
+};
+
 struct ValidationReport {
   std::vector<std::string>
       errors;  // each names the place ("accessors[3].count: ..."); at most kMaxFindings
@@ -49,14 +57,16 @@ struct ValidationReport {
   bool has_room = false;
   bool has_trajectory = false;
   std::vector<ValidatedObject> objects;
+  std::vector<ValidatedPart> parts;
 
   [[nodiscard]] bool ok() const { return errors.empty(); }
 };
 
 // Checks header and chunks, JSON, buffer views, accessors (bounds, alignment, true min and max),
 // indices, Draco payloads against their accessors, materials of variants, transforms, the node
-// tree, labels (name and extras agree, instance unique), and that every object is closed, oriented
-// and two-manifold after welding by position. Structure first: later checks run on what passed.
+// tree, labels (name and extras agree, instance unique), and that every object and every part of
+// the room itself is closed, oriented and two-manifold after welding by position. Structure first:
+// later checks run on what passed.
 [[nodiscard]] ValidationReport ValidateGlb(std::string_view bytes);
 
 }  // namespace deepslam::gltf

@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "deepslam/geometry/box.h"
+#include "deepslam/layout/relations.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/presentation/compact_layout.h"
 #include "deepslam/presentation/map_rounding.h"
 
 namespace deepslam::presentation {
@@ -49,6 +51,24 @@ CompactObject ToCompact(const MapObject& object,
           ShapeOf(object, !mesh.empty(), codes)};
 }
 
+// Where the objects are in the layout. Where no ground was seen, heights say nothing.
+void PlaceObjects(const FinishedMap& finished, std::vector<CompactObject>& objects) {
+  std::vector<layout::ThingBox> boxes;
+  for (const CompactObject& object : objects)
+    boxes.push_back({object.world_from_object, object.size_m});
+  const std::vector<layout::Relations> relations =
+      layout::RelationsOf(finished.layout_world, boxes);
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    objects[n].room = relations[n].room;
+    objects[n].against_wall = relations[n].against_wall;
+    if (!finished.map.has_ground) continue;
+    if (relations[n].support == layout::Support::kFloor) objects[n].stands_on = kOnFloor;
+    if (relations[n].support == layout::Support::kWall) objects[n].stands_on = kOnWall;
+    if (relations[n].support == layout::Support::kThing)
+      objects[n].stands_on = objects[*relations[n].on].name;
+  }
+}
+
 }  // namespace
 
 CompactMap MakeCompactMap(const FinishedMap& finished,
@@ -68,6 +88,8 @@ CompactMap MakeCompactMap(const FinishedMap& finished,
   map.reasons = notes.verdict.reasons;
   for (std::size_t i = 0; i < finished.meshes.size(); ++i)
     map.objects.push_back(ToCompact(finished.map.map.objects[i], finished.meshes[i], codes));
+  map.layout = CompactLayoutOf(finished.layout_world);
+  PlaceObjects(finished, map.objects);
   return Rounded(std::move(map));
 }
 

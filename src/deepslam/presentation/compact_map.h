@@ -1,4 +1,4 @@
-// The compact map of a finished map: what is enough to make its scene again.
+// The compact map of a finished map: what is enough to make its scene again, and where things are.
 #pragma once
 
 #include <map>

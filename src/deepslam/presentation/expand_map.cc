@@ -13,6 +13,8 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/mesh/ground_polygon.h"
+#include "deepslam/presentation/compact_layout.h"
+#include "deepslam/presentation/layout_parts.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxel_code.h"
@@ -163,6 +165,7 @@ Result<gltf::GltfScene> ExpandMap(const CompactMap& map,
     if (!ground.ok()) return ground.error();
     scene.ground = std::move(ground).value();
   }
+  if (map.layout) scene.parts = LayoutParts(LayoutOf(*map.layout), TriangleMesh());
   scene.generator = fmt::format("deepslam {}", tool_version);
   scene.provenance = {{"capture_sha256", map.capture_hash},
                       {"deepslam_version", map.tool_version},

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/triangle_mesh.h"
 
@@ -14,6 +15,7 @@ struct FinishedMap {
   // One per object of the map, in its order: metric object frame, m; empty: without a surface.
   std::vector<TriangleMesh> meshes;
   TriangleMesh room_world;  // the measured room, m; empty where nothing was fused
+  Layout layout_world;      // the room itself
 };
 
 // By what and of what a map was made.

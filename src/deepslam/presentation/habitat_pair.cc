@@ -54,6 +54,11 @@ Result<HabitatPair> EncodeHabitatPair(const gltf::GltfScene& scene) {
     semantic.objects.push_back(object);
     label(semantic.objects.back().mesh, object.class_name);
   }
+  for (const gltf::GltfPart& part : scene.parts) {
+    semantic.parts.push_back(part);
+    semantic.parts.back().opacity = 1;
+    if (!part.mesh_world.empty()) label(semantic.parts.back().mesh_world, part.kind);
+  }
   semantic.ground = scene.ground;
   if (semantic.ground) label(*semantic.ground, "floor");
   semantic.room = scene.room;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/mesh/floor_surface.h"
+#include "deepslam/presentation/layout_parts.h"
 #include "deepslam/presentation/map_rounding.h"
 #include "deepslam/presentation/room_beside.h"
 
@@ -68,6 +69,19 @@ void AddPath(const OptimizedMap& map, gltf::GltfScene& scene) {
   }
 }
 
+void AddSurroundings(const FinishedMap& finished,
+                     const SceneOptions& options,
+                     gltf::GltfScene& scene) {
+  if (options.surroundings != Surroundings::kMeasured)
+    scene.parts = LayoutParts(finished.layout_world, finished.room_world);
+  const bool wanted = options.surroundings != Surroundings::kLayout || scene.parts.empty();
+  if (!options.room || !wanted || finished.room_world.empty()) return;
+  std::vector<TriangleMesh> parts_world;
+  for (const gltf::GltfPart& part : scene.parts) parts_world.push_back(part.mesh_world);
+  scene.room = RoomBeside(
+      finished.room_world, finished.map.map.objects, finished.meshes, scene.ground, parts_world);
+}
+
 }  // namespace
 
 gltf::GltfScene MakeScene(const FinishedMap& finished,
@@ -84,8 +98,7 @@ gltf::GltfScene MakeScene(const FinishedMap& finished,
                                    options.measured_colours));
   }
   scene.ground = GroundMesh(finished, options.ground_polygon);
-  if (options.room && !finished.room_world.empty())
-    scene.room = RoomBeside(finished.room_world, objects, finished.meshes, scene.ground);
+  AddSurroundings(finished, options, scene);
   if (options.trajectory) AddPath(finished.map, scene);
   scene.camera = camera;
   scene.generator = fmt::format("deepslam {}", run.tool_version);

@@ -1,5 +1,5 @@
 // The finished map as a labelled scene: objects in their classes' or the measured colours, the seen
-// floor, the room beside the objects and the camera's path.
+// floor, the room itself, what else of it was measured beside the objects, and the camera's path.
 #pragma once
 
 #include "deepslam/geometry/camera.h"
@@ -10,11 +10,17 @@
 
 namespace deepslam::presentation {
 
+// What stands around the objects: the room itself as its layout has it, its measured surface, or
+// both, the surface then without what the layout stands for. Where nothing of a layout is known,
+// the measured surface.
+enum class Surroundings { kLayout, kMeasured, kBoth };
+
 struct SceneOptions {
   bool measured_colours = true;  // false: objects have their classes' colours alone
-  bool room = true;
+  bool room = true;              // the measured surface, where `surroundings` has it
   bool trajectory = true;
   mesh::GroundPolygonOptions ground_polygon;
+  Surroundings surroundings = Surroundings::kBoth;
 };
 
 // `camera` is that of the keyframes. Objects without a surface stay without a mesh, and a floor

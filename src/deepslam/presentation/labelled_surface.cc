@@ -32,6 +32,8 @@ LabelledSurface JoinSurfaces(const gltf::GltfScene& scene) {
   for (const gltf::GltfObject& object : scene.objects) {
     Append(object.mesh, object.world_from_object, object.class_colour, object.instance, surface);
   }
+  for (const gltf::GltfPart& part : scene.parts)
+    Append(part.mesh_world, {}, part.colour, kPartLabel, surface);
   if (scene.ground) Append(*scene.ground, {}, kPlain, kGroundLabel, surface);
   if (scene.room) Append(*scene.room, {}, kPlain, kRoomLabel, surface);
   return surface;

@@ -11,6 +11,7 @@ namespace deepslam::presentation {
 
 inline constexpr int kGroundLabel = -1;
 inline constexpr int kRoomLabel = -2;
+inline constexpr int kPartLabel = -3;  // a wall, a door, a ceiling
 
 struct LabelledSurface {
   TriangleMesh mesh;                 // world, z up, m; coloured (sRGB)
@@ -18,7 +19,7 @@ struct LabelledSurface {
 };
 
 // Every mesh of the scene, one after the other; the label of a vertex is the object's id,
-// kGroundLabel for ground and kRoomLabel for the room.
+// kGroundLabel for ground, kRoomLabel for the measured room and kPartLabel for its parts.
 [[nodiscard]] LabelledSurface JoinSurfaces(const gltf::GltfScene& scene);
 
 }  // namespace deepslam::presentation

@@ -32,7 +32,38 @@ TriangleMesh RoundedGround(const TriangleMesh& ground_polygon) {
   return ground_polygon;
 }
 
+namespace {
+
+void Round(Eigen::Vector2d& p) {
+  p = p.unaryExpr([](double value) { return RoundedTo(value, kMapLayoutStepM); });
+}
+
+template <typename Part>
+void RoundPart(Part& part) {
+  Round(part.from_m);
+  Round(part.to_m);
+  part.bottom_m = RoundedTo(part.bottom_m, kMapLayoutStepM);
+  part.top_m = RoundedTo(part.top_m, kMapLayoutStepM);
+  part.confidence = RoundedTo(part.confidence, kMapShareStep);
+}
+
+void Round(CompactLayout& layout) {
+  for (CompactRoom& room : layout.rooms) {
+    for (Eigen::Vector2d& p : room.polygon_m) Round(p);
+    room.floor_m = RoundedTo(room.floor_m, kMapLayoutStepM);
+    if (room.ceiling_m) room.ceiling_m = RoundedTo(*room.ceiling_m, kMapLayoutStepM);
+  }
+  for (CompactWall& wall : layout.walls) {
+    RoundPart(wall);
+    wall.seen_share = RoundedTo(wall.seen_share, kMapShareStep);
+  }
+  for (CompactOpening& opening : layout.openings) RoundPart(opening);
+}
+
+}  // namespace
+
 CompactMap Rounded(CompactMap map) {
+  if (map.layout) Round(*map.layout);
   for (Eigen::Vector2d& p : map.ground_outline_m) {
     p = p.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
   }

@@ -9,6 +9,8 @@ namespace deepslam::presentation {
 
 inline constexpr double kMapPlaceStepM = 1e-4;    // translations
 inline constexpr double kMapOutlineStepM = 1e-2;  // corners of the ground's outline
+inline constexpr double kMapLayoutStepM = 1e-3;   // places and heights of the layout
+inline constexpr double kMapShareStep = 1e-2;     // its shares and confidences
 inline constexpr double kMapRotationStep = 1e-7;  // components of unit quaternions
 inline constexpr double kMapScaleStepM = 1e-6;    // metres per object unit
 inline constexpr double kMapScoreStep = 1e-4;     // confidence

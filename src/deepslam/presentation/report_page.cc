@@ -79,6 +79,7 @@ report::ReportContent ContentWithoutPictures(const ReportSources& sources) {
       report::Warnings(sources.capture_warnings, sources.association, sources.proposals, map.map);
   content.corrections = sources.corrections;
   content.map = map;
+  content.layout_world = sources.finished.layout_world;
   content.loops = sources.loops;
   content.scene_glb = sources.scene_glb;
   report::TrackedPath path = report::LayOntoMap(sources.trajectory, sources.ground, map);

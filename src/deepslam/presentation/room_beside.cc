@@ -17,13 +17,15 @@ constexpr int kMinPieceFaces = 50;
 TriangleMesh RoomBeside(const TriangleMesh& room_world,
                         std::span<const MapObject> objects,
                         std::span<const TriangleMesh> meshes,
-                        const std::optional<TriangleMesh>& ground) {
+                        const std::optional<TriangleMesh>& ground,
+                        std::span<const TriangleMesh> parts_world) {
   std::vector<TriangleMesh> placed(meshes.begin(), meshes.end());
   for (std::size_t i = 0; i < placed.size(); ++i) {
     for (Eigen::Vector3f& p : placed[i].vertices)
       p = (objects[i].world_from_object * p.cast<double>()).cast<float>();
   }
   TriangleMesh room = mesh::WithoutObjects(room_world, placed, kObjectRimM, kFloorBandM);
+  if (!parts_world.empty()) room = mesh::WithoutObjects(room, parts_world, kWallRimM, kFloorBandM);
   if (ground) room = mesh::WithoutFloor(room, *ground, kFloorBandM);
   return fuse::CanonicalMesh(fuse::WithoutSmallComponents(room, kMinPieceFaces));
 }

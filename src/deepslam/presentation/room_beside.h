@@ -12,12 +12,15 @@ namespace deepslam::presentation {
 inline constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
 inline constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
 
+inline constexpr double kWallRimM = 0.07;  // and this near to a part of the room itself, the part's
+
 // `room_world` without what lies on the objects (`meshes` in their object frames, in the same
-// order) or on the ground polygon, and without the small components this leaves
-// (mesh/floor_surface.h).
+// order), on the ground polygon or on `parts_world` (walls, ceilings), and without the small
+// components this leaves (mesh/floor_surface.h).
 [[nodiscard]] TriangleMesh RoomBeside(const TriangleMesh& room_world,
                                       std::span<const MapObject> objects,
                                       std::span<const TriangleMesh> meshes,
-                                      const std::optional<TriangleMesh>& ground);
+                                      const std::optional<TriangleMesh>& ground,
+                                      std::span<const TriangleMesh> parts_world = {});
 
 }  // namespace deepslam::presentation

@@ -1,5 +1,6 @@
 #include "deepslam/presentation/scene_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -56,6 +57,34 @@ void CompareObject(const gltf::ValidatedObject& scene,
 
 }  // namespace
 
+namespace {
+
+// Scenes may go without the layout; one that has it has all of it.
+void CompareLayout(const gltf::ValidationReport& scene,
+                   const CompactMap& map,
+                   std::vector<std::string>& differences) {
+  if (scene.parts.empty()) return;
+  const auto compare = [&](std::string_view what, const auto& of_kind, std::size_t in_map) {
+    const auto count = std::count_if(scene.parts.begin(), scene.parts.end(), of_kind);
+    if (static_cast<std::size_t>(count) != in_map)
+      differences.push_back(fmt::format("{}: {} in the scene, {} in the map", what, count, in_map));
+  };
+  const CompactLayout layout = map.layout.value_or(CompactLayout());
+  compare(
+      "walls", [](const auto& part) { return part.kind == "wall"; }, layout.walls.size());
+  for (const OpeningKind kind : {OpeningKind::kDoor, OpeningKind::kWindow, OpeningKind::kPassage}) {
+    const auto in_map = std::count_if(layout.openings.begin(),
+                                      layout.openings.end(),
+                                      [&](const auto& opening) { return opening.kind == kind; });
+    compare(
+        fmt::format("{}s", NameOf(kind)),
+        [&](const auto& part) { return part.kind == NameOf(kind); },
+        static_cast<std::size_t>(in_map));
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
                                         const CompactMap& map) {
   std::vector<std::string> differences;
@@ -75,6 +104,7 @@ std::vector<std::string> CompareWithMap(const gltf::ValidationReport& scene,
     differences.push_back(
         fmt::format("object {} ('{}') of the scene is not in the map", instance, object->name));
   }
+  CompareLayout(scene, map, differences);
   if (scene.has_ground != !map.ground_outline_m.empty()) {
     differences.push_back(fmt::format("ground: {} in the scene, {} in the map",
                                       scene.has_ground ? "there" : "none",

@@ -1,7 +1,6 @@
 #include "deepslam/report/plots.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -9,8 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/geometry/box.h"
-#include "deepslam/report/html.h"
+#include "deepslam/report/floor_plan.h"
 
 namespace deepslam::report {
 namespace {
@@ -29,85 +27,6 @@ std::string_view StatusColour(TrackingStatus status) {
       return "#7b2cbf";
   }
   return "#000";
-}
-
-// Corners of an object's footprint in the world, front side first.
-std::array<Eigen::Vector3d, 4> Footprint(const ObjectRow& object) {
-  const Eigen::Vector3d h = 0.5 * object.size_m;
-  return {object.world_from_object * Eigen::Vector3d(h.x(), -h.y(), 0),
-          object.world_from_object * Eigen::Vector3d(h.x(), h.y(), 0),
-          object.world_from_object * Eigen::Vector3d(-h.x(), h.y(), 0),
-          object.world_from_object * Eigen::Vector3d(-h.x(), -h.y(), 0)};
-}
-
-// Maps world metres to the drawing; y grows upwards in the world and downwards in SVG.
-class Canvas {
- public:
-  Canvas(const Box3& bounds, double width_px)
-      : min_(bounds.min.head<2>()), max_(bounds.max.head<2>()) {
-    scale_ = width_px / std::max(0.5, (max_ - min_).maxCoeff());
-  }
-  [[nodiscard]] double x(double x_m) const { return (x_m - min_.x()) * scale_; }
-  [[nodiscard]] double y(double y_m) const { return (max_.y() - y_m) * scale_; }
-  [[nodiscard]] double width() const { return (max_.x() - min_.x()) * scale_; }
-  [[nodiscard]] double height() const { return (max_.y() - min_.y()) * scale_; }
-  [[nodiscard]] const Eigen::Vector2d& min() const { return min_; }
-  [[nodiscard]] const Eigen::Vector2d& max() const { return max_; }
-
- private:
-  Eigen::Vector2d min_;
-  Eigen::Vector2d max_;
-  double scale_ = 1;
-};
-
-Box3 Bounds(const ReportContent& content) {
-  Box3 bounds;
-  for (const TrackedFrame& frame : content.map.frames) {
-    bounds.Extend(frame.world_from_camera.translation_m);
-  }
-  for (const ObjectRow& object : content.objects) {
-    for (const Eigen::Vector3d& corner : Footprint(object)) bounds.Extend(corner);
-  }
-  if (bounds.empty()) bounds.Extend(Eigen::Vector3d::Zero());
-  constexpr double kMargin_m = 0.4;
-  bounds.min.array() -= kMargin_m;
-  bounds.max.array() += kMargin_m;
-  return bounds;
-}
-
-std::string Grid(const Canvas& canvas) {
-  std::string svg;
-  for (double x = std::ceil(canvas.min().x()); x <= canvas.max().x(); x += 1.0) {
-    svg += fmt::format("<path class=grid d='M{:.1f} 0V{:.1f}'/>", canvas.x(x), canvas.height());
-  }
-  for (double y = std::ceil(canvas.min().y()); y <= canvas.max().y(); y += 1.0) {
-    svg += fmt::format("<path class=grid d='M0 {:.1f}H{:.1f}'/>", canvas.y(y), canvas.width());
-  }
-  return svg;
-}
-
-std::string ObjectShape(const Canvas& canvas, const ObjectRow& object) {
-  const auto corners = Footprint(object);
-  std::string points;
-  for (const Eigen::Vector3d& c : corners) {
-    points += fmt::format("{:.1f},{:.1f} ", canvas.x(c.x()), canvas.y(c.y()));
-  }
-  const Eigen::Vector3d& centre = object.world_from_object.translation_m;
-  return fmt::format(
-      "<polygon points='{}' fill='rgb({},{},{})' fill-opacity='.55' stroke='#222'/>"
-      "<path d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke='#222' stroke-width='4'/>"
-      "<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{}</text>",
-      points,
-      object.colour.r,
-      object.colour.g,
-      object.colour.b,
-      canvas.x(corners[0].x()),
-      canvas.y(corners[0].y()),
-      canvas.x(corners[1].x()),
-      canvas.y(corners[1].y()),
-      canvas.x(centre.x()),
-      canvas.y(centre.y()) + 4,
-      EscapeHtml(object.name));
 }
 
 // Points of a picture, px. An hour has a hundred thousand frames: what no eye could tell apart is
@@ -149,13 +68,12 @@ std::string LineThrough(const Points& points) {
   return data;
 }
 
-Eigen::Vector2d Place(const Canvas& canvas, const Pose3& world_from_camera) {
-  const Eigen::Vector3d& t = world_from_camera.translation_m;
-  return {canvas.x(t.x()), canvas.y(t.y())};
+Eigen::Vector2d Place(const PlanCanvas& canvas, const Pose3& world_from_camera) {
+  return canvas.ToPixels(world_from_camera.translation_m.head<2>());
 }
 
 // Each step in the colour of the frame that it leads to.
-std::string CameraPath(const Canvas& canvas, std::span<const TrackedFrame> frames) {
+std::string CameraPath(const PlanCanvas& canvas, std::span<const TrackedFrame> frames) {
   std::string svg;
   for (std::size_t begin = 1; begin < frames.size();) {
     const TrackingStatus status = frames[begin].status;
@@ -169,7 +87,7 @@ std::string CameraPath(const Canvas& canvas, std::span<const TrackedFrame> frame
   return svg;
 }
 
-std::string TrackedPath(const Canvas& canvas, std::span<const Pose3> world_from_camera) {
+std::string TrackedPath(const PlanCanvas& canvas, std::span<const Pose3> world_from_camera) {
   if (world_from_camera.size() < 2) return {};
   Points path;
   for (const Pose3& pose : world_from_camera) path.push_back(Place(canvas, pose));
@@ -178,7 +96,7 @@ std::string TrackedPath(const Canvas& canvas, std::span<const Pose3> world_from_
 }
 
 // One for those that share a pixel.
-std::string KeyframeDots(const Canvas& canvas, const OptimizedMap& map) {
+std::string KeyframeDots(const PlanCanvas& canvas, const OptimizedMap& map) {
   std::string svg;
   std::set<std::pair<long, long>> taken;
   for (const FrameIdx keyframe : map.keyframes) {
@@ -282,18 +200,21 @@ std::string StatusStrip(std::span<const TrackedFrame> frames, double y_px, doubl
 
 }  // namespace
 
-std::string TopView(const ReportContent& content) {
-  const Canvas canvas(Bounds(content), 720);
-  std::string svg = fmt::format(
-      "<svg class=map viewBox='0 0 {:.0f} {:.0f}' role='img' aria-label='room from above'>",
-      canvas.width(),
-      canvas.height());
-  svg += Grid(canvas);
-  for (const ObjectRow& object : content.objects) svg += ObjectShape(canvas, object);
-  svg += TrackedPath(canvas, content.tracked_world_from_camera);
-  svg += CameraPath(canvas, content.map.frames);
-  svg += KeyframeDots(canvas, content.map);
-  return svg + "</svg>";
+std::string PlanWithPath(const ReportContent& content) {
+  FloorPlanContent plan;
+  plan.title = content.title;
+  plan.layout_world = content.layout_world;
+  for (const ObjectRow& object : content.objects) {
+    plan.things.push_back(
+        MakePlanThing(object.name, object.world_from_object, object.size_m, object.colour));
+  }
+  for (const TrackedFrame& frame : content.map.frames)
+    plan.others_m.emplace_back(frame.world_from_camera.translation_m.head<2>());
+  return FloorPlan(plan, [&](const PlanCanvas& canvas) {
+    return "<g class='fp-path' opacity='.75'>" +
+           TrackedPath(canvas, content.tracked_world_from_camera) +
+           CameraPath(canvas, content.map.frames) + KeyframeDots(canvas, content.map) + "</g>";
+  });
 }
 
 std::string HeightOverTime(std::span<const TrackedFrame> frames) {

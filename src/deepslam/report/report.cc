@@ -74,7 +74,8 @@ std::string Corrections(const std::vector<std::string>& corrections) {
   std::string html =
       "<div class=corrections><b>Corrected by hand</b> (overrides.yaml); without it this run would "
       "show something else:<ul>";
-  for (const std::string& correction : corrections) html += "<li>" + EscapeHtml(correction) + "</li>";
+  for (const std::string& correction : corrections)
+    html += "<li>" + EscapeHtml(correction) + "</li>";
   return html + "</ul></div>";
 }
 
@@ -146,12 +147,13 @@ std::string CameraSection(const ReportContent& content) {
       content.map.has_ground ? "The ground was found; the world is level, z = 0 on the floor."
                              : "No ground was found; heights are relative to the first camera.");
   html +=
-      "<p class=quiet>Room from above, 1 m grid. Camera path green where tracked, orange where a "
-      "direction was "
-      "weak, red where lost; dots are keyframes, the dashed line is the path before the graph. The "
-      "thick side of "
-      "an object is its front.</p>";
-  html += TopView(content);
+      "<p class=quiet>The floor plan, also in export/plan.svg. Walls as thick as was seen, dashed "
+      "where a room was closed by a guess; doors with the arc of a leaf (which way it opens is not "
+      "known), windows as double lines, in dashes what is doubtful; the thick side of an object is "
+      "its front. The camera's path lies over it: green where tracked, orange where a direction "
+      "was weak, red where lost; dots are keyframes, the dashed line is the path before the "
+      "graph.</p>";
+  html += PlanWithPath(content);
   html +=
       "<p class=quiet>Height of the camera above the ground; the strip shows each frame's "
       "status.</p>";
@@ -176,7 +178,8 @@ std::string_view TermInWords(std::string_view term) {
 std::string GraphSection(const OptimizationSummary& summary) {
   std::string html = fmt::format(
       "<h2>Graph</h2><p>{} after {} iterations. {}</p><p class=quiet>What the adjustment weighs "
-      "against each other, and how far from agreement each is (0 = full agreement); the sum went down "
+      "against each other, and how far from agreement each is (0 = full agreement); the sum went "
+      "down "
       "as far as it goes.</p><table><tr><th>term<th><th class=n>edges<th "
       "class=n>energy before<th "
       "class=n>after</tr>",
@@ -205,8 +208,7 @@ std::string SizeTable(const ReportContent& content) {
   for (const auto& [form, bytes] :
        {std::pair("map.json: class, shape, place of every object, and the floor", sizes.map_json),
         std::pair("meshes of the objects, compressed (GLB)", sizes.objects_glb),
-        std::pair("scene.glb: the objects, and the measured room, floor and path",
-                  sizes.scene_glb),
+        std::pair("scene.glb: the objects, and the measured room, floor and path", sizes.scene_glb),
         std::pair("the fused surface as points at 1 cm, 15 bytes each (reckoned from its area)",
                   sizes.fused_cloud)}) {
     if (bytes == 0) continue;
@@ -228,14 +230,14 @@ std::string RunSection(const ReportContent& content) {
   }
   html +=
       "</table><p id=no-timing class=quiet>The times of the last run lie beside the workspace's "
-      "reports, in timing.html; this page was opened without it.</p><div id=timing hidden><h3>Times of the last run</h3><p "
+      "reports, in timing.html; this page was opened without it.</p><div id=timing "
+      "hidden><h3>Times of the last run</h3><p "
       "class=quiet>Stages that ran took <span id=total></span> s. Peak memory is that of the "
       "process while the stage ran.</p><table id=times><tr><th>stage<th class=n>wall s<th "
       "class=n>CPU s<th class=n>peak MB<th><th></tr></table></div>";
   html += "<h2>Files</h2><table>";
   for (const auto& [file, bytes] : content.file_bytes) {
-    html +=
-        fmt::format("<tr><td>{}<td class=n>{}</tr>", EscapeHtml(file), BytesInWords(bytes));
+    html += fmt::format("<tr><td>{}<td class=n>{}</tr>", EscapeHtml(file), BytesInWords(bytes));
   }
   return html + "</table>" + SizeTable(content);
 }

@@ -12,6 +12,7 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/loop.h"
 #include "deepslam/scene/optimized_map.h"
 
@@ -91,8 +92,9 @@ struct ReportContent {
   std::vector<std::string> verdict_reasons;
   std::vector<std::string> warnings;
   std::vector<std::string> corrections;  // what a person overrode, one sentence each
-  OptimizedMap map;  // trajectory, ground and energy; the objects are in `objects`
-  Loops loops;       // places seen again
+  OptimizedMap map;     // trajectory, ground and energy; the objects are in `objects`
+  Layout layout_world;  // the room itself
+  Loops loops;          // places seen again
   std::vector<Pose3>
       tracked_world_from_camera;     // before the graph, aligned to the same world; may be empty
   std::vector<HeightCheck> heights;  // ascending frames; empty without a ground

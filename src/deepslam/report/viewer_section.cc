@@ -117,6 +117,29 @@ std::string ObjectList(const ReportContent& content) {
 
 }  // namespace
 
+namespace {
+
+Json Place(const Eigen::Vector2d& p) { return {Rounded(p.x()), Rounded(p.y())}; }
+
+// Where room names stand, and from which side a wall is looked at.
+Json LayoutData(const Layout& layout) {
+  constexpr double kAboveFloor_m = 1.0;  // names stand over what the room is filled with
+  Json data = {{"rooms", Json::array()}, {"walls", Json::array()}};
+  for (const LayoutRoom& room : layout.rooms) {
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector2d& corner : room.polygon_m)
+      middle += corner / static_cast<double>(room.polygon_m.size());
+    data["rooms"].push_back(
+        {{"name", fmt::format("Room {} · {:.1f} m²", data["rooms"].size(), AreaOf(room.polygon_m))},
+         {"middle_m", Vector({middle.x(), middle.y(), room.floor_m + kAboveFloor_m})}});
+  }
+  for (const LayoutWall& wall : layout.walls)
+    data["walls"].push_back({{"from_m", Place(wall.from_m)}, {"to_m", Place(wall.to_m)}});
+  return data;
+}
+
+}  // namespace
+
 std::string_view ViewerStyle() {
   return R"css(
 #viewer{border:1px solid #ddd;border-radius:6px;overflow:hidden;margin:14px 0}
@@ -130,6 +153,7 @@ std::string_view ViewerStyle() {
 .viewer-canvas canvas{position:absolute;width:100%;height:100%;display:block;touch-action:none}
 .viewer-labels{position:absolute;inset:0;pointer-events:none}
 .viewer-label{position:absolute;left:0;top:0;background:#fffd;border:1px solid #888;border-radius:4px;padding:0 6px;font-size:12px;white-space:nowrap}
+.viewer-label.room{font-weight:bold;border-color:#1d3557;color:#1d3557}
 .viewer-label.selected{background:#1d3557;color:#fff}
 .viewer-label[hidden],.viewer-labels[hidden],.viewer-panel[hidden]{display:none}
 .viewer-note{position:absolute;left:0;right:0;top:40%;text-align:center;padding:0 40px;color:#444}
@@ -145,7 +169,7 @@ std::string_view ViewerStyle() {
 }
 
 std::string ViewerData(const ReportContent& content) {
-  Json data = {{"objects", Json::array()}};
+  Json data = {{"objects", Json::array()}, {"layout", LayoutData(content.layout_world)}};
   for (const ObjectRow& object : content.objects) data["objects"].push_back(Object(object));
   data["trajectory_m"] = Path(content.map.frames.size(), [&](std::size_t i) {
     return content.map.frames[i].world_from_camera.translation_m;
@@ -171,14 +195,17 @@ std::string ViewerSection(const ReportContent& content) {
     return "<h2>The map in 3D</h2><p class=note>" + WhyNoView(content) + "</p>";
   std::string html =
       "<h2>The map in 3D</h2><p class=quiet>Click an object to see what it is and why its shape "
-      "was chosen. Drag to turn, wheel or two fingers to zoom, right button to move. With the view "
+      "was chosen, a wall or an opening to see its measures; walls between you and their room are "
+      "seen through. Drag to turn, wheel or two fingers to zoom, right button to move. With the "
+      "view "
       "in focus: arrow keys turn, + and - zoom, N and P go through the objects, Escape lets go, "
       "Home shows everything.</p><div id=viewer><div class=viewer-bar>";
   html += Toggle("objects", "objects", true) + Toggle("colours", "class colours", true) +
           Toggle("seethrough", "see-through", false) +
           Toggle("measured", "measured points of objects", false) +
-          Toggle("room", "measured room", true) + Toggle("ground", "floor", true) +
-          Toggle("trajectory", "camera path", true) + Toggle("labels", "labels", true);
+          Toggle("layout", "walls and openings", true) + Toggle("room", "measured room", true) +
+          Toggle("ground", "floor", true) + Toggle("trajectory", "camera path", true) +
+          Toggle("labels", "labels", true);
   html +=
       "<button type=button data-action=home>show everything</button></div><div "
       "class=viewer-main><div class=viewer-canvas tabindex=0 role=application aria-label='3D view "

@@ -20,8 +20,9 @@ namespace deepslam::report {
 
 // What the script reads, as JSON that is safe inside a script element: {"objects": [{name, class,
 // colour, confidence, views, size_m, source, credit, note, why, candidates, points: {origin_m,
-// data}}], "trajectory_m": [[x, y, z]], "tracked_m": [...]}; world axes of the report, z up. Points
-// are 16-bit millimetres above origin_m, little endian, base64.
+// data}}], "layout": {"rooms": [{name, middle_m}], "walls": [{from_m, to_m}]}, "trajectory_m": [[x,
+// y, z]], "tracked_m": [...]}; world axes of the report, z up. Points are 16-bit millimetres above
+// origin_m, little endian, base64.
 [[nodiscard]] std::string ViewerData(const ReportContent& content);
 
 }  // namespace deepslam::report

@@ -1,11 +1,12 @@
-// The compact map: class, pose, size, score and shape code of every object, and the ground; enough to
-// make the scene again without the workspace.
+// The compact map: class, pose, size, score and shape code of every object, the room around them
+// and the ground; enough to make the scene again without the workspace.
 #pragma once
 
 #include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +15,7 @@
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/plane.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/run_verdict.h"
 #include "deepslam/scene/shape_candidate.h"
 
@@ -46,6 +48,42 @@ struct CompactObject {
   std::string credit;
   std::string note;
   CompactShape shape;
+  std::optional<int> room = {};  // whose polygon holds it
+  std::string stands_on = {};    // kOnFloor, kOnWall or another object's name; empty: not known
+  std::optional<int> against_wall = {};  // that a side of it stands at
+};
+inline constexpr std::string_view kOnFloor = "floor";
+inline constexpr std::string_view kOnWall = "wall";
+
+// The room itself, in the map's world (z up). Ids are positions in their lists.
+struct CompactRoom {
+  // Corners counter-clockwise. An edge on which no wall of the room lies was not seen.
+  std::vector<Eigen::Vector2d> polygon_m;
+  double floor_m = 0;
+  std::optional<double> ceiling_m;  // nothing: not seen
+};
+struct CompactWall {
+  std::vector<int> rooms;
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  // the room to the left of from -> to
+  Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
+  double bottom_m = 0;
+  double top_m = 0;
+  double seen_share = 0;  // [0, 1], of its length
+  double confidence = 0;  // [0, 1]
+};
+struct CompactOpening {
+  int wall = 0;
+  OpeningKind kind = OpeningKind::kDoor;
+  Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  // on the wall, in its direction
+  Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
+  double bottom_m = 0;
+  double top_m = 0;
+  double confidence = 0;  // [0, 1]; below 0.5 is doubtful
+};
+struct CompactLayout {
+  std::vector<CompactRoom> rooms;
+  std::vector<CompactWall> walls;
+  std::vector<CompactOpening> openings;
 };
 
 struct CompactMap {
@@ -59,8 +97,9 @@ struct CompactMap {
   // Options of mesh.* that differ from the defaults: shapes are made by them.
   std::map<std::string, std::string> mesh_options;
   Verdict verdict = Verdict::kGood;
-  std::vector<std::string> reasons;  // of the verdict
-  std::vector<CompactObject> objects;     // ascending id
+  std::vector<std::string> reasons;     // of the verdict
+  std::optional<CompactLayout> layout;  // nothing in maps before version 5
+  std::vector<CompactObject> objects;   // ascending id
 };
 
 }  // namespace deepslam

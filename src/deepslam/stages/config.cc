@@ -10,6 +10,7 @@ constexpr std::array<std::string_view, 3> kDetectSources = {"network", "file", "
 constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
 constexpr std::array<std::string_view, 2> kAssociationMethods = {kBySurface, "votes"};
 constexpr std::array<std::string_view, 2> kAppearances = {"measured", "class"};
+constexpr std::array<std::string_view, 3> kSurroundings = {"layout", "measured", "both"};
 const std::set<std::string>& PathOptions() {
   static const std::set<std::string> names = {
       "classes.file", "detect.weights", "detect.file", "propose.library", "propose.priors"};
@@ -78,6 +79,13 @@ void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
                 options.habitat,
                 "also write scene.semantic.glb and scene.semantic.txt, as Habitat reads them");
   visitor.Field("room", options.room, "put the room's measured surface into the scene");
+  visitor.Choice(
+      "surroundings",
+      options.surroundings,
+      kSurroundings,
+      "what stands around the objects: walls, floors, ceilings and openings as the layout "
+      "has them, the room's measured surface, or both (the surface then without what the "
+      "layout stands for)");
   visitor.Field("trajectory", options.trajectory, "put camera path and keyframes into the scene");
 }
 

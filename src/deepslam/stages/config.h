@@ -73,6 +73,7 @@ struct ExportStageOptions {
   bool labelled_ply = false;            // scene.ply
   bool habitat = false;                 // scene.semantic.glb and scene.semantic.txt
   bool room = true;
+  std::string surroundings = "both";  // layout | measured | both
   bool trajectory = true;
 };
 

@@ -14,7 +14,9 @@
 #include "deepslam/presentation/habitat_pair.h"
 #include "deepslam/presentation/labelled_scene.h"
 #include "deepslam/presentation/labelled_surface.h"
+#include "deepslam/presentation/map_plan.h"
 #include "deepslam/presentation/objects_csv.h"
+#include "deepslam/report/floor_plan.h"
 #include "deepslam/report/sanity_checks.h"
 #include "deepslam/stages/mesh_options.h"
 #include "deepslam/stages/plan.h"
@@ -29,7 +31,15 @@ using pipeline::StageSummary;
 
 presentation::SceneOptions SceneOptionsOf(const Config& config) {
   const ExportStageOptions& options = config.export_stage;
-  return {options.appearance != "class", options.room, options.trajectory, config.ground_polygon};
+  using presentation::Surroundings;
+  const Surroundings surroundings = options.surroundings == "layout"     ? Surroundings::kLayout
+                                    : options.surroundings == "measured" ? Surroundings::kMeasured
+                                                                         : Surroundings::kBoth;
+  return {options.appearance != "class",
+          options.room,
+          options.trajectory,
+          config.ground_polygon,
+          surroundings};
 }
 
 // The scene, its objects alone and, where it is wanted, the uncompressed copy.
@@ -101,6 +111,11 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   Status status = WriteEncoded(context, "scene.glb", glbs[0]);
   if (status.ok() && glbs.size() > 2)
     status = WriteEncoded(context, "scene.uncompressed.glb", glbs[2]);
+  if (status.ok()) {
+    status = context.Write(
+        "plan.svg",
+        report::FloorPlan(presentation::PlanOf(finished, inputs.classes, run.capture_name)));
+  }
   if (status.ok()) status = WriteOnRequest(context, scene, config.export_stage);
   if (status.ok()) status = WriteEncoded(context, "map.json", map_json);
   if (status.ok()) {

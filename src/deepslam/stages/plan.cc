@@ -30,7 +30,7 @@ struct PlannedStage {
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 18, "", "track track.covisible", kFrames, RunTrack},
     {"ground", 6, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 1, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 2, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      7,
      "track ground",
@@ -72,14 +72,14 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      RunMesh},
     {"fuse", 5, "detect associate loops optimize", "fuse", kFrames, RunFuse},
     {"export",
-     10,
-     "track propose select loops optimize mesh fuse",
+     11,
+     "track ground layout propose select loops optimize mesh fuse",
      "export export.ground export.gltf",
      kFrames | kClasses,
      RunExport},
     {"report",
-     11,
-     "track ground detect segment associate propose register select loops optimize "
+     12,
+     "track ground layout detect segment associate propose register select loops optimize "
      "mesh fuse export",
      "",
      kFrames | kClasses,

@@ -11,6 +11,7 @@
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/core/side_by_side.h"
+#include "deepslam/layout/carry_layout.h"
 #include "deepslam/shape/voxel_code.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -115,6 +116,26 @@ Status ReadShownMap(const StageContext& context, presentation::FinishedMap& fini
   return Ok();
 }
 
+// The layout in the map's world: carried along by the keyframes whose place in the world of the
+// first was measured, which it was read from.
+Result<Layout> ReadLayoutOf(const StageContext& context, const OptimizedMap& map) {
+  Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
+  const Result<Trajectory> tracked = ReadTrajectory(context);
+  if (!tracked.ok()) return tracked.error();
+  const Result<Ground> ground = ReadGround(context, "ground");
+  if (!ground.ok()) return ground.error();
+  const Pose3 level_from_tracking = layout->level_from_tracking;
+  std::vector<layout::MovedCamera> cameras;
+  for (const FrameIdx keyframe : tracked->keyframes) {
+    const auto n = static_cast<std::size_t>(keyframe.value);
+    if (n >= map.frames.size() || ApartAt(*ground, keyframe) != nullptr) continue;
+    cameras.push_back({level_from_tracking * tracked->frames[n].world_from_camera,
+                       map.frames[n].world_from_camera});
+  }
+  return layout::CarryLayout(std::move(layout).value(), cameras);
+}
+
 }  // namespace
 
 presentation::RunIdentity IdentityOf(const dataset::Capture& capture) {
@@ -130,6 +151,10 @@ Result<ExportInputs> ReadExportInputs(const StageContext& context) {
       [&] { return Take(ReadJoins(context), inputs.joins); },
       [&] { return ReadLibraryChecksums(context, inputs.codes); }};
   if (Status status = RunSideBySide(readers); !status.ok()) return status.error();
+  if (Status status =
+          Take(ReadLayoutOf(context, inputs.finished.map), inputs.finished.layout_world);
+      !status.ok())
+    return status.error();
   return inputs;
 }
 
@@ -154,6 +179,10 @@ Result<presentation::ReportSources> ReadReportSources(const StageContext& contex
       [&] { return Take(context.Read("export", "scene.glb"), sources.scene_glb); },
       [&] { return Take(ReadVerdict(context), sources.verdict); }};
   if (Status status = RunSideBySide(readers); !status.ok()) return status.error();
+  if (Status status =
+          Take(ReadLayoutOf(context, sources.finished.map), sources.finished.layout_world);
+      !status.ok())
+    return status.error();
   return sources;
 }
 

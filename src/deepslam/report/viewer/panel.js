@@ -32,6 +32,21 @@ function candidateItem(object, candidate, index) {
   return item;
 }
 
+// A wall, an opening, a floor or a ceiling, by the extras of its node.
+export function describePart(name, extras) {
+  const table = element('table');
+  const metres = (value) => `${value.toFixed(2)} m`;
+  if (extras.length_m !== undefined) row(table, 'length', metres(extras.length_m));
+  if (extras.width_m !== undefined) row(table, 'width', metres(extras.width_m));
+  if (extras.area_m2 !== undefined) row(table, 'area', `${extras.area_m2.toFixed(1)} m²`);
+  if (extras.height_m !== undefined) row(table, extras.area_m2 === undefined ? 'height' : 'at', metres(extras.height_m));
+  if (extras.rooms && extras.rooms.length) row(table, 'room', extras.rooms.map((room) => `Room ${room}`).join(', '));
+  if (extras.wall !== undefined) row(table, 'in', `wall ${extras.wall}`);
+  if (extras.seen_share !== undefined) row(table, 'seen', percent(extras.seen_share));
+  if (extras.confidence !== undefined) row(table, 'confidence', extras.confidence.toFixed(2));
+  return [element('h3', name), table];
+}
+
 export function describeObject(object) {
   const table = element('table');
   row(table, 'class', object.class);

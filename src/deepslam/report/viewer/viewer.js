@@ -8,12 +8,13 @@ import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {OfflineDracoLoader, toBytes} from './offline_draco.js';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {coarseGeometry} from './coarse_geometry.js';
-import {describeObject} from './panel.js';
+import {describeObject, describePart} from './panel.js';
 
 const BACKGROUND = 0xf3f4f6;
 const CLICK_TOLERANCE_PX = 6;
 const TAP_TOLERANCE_PX = 14;  // fingers are not as steady
 const SEE_THROUGH = 0.35;
+const IN_THE_WAY = 0.1;  // opacity of walls between the viewer and their room
 // Halls of more faces than this show objects smaller than so many pixels by coarse meshes.
 const MANY_FACES = 500000;
 const COARSE_PX = 90;
@@ -62,6 +63,7 @@ class Viewer {
     this.scene.background = new THREE.Color(BACKGROUND);
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.02, 200);
     this.objects = new Map();
+    this.parts = new Map();  // of the room itself
     this.layers = {};
     this.selected = null;
     this.addLights();
@@ -90,7 +92,8 @@ class Viewer {
     this.scene.add(scene);
     for (const node of [...scene.children]) {
       const name = node.userData.name || node.name;
-      if (byName.has(name)) this.adoptObject(node, byName.get(name));
+      if (node.userData.layout) this.adoptPart(name, node);
+      else if (byName.has(name)) this.adoptObject(node, byName.get(name));
       if (name === 'room' || name === 'ground') {
         this.layers[name] = node;
         node.traverse((part) => {
@@ -101,6 +104,44 @@ class Viewer {
       }
       if (name === 'trajectory') node.visible = false;  // drawn from the page's data, with the tracked one
       if (name === 'keyframes') node.visible = false;
+    }
+  }
+
+  adoptPart(name, node) {
+    const meshes = [];
+    node.traverse((part) => {
+      if (!part.isMesh) return;
+      part.userData.part = name;
+      // Measured colours hold the room's light already.
+      const material = part.material.vertexColors ? new THREE.MeshBasicMaterial({vertexColors: true})
+                                                  : part.material.clone();
+      part.material = material;
+      meshes.push({part, opacity: part.material.opacity < 1 ? part.material.opacity : 1});
+    });
+    const wall = data.layout.walls[node.userData.layout === 'wall' ? node.userData.id : node.userData.wall];
+    this.parts.set(name, {node, meshes, extras: node.userData, wall, box: new THREE.Box3().setFromObject(node)});
+  }
+
+  // Whether the viewer looks at it from behind: at a wall from outside its room, down at a ceiling.
+  isInTheWay({extras, wall, box}) {
+    const eye = this.camera.position;  // glTF's axes: world x is z, world y is x, world z is y
+    if (extras.layout === 'ceiling') return eye.y > box.min.y;
+    if (!wall) return false;
+    const along = [wall.to_m[0] - wall.from_m[0], wall.to_m[1] - wall.from_m[1]];
+    return along[0] * (eye.x - wall.from_m[1]) - along[1] * (eye.z - wall.from_m[0]) < 0;
+  }
+
+  fadeParts() {
+    for (const [name, entry] of this.parts) {
+      entry.faded = this.isInTheWay(entry);
+      for (const {part, opacity} of entry.meshes) {
+        part.material.opacity = entry.faded ? Math.min(IN_THE_WAY, opacity) : opacity;
+        part.material.transparent = part.material.opacity < 1;
+        part.material.depthWrite = part.material.opacity === 1;
+        part.material.needsUpdate = true;
+        if (part.material.emissive) part.material.emissive.setHex(name === this.selected ? 0x553300 : 0);
+        else part.material.color.setHex(name === this.selected ? 0xffc890 : 0xffffff);
+      }
     }
   }
 
@@ -171,6 +212,13 @@ class Viewer {
       this.labels.append(label);
       entry.label = label;
     }
+    this.rooms = data.layout.rooms.map((room) => {
+      const label = document.createElement('div');
+      label.className = 'viewer-label room';
+      label.textContent = room.name;
+      this.labels.append(label);
+      return {label, place: toGltf(room.middle_m), labelSize: [label.offsetWidth, label.offsetHeight]};
+    });
     for (const entry of this.objects.values()) {
       entry.labelSize = [entry.label.offsetWidth, entry.label.offsetHeight];
     }
@@ -180,6 +228,7 @@ class Viewer {
   home() {
     const box = new THREE.Box3();
     for (const entry of this.objects.values()) if (!entry.box.isEmpty()) box.union(entry.box);
+    for (const entry of this.parts.values()) if (!entry.box.isEmpty()) box.union(entry.box);
     if (box.isEmpty()) box.setFromObject(this.scene);
     if (box.isEmpty()) box.set(new THREE.Vector3(-1, 0, -1), new THREE.Vector3(1, 1, 1));
     const centre = box.getCenter(new THREE.Vector3());
@@ -252,10 +301,12 @@ class Viewer {
                                  1 - 2 * (event.clientY - area.top) / area.height);
     const ray = new THREE.Raycaster();
     ray.setFromCamera(at, this.camera);
-    if (!this.on('objects')) return null;
-    const parts = [...this.objects.values()].flatMap((entry) => entry.meshes.map((mesh) => mesh.part));
-    const hits = ray.intersectObjects(parts, false);
-    return hits.length ? hits[0].object.userData.object : null;
+    const shown = [];
+    if (this.on('objects')) shown.push(...this.objects.values());
+    if (this.on('layout')) shown.push(...[...this.parts.values()].filter((entry) => !entry.faded));
+    const hits = ray.intersectObjects(shown.flatMap((entry) => entry.meshes.map((mesh) => mesh.part)), false);
+    if (!hits.length) return null;
+    return hits[0].object.userData.object || hits[0].object.userData.part;
   }
 
   selectNext(step) {
@@ -266,12 +317,13 @@ class Viewer {
   }
 
   select(name) {
-    this.selected = this.objects.has(name) ? name : null;
+    this.selected = this.objects.has(name) || this.parts.has(name) ? name : null;
     for (const button of root.querySelectorAll('.viewer-list button')) {
       button.setAttribute('aria-pressed', String(button.dataset.object === this.selected));
     }
     const panel = root.querySelector('.viewer-panel');
-    panel.replaceChildren(...(this.selected ? describeObject(this.objects.get(this.selected).object) : []));
+    const object = this.objects.get(this.selected), part = this.parts.get(this.selected);
+    panel.replaceChildren(...(object ? describeObject(object.object) : part ? describePart(name, part.extras) : []));
     panel.hidden = !this.selected;
     this.applyLayers();
   }
@@ -293,7 +345,8 @@ class Viewer {
         if (part.material.emissive) part.material.emissive.setHex(name === this.selected ? 0x553300 : 0);
       }
     }
-    this.labels.hidden = !this.on('labels') || !this.on('objects');
+    for (const entry of this.parts.values()) entry.node.visible = this.on('layout');
+    this.labels.hidden = !this.on('labels');
     this.draw();
   }
 
@@ -315,6 +368,7 @@ class Viewer {
 
   draw() {
     if (this.hasDetail) this.chooseDetail();
+    this.fadeParts();
     this.renderer.render(this.scene, this.camera);
     this.placeLabels();
   }
@@ -322,8 +376,14 @@ class Viewer {
   // The selected object's label, then the nearest ones: a label that would cover one of these is left out.
   placeLabels() {
     if (this.labels.hidden) return;
+    for (const entry of this.objects.values()) entry.label.hidden = true;
     const waiting = [];
-    for (const [name, entry] of this.objects) {
+    for (const entry of this.rooms) {
+      const at = this.on('layout') && this.project(entry.place);
+      entry.label.hidden = true;
+      if (at) waiting.push({entry, at, far: entry.place.distanceTo(this.camera.position)});
+    }
+    for (const [name, entry] of this.on('objects') ? this.objects : []) {
       const top = entry.box.isEmpty() ? null : entry.box.getCenter(new THREE.Vector3()).setY(entry.box.max.y);
       const at = top && this.project(top);
       entry.label.hidden = true;
@@ -344,7 +404,7 @@ class Viewer {
 
   // A pixel of the page where a click picks this object: the first found on it that nothing hides.
   pixelOf(name) {
-    const entry = this.objects.get(name);
+    const entry = this.objects.get(name) || this.parts.get(name);
     const area = this.renderer.domElement.getBoundingClientRect();
     for (const {part} of entry.meshes) {
       const positions = part.geometry.attributes.position;
@@ -382,6 +442,9 @@ async function start() {
       ready: true,
       firstPictureMs: performance.now(),  // since the page was asked for
       names: () => [...viewer.objects.keys()],
+      parts: () => [...viewer.parts.keys()],
+      faded: () => [...viewer.parts].filter(([, entry]) => entry.faded).map(([name]) => name),
+      roomLabels: () => viewer.rooms.map((room) => room.label.textContent),
       select: (name) => viewer.select(name),
       selected: () => viewer.selected,
       pixelOf: (name) => viewer.pixelOf(name),
