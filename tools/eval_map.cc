@@ -13,6 +13,7 @@
 #include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
+#include "eval_surfaces.h"
 
 namespace deepslam::tools {
 namespace {
@@ -22,8 +23,6 @@ using artifact::JsonObject;
 using artifact::JsonValue;
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double kAreaPerPointM2 = 25e-6;
-constexpr double kFloorBandM = 0.03;  // points this near to the true floor belong to no side
 constexpr double kBoxMarginM = 0.05;  // the fused surface counts within this of a true box
 constexpr double kCloudVoxelM = 0.01;
 constexpr std::int64_t kBytesPerCloudPoint = 15;  // three floats, three bytes of colour
@@ -36,34 +35,6 @@ struct Arguments {
   double threshold_m = 0.05;
   bool skip_cloud = false;
 };
-
-void DropFloor(Points& points) {
-  std::erase_if(points, [](const Eigen::Vector3d& p) { return p.z() < kFloorBandM; });
-}
-
-Points TruePoints(const Truth& truth) {
-  Points all;
-  for (std::size_t i = 0; i < truth.objects.size(); ++i) {
-    const TrueObject& object = truth.objects[i];
-    const Points sampled = eval::SampleSurface(object.mesh, {}, kAreaPerPointM2, i + 1);
-    for (const Eigen::Vector3d& p : eval::OuterPoints(object.mesh, sampled))
-      all.push_back(object.box.world_from_object * p);
-  }
-  DropFloor(all);
-  return all;
-}
-
-Points MapPoints(const MapResult& map) {
-  Points all;
-  for (std::size_t i = 0; i < map.objects.size(); ++i) {
-    const MappedObject& object = map.objects[i];
-    const Points points =
-        eval::SampleSurface(object.mesh, object.true_world_from_object, kAreaPerPointM2, i + 1);
-    all.insert(all.end(), points.begin(), points.end());
-  }
-  DropFloor(all);
-  return all;
-}
 
 bool InBox(const eval::PlacedBox& box, const Eigen::Vector3d& p_world) {
   const Eigen::Vector3d p = box.world_from_object.Inverse() * p_world;

@@ -10,8 +10,10 @@
 #include "deepslam/eval/placed_iou.h"
 #include "deepslam/eval/shape_similarity.h"
 #include "deepslam/shape/stretch.h"
+#include "eval_boxes.h"
 #include "eval_commands.h"
 #include "eval_data.h"
+#include "eval_surfaces.h"
 
 namespace deepslam::tools {
 namespace {
@@ -44,6 +46,7 @@ struct Everything {
   std::vector<eval::PlacedBox> true_boxes;  // classes only: counts over all pairs
   std::vector<eval::PlacedBox> mapped_boxes;
   std::vector<eval::Match> matches;  // into the two lists above
+  BoxFigures boxes;
   JsonArray pairs;
   int num_unseen = 0;
 };
@@ -139,6 +142,7 @@ Status AddPair(const EvalPair& pair,
                            match.distance_m,
                            match.same_class});
   }
+  all.boxes.Add(mapped_boxes, true_boxes, static_cast<int>(pair_index));
   all.true_boxes.insert(all.true_boxes.end(), true_boxes.begin(), true_boxes.end());
   all.mapped_boxes.insert(all.mapped_boxes.end(), mapped_boxes.begin(), mapped_boxes.end());
   all.num_unseen += truth->num_unseen;
@@ -147,6 +151,11 @@ Status AddPair(const EvalPair& pair,
   row.emplace("num_unseen", truth->num_unseen);
   row.emplace("num_mapped", static_cast<int>(mapped_boxes.size()));
   row.emplace("trajectory", TrajectoryJson(map->trajectory));
+  if (HasSurfaces(*truth)) {
+    const std::vector<SurfaceFigures> surfaces = CompareObjectSurfaces(*map, *truth);
+    Print(surfaces);
+    row.emplace("surfaces", ToJson(surfaces));
+  }
   all.pairs.emplace_back(std::move(row));
   return Ok();
 }
@@ -339,13 +348,21 @@ int EvalObjects(const std::vector<std::string>& paths,
       fmt::format("nearest centres within {} m, one to one, pairs of one class first; "
                   "precision and recall by class",
                   options.max_match_m));
+  protocols.emplace("boxes", eval::kBoxProtocol);
+  protocols.emplace("surfaces",
+                    fmt::format("{}; floor band {} m left out; of captures all of whose true "
+                                "objects have shapes",
+                                eval::kSurfaceProtocol,
+                                kFloorBandM));
   protocols.emplace("in_place_iou", "solids where they stand, 128 points along the longest side");
   protocols.emplace("symmetry", "best of the turns about the vertical that leave the true shape");
   document.emplace("protocols", std::move(protocols));
   document.emplace("classes", ClassRows(all));
   document.emplace("objects", ObjectRows(all, iou, placed));
   document.emplace("mistaken", MistakenRows(all));
+  document.emplace("boxes", ToJson(all.boxes));
   PrintObjects(all, iou, placed);
+  Print(all.boxes);
   JsonObject summary = Summary(all, iou, placed);
   if (!iou.each.empty()) {
     fmt::print(stderr,

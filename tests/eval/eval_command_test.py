@@ -109,7 +109,11 @@ class Eval(unittest.TestCase):
             {"class": "cabinet", "center_m": [0, 0, 0.3], "yaw_rad": 0.1, "half_extent_m": [0.4, 0.2, 0.3]}]}))
         code, stdout, stderr = self.eval()
         self.assertEqual(code, 0, stderr)
-        self.assertEqual(json.loads(stdout)["classes"][0]["class"], "cabinet")
+        result = json.loads(stdout)
+        self.assertEqual(result["classes"][0]["class"], "cabinet")
+        for score in result["boxes"]["scores"]:
+            self.assertEqual((score["num_true"], score["recall"], score["precision"]), (1, 0, 1))
+        self.assertNotIn("surfaces", result["pairs"][0])
 
     def test_an_annotation_file_stands_in_for_the_truth(self):
         file = self.workspace / "mine.json"

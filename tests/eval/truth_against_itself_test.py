@@ -74,6 +74,19 @@ class TruthAgainstItself(unittest.TestCase):
         self.assertEqual(summary["num_matched"], num_objects)
         self.assertEqual([(c["precision"], c["recall"]) for c in result["classes"]], [(1, 1)] * len(result["classes"]))
         self.assertEqual(result["mistaken"], [])
+        boxes = result["boxes"]
+        self.assertEqual([score["min_iou"] for score in boxes["scores"]], [0.25, 0.5])
+        for score in boxes["scores"]:
+            for name in ("recall", "recall_right_class", "precision", "precision_right_class"):
+                self.assertEqual(score[name], 1, name)
+        self.assertEqual((boxes["confusions"], boxes["num_merged"], boxes["num_split"]), ([], 0, 0))
+        self.assertEqual([round(match["iou"], 4) for match in boxes["matches"]], [1] * num_objects)
+        if shape:
+            for at in result["pairs"][0]["surfaces"]:
+                # Points are drawn twice, 4 of them on each cm^2.
+                self.assertGreater(at["surface"]["f_score"], 0.99 if at["threshold_m"] > 0.01 else 0.9)
+        else:
+            self.assertNotIn("surfaces", result["pairs"][0])
         self.assertEqual(summary["placed_percent"], 100)
         self.assertEqual(summary["iou_as_placed"], 1)
         self.assertEqual(summary["chamfer_as_placed"], 0)
