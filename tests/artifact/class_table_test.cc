@@ -1,4 +1,6 @@
 // The table of classes as a file.
+#include <array>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,82 @@ TEST(ClassTableFile, TraitsThatAreLeftOutAreFalseWhateverTheName) {
   EXPECT_EQ(table->Fallback(), nullptr);
 }
 
+TEST(ClassTableFile, ReadsWhatThingsRestOn) {
+  const Result<ClassTable> table =
+      DecodeClassTable(File(2,
+                            {Entry("chair"),
+                             Entry("tv", "    stands_on: [furniture, wall]\n"),
+                             Entry("plant", "    stands_on: [furniture, floor]\n")}),
+                       "c.yaml");
+  ASSERT_TRUE(table.ok()) << table.error().message;
+  EXPECT_EQ(table->TraitsOf("chair").supports, Supports());
+  EXPECT_EQ(table->TraitsOf("tv").supports,
+            (Supports{.floor = false, .furniture = true, .wall = true}));
+  EXPECT_EQ(table->TraitsOf("plant").supports, (Supports{.furniture = true}));
+  for (const char* none : {"[]", "floor", "{floor: true}", "7"}) {
+    EXPECT_THAT(FaultsOf(File(2, {Entry("tv", fmt::format("    stands_on: {}\n", none))})),
+                HasSubstr("class tv, stands_on: must be a list of floor, furniture, wall"))
+        << none;
+  }
+  EXPECT_THAT(FaultsOf(File(2, {Entry("tv", "    stands_on: [floor, ceiling]\n")})),
+              HasSubstr("c.yaml:9: class tv, stands_on: \"ceiling\" is none of floor, furniture"));
+  EXPECT_THAT(FaultsOf(File(1, {Entry("tv", "    stands_on: [wall]\n")})),
+              HasSubstr("stands_on: is not of version 1"));
+}
+
+// What of COCO's names furnishes a home, and is large enough to be mapped.
+constexpr std::array kHouseholdNames = {"chair",
+                                        "couch",
+                                        "bed",
+                                        "dining table",
+                                        "potted plant",
+                                        "toilet",
+                                        "tv",
+                                        "laptop",
+                                        "oven",
+                                        "sink",
+                                        "microwave",
+                                        "refrigerator",
+                                        "bench",
+                                        "suitcase",
+                                        "bicycle",
+                                        "clock",
+                                        "vase",
+                                        "toaster"};
+
+TEST(DefaultClasses, EveryHouseholdNameOfCocoIsAClass) {
+  const ClassTable table = DefaultClassTable();
+  for (const char* name : kHouseholdNames) EXPECT_NE(table.FindByLabel(name), nullptr) << name;
+  for (const char* name : {"person", "dog", "car", "pizza", "fork"})
+    EXPECT_EQ(table.FindByLabel(name), nullptr) << name;
+}
+
+TEST(DefaultClasses, SizesAreThoseOfRealThings) {
+  std::set<std::array<int, 3>> colours;
+  for (const ObjectClass& c : DefaultClassTable().classes) {
+    EXPECT_LT(c.min_size_m, c.max_size_m) << c.name;
+    EXPECT_LT(c.min_height_m, c.max_height_m) << c.name;
+    EXPECT_LE(c.max_height_m, c.max_size_m + 0.2) << c.name << ": its height is one of its sides";
+    EXPECT_GE(c.max_size_m, 0.4) << c.name << " would never be large enough for the map";
+    EXPECT_LE(c.max_height_m, 2.8) << c.name << " fits under no ceiling";
+    EXPECT_TRUE(colours.insert(c.colour_rgb).second) << c.name << " looks like another";
+  }
+}
+
+TEST(DefaultClasses, TraitsFitOneAnother) {
+  const ClassTable table = DefaultClassTable();
+  ASSERT_NE(table.Fallback(), nullptr);
+  for (const ObjectClass& c : table.classes) {
+    if (c.traits.fused_only) {
+      EXPECT_TRUE(c.library_classes.empty()) << c.name << ": models that nobody may use";
+      EXPECT_FALSE(c.detector_labels.empty()) << c.name << ": nothing would find it";
+    }
+    if (c.traits.support_plane) {
+      EXPECT_TRUE(c.traits.supports.floor) << c.name;
+    }
+  }
+}
+
 // Tables that users have: what programs of that version took from the name still holds.
 TEST(ClassTableFile, ReadsVersionOneWithTheTraitsItsNamesMeant) {
   const Result<ClassTable> table = DecodeClassTable(
@@ -110,7 +188,7 @@ TEST(ClassTableFile, TellsAllFaultsWithLineClassAndField) {
               HasSubstr("c.yaml:9: class table, support_plane: is \"yes\", must be true or false"));
   EXPECT_THAT(faults,
               HasSubstr("c.yaml:10: class table: unknown key \"suport_plane\"; known are name, "
-                        "labels, library, size_m, height_m, colour, support_plane"));
+                        "labels, library, size_m, height_m, colour, stands_on, support_plane"));
   EXPECT_THAT(faults, HasSubstr("class 2: name \"Chair\" must be lower-case"));
   EXPECT_THAT(faults, HasSubstr("class 2, yaw_free: is \"\", must be true or false"));
   EXPECT_THAT(faults, HasSubstr("class furniture: is a fallback, as class plant is already"));

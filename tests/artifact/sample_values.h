@@ -166,8 +166,10 @@ inline Association SampleAssociation() {
                          "chair",
                          {{DetectionId{1}, FrameIdx{3}, 5, 0.0123, "vote"},
                           {DetectionId{9}, FrameIdx{4}, 0, 0, "new"}},
-                         "no object near"}};
+                         "no object near",
+                         {{"chair", 1.3}, {"table", 0.4}}}};
   association.rejections = {{DetectionId{7}, FrameIdx{2}, "touches border"}};
+  association.not_mapped = {"shelf at 1.00, 2.00: only 0.04 m deep"};
   return association;
 }
 
@@ -231,6 +233,7 @@ inline ObjectMap SampleObjects() {
   MapObject object;
   object.id = ObjectId{4};
   object.class_name = "chair";
+  object.class_votes = {{"chair", 1.3}, {"table", 0.4}};
   object.chosen = CandidateId{1};
   object.source = CandidateSource::kFused;
   object.model = "lib-7";

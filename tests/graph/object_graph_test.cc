@@ -25,7 +25,7 @@ using testing_support::World;
 
 OptimizedMap Optimize(const World& world, const GraphOptions& options = {}) {
   Result<OptimizedMap> result =
-      OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, world.bottom_m);
+      OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, world.feet);
   EXPECT_TRUE(result.ok());
   return *std::move(result);
 }
@@ -149,7 +149,7 @@ TEST(OptimizeGraph, ObjectsStandOnTheGround) {
   World world = MakeWorld(40, 4, 1, {0.001, 0.001, 0.01, 0.03});
   // The model is 8 cm taller below its centre than the object: registrations put its feet into the
   // ground.
-  for (auto& [id, bottom_m] : world.bottom_m) bottom_m = -0.53;
+  for (auto& [id, foot] : world.feet) foot.bottom_m = -0.53;
   GraphOptions firm;
   firm.stand_floor_m = 0.005;
   const OptimizedMap map = Optimize(world, firm);
@@ -160,10 +160,36 @@ TEST(OptimizeGraph, ObjectsStandOnTheGround) {
     EXPECT_GT((object.world_from_object.rotation * Eigen::Vector3d::UnitZ()).z(), 0.9995);
   }
   // One that hangs on the wall is left there and says so.
-  world.bottom_m[ObjectId{2}] = 0.3;
+  world.feet[ObjectId{2}].bottom_m = 0.3;
   const OptimizedMap hanging = Optimize(world, firm);
   EXPECT_NEAR(hanging.map.objects[2].world_from_object.translation_m.z(), 0.45, 0.05);
   EXPECT_NE(hanging.map.objects[2].note.find("does not stand"), std::string::npos);
+}
+
+// What rests on furniture or hangs on a wall is bound to the ground in no way: neither its height
+// nor how plumb it is.
+TEST(OptimizeGraph, ThingsOffTheFloorAreNotBoundToTheGround) {
+  World world = MakeWorld(40, 4, 1, {0.001, 0.001, 0.01, 0.03});
+  GraphOptions options;
+  options.stand_floor_m = 0.005;
+  const auto tilt_and_note = [&](const Supports& supports, double bottom_m) {
+    world.feet[ObjectId{2}] = {bottom_m, supports};
+    const OptimizedMap map = Optimize(world, options);
+    const MapObject& object = map.map.objects[2];
+    return std::pair((object.world_from_object.rotation * Eigen::Vector3d::UnitZ()).z(),
+                     object.note.find("does not stand") != std::string::npos);
+  };
+  const Supports floor;
+  const Supports either = {.furniture = true};
+  const Supports wall = {.floor = false, .wall = true};
+  const auto bound = tilt_and_note(floor, -0.45);
+  EXPECT_GT(bound.first, 0.9995);
+  EXPECT_EQ(tilt_and_note(either, -0.45), bound) << "it stands on the floor";
+  const auto hanging = tilt_and_note(wall, -0.45);
+  EXPECT_LT(hanging.first, bound.first) << "it leans as its views say";
+  EXPECT_EQ(tilt_and_note(either, 0.3), hanging) << "its foot is too high for the floor";
+  EXPECT_FALSE(hanging.second);
+  EXPECT_TRUE(tilt_and_note(floor, 0.3).second);
 }
 
 // The lowest voxel of a model is no foot; what many views agree on must not be moved for it.
@@ -172,7 +198,7 @@ TEST(OptimizeGraph, TheGroundDoesNotOutvoteTheViews) {
   GraphOptions without;
   without.stand_floor_m = 0;
   const OptimizedMap by_views = Optimize(world, without);
-  for (auto& [id, bottom_m] : world.bottom_m) bottom_m -= 0.03;
+  for (auto& [id, foot] : world.feet) foot.bottom_m -= 0.03;
   const OptimizedMap standing = Optimize(world);
   ASSERT_EQ(standing.map.objects.size(), by_views.map.objects.size());
   for (std::size_t k = 0; k < standing.map.objects.size(); ++k) {
@@ -310,8 +336,8 @@ TEST(OptimizeGraph, BytesDoNotDependOnTheNumberOfThreads) {
     for (const int threads : {1, 2, 2}) {
       const ThreadLimit limit(threads);
       const OptimizedMap map = Optimize(world, options);
-      const std::string text = *GraphToG2o(
-          world.odometry, world.ground, world.map, world.loops, {}, world.bottom_m, &map);
+      const std::string text =
+          *GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, world.feet, &map);
       if (first.empty()) first = text;
       EXPECT_TRUE(text == first);
     }
@@ -440,7 +466,7 @@ TEST(GraphToG2o, FileHoldsTheGraphAndItsEnergy) {
   const World world = MakeWorld(40, 4, 1, kDrift);
   const OptimizedMap map = Optimize(world);
   const auto text =
-      GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, world.bottom_m, &map);
+      GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, world.feet, &map);
   ASSERT_TRUE(text.ok());
   const Result<G2oGraph> read = ParseG2o(*text);
   ASSERT_TRUE(read.ok()) << read.error().message;

@@ -23,7 +23,7 @@ struct World {
   Ground ground;
   ObjectMap map;
   Loops loops;
-  std::map<ObjectId, double> bottom_m;
+  std::map<ObjectId, ObjectFoot> feet;
   // Gravity-aligned truth: z up, ground z = 0.
   std::vector<Pose3> world_from_camera;
   std::vector<Pose3> world_from_object;
@@ -125,7 +125,7 @@ inline World MakeWorld(
           world.odometry.at(view.frame).world_from_camera * view.camera_from_object;
     }
     world.map.objects.push_back(object);
-    world.bottom_m[object.id] = -0.45;
+    world.feet[object.id].bottom_m = -0.45;
   }
   return world;
 }

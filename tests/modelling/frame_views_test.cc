@@ -1,5 +1,6 @@
 #include "deepslam/modelling/frame_views.h"
 
+#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -30,7 +31,8 @@ class FrameViewsTest : public testing::Test {
 
   // "3:3 4:0 | 7:2": object and number of views, batches apart.
   [[nodiscard]] std::string Batches(std::size_t batch_bytes) {
-    const FrameViews views(room_.room, room_.segments, {}, room_.progress, batch_bytes);
+    const FrameViews views(
+        {room_.room, room_.segments, room_.classes}, {}, room_.progress, batch_bytes);
     std::string batches;
     const Status status = views.ForBatches(
         room_.Objects(), observe::ViewContent::kDepth, [&](std::span<TrackViews> batch) {
@@ -85,8 +87,29 @@ TEST_F(FrameViewsTest, ASegmentThatNoTrackKnowsAndATrackThatNoSegmentKnowsAreNoV
   EXPECT_EQ(Batches(FrameViews::kBatchBytes), "3:3 4:0 7:2 ");
 }
 
+// For whoever registers and judges it, a thing that rests on furniture stands on what it rests on.
+TEST_F(FrameViewsTest, TheGroundOfAThingOffTheFloorIsWhatItRestsOn) {
+  const auto ground_of_first = [&] {
+    std::optional<Plane> ground;
+    const auto take = [&](std::span<TrackViews> batch) {
+      if (!ground) ground = batch[0].views[0].ground_camera;
+      return Ok();
+    };
+    EXPECT_TRUE(room_.Views().ForBatches(room_.Objects(), observe::ViewContent::kDepth, take).ok());
+    return ground;
+  };
+  const std::optional<Plane> floor = ground_of_first();
+  ASSERT_TRUE(floor.has_value());
+  room_.classes.classes = {
+      {"chair", {}, {}, 0.1, 3, 0.1, 3, {}, {.supports = {.floor = false, .furniture = true}}}};
+  const std::optional<Plane> own = ground_of_first();
+  ASSERT_TRUE(own.has_value());
+  EXPECT_EQ(own->normal, floor->normal);
+  EXPECT_LT(own->d_m, floor->d_m) << "its lowest points lie above the floor";
+}
+
 TEST_F(FrameViewsTest, TheFirstErrorEndsIt) {
-  const FrameViews views(room_.room, room_.segments, {}, room_.progress, 0);
+  const FrameViews views({room_.room, room_.segments, room_.classes}, {}, room_.progress, 0);
   int num_batches = 0;
   const Status status = views.ForBatches(
       room_.Objects(), observe::ViewContent::kDepth, [&](std::span<TrackViews>) -> Status {
@@ -106,7 +129,8 @@ class FaultyStore final : public SegmentStore {
 };
 
 TEST_F(FrameViewsTest, TheErrorOfTheStoreIsPassedOn) {
-  const FrameViews views(room_.room, std::make_shared<FaultyStore>(), {}, room_.progress);
+  const FrameViews views(
+      {room_.room, std::make_shared<FaultyStore>(), room_.classes}, {}, room_.progress);
   const Status status = views.ForBatches(
       room_.Objects(), observe::ViewContent::kDepth, [](std::span<TrackViews>) { return Ok(); });
   EXPECT_EQ(status.error().message, "the disk is full");

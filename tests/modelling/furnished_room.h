@@ -279,7 +279,7 @@ class ModelledRoom {
   // true shape, of a size that is nearly known.
   void Track(int id, std::size_t item, const std::vector<int>& frames) {
     const Furniture& thing = room.furniture()[item];
-    ObjectTrack track{ObjectId{id}, thing.class_name, {}, ""};
+    ObjectTrack track{ObjectId{id}, thing.class_name, {}, "", {{thing.class_name, 1.0}}};
     for (const int frame : frames) {
       Segment segment = room.SegmentOf(item, FrameIdx{frame});
       track.members.push_back({segment.detection, segment.frame, 3, 0.01, "vote"});
@@ -303,7 +303,7 @@ class ModelledRoom {
   [[nodiscard]] TrackedObjects Objects() const {
     return {association.tracks, room.odometry, room.ground};
   }
-  [[nodiscard]] FrameViews Views() { return FrameViews(room, segments, {}, progress); }
+  [[nodiscard]] FrameViews Views() { return FrameViews({room, segments, classes}, {}, progress); }
   [[nodiscard]] Result<Selection> Select(const ObjectOptions& options = {}) {
     const FrameViews views = Views();
     const ObjectSources sources{views, models, prepared, progress};
@@ -314,6 +314,7 @@ class ModelledRoom {
   }
 
   FurnishedRoom room;
+  ClassTable classes;
   std::shared_ptr<SegmentsInMemory> segments = std::make_shared<SegmentsInMemory>();
   ModelsInMemory models;
   PreparedModels prepared{std::size_t{1} << 28};

@@ -122,6 +122,46 @@ TEST(SelectObjects, WhatAPersonChoseWins) {
   EXPECT_EQ(room.Select(options).error().message, "no candidate \"throne\"");
 }
 
+// What nobody named has to be explained well; its votes go into the map.
+TEST(SelectObjects, WhatNobodyNamedAndNothingExplainsIsDropped) {
+  ModelledRoom room({kChair});
+  room.Track(0, 0, Frames(0, 6));
+  ObjectOptions options;
+  options.select.min_unnamed_confidence = 1;  // nothing is explained that well
+  Result<Selection> selection = room.Select(options);
+  ASSERT_TRUE(selection.ok()) << selection.error().message;
+  ASSERT_EQ(selection->map.objects.size(), 1U) << "a detector called it a chair";
+  EXPECT_EQ(selection->map.objects[0].class_votes, room.association.tracks[0].class_votes);
+  room.association.tracks[0].class_votes = {{"table", 0.2}};
+  selection = room.Select(options);
+  ASSERT_TRUE(selection.ok());
+  EXPECT_THAT(selection->map.objects, IsEmpty());
+  EXPECT_THAT(selection->map.dropped, ElementsAre(HasSubstr("no detection names it")));
+  options.select.min_unnamed_confidence = 0;
+  EXPECT_EQ(room.Select(options)->map.objects.size(), 1U);
+}
+
+// Where priors are at work, two views of what none of them knows are no shape.
+TEST(SelectObjects, WhatIsMeasuredAloneNeedsThreeViews) {
+  ObjectOptions options;
+  options.refinement.complete = false;
+  const auto num_mapped = [&](int num_views, bool with_priors) {
+    ModelledRoom room({kChair});
+    room.Track(0, 0, Frames(0, 6));
+    room.Track(1, 0, Frames(0, num_views));
+    for (ShapeCandidate& candidate : room.proposals.candidates) {
+      if (candidate.object == ObjectId{1} || !with_priors)
+        candidate.source = CandidateSource::kFused;
+    }
+    const Result<Selection> selection = room.Select(options);
+    EXPECT_TRUE(selection.ok());
+    return selection->map.objects.size();
+  };
+  EXPECT_EQ(num_mapped(2, true), 1U);
+  EXPECT_EQ(num_mapped(3, true), 2U);
+  EXPECT_EQ(num_mapped(2, false), 2U) << "without priors a measurement is all there is";
+}
+
 TEST(SelectObjects, AnObjectWithoutViewsIsDroppedWithTheReason) {
   ModelledRoom room({kChair});
   room.Track(0, 0, Frames(0, 6));

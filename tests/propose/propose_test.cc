@@ -200,6 +200,49 @@ TEST(Retrieval, UnknownFurnitureTriesEveryClassOfItsSize) {
   EXPECT_EQ(proposals.candidates.front().library_id, table.id);
 }
 
+// What was given its class by its size has models of that size, or those nearest to it; what a
+// detector named may be seen in part.
+TEST(Retrieval, OffersModelsOfTheSizeOfWhatNobodyNamed) {
+  ClassTable classes = Classes();
+  classes.classes[0].library_classes = {"chair", "table"};
+  RetrievalOptions options;
+  options.max_models = 3;
+  const auto proposer = MakeRetrievalProposer(
+      std::shared_ptr<const ModelLibrary>(&Library(), [](const ModelLibrary*) {}),
+      classes,
+      options);
+  Stage stage;
+  stage.size_m = 0.9;
+  const std::vector<ObjectView> views = StagedViews(Library().models[0].shape, stage);
+  ObjectObservations object{ObjectId{3}, "chair", views};
+  object.is_named = false;
+  const Result<Proposals> proposals = proposer->Propose(object);
+  ASSERT_TRUE(proposals.ok());
+  ASSERT_FALSE(proposals->candidates.empty());
+  for (const ShapeCandidate& candidate : proposals->candidates)
+    EXPECT_NE(candidate.library_id, "plain") << "1.4 m long, three times what was seen";
+  // Nothing in the library is as small: there are candidates all the same.
+  stage.size_m = 0.2;
+  stage.distance_m = 0.6;
+  const std::vector<ObjectView> toy = StagedViews(Library().models[0].shape, stage);
+  object.views = toy;
+  const Result<Proposals> nearest = proposer->Propose(object);
+  ASSERT_TRUE(nearest.ok());
+  EXPECT_FALSE(nearest->candidates.empty());
+}
+
+TEST(Retrieval, OffersNothingForAClassWhoseShapeNoModelHas) {
+  ClassTable classes = Classes();
+  classes.classes[0].traits.fused_only = true;
+  const auto proposer = MakeRetrievalProposer(
+      std::shared_ptr<const ModelLibrary>(&Library(), [](const ModelLibrary*) {}), classes, {});
+  const std::vector<ObjectView> views = StagedViews(Library().models[0].shape, Stage());
+  const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, "chair", views});
+  ASSERT_TRUE(proposals.ok());
+  EXPECT_THAT(proposals->candidates, testing::IsEmpty());
+  EXPECT_THAT(proposals->notes, testing::SizeIs(1));
+}
+
 TEST(Retrieval, WorksWithoutAGround) {
   Stage stage;
   stage.has_ground = false;

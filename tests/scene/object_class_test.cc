@@ -30,6 +30,20 @@ TEST(ClassTable, ANameThatItDoesNotHaveHasTheUsualTraits) {
   EXPECT_EQ(ClassTable().TraitsOf("table"), ClassTraits()) << "names say nothing by themselves";
 }
 
+TEST(Supports, AThingRestsWhereItsClassMay) {
+  constexpr double kGap_m = 0.25;
+  const Supports floor;
+  const Supports furniture = {.floor = false, .furniture = true};
+  const Supports wall = {.floor = false, .wall = true};
+  const Supports either = {.furniture = true};
+  for (const double foot_m : {0.0, 0.7, 2.0}) {
+    EXPECT_FALSE(floor.RestsElsewhere(foot_m, kGap_m)) << foot_m;
+    EXPECT_TRUE(furniture.RestsElsewhere(foot_m, kGap_m)) << foot_m;
+    EXPECT_TRUE(wall.RestsElsewhere(foot_m, kGap_m)) << foot_m;
+    EXPECT_EQ(either.RestsElsewhere(foot_m, kGap_m), foot_m > kGap_m) << foot_m;
+  }
+}
+
 TEST(ClassTable, HasAFallbackWhereAClassIsOne) {
   ClassTable table = Table();
   EXPECT_EQ(table.Fallback(), nullptr);

@@ -199,6 +199,15 @@ TEST_F(SelectAChair, AFusedShapeMustBeClearlyBetter) {
   EXPECT_THAT(Select().note, testing::HasSubstr("made of the measurement"));
 }
 
+TEST_F(SelectAChair, LeavesOutWhatIsSmallerThanTheMapHolds) {
+  const double size_m = registrations_[1].scale_m * kModelExtent;
+  options_.min_size_m = 1.01 * size_m;
+  EXPECT_FALSE(Select().chosen.valid());
+  EXPECT_THAT(Select().note, testing::HasSubstr("cm large, less than select.min_size"));
+  options_.min_size_m = 0.99 * size_m;
+  EXPECT_TRUE(Select().chosen.valid());
+}
+
 // What nobody saw is missing from a fused shape: seen all round it needs a small lead, from one
 // side a large one.
 TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {

@@ -18,6 +18,7 @@ void Describe(JsonVisitor& visitor, ObjectTrack& track) {
   visitor.Field("id", track.id);
   visitor.Field("class", track.class_name);
   visitor.Field("reason", track.reason);
+  visitor.Maybe("class_votes", track.class_votes);
   visitor.Field("members", track.members);
 }
 
@@ -30,6 +31,7 @@ void Describe(JsonVisitor& visitor, Rejection& rejection) {
 void Describe(JsonVisitor& visitor, Association& association) {
   visitor.Table("tracks", association.tracks);
   visitor.Table("rejections", association.rejections);
+  visitor.Maybe("not_mapped", association.not_mapped);
 }
 
 Result<std::string> EncodeAssociation(const Association& association, std::string_view name) {

@@ -35,7 +35,10 @@ constexpr std::string_view kHeader =
     "# own; `solid_inside` is closed, and solid where nobody saw into it; `yaw_free` is alike from "
     "several sides, so that\n"
     "# loops do not compare its front; `fallback` takes what fits no other class (one class at "
-    "most).\n";
+    "most); `fused_only` has the\n"
+    "# shape that was measured and no prior's. `stands_on` is what such things rest on: [floor] "
+    "where it is left out, or some\n"
+    "# of floor, furniture, wall.\n";
 
 struct FlagColumn {
   std::string_view name;
@@ -44,7 +47,26 @@ struct FlagColumn {
 constexpr std::array kFlagColumns = {FlagColumn{"support_plane", &ClassTraits::support_plane},
                                      FlagColumn{"solid_inside", &ClassTraits::solid_inside},
                                      FlagColumn{"yaw_free", &ClassTraits::yaw_free},
-                                     FlagColumn{"fallback", &ClassTraits::fallback}};
+                                     FlagColumn{"fallback", &ClassTraits::fallback},
+                                     FlagColumn{"fused_only", &ClassTraits::fused_only}};
+
+struct SupportName {
+  std::string_view name;
+  bool Supports::*flag;
+};
+constexpr std::array kSupportNames = {SupportName{"floor", &Supports::floor},
+                                      SupportName{"furniture", &Supports::furniture},
+                                      SupportName{"wall", &Supports::wall}};
+
+// What a class that says nothing rests on is not written.
+std::string SupportsLine(const Supports& supports) {
+  if (supports == Supports()) return {};
+  std::vector<std::string_view> names;
+  for (const SupportName& support : kSupportNames) {
+    if (supports.*(support.flag)) names.push_back(support.name);
+  }
+  return fmt::format("    stands_on: [{}]\n", fmt::join(names, ", "));
+}
 
 constexpr ClassTraits kSupportPlane = {.support_plane = true};
 constexpr ClassTraits kTable = {.support_plane = true, .yaw_free = true};
@@ -92,6 +114,12 @@ std::string Quoted(const std::vector<std::string>& texts) {
   std::vector<std::string> quoted;
   for (const std::string& text : texts) quoted.push_back(Quoted(text));
   return fmt::format("{}", fmt::join(quoted, ", "));
+}
+
+// A value as a fault names it.
+std::string Shown(const std::string& text) {
+  constexpr std::size_t kMaxShown = 40;
+  return text.size() <= kMaxShown ? text : "...";
 }
 
 class TableReader {
@@ -164,6 +192,8 @@ class TableReader {
       ReadRange(node, c.min_height_m, c.max_height_m);
     } else if (field_ == "colour") {
       ReadColour(node, c);
+    } else if (field_ == "stands_on") {
+      ReadSupports(key, node, c.traits.supports);
     } else {
       ReadTrait(key, node, c.traits);
     }
@@ -176,18 +206,38 @@ class TableReader {
         });
     if (column == kFlagColumns.end()) {
       const std::string unknown = std::exchange(field_, {});
-      std::string known = "name, labels, library, size_m, height_m, colour";
+      std::string known = "name, labels, library, size_m, height_m, colour, stands_on";
       for (const FlagColumn& flag : kFlagColumns) known += fmt::format(", {}", flag.name);
       return Fault(key, fmt::format("unknown key \"{}\"; known are {}", unknown, known));
     }
-    if (version_ == 1) return Fault(key, "is not of version 1; write `version: 2` above");
+    if (!IsOfVersion(key)) return;
     const std::string text = node.IsScalar() ? node.Scalar() : "";
     if (text != "true" && text != "false") {
-      constexpr std::size_t kMaxShown = 40;
-      const std::string given = text.size() <= kMaxShown ? text : "...";
-      return Fault(node, fmt::format("is \"{}\", must be true or false", given));
+      return Fault(node, fmt::format("is \"{}\", must be true or false", Shown(text)));
     }
     traits.*(column->flag) = text == "true";
+  }
+
+  bool IsOfVersion(const YAML::Node& key) {
+    if (version_ > 1) return true;
+    Fault(key, "is not of version 1; write `version: 2` above");
+    return false;
+  }
+
+  void ReadSupports(const YAML::Node& key, const YAML::Node& node, Supports& supports) {
+    if (!IsOfVersion(key)) return;
+    if (!node.IsSequence() || node.size() == 0)
+      return Fault(node, "must be a list of floor, furniture, wall, one of them at least");
+    supports = {.floor = false};
+    for (const YAML::Node& item : node) {
+      const std::string text = item.IsScalar() ? item.Scalar() : "";
+      const auto known = std::find_if(kSupportNames.begin(),
+                                      kSupportNames.end(),
+                                      [&](const SupportName& name) { return name.name == text; });
+      if (known == kSupportNames.end())
+        return Fault(item, fmt::format("\"{}\" is none of floor, furniture, wall", Shown(text)));
+      supports.*(known->flag) = true;
+    }
   }
 
   void CheckAmongOthers(const YAML::Node& node, const ObjectClass& c) {
@@ -260,33 +310,6 @@ class TableReader {
 
 }  // namespace
 
-ClassTable DefaultClassTable() {
-  // Sizes span what furniture shops sell, with a tenth to spare for measuring.
-  return {{{"chair", {"chair"}, {"chair"}, 0.45, 1.5, 0.4, 1.4, {230, 126, 34}, {}},
-           {"table",
-            {"dining table", "table", "desk"},
-            {"table", "desk"},
-            0.4,
-            4.0,
-            0.3,
-            1.2,
-            {52, 152, 219},
-            kTable},
-           {"sofa", {"couch", "sofa"}, {"sofa"}, 0.7, 3.6, 0.5, 1.3, {155, 89, 182}, kClosed},
-           {"bed", {"bed"}, {"bed"}, 1.2, 2.7, 0.25, 2.0, {231, 76, 60}, kClosed},
-           {"cabinet", {}, {"cabinet"}, 0.3, 2.6, 0.3, 2.5, {39, 174, 96}, kClosed},
-           {"shelf", {}, {"shelf"}, 0.5, 3.0, 0.5, 2.7, {26, 188, 156}, kClosed},
-           {"furniture",
-            {},
-            {"cabinet", "table", "shelf", "desk"},
-            0.2,
-            3.5,
-            0.15,
-            2.7,
-            {149, 165, 166},
-            kFallback}}};
-}
-
 std::string EncodeClassTable(const ClassTable& table) {
   std::string text = fmt::format("{}version: {}\nclasses:\n", kHeader, kVersion);
   for (const ObjectClass& c : table.classes) {
@@ -300,6 +323,7 @@ std::string EncodeClassTable(const ClassTable& table) {
                         c.min_height_m,
                         c.max_height_m,
                         fmt::join(c.colour_rgb, ", "));
+    text += SupportsLine(c.traits.supports);
     for (const FlagColumn& column : kFlagColumns) {
       if (c.traits.*(column.flag)) text += fmt::format("    {}: true\n", column.name);
     }

@@ -14,7 +14,7 @@ namespace deepslam::artifact {
 
 [[nodiscard]] std::string EncodeClassTable(const ClassTable& table);
 // All faults at once, each with its line, its class and its field: unknown keys, sizes out of
-// range, traits that are neither true nor false, names and labels given twice, two fallbacks, a
+// range, traits and supports that are none, names and labels given twice, two fallbacks, a
 // version that is to come. Traits that are left out are false; a table of version 1 knows none, and
 // its classes have those that programs of that version gave them by name (`table`, `furniture`,
 // ...).

@@ -42,6 +42,7 @@ void Describe(JsonVisitor& visitor, Replacement& replacement) {
 void Describe(JsonVisitor& visitor, MapObject& object) {
   visitor.Field("id", object.id);
   visitor.Field("class", object.class_name);
+  visitor.Maybe("class_votes", object.class_votes);
   visitor.Maybe("chosen", object.chosen);
   visitor.Field("source", object.source);
   visitor.Field("model", object.model);

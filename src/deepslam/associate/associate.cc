@@ -296,8 +296,9 @@ void Matcher::Finish(Association& association) {
   MergeDuplicates(objects_, all_, options_, rejections_);
   RejectNoise(objects_, all_, sights_, camera_, options_, rejections_);
   for (ObjectHypothesis& object : objects_) {
+    std::map<std::string, double> votes = ClassVotes(object, all_);
     association.tracks.push_back(
-        {object.id, object.class_name, std::move(object.members), object.reason});
+        {object.id, object.class_name, std::move(object.members), object.reason, std::move(votes)});
   }
   std::ranges::move(rejections_, std::back_inserter(association.rejections));
 }

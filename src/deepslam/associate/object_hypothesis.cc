@@ -34,6 +34,16 @@ std::optional<std::size_t> ObjectHypothesis::MemberIn(FrameIdx frame) const {
   return static_cast<std::size_t>(place - members.begin());
 }
 
+std::map<std::string, double> ClassVotes(const ObjectHypothesis& object,
+                                         const std::vector<Observation>& all) {
+  std::map<std::string, double> votes;
+  for (const int i : object.observations) {
+    const Segment& segment = *all[static_cast<std::size_t>(i)].segment;
+    if (segment.source != DetectionSource::kCluster) votes[segment.class_name] += segment.score;
+  }
+  return votes;
+}
+
 double ObjectHypothesis::MeanScore(const std::vector<Observation>& all) const {
   double sum = 0;
   for (const int i : observations) sum += all[static_cast<std::size_t>(i)].segment->score;

@@ -44,6 +44,10 @@ void AddMember(ObjectHypothesis& object,
                int observation,
                TrackMember member);
 
+// As tracks have them: of detections that are no clusters.
+[[nodiscard]] std::map<std::string, double> ClassVotes(const ObjectHypothesis& object,
+                                                       const std::vector<Observation>& all);
+
 // Takes a detection out again.
 void RemoveMember(ObjectHypothesis& object, std::vector<Observation>& all, std::size_t member);
 

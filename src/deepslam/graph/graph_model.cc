@@ -182,18 +182,18 @@ class ModelBuilder {
                      [](const GroundEdge& a, const GroundEdge& b) { return a.node < b.node; });
   }
 
-  void AddObjectsOnGround(const ObjectMap& map, const std::map<ObjectId, double>& bottom_m) {
+  void AddObjectsOnGround(const ObjectMap& map, const std::map<ObjectId, ObjectFoot>& feet) {
     if (!model_.plane) return;
     for (std::size_t k = 0; k < model_.objects.size(); ++k) {
       const int node = model_.num_keyframes() + static_cast<int>(k);
       const ObjectId id = map.objects[model_.objects[k]].id;
-      model_.upright.push_back(node);
-      const auto bottom = bottom_m.find(id);
-      if (options_.stand_floor_m <= 0 || bottom == bottom_m.end() ||
-          !std::isfinite(bottom->second)) {
+      const auto foot = feet.find(id);
+      const bool is_known = foot != feet.end() && std::isfinite(foot->second.bottom_m);
+      const double gap_m = is_known ? GapToGround(k, foot->second.bottom_m) : 0;
+      if (is_known && foot->second.supports.RestsElsewhere(gap_m, options_.stand_max_gap_m))
         continue;
-      }
-      const double gap_m = GapToGround(k, bottom->second);
+      model_.upright.push_back(node);
+      if (options_.stand_floor_m <= 0 || !is_known) continue;
       if (std::abs(gap_m) > options_.stand_max_gap_m) {
         model_.not_standing.push_back(id);
         continue;
@@ -201,7 +201,7 @@ class ModelBuilder {
       // The model's error is common to all views of the object, so it must not win by their number.
       const double views = static_cast<double>(edges_of_object_[k].size());
       model_.stands.push_back(
-          {node, bottom->second, views / (options_.stand_floor_m * options_.stand_floor_m)});
+          {node, foot->second.bottom_m, views / (options_.stand_floor_m * options_.stand_floor_m)});
     }
   }
 
@@ -307,7 +307,7 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const ObjectMap& map,
                                    const Loops& loops,
                                    const GraphOptions& options,
-                                   const std::map<ObjectId, double>& bottom_m) {
+                                   const std::map<ObjectId, ObjectFoot>& feet) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
   const PathEdges path(odometry, loops, options);
   ModelBuilder builder(odometry, options);
@@ -315,7 +315,7 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
   if (options.use_objects) builder.AddObjects(map);
   if (options.use_ground) {
     builder.AddGround(ground);
-    builder.AddObjectsOnGround(map, bottom_m);
+    builder.AddObjectsOnGround(map, feet);
   }
   const auto along_path = [&](const std::function<void(const PoseEdge&)>& use) {
     path.ForEach(use);

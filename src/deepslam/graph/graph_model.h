@@ -59,7 +59,7 @@ struct GraphModel {
                                                  const ObjectMap& map,
                                                  const Loops& loops,
                                                  const GraphOptions& options,
-                                                 const std::map<ObjectId, double>& bottom_m);
+                                                 const std::map<ObjectId, ObjectFoot>& feet);
 
 // In an ascending list; -1 for none of it.
 [[nodiscard]] int PositionOf(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe);

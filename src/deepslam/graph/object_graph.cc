@@ -287,8 +287,8 @@ Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
                                    const ObjectMap& map,
                                    const Loops& loops,
                                    const GraphOptions& options,
-                                   const std::map<ObjectId, double>& bottom_m) {
-  Result<GraphModel> built = BuildGraphModel(odometry, ground, map, loops, options, bottom_m);
+                                   const std::map<ObjectId, ObjectFoot>& feet) {
+  Result<GraphModel> built = BuildGraphModel(odometry, ground, map, loops, options, feet);
   if (!built.ok()) return built.error();
   GraphModel& model = *built;
 
@@ -324,9 +324,9 @@ Result<std::string> GraphToG2o(const Odometry& odometry,
                                const ObjectMap& map,
                                const Loops& loops,
                                const GraphOptions& options,
-                               const std::map<ObjectId, double>& bottom_m,
+                               const std::map<ObjectId, ObjectFoot>& feet,
                                const OptimizedMap* after) {
-  Result<GraphModel> model = BuildGraphModel(odometry, ground, map, loops, options, bottom_m);
+  Result<GraphModel> model = BuildGraphModel(odometry, ground, map, loops, options, feet);
   if (!model.ok()) return model.error();
   if (after != nullptr) {
     if (const Status moved = MoveTo(*after, map, *model); !moved.ok()) return moved.error();

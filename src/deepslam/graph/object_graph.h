@@ -7,7 +7,7 @@
 //   r_io  = t2v(z_io^-1 x_wi^-1 x_wo)                       per usable view of an object
 //   r_ij  = t2v(z_ij^-1 x_wi^-1 x_wj)         x lambda_1    per odometry edge
 //   r_pi  = p - [R n_i; d_i - (R n_i)^T t]    x lambda_2    per keyframe that saw the ground
-//   r_po  = n - R (0, 0, 1)^T                 x lambda_3    per object, where a ground is known
+//   r_po  = n - R (0, 0, 1)^T                 x lambda_3    per object that stands on the ground
 //   loop  = r_ij of a verified loop edge      x lambda_1
 //   stand = height of the model's bottom above the ground   per object that stands on it
 // Past the paper: the last one, and robust losses on r_io, r_pi and loop. How r_pi's information is
@@ -47,6 +47,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/loop.h"
+#include "deepslam/scene/object_class.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/scene/optimized_map.h"
 #include "deepslam/scene/trajectory.h"
@@ -101,26 +102,33 @@ struct GraphOptions {
 
 void Describe(OptionsVisitor& visitor, GraphOptions& options);
 
+// How an object meets what it rests on.
+struct ObjectFoot {
+  double bottom_m = 0;  // lowest z of its model in the metric object frame (negative)
+  // What things of its class rest on. One that rests on furniture or hangs on a wall is not bound
+  // to the ground: neither r_po nor standing.
+  Supports supports = {};
+};
+
 // Optimises, then turns everything into the gravity-aligned world (gravity_world.h). `map` is the
 // map after merging.
 //
-// `bottom_m`: per object the lowest z of its model in the metric object frame (negative), for the
-// standing edges; objects that are missing get none. Objects without a usable view keep their pose
-// relative to the keyframe of their best view. Frames between keyframes that are nodes (all, but of
-// long paths: condense.h): where a frame was tracked against its preceding keyframe, its poses as
-// carried by the keyframe before and the one after are blended by frame number, so that no jump
-// appears at a keyframe; else it moves rigidly with the keyframe it was tracked against. An object
-// that leans more than 5 deg afterwards, or does not stand, says so in its note; the largest tilt
-// is in the summary's message. A solver that fails leaves the poses as they were: summary.converged
-// = false and the reason. Errors (kInvalidInput): frames not numbered 0..n-1, keyframes not
-// ascending or out of range, poses not finite. Bad edges (out of range, not finite, no information)
-// are left out and counted in the message.
+// `feet`: for the standing edges; objects that are missing get none. Objects without a usable view
+// keep their pose relative to the keyframe of their best view. Frames between keyframes that are
+// nodes (all, but of long paths: condense.h): where a frame was tracked against its preceding
+// keyframe, its poses as carried by the keyframe before and the one after are blended by frame
+// number, so that no jump appears at a keyframe; else it moves rigidly with the keyframe it was
+// tracked against. An object that leans more than 5 deg afterwards, or does not stand, says so in
+// its note; the largest tilt is in the summary's message. A solver that fails leaves the poses as
+// they were: summary.converged = false and the reason. Errors (kInvalidInput): frames not numbered
+// 0..n-1, keyframes not ascending or out of range, poses not finite. Bad edges (out of range, not
+// finite, no information) are left out and counted in the message.
 [[nodiscard]] Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
                                                  const Ground& ground,
                                                  const ObjectMap& map,
                                                  const Loops& loops,
                                                  const GraphOptions& options,
-                                                 const std::map<ObjectId, double>& bottom_m = {});
+                                                 const std::map<ObjectId, ObjectFoot>& feet = {});
 
 // The same graph as g2o text (g2o.h): VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX, ground terms as
 // comments. Vertices stand at the poses of `after` when given, else at the input's. Edges carry the
@@ -131,7 +139,7 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options);
                                              const ObjectMap& map,
                                              const Loops& loops,
                                              const GraphOptions& options,
-                                             const std::map<ObjectId, double>& bottom_m = {},
+                                             const std::map<ObjectId, ObjectFoot>& feet = {},
                                              const OptimizedMap* after = nullptr);
 
 }  // namespace deepslam::graph

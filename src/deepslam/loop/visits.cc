@@ -85,7 +85,8 @@ std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& opt
     const bool goes_on =
         !visits.empty() &&
         member.frame.value - visits.back().members.back().frame.value < options.min_gap_frames;
-    if (!goes_on) visits.push_back({track.id, track.class_name, {}, track.reason});
+    if (!goes_on)
+      visits.push_back({track.id, track.class_name, {}, track.reason, track.class_votes});
     visits.back().members.push_back(member);
   }
   if (visits.empty()) visits.push_back(track);

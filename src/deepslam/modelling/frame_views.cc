@@ -3,6 +3,8 @@
 #include <map>
 #include <utility>
 
+#include "deepslam/observe/own_support.h"
+
 namespace deepslam::modelling {
 namespace {
 
@@ -36,13 +38,11 @@ Result<PlannedViews> PlanViews(const SegmentStore& segments,
 
 }  // namespace
 
-FrameViews::FrameViews(const FrameSource& frames,
-                       std::shared_ptr<const SegmentStore> segments,
+FrameViews::FrameViews(ViewInputs inputs,
                        const observe::ViewOptions& options,
                        Progress& progress,
                        std::size_t batch_bytes)
-    : frames_(frames),
-      segments_(std::move(segments)),
+    : inputs_(std::move(inputs)),
       options_(options),
       progress_(progress),
       batch_bytes_(batch_bytes) {}
@@ -50,7 +50,7 @@ FrameViews::FrameViews(const FrameSource& frames,
 Status FrameViews::ForBatches(const TrackedObjects& objects,
                               observe::ViewContent content,
                               const UseViews& use) const {
-  Result<PlannedViews> planned_views = PlanViews(*segments_, objects, options_);
+  Result<PlannedViews> planned_views = PlanViews(*inputs_.segments, objects, options_);
   if (!planned_views.ok()) return planned_views.error();
   observe::ViewPlan& plan = planned_views->plan;
   const std::span<const ObjectTrack> tracks = objects.tracks;
@@ -61,15 +61,18 @@ Status FrameViews::ForBatches(const TrackedObjects& objects,
     for (; end < tracks.size() && (end == begin || num_bytes < batch_bytes_); ++end) {
       const auto planned = plan.find(tracks[end].id);
       if (planned == plan.end()) continue;
-      num_bytes += observe::NumBytes(planned->second, frames_.camera(), options_);
+      num_bytes += observe::NumBytes(planned->second, inputs_.frames.camera(), options_);
       of_batch.insert(plan.extract(planned));
     }
     auto views = observe::CutObjectViews(
-        frames_, objects.trajectory, objects.ground, of_batch, options_, content, progress_);
+        inputs_.frames, objects.trajectory, objects.ground, of_batch, options_, content, progress_);
     if (!views.ok()) return views.error();
     std::vector<TrackViews> batch;
-    for (std::size_t t = begin; t < end; ++t)
+    for (std::size_t t = begin; t < end; ++t) {
       batch.push_back({&tracks[t], std::move((*views)[tracks[t].id])});
+      observe::PutOnOwnSupport(inputs_.classes.TraitsOf(tracks[t].class_name).supports,
+                               batch.back().views);
+    }
     views->clear();
     if (Status status = use(batch); !status.ok()) return status;
     begin = end;

@@ -14,6 +14,7 @@
 #include "deepslam/modelling/view_source.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/scene/detection.h"
+#include "deepslam/scene/object_class.h"
 
 namespace deepslam::modelling {
 
@@ -27,14 +28,20 @@ class SegmentStore {
       const std::set<DetectionId>& wanted) const = 0;
 };
 
+// Frames and classes outlive whoever looks; the segments are shared with others.
+struct ViewInputs {
+  const FrameSource& frames;
+  std::shared_ptr<const SegmentStore> segments;
+  const ClassTable& classes;  // what an object of a class rests on (observe/own_support.h)
+};
+
 class FrameViews final : public ViewSource {
  public:
   static constexpr std::size_t kBatchBytes = std::size_t{96} << 20;
 
-  // A batch takes further tracks while its views take less than `batch_bytes`. `frames` and
-  // `progress` outlive the source; the segments are shared with whoever else looks at them.
-  FrameViews(const FrameSource& frames,
-             std::shared_ptr<const SegmentStore> segments,
+  // A batch takes further tracks while its views take less than `batch_bytes`. `progress` outlives
+  // the source.
+  FrameViews(ViewInputs inputs,
              const observe::ViewOptions& options,
              Progress& progress,
              std::size_t batch_bytes = kBatchBytes);
@@ -44,8 +51,7 @@ class FrameViews final : public ViewSource {
                                   const UseViews& use) const override;
 
  private:
-  const FrameSource& frames_;
-  std::shared_ptr<const SegmentStore> segments_;
+  ViewInputs inputs_;
   observe::ViewOptions options_;
   Progress& progress_;
   std::size_t batch_bytes_;

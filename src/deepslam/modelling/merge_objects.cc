@@ -30,6 +30,7 @@ void MergeTracks(const ObjectMerge& merge, Association& association) {
   ObjectTrack* const kept = FindTrack(association, merge.kept);
   const ObjectTrack* const merged = FindTrack(association, merge.merged);
   if (merged->members.size() > kept->members.size()) kept->class_name = merged->class_name;
+  for (const auto& [name, votes] : merged->class_votes) kept->class_votes[name] += votes;
   for (TrackMember member : merged->members) {
     member.how = "merge";
     kept->members.push_back(std::move(member));
@@ -112,6 +113,7 @@ Status MergeObjects(const Loops& found, const LoopClosing& closing, LoopWorld& w
     const auto group = groups.find(object.id);
     if (group == groups.end()) continue;
     object.class_name = FindTrack(world.association, object.id)->class_name;
+    object.class_votes = FindTrack(world.association, object.id)->class_votes;
     const Result<std::vector<ObjectView>> views =
         ViewsOf(OriginsOf(object.id, origins), before, world, closing.sources.views);
     if (!views.ok()) return views.error();

@@ -25,6 +25,7 @@ Result<Proposals> ProposeOne(const CandidateSources& sources, const TrackViews& 
     return all;
   }
   propose::ObjectObservations object{track.id, track.class_name, of_track.views};
+  object.is_named = track.is_named();
   std::optional<propose::LevelCloud> cloud;
   if (sources.use_depth) {
     cloud = propose::AccumulateLevel(object.views);

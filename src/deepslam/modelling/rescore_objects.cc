@@ -67,6 +67,7 @@ Status Rescore(const NewViews& now,
   if (!selected.ok()) return selected.error();
   if (selected->chosen.valid()) {
     selected->merged = std::move(object.merged);
+    selected->class_votes = std::move(object.class_votes);
     object = std::move(selected).value();
   }
   world.registrations[object.id] = std::move(set->registrations);

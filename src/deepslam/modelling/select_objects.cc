@@ -38,6 +38,41 @@ void Place(MapObject object, ObjectMap& map) {
       "{}: {}", ObjectName(object), object.note.empty() ? "no candidate" : object.note));
 }
 
+// Why an object that nobody names is none of the map.
+std::string WhyDoubted(const ObjectTrack& track,
+                       const MapObject& object,
+                       const select::SelectOptions& options) {
+  if (track.is_named() || !object.chosen.valid() ||
+      object.confidence >= options.min_unnamed_confidence)
+    return {};
+  return fmt::format("no detection names it, and its confidence of {:.2f} is below {}",
+                     object.confidence,
+                     options.min_unnamed_confidence);
+}
+
+// What no prior knows the shape of is no more than what was measured of it, which one or two views
+// do not make a shape.
+constexpr std::size_t kMinMeasuredViews = 3;
+
+bool IsMeasuredAlone(std::span<const ShapeCandidate> candidates) {
+  return std::ranges::all_of(candidates,
+                             [](const ShapeCandidate& c) { return TraitsOf(c.source).is_partial; });
+}
+
+std::string WhyUnmeasured(const CandidateSet& set, std::size_t num_views) {
+  if (!IsMeasuredAlone(set.candidates) || num_views >= kMinMeasuredViews) return {};
+  return fmt::format("no shape is known for it, and {} measured it",
+                     num_views == 1 ? "a single view" : fmt::format("{} views", num_views));
+}
+
+MapObject LeftOut(const MapObject& object, const std::string& why) {
+  MapObject left_out;
+  left_out.id = object.id;
+  left_out.class_name = object.class_name;
+  left_out.note = why;
+  return left_out;
+}
+
 const propose::ShapePrior* PriorOf(const propose::ShapePriors* priors,
                                    const std::string& class_name) {
   if (priors == nullptr) return nullptr;
@@ -62,7 +97,8 @@ class ObjectSelection {
       : candidates_(candidates),
         sources_(sources),
         options_(options),
-        first_made_(NextId(candidates.proposals)) {}
+        first_made_(NextId(candidates.proposals)),
+        has_priors_(!IsMeasuredAlone(candidates.proposals.candidates)) {}
 
   // Thread-safe.
   [[nodiscard]] Result<ScoredObject> Score(const TrackViews& of_track) const {
@@ -87,8 +123,15 @@ class ObjectSelection {
       made_registrations.push_back(set.registrations[*scored.replaced]);
     const auto made = std::span(set.registrations).subspan(scored.num_proposed);
     made_registrations.insert(made_registrations.end(), made.begin(), made.end());
+    const std::size_t num_applied = selection_.applied.size();
     Result<MapObject> object = SelectOrChoose(set, of_track.views, options_, selection_.applied);
     if (!object.ok()) return object.error();
+    object->class_votes = of_track.track->class_votes;
+    const bool is_choice = selection_.applied.size() > num_applied;
+    std::string why = WhyDoubted(*of_track.track, *object, options_.select);
+    if (why.empty() && object->chosen.valid() && has_priors_)
+      why = WhyUnmeasured(set, of_track.views.size());
+    if (!why.empty() && !is_choice) *object = LeftOut(*object, why);
     Place(std::move(object).value(), selection_.map);
     return Ok();
   }
@@ -136,6 +179,7 @@ class ObjectSelection {
   const ObjectSources& sources_;
   const ObjectOptions& options_;
   const int first_made_;
+  const bool has_priors_;  // for some object; without any, what was measured is all there is
   Selection selection_;
 };
 

@@ -110,6 +110,7 @@ Status Relabel(const Overrides& overrides,
     applied.push_back(fmt::format(
         "object {} is a {} instead of a {}", track->id.value, relabel.text, track->class_name));
     track->class_name = relabel.text;
+    track->class_votes = {{relabel.text, 1.0}};  // a person's word ends the vote
   }
   return Ok();
 }

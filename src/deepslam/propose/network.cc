@@ -141,7 +141,7 @@ void NetworkProposer::AddFitted(const ObjectObservations& object,
 Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) const {
   Proposals proposals;
   const auto found = priors_.find(object.class_name);
-  if (found == priors_.end()) {
+  if (found == priors_.end() || classes_.TraitsOf(object.class_name).fused_only) {
     proposals.notes.push_back(NoteStart(object) + "its class has no prior");
     return proposals;
   }

@@ -31,6 +31,9 @@ struct ObjectObservations {
   std::span<const ObjectView> views;
   // AccumulateLevel of the views, where it was made already: sources that look at depth share it.
   const LevelCloud* cloud = nullptr;
+  // A detector or a person gave it its class. Of what was named by its size alone models have to be
+  // of that size.
+  bool is_named = true;
 };
 
 class Proposer {

@@ -99,8 +99,9 @@ class RetrievalProposer final : public Proposer {
   [[nodiscard]] Result<Proposals> Propose(const ObjectObservations& object) const override;
 
  private:
-  [[nodiscard]] std::vector<std::size_t> ModelsFor(const std::string& class_name,
+  [[nodiscard]] std::vector<std::size_t> ModelsFor(const ObjectObservations& object,
                                                    const Measured& measured) const;
+  [[nodiscard]] double SizeMisfit(const LibraryModel& model, const Measured& measured) const;
   [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
   void MakeCoarse(std::span<const std::size_t> models) const;
   [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
@@ -145,44 +146,57 @@ void RetrievalProposer::MakeCoarse(std::span<const std::size_t> models) const {
   });
 }
 
-// Models of the classes that may stand for the object's; for an object of the fallback class, or of
-// one without models, all whose real size fits what was measured (of which some may be hidden, so
-// models may be larger); silhouettes alone measure no size.
-std::vector<std::size_t> RetrievalProposer::ModelsFor(const std::string& class_name,
-                                                      const Measured& measured) const {
-  const ObjectClass* const object_class = classes_.Find(class_name);
-  std::vector<std::size_t> models;
-  for (std::size_t n = 0; n < library_->models.size(); ++n) {
-    const std::string& model_class = library_->models[n].class_name;
-    bool fits = model_class == class_name;
-    if (object_class != nullptr) {
-      fits = fits || std::find(object_class->library_classes.begin(),
-                               object_class->library_classes.end(),
-                               model_class) != object_class->library_classes.end();
-    }
-    if (fits) models.push_back(n);
-  }
-  const bool is_fallback = object_class != nullptr && object_class->traits.fallback;
-  if (!models.empty() && !is_fallback) return models;
+// By which factor the model's real size misses what was measured, 1 where it fits within its
+// stretch. Of the object some may be hidden, so that models may be larger. Silhouettes alone
+// measure no size.
+double RetrievalProposer::SizeMisfit(const LibraryModel& model, const Measured& measured) const {
   constexpr double kHidden = 2.0;  // at least half of each side is seen
-  const bool sized = !measured.depth.boxes.empty();
-  const Eigen::Vector3d size_m =
-      sized ? measured.depth.boxes.front().size_m : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  std::vector<std::size_t> of_size;
-  for (std::size_t n = 0; n < library_->models.size(); ++n) {
-    const Eigen::Vector3d& real_m = library_->models[n].size_m;
-    const std::array<double, 3> real = {
-        real_m.head<2>().maxCoeff(), real_m.head<2>().minCoeff(), real_m.z()};
-    const std::array<double, 3> seen = {
+  if (measured.depth.boxes.empty()) return 1;
+  const auto sides = [](const Eigen::Vector3d& size_m) {
+    return std::array<double, 3>{
         size_m.head<2>().maxCoeff(), size_m.head<2>().minCoeff(), size_m.z()};
-    bool fits = true;
-    for (std::size_t axis = 0; sized && axis < 3; ++axis) {
-      fits = fits && real[axis] * options_.stretch_max > seen[axis] &&
-             real[axis] * options_.stretch_min < seen[axis] * (axis == 2 ? 1.0 : kHidden);
-    }
-    if (fits) of_size.push_back(n);
+  };
+  const std::array<double, 3> real = sides(model.size_m);
+  const std::array<double, 3> seen = sides(measured.depth.boxes.front().size_m);
+  double misfit = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double most_m = seen[axis] * (axis == 2 ? 1.0 : kHidden);
+    misfit = std::max({misfit,
+                       seen[axis] / (real[axis] * options_.stretch_max),
+                       real[axis] * options_.stretch_min / most_m});
   }
-  return of_size;
+  return misfit;
+}
+
+// Models of the classes that may stand for the object's; for an object of the fallback class, or of
+// one without models, all of its size. What nobody named was given its class by its size: of the
+// models of its class those of its size, or those nearest to it where there are none.
+std::vector<std::size_t> RetrievalProposer::ModelsFor(const ObjectObservations& object,
+                                                      const Measured& measured) const {
+  const ObjectClass* const object_class = classes_.Find(object.class_name);
+  const auto is_of_class = [&](const LibraryModel& model) {
+    return model.class_name == object.class_name ||
+           (object_class != nullptr &&
+            std::ranges::count(object_class->library_classes, model.class_name) > 0);
+  };
+  const bool by_class = std::ranges::any_of(library_->models, is_of_class) &&
+                        !(object_class != nullptr && object_class->traits.fallback);
+  std::vector<std::pair<double, std::size_t>> by_misfit;
+  for (std::size_t n = 0; n < library_->models.size(); ++n) {
+    const LibraryModel& model = library_->models[n];
+    if (by_class && !is_of_class(model)) continue;
+    by_misfit.emplace_back(by_class && object.is_named ? 1 : SizeMisfit(model, measured), n);
+  }
+  std::ranges::sort(by_misfit);
+  const bool none_fits = by_misfit.empty() || by_misfit.front().first > 1;
+  const auto least =
+      by_class && none_fits ? static_cast<std::size_t>(options_.max_models) : std::size_t{0};
+  std::vector<std::size_t> models;
+  for (const auto& [misfit, n] : by_misfit) {
+    if (misfit <= 1 || models.size() < least) models.push_back(n);
+  }
+  std::ranges::sort(models);
+  return models;
 }
 
 double RetrievalProposer::Score(const Measured& measured, const Match& match) const {
@@ -254,6 +268,10 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
   Proposals proposals;
   const std::string subject =
       "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
+  if (classes_.TraitsOf(object.class_name).fused_only) {
+    proposals.notes.push_back(subject + "no model stands for its class");
+    return proposals;
+  }
   const bool by_depth = sight_ == Sight::kColourAndDepth;
   Measured measured;
   if (by_depth) {
@@ -266,7 +284,7 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
                                                   : "no silhouette for retrieval"));
     return proposals;
   }
-  const std::vector<std::size_t> models = ModelsFor(object.class_name, measured);
+  const std::vector<std::size_t> models = ModelsFor(object, measured);
   if (models.empty()) {
     proposals.notes.push_back(subject + "no library model of its class or size");
     return proposals;

@@ -11,7 +11,8 @@
 
 namespace deepslam::report {
 
-// Sentences: those of the capture, what sources of shapes and the map left out, and how many
+// Sentences: those of the capture, what sources of shapes and the map left out, what was
+// seen and is no object, and how many
 // detections belong to no object, for each reason.
 [[nodiscard]] std::vector<std::string> Warnings(std::span<const std::string> capture_warnings,
                                                 const Association& association,

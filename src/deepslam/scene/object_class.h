@@ -15,8 +15,22 @@
 
 namespace deepslam {
 
+// What things of a class rest on; one of them at least.
+struct Supports {
+  bool floor = true;
+  bool furniture = false;
+  bool wall = false;
+
+  [[nodiscard]] bool operator==(const Supports&) const = default;
+  // Whether a thing whose foot is this far above the floor rests on something else than the floor.
+  [[nodiscard]] bool RestsElsewhere(double foot_m, double max_gap_m) const {
+    return (furniture || wall) && (!floor || foot_m > max_gap_m);
+  }
+};
+
 // The defaults are what holds for a class that nothing is said of.
 struct ClassTraits {
+  Supports supports = {};
   // A level support plane and what carries it: such an object is what lies at the height of the
   // plane or under it, never what stands on it or before it.
   bool support_plane = false;
@@ -27,6 +41,8 @@ struct ClassTraits {
   bool yaw_free = false;
   // Takes what fits no other class, and any library model of its size; one class at most.
   bool fallback = false;
+  // No prior knows its shape: it is what was measured of it, whatever a library or a network holds.
+  bool fused_only = false;
 
   [[nodiscard]] bool operator==(const ClassTraits&) const = default;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,7 @@ struct Replacement {
 struct MapObject {
   ObjectId id;
   std::string class_name;
+  std::map<std::string, double> class_votes;  // of its track
   CandidateId chosen;
   CandidateSource source = CandidateSource::kRetrieval;
   std::string model;  // key of the chosen shape

@@ -283,6 +283,13 @@ std::string SizeDoubt(const ShapeCandidate& candidate, double scale_m) {
   return at_min || at_max ? "its size is at the limit for its class" : "";
 }
 
+// Why what was placed is no object of the map; empty where it is one.
+std::string WhyLeftOut(double scale_m, const SelectOptions& options) {
+  const double size_m = scale_m * kModelExtent;
+  if (size_m >= options.min_size_m) return {};
+  return std::to_string(std::lround(100 * size_m)) + " cm large, less than select.min_size";
+}
+
 MapObject FillWinner(MapObject object,
                      const ShapeCandidate& winner,
                      const CandidateRegistration& registration,
@@ -368,6 +375,17 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
                 {0, 1},
                 "1",
                 "taken off the score of a candidate that turns its back to all cameras");
+  visitor.Field("min_size",
+                options.min_size_m,
+                {0, 10},
+                "m",
+                "things whose longest side is smaller are left out of the map");
+  visitor.Field(
+      "min_unnamed_confidence",
+      options.min_unnamed_confidence,
+      {0, 1},
+      "1",
+      "what no detection names is left out of the map where its confidence is below this");
   visitor.Field("good_score",
                 options.good_score,
                 {0, 1},
@@ -454,6 +472,8 @@ MapObject SelectShape(ObjectId id,
     });
     winner = static_cast<std::size_t>(it - candidates.begin());
   }
+  object.note = WhyLeftOut(registrations[winner].scale_m, options);
+  if (!object.note.empty()) return object;
   return FillWinner(
       std::move(object), candidates[winner], registrations[winner], scores[winner], views, options);
 }

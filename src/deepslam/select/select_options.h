@@ -35,6 +35,10 @@ struct SelectOptions {
   // Subtracted from the score of a candidate that turns its back to all cameras: where depth cannot
   // tell front from back, furniture faces where people go.
   double back_handicap = 0.03;
+  // Things whose longest side is smaller are left out of the map.
+  double min_size_m = 0.25;
+  // What no detection names is left out of the map where its confidence is below this.
+  double min_unnamed_confidence = 0.1;
   double good_score = 0.6;           // score at which an object is as likely right as wrong
   double full_confidence_views = 4;  // views at which their number no longer limits the confidence
 };

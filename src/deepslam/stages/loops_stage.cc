@@ -53,7 +53,7 @@ Result<ClosedMap> CloseByObjects(const StageContext& context,
                                  const RunInputs& inputs,
                                  MapWithLoops map) {
   const Config& config = inputs.config;
-  const auto views = OpenViews(context, *inputs.capture->frames, config.views);
+  const auto views = OpenViews(context, *inputs.capture->frames, inputs.classes, config.views);
   if (!views.ok()) return views.error();
   const StageModels models(context);
   const modelling::ObjectSources sources{*views, models, *inputs.prepared, context.progress()};

@@ -56,7 +56,8 @@ Status ColourByViews(const StageContext& context,
     context.progress().Report(done += batch.size(), tracks.size());
     return Ok();
   };
-  const auto views = OpenViews(context, *inputs.capture->frames, inputs.config.views);
+  const auto views =
+      OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
   return views->ForBatches(
       {tracks, *trajectory, *ground}, observe::ViewContent::kColourAndDepth, colour_batch);

@@ -10,10 +10,12 @@ namespace deepslam::stages {
 
 Result<modelling::FrameViews> OpenViews(const pipeline::StageContext& context,
                                         const FrameSource& frames,
+                                        const ClassTable& classes,
                                         const observe::ViewOptions& options) {
   auto segments = DiskSegmentStore::Read(context);
   if (!segments.ok()) return segments.error();
-  return modelling::FrameViews(frames, std::move(segments).value(), options, context.progress());
+  return modelling::FrameViews(
+      {frames, std::move(segments).value(), classes}, options, context.progress());
 }
 
 Result<VoxelGrid> StageModels::Read(CandidateSource source, const std::string& key) const {

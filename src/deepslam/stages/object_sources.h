@@ -10,14 +10,17 @@
 #include "deepslam/modelling/object_options.h"
 #include "deepslam/observe/object_views.h"
 #include "deepslam/pipeline/stage.h"
+#include "deepslam/scene/object_class.h"
 #include "deepslam/scene/overrides.h"
 #include "deepslam/stages/config.h"
 
 namespace deepslam::stages {
 
 // Cut out of the frames by the segments of stage `associate`, whose masks lie in a scratch file.
+// Frames and classes outlive the views.
 [[nodiscard]] Result<modelling::FrameViews> OpenViews(const pipeline::StageContext& context,
                                                       const FrameSource& frames,
+                                                      const ClassTable& classes,
                                                       const observe::ViewOptions& options);
 
 // models/<key>.binvox of the stage before `loops` that made it. The context outlives it.

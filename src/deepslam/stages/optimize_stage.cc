@@ -16,14 +16,17 @@ namespace {
 using pipeline::StageContext;
 using pipeline::StageSummary;
 
-Result<std::map<ObjectId, double>> Bottoms(const StageContext& context, const ObjectMap& map) {
-  std::map<ObjectId, double> bottom_m;
+Result<std::map<ObjectId, graph::ObjectFoot>> Feet(const StageContext& context,
+                                                   const ClassTable& classes,
+                                                   const ObjectMap& map) {
+  std::map<ObjectId, graph::ObjectFoot> feet;
   for (const MapObject& object : map.objects) {
     const Result<VoxelGrid> grid = ReadModel(context, "loops", object.model);
     if (!grid.ok()) return grid.error();
-    bottom_m[object.id] = object.scale_m * shape::BottomOf(*grid);
+    feet[object.id] = {object.scale_m * shape::BottomOf(*grid),
+                       classes.TraitsOf(object.class_name).supports};
   }
-  return bottom_m;
+  return feet;
 }
 
 StageSummary Summarise(const OptimizedMap& map) {
@@ -54,11 +57,11 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
   if (!map.ok()) return map.error();
   const Result<Loops> loops = ReadLoops(context);
   if (!loops.ok()) return loops.error();
-  const Result<std::map<ObjectId, double>> bottom_m = Bottoms(context, *map);
-  if (!bottom_m.ok()) return bottom_m.error();
+  const Result<std::map<ObjectId, graph::ObjectFoot>> feet = Feet(context, inputs.classes, *map);
+  if (!feet.ok()) return feet.error();
   const graph::GraphOptions& options = inputs.config.optimize;
   const Result<OptimizedMap> optimized =
-      graph::OptimizeGraph(*odometry, *ground, *map, *loops, options, *bottom_m);
+      graph::OptimizeGraph(*odometry, *ground, *map, *loops, options, *feet);
   if (!optimized.ok()) return optimized.error();
 
   Ground final_ground{std::nullopt, ground->observations, {}, ground->upright};
@@ -77,11 +80,10 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
               optimized->frames, optimized->keyframes, JoinsOf(*odometry), "frames.json");
         }},
        {"graph_before.g2o",
-        [&] { return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *bottom_m); }},
+        [&] { return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *feet); }},
        {"graph.g2o",
         [&] {
-          return graph::GraphToG2o(
-              *odometry, *ground, *map, *loops, options, *bottom_m, &*optimized);
+          return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *feet, &*optimized);
         }},
        {"objects.json", [&] { return artifact::EncodeObjectMap(optimized->map, "objects.json"); }},
        {"ground.json", [&] { return artifact::EncodeGround(final_ground, "ground.json"); }},

@@ -88,7 +88,8 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   const Result<Sources> sources = MakeSources(
       inputs.config, inputs.classes, {inputs.data_folder, inputs.models}, context.progress());
   if (!sources.ok()) return sources.error();
-  const auto views = OpenViews(context, *inputs.capture->frames, inputs.config.views);
+  const auto views =
+      OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
   const Result<Proposals> proposals =
       modelling::ProposeObjects({association->tracks, *trajectory, *ground},

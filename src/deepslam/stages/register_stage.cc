@@ -23,7 +23,8 @@ Result<StageSummary> RunRegister(StageContext& context, const RunInputs& inputs)
   if (!association.ok()) return association.error();
   const Result<Proposals> proposals = ReadProposals(context);
   if (!proposals.ok()) return proposals.error();
-  const auto views = OpenViews(context, *inputs.capture->frames, inputs.config.views);
+  const auto views =
+      OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
 
   const auto registrations = modelling::RegisterObjects(

@@ -81,7 +81,8 @@ Result<Selection> Select(const StageContext& context,
                          const Sources& sources) {
   const auto priors = PriorsToRefine(inputs, sources.proposals);
   if (!priors.ok()) return priors.error();
-  const auto views = OpenViews(context, *inputs.capture->frames, inputs.config.views);
+  const auto views =
+      OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
   return modelling::SelectObjects(
       {sources.association.tracks, sources.trajectory, sources.ground},

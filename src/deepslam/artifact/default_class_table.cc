@@ -1,0 +1,88 @@
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "deepslam/artifact/class_table_yaml.h"
+
+namespace deepslam::artifact {
+namespace {
+
+constexpr Supports kFloor = {};
+constexpr Supports kFloorOrFurniture = {.furniture = true};
+constexpr Supports kFurniture = {.floor = false, .furniture = true};
+constexpr Supports kFurnitureOrWall = {.floor = false, .furniture = true, .wall = true};
+constexpr Supports kAnything = {.furniture = true, .wall = true};
+
+using Strings = std::vector<std::string>;
+
+// Sizes span what shops sell, with a tenth to spare for measuring.
+std::vector<ObjectClass> Furniture() {
+  constexpr ClassTraits kTable = {.support_plane = true, .yaw_free = true};
+  constexpr ClassTraits kClosed = {.solid_inside = true};
+  constexpr ClassTraits kRest = {
+      .supports = kAnything, .solid_inside = true, .yaw_free = true, .fallback = true};
+  const Strings table_labels = {"dining table", "table", "desk"};
+  return {
+      {"chair", {"chair"}, {"chair"}, 0.45, 1.5, 0.4, 1.4, {230, 126, 34}, {}},
+      {"table", table_labels, {"table", "desk"}, 0.4, 4.0, 0.3, 1.2, {52, 152, 219}, kTable},
+      {"sofa", {"couch", "sofa"}, {"sofa"}, 0.7, 3.6, 0.5, 1.3, {155, 89, 182}, kClosed},
+      {"bed", {"bed"}, {"bed"}, 1.2, 2.7, 0.25, 2.0, {231, 76, 60}, kClosed},
+      {"cabinet", {}, {"cabinet"}, 0.3, 2.6, 0.3, 2.5, {39, 174, 96}, kClosed},
+      {"shelf", {}, {"shelf"}, 0.5, 3.0, 0.5, 2.7, {26, 188, 156}, kClosed},
+      {"furniture",
+       {},
+       {"cabinet", "table", "shelf", "desk"},
+       0.2,
+       3.5,
+       0.15,
+       2.7,
+       {149, 165, 166},
+       kRest},
+  };
+}
+
+// What furnishes a home besides, by COCO's names. There are no models of these: they are as they
+// were measured.
+std::vector<ObjectClass> HouseholdThings() {
+  constexpr ClassTraits kOnFloor = {.fused_only = true};
+  constexpr ClassTraits kClosedOnFloor = {.solid_inside = true, .fused_only = true};
+  constexpr ClassTraits kClosedAnywhere = {
+      .supports = kFloorOrFurniture, .solid_inside = true, .fused_only = true};
+  constexpr ClassTraits kScreen = {.supports = kFurnitureOrWall, .fused_only = true};
+  constexpr ClassTraits kLaid = {.supports = kFurniture, .fused_only = true};
+  constexpr ClassTraits kClosedOnTop = {
+      .supports = kFurnitureOrWall, .solid_inside = true, .fused_only = true};
+  constexpr ClassTraits kBasin = {.supports = kAnything, .fused_only = true};
+  constexpr ClassTraits kRoundAnywhere = {
+      .supports = kFloorOrFurniture, .yaw_free = true, .fused_only = true};
+  constexpr ClassTraits kClock = {.supports = kAnything, .solid_inside = true, .fused_only = true};
+  return {
+      {"tv", {"tv"}, {}, 0.4, 2.3, 0.25, 1.4, {44, 62, 80}, kScreen},
+      {"laptop", {"laptop"}, {}, 0.25, 0.55, 0.02, 0.45, {93, 109, 126}, kLaid},
+      {"refrigerator", {"refrigerator"}, {}, 0.5, 2.3, 0.5, 2.3, {174, 214, 241}, kClosedOnFloor},
+      {"oven", {"oven"}, {}, 0.4, 1.4, 0.3, 1.4, {120, 40, 31}, kClosedAnywhere},
+      {"microwave", {"microwave"}, {}, 0.3, 0.75, 0.2, 0.55, {176, 58, 46}, kClosedOnTop},
+      {"toaster", {"toaster"}, {}, 0.2, 0.55, 0.12, 0.4, {236, 112, 99}, kClosedOnTop},
+      {"sink", {"sink"}, {}, 0.25, 1.5, 0.1, 1.1, {127, 179, 213}, kBasin},
+      {"toilet", {"toilet"}, {}, 0.4, 1.1, 0.3, 1.1, {214, 234, 248}, kClosedOnFloor},
+      {"plant", {"potted plant"}, {}, 0.15, 2.7, 0.1, 2.7, {100, 160, 60}, kRoundAnywhere},
+      {"bench", {"bench"}, {}, 0.5, 3.0, 0.3, 1.3, {186, 74, 0}, kOnFloor},
+      {"suitcase", {"suitcase"}, {}, 0.3, 1.1, 0.2, 1.1, {110, 44, 0}, kClosedAnywhere},
+      {"bicycle", {"bicycle"}, {}, 0.8, 2.1, 0.5, 1.4, {241, 196, 15}, kOnFloor},
+      {"clock", {"clock"}, {}, 0.1, 2.4, 0.1, 2.4, {212, 172, 13}, kClock},
+      {"vase", {"vase"}, {}, 0.1, 1.3, 0.1, 1.3, {187, 143, 206}, kRoundAnywhere},
+      {"lamp", {"lamp"}, {}, 0.2, 2.3, 0.2, 2.3, {249, 231, 159}, kRoundAnywhere},
+  };
+}
+
+}  // namespace
+
+ClassTable DefaultClassTable() {
+  ClassTable table;
+  for (const std::vector<ObjectClass>& rows : {Furniture(), HouseholdThings()})
+    table.classes.insert(table.classes.end(), rows.begin(), rows.end());
+  return table;
+}
+
+}  // namespace deepslam::artifact
