@@ -90,7 +90,7 @@ Result<std::vector<modelling::ProposalLook>> LookAtWorkspace(const std::string& 
   if (!association.ok()) return association.error();
   const Result<std::map<ObjectId, VoxelGrid>> retrieved = FirstRetrieved(context);
   if (!retrieved.ok()) return retrieved.error();
-  const auto views = stages::OpenViews(context, frames, inputs.config.views);
+  const auto views = stages::OpenViews(context, frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
   return modelling::LookAtProposals(
       {association->tracks, *trajectory, *ground}, **priors, *retrieved, *views, max_views);

@@ -96,9 +96,14 @@ class FindThingsTest : public testing::Test {
   }
 
   Result<FoundThings> Find() {
-    const ThingInputs inputs{
-        source_, odometry_, surface_, layout_, classes_, looked_at_, detections_,
-        static_cast<int>(detections_.size())};
+    const ThingInputs inputs{source_,
+                             odometry_,
+                             surface_,
+                             layout_,
+                             classes_,
+                             looked_at_,
+                             detections_,
+                             static_cast<int>(detections_.size())};
     ThingOptions options;
     options.silhouettes.min_points = 150;
     return FindThings(inputs, options, progress_);
@@ -141,6 +146,28 @@ TEST_F(FindThingsTest, MembersNameSegmentsAndEachDetectionIsUsedOnce) {
   for (const Detection& detection : detections_) EXPECT_TRUE(named.contains(detection.id));
 }
 
+// What detectors call a thing is counted; what clusters guess by size is no vote.
+TEST_F(FindThingsTest, VotesAreThoseOfDetectors) {
+  Detection guess = detections_.front();
+  ASSERT_EQ(guess.class_name, "table");
+  guess.class_name = "cabinet";
+  guess.source = DetectionSource::kCluster;
+  guess.id = {static_cast<int>(detections_.size())};
+  detections_.insert(detections_.begin(), guess);
+  const Result<FoundThings> found = Find();
+  ASSERT_TRUE(found.ok());
+  for (const ObjectTrack& track : found->association.tracks) {
+    if (track.class_name == "cabinet") {
+      EXPECT_THAT(track.class_votes, IsEmpty());
+      EXPECT_FALSE(track.is_named());
+      continue;
+    }
+    EXPECT_TRUE(track.is_named());
+    EXPECT_THAT(track.class_votes, SizeIs(1));
+    EXPECT_GT(track.class_votes.at(track.class_name), 1);
+  }
+}
+
 TEST_F(FindThingsTest, DoesNotDependOnTheNumberOfThreads) {
   const auto summary = [&](int num_threads) {
     const ThreadLimit limit(num_threads);
@@ -176,7 +203,8 @@ TEST_F(FindThingsTest, WithoutFramesOrSurfaceThereIsNothing) {
   Result<FoundThings> found = Find();
   ASSERT_TRUE(found.ok());
   EXPECT_THAT(found->association.tracks, IsEmpty());
-  EXPECT_THAT(found->not_mapped, testing::Not(IsEmpty()));  // the cabinet, which no frame shows
+  EXPECT_THAT(found->association.not_mapped,
+              testing::Not(IsEmpty()));  // the cabinet, which no frame shows
   surface_ = {};
   surface_.voxel_m = 0.04;
   found = Find();

@@ -244,6 +244,34 @@ TEST(FindInstances, AClassIsAVoteOfAllViews) {
   EXPECT_GT(largest->class_shares.at("table"), largest->class_shares.at("chair"));
 }
 
+TEST(FindInstances, WhatNobodyNamesAndHangsIsNoThingOfTheFloor) {
+  // A wall cabinet and a cabinet of its size; no class but the fallback may hang.
+  const std::vector<Cuboid> world = {{0, {-1, 0, 0}, {-0.2, 0.4, 0.6}},
+                                     {1, {0.5, 0, 1.3}, {1.3, 0.4, 1.9}}};
+  ClassTable classes = Classes();
+  classes.classes.back().traits.supports = {.furniture = true, .wall = true};
+  const SampledWorld sampled = Sample(world);
+  const SurfaceElements elements(sampled.points, sampled.normals, kVoxelM);
+  const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
+  const Superpoints superpoints =
+      MakeSuperpoints(elements, std::vector<char>(elements.size(), 0), pairs, {});
+  const Instances found = FindInstances(elements, superpoints, pairs, {}, classes, {});
+  std::multiset<std::string> names;
+  for (const Instance& instance : found.instances) {
+    if (instance.rejection.empty()) names.insert(instance.class_name);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("cabinet", "furniture"));
+}
+
+TEST(FindInstances, AShortThingIsNoBedHoweverHigh) {
+  // A wardrobe's end that a detector takes for a bed: half a bed long only in height.
+  const std::vector<Cuboid> world = {{0, {0, 0, 0}, {0.5, 0.4, 1.1}}};
+  const std::vector<Pose3> poses = Orbit(kMiddle, 3, 1.6, 0, 40, 9);
+  const std::vector<Instance> mapped = Mapped(Find(world, poses, {{0, "bed"}}, Evidence::kMasks));
+  ASSERT_THAT(mapped, SizeIs(1));
+  EXPECT_EQ(mapped[0].class_name, "cabinet");
+}
+
 TEST(FindInstances, WhatNobodyNamesAndIsThinSmallOrHighIsNotMappedAndSaysWhy) {
   const std::vector<Cuboid> world = {{0, {-1, 0, 0}, {1, 0.08, 1.8}},  // a door leaf
                                      {1, {3, 0, 0}, {3.2, 0.2, 0.2}},  // a shoe
@@ -296,13 +324,17 @@ TEST(Silhouettes, AreThePixelsOfTheThingAndOverlapNowhere) {
   const std::vector<Pose3> poses = Orbit(kMiddle, 2.4, 1.5, 0, 20, 18);
   const Found found = Find(world, poses, kTableWithChairs, Evidence::kMasks);
   int num_checked = 0;
+  const NearestElements nearest(found.elements);
   for (const Pose3& pose : {poses[2], poses[7], poses[13]}) {
     const BoxView view = RenderBoxes(world, SmallCamera(), pose);
     Mask taken(320, 240);
     SilhouetteOptions options;
     options.min_points = 200;
-    for (const Silhouette& silhouette : FindSilhouettes(
-             found.elements, found.instances, view.frame.depth_m, SmallCamera(), pose, options)) {
+    for (const Silhouette& silhouette : FindSilhouettes({found.elements, nearest, found.instances},
+                                                        view.frame.depth_m,
+                                                        SmallCamera(),
+                                                        pose,
+                                                        options)) {
       std::map<int, int> shown;
       for (std::size_t p = 0; p < taken.size(); ++p) {
         if (silhouette.mask.data()[p] == 0) continue;
@@ -320,8 +352,8 @@ TEST(Silhouettes, AreThePixelsOfTheThingAndOverlapNowhere) {
 
 TEST(Silhouettes, OfAFrameWithoutDepthThereAreNone) {
   const Found found = Find(TwoCabinets(0.3), {}, {}, Evidence::kNone);
-  EXPECT_THAT(FindSilhouettes(found.elements,
-                              found.instances,
+  const NearestElements nearest(found.elements);
+  EXPECT_THAT(FindSilhouettes({found.elements, nearest, found.instances},
                               DepthImage(320, 240),
                               SmallCamera(),
                               LookAt({0, -3, 1}, kMiddle),

@@ -44,24 +44,6 @@ TEST(SurfaceElements, PairsAreThoseOfATrialOfAllPairs) {
   EXPECT_EQ(elements.PairsWithin(reach_m), expected);
 }
 
-TEST(SurfaceElements, NearestIsTheNearestWithinAVoxel) {
-  const std::vector<Eigen::Vector3f> vertices = RandomPoints(800);
-  const SurfaceElements elements(vertices, Upward(vertices.size()), kVoxelM);
-  int num_found = 0;
-  for (const Eigen::Vector3f& point : RandomPoints(1200)) {
-    const std::optional<int> nearest = elements.Nearest(point);
-    float least_m = std::numeric_limits<float>::infinity();
-    for (const Eigen::Vector3f& p : elements.points())
-      least_m = std::min(least_m, (p - point).norm());
-    if (least_m < kVoxelM) {
-      ASSERT_TRUE(nearest.has_value());
-      EXPECT_EQ((elements.points()[static_cast<std::size_t>(*nearest)] - point).norm(), least_m);
-      ++num_found;
-    }
-  }
-  EXPECT_GT(num_found, 100);
-}
-
 TEST(SurfaceElements, DoNotDependOnTheOrderOfVoxels) {
   std::vector<Eigen::Vector3f> vertices = RandomPoints(300);
   const SurfaceElements elements(vertices, Upward(vertices.size()), 1e-4);
@@ -78,7 +60,6 @@ TEST(SurfaceElements, LeaveOutWhatIsNotFinite) {
   const SurfaceElements elements(vertices, Upward(vertices.size()), kVoxelM);
   EXPECT_EQ(elements.size(), 2U);
   EXPECT_THAT(elements.of_vertex(), testing::ElementsAre(0, -1, -1, -1, 1));
-  EXPECT_EQ(elements.Nearest({nan, 0, 0}), std::nullopt);
   EXPECT_EQ(SurfaceElements({}, {}, kVoxelM).size(), 0U);
 }
 

@@ -23,7 +23,7 @@ constexpr double kNeighbourVoxels = 1.9;
 // Of a silhouette that no detection shows: less than any detection that is kept by default.
 constexpr double kUndetectedScore = 0.25;
 // Rejected things of so much surface are told of.
-constexpr double kLargeM2 = 0.3;
+constexpr double kLargeM2 = 0.15;
 
 // Which thing each detection of a frame is of: the one that most of what it claims belongs to.
 std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,
@@ -79,6 +79,7 @@ class Tracks {
   Tracks(const ThingInputs& inputs, const Instances& found) : inputs_(inputs), found_(found) {
     next_id_ = inputs.next_detection_id;
     members_.resize(found.instances.size());
+    votes_.resize(found.instances.size());
   }
 
   // `thing_of_detection`: of the detections of the n-th frame looked at.
@@ -102,6 +103,10 @@ class Tracks {
     }
     for (std::size_t d = 0; d < detections.size(); ++d) {
       if (!is_used[d]) Reject(detections[d], thing_of_detection[d]);
+      if (thing_of_detection[d] >= 0 && detections[d].source != DetectionSource::kCluster) {
+        votes_[static_cast<std::size_t>(thing_of_detection[d])][detections[d].class_name] +=
+            detections[d].score;
+      }
     }
   }
 
@@ -125,7 +130,7 @@ class Tracks {
                                                           : "";
       if (!why.empty()) {
         if (surface_m2 >= kLargeM2 || instance.is_named)
-          found.not_mapped.push_back(
+          found.association.not_mapped.push_back(
               fmt::format("{} at {:.2f}, {:.2f} ({}): {}",
                           instance.class_name.empty() ? "thing" : instance.class_name,
                           box.centre_m.x(),
@@ -139,6 +144,8 @@ class Tracks {
       track.class_name = instance.class_name;
       track.members = std::move(members_[thing]);
       track.reason = what + (instance.is_named ? Votes(instance) : "; no detection names it");
+      track.class_votes = std::move(votes_[thing]);
+      if (instance.is_named) track.class_votes.try_emplace(instance.class_name, 0);
       found.association.tracks.push_back(std::move(track));
     }
     return found;
@@ -179,7 +186,8 @@ class Tracks {
   const ThingInputs& inputs_;
   const Instances& found_;
   int next_id_ = 0;
-  std::vector<std::vector<TrackMember>> members_;  // of each instance
+  std::vector<std::vector<TrackMember>> members_;     // of each instance
+  std::vector<std::map<std::string, double>> votes_;  // of each instance, by class
   std::vector<Segment> segments_;
   std::vector<Rejection> rejections_;
 };
@@ -210,10 +218,11 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
       elements, superpoints, pairs, claims->votes, inputs.classes, options.instances);
   const std::vector<int> thing_of_superpoint = ThingsOfSuperpoints(superpoints, found);
 
+  const instances::NearestElements nearest(elements);
+  const instances::DividedSurface divided{elements, nearest, found};
   Tracks tracks(inputs, found);
   const auto look = [&](std::size_t, const Frame& frame) {
-    return instances::FindSilhouettes(elements,
-                                      found,
+    return instances::FindSilhouettes(divided,
                                       frame.depth_m,
                                       inputs.frames.camera(),
                                       LevelFromCamera(inputs, frame.idx),

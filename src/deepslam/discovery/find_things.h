@@ -44,14 +44,12 @@ struct ThingInputs {
 
 struct FoundThings {
   // One track per thing that is an object of the map, ids from 0; every detection that names none
-  // of them is among the rejections.
+  // of them is among the rejections; things of some size that are no objects are told of.
   Association association;
   // One per thing and frame that shows enough of it, ascending frames: what the tracks' members
   // name. Where a detection of the frame is of the thing the segment has its id and score;
   // otherwise an id above those of all detections.
   std::vector<Segment> segments;
-  // Things of some size that are no objects of the map, with the reason.
-  std::vector<std::string> not_mapped;
 };
 
 // Frames that cannot be read are left out with a warning. Errors: Interrupted only.

@@ -7,18 +7,27 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/instances/join_instances.h"
+
 namespace deepslam::instances {
 namespace {
 
 // Things that hide what they stand on begin where they were seen first: one that begins below this
 // and is longer than it is high reaches down to the floor.
 constexpr double kHiddenBaseM = 0.45;
+// Beds, tables and desks hide what stands behind them up to here; what begins higher stands on
+// something else than the floor, or hangs.
+constexpr double kHungBaseM = 0.75;
 // What detections name may be seen in part: the back of a chair that stands under a table is 0.2 m
 // high. Of the least side that is asked of other things, 0.25 m by default.
 constexpr double kNamedSideShare = 0.6;
 // A class names nothing of which less than this share of its least length was seen: a cushion is no
 // bed.
 constexpr double kMinSeenShare = 0.5;
+
+// The longest side of things of a class is level where the least is this many times as long as the
+// least height: beds, not chairs.
+constexpr double kLies = 2;
 
 std::vector<Instance> Gather(const Superpoints& superpoints,
                              const std::vector<int>& thing_of_superpoint) {
@@ -60,19 +69,23 @@ double Eccentricity(double value, double low, double high) {
 
 bool MayBe(const ObjectClass& object_class, const UprightBox& box) {
   const double longest_m = std::max(box.long_side_m(), box.height_m());
+  const bool lies = object_class.min_size_m > kLies * object_class.min_height_m;
   // What was seen of a thing may be less than all of it.
-  return longest_m >= kMinSeenShare * object_class.min_size_m &&
+  return (lies ? box.long_side_m() : longest_m) >= kMinSeenShare * object_class.min_size_m &&
          longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
 }
 
 // The class without detector labels whose sizes hold the box, the most central one; where none does
-// the one that takes what fits no other.
+// the one that takes what fits no other. What begins high above the floor is of a class that may
+// rest on something else.
 std::string ClassBySize(const UprightBox& box, const ClassTable& classes) {
   const double longest_m = std::max(box.long_side_m(), box.height_m());
   const ObjectClass* best = classes.Fallback();
   double least = 1;
   for (const ObjectClass& c : classes.classes) {
     if (!c.detector_labels.empty() || c.traits.fallback) continue;
+    const Supports& supports = c.traits.supports;
+    if (box.bottom_m > kHungBaseM && !supports.furniture && !supports.wall) continue;
     const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
                                          Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
     if (eccentricity > least) continue;
@@ -138,6 +151,47 @@ UprightBox BoxOfElements(const SurfaceElements& elements, const std::vector<int>
   return box;
 }
 
+struct Context {
+  const SurfaceElements& elements;
+  const Superpoints& superpoints;
+  const ViewVotes& votes;
+  const ClassTable& classes;
+  const InstanceOptions& options;
+};
+
+// Instances out of superpoints, each with its box, its name, and why it is no object.
+std::vector<Instance> Assemble(const Context& context,
+                               const std::vector<int>& thing_of_superpoint) {
+  const InstanceOptions& options = context.options;
+  std::vector<Instance> instances = Gather(context.superpoints, thing_of_superpoint);
+  CountClasses(context.superpoints, thing_of_superpoint, context.votes, instances);
+  for (Instance& instance : instances) {
+    instance.box_level = BoxOfElements(context.elements, instance.elements);
+    Name(context.classes, options, instance);
+    instance.rejection = TooLittle(instance, context.elements.voxel_m(), options);
+    if (instance.rejection.empty() && !instance.is_named)
+      instance.rejection = NoThing(instance.box_level, options);
+    if (instance.rejection.empty() && instance.class_name.empty())
+      instance.rejection = "no class of the table is as large";
+  }
+  return instances;
+}
+
+// Parts become their wholes, which are numbered anew in their order. Tells whether there were any.
+bool JoinParts(const std::vector<int>& whole_of, std::vector<int>& thing_of_superpoint) {
+  std::vector<int> number_of(whole_of.size(), -1);
+  int next = 0;
+  for (std::size_t k = 0; k < whole_of.size(); ++k) {
+    const auto whole = static_cast<std::size_t>(whole_of[k]);
+    if (whole == k) number_of[k] = next++;
+  }
+  for (int& thing : thing_of_superpoint) {
+    const int whole = whole_of[static_cast<std::size_t>(thing)];
+    thing = number_of[static_cast<std::size_t>(whole)];
+  }
+  return next < static_cast<int>(whole_of.size());
+}
+
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, InstanceOptions& options) {
@@ -196,23 +250,16 @@ Instances FindInstances(const SurfaceElements& elements,
                         const InstanceOptions& options) {
   Contacts contacts = FindContacts(elements, superpoints, pairs);
   AddNear(elements, superpoints, contacts);
-  const std::vector<int> thing_of_superpoint =
+  std::vector<int> thing_of_superpoint =
       MergeSuperpoints(superpoints, contacts, votes, elements.voxel_m(), options.merge);
-  Instances found;
-  found.instances = Gather(superpoints, thing_of_superpoint);
-  CountClasses(superpoints, thing_of_superpoint, votes, found.instances);
-  found.of_element.assign(elements.size(), -1);
+  const Context context{elements, superpoints, votes, classes, options};
+  std::vector<Instance> instances = Assemble(context, thing_of_superpoint);
+  while (JoinParts(WholesOf(instances), thing_of_superpoint))
+    instances = Assemble(context, thing_of_superpoint);
+  Instances found{std::move(instances), std::vector<int>(elements.size(), -1)};
   for (std::size_t k = 0; k < found.instances.size(); ++k) {
-    Instance& instance = found.instances[k];
-    for (const int i : instance.elements)
+    for (const int i : found.instances[k].elements)
       found.of_element[static_cast<std::size_t>(i)] = static_cast<int>(k);
-    instance.box_level = BoxOfElements(elements, instance.elements);
-    Name(classes, options, instance);
-    instance.rejection = TooLittle(instance, elements.voxel_m(), options);
-    if (instance.rejection.empty() && !instance.is_named)
-      instance.rejection = NoThing(instance.box_level, options);
-    if (instance.rejection.empty() && instance.class_name.empty())
-      instance.rejection = "no class of the table is as large";
   }
   return found;
 }

@@ -25,7 +25,7 @@ struct InstanceOptions {
   double min_surface_m2 = 0.04;  // least surface that was seen of it
   // A class that detections name in a smaller share of the views, weighted by their scores, does
   // not name the thing.
-  double min_class_share = 0.1;
+  double min_class_share = 0.15;
   // Of things that no detection names:
   double max_base_m = 0.25;   // they stand on the floor when they begin below this ...
   double min_depth_m = 0.15;  // ... and are no thinner; thinner ones are parts of walls and doors

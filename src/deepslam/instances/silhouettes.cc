@@ -2,49 +2,16 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
-#include <set>
-#include <utility>
-
-#include "deepslam/core/parallel.h"
 
 namespace deepslam::instances {
 namespace {
 
-// Of each pixel: the instance whose surface its depth lies on; -1: none. `seen`: of each pixel the
-// element, for the share of a thing that is in sight.
-struct Labels {
-  Image<int> instance;
-  Image<int> element;
-};
-
-Labels LabelPixels(const SurfaceElements& elements,
-                   const Instances& instances,
-                   const DepthImage& depth_m,
-                   const PinholeCamera& camera,
-                   const Pose3& level_from_camera,
-                   double max_depth_m) {
-  Labels labels{Image<int>(depth_m.width(), depth_m.height(), -1),
-                Image<int>(depth_m.width(), depth_m.height(), -1)};
-  ParallelFor(static_cast<std::size_t>(depth_m.height()), [&](std::size_t row) {
-    const int v = static_cast<int>(row);
-    for (int u = 0; u < depth_m.width(); ++u) {
-      const double z_m = depth_m(u, v);
-      if (z_m <= 0 || z_m > max_depth_m) continue;
-      const Eigen::Vector3d p_level = level_from_camera * camera.Unproject(u, v, z_m);
-      const std::optional<int> element = elements.Nearest(p_level.cast<float>());
-      if (!element) continue;
-      labels.element(u, v) = *element;
-      labels.instance(u, v) = instances.of_element[static_cast<std::size_t>(*element)];
-    }
-  });
-  return labels;
-}
-
-void AddPixel(int u, int v, const Eigen::Vector3d& p_camera, Silhouette& silhouette) {
+void AddPixel(int u, int v, double depth_m, const PinholeCamera& camera, Silhouette& silhouette) {
   silhouette.mask(u, v) = 1;
-  ++silhouette.num_points;
-  silhouette.extent_camera.Extend(p_camera);
+  if (depth_m > 0) {
+    ++silhouette.num_points;
+    silhouette.extent_camera.Extend(camera.Unproject(u, v, depth_m));
+  }
   Box2& box_px = silhouette.box_px;
   if (box_px.empty()) {
     box_px = {u - 0.5, v - 0.5, u + 0.5, v + 0.5};
@@ -54,6 +21,14 @@ void AddPixel(int u, int v, const Eigen::Vector3d& p_camera, Silhouette& silhoue
   box_px.v_min = std::min(box_px.v_min, v - 0.5);
   box_px.u_max = std::max(box_px.u_max, u + 0.5);
   box_px.v_max = std::max(box_px.v_max, v + 0.5);
+}
+
+std::vector<int> CountPixels(const PixelLabels& labels, std::size_t num_instances) {
+  std::vector<int> counts(num_instances, 0);
+  for (const int k : labels.instance) {
+    if (k >= 0) ++counts[static_cast<std::size_t>(k)];
+  }
+  return counts;
 }
 
 bool TouchesBorder(const Box2& box_px, const DepthImage& depth_m, double margin_px) {
@@ -81,34 +56,30 @@ void Describe(OptionsVisitor& visitor, SilhouetteOptions& options) {
                 {0, 200},
                 "px",
                 "a silhouette nearer to the image border touches it");
+  visitor.Field("fill_gap_m",
+                options.fill_gap_m,
+                {0, 1},
+                "m",
+                "gaps without depth up to this width inside a thing belong to it");
 }
 
-std::vector<Silhouette> FindSilhouettes(const SurfaceElements& elements,
-                                        const Instances& instances,
+std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,
                                         const DepthImage& depth_m,
                                         const PinholeCamera& camera,
                                         const Pose3& level_from_camera,
                                         const SilhouetteOptions& options) {
-  const Labels labels =
-      LabelPixels(elements, instances, depth_m, camera, level_from_camera, options.max_depth_m);
-  std::vector<std::size_t> num_pixels(instances.instances.size(), 0);
-  std::vector<std::set<int>> visible(instances.instances.size());
-  for (int v = 0; v < depth_m.height(); ++v) {
-    for (int u = 0; u < depth_m.width(); ++u) {
-      const int k = labels.instance(u, v);
-      if (k < 0) continue;
-      ++num_pixels[static_cast<std::size_t>(k)];
-      visible[static_cast<std::size_t>(k)].insert(labels.element(u, v));
-    }
-  }
+  const MeasuredView view{depth_m, camera, level_from_camera, options.max_depth_m};
+  PixelLabels labels = LabelBySurface(surface, view);
+  GrowIntoLoose(surface, view, labels);
+  const std::vector<int> num_pixels = CountPixels(labels, surface.instances.instances.size());
+  FillUnmeasured(view, options.fill_gap_m, labels);
   std::vector<Silhouette> silhouettes;
-  std::vector<int> place(instances.instances.size(), -1);
-  for (std::size_t k = 0; k < instances.instances.size(); ++k) {
-    const Instance& instance = instances.instances[k];
+  std::vector<int> place(num_pixels.size(), -1);
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    const Instance& instance = surface.instances.instances[k];
     const double least = options.min_visible_share * static_cast<double>(instance.elements.size());
-    if (!instance.rejection.empty() ||
-        num_pixels[k] < static_cast<std::size_t>(options.min_points) ||
-        static_cast<double>(visible[k].size()) < least)
+    if (!instance.rejection.empty() || num_pixels[k] < options.min_points ||
+        labels.num_visible[k] < least)
       continue;
     place[k] = static_cast<int>(silhouettes.size());
     silhouettes.emplace_back();
@@ -119,10 +90,8 @@ std::vector<Silhouette> FindSilhouettes(const SurfaceElements& elements,
     for (int u = 0; u < depth_m.width(); ++u) {
       const int k = labels.instance(u, v);
       if (k < 0 || place[static_cast<std::size_t>(k)] < 0) continue;
-      AddPixel(u,
-               v,
-               camera.Unproject(u, v, depth_m(u, v)),
-               silhouettes[static_cast<std::size_t>(place[static_cast<std::size_t>(k)])]);
+      const auto n = static_cast<std::size_t>(place[static_cast<std::size_t>(k)]);
+      AddPixel(u, v, depth_m(u, v), camera, silhouettes[n]);
     }
   }
   for (Silhouette& silhouette : silhouettes)

@@ -1,4 +1,4 @@
-// The part of a frame that lies on a thing: its silhouette, whatever detections said there.
+// The part of a frame that is of a thing: its silhouette, whatever detections said there.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/instances/find_instances.h"
-#include "deepslam/instances/surface_elements.h"
+#include "deepslam/instances/pixel_labels.h"
 #include "deepslam/scene/detection.h"
 
 namespace deepslam::instances {
@@ -20,22 +20,22 @@ struct SilhouetteOptions {
   int min_points = 400;            // silhouettes with fewer pixels are no view
   double min_visible_share = 0.1;  // nor those that show a smaller share of the thing's surface
   double border_margin_px = 8;     // one nearer to the image border touches it
+  double fill_gap_m = 0.15;  // gaps without depth up to this width inside a thing belong to it
 };
 void Describe(OptionsVisitor& visitor, SilhouetteOptions& options);
 
 struct Silhouette {
   int instance = -1;  // index
   Box2 box_px;
-  Mask mask;  // size of the image; 1 = the thing
-  int num_points = 0;
+  Mask mask;           // size of the image; 1 = the thing, with or without depth
+  int num_points = 0;  // pixels with depth
   Box3 extent_camera;
   bool touches_border = false;
 };
 
 // Of every instance that is not rejected and enough of which lies in the frame, ascending. Masks do
-// not overlap. Depth is 0 where invalid.
-[[nodiscard]] std::vector<Silhouette> FindSilhouettes(const SurfaceElements& elements,
-                                                      const Instances& instances,
+// not overlap.
+[[nodiscard]] std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,
                                                       const DepthImage& depth_m,
                                                       const PinholeCamera& camera,
                                                       const Pose3& level_from_camera,

@@ -64,27 +64,6 @@ SurfaceElements::SurfaceElements(std::span<const Eigen::Vector3f> vertices,
   }
 }
 
-std::optional<int> SurfaceElements::Nearest(const Eigen::Vector3f& point) const {
-  if (!point.allFinite() || point.cwiseAbs().maxCoeff() >= kMaxCoordinateM) return std::nullopt;
-  const Voxel centre = VoxelOf(point);
-  std::optional<int> nearest;
-  float nearest_squared_m2 = std::numeric_limits<float>::infinity();
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
-        const auto found = element_at_.find(centre + Voxel(x, y, z));
-        if (found == element_at_.end()) continue;
-        const float squared_m2 =
-            (points_[static_cast<std::size_t>(found->second)] - point).squaredNorm();
-        if (squared_m2 >= nearest_squared_m2) continue;
-        nearest = found->second;
-        nearest_squared_m2 = squared_m2;
-      }
-    }
-  }
-  return nearest;
-}
-
 std::vector<ElementPair> SurfaceElements::PairsWithin(double reach_m) const {
   DEEPSLAM_CHECK(reach_m <= 2 * voxel_m_, "reach beyond the neighbours looked at");
   const auto reach_squared_m2 = static_cast<float>(reach_m * reach_m);

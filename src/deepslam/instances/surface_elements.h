@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -31,9 +30,6 @@ class SurfaceElements {
   [[nodiscard]] const std::vector<Eigen::Vector3f>& normals() const { return normals_; }
   // Of each vertex that was given; -1: none.
   [[nodiscard]] const std::vector<int>& of_vertex() const { return of_vertex_; }
-
-  // The element nearest to the point among those of its own voxel and of the 26 around it.
-  [[nodiscard]] std::optional<int> Nearest(const Eigen::Vector3f& point) const;
 
   // Pairs of elements nearer to each other than `reach_m` (at most two voxels), ascending.
   [[nodiscard]] std::vector<ElementPair> PairsWithin(double reach_m) const;

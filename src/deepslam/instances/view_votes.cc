@@ -15,6 +15,8 @@ constexpr double kMinDepthM = 0.2;
 constexpr int kMinVisible = 4;
 // Boxes end where the network thinks the thing ends, give or take a pixel or two.
 constexpr double kBoxSlackPx = 2;
+// Of a class that is guessed by size, against one that a network or a person has recognised.
+constexpr double kTrustInSize = 0.1;
 
 // The image of one detection: its mask, or its box.
 class Region {
@@ -149,7 +151,8 @@ void AddVotes(const FrameClaims& claims,
     ++votes.num_views[s];
     if (claimed_by >= 0) {
       const Detection& detection = detections[static_cast<std::size_t>(claimed_by)];
-      votes.classes[s][detection.class_name] += detection.score;
+      const double trust = detection.source == DetectionSource::kCluster ? kTrustInSize : 1;
+      votes.classes[s][detection.class_name] += trust * detection.score;
     }
     for (std::size_t l = k + 1; l < claims.superpoints.size(); ++l) {
       if (claimed_by < 0 && claims.claimed_by[l] < 0) continue;

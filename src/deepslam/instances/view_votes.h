@@ -68,7 +68,8 @@ struct PairVotes {
 
 struct ViewVotes {
   std::map<SuperpointPair, PairVotes> pairs;  // only those that some frame said something about
-  // Of each superpoint: sum of the scores of the detections that claimed it, by their class.
+  // Of each superpoint: sum of the scores of the detections that claimed it, by their class; what
+  // clusters guess by size counts a tenth.
   std::vector<std::map<std::string, double>> classes;
   std::vector<int> num_views;  // of each superpoint: frames that saw it
 };

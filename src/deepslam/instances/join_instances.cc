@@ -1,0 +1,73 @@
+#include "deepslam/instances/join_instances.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "deepslam/geometry/level_rectangle.h"
+
+namespace deepslam::instances {
+namespace {
+
+constexpr double kMinSharedVolume = 0.5;  // of the smaller box
+// Of what both outlines cover: a thing on another, or a wall cabinet above a counter, is smaller
+// than what it stands on or above.
+constexpr double kMinOutlineIou = 0.6;
+constexpr double kMaxGapM = 0.45;  // between the boards of a rack or the planks of a console table
+// A chair's back stands on the edge of its seat or leans out over it.
+constexpr double kEdgeM = 0.05;
+constexpr double kMinSharedOutline = 0.5;  // of the smaller outline
+constexpr double kMaxGapOfNamedM = 0.2;    // between a seat and what is seen of a back
+constexpr double kFlatM = 0.02;            // boxes are no thinner, so that a board has a volume
+
+LevelRectangle OutlineOf(const UprightBox& box) {
+  return {box.centre_m, box.yaw_rad, std::max(box.length_m, kFlatM), std::max(box.width_m, kFlatM)};
+}
+
+// Negative: the width of the gap between them.
+double SharedHeight(const UprightBox& a, const UprightBox& b) {
+  return std::min(a.top_m, b.top_m) - std::max(a.bottom_m, b.bottom_m);
+}
+
+double Volume(const UprightBox& box) {
+  return OutlineOf(box).area_m2() * std::max(box.height_m(), kFlatM);
+}
+
+// The one with the smaller outline lies over or under the other one.
+bool LiesOver(const UprightBox& a, const UprightBox& b) {
+  LevelRectangle larger = OutlineOf(a);
+  LevelRectangle smaller = OutlineOf(b);
+  if (larger.area_m2() < smaller.area_m2()) std::swap(larger, smaller);
+  larger.length_m += 2 * kEdgeM;
+  larger.width_m += 2 * kEdgeM;
+  return SharedArea(larger, smaller) > kMinSharedOutline * smaller.area_m2();
+}
+
+bool AreOneThing(const Instance& a, const Instance& b) {
+  if (a.class_name != b.class_name || !a.rejection.empty() || !b.rejection.empty()) return false;
+  const UprightBox& box_a = a.box_level;
+  const UprightBox& box_b = b.box_level;
+  const double shared_m2 = SharedArea(OutlineOf(box_a), OutlineOf(box_b));
+  const double height_m = SharedHeight(box_a, box_b);
+  if (height_m * shared_m2 > kMinSharedVolume * std::min(Volume(box_a), Volume(box_b))) return true;
+  if (a.is_named && b.is_named) return height_m > -kMaxGapOfNamedM && LiesOver(box_a, box_b);
+  const double all_m2 = OutlineOf(box_a).area_m2() + OutlineOf(box_b).area_m2() - shared_m2;
+  return !a.is_named && !b.is_named && height_m > -kMaxGapM && shared_m2 > kMinOutlineIou * all_m2;
+}
+
+}  // namespace
+
+std::vector<int> WholesOf(std::span<const Instance> instances) {
+  std::vector<int> whole_of(instances.size());
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    whole_of[i] = static_cast<int>(i);
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!AreOneThing(instances[k], instances[i])) continue;
+      whole_of[i] = whole_of[k];
+      break;
+    }
+  }
+  return whole_of;
+}
+
+}  // namespace deepslam::instances

@@ -1,0 +1,21 @@
+// Parts of one thing that no view saw together and whose surfaces nothing joins, told by their
+// places: no thing is found twice.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "deepslam/instances/find_instances.h"
+
+namespace deepslam::instances {
+
+// Of each instance the position of the one that it is a part of, no greater than its own; its own
+// where it is no other's part. Parts of one thing are instances of one class
+//  - whose boxes share more than half of the smaller one;
+//  - that detections name and one of which lies over the other, as the back of a chair on its seat;
+//  - that nothing names and that stand one above the other on the same outline, as the boards of a
+//    rack do.
+// Instances that are rejected are nobody's part.
+[[nodiscard]] std::vector<int> WholesOf(std::span<const Instance> instances);
+
+}  // namespace deepslam::instances

@@ -1,0 +1,182 @@
+#include "deepslam/instances/pixel_labels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace deepslam::instances {
+namespace {
+
+// What a pixel may lie above floor or wall and be that, and the depth step that still joins two
+// pixels: close to the camera, and more with the square of the depth, as the noise of structured
+// light has it. Those of stage `segment`.
+constexpr double kOnRoomM = 0.03;
+constexpr double kOnRoomPerM2 = 0.006;
+constexpr double kStepM = 0.03;
+constexpr double kStepPerM2 = 0.012;
+constexpr double kMarginVoxels = 2;  // that a thing's box leaves out of it
+
+class PixelPoints {
+ public:
+  explicit PixelPoints(const MeasuredView& view)
+      : rotation_(view.level_from_camera.rotation.toRotationMatrix().cast<float>()),
+        translation_m_(view.level_from_camera.translation_m.cast<float>()),
+        camera_(view.camera) {}
+  [[nodiscard]] Eigen::Vector3f Level(int u, int v, float depth_m) const {
+    return rotation_ * camera_.Unproject(u, v, depth_m).cast<float>() + translation_m_;
+  }
+
+ private:
+  Eigen::Matrix3f rotation_;
+  Eigen::Vector3f translation_m_;
+  PinholeCamera camera_;
+};
+
+// Where a thing's pixels may lie: its box, wider by a margin, down to the floor.
+class Bounds {
+ public:
+  Bounds(const UprightBox& box, double margin_m)
+      : x_axis_(static_cast<float>(std::cos(box.yaw_rad)),
+                static_cast<float>(std::sin(box.yaw_rad))),
+        centre_m_(box.centre_m.cast<float>()),
+        half_m_(static_cast<float>(box.length_m / 2 + margin_m),
+                static_cast<float>(box.width_m / 2 + margin_m)),
+        top_m_(static_cast<float>(box.top_m + margin_m)) {}
+  [[nodiscard]] bool Contains(const Eigen::Vector3f& p_level) const {
+    const Eigen::Vector2f from_centre = p_level.head<2>() - centre_m_;
+    const Eigen::Vector2f y_axis(-x_axis_.y(), x_axis_.x());
+    return p_level.z() <= top_m_ && std::abs(x_axis_.dot(from_centre)) <= half_m_.x() &&
+           std::abs(y_axis.dot(from_centre)) <= half_m_.y();
+  }
+
+ private:
+  Eigen::Vector2f x_axis_;
+  Eigen::Vector2f centre_m_;
+  Eigen::Vector2f half_m_;
+  float top_m_;
+};
+
+// On the floor, or on the surface of the room's structure.
+bool IsRoom(const SurfaceElements& elements,
+            int element,
+            const Eigen::Vector3f& p,
+            double depth_m) {
+  const auto tolerance_m = static_cast<float>(kOnRoomM + kOnRoomPerM2 * depth_m * depth_m);
+  if (p.z() < tolerance_m) return true;
+  if (element < 0) return false;
+  const auto i = static_cast<std::size_t>(element);
+  return std::abs(elements.normals()[i].dot(p - elements.points()[i])) < tolerance_m;
+}
+
+struct Pixel {
+  int u = 0;
+  int v = 0;
+};
+
+void FillGap(PixelLabels& labels, Pixel from, Pixel step, int count, int label) {
+  for (int k = 1; k <= count; ++k)
+    labels.instance(from.u + k * step.u, from.v + k * step.v) = label;
+}
+
+}  // namespace
+
+PixelLabels LabelBySurface(const DividedSurface& surface, const MeasuredView& view) {
+  const DepthImage& depth_m = view.depth_m;
+  PixelLabels labels{Image<int>(depth_m.width(), depth_m.height(), kUnmeasuredPixel), {}};
+  labels.num_visible.assign(surface.instances.instances.size(), 0);
+  std::vector<char> is_visible(surface.elements.size(), 0);
+  NearestElements::Cursor nearest(surface.nearest);
+  const PixelPoints points(view);
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      const float z_m = depth_m(u, v);
+      if (!(z_m > 0)) continue;
+      int& label = labels.instance(u, v);
+      label = kRoomPixel;
+      if (z_m > view.max_depth_m) continue;
+      const Eigen::Vector3f p_level = points.Level(u, v, z_m);
+      const int element = nearest.At(p_level);
+      const int instance =
+          element < 0 ? -1 : surface.instances.of_element[static_cast<std::size_t>(element)];
+      if (instance < 0) {
+        if (!IsRoom(surface.elements, element, p_level, z_m)) label = kLoosePixel;
+        continue;
+      }
+      if (IsRoom(surface.elements, -1, p_level, z_m)) continue;
+      label = instance;
+      if (is_visible[static_cast<std::size_t>(element)] != 0) continue;
+      is_visible[static_cast<std::size_t>(element)] = 1;
+      ++labels.num_visible[static_cast<std::size_t>(instance)];
+    }
+  }
+  return labels;
+}
+
+void GrowIntoLoose(const DividedSurface& surface, const MeasuredView& view, PixelLabels& labels) {
+  constexpr std::array<Pixel, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+  const double margin_m = kMarginVoxels * surface.elements.voxel_m();
+  std::vector<Bounds> bounds;
+  for (const Instance& instance : surface.instances.instances)
+    bounds.emplace_back(instance.box_level, margin_m);
+  const PixelPoints points(view);
+  Image<int>& label = labels.instance;
+  const auto may_take = [&](Pixel from, Pixel to) {
+    if (!label.Contains(to.u, to.v) || label(to.u, to.v) != kLoosePixel) return false;
+    const float from_m = view.depth_m(from.u, from.v);
+    const float to_m = view.depth_m(to.u, to.v);
+    if (std::abs(to_m - from_m) > kStepM + kStepPerM2 * from_m * from_m) return false;
+    return bounds[static_cast<std::size_t>(label(from.u, from.v))].Contains(
+        points.Level(to.u, to.v, to_m));
+  };
+  // Ring by ring round all things at once, each ring in the order in which it was reached.
+  std::vector<Pixel> ring;
+  for (int v = 0; v < label.height(); ++v) {
+    for (int u = 0; u < label.width(); ++u) {
+      if (label(u, v) >= 0) ring.push_back({u, v});
+    }
+  }
+  while (!ring.empty()) {
+    std::vector<Pixel> next;
+    for (const Pixel& from : ring) {
+      for (const Pixel& step : kNeighbours) {
+        const Pixel to{from.u + step.u, from.v + step.v};
+        if (!may_take(from, to)) continue;
+        label(to.u, to.v) = label(from.u, from.v);
+        next.push_back(to);
+      }
+    }
+    ring = std::move(next);
+  }
+}
+
+void FillUnmeasured(const MeasuredView& view, double gap_m, PixelLabels& labels) {
+  const Image<int> measured = labels.instance;
+  const auto fill_line = [&](Pixel start, Pixel step, int length, double focal_px) {
+    int before = -1;  // the last pixel with depth
+    const auto at = [&](int k) { return Pixel{start.u + k * step.u, start.v + k * step.v}; };
+    for (int k = 0; k < length; ++k) {
+      const Pixel pixel = at(k);
+      const int label = measured(pixel.u, pixel.v);
+      if (label == kUnmeasuredPixel) continue;
+      const int gap_px = k - before - 1;
+      if (before >= 0 && gap_px > 0 && label >= 0) {
+        const Pixel other = at(before);
+        const double nearer_m =
+            std::min(view.depth_m(pixel.u, pixel.v), view.depth_m(other.u, other.v));
+        if (measured(other.u, other.v) == label && gap_px * nearer_m <= gap_m * focal_px)
+          FillGap(labels, other, step, gap_px, label);
+      }
+      before = k;
+    }
+  };
+  for (int v = 0; v < measured.height(); ++v)
+    fill_line({0, v}, {1, 0}, measured.width(), view.camera.fx);
+  for (int u = 0; u < measured.width(); ++u)
+    fill_line({u, 0}, {0, 1}, measured.height(), view.camera.fy);
+}
+
+}  // namespace deepslam::instances

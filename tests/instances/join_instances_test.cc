@@ -1,0 +1,82 @@
+#include "deepslam/instances/join_instances.h"
+
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+namespace deepslam::instances {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+struct Place {
+  double x_m, y_m, bottom_m, top_m;
+};
+
+Instance Thing(const std::string& class_name, bool is_named, Place place, Eigen::Vector2d size_m) {
+  Instance instance;
+  instance.class_name = class_name;
+  instance.is_named = is_named;
+  instance.box_level = {
+      {place.x_m, place.y_m}, 0, size_m.x(), size_m.y(), place.bottom_m, place.top_m};
+  return instance;
+}
+
+TEST(WholesOf, PartsOfOneClassInOnePlaceAreOneThing) {
+  EXPECT_THAT(WholesOf(std::vector{Thing("toilet", true, {0, 0, 0, 0.5}, {0.4, 0.7}),
+                                   Thing("toilet", true, {0, 0.1, 0.1, 0.6}, {0.4, 0.5})}),
+              ElementsAre(0, 0));
+  // Two chairs side by side, and a chair under a table.
+  EXPECT_THAT(WholesOf(std::vector{Thing("chair", true, {0, 0, 0, 0.9}, {0.5, 0.5}),
+                                   Thing("chair", true, {0.4, 0, 0, 0.9}, {0.5, 0.5}),
+                                   Thing("table", true, {0.2, 0, 0, 0.9}, {1.5, 0.8})}),
+              ElementsAre(0, 1, 2));
+}
+
+TEST(WholesOf, ABackOnTheEdgeOfASeatIsOfThatChair) {
+  const Instance seat = Thing("chair", true, {0, 0, 0, 0.48}, {0.45, 0.45});
+  const Instance back = Thing("chair", true, {0, 0.24, 0.5, 0.9}, {0.42, 0.05});
+  EXPECT_THAT(WholesOf(std::vector{seat, back}), ElementsAre(0, 0));
+  // The back of another chair behind it is not; nor is what hangs over it.
+  const Instance behind = Thing("chair", true, {0, 0.45, 0.5, 0.9}, {0.42, 0.05});
+  const Instance above = Thing("chair", true, {0, 0.2, 1.2, 1.6}, {0.42, 0.05});
+  EXPECT_THAT(WholesOf(std::vector{seat, behind, above}), ElementsAre(0, 1, 2));
+}
+
+TEST(WholesOf, BoardsAboveOneAnotherAreARack) {
+  const Instance low = Thing("cabinet", false, {0, 0, 0.1, 0.3}, {0.9, 0.3});
+  const Instance high = Thing("cabinet", false, {0.02, 0, 0.6, 0.9}, {0.88, 0.28});
+  EXPECT_THAT(WholesOf(std::vector{low, high}), ElementsAre(0, 0));
+  // A box on a cabinet is another thing, and so is a wall cabinet that hangs over a counter.
+  EXPECT_THAT(WholesOf(std::vector{low, Thing("cabinet", false, {0, 0, 0.32, 0.5}, {0.4, 0.3})}),
+              ElementsAre(0, 1));
+  EXPECT_THAT(WholesOf(std::vector{low, Thing("cabinet", false, {0, 0, 1.3, 1.9}, {0.9, 0.3})}),
+              ElementsAre(0, 1));
+  // What detectors name is told apart by them.
+  Instance named = high;
+  named.is_named = true;
+  EXPECT_THAT(WholesOf(std::vector{low, named}), ElementsAre(0, 1));
+}
+
+TEST(WholesOf, SeveralPartsHaveTheFirstForTheirWhole) {
+  const auto part = [](double bottom_m) {
+    return Thing("cabinet", false, {0, 0, bottom_m, bottom_m + 0.1}, {0.9, 0.3});
+  };
+  EXPECT_THAT(WholesOf(std::vector{part(0.1), part(0.5), part(0.9)}), ElementsAre(0, 0, 0));
+}
+
+TEST(WholesOf, WhatIsRejectedIsNobodysPart) {
+  Instance small = Thing("chair", true, {0, 0, 0, 0.4}, {0.5, 0.5});
+  const Instance chair = small;
+  small.rejection = "small";
+  EXPECT_THAT(WholesOf(std::vector{chair, small, chair}), ElementsAre(0, 1, 0));
+  EXPECT_THAT(WholesOf({}), IsEmpty());
+  // Boxes without any extent are no reason to divide by nothing.
+  const Instance point = Thing("chair", true, {0, 0, 0, 0}, {0, 0});
+  EXPECT_THAT(WholesOf(std::vector{point, point}), ElementsAre(0, 0));
+}
+
+}  // namespace
+}  // namespace deepslam::instances
