@@ -2,7 +2,7 @@
 #
 #   deepslam_room(<room> SOURCES a.cc b.cc DEPS core geometry FENCED OpenCV::core [CGAL])
 #
-# DEPS are rooms and appear in headers; FENCED are third-party libraries that stay in the .cc files. scripts/check_layers.py
+# HANDS_ON: the room joins what others compute. TOGETHER: several files are compiled as one, where they share what takes longest. DEPS are rooms and appear in headers; FENCED are third-party libraries that stay in the .cc files. scripts/check_layers.py
 # holds the allowed arrows between rooms; ctest runs it.
 
 # Sanitizers load libraries in the program's stead, and a RUNPATH is that of its owner alone: a plain RPATH is heeded.
@@ -64,6 +64,10 @@ function(deepslam_compile_headers name)
     <string_view> <utility> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h> ${COMPILED_HEADERS})
 endfunction()
 deepslam_compile_headers(deepslam_common_headers)
+# Of code that hands things on and computes nothing: optimising it thoroughly takes longer than all that it will ever do.
+add_library(deepslam_hands_on INTERFACE)
+target_compile_options(deepslam_hands_on INTERFACE $<$<CONFIG:Release>:-O1>)
+deepslam_compile_headers(deepslam_hands_on_headers LINKS deepslam_hands_on)
 
 # deepslam_use_headers(<target> <name>): of deepslam_compile_headers.
 function(deepslam_use_headers target name)
@@ -86,7 +90,7 @@ function(deepslam_use_headers target name)
 endfunction()
 
 function(deepslam_room room)
-  cmake_parse_arguments(ROOM "NO_UBSAN" "" "SOURCES;DEPS;FENCED" ${ARGN})
+  cmake_parse_arguments(ROOM "NO_UBSAN;HANDS_ON;TOGETHER" "" "SOURCES;DEPS;FENCED" ${ARGN})
   set(target deepslam_${room})
   add_library(${target} STATIC ${ROOM_SOURCES})
   add_library(deepslam::${room} ALIAS ${target})
@@ -111,7 +115,15 @@ function(deepslam_room room)
   else()
     deepslam_compile_options(${target})
   endif()
-  deepslam_use_headers(${target} deepslam_common_headers)
+  if(ROOM_TOGETHER)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  endif()
+  if(ROOM_HANDS_ON)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:deepslam_hands_on>)
+    deepslam_use_headers(${target} deepslam_hands_on_headers)
+  else()
+    deepslam_use_headers(${target} deepslam_common_headers)
+  endif()
   deepslam_install_room(${room} DEPS ${ROOM_DEPS} FENCED ${ROOM_FENCED})
 endfunction()
 

@@ -19,8 +19,8 @@ before="$(hits)"
 there="$(built)"
 took="$({ time scripts/build.sh release -DDEEPSLAM_TESTS=OFF >&2; } 2> >(tail -n 1))"
 read -r user system wall <<<"$took"
-awk -v user="$user" -v system="$system" -v wall="$wall" -v files="$(($(built) - there))" -v hits="$(($(hits) - before))" 'BEGIN {
-  printf "build: %.0f s of processor time, %.0f s of wall time; %d files, %d of them from a compiler cache\n", user + system, wall, files, hits }'
+awk -v user="$user" -v sys="$system" -v wall="$wall" -v files="$(($(built) - there))" -v hits="$(($(hits) - before))" 'BEGIN {
+  printf "build: %.0f s of processor time, %.0f s of wall time; %d files, %d of them from a compiler cache\n", user + sys, wall, files, hits }'
 if [ "${1:-}" = --cold ]; then
   echo "longest:"
   awk -F'\t' '$4 ~ /\.o$/ {t[$4] = ($2 - $1) / 1000} END {for (f in t) printf "%7.1f s  %s\n", t[f], f}' build/release/.ninja_log | sort -rn | head -12

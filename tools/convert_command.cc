@@ -12,7 +12,7 @@
 namespace deepslam::tools {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::string in;
   std::string out;
   std::string to;
@@ -20,7 +20,7 @@ struct Arguments {
   std::string progress = "auto";
 };
 
-int Convert(const Arguments& arguments) {
+int Convert(const ConvertArguments& arguments) {
   if (arguments.out.empty())
     return ReportError(InvalidConfig("OUT: names no folder or file; give the result's"));
   const convert::OutputFormat* format = convert::FindOutputFormat(arguments.to);
@@ -59,7 +59,7 @@ int Convert(const Arguments& arguments) {
 }  // namespace
 
 void AddConvert(CLI::App& app, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* convert = app.add_subcommand(
       "convert", "A capture in the layout of another program; says what that layout cannot hold");
   convert->add_option("IN", arguments->in, "Capture in any layout (docs/formats.md)")->required();

@@ -34,7 +34,7 @@ JsonValue ToJson(const eval::BoxScore& score) {
 void BoxFigures::Add(std::span<const eval::PlacedBox> mapped,
                      std::span<const eval::PlacedBox> truth,
                      int pair) {
-  const std::vector<eval::BoxMatch> of_pair = eval::MatchBoxes(mapped, truth);
+  const std::vector<eval::PlacedBoxMatch> of_pair = eval::MatchPlacedBoxes(mapped, truth);
   scores.resize(kMinIous.size());
   for (std::size_t n = 0; n < kMinIous.size(); ++n) {
     scores[n].min_iou = kMinIous[n];
@@ -47,7 +47,7 @@ void BoxFigures::Add(std::span<const eval::PlacedBox> mapped,
       static_cast<int>(eval::HoldersOfSeveral(mapped, truth, of_pair, kMinIous.front()).size());
   num_split += static_cast<int>(
       eval::HoldersOfSeveral(truth, mapped, eval::Turned(of_pair), kMinIous.front()).size());
-  for (const eval::BoxMatch& match : of_pair) {
+  for (const eval::PlacedBoxMatch& match : of_pair) {
     JsonObject row;
     row.emplace("pair", pair);
     row.emplace("true_index", static_cast<int>(match.truth));

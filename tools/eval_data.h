@@ -19,6 +19,9 @@
 
 namespace deepslam::tools {
 
+// Of the points that Chamfer distances draw: the same for all shapes, so that equal ones have 0.
+inline constexpr std::uint64_t kChamferSeed = 1;
+
 // An object that covers less of every frame cannot be asked for.
 inline constexpr double kVisibleShare = 0.005;
 

@@ -241,7 +241,7 @@ Result<Verdict> JudgeCandidate(const fs::path& workspace,
   return verdict;
 }
 
-JsonObject ToJson(const Verdict& verdict) {
+JsonObject VerdictJson(const Verdict& verdict) {
   JsonObject entry;
   entry.emplace("agreement", verdict.agreement.agreement());
   entry.emplace("num_judged", verdict.agreement.num_judged());
@@ -303,7 +303,7 @@ int EvalHeldOut(const std::vector<std::string>& paths,
       for (const Choice& choice : ChoicesOf(object, *inputs)) {
         const auto verdict = JudgeCandidate(pair.workspace, *inputs, choice.candidate, judges);
         if (!verdict.ok()) return ReportError(verdict.error());
-        row.emplace(choice.row, ToJson(*verdict));
+        row.emplace(choice.row, VerdictJson(*verdict));
         if (verdict->agreement.num_judged() > 0)
           agreements[choice.row].push_back(verdict->agreement.agreement());
         if (verdict->measured.num_measured > 0)

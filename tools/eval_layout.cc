@@ -166,7 +166,7 @@ JsonValue Numbers(const std::vector<int>& values) {
   return JsonValue(std::move(array));
 }
 
-JsonObject ToJson(const eval::LayoutScore& score) {
+JsonObject LayoutScoreJson(const eval::LayoutScore& score) {
   JsonObject row;
   row.emplace("num_true_walls", score.num_true_walls);
   row.emplace("num_walls", score.num_walls);
@@ -228,13 +228,13 @@ void Print(const std::string& name, const eval::LayoutScore& score) {
   }
 }
 
-struct Arguments {
+struct EvalLayoutArguments {
   std::vector<std::string> paths;
   std::string annotation;
   std::string json;
 };
 
-int EvalLayout(const Arguments& arguments) {
+int EvalLayout(const EvalLayoutArguments& arguments) {
   const Result<std::vector<EvalPair>> pairs = PairsOf(arguments.paths);
   if (!pairs.ok()) return ReportError(pairs.error());
   JsonArray rows;
@@ -248,7 +248,7 @@ int EvalLayout(const Arguments& arguments) {
     const eval::LayoutScore score =
         eval::ScoreLayout(estimate->layout, *layout, estimate->surface, eval::LayoutScoreOptions());
     Print(pair.workspace.string(), score);
-    JsonObject row = ToJson(score);
+    JsonObject row = LayoutScoreJson(score);
     row.emplace("workspace", pair.workspace.string());
     rows.emplace_back(std::move(row));
   }
@@ -263,7 +263,7 @@ int EvalLayout(const Arguments& arguments) {
 }  // namespace
 
 void AddEvalLayout(CLI::App& eval_command, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvalLayoutArguments>();
   CLI::App* command = eval_command.add_subcommand(
       "layout", "Walls, corners, rooms and openings against the true ones");
   command

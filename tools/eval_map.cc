@@ -27,7 +27,7 @@ constexpr double kBoxMarginM = 0.05;  // the fused surface counts within this of
 constexpr double kCloudVoxelM = 0.01;
 constexpr std::int64_t kBytesPerCloudPoint = 15;  // three floats, three bytes of colour
 
-struct Arguments {
+struct EvalMapArguments {
   std::string workspace;
   std::string truth;
   std::string annotation;
@@ -102,7 +102,7 @@ void PrintRow(std::string_view name, const eval::SurfaceComparison& surface) {
              100 * surface.accuracy_m);
 }
 
-Result<JsonObject> Sizes(const Arguments& arguments) {
+Result<JsonObject> Sizes(const EvalMapArguments& arguments) {
   JsonObject bytes;
   const fs::path folder = fs::path(arguments.workspace) / "export";
   std::int64_t map_bytes = 0;
@@ -134,7 +134,7 @@ Result<JsonObject> Sizes(const Arguments& arguments) {
   return bytes;
 }
 
-int EvalMap(const Arguments& arguments) {
+int EvalMap(const EvalMapArguments& arguments) {
   const Result<Truth> truth = ReadTruth(arguments.truth, arguments.annotation);
   if (!truth.ok()) return ReportError(truth.error());
   const Result<MapResult> map = ReadMapResult(arguments.workspace, *truth);
@@ -180,7 +180,7 @@ int EvalMap(const Arguments& arguments) {
 }  // namespace
 
 void AddEvalMap(CLI::App& eval_command, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvalMapArguments>();
   CLI::App* command = eval_command.add_subcommand(
       "map", "Completeness, accuracy and size of the map, beside TSDF fusion of the same frames");
   command->add_option("WORKSPACE", arguments->workspace, "Workspace of a whole run")->required();

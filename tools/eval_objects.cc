@@ -22,9 +22,6 @@ using artifact::JsonArray;
 using artifact::JsonObject;
 using artifact::JsonValue;
 
-// Points of both shapes are drawn alike, so that equal shapes have no distance.
-constexpr std::uint64_t kChamferSeed = 1;
-
 struct ObjectScore {
   std::size_t pair = 0;  // of the command line
   std::string mapped_name;

@@ -25,7 +25,6 @@ using artifact::JsonArray;
 using artifact::JsonObject;
 using artifact::JsonValue;
 
-constexpr std::uint64_t kChamferSeed = 1;
 constexpr std::uint64_t kBootstrapSeed = 1;
 
 struct ShapeFigures {

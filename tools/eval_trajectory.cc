@@ -68,14 +68,14 @@ void PrintRow(std::string_view name, const ErrorStatistics& statistics) {
              statistics.max);
 }
 
-struct Arguments {
+struct EvalTrajectoryArguments {
   std::string estimate;
   std::string truth;
   std::string json;
   TrajectoryErrorOptions options;
 };
 
-int EvalTrajectory(const Arguments& arguments) {
+int EvalTrajectory(const EvalTrajectoryArguments& arguments) {
   const Result<std::vector<TimedPose>> estimated = ReadPoses(arguments.estimate, ReadTum);
   if (!estimated.ok()) return ReportError(estimated.error());
   const Result<std::vector<TimedPose>> true_poses = ReadPoses(arguments.truth, ReadCaptureTum);
@@ -116,7 +116,7 @@ int EvalTrajectory(const Arguments& arguments) {
 }  // namespace
 
 void AddEvalTrajectory(CLI::App& eval_command, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvalTrajectoryArguments>();
   CLI::App* command = eval_command.add_subcommand("trajectory", "ATE and RPE of camera poses");
   command->add_option("ESTIMATE", arguments->estimate, "Workspace, or TUM file")->required();
   command->add_option("TRUTH", arguments->truth, "Capture with poses, or TUM file")->required();

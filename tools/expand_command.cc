@@ -16,7 +16,7 @@
 namespace deepslam::tools {
 namespace {
 
-struct Arguments {
+struct ExpandArguments {
   std::string map;
   std::string out;
   std::string library;
@@ -24,7 +24,7 @@ struct Arguments {
   bool uncompressed = false;
 };
 
-Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
+Result<std::string> Expand(const ExpandArguments& arguments, std::size_t& map_bytes) {
   const Result<std::string> text = storage::ReadFile(arguments.map);
   if (!text.ok()) return text.error();
   map_bytes = text->size();
@@ -55,7 +55,7 @@ Result<std::string> Expand(const Arguments& arguments, std::size_t& map_bytes) {
   return gltf::WriteGlb(*scene, {.draco = !arguments.uncompressed});
 }
 
-int Run(const Arguments& arguments) {
+int Run(const ExpandArguments& arguments) {
   std::size_t map_bytes = 0;
   const Result<std::string> glb = Expand(arguments, map_bytes);
   if (!glb.ok()) return ReportError(glb.error());
@@ -70,7 +70,7 @@ int Run(const Arguments& arguments) {
 }  // namespace
 
 void AddExpand(CLI::App& app, Command& chosen) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExpandArguments>();
   CLI::App* expand = app.add_subcommand(
       "expand", "The scene again from the compact map alone: objects, labels, poses, ground");
   expand->add_option("MAP", arguments->map, "map.json of a run")->required();

@@ -12,6 +12,9 @@
 
 namespace deepslam::tools {
 
+// Of one entry of a catalogue; larger ones are no furniture.
+inline constexpr std::size_t kMaxEntryBytes = std::size_t{256} << 20;
+
 [[nodiscard]] Result<synth::FurnitureModel> ReadCatalogueModel(const library::ZipArchive& archive,
                                                                const library::CatalogueItem& item);
 

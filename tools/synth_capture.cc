@@ -34,8 +34,6 @@ namespace {
 namespace fs = std::filesystem;
 using Models = std::map<std::string, synth::FurnitureModel>;
 
-constexpr std::size_t kMaxEntryBytes = std::size_t{256} << 20;
-
 Status WriteBytes(const fs::path& file, const std::string& bytes) {
   std::error_code ignored;
   fs::create_directories(file.parent_path(), ignored);

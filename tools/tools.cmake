@@ -7,7 +7,8 @@ add_library(deepslam_commands OBJECT
 target_link_libraries(deepslam_commands PUBLIC
   deepslam::batch deepslam::stages deepslam::convert deepslam::layouts CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam_commands)
-deepslam_compile_headers(deepslam_command_headers HEADERS <CLI/CLI.hpp> LINKS CLI11::CLI11)
+target_link_libraries(deepslam_commands PUBLIC deepslam_hands_on)
+deepslam_compile_headers(deepslam_command_headers HEADERS <CLI/CLI.hpp> LINKS CLI11::CLI11 deepslam_hands_on)
 deepslam_use_headers(deepslam_commands deepslam_command_headers)
 
 add_executable(deepslam deepslam.cc other_program.cc)
@@ -29,3 +30,5 @@ foreach(program deepslam deepslam_tools)
   set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../${DEEPSLAM_PRIVATE_LIBDIR}")
   install(TARGETS ${program})
 endforeach()
+# The command line's own templates take most of a command's time to compile: several commands share them.
+set_target_properties(deepslam_commands deepslam_tools PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)

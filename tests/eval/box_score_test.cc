@@ -73,7 +73,7 @@ const std::vector<PlacedBox> kMapped = {Box("cabinet", {2.05, 0, 0.45}, {0.5, 0.
                                         Box("plant", {-4, 0, 0.4}, {0.4, 0.4, 0.8})};
 
 TEST(BoxScore, CountsWhatIsFoundWhatIsRightAndWhatIsTakenForWhat) {
-  const std::vector<BoxMatch> matches = MatchBoxes(kMapped, kTruth);
+  const std::vector<PlacedBoxMatch> matches = MatchPlacedBoxes(kMapped, kTruth);
   ASSERT_EQ(matches.size(), 2U);
   const BoxScore loose = ScoreBoxes(kMapped, kTruth, matches, 0.25);
   EXPECT_NEAR(loose.recall(), 2.0 / 3, 1e-12);
@@ -90,7 +90,7 @@ TEST(BoxScore, CountsWhatIsFoundWhatIsRightAndWhatIsTakenForWhat) {
 }
 
 TEST(BoxScore, OfTheTruthItselfEverythingIsRight) {
-  const std::vector<BoxMatch> matches = MatchBoxes(kTruth, kTruth);
+  const std::vector<PlacedBoxMatch> matches = MatchPlacedBoxes(kTruth, kTruth);
   const BoxScore score = ScoreBoxes(kTruth, kTruth, matches, 0.999);
   EXPECT_EQ(score.recall_right_class(), 1);
   EXPECT_EQ(score.precision_right_class(), 1);
@@ -100,7 +100,7 @@ TEST(BoxScore, OfTheTruthItselfEverythingIsRight) {
 TEST(BoxScore, EachBoxIsMatchedOnceTheBestPairFirst) {
   const std::vector<PlacedBox> twice = {Box("chair", {2.2, 0, 0.45}, {0.5, 0.5, 0.9}),
                                         Box("chair", {2.01, 0, 0.45}, {0.5, 0.5, 0.9})};
-  const std::vector<BoxMatch> matches = MatchBoxes(twice, kTruth);
+  const std::vector<PlacedBoxMatch> matches = MatchPlacedBoxes(twice, kTruth);
   ASSERT_EQ(matches.size(), 1U);
   EXPECT_EQ(matches[0].estimated, 1U);
   EXPECT_EQ(matches[0].truth, 1U);
@@ -113,7 +113,7 @@ TEST(BoxScore, WhatIsMergedAndWhatIsSplitIsTold) {
   const std::vector<PlacedBox> mapped = {Box("chair", {0.3, 0, 0.45}, {1.1, 0.5, 0.9}),
                                          Box("sofa", {4.5, 0, 0.4}, {1, 0.9, 0.8}),
                                          Box("sofa", {5.5, 0, 0.4}, {1, 0.9, 0.8})};
-  const std::vector<BoxMatch> matches = MatchBoxes(mapped, truth);
+  const std::vector<PlacedBoxMatch> matches = MatchPlacedBoxes(mapped, truth);
   EXPECT_THAT(HoldersOfSeveral(mapped, truth, matches, kMinIou), ElementsAre(0U));
   EXPECT_THAT(HoldersOfSeveral(truth, mapped, Turned(matches), kMinIou), ElementsAre(2U));
 }
@@ -122,15 +122,16 @@ TEST(BoxScore, ATableDoesNotMergeTheChairsUnderIt) {
   const std::vector<PlacedBox> both = {Box("table", {0, 0, 0.4}, {1.6, 1.2, 0.8}),
                                        Box("chair", {0.3, 0.3, 0.4}, {0.5, 0.5, 0.75}),
                                        Box("chair", {-0.3, 0.3, 0.4}, {0.5, 0.5, 0.75})};
-  EXPECT_THAT(HoldersOfSeveral(both, both, MatchBoxes(both, both), kMinIou), IsEmpty());
+  EXPECT_THAT(HoldersOfSeveral(both, both, MatchPlacedBoxes(both, both), kMinIou), IsEmpty());
   // It does where nothing else was mapped there.
   const std::vector<PlacedBox> table = {both[0]};
-  EXPECT_THAT(HoldersOfSeveral(table, both, MatchBoxes(table, both), kMinIou), ElementsAre(0U));
+  EXPECT_THAT(HoldersOfSeveral(table, both, MatchPlacedBoxes(table, both), kMinIou),
+              ElementsAre(0U));
 }
 
 TEST(BoxScore, OfNothingNothingIsMissed) {
-  EXPECT_THAT(MatchBoxes({}, kTruth), IsEmpty());
-  EXPECT_THAT(MatchBoxes(kMapped, {}), IsEmpty());
+  EXPECT_THAT(MatchPlacedBoxes({}, kTruth), IsEmpty());
+  EXPECT_THAT(MatchPlacedBoxes(kMapped, {}), IsEmpty());
   EXPECT_EQ(ScoreBoxes({}, {}, {}, 0.25).recall(), 1);
   EXPECT_EQ(ScoreBoxes({}, kTruth, {}, 0.25).recall(), 0);
   EXPECT_EQ(ScoreBoxes({}, kTruth, {}, 0.25).precision(), 1);

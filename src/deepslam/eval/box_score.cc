@@ -38,28 +38,28 @@ double BoxIou(const PlacedBox& a, const PlacedBox& b) {
   return all_m3 > 0 ? std::clamp(shared_m3 / all_m3, 0.0, 1.0) : 0;
 }
 
-std::vector<BoxMatch> MatchBoxes(std::span<const PlacedBox> estimated,
-                                 std::span<const PlacedBox> truth) {
-  std::vector<BoxMatch> pairs;
+std::vector<PlacedBoxMatch> MatchPlacedBoxes(std::span<const PlacedBox> estimated,
+                                             std::span<const PlacedBox> truth) {
+  std::vector<PlacedBoxMatch> pairs;
   for (std::size_t t = 0; t < truth.size(); ++t) {
     for (std::size_t e = 0; e < estimated.size(); ++e) {
       const double iou = BoxIou(estimated[e], truth[t]);
       if (iou > 0) pairs.push_back({e, t, iou});
     }
   }
-  std::ranges::sort(pairs, {}, [](const BoxMatch& pair) {
+  std::ranges::sort(pairs, {}, [](const PlacedBoxMatch& pair) {
     return std::tuple(-pair.iou, pair.truth, pair.estimated);
   });
   std::vector<char> truth_taken(truth.size(), 0);
   std::vector<char> estimated_taken(estimated.size(), 0);
-  std::vector<BoxMatch> matches;
-  for (const BoxMatch& pair : pairs) {
+  std::vector<PlacedBoxMatch> matches;
+  for (const PlacedBoxMatch& pair : pairs) {
     if (truth_taken[pair.truth] != 0 || estimated_taken[pair.estimated] != 0) continue;
     truth_taken[pair.truth] = 1;
     estimated_taken[pair.estimated] = 1;
     matches.push_back(pair);
   }
-  std::ranges::sort(matches, {}, &BoxMatch::truth);
+  std::ranges::sort(matches, {}, &PlacedBoxMatch::truth);
   return matches;
 }
 
@@ -78,13 +78,13 @@ BoxScore& BoxScore::operator+=(const BoxScore& other) {
 
 BoxScore ScoreBoxes(std::span<const PlacedBox> estimated,
                     std::span<const PlacedBox> truth,
-                    std::span<const BoxMatch> matches,
+                    std::span<const PlacedBoxMatch> matches,
                     double min_iou) {
   BoxScore score;
   score.min_iou = min_iou;
   score.num_true = static_cast<int>(truth.size());
   score.num_estimated = static_cast<int>(estimated.size());
-  for (const BoxMatch& match : matches) {
+  for (const PlacedBoxMatch& match : matches) {
     if (match.iou < min_iou) continue;
     ++score.num_found;
     if (estimated[match.estimated].class_name == truth[match.truth].class_name)
@@ -95,10 +95,10 @@ BoxScore ScoreBoxes(std::span<const PlacedBox> estimated,
 
 Confusions CountConfusions(std::span<const PlacedBox> estimated,
                            std::span<const PlacedBox> truth,
-                           std::span<const BoxMatch> matches,
+                           std::span<const PlacedBoxMatch> matches,
                            double min_iou) {
   Confusions confusions;
-  for (const BoxMatch& match : matches) {
+  for (const PlacedBoxMatch& match : matches) {
     const std::string& mapped = estimated[match.estimated].class_name;
     const std::string& right = truth[match.truth].class_name;
     if (match.iou >= min_iou && mapped != right) ++confusions[{right, mapped}];
@@ -108,10 +108,10 @@ Confusions CountConfusions(std::span<const PlacedBox> estimated,
 
 std::vector<std::size_t> HoldersOfSeveral(std::span<const PlacedBox> holders,
                                           std::span<const PlacedBox> held,
-                                          std::span<const BoxMatch> matches,
+                                          std::span<const PlacedBoxMatch> matches,
                                           double min_iou) {
   std::vector<std::size_t> holder_of(held.size(), holders.size());
-  for (const BoxMatch& match : matches) {
+  for (const PlacedBoxMatch& match : matches) {
     if (match.iou >= min_iou) holder_of[match.truth] = match.estimated;
   }
   std::vector<std::size_t> several;
@@ -126,9 +126,10 @@ std::vector<std::size_t> HoldersOfSeveral(std::span<const PlacedBox> holders,
   return several;
 }
 
-std::vector<BoxMatch> Turned(std::span<const BoxMatch> matches) {
-  std::vector<BoxMatch> turned;
-  for (const BoxMatch& match : matches) turned.push_back({match.truth, match.estimated, match.iou});
+std::vector<PlacedBoxMatch> Turned(std::span<const PlacedBoxMatch> matches) {
+  std::vector<PlacedBoxMatch> turned;
+  for (const PlacedBoxMatch& match : matches)
+    turned.push_back({match.truth, match.estimated, match.iou});
   return turned;
 }
 

@@ -23,14 +23,14 @@ inline constexpr std::string_view kBoxProtocol =
 // they lean besides is left out. In [0, 1].
 [[nodiscard]] double BoxIou(const PlacedBox& a, const PlacedBox& b);
 
-struct BoxMatch {
+struct PlacedBoxMatch {
   std::size_t estimated = 0;
   std::size_t truth = 0;
   double iou = 0;  // above 0
 };
 // Pairs of the greatest IoU first, each box once. Ordered by truth.
-[[nodiscard]] std::vector<BoxMatch> MatchBoxes(std::span<const PlacedBox> estimated,
-                                               std::span<const PlacedBox> truth);
+[[nodiscard]] std::vector<PlacedBoxMatch> MatchPlacedBoxes(std::span<const PlacedBox> estimated,
+                                                           std::span<const PlacedBox> truth);
 
 struct BoxScore {
   double min_iou = 0;
@@ -47,14 +47,14 @@ struct BoxScore {
 };
 [[nodiscard]] BoxScore ScoreBoxes(std::span<const PlacedBox> estimated,
                                   std::span<const PlacedBox> truth,
-                                  std::span<const BoxMatch> matches,
+                                  std::span<const PlacedBoxMatch> matches,
                                   double min_iou);
 
 // How often a true class was mapped as a class: (true, mapped), of matches of this IoU at least.
 using Confusions = std::map<std::pair<std::string, std::string>, int>;
 [[nodiscard]] Confusions CountConfusions(std::span<const PlacedBox> estimated,
                                          std::span<const PlacedBox> truth,
-                                         std::span<const BoxMatch> matches,
+                                         std::span<const PlacedBoxMatch> matches,
                                          double min_iou);
 
 // Boxes of `holders` that hold the middles of two or more of `held`. A middle counts only where its
@@ -62,9 +62,9 @@ using Confusions = std::map<std::pair<std::string, std::string>, int>;
 // `matches` has (holder, held) as (estimated, truth). Ascending positions.
 [[nodiscard]] std::vector<std::size_t> HoldersOfSeveral(std::span<const PlacedBox> holders,
                                                         std::span<const PlacedBox> held,
-                                                        std::span<const BoxMatch> matches,
+                                                        std::span<const PlacedBoxMatch> matches,
                                                         double min_iou);
 // The same matches seen from the other side, for what was split.
-[[nodiscard]] std::vector<BoxMatch> Turned(std::span<const BoxMatch> matches);
+[[nodiscard]] std::vector<PlacedBoxMatch> Turned(std::span<const PlacedBoxMatch> matches);
 
 }  // namespace deepslam::eval
