@@ -101,12 +101,15 @@ Result<Odometry> RefinePath(Odometry tracked,
                             const RefinementOptions& options,
                             const EdgeStoreFactory& new_store,
                             Progress& progress) {
-  if (!options.covisible.enabled) return tracked;
-  auto measured = MeasureCovisible(tracked, std::move(pyramids), options, new_store(), progress);
+  if (!options.covisible.enabled && !options.has_other_edges) return tracked;
+  auto measured =
+      options.covisible.enabled
+          ? MeasureCovisible(tracked, std::move(pyramids), options, new_store(), progress)
+          : Result<SharedEdges>(SharedEdges(new_store()));
   ReturnFreedMemory(kMostHeldBytes);  // the pyramids'
   if (!measured.ok()) return measured.error();
   if (progress.StopRequested()) return Interrupted();
-  if ((*measured)->size() == 0) return tracked;
+  if ((*measured)->size() == 0 && !options.has_other_edges) return tracked;
   Odometry refined = std::move(tracked);
   refined.more_edges = *measured;
   Result<std::vector<TrackedFrame>> solved = Solve(refined, options);

@@ -18,6 +18,8 @@ struct RefinementOptions {
   alignment::AlignmentOptions alignment;  // as tracking aligns
   // Keyframes over which tracking's own edges may reach: those it looks back at when it is lost.
   int most_keyframes_back = 12;
+  // The odometry has edges that its poses do not follow yet (recorded_edges.h): solved in any case.
+  bool has_other_edges = false;
 };
 
 // For keyframes of these frames: to be given those that tracking has read, then to RefinePath.

@@ -18,12 +18,18 @@ struct TrackedPath {
   std::vector<Pose3> world_from_camera_as_tracked;  // of each frame, before the path was refined
 };
 
-// Errors are those of EstimateOdometry and RefinePath.
+// The poses that came with the capture are not looked at (kNone), or are where tracking starts,
+// what it goes on by where it is lost, and weak edges of the graph (kAsPrior; recorded_edges.h).
+enum class RecordedPath { kNone, kAsPrior };
+
+// Errors are those of EstimateOdometry and RefinePath, and InvalidInput where poses are a prior and
+// the capture has none.
 [[nodiscard]] Result<TrackedPath> TrackPath(const FrameSource& frames,
                                             const tracking::OdometryOptions& options,
                                             const loop::CovisibleOptions& covisible,
                                             const EdgeStoreFactory& new_store,
-                                            Progress& progress);
+                                            Progress& progress,
+                                            RecordedPath recorded = RecordedPath::kNone);
 
 // By the poses that came with the capture, which are not refined. Errors are those of
 // OdometryFromCapturePoses.

@@ -73,14 +73,21 @@ Status MarkUnreadable(const FrameSource& frames, Progress& progress, Odometry& o
 
 }  // namespace
 
+RecordedPoses RecordedPosesOf(const FrameSource& frames) {
+  return [&frames](FrameIdx frame) {
+    const std::optional<Pose3> pose = frames.capture_world_from_camera(frame);
+    return Usable(pose) ? pose : std::nullopt;
+  };
+}
+
 Result<Odometry> OdometryFromCapturePoses(const FrameSource& frames,
                                           const OdometryOptions& options,
                                           Progress& progress) {
+  const RecordedPoses recorded = RecordedPosesOf(frames);
   std::vector<std::optional<Pose3>> poses;
   std::vector<double> times_s;
   for (std::int32_t k = 0; k < frames.num_frames(); ++k) {
-    const std::optional<Pose3> pose = frames.capture_world_from_camera(FrameIdx{k});
-    poses.push_back(Usable(pose) ? pose : std::nullopt);
+    poses.push_back(recorded(FrameIdx{k}));
     times_s.push_back(frames.time_s(FrameIdx{k}));
   }
   const auto first =

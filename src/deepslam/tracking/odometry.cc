@@ -63,8 +63,14 @@ class Pipeline {
   Pipeline(const FrameSource& frames,
            const OdometryOptions& options,
            Progress& progress,
-           const std::function<void(ReadKeyframe)>& take)
-      : frames_(frames), options_(options), progress_(progress), take_(take), tracker_(options) {}
+           const std::function<void(ReadKeyframe)>& take,
+           const RecordedPoses& recorded)
+      : frames_(frames),
+        options_(options),
+        progress_(progress),
+        take_(take),
+        recorded_(recorded),
+        tracker_(options) {}
 
   Result<Odometry> Run() {
     const std::size_t num_frames = static_cast<std::size_t>(frames_.num_frames());
@@ -90,7 +96,10 @@ class Pipeline {
 
   void Align(FrameIdx frame, PreparedFrame prepared) {
     if (prepared.pyramid == nullptr) faults_.Add(frame, prepared.fault, progress_);
-    tracker_.Add(frame, frames_.time_s(frame), prepared.pyramid);
+    tracker_.Add(frame,
+                 frames_.time_s(frame),
+                 prepared.pyramid,
+                 recorded_ ? recorded_(frame) : std::nullopt);
     if (take_) HandOver(frame, std::move(prepared));
   }
 
@@ -127,6 +136,7 @@ class Pipeline {
   const OdometryOptions& options_;
   Progress& progress_;
   const std::function<void(ReadKeyframe)>& take_;
+  const RecordedPoses& recorded_;
   Tracker tracker_;
   FrameIdx last_;                // aligned last, and what it was made of while it may still become
   PreparedFrame last_prepared_;  // a keyframe
@@ -138,9 +148,10 @@ class Pipeline {
 Result<Odometry> EstimateOdometry(const FrameSource& frames,
                                   const OdometryOptions& options,
                                   Progress& progress,
-                                  const std::function<void(ReadKeyframe)>& take) {
+                                  const std::function<void(ReadKeyframe)>& take,
+                                  const RecordedPoses& recorded) {
   if (frames.num_frames() <= 0) return InvalidInput("the capture has no frames");
-  return Pipeline(frames, options, progress, take).Run();
+  return Pipeline(frames, options, progress, take, recorded).Run();
 }
 
 }  // namespace deepslam::tracking

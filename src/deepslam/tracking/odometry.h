@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/progress.h"
@@ -31,13 +32,21 @@ struct ReadKeyframe {
   DepthImage depth_m;
 };
 
+// The poses that came with the capture, where tracking starts from and goes on by where it is lost
+// (--poses prior): world from camera, in a world of their own; nothing of frames that have none.
+using RecordedPoses = std::function<std::optional<Pose3>(FrameIdx)>;
+
 // Stage `track`. `take` is given keyframes as they are found, in their order and one at a time:
 // most of them, and some that are given up later. InvalidInput when no frame, or less than half of
 // them, could be read, or none has usable depth.
 [[nodiscard]] Result<Odometry> EstimateOdometry(const FrameSource& frames,
                                                 const OdometryOptions& options,
                                                 Progress& progress,
-                                                const std::function<void(ReadKeyframe)>& take = {});
+                                                const std::function<void(ReadKeyframe)>& take = {},
+                                                const RecordedPoses& recorded = {});
+
+// Those of a capture that are usable: finite, a rotation.
+[[nodiscard]] RecordedPoses RecordedPosesOf(const FrameSource& frames);
 
 // The poses that came with the capture, in the tracking world (--poses capture). Frames without one
 // are interpolated between their neighbours (kLost); keyframes by the same rule of distance and

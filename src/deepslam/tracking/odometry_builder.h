@@ -25,6 +25,10 @@ class OdometryBuilder {
   void AddAligned(const PosedFrame& frame,
                   FrameIdx keyframe,
                   const alignment::FrameAlignment& alignment);
+  // Not aligned, but placed by the recorder's poses.
+  void AddCarried(const PosedFrame& frame, FrameIdx keyframe) {
+    AddUnaligned(frame, keyframe, TrackingStatus::kDegenerate);
+  }
   // With the pose of the frame before.
   void AddUnaligned(const PosedFrame& frame, FrameIdx keyframe, TrackingStatus status);
 

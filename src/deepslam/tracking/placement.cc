@@ -67,12 +67,24 @@ std::optional<Pose3> SearchTurn(const PosedFrame& reference, const PosedFrame& f
 
 }  // namespace
 
+std::optional<Pose3> RecordedPose(const PosedFrame& previous, const PosedFrame& frame) {
+  if (!previous.recorded || !frame.recorded) return std::nullopt;
+  return previous.world_from_camera * (previous.recorded->Inverse() * *frame.recorded);
+}
+
+std::optional<Pose3> PredictedPose(const PathSoFar& path, const PosedFrame& frame) {
+  if (const auto recorded = RecordedPose(path.previous, frame)) return recorded;
+  const auto motion = path.motion.Predict(frame.clock_s - path.previous.clock_s);
+  if (!motion) return std::nullopt;
+  return path.previous.world_from_camera * *motion;
+}
+
 Starts StartsBehindPrevious(const PathSoFar& path, const PosedFrame& frame) {
   const PosedFrame& previous = path.previous;
   Starts starts;
   if (path.options.motion_prediction) {
-    if (const auto motion = path.motion.Predict(frame.clock_s - previous.clock_s))
-      starts.world_from_camera.push_back(previous.world_from_camera * *motion);
+    if (const auto predicted = PredictedPose(path, frame))
+      starts.world_from_camera.push_back(*predicted);
   }
   starts.world_from_camera.push_back(previous.world_from_camera);
   if (path.options.rotation_search) starts.turned_from = &previous;

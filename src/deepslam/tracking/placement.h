@@ -24,12 +24,19 @@ struct PathSoFar {
   const MotionModel& motion;   // ... and how it came there
 };
 
+// World from the camera of a frame: moved since the frame placed last as the recorder says, where
+// it says it of both, else carried on by constant velocity. Nothing where neither is known.
+[[nodiscard]] std::optional<Pose3> PredictedPose(const PathSoFar& path, const PosedFrame& frame);
+// The former alone.
+[[nodiscard]] std::optional<Pose3> RecordedPose(const PosedFrame& previous,
+                                                const PosedFrame& frame);
+
 struct Starts {
   std::vector<Pose3> world_from_camera;     // the likeliest first; at least one
   const PosedFrame* turned_from = nullptr;  // whose image a turn is searched for in, if need be
 };
 
-// Where the camera is expected (constant velocity), or was; and turned from there.
+// Where the camera is expected (PredictedPose), or was; and turned from there.
 [[nodiscard]] Starts StartsBehindPrevious(const PathSoFar& path, const PosedFrame& frame);
 
 // Alignments of real captures that are right are: enough inliers and images that are alike, or

@@ -31,10 +31,7 @@ MotionLikelihood LikelihoodOfMotion(const PathSoFar& path,
   ExpectedMotion expected;
   expected.world_from_last = last.world_from_camera;
   expected.duration_s = frame.clock_s - last.clock_s;
-  if (last.frame == path.previous.frame) {
-    const auto motion = path.motion.Predict(frame.clock_s - path.previous.clock_s);
-    if (motion) expected.world_from_predicted = path.previous.world_from_camera * *motion;
-  }
+  if (last.frame == path.previous.frame) expected.world_from_predicted = PredictedPose(path, frame);
   expected.sigma = path.motion.SigmaOfStart(expected.duration_s);
   return LikelihoodOf(world_from_camera, expected);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "deepslam/alignment/free_space.h"
 #include "deepslam/alignment/image_pyramid.h"
@@ -17,6 +18,8 @@ struct PosedFrame {
   std::shared_ptr<const alignment::FramePyramid> pyramid;
   Pose3 world_from_camera;
   int sub_trajectory = 0;
+  // World from camera by whoever recorded it, in a world of its own; nothing where it has none.
+  std::optional<Pose3> recorded;
   // Since the keyframe before, a degenerate direction of its motion was predicted alone.
   bool remapped = false;
 

@@ -20,15 +20,18 @@ Tracker::Tracker(const OdometryOptions& options)
       keyframes_(options.num_relocalisation_keyframes),
       odometry_(options) {}
 
-void Tracker::Add(FrameIdx idx, double time_s, std::shared_ptr<const FramePyramid> pyramid) {
-  PosedFrame frame{idx, time_s, clock_.Advance(time_s), std::move(pyramid), Pose3{}};
+void Tracker::Add(FrameIdx idx,
+                  double time_s,
+                  std::shared_ptr<const FramePyramid> pyramid,
+                  const std::optional<Pose3>& recorded) {
+  PosedFrame frame{idx, time_s, clock_.Advance(time_s), std::move(pyramid), Pose3{}, 0, recorded};
   if (frame.pyramid == nullptr) return AddUnaligned(frame, TrackingStatus::kUnreadable);
   if (!IsUsable(*frame.pyramid)) return AddUnaligned(frame, TrackingStatus::kLost);
   if (!frame.pyramid->one_depth && !std::exchange(seen_measured_, true)) ForgetOneDepth();
   frame.sub_trajectory = sub_trajectories_.newest();
   if (keyframes_.empty()) return Begin(frame);
   const bool is_placed = AlignToReference(frame) || AlignToPrevious(frame) || Relocalise(frame) ||
-                         BeginSubTrajectory(frame);
+                         CarryOn(frame) || BeginSubTrajectory(frame);
   if (!is_placed) Lose(frame);
 }
 
@@ -106,6 +109,25 @@ bool Tracker::Relocalise(PosedFrame& frame) {
   return true;
 }
 
+// Where nothing fits, the path goes on as the recorder has it.
+bool Tracker::CarryOn(PosedFrame& frame) {
+  const std::optional<Pose3> recorded = RecordedPose(*previous_, frame);
+  if (!recorded) return false;
+  frame.world_from_camera = *recorded;
+  frame.sub_trajectory = previous_->sub_trajectory;
+  motion_.Forget();
+  pending_.reset();
+  previous_to_keyframe_.reset();
+  if (IsFarFrom(keyframes_.last().world_from_camera, frame.world_from_camera, options_)) {
+    odometry_.AddUncertainEdge(keyframes_.last(), frame);
+    PushKeyframe(frame);
+  }
+  odometry_.AddCarried(frame, keyframes_.last().frame);
+  sub_trajectories_.Add(frame.sub_trajectory);
+  previous_ = frame;
+  return true;
+}
+
 // The frame before was lost as well, but the two fit together.
 bool Tracker::BeginSubTrajectory(PosedFrame& frame) {
   if (!pending_) return false;
@@ -144,7 +166,14 @@ void Tracker::AddAligned(const PosedFrame& frame, const FrameAlignment& found) {
 void Tracker::AddUnaligned(PosedFrame frame, TrackingStatus status) {
   if (previous_) frame.world_from_camera = previous_->world_from_camera;
   const FrameIdx keyframe = keyframes_.empty() ? FrameIdx{} : keyframes_.last().frame;
-  odometry_.AddUnaligned(frame, keyframe, status);
+  // Without depth there is nothing to align, but the recorder may have seen more.
+  const auto recorded = previous_ ? RecordedPose(*previous_, frame) : std::nullopt;
+  if (recorded && status == TrackingStatus::kLost) {
+    frame.world_from_camera = *recorded;
+    odometry_.AddCarried(frame, keyframe);
+  } else {
+    odometry_.AddUnaligned(frame, keyframe, status);
+  }
   sub_trajectories_.Add(previous_ ? previous_->sub_trajectory : 0);
 }
 

@@ -25,7 +25,11 @@ class Tracker {
   explicit Tracker(const OdometryOptions& options);
 
   // Frames must come in order, none left out. Null: the frame was unreadable.
-  void Add(FrameIdx frame, double time_s, std::shared_ptr<const alignment::FramePyramid> pyramid);
+  // `recorded`: PosedFrame::recorded.
+  void Add(FrameIdx frame,
+           double time_s,
+           std::shared_ptr<const alignment::FramePyramid> pyramid,
+           const std::optional<Pose3>& recorded = std::nullopt);
 
   // Nothing before the first.
   [[nodiscard]] std::optional<FrameIdx> newest_keyframe() const;
@@ -43,6 +47,7 @@ class Tracker {
   bool AlignToReference(PosedFrame& frame);
   bool AlignToPrevious(PosedFrame& frame);
   bool Relocalise(PosedFrame& frame);
+  bool CarryOn(PosedFrame& frame);
   bool BeginSubTrajectory(PosedFrame& frame);
   // ... and what becomes of those that are placed, and that are not.
   void Begin(const PosedFrame& frame);
