@@ -30,6 +30,9 @@ set(deepslam_package_of_protobuf Protobuf)
 set(deepslam_package_of_ZLIB ZLIB)
 set(deepslam_package_of_JPEG JPEG)
 set(deepslam_package_of_PNG PNG)
+set(deepslam_package_of_TIFF TIFF)
+set(deepslam_package_of_OpenEXR OpenEXR)
+set(deepslam_package_of_SQLite SQLite3)
 set(deepslam_package_of_Ceres Ceres)
 set(deepslam_package_of_OpenMeshTools OpenMesh)
 set(deepslam_package_of_OpenMeshCore OpenMesh)
@@ -106,6 +109,8 @@ install(FILES "${deepslam_onnxruntime_file}" DESTINATION ${DEEPSLAM_PRIVATE_LIBD
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam)
 install(PROGRAMS scripts/sample.sh scripts/furniture.sh scripts/fetch_weights.sh
         DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
+install(PROGRAMS scripts/import_recording.py DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
+install(FILES scripts/import_requirements.txt DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
 install(FILES scripts/npm_files.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
 # dpkg-shlibdeps finds it under that name here.
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/installed/lib")

@@ -81,5 +81,5 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Static libraries, headers and find_pac
 # What deepslamConfig.cmake looks for.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "deepslam (= ${PROJECT_VERSION}), cmake, libblosc-dev, libceres-dev, \
 libcgal-dev, libdraco-dev, libeigen3-dev, libembree-dev, libfmt-dev, libjpeg-dev, libmeshoptimizer-dev, libnanoflann-dev, libopen3d-dev, \
-libopencv-dev, libopenmesh-dev, libpng-dev, libprotobuf-dev, libssl-dev, libtbb-dev, libtinyobjloader-dev, libwebp-dev, libyaml-cpp-dev, libzip-dev, nlohmann-json3-dev, zlib1g-dev")
+libopencv-dev, libopenexr-dev, libopenmesh-dev, libpng-dev, libprotobuf-dev, libsqlite3-dev, libssl-dev, libtbb-dev, libtiff-dev, libtinyobjloader-dev, libwebp-dev, libyaml-cpp-dev, libzip-dev, nlohmann-json3-dev, zlib1g-dev")
 include(CPack)

@@ -407,7 +407,8 @@ void AddBatch(CLI::App& app, Command& chosen) {
   batch_command
       ->add_option("--poses",
                    arguments->poses,
-                   "track: estimate camera poses; capture: use those of the captures")
+                   "track: estimate camera poses; capture: use those of the captures; prior: start "
+                   "from them")
       ->check(CLI::IsMember({"track", "capture"}));
   batch_command->add_option("--until", arguments->until, "Last stage to run");
   batch_command

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "console.h"
 #include "deepslam/convert/convert.h"
+#include "deepslam/convert/posed_frames.h"
 #include "deepslam/layouts/open_capture.h"
 
 namespace deepslam::tools {
@@ -17,6 +18,7 @@ struct ConvertArguments {
   std::string out;
   std::string to;
   double depth_units_per_m = 0;
+  std::string trajectory;
   std::string progress = "auto";
 };
 
@@ -25,9 +27,13 @@ int Convert(const ConvertArguments& arguments) {
     return ReportError(InvalidConfig("OUT: names no folder or file; give the result's"));
   const convert::OutputFormat* format = convert::FindOutputFormat(arguments.to);
   CatchStopSignals();
-  const Result<dataset::Capture> capture =
+  Result<dataset::Capture> capture =
       layouts::OpenCapture(arguments.in, layouts::FramesTaken::kAll);
   if (!capture.ok()) return ReportError(capture.error());
+  if (!arguments.trajectory.empty()) {
+    if (Status taken = convert::TakePosesOf(arguments.trajectory, *capture); !taken.ok())
+      return ReportError(taken.error());
+  }
   for (const std::string& warning : capture->warnings) LogWarning(warning);
   ConsoleListener listener(ParseProgressStyle(arguments.progress), false);
   listener.StageStarts("convert", {});
@@ -68,7 +74,7 @@ void AddConvert(CLI::App& app, Command& chosen) {
   std::vector<std::string> names;
   for (const convert::OutputFormat& format : convert::OutputFormats())
     names.emplace_back(format.name);
-  convert->add_option("--to", arguments->to, "Layout to write: tum, 7scenes, scannet or open3d")
+  convert->add_option("--to", arguments->to, "Layout to write: tum, 7scenes, scannet, open3d, nerfstudio or colmap")
       ->required()
       ->check(CLI::IsMember(names));
   convert
@@ -77,6 +83,10 @@ void AddConvert(CLI::App& app, Command& chosen) {
                    "Raw depth of one metre in the result, 1/m; default: the source's where the "
                    "layout can hold it")
       ->check(CLI::Range(1.0, 1e6));
+  convert->add_option("--trajectory",
+                      arguments->trajectory,
+                      "Poses to write instead of the capture's: the folder of a run, or a list "
+                      "'time tx ty tz qx qy qz qw'");
   convert->add_option("--progress", arguments->progress, "auto, bar, json or none")
       ->check(CLI::IsMember({"auto", "bar", "json", "none"}))
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
 #include "deepslam/layouts/open_capture.h"
+#include "deepslam/layouts/suggest_settings.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/stages/data_folder.h"
 #include "deepslam/stages/model_cache.h"
@@ -126,6 +127,23 @@ std::string Registration(const dataset::Capture& capture) {
                      cameras.colour_from_depth == Pose3() ? "resampled to" : "registered to");
 }
 
+// Which --poses fits: those of a recorder help tracking where all frames have one, and replace it
+// only where they were measured from outside.
+std::string PosesThatFit(const dataset::Capture& capture) {
+  if (!capture.has_poses) return "";
+  if (!capture.poses_fault.empty())
+    return "; use --poses track: those that came with it are misread";
+  const std::vector<dataset::StoredFrame>& frames = capture.stored->frames();
+  const auto num_posed = std::ranges::count_if(frames, [](const dataset::StoredFrame& frame) {
+    return frame.world_from_colour.has_value();
+  });
+  return fmt::format(
+      "; {} of {} frames have poses that fit the depth: --poses prior starts tracking from them, "
+      "--poses capture takes them as they are (true ones alone)",
+      num_posed,
+      frames.size());
+}
+
 Finding CheckCapture(const std::string& folder) {
   const Result<dataset::Capture> capture = layouts::OpenCapture(folder);
   if (!capture.ok()) return {"capture", false, capture.error().message};
@@ -142,11 +160,40 @@ Finding CheckCapture(const std::string& folder) {
       capture->has_poses ? ", with poses" : "",
       kBaseSeconds + kSecondsPerFrame * frames,
       5 + kBytesPerFrame * frames / 1e6);
+  detail += PosesThatFit(*capture);
   for (const std::string& warning : capture->warnings) detail += "; " + warning;
   return {"capture", true, detail};
 }
 
-int Doctor(const std::string& capture, const std::string& data, const ConfigSources& sources) {
+// Of a capture that is read as it is there is nothing to write.
+Finding WriteSettings(const std::string& folder) {
+  const std::string what = "capture.yaml";
+  const Result<dataset::Capture> capture = layouts::OpenCapture(folder);
+  if (capture.ok())
+    return {what, true, "not needed: " + folder + " is read as layout " + capture->format};
+  const Result<dataset::CaptureSettings> settings = layouts::SuggestSettings(folder);
+  if (!settings.ok()) return {what, false, settings.error().message};
+  const Status written = layouts::WriteSuggestedSettings(folder, *settings);
+  if (!written.ok()) return {what, false, written.error().message};
+  return {what,
+          true,
+          fmt::format("written to {}; assumed: {}; correct what is assumed, and take it out of "
+                      "'assumed'",
+                      (fs::path(folder) / what).string(),
+                      fmt::join(settings->assumed, ", "))};
+}
+
+struct DoctorArguments {
+  std::string capture;
+  std::string data;
+  bool write_capture_yaml = false;
+  ConfigSources sources;
+};
+
+int Doctor(const DoctorArguments& arguments) {
+  const auto& [capture, data, write_capture_yaml, sources] = arguments;
+  if (write_capture_yaml && capture.empty())
+    return ReportError(InvalidInput("--write-capture-yaml: name the CAPTURE to write it for"));
   const Result<stages::Config> config = ReadConfig(sources);
   if (!config.ok()) return ReportError(config.error());
   const fs::path data_folder = stages::FindDataFolder(data);
@@ -165,6 +212,7 @@ int Doctor(const std::string& capture, const std::string& data, const ConfigSour
       classes.ok() ? Finding{"classes", true, fmt::format("{} classes", classes->classes.size())}
                    : Finding{"classes", false, classes.error().message});
   if (classes.ok()) findings.push_back(CheckNetworks(data_folder, *config, *classes));
+  if (write_capture_yaml) findings.push_back(WriteSettings(capture));
   if (!capture.empty()) findings.push_back(CheckCapture(capture));
 
   JsonArray rows;
@@ -193,22 +241,16 @@ int Doctor(const std::string& capture, const std::string& data, const ConfigSour
 }  // namespace
 
 void AddDoctor(CLI::App& app, Command& chosen) {
-  struct Arguments {
-    std::string capture;
-    std::string data;
-    ConfigSources sources;
-  };
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DoctorArguments>();
   CLI::App* doctor = app.add_subcommand(
       "doctor", "What is installed, what is missing and how to get it; what a run would take");
   doctor->add_option("CAPTURE", arguments->capture, "Also look at this capture");
   doctor->add_option("--data", arguments->data, "Folder of weights and furniture library");
+  doctor->add_flag("--write-capture-yaml",
+                   arguments->write_capture_yaml,
+                   "Write CAPTURE/capture.yaml as far as the images tell, with what is assumed");
   AddConfigOptions(*doctor, arguments->sources);
-  doctor->callback([&chosen, arguments] {
-    chosen = [arguments] {
-      return Doctor(arguments->capture, arguments->data, arguments->sources);
-    };
-  });
+  doctor->callback([&chosen, arguments] { chosen = [arguments] { return Doctor(*arguments); }; });
 }
 
 }  // namespace deepslam::tools

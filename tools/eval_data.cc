@@ -12,8 +12,8 @@
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/dataset/capture_settings.h"
 #include "deepslam/dataset/image_files.h"
+#include "deepslam/formats/tum_lists.h"
 #include "deepslam/geometry/box.h"
-#include "deepslam/layouts/tum_lists.h"
 #include "deepslam/pipeline/consistency.h"
 #include "deepslam/shape/binvox.h"
 #include "deepslam/shape/voxelize.h"
@@ -224,11 +224,11 @@ Result<std::vector<TimedPose>> ReadCaptureTum(const fs::path& file) {
   const Result<std::string> text = storage::ReadFile(file);
   if (!text.ok()) return text.error();
   std::vector<std::string> warnings;
-  const Result<std::vector<layouts::TimedPose>> parsed = layouts::ParsePoses(*text, file, warnings);
+  const Result<std::vector<formats::TimedPose>> parsed = formats::ParsePoses(*text, file, warnings);
   if (!parsed.ok()) return parsed.error();
   for (const std::string& warning : warnings) LogWarning(warning);
   std::vector<TimedPose> poses;
-  for (const layouts::TimedPose& pose : *parsed)
+  for (const formats::TimedPose& pose : *parsed)
     poses.push_back({pose.time_s, pose.world_from_camera});
   return poses;
 }

@@ -177,9 +177,11 @@ void AddRun(CLI::App& app, Command& chosen) {
          "-o,--output", arguments->workspace, "Workspace folder: all results, one folder per stage")
       ->required();
   AddConfigOptions(*run, arguments->config);
-  run->add_option("--poses",
-                  arguments->poses,
-                  "track: estimate camera poses; capture: use those of the capture")
+  run->add_option(
+         "--poses",
+         arguments->poses,
+         "track: estimate camera poses; capture: use those of the capture; prior: start from "
+         "them")
       ->check(CLI::IsMember({"track", "capture"}));
   run->add_option("--overrides",
                   arguments->overrides,

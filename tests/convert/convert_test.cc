@@ -1,8 +1,14 @@
 #include "deepslam/convert/convert.h"
 
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
 #include <gmock/gmock.h>
 
 #include <fmt/format.h>
+
+#include "deepslam/convert/posed_frames.h"
 
 #include "layouts/foreign_captures.h"
 #include "layouts/opened_capture.h"
@@ -156,9 +162,11 @@ TEST(Convert, EveryPairOfLayoutsGivesTheSameDepthWithinAMillimetre) {
   WriteTum(dir.path() / "source", -1);
   const dataset::Capture first = layouts::Open(dir.path() / "source");
   for (const OutputFormat& a : OutputFormats()) {
+    if (!a.holds_depth) continue;
     const fs::path middle = dir.path() / fmt::format("{}{}", a.name, a.is_file ? ".sens" : "");
     Convert(dir.path() / "source", middle, std::string(a.name));
     for (const OutputFormat& b : OutputFormats()) {
+      if (!b.holds_depth) continue;
       const fs::path last =
           dir.path() / fmt::format("{}-{}{}", a.name, b.name, b.is_file ? ".sens" : "");
       Convert(middle, last, std::string(b.name));
@@ -181,6 +189,7 @@ TEST(Layouts, GiveEveryNthFrame) {
   const TempDir dir;
   WriteTum(dir.path() / "source", -1);
   for (const OutputFormat& format : OutputFormats()) {
+    if (!format.holds_depth) continue;
     SCOPED_TRACE(format.name);
     const fs::path to =
         dir.path() / fmt::format("{}{}", format.name, format.is_file ? ".sens" : "");
@@ -318,6 +327,156 @@ TEST(Convert, SameInputGivesTheSameBytes) {
   Convert(dir.path() / "tum", dir.path() / "a.sens", "scannet");
   Convert(dir.path() / "tum", dir.path() / "b.sens", "scannet");
   EXPECT_EQ(ReadText(dir.path() / "a.sens"), ReadText(dir.path() / "b.sens"));
+}
+
+// --- for training elsewhere
+
+TEST(Convert, TumToNerfstudioKeepsPixelsAndPoses) {
+  const TempDir dir;
+  WriteTum(dir.path() / "tum", -1);
+  const ConversionReport report = Convert(dir.path() / "tum", dir.path() / "ns", "nerfstudio");
+  EXPECT_EQ(report.num_frames, kNumFrames);
+  const dataset::Capture first = layouts::Open(dir.path() / "tum");
+  const dataset::Capture last = layouts::Open(dir.path() / "ns");
+  EXPECT_EQ(last.format, "nerfstudio");
+  ASSERT_EQ(last.frames->num_frames(), kNumFrames);
+  const PinholeCamera& camera = last.frames->camera();
+  EXPECT_NEAR(camera.fx, 30.3, 1e-9);
+  EXPECT_NEAR(camera.cx, 15.5, 1e-9);
+  EXPECT_NEAR(camera.cy, 11.25, 1e-9);
+  for (int i = 0; i < kNumFrames; ++i) {
+    const Result<Frame> a = first.frames->Read(FrameIdx{i});
+    const Result<Frame> b = last.frames->Read(FrameIdx{i});
+    ASSERT_TRUE(a.ok() && b.ok());
+    EXPECT_EQ(a->colour, b->colour);
+    // Millimetres there.
+    for (int v = 0; v < 24; ++v) {
+      for (int u = 0; u < 32; ++u) ASSERT_NEAR(a->depth_m(u, v), b->depth_m(u, v), 0.00051);
+    }
+  }
+  ExpectEqualPoses(first, last, 1e-9, 1e-6);
+  // The centre of the first pixel is at (0.5, 0.5) there, and the camera's y up, its z back.
+  const std::string text = ReadText(dir.path() / "ns/transforms.json");
+  EXPECT_THAT(text, AllOf(HasSubstr("\"cx\": 16.0"), HasSubstr("\"cy\": 11.75")));
+}
+
+// Fields of the lines that are no comments.
+std::vector<std::vector<std::string>> Rows(const fs::path& file) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(ReadText(file));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    std::vector<std::string> row;
+    for (std::string field; fields >> field;) row.push_back(field);
+    if (!row.empty() && !row.front().starts_with('#')) rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(Convert, TumToColmapHasCamerasPosesAndPointsOfTheDepth) {
+  const TempDir dir;
+  WriteTum(dir.path() / "tum", -1);
+  const ConversionReport report = Convert(dir.path() / "tum", dir.path() / "colmap", "colmap");
+  EXPECT_THAT(report.losses, Contains(HasSubstr("depth")));
+  const fs::path model = dir.path() / "colmap/sparse/0";
+  const auto cameras = Rows(model / "cameras.txt");
+  ASSERT_EQ(cameras.size(), 1U);
+  EXPECT_EQ(cameras[0],
+            (std::vector<std::string>{"1", "PINHOLE", "32", "24", "30.3", "30.3", "16", "11.75"}));
+  const dataset::Capture capture = layouts::Open(dir.path() / "tum");
+  const auto images = Rows(model / "images.txt");
+  ASSERT_EQ(images.size(), std::size_t{kNumFrames});
+  for (int i = 0; i < kNumFrames; ++i) {
+    const std::vector<std::string>& row = images[static_cast<std::size_t>(i)];
+    ASSERT_EQ(row.size(), 10U);
+    const auto number = [&](std::size_t k) { return std::stod(row[k]); };
+    const Pose3 camera_from_world{
+        Eigen::Quaterniond(number(1), number(2), number(3), number(4)).normalized(),
+        {number(5), number(6), number(7)}};
+    EXPECT_THAT(camera_from_world.Inverse(),
+                PoseNear(*capture.frames->capture_world_from_camera(FrameIdx{i}), 1e-9, 1e-6));
+    EXPECT_EQ(ReadText(dir.path() / "colmap/images" / row[9]),
+              ReadText(dir.path() / fmt::format("tum/rgb/{}.jpg", i)));
+  }
+  // Each point lies on what some frame measured.
+  const auto points = Rows(model / "points3D.txt");
+  EXPECT_GT(points.size(), 50U);
+  for (const std::vector<std::string>& row : points) {
+    const Eigen::Vector3d p(std::stod(row[1]), std::stod(row[2]), std::stod(row[3]));
+    double nearest_m = 1e9;
+    for (int i = 0; i < kNumFrames; ++i) {
+      const Frame frame = *capture.frames->ReadDepth(FrameIdx{i});
+      const Eigen::Vector3d p_camera =
+          capture.frames->capture_world_from_camera(FrameIdx{i})->Inverse() * p;
+      const auto pixel = capture.frames->camera().Project(p_camera);
+      if (!pixel) continue;
+      const auto u = static_cast<int>(std::lround(pixel->x()));
+      const auto v = static_cast<int>(std::lround(pixel->y()));
+      if (!frame.depth_m.Contains(u, v)) continue;
+      nearest_m =
+          std::min(nearest_m, std::abs(static_cast<double>(frame.depth_m(u, v)) - p_camera.z()));
+    }
+    EXPECT_LT(nearest_m, 0.001);
+  }
+}
+
+TEST(Convert, TrainingNeedsPosesWhichARunGives) {
+  const TempDir dir;
+  WriteTum(dir.path() / "tum");
+  for (const char* format : {"nerfstudio", "colmap"}) {
+    const ConversionReport report = Convert(dir.path() / "tum", dir.path() / format, format);
+    EXPECT_EQ(report.num_frames, kNumFrames - 1);
+    EXPECT_THAT(report.losses, Contains(HasSubstr("1 frames without a pose were left out")));
+  }
+  fs::remove(dir.path() / "tum/groundtruth.txt");
+  dataset::Capture capture = layouts::Open(dir.path() / "tum");
+  const Result<ConversionReport> refused =
+      ConvertCapture(capture, dir.path() / "none", *FindOutputFormat("colmap"), 0, {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, HasSubstr("--trajectory"));
+  EXPECT_FALSE(fs::exists(dir.path() / "none"));
+  // The path of a run, as it lies there.
+  std::string path;
+  for (int i = 0; i < kNumFrames; ++i)
+    path += fmt::format("{:.9f} {} 0 0 0 0 0 1\n", capture.frames->time_s(FrameIdx{i}), i);
+  WriteText(dir.path() / "run/track/trajectory.tum", path);
+  ASSERT_TRUE(TakePosesOf(dir.path() / "run", capture).ok());
+  const Result<ConversionReport> taken =
+      ConvertCapture(capture, dir.path() / "ns", *FindOutputFormat("nerfstudio"), 0, {});
+  ASSERT_TRUE(taken.ok()) << taken.error().message;
+  EXPECT_THAT(*layouts::Open(dir.path() / "ns").frames->capture_world_from_camera(FrameIdx{3}),
+              PoseNear(Pose3{Eigen::Quaterniond::Identity(), {3, 0, 0}}, 1e-9, 1e-6));
+  EXPECT_FALSE(TakePosesOf(dir.path() / "nowhere", capture).ok());
+  WriteText(dir.path() / "other.tum", "5 0 0 0 0 0 0 1\n");
+  EXPECT_THAT(TakePosesOf(dir.path() / "other.tum", capture).error().message,
+              HasSubstr("no pose at the time"));
+}
+
+// A .sens may hold moments twice; readers of lists drop repeated times.
+TEST(Convert, FramesThatRepeatATimeAreAllReadBack) {
+  const TempDir dir;
+  layouts::foreign::SensOptions options;
+  options.num_frames = 24;
+  std::string bytes = layouts::foreign::Sens(options);
+  std::size_t at = layouts::foreign::SensHeader(options).size() + 8;
+  std::uint64_t before[2] = {0, 0};
+  for (int i = 0; i < options.num_frames; ++i) {
+    std::uint64_t sizes[2];
+    std::memcpy(sizes, bytes.data() + at + 80, sizeof sizes);
+    if (i == 10) std::memcpy(bytes.data() + at + 64, before, sizeof before);
+    std::memcpy(before, bytes.data() + at + 64, sizeof before);
+    at += 96 + sizes[0] + sizes[1];
+  }
+  WriteText(dir.path() / "a.sens", bytes);
+  const dataset::Capture capture = layouts::Open(dir.path() / "a.sens");
+  ASSERT_TRUE(capture.has_times);
+  const ConversionReport report = Convert(dir.path() / "a.sens", dir.path() / "tum", "tum");
+  EXPECT_THAT(report.losses, Contains(HasSubstr("repeat the time")));
+  const dataset::Capture back = layouts::Open(dir.path() / "tum");
+  ASSERT_EQ(back.frames->num_frames(), options.num_frames);
+  for (int i = 0; i < options.num_frames; ++i)
+    EXPECT_EQ(back.frames->ReadDepth(FrameIdx{i})->depth_m,
+              capture.frames->ReadDepth(FrameIdx{i})->depth_m);
 }
 
 }  // namespace

@@ -44,6 +44,7 @@ DRY = {
     r"scripts/(compare_open3d|open3d_reconstruction)\.py\b": "minutes, and needs another program",
     r"scripts/train/train\.sh\b": "trains for hours",
     r"scripts/path_agreement\.py\b": "needs packages of PyPI",
+    r"scripts/import_recording\.py\b": "needs packages of PyPI; ctest runs it where they are (import_recording)",
     r"deepslam priors look ": "needs an object of a class with networks; the world has tables",
     r"scripts/measure_noise\.py\b": "takes minutes; ctest runs it (noise_statistics)",
     r"deepslam synth configs/scenes/\S+( --rung \S+)? -o \S+$": "renders 120 frames; the world's capture is of the same kind",

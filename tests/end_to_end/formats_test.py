@@ -285,6 +285,40 @@ class SameCapture(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(json.loads(result.stdout)["num_scored"], len(SOURCE))
 
+    def test_doctor_writes_a_capture_yaml_for_images_alone(self):
+        folder = DIR / "images"
+        for i in range(len(SOURCE)):
+            write(folder / "rgb" / f"{i}.png", colour_png(i))
+            write(folder / "depth" / f"{i}.png", depth_png(i))
+        result = captures.deepslam(PROGRAM, "run", folder, "-o", DIR / "images_run", *captures.BARE, "--until", "track")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("--write-capture-yaml", result.stderr)
+        told = captures.deepslam(PROGRAM, "doctor", folder, "--write-capture-yaml").stderr
+        self.assertRegex(told, r"ok +capture.yaml +written to .*assumed: camera, depth_units_per_m")
+        self.assertRegex(told, r"ok +capture +layout folders; 10 frames")
+        self.assertIn("'camera' is assumed", told)
+        written = (folder / "capture.yaml").read_text()
+        told = captures.deepslam(PROGRAM, "doctor", folder, "--write-capture-yaml").stderr
+        self.assertIn("not needed", told)
+        self.assertEqual((folder / "capture.yaml").read_text(), written)
+        # With the true camera in it the images are as good as any layout.
+        write(folder / "capture.yaml", CAMERA + "depth_units_per_m: 1000\n")
+        poses = zip(poses_of(track(folder)), poses_of(track(write_tum(DIR / "tum"))))
+        self.assertTrue(all(a[1:] == b[1:] for a, b in poses))
+        self.assertEqual(captures.deepslam(PROGRAM, "doctor", "--write-capture-yaml").returncode, 3)
+
+    def test_poses_that_contradict_the_depth_are_refused(self):
+        folder = write_tum(DIR / "misread")
+        lines = [line.split() for line in (folder / "groundtruth.txt").read_text().splitlines()]
+        write(folder / "groundtruth.txt", "\n".join(f"{t} {float(x) * 1000} {float(y) * 1000} {float(z) * 1000} {' '.join(q)}"
+                                                   for t, x, y, z, *q in lines) + "\n")
+        for poses in ("capture", "prior"):
+            result = captures.deepslam(PROGRAM, "run", folder, "-o", DIR / "misread_run", *captures.BARE, "--until", "track",
+                                       "--poses", poses)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertRegex(result.stderr, "groundtruth.txt.*contradict the depth.*millimetres")
+        self.assertEqual(track(folder), track(write_tum(DIR / "tum")), "tracking does not look at them")
+
     def test_other_depth_units_stay_within_a_millimetre(self):
         # Tenths of millimetres more than millimetres can say.
         fine = write_tum(DIR / "fine", 5, extra=lambda i, u, v: (3 * u + 5 * v + i) % 5 - 2)
@@ -351,6 +385,19 @@ class Convert(unittest.TestCase):
         self.assertEqual(report["num_frames"], len(SOURCE))
         self.assertEqual(report, json.loads((DIR / "round-tum" / "conversion.json").read_text()))
         self.assertEqual(track(DIR / "round-tum"), expected)
+
+    def test_a_tracked_capture_is_trained_on_elsewhere(self):
+        track(DIR / "tum")
+        poses = {row[0]: row[1:4] for row in poses_of((DIR / "workspace" / "track" / "trajectory.tum").read_text())}
+        convert(DIR / "tum", DIR / "nerfstudio", "nerfstudio", "--trajectory", DIR / "workspace")
+        frames = json.loads((DIR / "nerfstudio" / "transforms.json").read_text())["frames"]
+        for frame, (_, true) in zip(frames, sorted(poses.items())):
+            for row, value in zip(frame["transform_matrix"], true):
+                self.assertAlmostEqual(row[3], value, 6)
+        convert(DIR / "tum", DIR / "colmap", "colmap", "--trajectory", DIR / "workspace" / "track" / "trajectory.tum")
+        names = (DIR / "colmap" / "sparse" / "0" / "images.txt").read_text()
+        self.assertEqual(names.count("frame_"), len(SOURCE))
+        convert(DIR / "tum", DIR / "none", "colmap", "--trajectory", DIR / "nowhere", code=3)
 
     def test_wrong_use_and_bad_input(self):
         result = convert(DIR / "tum", DIR / "x", "rosbag", code=2)

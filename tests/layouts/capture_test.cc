@@ -150,7 +150,8 @@ TEST(OpenCapture, PosesAreInterpolatedInTime) {
   EXPECT_FALSE(capture->frames->capture_world_from_camera(FrameIdx{2}).has_value());
 }
 
-// Frames 0 to 5 at 0.0 to 0.5 s, frames 6 to 11 at 0.22 to 0.72 s; poses at x = frame number.
+// Frames 0 to 5 at 0.0 to 0.5 s, frames 6 to 11 at 0.22 to 0.72 s; poses at x = a centimetre a
+// frame.
 void WriteSetBackCapture(const std::filesystem::path& folder) {
   WriteCapture(folder, 12);
   std::string rgb, depth, poses;
@@ -158,7 +159,7 @@ void WriteSetBackCapture(const std::filesystem::path& folder) {
     const double time_s = i < 6 ? 0.1 * i : 0.22 + 0.1 * (i - 6);
     rgb += fmt::format("{:.6f} rgb/{}.png\n", time_s, i);
     depth += fmt::format("{:.6f} depth/{}.png\n", time_s + 0.005, i);
-    poses += fmt::format("{:.6f} {} 0 0 0 0 0 1\n", time_s + 0.005, i);
+    poses += fmt::format("{:.6f} {} 0 0 0 0 0 1\n", time_s + 0.005, 0.01 * i);
   }
   WriteText(folder / "rgb.txt", rgb);
   WriteText(folder / "depth.txt", depth);
@@ -177,7 +178,7 @@ TEST(OpenCapture, KeepsRecordingsApartWhoseClockWasSetBack) {
     EXPECT_FLOAT_EQ(frame->depth_m(0, 0), 1.0f + 0.001f * static_cast<float>(i));
     const auto pose = capture->frames->capture_world_from_camera(FrameIdx{i});
     ASSERT_TRUE(pose.has_value()) << i;
-    EXPECT_EQ(pose->translation_m.x(), i);
+    EXPECT_NEAR(pose->translation_m.x(), 0.01 * i, 1e-12);
   }
   EXPECT_THAT(capture->warnings,
               ElementsAre(HasSubstr("rgb.txt:7: the time falls back"),
@@ -298,7 +299,9 @@ TEST(OpenCapture, KnowsTheCamerasOfTumByName) {
   const Result<dataset::Capture> capture = OpenCapture(folder / "");
   ASSERT_TRUE(capture.ok()) << capture.error().message;
   EXPECT_DOUBLE_EQ(capture->frames->camera().fx, 520.9);
-  EXPECT_FLOAT_EQ(capture->frames->ReadDepth(FrameIdx{0})->depth_m(0, 0), 1.0f);
+  const DepthImage depth_m = capture->frames->ReadDepth(FrameIdx{0})->depth_m;
+  EXPECT_FLOAT_EQ(depth_m(320, 240), 1.0f);
+  EXPECT_EQ(depth_m(0, 0), 0) << "the lens of freiburg2 does not show a pinhole's corner";
   EXPECT_THAT(capture->warnings, ElementsAre(HasSubstr("folder's name")));
 }
 

@@ -247,8 +247,7 @@ TEST(SevenScenes, LostPosesAreNone) {
 TEST(SevenScenes, SceneFolderSaysWhichSequenceToName) {
   const TempDir dir;
   WriteSevenScenes(dir.path() / "chess/seq-01", "");
-  EXPECT_THAT(Refusal(dir.path() / "chess"),
-              AllOf(HasSubstr("nearest is 7-scenes"), HasSubstr("chess/seq-01")));
+  EXPECT_THAT(Refusal(dir.path() / "chess"), HasSubstr("chess/seq-01 is one (7-scenes): name it"));
 }
 
 TEST(SevenScenes, ChangedPoseChangesTheHash) {
@@ -348,12 +347,16 @@ TEST(Open3d, BrokenFilesNameTheField) {
   EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("frame 77"), HasSubstr("4 colour images")));
   fs::remove(dir.path() / "trajectory.log");
   fs::remove(dir.path() / "camera_intrinsic.json");
+  EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("capture.yaml"), HasSubstr("missing")));
+  WriteText(dir.path() / "config.json", "{}");
   EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("camera_intrinsic.json"), HasSubstr("missing")));
 }
 
 // --- Stray Scanner
 
 void WriteStray(const fs::path& folder, int scale) {
+  const double centre = (15.5 + 0.5) * scale - 0.5;
+  const double middle = (11.25 + 0.5) * scale - 0.5;
   std::string odometry = "timestamp, frame, x, y, z, qx, qy, qz, qw, fx, fy, cx, cy, , \n";
   for (int i = 0; i < kNumFrames; ++i) {
     WriteText(folder / "rgb" / (foreign::Digits(i, 6) + ".png"),
@@ -366,16 +369,16 @@ void WriteStray(const fs::path& folder, int scale) {
               foreign::Encoded(".png", sure));
     std::string pose = foreign::Tum(i);
     for (char& c : pose) c = c == ' ' ? ',' : c;
-    odometry += fmt::format("{:.6f}, {:06d}, {}, {}, {}, 1, 2, , \n",
+    odometry += fmt::format("{:.6f}, {:06d}, {}, {}, {}, {}, {}, , \n",
                             512.5 + 0.1 * i,
                             i,
                             pose,
                             30.3 * scale,
-                            30.3 * scale);
+                            30.3 * scale,
+                            centre,
+                            middle);
   }
   WriteText(folder / "odometry.csv", odometry);
-  const double centre = (15.5 + 0.5) * scale - 0.5;
-  const double middle = (11.25 + 0.5) * scale - 0.5;
   WriteText(folder / "camera_matrix.csv",
             fmt::format(
                 "{},0.0,{}\n0.0,{},{}\n0.0,0.0,1.0\n", 30.3 * scale, centre, 30.3 * scale, middle));
@@ -478,8 +481,8 @@ TEST(Stray, BadOdometryNamesLineAndColumn) {
   EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("000900"), HasSubstr("1 of 1")));
   WriteStray(dir.path(), 1);
   fs::remove_all(dir.path() / "depth");
-  WriteText(dir.path() / "depth/000000.npy", "\x93NUMPY");
-  EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("000000.npy"), HasSubstr("16-bit PNG")));
+  WriteText(dir.path() / "depth/000000.npz", "PK");
+  EXPECT_THAT(Refusal(dir.path()), AllOf(HasSubstr("depth/000000.png"), HasSubstr("missing")));
 }
 
 // --- recognition

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/random.h"
+#include "deepslam/formats/sens_codecs.h"
 #include "deepslam/layouts/open_capture.h"
-#include "deepslam/layouts/sens_codecs.h"
 #include "foreign_captures.h"
 #include "support/allocation_watch.h"
 #include "support/pose_matchers.h"
@@ -50,8 +50,8 @@ TEST_P(SensCodecs, AreAllRead) {
     EXPECT_DOUBLE_EQ(frame->time_s, (1000500 + 33333 * i) / 1e6);
     for (int v = 0; v < foreign::kHeight; ++v) {
       for (int u = 0; u < foreign::kWidth; ++u) {
-        const int mm =
-            depth == 2 ? ShiftToMillimetres(foreign::Shift(u, v)) : foreign::DepthMm(i, u, v);
+        const int mm = depth == 2 ? formats::ShiftToMillimetres(foreign::Shift(u, v))
+                                  : foreign::DepthMm(i, u, v);
         ASSERT_EQ(frame->depth_m(u, v), static_cast<float>(mm / 1000.0)) << u << ", " << v;
         const auto rgb = foreign::Rgb(i, u, v);
         ASSERT_NEAR(frame->colour(u, v).r, rgb[0], colour == 2 ? 12 : 0);
@@ -87,7 +87,7 @@ TEST(Sens, ShiftsAreTheStructureSensorsDepths) {
                                   {1105, 0},
                                   {2047, 0},
                                   {-3, 0}}) {
-    EXPECT_EQ(ShiftToMillimetres(shift), mm) << shift;
+    EXPECT_EQ(formats::ShiftToMillimetres(shift), mm) << shift;
   }
 }
 
@@ -288,17 +288,21 @@ TEST(Sens, DamagedBytesNeverEndTheProgram) {
 
 TEST(UnpackDepth, RefusesSizesThatTheBytesCannotHold) {
   testing_support::ForgetAllocations();
-  for (const SensDepthCodec codec :
-       {SensDepthCodec::kRaw, SensDepthCodec::kZlib, SensDepthCodec::kOcci}) {
-    const Result<RawDepthImage> depth = UnpackDepth(codec, "a few bytes", 16384, 16384);
+  for (const formats::SensDepthCodec codec : {formats::SensDepthCodec::kRaw,
+                                              formats::SensDepthCodec::kZlib,
+                                              formats::SensDepthCodec::kOcci}) {
+    const Result<RawDepthImage> depth = formats::UnpackDepth(codec, "a few bytes", 16384, 16384);
     ASSERT_FALSE(depth.ok());
     EXPECT_THAT(depth.error().message, HasSubstr("16384"));
   }
   EXPECT_LT(testing_support::LargestAllocation(), 100000u);
   // A stream that ends early, and one that says more than the image has.
-  EXPECT_FALSE(UnpackDepth(SensDepthCodec::kOcci, std::string(30, '\0'), 32, 24).ok());
-  EXPECT_FALSE(UnpackDepth(SensDepthCodec::kOcci, std::string(200, '\x5F'), 32, 24).ok());
-  EXPECT_FALSE(UnpackDepth(SensDepthCodec::kZlib, foreign::ZlibDepth(0), 32, 23).ok());
+  EXPECT_FALSE(
+      formats::UnpackDepth(formats::SensDepthCodec::kOcci, std::string(30, '\0'), 32, 24).ok());
+  EXPECT_FALSE(
+      formats::UnpackDepth(formats::SensDepthCodec::kOcci, std::string(200, '\x5F'), 32, 24).ok());
+  EXPECT_FALSE(
+      formats::UnpackDepth(formats::SensDepthCodec::kZlib, foreign::ZlibDepth(0), 32, 23).ok());
 }
 
 TEST(Sens, SeveralInAFolderAreAQuestion) {

@@ -11,7 +11,7 @@
 namespace deepslam::convert {
 namespace {
 
-constexpr std::array<OutputFormat, 4> kOutputFormats = {{
+constexpr std::array<OutputFormat, 6> kOutputFormats = {{
     {.name = "tum",
      .remark = "camera and depth units lie in capture.yaml, for which the layout has no place",
      .create = CreateTum},
@@ -31,6 +31,17 @@ constexpr std::array<OutputFormat, 4> kOutputFormats = {{
      .remark = "version 4, depth as zlib streams, no motion measurements",
      .create = CreateScanNet},
     {.name = "open3d", .times_in_microseconds = true, .create = CreateOpen3d},
+    {.name = "nerfstudio",
+     .holds_times = false,
+     .needs_poses = true,
+     .fixed_units_per_m = 1000,
+     .create = CreateNerfstudio},
+    {.name = "colmap",
+     .holds_times = false,
+     .needs_poses = true,
+     .holds_depth = false,
+     .remark = "points3D.txt holds points out of the depth images, one in 3 cm, without tracks",
+     .create = CreateColmap},
 }};
 
 }  // namespace

@@ -50,6 +50,8 @@ struct OutputFormat {
   bool times_in_microseconds = false;  // whole ones only
   bool poses_in_floats = false;        // 32 bit
   bool colour_must_be_png = false;
+  bool needs_poses = false;      // frames without one are left out
+  bool holds_depth = true;       // as images
   double fixed_units_per_m = 0;  // 0: any
   std::uint16_t no_depth = kNoDepth;
   std::string_view remark = {};  // what a user of the result has to know; may be empty
@@ -67,6 +69,10 @@ Result<std::unique_ptr<CaptureWriter>> CreateTum(const std::filesystem::path& pa
 Result<std::unique_ptr<CaptureWriter>> CreateSevenScenes(const std::filesystem::path& path,
                                                          const WriteSettings& settings);
 Result<std::unique_ptr<CaptureWriter>> CreateOpen3d(const std::filesystem::path& path,
+                                                    const WriteSettings& settings);
+Result<std::unique_ptr<CaptureWriter>> CreateNerfstudio(const std::filesystem::path& path,
+                                                        const WriteSettings& settings);
+Result<std::unique_ptr<CaptureWriter>> CreateColmap(const std::filesystem::path& path,
                                                     const WriteSettings& settings);
 Result<std::unique_ptr<CaptureWriter>> CreateScanNet(const std::filesystem::path& path,
                                                      const WriteSettings& settings);

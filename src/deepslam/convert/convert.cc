@@ -1,16 +1,16 @@
 #include "deepslam/convert/convert.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "deepslam/convert/conversion_target.h"
+#include "deepslam/convert/other_files.h"
 #include "deepslam/dataset/depth_registration.h"
 
 namespace deepslam::convert {
@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 
 // Times of today in seconds have steps of a quarter of a microsecond.
 constexpr double kTimeStepS = 3e-7;
+// What tells two times apart in every layout.
+constexpr double kDistinctS = 1e-6;
 
 // Raw depth in the units of the result.
 class DepthUnits {
@@ -67,42 +69,6 @@ RawDepthImage ToRaw(const DepthImage& depth_m, double units_per_m) {
   return raw;
 }
 
-// What lies in a capture's folder and belongs to no layout.
-std::vector<std::string> OtherFiles(const fs::path& folder) {
-  constexpr std::array kKnown = {"rgb",
-                                 "depth",
-                                 "color",
-                                 "image",
-                                 "confidence",
-                                 "rgb.txt",
-                                 "depth.txt",
-                                 "associations.txt",
-                                 "associated.txt",
-                                 "groundtruth.txt",
-                                 "calibration.txt",
-                                 "capture.yaml",
-                                 "conversion.json",
-                                 "camera_intrinsic.json",
-                                 "intrinsic.json",
-                                 "config.json",
-                                 "trajectory.log",
-                                 "odometry.csv",
-                                 "camera_matrix.csv",
-                                 "rgb.mp4"};
-  std::vector<std::string> others;
-  std::error_code code;
-  for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
-       entry.increment(code)) {
-    const std::string name = entry->path().filename().string();
-    const bool known = std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end() ||
-                       name.starts_with("frame-") || name.ends_with(".sens") ||
-                       name.ends_with(".gt.freiburg") || name.ends_with(".log");
-    if (!known) others.push_back(name);
-  }
-  std::sort(others.begin(), others.end());
-  return others;
-}
-
 class Conversion {
  public:
   Conversion(const dataset::Capture& capture, const OutputFormat& format, double depth_units_per_m)
@@ -118,6 +84,13 @@ class Conversion {
 
   [[nodiscard]] const WriteSettings& settings() const { return settings_; }
 
+  // Whether the target takes frame i; what it leaves out is told.
+  bool Takes(std::size_t i) {
+    if (!format_.needs_poses || capture_.stored->frames()[i].world_from_colour) return true;
+    ++num_without_pose_;
+    return false;
+  }
+
   Result<WriteFrame> Make(std::size_t i) {
     const dataset::StoredFrame& stored = capture_.stored->frames()[i];
     WriteFrame frame;
@@ -125,6 +98,7 @@ class Conversion {
     frame.colour_time_s = stored.colour_time_s;
     frame.depth_time_s = stored.depth_time_s;
     frame.world_from_colour = stored.world_from_colour;
+    if (settings_.has_times && !format_.is_file) MakeTimeDistinct(frame);
     if (Status status = FillColour(i, frame); !status) return status.error();
     if (Status status = FillDepth(i, frame); !status) return status.error();
     Watch(frame);
@@ -202,6 +176,15 @@ class Conversion {
     return Ok();
   }
 
+  // Readers of lists drop frames that repeat a time.
+  void MakeTimeDistinct(WriteFrame& frame) {
+    double shift_s = 0;
+    while (!times_s_.insert(frame.depth_time_s + shift_s).second) shift_s += kDistinctS;
+    if (shift_s > 0) ++num_shifted_;
+    frame.colour_time_s += shift_s;
+    frame.depth_time_s += shift_s;
+  }
+
   // What is only known when all frames have gone by.
   void Watch(const WriteFrame& frame) {
     for (const double time_s : {frame.colour_time_s, frame.depth_time_s}) {
@@ -237,15 +220,25 @@ class Conversion {
                                             largest_time_error_s_));
       if (has_negative_time_) report.losses.emplace_back("times before 0 became 0");
     }
+    if (num_shifted_ > 0) {
+      report.losses.push_back(fmt::format(
+          "{} frames repeat the time of another; theirs were put later by microseconds, since "
+          "readers drop repeated ones",
+          num_shifted_));
+    }
     if (settings_.has_times && num_repeated_ > 0 && !format_.is_file) {
-      report.losses.push_back(
-          fmt::format("{} frames are not later than the one before; readers may sort by time and "
-                      "drop repeated ones",
-                      num_repeated_));
+      report.losses.push_back(fmt::format(
+          "{} frames are not later than the one before; readers may sort by time", num_repeated_));
     }
   }
 
   void TellPoses(ConversionReport& report) const {
+    if (num_without_pose_ > 0) {
+      report.losses.push_back(
+          fmt::format("{} frames without a pose were left out: {} needs one of each",
+                      num_without_pose_,
+                      format_.name));
+    }
     if (num_poses_ == 0) return;
     if (capture_.format == "tum" || capture_.format == "eth3d")
       report.notes.emplace_back("poses are those of groundtruth.txt at the times of the frames");
@@ -267,6 +260,10 @@ class Conversion {
   }
 
   void TellDepth(ConversionReport& report) const {
+    if (!format_.holds_depth) {
+      report.losses.push_back(fmt::format("depth images: {} has no place for them", format_.name));
+      return;
+    }
     const dataset::CaptureCameras& cameras = settings_.cameras;
     if (registers_) {
       report.losses.push_back(fmt::format(
@@ -329,65 +326,39 @@ class Conversion {
   DepthUnits units_;
 
   int num_poses_ = 0;
+  int num_without_pose_ = 0;
   int num_encoded_ = 0;
   int num_repeated_ = 0;
   double largest_time_error_s_ = 0;
   double largest_pose_error_m_ = 0;
   bool has_negative_time_ = false;
   std::optional<double> last_time_s_;
+  std::set<double> times_s_;
+  int num_shifted_ = 0;
 };
-
-// A path of its own beside the result, removed unless the result stands.
-class Aside {
- public:
-  explicit Aside(fs::path to)
-      : to_(std::move(to)), path_(to_.string() + fmt::format(".partial-{}", ::getpid())) {
-    Remove();
-  }
-  ~Aside() { Remove(); }
-  Aside(const Aside&) = delete;
-  Aside& operator=(const Aside&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
-  Status Commit() {
-    std::error_code code;
-    fs::remove(to_, code);  // an empty folder
-    fs::rename(path_, to_, code);
-    if (code)
-      return Failed(fmt::format("{}: cannot be put in place ({})", to_.string(), code.message()));
-    return Ok();
-  }
-
- private:
-  void Remove() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-
-  fs::path to_;
-  fs::path path_;
-};
-
-Status CheckTarget(const fs::path& to, const OutputFormat& format) {
-  std::error_code code;
-  if (format.is_file && to.extension() != ".sens") {
-    return InvalidConfig(fmt::format(
-        "{}: {} is one file; give it a name that ends with .sens", to.string(), format.name));
-  }
-  const bool is_empty_folder =
-      !format.is_file && fs::is_directory(to, code) && fs::is_empty(to, code);
-  if (fs::exists(fs::symlink_status(to, code)) && !is_empty_folder) {
-    return InvalidConfig(fmt::format("{}: exists{}; name a new one or remove it",
-                                     to.string(),
-                                     format.is_file ? "" : " and is not an empty folder"));
-  }
-  return Ok();
-}
 
 // "out/" and "out" are one result.
 fs::path WithoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
+}
+
+// Whether the format can hold what is wanted of it.
+Status CheckWanted(const dataset::Capture& capture,
+                   const OutputFormat& format,
+                   double depth_units_per_m) {
+  if (format.fixed_units_per_m > 0 && depth_units_per_m > 0 &&
+      depth_units_per_m != format.fixed_units_per_m) {
+    return InvalidConfig(fmt::format("depth units of {} per metre: {} always has {}",
+                                     depth_units_per_m,
+                                     format.name,
+                                     format.fixed_units_per_m));
+  }
+  if (!format.needs_poses || capture.has_poses) return Ok();
+  return InvalidInput(fmt::format(
+      "{}: has no poses, which {} needs; map it, and give the run's folder (--trajectory "
+      "WORKSPACE)",
+      capture.path.string(),
+      format.name));
 }
 
 nlohmann::ordered_json ToJson(const PinholeCamera& camera) {
@@ -426,13 +397,8 @@ Result<ConversionReport> ConvertCapture(const dataset::Capture& capture,
   // An empty folder that is there gives its place to the result: itself, not a link to it or ".".
   const fs::path target = fs::is_directory(to, code) ? fs::canonical(to, code) : WithoutSlash(to);
   if (Status status = CheckTarget(target, format); !status) return status.error();
-  if (format.fixed_units_per_m > 0 && depth_units_per_m > 0 &&
-      depth_units_per_m != format.fixed_units_per_m) {
-    return InvalidConfig(fmt::format("depth units of {} per metre: {} always has {}",
-                                     depth_units_per_m,
-                                     format.name,
-                                     format.fixed_units_per_m));
-  }
+  if (Status status = CheckWanted(capture, format, depth_units_per_m); !status)
+    return status.error();
   Aside aside(target);
   if (Status status = MakeFolder(format.is_file && target.has_parent_path() ? target.parent_path()
                                  : format.is_file                           ? fs::path(".")
@@ -449,6 +415,7 @@ Result<ConversionReport> ConvertCapture(const dataset::Capture& capture,
   int num_skipped = 0;
   std::string first_fault;
   for (std::size_t i = 0; i < num_frames; ++i) {
+    if (!conversion.Takes(i)) continue;
     const Result<WriteFrame> frame = conversion.Make(i);
     if (frame) {
       if (Status status = (*writer)->Add(*frame); !status) return status.error();

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/convert/capture_writer.h"
-#include "deepslam/layouts/pose_matrix.h"
+#include "deepslam/formats/pose_matrix.h"
 
 namespace deepslam::convert {
 namespace {
@@ -31,7 +31,7 @@ class WriterOfOpen3d final : public CaptureWriter {
       log_ += fmt::format("{0} {0} {1}\n{2}",
                           num_frames_,
                           num_frames_ + 1,
-                          layouts::FormatMatrix(*frame.world_from_colour));
+                          formats::FormatMatrix(*frame.world_from_colour));
     }
     ++num_frames_;
     return Ok();

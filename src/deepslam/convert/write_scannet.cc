@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/convert/capture_writer.h"
-#include "deepslam/layouts/sens_file.h"
+#include "deepslam/formats/sens_file.h"
 
 namespace deepslam::convert {
 namespace {
@@ -45,10 +45,10 @@ class WriterOfScanNet final : public CaptureWriter {
   [[nodiscard]] Status Add(const WriteFrame& frame) override {
     const Result<std::string> colour = ColourBytes(frame.colour);
     if (!colour) return colour.error();
-    const Result<std::string> depth = layouts::PackDepthZlib(frame.depth);
+    const Result<std::string> depth = formats::PackDepthZlib(frame.depth);
     if (!depth) return depth.error();
     if (num_frames_ == 0) WriteHeader(frame.colour);
-    layouts::SensFrame head;
+    formats::SensFrame head;
     head.world_from_depth =
         frame.world_from_colour
             ? ToFloats((*frame.world_from_colour * settings_.cameras.colour_from_depth).Matrix())
@@ -57,7 +57,7 @@ class WriterOfScanNet final : public CaptureWriter {
     head.depth_time_us = Microseconds(frame.depth_time_s);
     head.colour_bytes = colour->size();
     head.depth_bytes = depth->size();
-    out_ << layouts::EncodeSensFrame(head) << *colour << *depth;
+    out_ << formats::EncodeSensFrame(head) << *colour << *depth;
     ++num_frames_;
     return Check();
   }
@@ -79,23 +79,23 @@ class WriterOfScanNet final : public CaptureWriter {
   // One codec stands for all images; readers go by the images' own first bytes.
   void WriteHeader(const dataset::StoredColour& first) {
     const dataset::CaptureCameras& cameras = settings_.cameras;
-    layouts::SensHeader header;
+    formats::SensHeader header;
     header.sensor_name = "deepslam convert";
     header.colour_intrinsics = Intrinsics(cameras.colour);
     header.colour_extrinsics = ToFloats(Eigen::Matrix4d::Identity());
     header.depth_intrinsics = Intrinsics(cameras.depth);
     header.depth_extrinsics = ToFloats(cameras.colour_from_depth.Matrix());
     header.colour_codec = first.codec == dataset::ImageCodec::kJpeg
-                              ? layouts::SensColourCodec::kJpeg
-                              : layouts::SensColourCodec::kPng;
-    header.depth_codec = layouts::SensDepthCodec::kZlib;
+                              ? formats::SensColourCodec::kJpeg
+                              : formats::SensColourCodec::kPng;
+    header.depth_codec = formats::SensDepthCodec::kZlib;
     header.colour_width = static_cast<std::uint32_t>(cameras.colour.width);
     header.colour_height = static_cast<std::uint32_t>(cameras.colour.height);
     header.depth_width = static_cast<std::uint32_t>(cameras.depth.width);
     header.depth_height = static_cast<std::uint32_t>(cameras.depth.height);
     header.depth_shift = static_cast<float>(cameras.depth_units_per_m);
-    const std::string bytes = layouts::EncodeSensHeader(header);
-    num_frames_at_ = static_cast<std::streamoff>(bytes.size() - layouts::kSensNumFramesFromEnd);
+    const std::string bytes = formats::EncodeSensHeader(header);
+    num_frames_at_ = static_cast<std::streamoff>(bytes.size() - formats::kSensNumFramesFromEnd);
     out_ << bytes;
   }
 

@@ -4,7 +4,7 @@
 
 #include "deepslam/convert/capture_writer.h"
 #include "deepslam/dataset/capture_settings.h"
-#include "deepslam/layouts/pose_matrix.h"
+#include "deepslam/formats/pose_matrix.h"
 
 namespace deepslam::convert {
 namespace {
@@ -29,7 +29,7 @@ class WriterOfSevenScenes final : public CaptureWriter {
     const Pose3 world_from_depth = cameras.colour_from_depth == Pose3()
                                        ? *frame.world_from_colour
                                        : *frame.world_from_colour * cameras.colour_from_depth;
-    return WriteWhole(folder_ / (stem + ".pose.txt"), layouts::FormatMatrix(world_from_depth));
+    return WriteWhole(folder_ / (stem + ".pose.txt"), formats::FormatMatrix(world_from_depth));
   }
 
   [[nodiscard]] Status Finish() override {

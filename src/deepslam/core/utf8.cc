@@ -28,7 +28,56 @@ std::size_t SequenceLength(std::string_view text, std::size_t at) {
   return overlong || surrogate || code > 0x10FFFF ? 0 : length;
 }
 
+void AppendUtf8(std::uint32_t code, std::string& text) {
+  const auto put = [&](std::uint32_t byte) { text.push_back(static_cast<char>(byte)); };
+  if (code < 0x80) {
+    put(code);
+  } else if (code < 0x800) {
+    put(0xC0U | code >> 6U);
+    put(0x80U | (code & 0x3FU));
+  } else if (code < 0x10000) {
+    put(0xE0U | code >> 12U);
+    put(0x80U | (code >> 6U & 0x3FU));
+    put(0x80U | (code & 0x3FU));
+  } else {
+    put(0xF0U | code >> 18U);
+    put(0x80U | (code >> 12U & 0x3FU));
+    put(0x80U | (code >> 6U & 0x3FU));
+    put(0x80U | (code & 0x3FU));
+  }
+}
+
+// Units of 16 bits, the lower or the higher byte first. Halves of pairs without the other become
+// U+FFFD.
+std::string OfUtf16(std::string_view bytes, bool high_first) {
+  constexpr std::uint32_t kReplacement = 0xFFFD;
+  std::string text;
+  std::uint32_t high = 0;
+  for (std::size_t at = 0; at + 1 < bytes.size(); at += 2) {
+    const std::uint32_t unit = high_first ? ByteAt(bytes, at) << 8U | ByteAt(bytes, at + 1)
+                                          : ByteAt(bytes, at + 1) << 8U | ByteAt(bytes, at);
+    const bool is_high = unit >= 0xD800 && unit < 0xDC00;
+    const bool is_low = unit >= 0xDC00 && unit < 0xE000;
+    if (high != 0 && !is_low) AppendUtf8(kReplacement, text);
+    if (is_low) {
+      AppendUtf8(high == 0 ? kReplacement : 0x10000 + ((high - 0xD800) << 10U) + (unit - 0xDC00),
+                 text);
+    } else if (!is_high) {
+      AppendUtf8(unit, text);
+    }
+    high = is_high ? unit : 0;
+  }
+  if (high != 0) AppendUtf8(kReplacement, text);
+  return text;
+}
+
 }  // namespace
+
+std::string Utf8OfText(std::string bytes) {
+  if (bytes.starts_with("\xFF\xFE")) return OfUtf16(std::string_view(bytes).substr(2), false);
+  if (bytes.starts_with("\xFE\xFF")) return OfUtf16(std::string_view(bytes).substr(2), true);
+  return bytes;
+}
 
 std::string ToValidUtf8(std::string_view text) {
   std::string result;

@@ -1,4 +1,4 @@
-// Valid UTF-8 out of any bytes: JSON can hold nothing else.
+// Valid UTF-8 out of any bytes: JSON can hold nothing else; and UTF-8 out of text files.
 #pragma once
 
 #include <string>
@@ -9,5 +9,9 @@ namespace deepslam {
 // Bytes that are no UTF-8 (overlong forms and surrogates included) become U+FFFD; NUL too, since C
 // readers stop there.
 [[nodiscard]] std::string ToValidUtf8(std::string_view text);
+
+// A text file's content as UTF-8: UTF-16 with one (what editors of Windows
+// call Unicode) is turned to UTF-8, other bytes stay as they are.
+[[nodiscard]] std::string Utf8OfText(std::string bytes);
 
 }  // namespace deepslam

@@ -26,6 +26,8 @@ struct Capture {
   std::vector<std::string> warnings;  // what was repaired or left out, for the user
   std::vector<std::string> doubts;    // those of the warnings that doubts.h tells
   bool has_poses = false;             // at least one frame has a pose
+  // Of poses that contradict the depth: what would fit. A result that is built on them is none.
+  std::string poses_fault;
   bool has_times = true;  // false: the layout has none, frames are taken for 30 per second
 };
 

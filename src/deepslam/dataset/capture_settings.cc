@@ -19,6 +19,8 @@ constexpr double kMinFieldOfViewDeg = 1;
 constexpr double kMaxFieldOfViewDeg = 170;
 // One unit per metre up to one per micrometre.
 constexpr double kMaxUnitsPerM = 1e6;
+// Of a lens: those of a rational model reach some hundreds.
+constexpr double kMaxCoefficient = 1e6;
 
 constexpr std::string_view kExample =
     "format: tum\n"
@@ -72,12 +74,59 @@ void WarnOfUnknown(const std::filesystem::path& file,
   }
 }
 
-Result<PinholeCamera> ParseCamera(const YAML::Node& node,
+constexpr std::array<std::pair<std::string_view, LensModel>, 3> kLensModels = {
+    {{"radial-tangential", LensModel::kRadialTangential},
+     {"rational", LensModel::kRational},
+     {"fisheye", LensModel::kFisheye}}};
+
+// {model: radial-tangential, coefficients: [k1, k2, p1, p2, k3]}; of the last ones, those that are
+// 0 may be left out.
+Result<LensDistortion> ParseLens(const YAML::Node& node,
+                                 const std::string& field,
+                                 const std::filesystem::path& file,
+                                 std::vector<std::string>& warnings) {
+  if (!node.IsMap())
+    return FieldError(file, node, field, "is not a table {model: ..., coefficients: [...]}");
+  constexpr std::array<std::string_view, 2> known = {"model", "coefficients"};
+  WarnOfUnknown(file, node, known, warnings);
+  const YAML::Node model = node["model"];
+  const std::string name = model && model.IsScalar() ? model.Scalar() : "";
+  const auto found = std::ranges::find(
+      kLensModels, name, [](const auto& known_model) { return known_model.first; });
+  if (found == kLensModels.end()) {
+    return FieldError(file,
+                      node,
+                      field + ".model",
+                      fmt::format("is '{}', not radial-tangential, rational or fisheye", name));
+  }
+  LensDistortion lens{found->second, {}};
+  const auto most = static_cast<std::size_t>(LensDistortion::NumCoefficients(lens.model));
+  const YAML::Node numbers = node["coefficients"];
+  const std::string fault = fmt::format("is not a list of 1 to {} numbers", most);
+  if (!numbers || !numbers.IsSequence() || numbers.size() < 1 || numbers.size() > most)
+    return FieldError(file, node, field + ".coefficients", fault);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    double& coefficient = lens.coefficients[i];
+    if (!YAML::convert<double>::decode(numbers[i], coefficient) || !std::isfinite(coefficient) ||
+        std::abs(coefficient) > kMaxCoefficient) {
+      return FieldError(file, node, field + ".coefficients", fault);
+    }
+  }
+  return lens;
+}
+
+struct CameraAndLens {
+  PinholeCamera camera;
+  std::optional<LensDistortion> lens;
+};
+
+Result<CameraAndLens> ParseCamera(const YAML::Node& node,
                                   const std::string& field,
                                   const std::filesystem::path& file,
                                   std::vector<std::string>& warnings) {
   if (!node.IsMap()) return FieldError(file, node, field, "is not a table of intrinsics");
-  constexpr std::array<std::string_view, 6> known = {"width", "height", "fx", "fy", "cx", "cy"};
+  constexpr std::array<std::string_view, 7> known = {
+      "width", "height", "fx", "fy", "cx", "cy", "distortion"};
   WarnOfUnknown(file, node, known, warnings);
   PinholeCamera camera;
   for (auto [key, target] : {std::pair{"width", &camera.width}, {"height", &camera.height}}) {
@@ -93,7 +142,23 @@ Result<PinholeCamera> ParseCamera(const YAML::Node& node,
   }
   const Status plausible = CheckCamera(camera, Place(file, node), field);
   if (!plausible) return plausible.error();
-  return camera;
+  if (const YAML::Node distortion = node["distortion"]) {
+    const Result<LensDistortion> lens =
+        ParseLens(distortion, field + ".distortion", file, warnings);
+    if (!lens) return lens.error();
+    return CameraAndLens{camera, *lens};
+  }
+  return CameraAndLens{camera, std::nullopt};
+}
+
+Status ParseAssumed(const YAML::Node& node,
+                    const std::filesystem::path& file,
+                    CaptureSettings& settings) {
+  for (const auto& entry : node.IsSequence() ? node : YAML::Node(YAML::NodeType::Sequence)) {
+    if (entry.IsScalar()) settings.assumed.push_back(entry.Scalar());
+  }
+  if (node.IsSequence() && settings.assumed.size() == node.size()) return Ok();
+  return FieldError(file, node, "assumed", "is not a list of fields");
 }
 
 template <std::size_t N>
@@ -171,29 +236,32 @@ Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem:
   settings.format.clear();
   if (root.IsNull()) return settings;
   if (!root.IsMap()) return FieldError(file, root, "camera", "is missing");
-  constexpr std::array<std::string_view, 7> known = {"format",
+  constexpr std::array<std::string_view, 8> known = {"format",
                                                      "camera",
                                                      "depth_units_per_m",
                                                      "depth_camera",
                                                      "colour_from_depth",
                                                      "min_confidence",
-                                                     "max_frames"};
+                                                     "max_frames",
+                                                     "assumed"};
   WarnOfUnknown(file, root, known, settings.warnings);
   if (const YAML::Node format = root["format"]) {
     if (Status status = ParseFormat(format, file, settings); !status) return status.error();
   }
   if (const YAML::Node node = root["camera"]) {
-    const Result<PinholeCamera> camera = ParseCamera(node, "camera", file, settings.warnings);
+    const Result<CameraAndLens> camera = ParseCamera(node, "camera", file, settings.warnings);
     if (!camera) return camera.error();
-    settings.camera = *camera;
+    settings.camera = camera->camera;
+    settings.lens = camera->lens;
   }
   if (root["depth_units_per_m"]) {
     if (Status status = ParseUnits(root, file, settings); !status) return status.error();
   }
   if (const YAML::Node node = root["depth_camera"]) {
-    const Result<PinholeCamera> camera = ParseCamera(node, "depth_camera", file, settings.warnings);
+    const Result<CameraAndLens> camera = ParseCamera(node, "depth_camera", file, settings.warnings);
     if (!camera) return camera.error();
-    settings.depth_camera = *camera;
+    settings.depth_camera = camera->camera;
+    settings.depth_lens = camera->lens;
   }
   if (const YAML::Node node = root["colour_from_depth"]) {
     const Result<Pose3> pose = ParsePose(node, "colour_from_depth", file, settings.warnings);
@@ -213,6 +281,9 @@ Result<CaptureSettings> ParseRoot(const YAML::Node& root, const std::filesystem:
           file, root["max_frames"], "max_frames", fmt::format("is {}, not 1 or more", *most));
     }
     settings.max_frames = *most;
+  }
+  if (const YAML::Node assumed = root["assumed"]) {
+    if (Status status = ParseAssumed(assumed, file, settings); !status) return status.error();
   }
   return settings;
 }
@@ -294,8 +365,12 @@ Result<CaptureSettings> SettingsFromName(const std::filesystem::path& folder) {
   settings.depth_units_per_m = 5000;
   if (says("freiburg1") || says("fr1")) {
     settings.camera = {640, 480, 517.3, 516.5, 318.6, 255.3};
+    settings.lens =
+        LensDistortion{LensModel::kRadialTangential, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}};
   } else if (says("freiburg2") || says("fr2")) {
     settings.camera = {640, 480, 520.9, 521.0, 325.1, 249.7};
+    settings.lens =
+        LensDistortion{LensModel::kRadialTangential, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}};
   } else if (says("freiburg3") || says("fr3")) {
     settings.camera = {640, 480, 535.4, 539.2, 320.1, 247.6};
   } else {
@@ -306,8 +381,8 @@ Result<CaptureSettings> SettingsFromName(const std::filesystem::path& folder) {
                     kExample));
   }
   settings.warnings.push_back(
-      fmt::format("{}: missing; intrinsics and depth units taken from the folder's name '{}' (TUM "
-                  "RGB-D, lens distortion left out)",
+      fmt::format("{}: missing; intrinsics, lens and depth units taken from the folder's name '{}' "
+                  "(TUM RGB-D)",
                   (folder / "capture.yaml").string(),
                   name));
   return settings;
@@ -315,14 +390,24 @@ Result<CaptureSettings> SettingsFromName(const std::filesystem::path& folder) {
 
 namespace {
 
-std::string FormatCamera(const PinholeCamera& c) {
-  return fmt::format("{{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}}}",
+std::string FormatLens(const LensDistortion& lens) {
+  const auto named = std::ranges::find(
+      kLensModels, lens.model, [](const auto& known_model) { return known_model.second; });
+  const auto count = static_cast<std::size_t>(LensDistortion::NumCoefficients(lens.model));
+  return fmt::format(", distortion: {{model: {}, coefficients: [{}]}}",
+                     named->first,
+                     fmt::join(std::span(lens.coefficients).first(count), ", "));
+}
+
+std::string FormatCamera(const PinholeCamera& c, const std::optional<LensDistortion>& lens) {
+  return fmt::format("{{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}{}}}",
                      c.width,
                      c.height,
                      c.fx,
                      c.fy,
                      c.cx,
-                     c.cy);
+                     c.cy,
+                     lens ? FormatLens(*lens) : "");
 }
 
 }  // namespace
@@ -330,11 +415,13 @@ std::string FormatCamera(const PinholeCamera& c) {
 std::string FormatCaptureSettings(const CaptureSettings& settings) {
   std::string text;
   if (!settings.format.empty()) text += fmt::format("format: {}\n", settings.format);
-  if (settings.has_camera()) text += fmt::format("camera: {}\n", FormatCamera(settings.camera));
+  if (settings.has_camera())
+    text += fmt::format("camera: {}\n", FormatCamera(settings.camera, settings.lens));
   if (settings.depth_units_per_m > 0)
     text += fmt::format("depth_units_per_m: {}\n", settings.depth_units_per_m);
   if (settings.depth_camera)
-    text += fmt::format("depth_camera: {}\n", FormatCamera(*settings.depth_camera));
+    text += fmt::format("depth_camera: {}\n",
+                        FormatCamera(*settings.depth_camera, settings.depth_lens));
   if (settings.colour_from_depth) {
     const Eigen::Vector3d& t = settings.colour_from_depth->translation_m;
     const Eigen::Quaterniond& q = settings.colour_from_depth->rotation;
@@ -350,6 +437,8 @@ std::string FormatCaptureSettings(const CaptureSettings& settings) {
   }
   if (settings.min_confidence)
     text += fmt::format("min_confidence: {}\n", *settings.min_confidence);
+  if (!settings.assumed.empty())
+    text += fmt::format("assumed: [{}]\n", fmt::join(settings.assumed, ", "));
   if (settings.max_frames) text += fmt::format("max_frames: {}\n", *settings.max_frames);
   return text;
 }

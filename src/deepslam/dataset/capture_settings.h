@@ -7,7 +7,11 @@
 //   colour colour_from_depth: {translation_m: [x, y, z], rotation_xyzw: [x, y, z, w]}
 //   min_confidence: 1                                  # least confidence of depth that is kept
 //   max_frames: 120000                                 # of more, every second (third ...) is taken
-// With `camera` and without `depth_camera`, depth is taken for registered to colour.
+//   assumed: [camera, depth_units_per_m]               # what nobody has confirmed: doubted
+// Both cameras may have a lens: {width: ..., distortion: {model: radial-tangential, coefficients:
+// [k1, k2, p1, p2, k3]}}; models: radial-tangential, rational, fisheye
+// (geometry/lens_distortion.h). With `camera` and without `depth_camera`, depth is taken for
+// registered to colour.
 #pragma once
 
 #include <array>
@@ -19,26 +23,33 @@
 
 #include "deepslam/core/result.h"
 #include "deepslam/geometry/camera.h"
+#include "deepslam/geometry/lens_distortion.h"
 #include "deepslam/geometry/pose.h"
 
 namespace deepslam::dataset {
 
 // Names of the layouts that are read (layout.h).
-inline constexpr std::array<std::string_view, 7> kFormats = {
-    "tum", "eth3d", "icl-nuim", "7-scenes", "open3d", "scannet", "stray"};
+inline constexpr std::array<std::string_view, 22> kFormats = {
+    "tum",         "eth3d",   "icl-nuim",   "7-scenes",       "3dmatch",   "bundlefusion",
+    "3rscan",      "open3d",  "scannet",    "scannet-export", "scannetpp", "stray",
+    "arkitscenes", "polycam", "record3d",   "nerfstudio",     "replica",   "habitat",
+    "sun3d",       "rtabmap", "rtabmap-db", "folders"};
 
 // Frames that are taken where nothing is stated: what is known of each of them takes memory, and
 // two hours at 30 frames/s are as well tracked at 15.
 inline constexpr int kMaxFrames = 120'000;
 
 struct CaptureSettings {
-  std::string format = "tum";    // empty: not stated
-  PinholeCamera camera;          // of the colour images; width 0: not stated
-  double depth_units_per_m = 0;  // value of one metre in the depth images; 0: not stated
+  std::string format = "tum";          // empty: not stated
+  PinholeCamera camera;                // of the colour images; width 0: not stated
+  double depth_units_per_m = 0;        // value of one metre in the depth images; 0: not stated
+  std::optional<LensDistortion> lens;  // of `camera`
   std::optional<PinholeCamera> depth_camera;
+  std::optional<LensDistortion> depth_lens;
   std::optional<Pose3> colour_from_depth;
   std::optional<int> min_confidence;
   std::optional<int> max_frames;
+  std::vector<std::string> assumed;  // fields
   std::vector<std::string> warnings;
 
   [[nodiscard]] bool has_camera() const { return camera.width > 0; }

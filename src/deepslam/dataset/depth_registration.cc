@@ -5,23 +5,13 @@
 #include <cmath>
 #include <vector>
 
+#include "deepslam/dataset/surface_depth.h"
+
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kMinFrameWidth = 640;     // px; detectors work at this size
-constexpr double kMaxSlantTan = 11.43;  // of 85 degrees
+constexpr int kMinFrameWidth = 640;  // px; detectors work at this size
 constexpr double kNearPlaneM = 1e-3;
-
-// Largest ratio of depths of two neighbouring pixels of one surface: seen at the angle a from its
-// normal, depth changes by tan(a) / f of itself from pixel to pixel. Diagonal neighbours included.
-float MaxDepthRatio(const PinholeCamera& camera) {
-  return static_cast<float>(1.0 + 1.5 * kMaxSlantTan / std::min(camera.fx, camera.fy));
-}
-
-bool OneSurface(const std::array<float, 4>& depth_m, float max_ratio) {
-  const auto [low, high] = std::minmax_element(depth_m.begin(), depth_m.end());
-  return *low > 0 && *high <= max_ratio * *low;
-}
 
 // Where a target's column or row lies among those of the source.
 struct Sample {
@@ -70,11 +60,7 @@ DepthImage Resample(const DepthImage& depth_m,
         out(u, v) = depth_m(column.nearest, row.nearest);
         continue;
       }
-      const double upper =
-          (1 - column.share) / static_cast<double>(z[0]) + column.share / static_cast<double>(z[1]);
-      const double lower =
-          (1 - column.share) / static_cast<double>(z[2]) + column.share / static_cast<double>(z[3]);
-      out(u, v) = static_cast<float>(1.0 / ((1 - row.share) * upper + row.share * lower));
+      out(u, v) = BetweenOnPlane(z, column.share, row.share);
     }
   }
   return out;

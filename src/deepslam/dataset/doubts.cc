@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -45,6 +46,17 @@ std::string_view LikelyUnit(double interval) {
   return {};
 }
 
+// Between times that ascend; nothing of fewer than two of them.
+std::optional<double> MedianInterval(std::span<const double> times_s) {
+  std::vector<double> intervals_s;
+  for (std::size_t k = 1; k < times_s.size(); ++k) {
+    const double interval_s = times_s[k] - times_s[k - 1];
+    if (interval_s > 0) intervals_s.push_back(interval_s);
+  }
+  if (intervals_s.size() < 2) return std::nullopt;
+  return Median(intervals_s);
+}
+
 }  // namespace
 
 std::vector<std::string> CameraDoubts(const PinholeCamera& camera) {
@@ -72,19 +84,20 @@ std::vector<std::string> CameraDoubts(const PinholeCamera& camera) {
   return doubts;
 }
 
+std::string_view UnitOfTimes(std::span<const double> times_s) {
+  const std::optional<double> interval_s = MedianInterval(times_s);
+  return interval_s && *interval_s > kLongestIntervalS ? LikelyUnit(*interval_s)
+                                                       : std::string_view();
+}
+
 std::vector<std::string> TimeDoubts(std::span<const double> times_s) {
-  std::vector<double> intervals_s;
-  for (std::size_t k = 1; k < times_s.size(); ++k) {
-    const double interval_s = times_s[k] - times_s[k - 1];
-    if (interval_s > 0) intervals_s.push_back(interval_s);
-  }
-  if (intervals_s.size() < 2) return {};
-  const double interval_s = Median(intervals_s);
-  if (interval_s >= kShortestIntervalS && interval_s <= kLongestIntervalS) return {};
-  const std::string_view unit = LikelyUnit(interval_s);
+  const std::optional<double> interval_s = MedianInterval(times_s);
+  if (!interval_s || (*interval_s >= kShortestIntervalS && *interval_s <= kLongestIntervalS))
+    return {};
+  const std::string_view unit = LikelyUnit(*interval_s);
   return {fmt::format(
       "frames are {:.3g} s apart (median): times have to be in seconds{}; convert the lists",
-      interval_s,
+      *interval_s,
       unit.empty() ? std::string() : fmt::format(", these look like {}", unit))};
 }
 

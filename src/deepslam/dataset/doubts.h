@@ -6,6 +6,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "deepslam/core/image.h"
@@ -15,6 +16,10 @@ namespace deepslam::dataset {
 
 // Principal point and angle of view.
 [[nodiscard]] std::vector<std::string> CameraDoubts(const PinholeCamera& camera);
+
+// The smaller unit that the times of a list seem to be in, taken for seconds; empty where they may
+// well be seconds.
+[[nodiscard]] std::string_view UnitOfTimes(std::span<const double> times_s);
 
 // Times of the frames in their order, s.
 [[nodiscard]] std::vector<std::string> TimeDoubts(std::span<const double> times_s);

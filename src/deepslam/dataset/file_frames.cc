@@ -38,18 +38,27 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
+// SUN3D's PNG files hold depth turned by three bits.
+void TurnBitsBack(RawDepthImage& depth) {
+  for (std::uint16_t& raw : depth)
+    raw = static_cast<std::uint16_t>(raw >> 3U | static_cast<std::uint32_t>(raw) << 13U);
+}
+
 class FileFrames final : public StoredFrames {
  public:
   // Colour files are the frames' names.
   FileFrames(fs::path folder,
              const CaptureCameras& cameras,
              std::vector<StoredFrame> frames,
-             std::vector<std::string> depth_files)
+             std::vector<std::string> depth_files,
+             ImageForm form)
       : StoredFrames(cameras, std::move(frames)),
         folder_(std::move(folder)),
-        depth_files_(std::move(depth_files)) {}
+        depth_files_(std::move(depth_files)),
+        form_(std::move(form)) {}
 
   [[nodiscard]] Result<StoredColour> ReadColour(std::size_t i) const override {
+    if (form_.video != nullptr) return ReadVideoFrame(i);
     const fs::path file = folder_ / frames()[i].colour_name;
     Result<std::string> bytes = ReadFileBytes(file);
     if (!bytes) return bytes.error();
@@ -65,17 +74,51 @@ class FileFrames final : public StoredFrames {
 
   [[nodiscard]] Result<RawDepthImage> ReadDepth(std::size_t i) const override {
     const PinholeCamera& camera = cameras().depth;
-    return ReadDepthFile(folder_ / depth_files_[i], camera.width, camera.height);
+    Result<RawDepthImage> depth =
+        ReadDepthFile(folder_ / depth_files_[i], camera.width, camera.height, form_.raw_per_real);
+    if (depth && form_.rotated_bits) TurnBitsBack(*depth);
+    const bool all_sure =
+        form_.confidence.empty() || form_.confidence[i].empty() || form_.min_confidence <= 0;
+    if (!depth || all_sure) return depth;
+    const Result<Image<std::uint8_t>> confidence =
+        ReadGreyFile(folder_ / form_.confidence[i], camera.width, camera.height);
+    if (!confidence) return confidence.error();
+    std::transform(depth->begin(),
+                   depth->end(),
+                   confidence->begin(),
+                   depth->begin(),
+                   [&](std::uint16_t raw, std::uint8_t sure) {
+                     return sure < form_.min_confidence ? kNoDepth : raw;
+                   });
+    return depth;
   }
 
+  [[nodiscard]] bool colour_in_order() const override { return form_.video != nullptr; }
+
   [[nodiscard]] std::shared_ptr<const StoredFrames> Every(std::size_t step) const override {
-    return std::make_shared<FileFrames>(
-        folder_, cameras(), EveryNth(frames(), step), EveryNth(depth_files_, step));
+    ImageForm form = form_;
+    form.confidence = EveryNth(form_.confidence, step);
+    form.video_frames = EveryNth(form_.video_frames, step);
+    return std::make_shared<FileFrames>(folder_,
+                                        cameras(),
+                                        EveryNth(frames(), step),
+                                        EveryNth(depth_files_, step),
+                                        std::move(form));
   }
 
  private:
+  [[nodiscard]] Result<StoredColour> ReadVideoFrame(std::size_t i) const {
+    StoredColour colour;
+    colour.name = fmt::format("{}, frame {}", form_.video->file().string(), form_.video_frames[i]);
+    Result<ColourImage> pixels = form_.video->Read(form_.video_frames[i]);
+    if (!pixels) return pixels.error();
+    colour.pixels = *std::move(pixels);
+    return colour;
+  }
+
   fs::path folder_;
   std::vector<std::string> depth_files_;
+  ImageForm form_;
 };
 
 }  // namespace
@@ -89,8 +132,13 @@ std::unique_ptr<const StoredFrames> MakeFileFrames(
     const fs::path& folder,
     const CaptureCameras& cameras,
     std::vector<ImagePair> pairs,
-    const std::vector<std::optional<Pose3>>& world_from_colour) {
+    const std::vector<std::optional<Pose3>>& world_from_colour,
+    ImageForm form) {
   DEEPSLAM_CHECK(world_from_colour.size() == pairs.size(), "one pose entry per frame");
+  DEEPSLAM_CHECK(form.confidence.empty() || form.confidence.size() == pairs.size(),
+                 "one confidence file per frame");
+  DEEPSLAM_CHECK(form.video == nullptr || form.video_frames.size() == pairs.size(),
+                 "one frame of the video per frame");
   std::vector<StoredFrame> frames;
   std::vector<std::string> depth_files;
   frames.reserve(pairs.size());
@@ -102,7 +150,8 @@ std::unique_ptr<const StoredFrames> MakeFileFrames(
                       world_from_colour[i]});
     depth_files.push_back(std::move(pairs[i].depth.file));
   }
-  return std::make_unique<FileFrames>(folder, cameras, std::move(frames), std::move(depth_files));
+  return std::make_unique<FileFrames>(
+      folder, cameras, std::move(frames), std::move(depth_files), std::move(form));
 }
 
 Status CheckFilesExist(const fs::path& folder,
@@ -175,7 +224,7 @@ Result<std::string> HashLargeFile(const fs::path& file) {
 Result<std::optional<std::string>> ReadOptional(const fs::path& file) {
   std::error_code ignored;
   if (!fs::exists(fs::symlink_status(file, ignored))) return std::optional<std::string>();
-  Result<std::string> text = ReadFileBytes(file);
+  Result<std::string> text = ReadTextFile(file);
   if (!text) return text.error();
   return std::optional<std::string>(*std::move(text));
 }
@@ -186,7 +235,8 @@ std::vector<std::string> ListFiles(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
        entry.increment(code)) {
     std::error_code ignored;
-    if (entry->is_regular_file(ignored)) names.push_back(entry->path().filename().string());
+    std::string name = entry->path().filename().string();
+    if (!name.starts_with('.') && entry->is_regular_file(ignored)) names.push_back(std::move(name));
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -12,15 +12,28 @@
 #include "deepslam/core/sha256.h"
 #include "deepslam/dataset/image_pair.h"
 #include "deepslam/dataset/stored_frames.h"
+#include "deepslam/dataset/video_file.h"
 
 namespace deepslam::dataset {
+
+// What there is to the images beyond two files a frame.
+struct ImageForm {
+  double raw_per_real = 0;              // of depth files with real numbers (ReadDepthFile)
+  bool rotated_bits = false;            // depth's lowest three bits stand highest (SUN3D)
+  std::vector<std::string> confidence;  // files of 8 bits a pixel of depth, per frame; "": none
+  int min_confidence = 0;               // depth with less becomes kNoDepth
+  // Colour comes out of a video; the frames' colour files are names alone then.
+  std::shared_ptr<VideoFile> video;
+  std::vector<int> video_frames;  // per frame
+};
 
 // `world_from_colour` has one entry per pair.
 std::unique_ptr<const StoredFrames> MakeFileFrames(
     const std::filesystem::path& folder,
     const CaptureCameras& cameras,
     std::vector<ImagePair> pairs,
-    const std::vector<std::optional<Pose3>>& world_from_colour);
+    const std::vector<std::optional<Pose3>>& world_from_colour,
+    ImageForm form = {});
 
 // A warning about pairs whose files are missing; an error when that is more than half of them.
 Status CheckFilesExist(const std::filesystem::path& folder,
@@ -53,6 +66,7 @@ Result<std::string> HashLargeFile(const std::filesystem::path& file);
 Result<std::optional<std::string>> ReadOptional(const std::filesystem::path& file);
 
 // Names of the files of a folder (not of folders in it), sorted; empty when it cannot be listed.
+// Names that begin with a dot are left out: macOS puts "._NAME" beside every file of an archive.
 std::vector<std::string> ListFiles(const std::filesystem::path& folder);
 
 }  // namespace deepslam::dataset

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <fstream>
+#include <variant>
 
 #include <fmt/format.h>
 
 #include "deepslam/dataset/read_bytes.h"
 #include "deepslam/frames/brightness.h"
 #include "deepslam/image_codec/decode.h"
+#include "deepslam/image_codec/depth_image.h"
 #include "deepslam/image_codec/jpeg.h"
 #include "deepslam/image_codec/png.h"
 #include "deepslam/image_codec/structure.h"
@@ -91,6 +94,35 @@ Status Write(const std::filesystem::path& file, const Result<std::string>& bytes
                             file.string()));
 }
 
+// Where the camera has depth of another size something has to say what lies between the two.
+constexpr std::string_view kDepthCameraRemedy =
+    "; where depth has a camera of its own, state 'depth_camera' and 'colour_from_depth' in "
+    "capture.yaml, or register depth to colour first (k4a_transformation, rs-align)";
+
+RawDepthImage Rounded(const Image<float>& real, double raw_per_real) {
+  RawDepthImage raw(real.width(), real.height());
+  std::transform(real.begin(), real.end(), raw.begin(), [&](float value) {
+    const double scaled = static_cast<double>(value) * raw_per_real;
+    return scaled >= 0.5 && scaled < kSaturatedDepth - 0.5
+               ? static_cast<std::uint16_t>(std::lround(scaled))
+               : kNoDepth;
+  });
+  return raw;
+}
+
+Result<codec::DepthStructure> DepthStructureOf(const std::filesystem::path& file,
+                                               std::string_view bytes) {
+  if (bytes.empty()) return FileError(file, "file is empty");
+  if (codec::FormatOf(bytes) == codec::ImageFormat::kJpeg) {
+    return FileError(file,
+                     "depth must have one channel of 16 bits, this is a JPEG image, which has 8; "
+                     "store depth as 16-bit PNG");
+  }
+  Result<codec::DepthStructure> structure = codec::DepthStructureOf(bytes);
+  if (!structure) return FileError(file, structure.error().message);
+  return structure;
+}
+
 }  // namespace
 
 ImageCodec CodecOf(std::string_view bytes) {
@@ -149,18 +181,42 @@ Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width,
   return DecodeColour(*bytes, file, width, height);
 }
 
-Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height) {
+Result<DepthFileKind> ReadDepthKind(const std::filesystem::path& file) {
   const Result<std::string> bytes = ReadFileBytes(file);
   if (!bytes) return bytes.error();
-  const Result<codec::ImageStructure> structure = CheckedStructure(file, *bytes, width, height);
+  const Result<codec::DepthStructure> structure = DepthStructureOf(file, *bytes);
   if (!structure) return structure.error();
-  if (structure->channels != 1 || structure->bits != 16) {
+  return DepthFileKind{structure->width, structure->height, structure->real};
+}
+
+Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file,
+                                    int width,
+                                    int height,
+                                    double raw_per_real) {
+  const Result<std::string> bytes = ReadFileBytes(file);
+  if (!bytes) return bytes.error();
+  const Result<codec::DepthStructure> structure = DepthStructureOf(file, *bytes);
+  if (!structure) return structure.error();
+  if (structure->width != width || structure->height != height) {
     return FileError(file,
-                     fmt::format("depth must have one channel of 16 bits, this has {} of {} bits",
-                                 structure->channels,
-                                 structure->bits));
+                     fmt::format("is {} x {} px, the camera {} x {}{}",
+                                 structure->width,
+                                 structure->height,
+                                 width,
+                                 height,
+                                 kDepthCameraRemedy));
   }
-  return Named(file, codec::DecodePngGrey16(*bytes));
+  if (structure->real != (raw_per_real > 0)) {
+    return FileError(file,
+                     fmt::format("holds depth as {} numbers, the capture's first image as {} ones",
+                                 structure->real ? "real" : "whole",
+                                 structure->real ? "whole" : "real"));
+  }
+  Result<codec::DepthPixels> pixels = codec::DecodeDepth(*bytes);
+  if (!pixels)
+    return FileError(file, fmt::format("not a readable image ({})", pixels.error().message));
+  if (auto* const whole = std::get_if<RawDepthImage>(&*pixels)) return std::move(*whole);
+  return Rounded(std::get<Image<float>>(*pixels), raw_per_real);
 }
 
 Result<Image<std::uint8_t>> ReadGreyFile(const std::filesystem::path& file, int width, int height) {

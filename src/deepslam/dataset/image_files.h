@@ -43,8 +43,25 @@ Result<ColourImage> DecodeColour(std::string_view bytes,
 Result<BrightnessImage> DecodeBrightness(
     std::string_view bytes, const std::filesystem::path& file, int width, int height, int factor);
 
-// Decodes a depth image of exactly width x height px, 16 bit, one channel.
-Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file, int width, int height);
+// Depth that stands in a file as real numbers (OpenEXR, NumPy, TIFF) is held as whole ones of this
+// many a metre: a third of a millimetre, up to 21.8 m.
+inline constexpr double kRealDepthUnitsPerM = 3000;
+
+// What a depth file is by its header: its size, and whether it holds real numbers.
+struct DepthFileKind {
+  int width = 0;   // px
+  int height = 0;  // px
+  bool real = false;
+};
+Result<DepthFileKind> ReadDepthKind(const std::filesystem::path& file);
+
+// Decodes a depth image of exactly width x height px: one channel of 16 bits (PNG, PGM, TIFF, NPY),
+// or real numbers (EXR, NPY, TIFF) times `raw_per_real`, rounded; those that are none, not above 0
+// or too large become kNoDepth. `raw_per_real` 0: real numbers are refused, else whole ones are.
+Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file,
+                                    int width,
+                                    int height,
+                                    double raw_per_real = 0);
 
 // Decodes an image of one channel of 8 bits (a confidence map).
 Result<Image<std::uint8_t>> ReadGreyFile(const std::filesystem::path& file, int width, int height);

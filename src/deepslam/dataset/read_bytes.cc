@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/core/utf8.h"
+
 namespace deepslam::dataset {
 namespace {
 
@@ -103,6 +105,12 @@ Result<std::string> ReadFileBytes(const fs::path& file, std::uintmax_t max_bytes
   Result<std::string> bytes = ReadOpen(open, file, 0, *size);
   if (bytes && bytes->size() != *size) return FileError(file, "became shorter while it was read");
   return bytes;
+}
+
+Result<std::string> ReadTextFile(const fs::path& file) {
+  Result<std::string> bytes = ReadFileBytes(file);
+  if (!bytes) return bytes;
+  return Utf8OfText(*std::move(bytes));
 }
 
 Result<std::string> ReadFilePiece(const fs::path& file,

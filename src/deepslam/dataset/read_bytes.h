@@ -15,6 +15,9 @@ namespace deepslam::dataset {
 [[nodiscard]] Result<std::string> ReadFileBytes(const std::filesystem::path& file,
                                                 std::uintmax_t max_bytes = 256u << 20);
 
+// The text of a file, as UTF-8 (core/utf8.h).
+[[nodiscard]] Result<std::string> ReadTextFile(const std::filesystem::path& file);
+
 // `num_bytes` from `offset` on; kInvalidInput when the file ends before.
 [[nodiscard]] Result<std::string> ReadFilePiece(const std::filesystem::path& file,
                                                 std::uint64_t offset,

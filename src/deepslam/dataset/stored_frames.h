@@ -58,6 +58,8 @@ class StoredFrames {
   [[nodiscard]] virtual Result<StoredColour> ReadColour(std::size_t i) const = 0;
   // Of the depth camera's size.
   [[nodiscard]] virtual Result<RawDepthImage> ReadDepth(std::size_t i) const = 0;
+  // Colour of an earlier frame takes as long as of all frames before it (a video).
+  [[nodiscard]] virtual bool colour_in_order() const { return false; }
   // Every `step`-th of them, from the first on; nothing is held of the others.
   [[nodiscard]] virtual std::shared_ptr<const StoredFrames> Every(std::size_t step) const = 0;
 

@@ -35,6 +35,7 @@ struct VideoFile::Impl {
   const video::VideoModule* module = nullptr;
   int width = 0;
   int height = 0;
+  int num_frames = 0;
   std::size_t max_kept = 0;
 
   std::mutex mutex;
@@ -77,6 +78,7 @@ Result<std::unique_ptr<VideoFile>> VideoFile::Open(const std::filesystem::path& 
     return InvalidInput(fmt::format("{}: not a video that can be decoded here", file.string()));
   impl->width = impl->module->width(impl->decoder.get());
   impl->height = impl->module->height(impl->decoder.get());
+  impl->num_frames = impl->module->num_frames(impl->decoder.get());
   if (impl->width < 1 || impl->height < 1 || impl->width > kMaxSidePx ||
       impl->height > kMaxSidePx) {
     return InvalidInput(
@@ -88,6 +90,8 @@ Result<std::unique_ptr<VideoFile>> VideoFile::Open(const std::filesystem::path& 
   return std::unique_ptr<VideoFile>(new VideoFile(std::move(impl)));
 }
 
+const std::filesystem::path& VideoFile::file() const { return impl_->file; }
+int VideoFile::num_frames() const { return impl_->num_frames; }
 int VideoFile::width() const { return impl_->width; }
 int VideoFile::height() const { return impl_->height; }
 

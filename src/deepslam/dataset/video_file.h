@@ -17,6 +17,9 @@ class VideoFile {
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
+  [[nodiscard]] const std::filesystem::path& file() const;
+  // As the file's own index says; 0 where it says nothing.
+  [[nodiscard]] int num_frames() const;
   [[nodiscard]] int width() const;   // px, as stored: rotation tags are ignored
   [[nodiscard]] int height() const;  // px
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kCompressionLevel = 3;
 
-enum class Pixels { kRgb8, kGrey8, kGrey16 };
+enum class Pixels { kRgb8, kGrey8, kGrey16, kBgra8 };
 
 using Fault = std::array<char, 128>;
 
@@ -70,6 +70,10 @@ void Flush(png_structp) {}
 void AskFor(Pixels wanted, png_structp png, png_infop info) {
   const int type = png_get_color_type(png, info);
   const int bits = png_get_bit_depth(png, info);
+  if (wanted == Pixels::kBgra8) {
+    png_set_bgr(png);
+    return;
+  }
   png_set_strip_alpha(png);
   if (wanted == Pixels::kGrey16) {
     png_set_swap(png);
@@ -192,6 +196,17 @@ Result<ColourImage> DecodePngColour(std::string_view bytes) {
 
 Result<Image<std::uint8_t>> DecodePngGrey(std::string_view bytes) {
   return DecodeGreyOf<std::uint8_t>(bytes, 8, Pixels::kGrey8);
+}
+
+Result<Image<float>> DecodePngFloat(std::string_view bytes) {
+  const ImageStructure structure = StructureOf(bytes);
+  if (const Status checked = CheckPng(structure, bytes); !checked) return checked.error();
+  if (structure.channels != 4 || structure.bits != 8 || structure.stored_bits != 32) {
+    return InvalidInput(fmt::format("must have four channels of 8 bits, this has {} of {} bits",
+                                    structure.channels,
+                                    structure.bits));
+  }
+  return Decode<float>(bytes, structure, Pixels::kBgra8);
 }
 
 Result<Image<std::uint16_t>> DecodePngGrey16(std::string_view bytes) {

@@ -19,6 +19,10 @@ namespace deepslam::image_codec {
 // Grey images of 16 bits. Others are errors.
 [[nodiscard]] Result<Image<std::uint16_t>> DecodePngGrey16(std::string_view bytes);
 
+// Real numbers of 32 bits whose bytes were written as the channels blue, green, red and alpha, as
+// OpenCV's users do who have no other place for them. Other images are errors.
+[[nodiscard]] Result<Image<float>> DecodePngFloat(std::string_view bytes);
+
 [[nodiscard]] Result<std::string> EncodePng(const ColourImage& image);
 [[nodiscard]] Result<std::string> EncodePng(const Image<std::uint16_t>& image);
 

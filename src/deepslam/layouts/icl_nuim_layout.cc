@@ -12,8 +12,9 @@
 
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/formats/text_lines.h"
 #include "deepslam/layouts/layout.h"
-#include "deepslam/layouts/text_lines.h"
+#include "deepslam/layouts/settle_images.h"
 #include "deepslam/layouts/tum_layout.h"
 
 namespace deepslam::layouts {
@@ -39,9 +40,9 @@ std::vector<std::string> PoseFiles(const fs::path& folder) {
 
 // "0 depth/0.png 0 rgb/0.png"
 bool HasNumberedAssociations(const fs::path& folder) {
-  const Result<std::string> text = dataset::ReadFileBytes(folder / "associations.txt");
+  const Result<std::string> text = dataset::ReadTextFile(folder / "associations.txt");
   if (!text) return false;
-  const std::vector<TextLine> lines = SplitLines(*text);
+  const std::vector<formats::TextLine> lines = formats::SplitLines(*text);
   if (lines.empty() || lines.front().fields.size() != 4) return false;
   const std::vector<std::string_view>& fields = lines.front().fields;
   return IsNumber(fields[0]) && IsNumber(fields[2]) && fields[1].starts_with("depth/") &&
@@ -80,10 +81,10 @@ Pose3 Mirrored(const Pose3& pose) {
 Result<std::map<double, Pose3>> ReadPoses(const std::string& text,
                                           const fs::path& file,
                                           std::vector<std::string>& warnings) {
-  const Result<std::vector<TimedPose>> poses = ParsePoses(text, file, warnings);
+  const Result<std::vector<formats::TimedPose>> poses = formats::ParsePoses(text, file, warnings);
   if (!poses) return poses.error();
   std::map<double, Pose3> by_number;
-  for (const TimedPose& pose : *poses)
+  for (const formats::TimedPose& pose : *poses)
     by_number.emplace(pose.time_s, Mirrored(pose.world_from_camera));
   return by_number;
 }
@@ -128,7 +129,7 @@ Result<OpenedLayout> OpenIclNuim(const LayoutSource& source) {
   std::vector<std::optional<Pose3>> world_from_colour(pairs->size());
   if (!pose_files.empty()) {
     const fs::path file = folder / pose_files.front();
-    Result<std::string> text = dataset::ReadFileBytes(file);
+    Result<std::string> text = dataset::ReadTextFile(file);
     if (!text) return text.error();
     const auto poses = ReadPoses(*text, file, opened.warnings);
     if (!poses) return poses.error();
@@ -136,14 +137,16 @@ Result<OpenedLayout> OpenIclNuim(const LayoutSource& source) {
       const auto pose = poses->find((*pairs)[i].depth.time_s);
       if (pose != poses->end()) world_from_colour[i] = pose->second;
     }
+    opened.poses_file = file.string();
     poses_text = *std::move(text);
   }
   for (dataset::ImagePair& pair : *pairs) {
     for (dataset::TimedFile* file : {&pair.colour, &pair.depth})
       file->time_s = TimeOfNumber(std::llround(file->time_s));
   }
-  const dataset::CaptureCameras cameras =
-      WithStated(source.settings, {kCamera, kCamera, Pose3(), kUnitsPerM});
+  const Result<SettledImages> settled =
+      SettleImages(source, {kCamera, kCamera, Pose3(), kUnitsPerM}, *pairs, opened.warnings);
+  if (!settled) return settled.error();
   Result<std::string> hash = dataset::HashFiles(
       "icl-nuim",
       std::vector<dataset::NamedText>{{kSettingsName, source.settings_text}, {"poses", poses_text}},
@@ -151,7 +154,9 @@ Result<OpenedLayout> OpenIclNuim(const LayoutSource& source) {
       *pairs);
   if (!hash) return hash.error();
   opened.content_hash = *std::move(hash);
-  opened.frames = dataset::MakeFileFrames(folder, cameras, *std::move(pairs), world_from_colour);
+  opened.frames = dataset::MakeFileFrames(
+      folder, settled->cameras, *std::move(pairs), world_from_colour, settled->form);
+  opened.optics = WithStated(source.settings, dataset::Optics());
   opened.has_times = false;
   return opened;
 }

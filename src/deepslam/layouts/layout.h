@@ -13,6 +13,7 @@
 
 #include "deepslam/core/result.h"
 #include "deepslam/dataset/capture_settings.h"
+#include "deepslam/dataset/rectified_frames.h"
 #include "deepslam/dataset/stored_frames.h"
 
 namespace deepslam::layouts {
@@ -28,7 +29,10 @@ struct OpenedLayout {
   std::shared_ptr<const dataset::StoredFrames> frames;
   std::string content_hash;           // see Capture::content_hash
   std::vector<std::string> warnings;  // for the user
+  std::vector<std::string> doubts;    // warnings that make every result doubtful
   bool has_times = true;              // false: the layout has none, frames are taken at 30 Hz
+  dataset::Optics optics;             // what the images were taken through
+  std::string poses_file;             // where poses come from, for messages
 };
 
 // How much of a layout lies in a folder.
@@ -60,6 +64,10 @@ inline constexpr std::string_view kSettingsName = "capture.yaml";
 [[nodiscard]] dataset::CaptureCameras WithStated(const dataset::CaptureSettings& settings,
                                                  dataset::CaptureCameras cameras);
 
+// The same for lenses, and for cameras of single frames.
+[[nodiscard]] dataset::Optics WithStated(const dataset::CaptureSettings& settings,
+                                         dataset::Optics optics);
+
 // Time of a frame that is known by its number alone, at 30 Hz, in whole microseconds, which is what
 // all layouts can hold.
 [[nodiscard]] double TimeOfNumber(std::int64_t number);
@@ -76,11 +84,41 @@ LayoutMatch MatchIclNuim(const std::filesystem::path& path);
 Result<OpenedLayout> OpenIclNuim(const LayoutSource& source);
 LayoutMatch MatchSevenScenes(const std::filesystem::path& path);
 Result<OpenedLayout> OpenSevenScenes(const LayoutSource& source);
+LayoutMatch MatchThreeDMatch(const std::filesystem::path& path);
+Result<OpenedLayout> OpenThreeDMatch(const LayoutSource& source);
+LayoutMatch MatchBundleFusion(const std::filesystem::path& path);
+Result<OpenedLayout> OpenBundleFusion(const LayoutSource& source);
+LayoutMatch MatchThreeRScan(const std::filesystem::path& path);
+Result<OpenedLayout> OpenThreeRScan(const LayoutSource& source);
 LayoutMatch MatchOpen3d(const std::filesystem::path& path);
 Result<OpenedLayout> OpenOpen3d(const LayoutSource& source);
 LayoutMatch MatchScanNet(const std::filesystem::path& path);
 Result<OpenedLayout> OpenScanNet(const LayoutSource& source);
+LayoutMatch MatchScanNetExport(const std::filesystem::path& path);
+Result<OpenedLayout> OpenScanNetExport(const LayoutSource& source);
+LayoutMatch MatchScanNetPp(const std::filesystem::path& path);
+Result<OpenedLayout> OpenScanNetPp(const LayoutSource& source);
 LayoutMatch MatchStray(const std::filesystem::path& path);
 Result<OpenedLayout> OpenStray(const LayoutSource& source);
+LayoutMatch MatchArkitScenes(const std::filesystem::path& path);
+Result<OpenedLayout> OpenArkitScenes(const LayoutSource& source);
+LayoutMatch MatchPolycam(const std::filesystem::path& path);
+Result<OpenedLayout> OpenPolycam(const LayoutSource& source);
+LayoutMatch MatchRecord3d(const std::filesystem::path& path);
+Result<OpenedLayout> OpenRecord3d(const LayoutSource& source);
+LayoutMatch MatchNerfstudio(const std::filesystem::path& path);
+Result<OpenedLayout> OpenNerfstudio(const LayoutSource& source);
+LayoutMatch MatchReplica(const std::filesystem::path& path);
+Result<OpenedLayout> OpenReplica(const LayoutSource& source);
+LayoutMatch MatchHabitat(const std::filesystem::path& path);
+Result<OpenedLayout> OpenHabitat(const LayoutSource& source);
+LayoutMatch MatchSun3d(const std::filesystem::path& path);
+Result<OpenedLayout> OpenSun3d(const LayoutSource& source);
+LayoutMatch MatchRtabMap(const std::filesystem::path& path);
+Result<OpenedLayout> OpenRtabMap(const LayoutSource& source);
+LayoutMatch MatchRtabMapDatabase(const std::filesystem::path& path);
+Result<OpenedLayout> OpenRtabMapDatabase(const LayoutSource& source);
+LayoutMatch MatchFolders(const std::filesystem::path& path);
+Result<OpenedLayout> OpenFolders(const LayoutSource& source);
 
 }  // namespace deepslam::layouts

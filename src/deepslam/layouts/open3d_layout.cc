@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -13,10 +12,12 @@
 
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/formats/pose_matrix.h"
+#include "deepslam/formats/pose_texts.h"
+#include "deepslam/formats/text_lines.h"
+#include "deepslam/layouts/image_folders.h"
 #include "deepslam/layouts/layout.h"
-#include "deepslam/layouts/pose_matrix.h"
-#include "deepslam/layouts/text_lines.h"
-#include "deepslam/layouts/tum_lists.h"
+#include "deepslam/layouts/settle_images.h"
 
 namespace deepslam::layouts {
 namespace {
@@ -25,154 +26,10 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr double kUnitsPerM = 1000;
-constexpr double kMaxTimeDifferenceS = 0.02;
 // PrimeSense's, which Open3D takes when nothing is stated.
 constexpr PinholeCamera kDefaultCamera{640, 480, 525, 525, 319.5, 239.5};
-constexpr std::array kColourFolders = {"color", "image", "rgb"};
 constexpr std::array kIntrinsicNames = {"camera_intrinsic.json", "intrinsic.json"};
 constexpr std::string_view kConfigName = "config.json";
-
-bool IsImage(const std::string& name) {
-  std::string end = fs::path(name).extension().string();
-  std::transform(end.begin(), end.end(), end.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return end == ".png" || end == ".jpg" || end == ".jpeg";
-}
-
-// An image's name: "frame000012", or Redwood's "0000012-000000400000" with microseconds.
-struct ImageName {
-  std::string file;
-  std::optional<std::int64_t> number;
-  std::optional<std::int64_t> time_us;
-};
-
-std::optional<std::int64_t> WholeNumber(std::string_view text) {
-  if (text.empty() || text.size() > 18 ||
-      text.find_first_not_of("0123456789") != std::string_view::npos) {
-    return std::nullopt;
-  }
-  std::int64_t number = 0;
-  for (const char c : text) number = 10 * number + (c - '0');
-  return number;
-}
-
-ImageName ParseName(const std::string& folder, const std::string& name) {
-  ImageName parsed{folder + "/" + name, std::nullopt, std::nullopt};
-  const std::string stem = fs::path(name).stem().string();
-  if (const std::size_t dash = stem.rfind('-'); dash != std::string::npos) {
-    parsed.number = WholeNumber(std::string_view(stem).substr(0, dash));
-    if (parsed.number) parsed.time_us = WholeNumber(std::string_view(stem).substr(dash + 1));
-    if (parsed.time_us) return parsed;
-  }
-  const std::size_t last_other = stem.find_last_not_of("0123456789");
-  parsed.number = WholeNumber(
-      std::string_view(stem).substr(last_other == std::string::npos ? 0 : last_other + 1));
-  return parsed;
-}
-
-std::vector<ImageName> ListImages(const fs::path& capture, const std::string& folder) {
-  std::vector<ImageName> images;
-  for (const std::string& name : dataset::ListFiles(capture / folder)) {
-    if (IsImage(name)) images.push_back(ParseName(folder, name));
-  }
-  const bool numbered = std::all_of(
-      images.begin(), images.end(), [](const ImageName& image) { return image.number; });
-  if (numbered) {
-    std::stable_sort(images.begin(), images.end(), [](const ImageName& a, const ImageName& b) {
-      return a.number < b.number;
-    });
-  }
-  return images;
-}
-
-dataset::TimedFile ToTimed(const ImageName& image, std::size_t position) {
-  const double time_s =
-      image.time_us ? static_cast<double>(*image.time_us) / 1e6
-                    : TimeOfNumber(image.number.value_or(static_cast<std::int64_t>(position)));
-  return {time_s, image.file, 0};
-}
-
-struct Pairs {
-  std::vector<dataset::ImagePair> pairs;
-  std::map<std::string, std::size_t> position;  // of a colour file among all: what poses refer to
-  bool has_times = false;
-};
-
-// Images of one number. Empty when the numbers do not name frames: two files of one number, or
-// moments that are too far apart.
-std::vector<dataset::ImagePair> PairsByNumber(const std::vector<ImageName>& colour,
-                                              const std::vector<ImageName>& depth) {
-  std::map<std::int64_t, std::size_t> depth_of;
-  for (std::size_t i = 0; i < depth.size(); ++i) {
-    if (!depth[i].number || !depth_of.emplace(*depth[i].number, i).second) return {};
-  }
-  std::vector<dataset::ImagePair> pairs;
-  for (std::size_t i = 0; i < colour.size(); ++i) {
-    if (!colour[i].number || (i > 0 && colour[i].number == colour[i - 1].number)) return {};
-    const auto found = depth_of.find(*colour[i].number);
-    if (found == depth_of.end()) continue;
-    pairs.push_back({ToTimed(colour[i], i), ToTimed(depth[found->second], found->second)});
-    if (std::abs(pairs.back().colour.time_s - pairs.back().depth.time_s) > kMaxTimeDifferenceS)
-      return {};
-  }
-  return pairs;
-}
-
-Result<Pairs> ReadPairs(const fs::path& folder,
-                        const std::string& colour_folder,
-                        std::vector<std::string>& warnings) {
-  const std::vector<ImageName> colour = ListImages(folder, colour_folder);
-  const std::vector<ImageName> depth = ListImages(folder, "depth");
-  for (const auto& [images, name] : {std::pair(&colour, colour_folder), {&depth, "depth"}}) {
-    if (images->empty()) {
-      return InvalidInput(
-          fmt::format("{}: holds no PNG or JPEG images; is the capture unpacked completely?",
-                      (folder / name).string()));
-    }
-  }
-  Pairs read;
-  for (std::size_t i = 0; i < colour.size(); ++i) read.position.emplace(colour[i].file, i);
-  read.has_times =
-      std::all_of(depth.begin(), depth.end(), [](const ImageName& image) { return image.time_us; });
-  read.pairs = PairsByNumber(colour, depth);
-  if (read.pairs.empty() && read.has_times) {
-    std::vector<dataset::TimedFile> timed_colour;
-    std::vector<dataset::TimedFile> timed_depth;
-    for (std::size_t i = 0; i < colour.size(); ++i) timed_colour.push_back(ToTimed(colour[i], i));
-    for (std::size_t i = 0; i < depth.size(); ++i) timed_depth.push_back(ToTimed(depth[i], i));
-    for (std::vector<dataset::TimedFile>* files : {&timed_colour, &timed_depth}) {
-      std::stable_sort(files->begin(),
-                       files->end(),
-                       [](const dataset::TimedFile& a, const dataset::TimedFile& b) {
-                         return a.time_s < b.time_s;
-                       });
-    }
-    read.pairs = AssociateByTime(timed_colour, timed_depth, kMaxTimeDifferenceS);
-  }
-  if (read.pairs.empty() && colour.size() == depth.size()) {
-    for (std::size_t i = 0; i < colour.size(); ++i) {
-      const double time_s = TimeOfNumber(static_cast<std::int64_t>(i));
-      read.pairs.push_back({{time_s, colour[i].file, 0}, {time_s, depth[i].file, 0}});
-    }
-  }
-  if (read.pairs.empty()) {
-    return InvalidInput(fmt::format(
-        "{}: {} colour and {} depth images of which none belong together; give the two of a frame "
-        "one number",
-        folder.string(),
-        colour.size(),
-        depth.size()));
-  }
-  if (read.pairs.size() < std::max(colour.size(), depth.size())) {
-    warnings.push_back(fmt::format("{}: {} colour and {} depth images make {} frames",
-                                   folder.string(),
-                                   colour.size(),
-                                   depth.size(),
-                                   read.pairs.size()));
-  }
-  return read;
-}
 
 Error JsonError(const fs::path& file, std::string_view fault) {
   return InvalidInput(fmt::format(
@@ -182,12 +39,26 @@ Error JsonError(const fs::path& file, std::string_view fault) {
       fault));
 }
 
-Result<PinholeCamera> ParseIntrinsics(const std::string& text,
-                                      const fs::path& file,
-                                      std::vector<std::string>& warnings) {
-  const json root = json::parse(text, nullptr, false);
-  if (!root.is_object()) return JsonError(file, "is not a JSON object");
+// `depth_scale`, the raw depth of one metre: in config.json, or, where Open3D unpacked a recording
+// of a RealSense, among the intrinsics. Nothing where it does not stand.
+Result<std::optional<double>> ParseDepthScale(const json& root, const fs::path& file) {
+  const auto field = root.find("depth_scale");
+  if (field == root.end()) return std::optional<double>();
+  const double scale = field->is_number() ? field->get<double>() : 0;
+  if (scale >= 1 && scale <= 1e6) return std::optional(scale);
+  return InvalidInput(fmt::format(
+      "{}: field 'depth_scale' is {}, not a number in 1 .. 1000000 (usual: 1000); it is "
+      "the raw depth of one metre",
+      file.string(),
+      field->dump()));
+}
+
+struct Intrinsics {
   PinholeCamera camera;
+  std::optional<double> depth_scale;
+};
+
+Status ParseSize(const json& root, const fs::path& file, PinholeCamera& camera) {
   for (const auto& [name, target] :
        {std::pair("width", &camera.width), {"height", &camera.height}}) {
     const auto field = root.find(name);
@@ -198,6 +69,17 @@ Result<PinholeCamera> ParseIntrinsics(const std::string& text,
       return JsonError(file, fmt::format("field '{}' is {}", name, value));
     *target = static_cast<int>(value);
   }
+  return Ok();
+}
+
+Result<Intrinsics> ParseIntrinsics(const std::string& text,
+                                   const fs::path& file,
+                                   std::vector<std::string>& warnings) {
+  const json root = json::parse(text, nullptr, false);
+  if (!root.is_object()) return JsonError(file, "is not a JSON object");
+  Intrinsics intrinsics;
+  PinholeCamera& camera = intrinsics.camera;
+  if (const Status size = ParseSize(root, file, camera); !size) return size.error();
   const auto matrix = root.find("intrinsic_matrix");
   if (matrix == root.end() || !matrix->is_array() || matrix->size() != 9 ||
       !std::all_of(matrix->begin(), matrix->end(), [](const json& n) { return n.is_number(); })) {
@@ -221,12 +103,15 @@ Result<PinholeCamera> ParseIntrinsics(const std::string& text,
   camera.cy = m[7];
   const Status plausible = dataset::CheckCamera(camera, file);
   if (!plausible) return plausible.error();
-  return camera;
+  const Result<std::optional<double>> scale = ParseDepthScale(root, file);
+  if (!scale) return scale.error();
+  intrinsics.depth_scale = *scale;
+  return intrinsics;
 }
 
 struct Config {
   std::optional<std::string> intrinsics;  // file
-  double depth_scale = kUnitsPerM;
+  std::optional<double> depth_scale;
 };
 
 Result<Config> ParseConfig(const std::optional<std::string>& text, const fs::path& file) {
@@ -240,18 +125,9 @@ Result<Config> ParseConfig(const std::optional<std::string>& text, const fs::pat
       field != root.end() && field->is_string() && !field->get<std::string>().empty()) {
     config.intrinsics = field->get<std::string>();
   }
-  if (const auto field = root.find("depth_scale"); field != root.end()) {
-    const double scale = field->is_number() ? field->get<double>() : 0;
-    if (!(scale >= 1 && scale <= 1e6)) {
-      return InvalidInput(
-          fmt::format("{}: field 'depth_scale' is {}, not a number in 1 .. 1000000 (usual: 1000); "
-                      "it is the raw "
-                      "depth of one metre",
-                      file.string(),
-                      field->dump()));
-    }
-    config.depth_scale = scale;
-  }
+  const Result<std::optional<double>> scale = ParseDepthScale(root, file);
+  if (!scale) return scale.error();
+  config.depth_scale = *scale;
   return config;
 }
 
@@ -287,48 +163,72 @@ Result<std::optional<fs::path>> FindTrajectory(const fs::path& folder,
   return std::optional<fs::path>();
 }
 
-// Blocks of five lines: `i j n`, then world from camera, row by row. i is the frame's index.
-Result<std::vector<std::optional<Pose3>>> ParseTrajectory(const std::string& text,
-                                                          const fs::path& file,
-                                                          std::size_t num_frames,
-                                                          std::vector<std::string>& warnings) {
-  std::vector<std::optional<Pose3>> poses(num_frames);
-  const std::vector<TextLine> lines = SplitLines(text);
+// One block of five lines from `begin` on.
+struct LoggedPose {
+  std::size_t frame = 0;
+  std::optional<Pose3> world_from_camera;
+};
+
+Result<LoggedPose> ParseLoggedPose(const std::vector<formats::TextLine>& lines,
+                                   std::size_t begin,
+                                   const fs::path& file,
+                                   std::size_t num_frames) {
+  const formats::TextLine& head = lines[begin];
+  const std::optional<std::int64_t> index =
+      head.fields.size() == 3 ? WholeNumber(head.fields[0]) : std::nullopt;
+  if (!index) {
+    return formats::LineError(
+        file, head.number, "expected the line 'i j n' of a pose (three whole numbers)");
+  }
+  if (*index >= static_cast<std::int64_t>(num_frames)) {
+    return formats::LineError(
+        file,
+        head.number,
+        fmt::format(
+            "is the pose of frame {}, the capture has {} colour images", *index, num_frames));
+  }
+  std::array<double, 16> matrix{};
+  for (std::size_t row = 0; row < 4; ++row) {
+    if (begin + 1 + row >= lines.size())
+      return formats::LineError(file, head.number, "the file ends within this pose (truncated?)");
+    const formats::TextLine& line = lines[begin + 1 + row];
+    const Status count = formats::CheckFieldCount(file, line, 4, "a row of a 4 x 4 matrix");
+    if (!count) return count.error();
+    for (std::size_t column = 0; column < 4; ++column) {
+      const std::optional<double> number = formats::ParseNumber(line.fields[column]);
+      if (!number) {
+        return formats::LineError(
+            file,
+            line.number,
+            fmt::format("'{}' is not a number", formats::Shown(line.fields[column])));
+      }
+      matrix[4 * row + column] = *number;
+    }
+  }
+  return LoggedPose{static_cast<std::size_t>(*index), formats::PoseOfMatrix(matrix)};
+}
+
+// Blocks of five lines: `i j n`, then world from camera, row by row. i is the frame's index. A last
+// block that the file ends within is left out where others stand before it.
+Result<formats::FramePoses> ParseTrajectory(const std::string& text,
+                                            const fs::path& file,
+                                            std::size_t num_frames,
+                                            std::vector<std::string>& warnings) {
+  formats::FramePoses poses(num_frames);
+  const std::vector<formats::TextLine> lines = formats::SplitLines(text);
   std::size_t num_unusable = 0;
   for (std::size_t begin = 0; begin < lines.size(); begin += 5) {
-    const TextLine& head = lines[begin];
-    const std::optional<std::int64_t> index =
-        head.fields.size() == 3 ? WholeNumber(head.fields[0]) : std::nullopt;
-    if (!index) {
-      return LineError(
-          file, head.number, "expected the line 'i j n' of a pose (three whole numbers)");
+    const Result<LoggedPose> pose = ParseLoggedPose(lines, begin, file, num_frames);
+    const bool is_last = begin + 5 >= lines.size();
+    const bool ends_within = begin + 5 > lines.size() || lines.back().unfinished;
+    if (!pose && is_last && ends_within && begin > 0) {
+      warnings.push_back(fmt::format("{}; the last pose was left out (was the recorder stopped?)",
+                                     pose.error().message));
+      break;
     }
-    if (*index >= static_cast<std::int64_t>(num_frames)) {
-      return LineError(
-          file,
-          head.number,
-          fmt::format(
-              "is the pose of frame {}, the capture has {} colour images", *index, num_frames));
-    }
-    std::array<double, 16> matrix{};
-    for (std::size_t row = 0; row < 4; ++row) {
-      if (begin + 1 + row >= lines.size())
-        return LineError(file, head.number, "the file ends within this pose (truncated?)");
-      const TextLine& line = lines[begin + 1 + row];
-      const Status count = CheckFieldCount(file, line, 4, "a row of a 4 x 4 matrix");
-      if (!count) return count.error();
-      for (std::size_t column = 0; column < 4; ++column) {
-        const std::optional<double> number = ParseNumber(line.fields[column]);
-        if (!number) {
-          return LineError(
-              file, line.number, fmt::format("'{}' is not a number", Shown(line.fields[column])));
-        }
-        matrix[4 * row + column] = *number;
-      }
-    }
-    std::optional<Pose3>& pose = poses[static_cast<std::size_t>(*index)];
-    pose = PoseOfMatrix(matrix);
-    if (!pose) ++num_unusable;
+    if (!pose) return pose.error();
+    poses[pose->frame] = pose->world_from_camera;
+    if (!pose->world_from_camera) ++num_unusable;
   }
   if (num_unusable > 0) {
     warnings.push_back(fmt::format("{}: {} poses are not finite or no rotations and were left out",
@@ -339,11 +239,83 @@ Result<std::vector<std::optional<Pose3>>> ParseTrajectory(const std::string& tex
 }
 
 std::string ColourFolder(const fs::path& path) {
-  std::error_code ignored;
-  for (const char* name : kColourFolders) {
-    if (fs::is_directory(path / name, ignored)) return name;
+  return FirstFolder(path, {"color", "image", "rgb"});
+}
+
+// "0000001-000000033369.jpg": images of the Redwood data sets.
+bool HasRedwoodNames(const fs::path& folder, const std::string& colour_folder) {
+  if (colour_folder.empty()) return false;
+  const std::vector<NumberedImage> images = ListImages(folder, colour_folder, IsColourName);
+  return !images.empty() && images.front().time_us.has_value();
+}
+
+struct CameraOfFolder {
+  Intrinsics intrinsics;
+  std::optional<std::string> text;  // of their file
+};
+
+// From their file; else PrimeSense's, unless capture.yaml states a camera.
+Result<CameraOfFolder> ReadCamera(const LayoutSource& source,
+                                  const Config& config,
+                                  const std::vector<dataset::ImagePair>& pairs,
+                                  std::vector<std::string>& warnings) {
+  const fs::path& folder = source.path;
+  CameraOfFolder camera{{kDefaultCamera, std::nullopt}, std::nullopt};
+  if (const std::optional<fs::path> file = FindIntrinsics(folder, config)) {
+    Result<std::string> text = dataset::ReadTextFile(*file);
+    if (!text) return text.error();
+    const Result<Intrinsics> parsed = ParseIntrinsics(*text, *file, warnings);
+    if (!parsed) return parsed.error();
+    camera.intrinsics = *parsed;
+    camera.text = *std::move(text);
+    return camera;
   }
-  return "";
+  if (source.settings.has_camera()) return camera;
+  if (const std::string other = FileOfCamera(folder); !other.empty()) {
+    return InvalidInput(fmt::format(
+        "{}: seems to tell of the camera, but is not read in this layout (read are {}); "
+        "write its values as 'camera' to {}",
+        (folder / other).string(),
+        fmt::join(kIntrinsicNames, ", "),
+        (folder / kSettingsName).string()));
+  }
+  const Result<dataset::ImageSize> size = FirstColourSize(folder, pairs);
+  if (size && (size->width != kDefaultCamera.width || size->height != kDefaultCamera.height)) {
+    return JsonError(folder / kIntrinsicNames[0],
+                     "is missing, so the camera's intrinsics are unknown");
+  }
+  warnings.push_back(fmt::format(
+      "{}: missing; taken for the PrimeSense camera that Open3D takes by default (640 x 480, 525 "
+      "px)",
+      (folder / kIntrinsicNames[0]).string()));
+  return camera;
+}
+
+// Of config.json or of the intrinsics.
+Result<double> DepthScale(const fs::path& folder,
+                          const Config& config,
+                          const Intrinsics& intrinsics,
+                          std::vector<std::string>& warnings) {
+  if (config.depth_scale && intrinsics.depth_scale) {
+    // A camera's own scale is a 32-bit number near a whole one: 3999.999756.
+    if (std::abs(*config.depth_scale / *intrinsics.depth_scale - 1) > 1e-3) {
+      return InvalidInput(
+          fmt::format("{}: 'depth_scale' is {}, in the intrinsics' file {}: remove the wrong one",
+                      (folder / kConfigName).string(),
+                      *config.depth_scale,
+                      *intrinsics.depth_scale));
+    }
+    return *config.depth_scale;
+  }
+  if (!intrinsics.depth_scale) return config.depth_scale.value_or(kUnitsPerM);
+  if (*intrinsics.depth_scale != kUnitsPerM) {
+    warnings.push_back(
+        fmt::format("{}: 'depth_scale' of the intrinsics' file, {}, is taken for the "
+                    "raw depth of one metre",
+                    folder.string(),
+                    *intrinsics.depth_scale));
+  }
+  return *intrinsics.depth_scale;
 }
 
 }  // namespace
@@ -355,7 +327,6 @@ LayoutMatch MatchOpen3d(const fs::path& path) {
   const bool has_depth = fs::is_directory(path / "depth", ignored);
   const bool has_intrinsics = FindIntrinsics(path, {}).has_value();
   const bool has_log = fs::exists(path / "trajectory.log", ignored);
-  const bool has_settings = fs::exists(path / kSettingsName, ignored);
   for (const auto& [found, piece] : {std::pair(has_colour, "color/ (or image/, rgb/)"),
                                      {has_depth, "depth/"},
                                      {has_intrinsics, "camera_intrinsic.json"}}) {
@@ -366,8 +337,8 @@ LayoutMatch MatchOpen3d(const fs::path& path) {
     }
   }
   match.matches = has_colour && has_depth &&
-                  (has_intrinsics || has_log || has_settings ||
-                   fs::exists(path / kConfigName, ignored) || ColourFolder(path) != "rgb");
+                  (has_intrinsics || has_log || fs::exists(path / kConfigName, ignored) ||
+                   HasRedwoodNames(path, ColourFolder(path)));
   return match;
 }
 
@@ -377,7 +348,7 @@ Result<OpenedLayout> OpenOpen3d(const LayoutSource& source) {
   const std::string colour_folder = ColourFolder(folder);
   if (colour_folder.empty())
     return InvalidInput(fmt::format("{}: holds none of color/, image/, rgb/", folder.string()));
-  Result<Pairs> read = ReadPairs(folder, colour_folder, opened.warnings);
+  Result<FolderPairs> read = PairFolders(folder, colour_folder, "depth", opened.warnings);
   if (!read) return read.error();
 
   const Result<std::optional<std::string>> config_text =
@@ -385,36 +356,23 @@ Result<OpenedLayout> OpenOpen3d(const LayoutSource& source) {
   if (!config_text) return config_text.error();
   const Result<Config> config = ParseConfig(*config_text, folder / kConfigName);
   if (!config) return config.error();
-  PinholeCamera camera = kDefaultCamera;
-  std::optional<std::string> intrinsics_text;
-  if (const std::optional<fs::path> file = FindIntrinsics(folder, *config)) {
-    Result<std::string> text = dataset::ReadFileBytes(*file);
-    if (!text) return text.error();
-    const Result<PinholeCamera> parsed = ParseIntrinsics(*text, *file, opened.warnings);
-    if (!parsed) return parsed.error();
-    camera = *parsed;
-    intrinsics_text = *std::move(text);
-  } else if (!source.settings.has_camera()) {
-    const Result<dataset::ImageSize> size =
-        dataset::ReadImageSize(folder / read->pairs.front().colour.file);
-    if (size && (size->width != camera.width || size->height != camera.height)) {
-      return JsonError(folder / kIntrinsicNames[0],
-                       "is missing, so the camera's intrinsics are unknown");
-    }
-    opened.warnings.push_back(fmt::format(
-        "{}: missing; taken for the PrimeSense camera that Open3D takes by default (640 "
-        "x 480, 525 px)",
-        (folder / kIntrinsicNames[0]).string()));
-  }
-  const dataset::CaptureCameras cameras =
-      WithStated(source.settings, {camera, camera, Pose3(), config->depth_scale});
+  const Result<CameraOfFolder> of_folder =
+      ReadCamera(source, *config, read->pairs, opened.warnings);
+  if (!of_folder) return of_folder.error();
+  const Result<double> scale = DepthScale(folder, *config, of_folder->intrinsics, opened.warnings);
+  if (!scale) return scale.error();
+  const PinholeCamera& camera = of_folder->intrinsics.camera;
+  const Result<SettledImages> settled =
+      SettleImages(source, {camera, camera, Pose3(), *scale}, read->pairs, opened.warnings);
+  if (!settled) return settled.error();
 
-  std::vector<std::optional<Pose3>> poses(read->pairs.size());
+  formats::FramePoses poses(read->pairs.size());
   std::optional<std::string> log_text;
   const Result<std::optional<fs::path>> log = FindTrajectory(folder, opened.warnings);
   if (!log) return log.error();
   if (*log) {
-    Result<std::string> text = dataset::ReadFileBytes(**log);
+    opened.poses_file = (*log)->string();
+    Result<std::string> text = dataset::ReadTextFile(**log);
     if (!text) return text.error();
     const auto parsed = ParseTrajectory(*text, **log, read->position.size(), opened.warnings);
     if (!parsed) return parsed.error();
@@ -425,16 +383,18 @@ Result<OpenedLayout> OpenOpen3d(const LayoutSource& source) {
   Result<std::string> hash =
       dataset::HashFiles("open3d",
                          std::vector<dataset::NamedText>{{kSettingsName, source.settings_text},
-                                                         {"intrinsics", intrinsics_text},
+                                                         {"intrinsics", of_folder->text},
                                                          {kConfigName, *config_text},
                                                          {"trajectory", log_text}},
                          folder,
                          read->pairs);
   if (!hash) return hash.error();
   opened.content_hash = *std::move(hash);
+  opened.optics = WithStated(source.settings, dataset::Optics());
   opened.has_times = read->has_times;
   if (!opened.has_times) opened.warnings.push_back(NoTimesWarning(folder));
-  opened.frames = dataset::MakeFileFrames(folder, cameras, std::move(read->pairs), poses);
+  opened.frames = dataset::MakeFileFrames(
+      folder, settled->cameras, std::move(read->pairs), poses, settled->form);
   return opened;
 }
 

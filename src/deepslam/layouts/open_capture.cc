@@ -9,13 +9,12 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/freed_memory.h"
-#include "deepslam/core/parallel.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/core/utf8.h"
 #include "deepslam/dataset/capture_frame_source.h"
-#include "deepslam/dataset/doubts.h"
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/layouts/layout.h"
+#include "deepslam/layouts/look_at_capture.h"
 
 namespace deepslam::layouts {
 namespace {
@@ -23,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kNumProbedFrames = 8;
-constexpr int kNumDoubtedFrames = 5;
 
 // Refuses captures of which no looked-at frame can be used: wrong camera, wrong units, wrong files.
 Status Probe(const FrameSource& frames, const fs::path& folder) {
@@ -54,35 +52,6 @@ Status Probe(const FrameSource& frames, const fs::path& folder) {
                                   folder.string(),
                                   num_probes,
                                   first_error->message));
-}
-
-// Some, of frames spread over the capture that can be read.
-std::vector<DepthImage> DepthsAcross(const FrameSource& frames) {
-  const int num_looks = std::min(kNumDoubtedFrames, frames.num_frames());
-  std::vector<DepthImage> depths_m(static_cast<std::size_t>(num_looks));
-  ParallelFor(depths_m.size(), [&](std::size_t n) {
-    const FrameIdx idx{static_cast<int>(n) * (frames.num_frames() / num_looks)};
-    Result<Frame> frame = frames.ReadDepth(idx);
-    if (frame) depths_m[n] = std::move(frame->depth_m);
-  });
-  std::erase_if(depths_m, [](const DepthImage& depth_m) { return depth_m.empty(); });
-  return depths_m;
-}
-
-// Of what is not wrong for sure.
-std::vector<std::string> AllDoubts(const dataset::Capture& capture) {
-  std::vector<std::string> doubts = dataset::CameraDoubts(capture.frames->camera());
-  const auto add = [&](std::vector<std::string> more) {
-    std::ranges::move(more, std::back_inserter(doubts));
-  };
-  if (capture.has_times) {
-    std::vector<double> times_s;
-    for (const dataset::StoredFrame& frame : capture.stored->frames())
-      times_s.push_back(frame.depth_time_s);
-    add(dataset::TimeDoubts(times_s));
-  }
-  add(dataset::DepthDoubts(DepthsAcross(*capture.frames)));
-  return doubts;
 }
 
 // "capture/" and "." have no file name of their own; names out of old archives may be no UTF-8,
@@ -127,6 +96,26 @@ void TakeAtMost(int max_frames, dataset::Capture& capture) {
                   most));
 }
 
+// Looks at frames, and says what nobody has confirmed.
+void Doubt(const std::vector<std::string>& of_layout,
+           const LayoutSource& source,
+           const std::string& poses_file,
+           dataset::Capture& capture) {
+  capture.doubts = of_layout;
+  for (const std::string& field : source.settings.assumed) {
+    capture.doubts.push_back(fmt::format(
+        "{}: '{}' is assumed, nobody has confirmed it; correct it where it is wrong, and take it "
+        "out of 'assumed'",
+        (source.path / kSettingsName).string(),
+        field));
+  }
+  std::ranges::move(DoubtsOf(capture), std::back_inserter(capture.doubts));
+  std::ranges::copy(capture.doubts, std::back_inserter(capture.warnings));
+  if (!capture.has_poses) return;
+  capture.poses_fault = FaultOfPoses(capture, poses_file);
+  if (!capture.poses_fault.empty()) capture.warnings.push_back(capture.poses_fault);
+}
+
 }  // namespace
 
 Result<dataset::Capture> OpenCapture(const fs::path& path, FramesTaken taken) {
@@ -134,11 +123,6 @@ Result<dataset::Capture> OpenCapture(const fs::path& path, FramesTaken taken) {
   if (!fs::exists(path, ignored))
     return InvalidInput(
         fmt::format("{}: folder is missing; name a capture's folder", path.string()));
-  if (!fs::is_directory(path, ignored) && path.extension() != ".sens") {
-    return InvalidInput(
-        fmt::format("{}: not a folder; name the folder that holds the capture, or a .sens file",
-                    path.string()));
-  }
   const Result<LayoutSource> source = ReadSource(path);
   if (!source) return source.error();
   const Result<const Layout*> layout = ChooseLayout(path, source->settings.format);
@@ -147,7 +131,7 @@ Result<dataset::Capture> OpenCapture(const fs::path& path, FramesTaken taken) {
   if (!opened) return opened.error();
 
   dataset::Capture capture;
-  capture.stored = std::move(opened->frames);
+  capture.stored = dataset::RectifyFrames(std::move(opened->frames), std::move(opened->optics));
   const auto faults = std::make_shared<dataset::ReadFaults>();
   capture.faults = faults;
   capture.path = path;
@@ -166,8 +150,7 @@ Result<dataset::Capture> OpenCapture(const fs::path& path, FramesTaken taken) {
   });
   ReturnFreedMemory(kMostHeldBytes);  // of long lists
   const Status usable = Probe(*capture.frames, path);
-  if (usable) capture.doubts = AllDoubts(capture);
-  std::ranges::copy(capture.doubts, std::back_inserter(capture.warnings));
+  if (usable) Doubt(opened->doubts, *source, opened->poses_file, capture);
   if (const std::optional<Error> fault = faults->first()) return *fault;
   if (!usable) return usable.error();
   return capture;

@@ -1,5 +1,6 @@
 // ScanNet's .sens: a whole capture in one file (sens_file.h).
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <utility>
 
@@ -7,19 +8,22 @@
 
 #include "deepslam/core/every_nth.h"
 #include "deepslam/dataset/file_frames.h"
+#include "deepslam/formats/pose_matrix.h"
+#include "deepslam/formats/sens_file.h"
 #include "deepslam/layouts/layout.h"
-#include "deepslam/layouts/pose_matrix.h"
-#include "deepslam/layouts/sens_file.h"
 
 namespace deepslam::layouts {
 namespace {
 
 namespace fs = std::filesystem;
 
+// Share of frames whose time is later than that of the one before, where times are times.
+constexpr double kLeastAscending = 0.9;
+
 std::optional<Pose3> ToPose(const std::array<float, 16>& matrix) {
   std::array<double, 16> numbers{};
   std::copy(matrix.begin(), matrix.end(), numbers.begin());
-  return PoseOfMatrix(numbers);
+  return formats::PoseOfMatrix(numbers);
 }
 
 PinholeCamera ToCamera(const std::array<float, 16>& k, std::uint32_t width, std::uint32_t height) {
@@ -38,18 +42,18 @@ class SensFrames final : public dataset::StoredFrames {
   SensFrames(fs::path file,
              const dataset::CaptureCameras& cameras,
              std::vector<dataset::StoredFrame> frames,
-             SensIndex index)
+             formats::SensIndex index)
       : dataset::StoredFrames(cameras, std::move(frames)),
         file_(std::move(file)),
         index_(std::move(index)) {}
 
   [[nodiscard]] Result<dataset::StoredColour> ReadColour(std::size_t i) const override {
-    const SensFrame& frame = index_.frames[i];
-    Result<std::string> bytes = ReadRange(file_, frame.colour_offset, frame.colour_bytes);
+    const formats::SensFrame& frame = index_.frames[i];
+    Result<std::string> bytes = formats::ReadRange(file_, frame.colour_offset, frame.colour_bytes);
     if (!bytes) return bytes.error();
     dataset::StoredColour colour{
         dataset::ImageCodec::kOther, {}, {}, fmt::format("{}, frame {}", file_.string(), i)};
-    if (index_.header.colour_codec != SensColourCodec::kRaw) {
+    if (index_.header.colour_codec != formats::SensColourCodec::kRaw) {
       colour.codec = dataset::CodecOf(*bytes);
       if (colour.codec == dataset::ImageCodec::kOther)
         return InvalidInput(colour.name + ": colour is neither a PNG nor a JPEG image");
@@ -78,10 +82,11 @@ class SensFrames final : public dataset::StoredFrames {
   }
 
   [[nodiscard]] Result<RawDepthImage> ReadDepth(std::size_t i) const override {
-    const SensFrame& frame = index_.frames[i];
-    const Result<std::string> bytes = ReadRange(file_, frame.depth_offset, frame.depth_bytes);
+    const formats::SensFrame& frame = index_.frames[i];
+    const Result<std::string> bytes =
+        formats::ReadRange(file_, frame.depth_offset, frame.depth_bytes);
     if (!bytes) return bytes.error();
-    Result<RawDepthImage> depth = UnpackDepth(
+    Result<RawDepthImage> depth = formats::UnpackDepth(
         index_.header.depth_codec, *bytes, cameras().depth.width, cameras().depth.height);
     if (!depth)
       return InvalidInput(
@@ -95,29 +100,35 @@ class SensFrames final : public dataset::StoredFrames {
         file_,
         cameras(),
         EveryNth(frames(), step),
-        SensIndex{index_.header, EveryNth(index_.frames, step), index_.num_motions});
+        formats::SensIndex{index_.header, EveryNth(index_.frames, step), index_.num_motions});
   }
 
  private:
   fs::path file_;
-  SensIndex index_;
+  formats::SensIndex index_;
 };
+
+bool IsSens(std::string name) {
+  std::ranges::transform(
+      name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name.ends_with(".sens");
+}
 
 // The file itself, or the only .sens file of a folder; empty when there is none.
 std::vector<fs::path> SensFiles(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored)) {
-    if (path.extension() == ".sens") return {path};
+    if (IsSens(path.filename().string())) return {path};
     return {};
   }
   std::vector<fs::path> files;
   for (const std::string& name : dataset::ListFiles(path)) {
-    if (name.ends_with(".sens")) files.push_back(path / name);
+    if (IsSens(name)) files.push_back(path / name);
   }
   return files;
 }
 
-Result<dataset::CaptureCameras> CamerasOf(const SensHeader& header, const fs::path& file) {
+Result<dataset::CaptureCameras> CamerasOf(const formats::SensHeader& header, const fs::path& file) {
   dataset::CaptureCameras cameras;
   cameras.colour = ToCamera(header.colour_intrinsics, header.colour_width, header.colour_height);
   cameras.depth = ToCamera(header.depth_intrinsics, header.depth_width, header.depth_height);
@@ -143,14 +154,14 @@ Status CheckCameras(const dataset::CaptureCameras& cameras, const fs::path& file
   return Ok();
 }
 
-std::vector<dataset::StoredFrame> FramesOf(const SensIndex& index,
+std::vector<dataset::StoredFrame> FramesOf(const formats::SensIndex& index,
                                            const dataset::CaptureCameras& cameras) {
   const Pose3 depth_from_colour = cameras.colour_from_depth.Inverse();
   const bool same_place = cameras.colour_from_depth == Pose3();
   std::vector<dataset::StoredFrame> frames;
   frames.reserve(index.frames.size());
   for (std::size_t i = 0; i < index.frames.size(); ++i) {
-    const SensFrame& stored = index.frames[i];
+    const formats::SensFrame& stored = index.frames[i];
     dataset::StoredFrame frame{static_cast<double>(stored.colour_time_us) / 1e6,
                                static_cast<double>(stored.depth_time_us) / 1e6,
                                fmt::format("{:06d}", i),
@@ -162,12 +173,15 @@ std::vector<dataset::StoredFrame> FramesOf(const SensIndex& index,
   return frames;
 }
 
-// Some writers leave all times 0.
-bool HasTimes(const std::vector<SensFrame>& frames) {
-  return frames.size() == 1 ||
-         std::any_of(frames.begin(), frames.end(), [&](const SensFrame& frame) {
-           return frame.depth_time_us != frames.front().depth_time_us;
-         });
+// Some writers leave all times 0, others those of most frames, and some write what does not ascend:
+// such numbers are no times. A few repeated ones are.
+bool HasTimes(const std::vector<formats::SensFrame>& frames) {
+  if (frames.size() == 1) return true;
+  std::size_t num_ascending = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    num_ascending += frames[i].depth_time_us > frames[i - 1].depth_time_us ? 1 : 0;
+  return static_cast<double>(num_ascending) >=
+         kLeastAscending * static_cast<double>(frames.size() - 1);
 }
 
 }  // namespace
@@ -189,7 +203,7 @@ Result<OpenedLayout> OpenScanNet(const LayoutSource& source) {
         "{}: holds {} .sens files; name the one to read", source.path.string(), files.size()));
   }
   const fs::path& file = files.front();
-  Result<SensIndex> index = ReadSensIndex(file);
+  Result<formats::SensIndex> index = formats::ReadSensIndex(file);
   if (!index) return index.error();
   OpenedLayout opened;
   const std::uint64_t stated = index->header.num_frames;
@@ -221,6 +235,8 @@ Result<OpenedLayout> OpenScanNet(const LayoutSource& source) {
   if (!hash) return hash.error();
   opened.content_hash = *std::move(hash);
   std::vector<dataset::StoredFrame> frames = FramesOf(*index, cameras);
+  opened.optics = WithStated(source.settings, dataset::Optics());
+  opened.poses_file = file.string();
   opened.has_times = HasTimes(index->frames);
   if (!opened.has_times) {
     for (std::size_t i = 0; i < frames.size(); ++i)

@@ -2,7 +2,7 @@
 // video (or a folder of images), depth in millimetres with a confidence (0 low, 1 medium, 2 high)
 // per pixel, both coarser than colour and seen from its place. odometry.csv has world from camera,
 // the camera's axes x right, y down, z forward.
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,13 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/core/every_nth.h"
-#include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/read_bytes.h"
-#include "deepslam/dataset/video_file.h"
-#include "deepslam/layouts/layout.h"
-#include "deepslam/layouts/text_lines.h"
+#include "deepslam/formats/text_lines.h"
+#include "deepslam/layouts/image_folders.h"
+#include "deepslam/layouts/open_files.h"
 #include "deepslam/layouts/tum_layout.h"
+#include "deepslam/layouts/video_colour.h"
 
 namespace deepslam::layouts {
 namespace {
@@ -25,19 +24,17 @@ namespace fs = std::filesystem;
 
 constexpr double kUnitsPerM = 1000;
 constexpr int kMinConfidence = 1;
-constexpr double kMaxFocalSpread = 0.01;
 constexpr double kMaxPositionM = 1e6;
-constexpr std::string_view kVideoName = "rgb.mp4";
+constexpr std::array<std::string_view, 3> kVideos = {"rgb.mp4", "rgb.mov", "rgb.m4v"};
 constexpr std::string_view kOdometryName = "odometry.csv";
 constexpr std::string_view kMatrixName = "camera_matrix.csv";
-constexpr std::string_view kArrayEnd = ".npy";
 
 // A row of odometry.csv.
 struct Row {
   double time_s = 0;
   std::int64_t frame = 0;
   std::optional<Pose3> world_from_camera;
-  double fx = 0;  // 0: not stated
+  std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of this frame, px
 };
 
 // Columns of odometry.csv by name; newer versions of the app added some.
@@ -50,14 +47,14 @@ struct Columns {
   }
 };
 
-Result<Columns> ParseColumns(const std::vector<TextLine>& lines, const fs::path& file) {
+Result<Columns> ParseColumns(const std::vector<formats::TextLine>& lines, const fs::path& file) {
   Columns columns;
   if (lines.empty()) return InvalidInput(fmt::format("{}: is empty", file.string()));
   for (std::size_t i = 0; i < lines.front().fields.size(); ++i)
     columns.at.emplace(lines.front().fields[i], i);
   for (const char* name : {"x", "y", "z", "qx", "qy", "qz", "qw"}) {
     if (columns.Find(name)) continue;
-    return LineError(
+    return formats::LineError(
         file,
         lines.front().number,
         fmt::format("column '{}' is missing; the first line reads 'timestamp, frame, x, y, z, qx, "
@@ -68,24 +65,40 @@ Result<Columns> ParseColumns(const std::vector<TextLine>& lines, const fs::path&
 }
 
 Result<double> Field(const fs::path& file,
-                     const TextLine& line,
+                     const formats::TextLine& line,
                      const Columns& columns,
                      std::string_view name) {
   const std::size_t column = *columns.Find(name);
   if (column >= line.fields.size())
-    return LineError(file, line.number, fmt::format("column '{}' is missing (truncated?)", name));
-  const std::optional<double> number = ParseNumber(line.fields[column]);
+    return formats::LineError(
+        file, line.number, fmt::format("column '{}' is missing (truncated?)", name));
+  const std::optional<double> number = formats::ParseNumber(line.fields[column]);
   if (!number) {
-    return LineError(
+    return formats::LineError(
         file,
         line.number,
-        fmt::format("field '{}' is '{}', not a number", name, Shown(line.fields[column])));
+        fmt::format("field '{}' is '{}', not a number", name, formats::Shown(line.fields[column])));
   }
   return *number;
 }
 
+// Nothing where the app has not written them.
+std::optional<std::array<double, 4>> ParseIntrinsics(const formats::TextLine& line,
+                                                     const Columns& columns) {
+  std::array<double, 4> numbers{};
+  std::size_t i = 0;
+  for (const char* name : {"fx", "fy", "cx", "cy"}) {
+    const std::optional<std::size_t> column = columns.Find(name);
+    if (!column || *column >= line.fields.size()) return std::nullopt;
+    const std::optional<double> number = formats::ParseNumber(line.fields[*column]);
+    if (!number || !(*number > 0)) return std::nullopt;
+    numbers[i++] = *number;
+  }
+  return numbers;
+}
+
 Result<Row> ParseRow(const fs::path& file,
-                     const TextLine& line,
+                     const formats::TextLine& line,
                      const Columns& columns,
                      std::size_t position) {
   Row row;
@@ -95,14 +108,15 @@ Result<Row> ParseRow(const fs::path& file,
     const Result<double> frame = Field(file, line, columns, "frame");
     if (!frame) return frame.error();
     if (!(*frame >= 0 && *frame < 1e9 && *frame == std::floor(*frame)))
-      return LineError(file, line.number, fmt::format("field 'frame' is {}", *frame));
+      return formats::LineError(file, line.number, fmt::format("field 'frame' is {}", *frame));
     row.frame = static_cast<std::int64_t>(*frame);
   }
   if (columns.Find("timestamp")) {
     const Result<double> time_s = Field(file, line, columns, "timestamp");
     if (!time_s) return time_s.error();
     if (!(std::abs(*time_s) < 1e11))
-      return LineError(file, line.number, fmt::format("field 'timestamp' is {}", *time_s));
+      return formats::TimeError(
+          file, line.number, "timestamp", line.fields[*columns.Find("timestamp")]);
     row.time_s = *time_s;
   }
   Eigen::Matrix<double, 7, 1> pose;
@@ -118,21 +132,24 @@ Result<Row> ParseRow(const fs::path& file,
     row.world_from_camera =
         Pose3{Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5]).normalized(), pose.head<3>()};
   }
-  if (const auto fx = columns.Find("fx"); fx && *fx < line.fields.size())
-    row.fx = ParseNumber(line.fields[*fx]).value_or(0);
+  row.intrinsics = ParseIntrinsics(line, columns);
   return row;
 }
 
-Result<std::vector<Row>> ParseOdometry(const std::string& text, const fs::path& file) {
-  const std::vector<TextLine> lines = SplitLines(text);
+Result<std::vector<Row>> ParseOdometry(const std::string& text,
+                                       const fs::path& file,
+                                       std::vector<std::string>& warnings) {
+  const std::vector<formats::TextLine> lines = formats::SplitLines(text);
   const Result<Columns> columns = ParseColumns(lines, file);
   if (!columns) return columns.error();
   std::vector<Row> rows;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const Result<Row> row = ParseRow(file, lines[i], *columns, i - 1);
+    if (!row && formats::IsLeftOut(file, lines[i], warnings)) break;
     if (!row) return row.error();
     if (!rows.empty() && row->frame <= rows.back().frame)
-      return LineError(file, lines[i].number, "field 'frame' does not ascend: sort the lines");
+      return formats::LineError(
+          file, lines[i].number, "field 'frame' does not ascend: sort the lines");
     rows.push_back(*row);
   }
   if (rows.empty()) return InvalidInput(fmt::format("{}: lists no frames", file.string()));
@@ -140,9 +157,9 @@ Result<std::vector<Row>> ParseOdometry(const std::string& text, const fs::path& 
 }
 
 Result<PinholeCamera> ReadMatrix(const fs::path& file, const dataset::ImageSize& size) {
-  const Result<std::string> text = dataset::ReadFileBytes(file);
+  const Result<std::string> text = dataset::ReadTextFile(file);
   if (!text) return text.error();
-  const auto m = ParseNumbers(*text, file, 9, "a 3 x 3 matrix");
+  const auto m = formats::ParseNumbers(*text, file, 9, "a 3 x 3 matrix");
   if (!m) return m.error();
   const PinholeCamera camera{size.width, size.height, (*m)[0], (*m)[4], (*m)[2], (*m)[5]};
   const Status plausible = dataset::CheckCamera(camera, file);
@@ -150,172 +167,92 @@ Result<PinholeCamera> ReadMatrix(const fs::path& file, const dataset::ImageSize&
   return camera;
 }
 
-// The phone refocuses as it records; one camera stands for all frames.
-void WarnOfFocus(const std::vector<Row>& rows,
-                 const PinholeCamera& camera,
-                 const fs::path& file,
-                 std::vector<std::string>& warnings) {
-  double worst = 0;
+// Files of frames by the number in odometry.csv.
+using ByFrame = std::map<std::int64_t, std::string>;
+
+// By how much the files of as many images as there are rows are numbered higher; nothing where not
+// all differ by one amount.
+std::optional<std::int64_t> ShiftOf(const ByFrame& files, const std::vector<Row>& rows) {
+  if (files.size() != rows.size()) return std::nullopt;
+  const std::int64_t shift = files.begin()->first - rows.front().frame;
+  auto file = files.begin();
   for (const Row& row : rows) {
-    if (row.fx > 0) worst = std::max(worst, std::abs(row.fx / camera.fx - 1));
+    if (file->first - row.frame != shift) return std::nullopt;
+    ++file;
   }
-  if (worst > kMaxFocalSpread) {
-    warnings.push_back(
-        fmt::format("{}: the focal length of single frames differs by up to {:.1f} % from that of "
-                    "camera_matrix.csv, which is used for all",
-                    file.string(),
-                    100 * worst));
-  }
+  return shift;
 }
 
-// Names of a folder's images by the number in them.
-std::map<std::int64_t, std::string> ByNumber(const fs::path& folder) {
-  std::map<std::int64_t, std::string> names;
-  for (const std::string& name : dataset::ListFiles(folder)) {
-    if (name.ends_with(kArrayEnd)) continue;
-    const std::string stem = fs::path(name).stem().string();
-    if (stem.empty() || stem.size() > 9 ||
-        stem.find_first_not_of("0123456789") != std::string::npos) {
-      continue;
-    }
-    names.emplace(std::stol(stem), name);
-  }
-  return names;
+// Images of a folder. Those that are numbered from elsewhere than the rows (ffmpeg counts from 1)
+// are taken in order.
+ByFrame FilesOfRows(const fs::path& folder,
+                    bool (*is_image)(std::string_view),
+                    const std::vector<Row>& rows,
+                    std::vector<std::string>& warnings) {
+  ByFrame files = FilesByNumber(folder, is_image);
+  const std::int64_t shift = files.empty() ? 0 : ShiftOf(files, rows).value_or(0);
+  if (shift == 0) return files;
+  warnings.push_back(fmt::format(
+      "{}: is numbered from {}, {} from {}; as many of both, so they were paired in order (ffmpeg "
+      "counts from 1 unless told -start_number 0)",
+      folder.string(),
+      files.begin()->first,
+      kOdometryName,
+      rows.front().frame));
+  ByFrame shifted;
+  for (auto& [number, name] : files) shifted.emplace(number - shift, std::move(name));
+  return shifted;
 }
-
-class StrayFrames final : public dataset::StoredFrames {
- public:
-  struct Files {
-    std::int64_t video_index = 0;
-    std::string colour;  // empty: in the video
-    std::string depth;
-    std::string confidence;  // empty: none
-  };
-
-  StrayFrames(fs::path folder,
-              const dataset::CaptureCameras& cameras,
-              std::vector<dataset::StoredFrame> frames,
-              std::vector<Files> files,
-              std::shared_ptr<dataset::VideoFile> video,
-              int min_confidence)
-      : dataset::StoredFrames(cameras, std::move(frames)),
-        folder_(std::move(folder)),
-        files_(std::move(files)),
-        video_(std::move(video)),
-        min_confidence_(min_confidence) {}
-
-  [[nodiscard]] Result<dataset::StoredColour> ReadColour(std::size_t i) const override {
-    const Files& files = files_[i];
-    dataset::StoredColour colour;
-    if (files.colour.empty()) {
-      colour.name = fmt::format("{}, frame {}", (folder_ / kVideoName).string(), files.video_index);
-      Result<ColourImage> pixels = video_->Read(static_cast<int>(files.video_index));
-      if (!pixels) return pixels.error();
-      colour.pixels = *std::move(pixels);
-      return colour;
-    }
-    const fs::path file = folder_ / files.colour;
-    Result<std::string> bytes = dataset::ReadFileBytes(file);
-    if (!bytes) return bytes.error();
-    colour = {dataset::CodecOf(*bytes), *std::move(bytes), ColourImage(), file.string()};
-    if (colour.codec == dataset::ImageCodec::kOther)
-      return InvalidInput(file.string() + ": is neither a PNG nor a JPEG image");
-    return colour;
-  }
-
-  [[nodiscard]] Result<RawDepthImage> ReadDepth(std::size_t i) const override {
-    const Files& files = files_[i];
-    const PinholeCamera& camera = cameras().depth;
-    Result<RawDepthImage> depth =
-        dataset::ReadDepthFile(folder_ / files.depth, camera.width, camera.height);
-    if (!depth || files.confidence.empty() || min_confidence_ <= 0) return depth;
-    const Result<Image<std::uint8_t>> confidence =
-        dataset::ReadGreyFile(folder_ / files.confidence, camera.width, camera.height);
-    if (!confidence) return confidence.error();
-    std::transform(depth->begin(),
-                   depth->end(),
-                   confidence->begin(),
-                   depth->begin(),
-                   [&](std::uint16_t raw, std::uint8_t sure) {
-                     return sure < min_confidence_ ? kNoDepth : raw;
-                   });
-    return depth;
-  }
-
-  [[nodiscard]] std::shared_ptr<const dataset::StoredFrames> Every(
-      std::size_t step) const override {
-    return std::make_shared<StrayFrames>(folder_,
-                                         cameras(),
-                                         EveryNth(frames(), step),
-                                         EveryNth(files_, step),
-                                         video_,
-                                         min_confidence_);
-  }
-
- private:
-  fs::path folder_;
-  std::vector<Files> files_;
-  std::shared_ptr<dataset::VideoFile> video_;
-  int min_confidence_;
-};
 
 struct Listed {
-  std::vector<dataset::StoredFrame> frames;
-  std::vector<StrayFrames::Files> files;
+  std::vector<dataset::ImagePair> pairs;
+  formats::FramePoses poses;
+  std::vector<std::string> confidence;
+  std::vector<int> video_frames;
+  std::vector<Row> rows;
 };
+
+std::string MissingName(const Row& row, bool colour) {
+  return fmt::format("{}/{:06d}.{}", colour ? "rgb" : "depth", row.frame, colour ? "jpg" : "png");
+}
 
 // The rows of odometry.csv that have a depth image, and a colour image where those are files.
 Result<Listed> ListFrames(const fs::path& folder,
                           const std::vector<Row>& rows,
                           bool has_video,
                           std::vector<std::string>& warnings) {
-  const auto depth = ByNumber(folder / "depth");
-  const auto confidence = ByNumber(folder / "confidence");
-  const auto colour = has_video ? std::map<std::int64_t, std::string>() : ByNumber(folder / "rgb");
+  const ByFrame depth = FilesOfRows(folder / "depth", IsDepthName, rows, warnings);
+  const ByFrame confidence = FilesOfRows(folder / "confidence", IsColourName, rows, warnings);
+  const ByFrame colour =
+      has_video ? ByFrame() : FilesOfRows(folder / "rgb", IsColourName, rows, warnings);
   Listed listed;
   std::size_t num_unsure = 0;
-  std::size_t num_missing = 0;
   std::string first_missing;
   for (const Row& row : rows) {
     const auto depth_file = depth.find(row.frame);
     const auto colour_file = colour.find(row.frame);
     const bool colour_missing = !has_video && colour_file == colour.end();
     if (depth_file == depth.end() || colour_missing) {
-      if (num_missing++ == 0) {
-        first_missing = fmt::format("{}/{:06d}.{}",
-                                    colour_missing ? "rgb" : "depth",
-                                    row.frame,
-                                    colour_missing ? "jpg" : "png");
-      }
+      if (first_missing.empty()) first_missing = MissingName(row, colour_missing);
       continue;
     }
-    StrayFrames::Files files{row.frame, {}, "depth/" + depth_file->second, {}};
-    if (!has_video) files.colour = "rgb/" + colour_file->second;
-    if (const auto sure = confidence.find(row.frame); sure != confidence.end()) {
-      files.confidence = "confidence/" + sure->second;
-    } else {
-      ++num_unsure;
-    }
-    listed.frames.push_back({row.time_s,
-                             row.time_s,
-                             has_video ? fmt::format("{:06d}", row.frame) : files.colour,
-                             row.world_from_camera});
-    listed.files.push_back(std::move(files));
+    listed.pairs.push_back(
+        {{row.time_s,
+          has_video ? fmt::format("{:06d}", row.frame) : "rgb/" + colour_file->second,
+          0},
+         {row.time_s, "depth/" + depth_file->second, 0}});
+    listed.poses.push_back(row.world_from_camera);
+    listed.rows.push_back(row);
+    const auto sure = confidence.find(row.frame);
+    if (sure == confidence.end()) ++num_unsure;
+    listed.confidence.push_back(sure == confidence.end() ? "" : "confidence/" + sure->second);
   }
-  if (num_missing > 0) {
+  if (const std::size_t num_missing = rows.size() - listed.pairs.size(); num_missing > 0) {
     const std::string what = fmt::format("{}: file is missing; {} of {} frames of {} lack an image",
                                          (folder / first_missing).string(),
                                          num_missing,
                                          rows.size(),
                                          kOdometryName);
-    const std::vector<std::string> depth_files = dataset::ListFiles(folder / "depth");
-    if (depth.empty() && !depth_files.empty() && depth_files.front().ends_with(kArrayEnd)) {
-      return InvalidInput(
-          fmt::format("{}: depth as .npy (the app's first versions) is not read; convert it to "
-                      "16-bit PNG files, "
-                      "depth/000000.png ..., in millimetres",
-                      (folder / "depth" / depth_files.front()).string()));
-    }
     if (2 * num_missing > rows.size())
       return InvalidInput(what + ": is the capture unpacked completely?");
     warnings.push_back(what + " and are skipped");
@@ -325,49 +262,70 @@ Result<Listed> ListFrames(const fs::path& folder,
         fmt::format("{}: {} of {} frames have no confidence map; all their depth is kept",
                     folder.string(),
                     num_unsure,
-                    listed.frames.size()));
+                    listed.pairs.size()));
   }
   return listed;
 }
 
-// The same view with images of another size.
-PinholeCamera Resized(const PinholeCamera& camera, const dataset::ImageSize& size) {
-  const double sx = static_cast<double>(size.width) / camera.width;
-  const double sy = static_cast<double>(size.height) / camera.height;
-  return {size.width,
-          size.height,
-          camera.fx * sx,
-          camera.fy * sy,
-          (camera.cx + 0.5) * sx - 0.5,
-          (camera.cy + 0.5) * sy - 0.5};
+// Which frame of the video belongs to each row: that of its number; where the video has as many as
+// there are rows and these begin later, those in order. Rows behind its end are dropped.
+void SetVideoFrames(const dataset::VideoFile& video,
+                    const std::vector<Row>& rows,
+                    Listed& listed,
+                    std::vector<std::string>& warnings,
+                    std::vector<std::string>& doubts) {
+  const std::int64_t num_frames = video.num_frames();
+  const std::int64_t first = rows.front().frame;
+  const bool behind_end = num_frames > 0 && rows.back().frame >= num_frames;
+  const bool in_order = behind_end && first > 0 &&
+                        num_frames == static_cast<std::int64_t>(rows.size()) &&
+                        rows.back().frame - first + 1 == num_frames;
+  if (in_order) {
+    warnings.push_back(
+        fmt::format("{}: {} begins with frame {} and the video has as many frames as "
+                    "it has rows; they were paired in order",
+                    video.file().string(),
+                    kOdometryName,
+                    first));
+  } else if (behind_end) {
+    doubts.push_back(fmt::format(
+        "{}: the video has {} frames, {} goes up to frame {}: where frames are missing in it, "
+        "colour is late against depth from there on; extract it anew",
+        video.file().string(),
+        num_frames,
+        kOdometryName,
+        rows.back().frame));
+  }
+  Listed kept;
+  for (std::size_t i = 0; i < listed.pairs.size(); ++i) {
+    const std::int64_t index = listed.rows[i].frame - (in_order ? first : 0);
+    if (num_frames > 0 && index >= num_frames) continue;
+    kept.pairs.push_back(std::move(listed.pairs[i]));
+    kept.poses.push_back(listed.poses[i]);
+    kept.confidence.push_back(std::move(listed.confidence[i]));
+    kept.rows.push_back(listed.rows[i]);
+    kept.video_frames.push_back(static_cast<int>(index));
+  }
+  listed = std::move(kept);
 }
 
-// Of the first file that has one; without any, why the first of all has none.
-Result<dataset::ImageSize> FirstSize(const fs::path& folder,
-                                     const std::vector<StrayFrames::Files>& files,
-                                     std::string StrayFrames::Files::*image) {
-  std::optional<Error> first_error;
-  for (const StrayFrames::Files& of_frame : files) {
-    const Result<dataset::ImageSize> size = dataset::ReadImageSize(folder / (of_frame.*image));
-    if (size) return size;
-    if (!first_error) first_error = size.error();
+// The phone refocuses as it records: newer versions of the app write each frame's own intrinsics.
+Result<std::vector<PinholeCamera>> CamerasOfRows(const std::vector<Row>& rows,
+                                                 const PinholeCamera& camera,
+                                                 const fs::path& file) {
+  std::vector<PinholeCamera> cameras;
+  for (const Row& row : rows) {
+    if (!row.intrinsics) return std::vector<PinholeCamera>();
+    PinholeCamera own = camera;
+    own.fx = (*row.intrinsics)[0];
+    own.fy = (*row.intrinsics)[1];
+    own.cx = (*row.intrinsics)[2];
+    own.cy = (*row.intrinsics)[3];
+    const Status plausible = dataset::CheckCamera(own, file, "fx, fy, cx, cy");
+    if (!plausible) return plausible.error();
+    cameras.push_back(own);
   }
-  return *first_error;
-}
-
-Result<std::string> HashOf(const LayoutSource& source,
-                           const std::vector<dataset::NamedText>& texts,
-                           const Listed& listed) {
-  std::vector<dataset::ImagePair> pairs;
-  for (std::size_t i = 0; i < listed.files.size(); ++i) {
-    const StrayFrames::Files& files = listed.files[i];
-    const double time_s = listed.frames[i].depth_time_s;
-    pairs.push_back({{time_s, files.confidence.empty() ? files.depth : files.confidence, 0},
-                     {time_s, files.depth, 0}});
-    if (!files.colour.empty())
-      pairs.push_back({{time_s, files.colour, 0}, {time_s, files.depth, 0}});
-  }
-  return dataset::HashFiles("stray", texts, source.path, pairs);
+  return cameras;
 }
 
 }  // namespace
@@ -376,8 +334,7 @@ LayoutMatch MatchStray(const fs::path& path) {
   LayoutMatch match;
   std::error_code ignored;
   const bool has_odometry = fs::exists(path / kOdometryName, ignored);
-  const bool has_colour =
-      fs::exists(path / kVideoName, ignored) || fs::is_directory(path / "rgb", ignored);
+  const bool has_colour = FindVideo(path, kVideos) || fs::is_directory(path / "rgb", ignored);
   for (const auto& [found, piece] : {std::pair(has_odometry, "odometry.csv"),
                                      {fs::exists(path / kMatrixName, ignored), "camera_matrix.csv"},
                                      {has_colour, "rgb.mp4 (or rgb/)"},
@@ -396,70 +353,61 @@ LayoutMatch MatchStray(const fs::path& path) {
 
 Result<OpenedLayout> OpenStray(const LayoutSource& source) {
   const fs::path& folder = source.path;
-  OpenedLayout opened;
-  Result<std::string> odometry_text = dataset::ReadFileBytes(folder / kOdometryName);
+  std::vector<std::string> warnings, doubts;
+  Result<std::string> odometry_text = dataset::ReadTextFile(folder / kOdometryName);
   if (!odometry_text) return odometry_text.error();
-  const Result<std::vector<Row>> rows = ParseOdometry(*odometry_text, folder / kOdometryName);
+  const Result<std::vector<Row>> rows =
+      ParseOdometry(*odometry_text, folder / kOdometryName, warnings);
   if (!rows) return rows.error();
-
-  std::error_code ignored;
-  const bool has_video = fs::exists(folder / kVideoName, ignored);
-  Result<Listed> listed = ListFrames(folder, *rows, has_video, opened.warnings);
+  const std::optional<fs::path> video = FindVideo(folder, kVideos);
+  Result<Listed> listed = ListFrames(folder, *rows, video.has_value(), warnings);
   if (!listed) return listed.error();
-  const Result<dataset::ImageSize> depth_size =
-      FirstSize(folder, listed->files, &StrayFrames::Files::depth);
-  if (!depth_size) return depth_size.error();
-  std::shared_ptr<dataset::VideoFile> video;
+  FilesOfLayout files{"stray",
+                      {{kOdometryName, *odometry_text}},
+                      {},
+                      {},
+                      (folder / kOdometryName).string(),
+                      {},
+                      {},
+                      true};
+  dataset::ImageForm form;
   dataset::ImageSize colour_size;
-  std::optional<std::string> video_digest;
-  if (has_video) {
-    Result<std::unique_ptr<dataset::VideoFile>> opened_video =
-        dataset::VideoFile::Open(folder / kVideoName);
-    if (!opened_video) return opened_video.error();
-    video = *std::move(opened_video);
-    colour_size = {video->width(), video->height()};
-    Result<std::string> digest = dataset::HashLargeFile(folder / kVideoName);
-    if (!digest) return digest.error();
-    video_digest = *std::move(digest);
+  if (video) {
+    const Result<VideoColour> opened = OpenVideoColour(*video);
+    if (!opened) return opened.error();
+    SetVideoFrames(*opened->video, *rows, *listed, warnings, doubts);
+    form.video = opened->video;
+    form.video_frames = std::move(listed->video_frames);
+    colour_size = {form.video->width(), form.video->height()};
+    files.texts.emplace_back(kVideos[0], opened->digest);
   } else {
-    const Result<dataset::ImageSize> size =
-        FirstSize(folder, listed->files, &StrayFrames::Files::colour);
+    const Result<dataset::ImageSize> size = FirstColourSize(folder, listed->pairs);
     if (!size) return size.error();
     colour_size = *size;
   }
-  dataset::CaptureCameras cameras;
-  cameras.depth_units_per_m = kUnitsPerM;
-  std::optional<std::string> matrix_text;
-  if (source.settings.has_camera()) {
-    cameras.colour = source.settings.camera;
-  } else {
-    const Result<PinholeCamera> camera = ReadMatrix(folder / kMatrixName, colour_size);
-    if (!camera) return camera.error();
-    cameras.colour = *camera;
-    WarnOfFocus(*rows, *camera, folder / kOdometryName, opened.warnings);
+  PinholeCamera camera;
+  if (!source.settings.has_camera()) {
+    const Result<PinholeCamera> own = ReadMatrix(folder / kMatrixName, colour_size);
+    if (!own) return own.error();
+    camera = *own;
+    Result<std::vector<PinholeCamera>> of_rows =
+        CamerasOfRows(listed->rows, camera, folder / kOdometryName);
+    if (!of_rows) return of_rows.error();
+    files.optics.colour_cameras = *std::move(of_rows);
     const Result<std::optional<std::string>> text = dataset::ReadOptional(folder / kMatrixName);
-    if (text) matrix_text = *text;
+    if (text) files.texts.emplace_back(kMatrixName, *text);
   }
-  cameras.depth = source.settings.depth_camera.value_or(Resized(cameras.colour, *depth_size));
-  cameras.colour_from_depth = source.settings.colour_from_depth.value_or(Pose3());
-  if (source.settings.depth_units_per_m > 0)
-    cameras.depth_units_per_m = source.settings.depth_units_per_m;
-
-  Result<std::string> hash = HashOf(source,
-                                    {{kSettingsName, source.settings_text},
-                                     {kOdometryName, *odometry_text},
-                                     {kMatrixName, matrix_text},
-                                     {kVideoName, video_digest}},
-                                    *listed);
-  if (!hash) return hash.error();
-  opened.content_hash = *std::move(hash);
-  opened.frames =
-      std::make_shared<StrayFrames>(folder,
-                                    cameras,
-                                    std::move(listed->frames),
-                                    std::move(listed->files),
-                                    std::move(video),
-                                    source.settings.min_confidence.value_or(kMinConfidence));
+  Result<SettledImages> settled = SettleImages(
+      source, {camera, camera, Pose3(), kUnitsPerM}, listed->pairs, warnings, CoarserDepth::kUsual);
+  if (!settled) return settled.error();
+  form.raw_per_real = settled->form.raw_per_real;
+  form.confidence = std::move(listed->confidence);
+  form.min_confidence = source.settings.min_confidence.value_or(kMinConfidence);
+  files.settled = {settled->cameras, std::move(form)};
+  files.pairs = std::move(listed->pairs);
+  files.poses = std::move(listed->poses);
+  Result<OpenedLayout> opened = OpenFiles(source, std::move(files), std::move(warnings));
+  if (opened) opened->doubts = std::move(doubts);
   return opened;
 }
 

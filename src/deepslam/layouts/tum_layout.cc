@@ -1,5 +1,7 @@
 #include "deepslam/layouts/tum_layout.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -7,10 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/dataset/doubts.h"
 #include "deepslam/dataset/file_frames.h"
 #include "deepslam/dataset/read_bytes.h"
+#include "deepslam/formats/text_lines.h"
 #include "deepslam/layouts/layout.h"
-#include "deepslam/layouts/text_lines.h"
+#include "deepslam/layouts/open_files.h"
 
 namespace deepslam::layouts {
 namespace {
@@ -22,6 +26,9 @@ namespace fs = std::filesystem;
 constexpr double kAssociationToleranceS = 0.02;
 constexpr double kMaxPoseGapS = 0.1;
 constexpr double kEth3dUnitsPerM = 5000;
+// As TUM's own script and others' name the list of pairs.
+constexpr std::array<std::string_view, 5> kAssociationNames = {
+    "associations.txt", "associated.txt", "associate.txt", "association.txt", "assoc.txt"};
 constexpr std::string_view kCalibrationName = "calibration.txt";
 
 bool IsFile(const fs::path& path) {
@@ -29,32 +36,50 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
+// Of images that hardly pair: times in another unit are further apart than they say.
+Status CheckUnitOfTimes(const std::vector<dataset::TimedFile>& files, const fs::path& list) {
+  std::vector<double> times_s;
+  for (const dataset::TimedFile& file : files) times_s.push_back(file.time_s);
+  const std::string_view unit = dataset::UnitOfTimes(times_s);
+  if (unit.empty()) return Ok();
+  return InvalidInput(
+      fmt::format("{}: times lie {:.4g} apart: {}? They have to be in seconds; convert both lists",
+                  list.string(),
+                  times_s[1] - times_s[0],
+                  unit));
+}
+
 Result<std::vector<dataset::ImagePair>> PairsByTime(const fs::path& folder,
                                                     std::vector<std::string>& warnings) {
   std::vector<std::vector<dataset::TimedFile>> lists;
   for (const char* name : {"rgb.txt", "depth.txt"}) {
     const fs::path list = folder / name;
-    const Result<std::string> text = dataset::ReadFileBytes(list);
+    const Result<std::string> text = dataset::ReadTextFile(list);
     if (!text) {
       return InvalidInput(
           text.error().message +
           "; a capture needs associations.txt, or rgb.txt and depth.txt (lines 'time file')");
     }
-    Result<std::vector<dataset::TimedFile>> files = ParseFileList(*text, list, warnings);
+    Result<std::vector<dataset::TimedFile>> files = formats::ParseFileList(*text, list, warnings);
     if (!files) return files.error();
     lists.push_back(*std::move(files));
   }
-  if (NumStretches(lists[0]) != NumStretches(lists[1])) {
+  if (formats::NumStretches(lists[0]) != formats::NumStretches(lists[1])) {
     return InvalidInput(
         fmt::format("{}: the times of rgb.txt fall back {} times, those of depth.txt {} times, so "
                     "that which images belong together cannot be told; write associations.txt "
                     "(lines 'time rgb-file time depth-file')",
                     folder.string(),
-                    NumStretches(lists[0]) - 1,
-                    NumStretches(lists[1]) - 1));
+                    formats::NumStretches(lists[0]) - 1,
+                    formats::NumStretches(lists[1]) - 1));
   }
   std::vector<dataset::ImagePair> pairs =
-      AssociateByTime(lists[0], lists[1], kAssociationToleranceS);
+      formats::AssociateByTime(lists[0], lists[1], kAssociationToleranceS);
+  if (2 * pairs.size() < std::min(lists[0].size(), lists[1].size())) {
+    for (const auto& [list, name] : {std::pair(&lists[1], "depth.txt"), {&lists[0], "rgb.txt"}}) {
+      if (Status sane = CheckUnitOfTimes(*list, folder / name); !sane) return sane.error();
+    }
+  }
   if (pairs.empty()) {
     return InvalidInput(
         fmt::format("{}: no colour image of rgb.txt lies within {} s of a depth image of "
@@ -73,14 +98,17 @@ Result<std::vector<dataset::ImagePair>> PairsByTime(const fs::path& folder,
   return pairs;
 }
 
-std::optional<Pose3> PoseWithin(const std::vector<TimedPose>& poses, int stretch, double time_s) {
-  return PoseAt(Stretch(poses, stretch), time_s, kAssociationToleranceS, kMaxPoseGapS);
+std::optional<Pose3> PoseWithin(const std::vector<formats::TimedPose>& poses,
+                                int stretch,
+                                double time_s) {
+  return formats::PoseAt(
+      formats::Stretch(poses, stretch), time_s, kAssociationToleranceS, kMaxPoseGapS);
 }
 
 // Nothing where several stretches have one.
-std::optional<Pose3> OnlyPose(const std::vector<TimedPose>& poses, double time_s) {
+std::optional<Pose3> OnlyPose(const std::vector<formats::TimedPose>& poses, double time_s) {
   std::optional<Pose3> only;
-  for (int stretch = 0; stretch < NumStretches(poses); ++stretch) {
+  for (int stretch = 0; stretch < formats::NumStretches(poses); ++stretch) {
     const std::optional<Pose3> pose = PoseWithin(poses, stretch, time_s);
     if (pose && only) return std::nullopt;
     if (pose) only = pose;
@@ -90,8 +118,8 @@ std::optional<Pose3> OnlyPose(const std::vector<TimedPose>& poses, double time_s
 
 int NumStretchesOver(const std::vector<dataset::ImagePair>& pairs, double time_s) {
   int count = 0;
-  for (int number = 0; number < NumStretches(pairs); ++number) {
-    const std::span<const dataset::ImagePair> stretch = Stretch(pairs, number);
+  for (int number = 0; number < formats::NumStretches(pairs); ++number) {
+    const std::span<const dataset::ImagePair> stretch = formats::Stretch(pairs, number);
     count += !stretch.empty() && stretch.front().depth.time_s <= time_s &&
                      time_s <= stretch.back().depth.time_s
                  ? 1
@@ -112,9 +140,9 @@ fs::path WithName(const fs::path& folder) {
 Result<PinholeCamera> ReadCalibration(const fs::path& folder,
                                       const std::vector<dataset::ImagePair>& pairs) {
   const fs::path file = folder / kCalibrationName;
-  const Result<std::string> text = dataset::ReadFileBytes(file);
+  const Result<std::string> text = dataset::ReadTextFile(file);
   if (!text) return text.error();
-  const auto numbers = ParseNumbers(*text, file, 4, "fx fy cx cy");
+  const auto numbers = formats::ParseNumbers(*text, file, 4, "fx fy cx cy");
   if (!numbers) return numbers.error();
   Result<dataset::ImageSize> size = InvalidInput("");
   for (const dataset::ImagePair& pair : pairs) {
@@ -138,9 +166,9 @@ Result<std::vector<std::optional<Pose3>>> ReadPoses(const fs::path& file,
   if (!text) return text.error();
   texts.emplace_back(kPosesName, *text);
   if (!*text) return std::vector<std::optional<Pose3>>(pairs.size());
-  const Result<std::vector<TimedPose>> poses = ParsePoses(**text, file, warnings);
+  const Result<std::vector<formats::TimedPose>> poses = formats::ParsePoses(**text, file, warnings);
   if (!poses) return poses.error();
-  if (NumStretches(*poses) != NumStretches(pairs) && !poses->empty()) {
+  if (formats::NumStretches(*poses) != formats::NumStretches(pairs) && !poses->empty()) {
     warnings.push_back(
         fmt::format("{}: its times do not fall back where those of the images do; frames whose "
                     "time stands for several moments have no pose",
@@ -150,30 +178,29 @@ Result<std::vector<std::optional<Pose3>>> ReadPoses(const fs::path& file,
 }
 
 Result<OpenedLayout> OpenLists(const LayoutSource& source,
-                               std::string_view tag,
-                               std::vector<dataset::NamedText> texts,
-                               std::vector<dataset::ImagePair> pairs,
+                               FilesOfLayout files,
                                const dataset::CaptureCameras& cameras,
                                std::vector<std::string> warnings) {
-  const fs::path& folder = source.path;
-  const Status files_exist = dataset::CheckFilesExist(folder, pairs, warnings);
-  if (!files_exist) return files_exist.error();
-  const Result<std::vector<std::optional<Pose3>>> world_from_colour =
-      ReadPoses(folder / kPosesName, pairs, texts, warnings);
-  if (!world_from_colour) return world_from_colour.error();
-  Result<std::string> hash = dataset::HashFiles(tag, texts, folder, pairs);
-  if (!hash) return hash.error();
-  return OpenedLayout{
-      dataset::MakeFileFrames(folder, cameras, std::move(pairs), *world_from_colour),
-      *std::move(hash),
-      std::move(warnings)};
+  const fs::path file = source.path / kPosesName;
+  Result<SettledImages> settled = SettleImages(source, cameras, files.pairs, warnings);
+  if (!settled) return settled.error();
+  files.settled = *std::move(settled);
+  Result<formats::FramePoses> poses = ReadPoses(file, files.pairs, files.texts, warnings);
+  if (!poses) return poses.error();
+  files.poses = *std::move(poses);
+  files.poses_file = file.string();
+  files.has_times = true;
+  return OpenFiles(source, std::move(files), std::move(warnings));
 }
 
 }  // namespace
 
 std::vector<std::string> ListsOf(const fs::path& folder) {
   std::vector<std::string> found;
-  for (const char* name : {"associations.txt", "associated.txt", "rgb.txt", "depth.txt"}) {
+  for (const std::string_view name : kAssociationNames) {
+    if (IsFile(folder / name)) found.emplace_back(name);
+  }
+  for (const char* name : {"rgb.txt", "depth.txt"}) {
     if (IsFile(folder / name)) found.emplace_back(name);
   }
   return found;
@@ -181,19 +208,19 @@ std::vector<std::string> ListsOf(const fs::path& folder) {
 
 Result<std::vector<dataset::ImagePair>> ReadPairs(const fs::path& folder,
                                                   std::vector<std::string>& warnings) {
-  for (const char* name : {"associations.txt", "associated.txt"}) {
+  for (const std::string_view name : kAssociationNames) {
     const fs::path list = folder / name;
     if (!IsFile(list)) continue;
-    const Result<std::string> text = dataset::ReadFileBytes(list);
+    const Result<std::string> text = dataset::ReadTextFile(list);
     if (!text) return text.error();
-    return ParseAssociations(*text, list, warnings);
+    return formats::ParseAssociations(*text, list, warnings);
   }
   return PairsByTime(folder, warnings);
 }
 
-std::vector<std::optional<Pose3>> PosesAt(const std::vector<TimedPose>& poses,
+std::vector<std::optional<Pose3>> PosesAt(const std::vector<formats::TimedPose>& poses,
                                           const std::vector<dataset::ImagePair>& pairs) {
-  const bool alike = NumStretches(poses) == NumStretches(pairs);
+  const bool alike = formats::NumStretches(poses) == formats::NumStretches(pairs);
   std::vector<std::optional<Pose3>> at;
   at.reserve(pairs.size());
   for (const dataset::ImagePair& pair : pairs) {
@@ -227,22 +254,18 @@ Result<OpenedLayout> OpenTum(const LayoutSource& source) {
   std::vector<std::string> warnings;
   Result<std::vector<dataset::ImagePair>> pairs = ReadPairs(source.path, warnings);
   if (!pairs) return pairs.error();
-  dataset::CaptureSettings settings = source.settings;
+  FilesOfLayout files{"tum", {}, *std::move(pairs), {}, {}, {}, {}, true};
   if (source.settings_text) {
-    const Status complete = dataset::RequireComplete(settings, source.path / kSettingsName);
+    const Status complete = RequireComplete(source.settings, source.path / kSettingsName);
     if (!complete) return complete.error();
-  } else {
-    Result<dataset::CaptureSettings> named = dataset::SettingsFromName(WithName(source.path));
-    if (!named) return named.error();
-    warnings.insert(warnings.end(), named->warnings.begin(), named->warnings.end());
-    settings = *std::move(named);
+    return OpenLists(source, std::move(files), {}, std::move(warnings));
   }
-  return OpenLists(source,
-                   "tum",
-                   {{kSettingsName, source.settings_text}},
-                   *std::move(pairs),
-                   WithStated(settings, {}),
-                   std::move(warnings));
+  const Result<dataset::CaptureSettings> named = dataset::SettingsFromName(WithName(source.path));
+  if (!named) return named.error();
+  warnings.insert(warnings.end(), named->warnings.begin(), named->warnings.end());
+  files.optics.colour = files.optics.depth = named->lens;
+  return OpenLists(
+      source, std::move(files), WithStated(*named, dataset::CaptureCameras()), std::move(warnings));
 }
 
 LayoutMatch MatchEth3d(const fs::path& path) {
@@ -267,12 +290,10 @@ Result<OpenedLayout> OpenEth3d(const LayoutSource& source) {
   const Result<std::optional<std::string>> calibration =
       dataset::ReadOptional(source.path / kCalibrationName);
   if (!calibration) return calibration.error();
-  return OpenLists(source,
-                   "eth3d",
-                   {{kSettingsName, source.settings_text}, {kCalibrationName, *calibration}},
-                   *std::move(pairs),
-                   WithStated(source.settings, {*camera, *camera, Pose3(), kEth3dUnitsPerM}),
-                   std::move(warnings));
+  FilesOfLayout files{
+      "eth3d", {{kCalibrationName, *calibration}}, *std::move(pairs), {}, {}, {}, {}, true};
+  return OpenLists(
+      source, std::move(files), {*camera, *camera, Pose3(), kEth3dUnitsPerM}, std::move(warnings));
 }
 
 }  // namespace deepslam::layouts

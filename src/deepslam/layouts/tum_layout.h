@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "deepslam/core/result.h"
-#include "deepslam/layouts/tum_lists.h"
+#include "deepslam/formats/tum_lists.h"
 
 namespace deepslam::layouts {
 
@@ -26,6 +26,6 @@ inline constexpr std::string_view kPosesName = "groundtruth.txt";
 // times of poses and frames fall back unlike each other, frames have none whose time stands for
 // several moments.
 [[nodiscard]] std::vector<std::optional<Pose3>> PosesAt(
-    const std::vector<TimedPose>& poses, const std::vector<dataset::ImagePair>& pairs);
+    const std::vector<formats::TimedPose>& poses, const std::vector<dataset::ImagePair>& pairs);
 
 }  // namespace deepslam::layouts

@@ -5,7 +5,7 @@
 namespace deepslam::stages {
 namespace {
 
-constexpr std::array<std::string_view, 2> kPoses = {"track", "capture"};
+constexpr std::array<std::string_view, 3> kPoses = {"track", "capture", "prior"};
 constexpr std::array<std::string_view, 3> kDetectSources = {"network", "file", "none"};
 constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
 constexpr std::array<std::string_view, 2> kAssociationMethods = {kBySurface, "votes"};
@@ -18,8 +18,10 @@ const std::set<std::string>& PathOptions() {
 }
 
 void Describe(OptionsVisitor& visitor, TrackStageOptions& options) {
-  visitor.Choice(
-      "poses", options.poses, kPoses, "estimate camera poses, or take those of the capture");
+  visitor.Choice("poses",
+                 options.poses,
+                 kPoses,
+                 "estimate camera poses, take those of the capture, or start from them");
 }
 
 void Describe(OptionsVisitor& visitor, DetectStageOptions& options) {

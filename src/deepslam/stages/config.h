@@ -37,7 +37,7 @@
 namespace deepslam::stages {
 
 struct TrackStageOptions {
-  std::string poses = "track";  // track | capture
+  std::string poses = "track";  // track | capture | prior
 };
 
 struct DetectStageOptions {

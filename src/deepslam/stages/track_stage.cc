@@ -57,14 +57,19 @@ StageSummary Summarise(const Odometry& odometry) {
 Result<StageSummary> RunTrack(StageContext& context, const RunInputs& inputs) {
   const FrameSource& frames = *inputs.capture->frames;
   const Config& config = inputs.config;
+  const bool capture_poses = config.track_stage.poses == "capture";
+  const bool prior = config.track_stage.poses == "prior";
+  if ((capture_poses || prior) && !inputs.capture->poses_fault.empty())
+    return InvalidInput(inputs.capture->poses_fault + "; or use --poses track");
   const Result<mapping::TrackedPath> path =
-      config.track_stage.poses == "capture"
-          ? mapping::TakePathOfCapture(frames, config.track, context.progress())
-          : mapping::TrackPath(frames,
-                               config.track,
-                               config.covisible,
-                               DiskEdgeStores(context),
-                               context.progress());
+      capture_poses ? mapping::TakePathOfCapture(frames, config.track, context.progress())
+                    : mapping::TrackPath(
+                          frames,
+                          config.track,
+                          config.covisible,
+                          DiskEdgeStores(context),
+                          context.progress(),
+                          prior ? mapping::RecordedPath::kAsPrior : mapping::RecordedPath::kNone);
   if (!path.ok()) return path.error();
   const Odometry& odometry = path->odometry;
   const Status written = WriteFiles(

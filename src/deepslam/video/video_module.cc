@@ -12,6 +12,7 @@ struct Decoder {
   cv::Mat bgr;
   int width = 0;   // px
   int height = 0;  // px
+  int num_frames = 0;
 };
 
 namespace {
@@ -23,6 +24,8 @@ Decoder* Open(const char* file) {
     decoder->capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
     decoder->width = static_cast<int>(decoder->capture.get(cv::CAP_PROP_FRAME_WIDTH));
     decoder->height = static_cast<int>(decoder->capture.get(cv::CAP_PROP_FRAME_HEIGHT));
+    const double num_frames = decoder->capture.get(cv::CAP_PROP_FRAME_COUNT);
+    if (num_frames >= 1 && num_frames < 1e9) decoder->num_frames = static_cast<int>(num_frames);
     return decoder.release();
   } catch (const cv::Exception&) {
     return nullptr;
@@ -32,6 +35,7 @@ Decoder* Open(const char* file) {
 void Close(Decoder* decoder) { delete decoder; }
 int Width(const Decoder* decoder) { return decoder->width; }
 int Height(const Decoder* decoder) { return decoder->height; }
+int NumFrames(const Decoder* decoder) { return decoder->num_frames; }
 
 void CopyAsRgb(const cv::Mat& bgr, unsigned char* to) {
   for (int v = 0; v < bgr.rows; ++v) {
@@ -65,6 +69,7 @@ bool Next(Decoder* decoder, unsigned char* rgb) {
 
 const deepslam::video::VideoModule* deepslam_video_module() {
   using namespace deepslam::video;
-  static constexpr VideoModule kModule = {VideoModule::kVersion, Open, Close, Width, Height, Next};
+  static constexpr VideoModule kModule = {
+      VideoModule::kVersion, Open, Close, Width, Height, NumFrames, Next};
   return &kModule;
 }

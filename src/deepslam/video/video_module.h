@@ -18,11 +18,13 @@ struct VideoModule {
   // Of the frames as stored, px: rotation tags are ignored.
   int (*width)(const Decoder* decoder) = nullptr;
   int (*height)(const Decoder* decoder) = nullptr;
+  // How many frames the file's own index says it has; 0: it says nothing.
+  int (*num_frames)(const Decoder* decoder) = nullptr;
   // Decodes the next frame into width x height x (red, green, blue), row by row without gaps; null:
   // it is passed over. False at the end of what can be decoded.
   bool (*next)(Decoder* decoder, unsigned char* rgb) = nullptr;
 
-  static constexpr int kVersion = 1;  // rises with every change of this struct
+  static constexpr int kVersion = 2;  // rises with every change of this struct
 };
 
 using ModuleEntry = const VideoModule*();

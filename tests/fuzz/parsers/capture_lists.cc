@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "deepslam/layouts/tum_lists.h"
+#include "deepslam/formats/tum_lists.h"
 #include "fuzz/entry.h"
 
 DEEPSLAM_FUZZ(capture_lists) {
@@ -11,16 +11,16 @@ DEEPSLAM_FUZZ(capture_lists) {
   const std::filesystem::path file(kFile);
   std::vector<std::string> warnings;
   bool accepted = false;
-  if (const auto files = layouts::ParseFileList(text, file, warnings); files.ok()) {
+  if (const auto files = formats::ParseFileList(text, file, warnings); files.ok()) {
     accepted = true;
     for (const dataset::TimedFile& listed : *files)
       DEEPSLAM_CHECK(StaysBelow(listed.file), "an image lies below the capture");
-    for (const dataset::ImagePair& pair : layouts::AssociateByTime(*files, *files, 0.02))
+    for (const dataset::ImagePair& pair : formats::AssociateByTime(*files, *files, 0.02))
       DEEPSLAM_CHECK(pair.colour.time_s == pair.depth.time_s, "each is its own nearest");
   } else {
     Refused(files.error());
   }
-  if (const auto pairs = layouts::ParseAssociations(text, file, warnings); pairs.ok()) {
+  if (const auto pairs = formats::ParseAssociations(text, file, warnings); pairs.ok()) {
     accepted = true;
     for (const dataset::ImagePair& pair : *pairs) {
       DEEPSLAM_CHECK(StaysBelow(pair.colour.file) && StaysBelow(pair.depth.file),
@@ -29,13 +29,13 @@ DEEPSLAM_FUZZ(capture_lists) {
   } else {
     Refused(pairs.error());
   }
-  if (const auto poses = layouts::ParsePoses(text, file, warnings); poses.ok()) {
+  if (const auto poses = formats::ParsePoses(text, file, warnings); poses.ok()) {
     accepted = accepted || !poses->empty();
-    for (const layouts::TimedPose& pose : *poses) {
+    for (const formats::TimedPose& pose : *poses) {
       const auto stretch = Stretch(*poses, pose.stretch);
-      DEEPSLAM_CHECK(layouts::PoseAt(stretch, pose.time_s, 0, 0).has_value(),
+      DEEPSLAM_CHECK(formats::PoseAt(stretch, pose.time_s, 0, 0).has_value(),
                      "a pose at its own time");
-      const auto beside = layouts::PoseAt(stretch, pose.time_s + 0.01, 0.02, 1);
+      const auto beside = formats::PoseAt(stretch, pose.time_s + 0.01, 0.02, 1);
       DEEPSLAM_CHECK(!beside || beside->translation_m.allFinite(), "poses are finite");
     }
   } else {

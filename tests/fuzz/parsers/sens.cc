@@ -7,8 +7,8 @@
 #include <string>
 
 #include "deepslam/dataset/image_files.h"
-#include "deepslam/layouts/sens_codecs.h"
-#include "deepslam/layouts/sens_file.h"
+#include "deepslam/formats/sens_codecs.h"
+#include "deepslam/formats/sens_file.h"
 #include "fuzz/entry.h"
 
 namespace deepslam::fuzz {
@@ -40,23 +40,23 @@ class MemoryFile {
 
 DEEPSLAM_FUZZ(sens) {
   const MemoryFile file(bytes);
-  const Result<layouts::SensIndex> index = layouts::ReadSensIndex(file.path());
+  const Result<formats::SensIndex> index = formats::ReadSensIndex(file.path());
   if (!index.ok()) return Refused(index.error(), file.path().string());
-  const layouts::SensHeader& header = index->header;
+  const formats::SensHeader& header = index->header;
   for (std::size_t i = 0; i < std::min(index->frames.size(), kFramesRead); ++i) {
-    const layouts::SensFrame& frame = index->frames[i];
+    const formats::SensFrame& frame = index->frames[i];
     DEEPSLAM_CHECK(frame.depth_offset + frame.depth_bytes <= bytes.size(),
                    "frames lie in the file");
-    const auto colour = layouts::ReadRange(file.path(), frame.colour_offset, frame.colour_bytes);
-    const auto depth = layouts::ReadRange(file.path(), frame.depth_offset, frame.depth_bytes);
+    const auto colour = formats::ReadRange(file.path(), frame.colour_offset, frame.colour_bytes);
+    const auto depth = formats::ReadRange(file.path(), frame.depth_offset, frame.depth_bytes);
     DEEPSLAM_CHECK(colour.ok() && depth.ok(), "frames of the index can be read");
-    if (header.colour_codec != layouts::SensColourCodec::kRaw) {
+    if (header.colour_codec != formats::SensColourCodec::kRaw) {
       (void)dataset::DecodeColour(*colour,
                                   kFile,
                                   static_cast<int>(header.colour_width),
                                   static_cast<int>(header.colour_height));
     }
-    (void)layouts::UnpackDepth(header.depth_codec,
+    (void)formats::UnpackDepth(header.depth_codec,
                                *depth,
                                static_cast<int>(header.depth_width),
                                static_cast<int>(header.depth_height));
