@@ -409,7 +409,7 @@ void AddBatch(CLI::App& app, Command& chosen) {
                    arguments->poses,
                    "track: estimate camera poses; capture: use those of the captures; prior: start "
                    "from them")
-      ->check(CLI::IsMember({"track", "capture"}));
+      ->check(CLI::IsMember({"track", "capture", "prior"}));
   batch_command->add_option("--until", arguments->until, "Last stage to run");
   batch_command
       ->add_option("--threads",

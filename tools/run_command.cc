@@ -182,7 +182,7 @@ void AddRun(CLI::App& app, Command& chosen) {
          arguments->poses,
          "track: estimate camera poses; capture: use those of the capture; prior: start from "
          "them")
-      ->check(CLI::IsMember({"track", "capture"}));
+      ->check(CLI::IsMember({"track", "capture", "prior"}));
   run->add_option("--overrides",
                   arguments->overrides,
                   "Corrections by hand (YAML); default: overrides.yaml of the workspace");

@@ -31,7 +31,7 @@ PROGRAMS = r"(deepslam(-[a-z-]+)?|scripts/\S+|python3|pip|cmake|ctest|apt|apt-ge
 
 # Not run: regular expression -> reason. The program must exist, and its options stand in its help.
 DRY = {
-    r"scripts/(demo|test|setup|package|test_package|build)\.sh\b": "installs, builds or takes minutes",
+    r"scripts/(demo|test|setup|package|test_package|build|build_time)\.sh\b": "installs, builds or takes minutes",
     r"scripts/sanitizers\.sh\b": "builds for minutes; .ci/run calls it behind the tests",
     r"scripts/bench\.sh\b": "measures for a quarter of an hour, on a machine left alone",
     r"scripts/fuzz\.sh\b": "installs, builds and runs for hours; ctest replays what it found (fuzz)",

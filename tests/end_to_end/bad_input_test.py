@@ -174,9 +174,9 @@ class Captures(BadInput):
                 ("truncated colour", write("rgb/000003.jpg", jpeg[:len(jpeg) // 2]), "ends too early"),
                 ("truncated depth", write("depth/000003.png", png[:len(png) // 2]), "ends too early"),
                 ("damaged depth", write("depth/000003.png", png[:900] + bytes([png[900] ^ 255]) + png[901:]), "readable"),
-                ("huge depth", write("depth/000003.png", huge), "2147483647 x 2147483647 px, the camera 320 x 240"),
+                ("huge depth", write("depth/000003.png", huge), "too few for 2147483647 x 2147483647"),
                 ("empty", write("rgb/000003.jpg", b""), "file is empty"),
-                ("text", write("depth/000003.png", b"hello"), "not a readable image"),
+                ("text", write("depth/000003.png", b"hello"), "is no depth image that is read here"),
                 ("size", lambda c: captures.write_depth(c / "depth/000003.png", 160, 120, 900), "160 x 120 px"),
                 ("8 bit depth", lambda c: captures.write_png(c / "depth/000003.png", *SIZE, 8, 0, [b"\7" * 320] * 240),
                  "depth must have one channel of 16 bits, this has 1 of 8 bits"),
@@ -189,7 +189,7 @@ class Captures(BadInput):
         bad = [write(f"depth/{i:06d}.png", b"hello") for i in range(1, 8)]
         for poses in ("track", "capture"):
             result = run(self.capture(*bad), self.workspace, "--until", "track", "--poses", poses)
-            self.check(result, 3, r"7 of 10 frames could not be read; the first: .*000001\.png: not a readable image")
+            self.check(result, 3, r"7 of 10 frames could not be read; the first: .*000001\.png: is no depth image that is read here")
             self.assertEqual(leftovers(self.workspace), [])
         gone = [(lambda i: lambda c: (c / f"depth/{i:06d}.png").unlink())(i) for i in range(7)]
         shutil.rmtree(self.workspace)
@@ -228,7 +228,7 @@ class Captures(BadInput):
                 (edit(name, "width: 320", "width: 0"), r"'camera.width' is 0; expected 1 \.\. "),
                 (edit(name, "width: 320", "width: 1000000000"), "'camera.width' is 1000000000; expected"),
                 (edit(name, "width: 320", "width: 1e9"), "'camera.width' is '1e9', not a whole number"),
-                (edit(name, "width: 320", "width: 640"), "is 320 x 240 px, the camera 640 x 240"),
+                (edit(name, "width: 320", "width: 640"), "is 320 x 240 px, colour 640 x 240"),
                 (edit(name, "cx: 159.5", "cx: 1e6"), "'camera.cx' is 1000000; expected a place inside the image"),
                 (edit(name, "cy: 119.5", "cy: .inf"), "'camera.cy' is '.inf'"),
                 (edit(name, "per_m: 1000", "per_m: 0"), r"capture\.yaml:3: field 'depth_units_per_m' is 0, outside"),

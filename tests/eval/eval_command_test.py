@@ -162,7 +162,7 @@ class Eval(unittest.TestCase):
             alone = subprocess.run([DEEPSLAM, "eval", "trajectory", str(self.workspace), str(file)], capture_output=True,
                                    text=True, check=False)
             self.assertEqual((alone.returncode, alone.stdout), clean["trajectory"], alone.stderr)
-        file.write_bytes(b"\n".join([*rows, b"9 1 2 far 0 0 0 1"]))
+        file.write_bytes(b"\n".join([*rows, b"9 1 2 far 0 0 0 1"]) + b"\n")
         for kind in clean:
             code, _, stderr = self.eval(kind)
             self.assertEqual(code, 3, stderr)

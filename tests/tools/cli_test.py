@@ -334,7 +334,7 @@ def make_capture(folder):
         depth = [struct.pack(f">{width}H", *[2000 + 5 * ((u + v + i) % 40) for u in range(width)]) for v in range(height)]
         png(folder / "depth" / f"{i}.png", width, height, 16, 0, depth)
         pairs.append(f"{i / 10} rgb/{i}.png {i / 10} depth/{i}.png")
-        poses.append(f"{i / 10} {0.2 * i} 0 0 0 0 0 1")
+        poses.append(f"{i / 10} {0.01 * i} 0 0 0 0 0 1")
     (folder / "associations.txt").write_text("\n".join(pairs) + "\n")
     (folder / "groundtruth.txt").write_text("\n".join(poses) + "\n")
     (folder / "capture.yaml").write_text(

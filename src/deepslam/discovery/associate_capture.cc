@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "deepslam/discovery/flush_with_wall.h"
+
 namespace deepslam::discovery {
 namespace {
 
@@ -61,13 +63,11 @@ void Append(FoundThings more, FoundThings& all) {
   std::ranges::stable_sort(all.segments, {}, &Segment::frame);
 }
 
-}  // namespace
-
-Result<FoundThings> AssociateCapture(const CaptureInputs& inputs,
-                                     std::vector<Segment> segments,
-                                     const associate::AssociateOptions& by_votes,
-                                     const ThingOptions& by_surface,
-                                     Progress& progress) {
+Result<FoundThings> FindAll(const CaptureInputs& inputs,
+                            std::vector<Segment> segments,
+                            const associate::AssociateOptions& by_votes,
+                            const ThingOptions& by_surface,
+                            Progress& progress) {
   if (!inputs.surface || !inputs.surface->surface.has_ground)
     return ByVotes(inputs, std::move(segments), by_votes, progress);
   Divided divided = Divide(inputs, std::move(segments));
@@ -87,6 +87,20 @@ Result<FoundThings> AssociateCapture(const CaptureInputs& inputs,
   Result<FoundThings> elsewhere = ByVotes(inputs, std::move(divided.elsewhere), by_votes, progress);
   if (!elsewhere.ok()) return elsewhere.error();
   Append(std::move(elsewhere).value(), *found);
+  return found;
+}
+
+}  // namespace
+
+Result<FoundThings> AssociateCapture(const CaptureInputs& inputs,
+                                     std::vector<Segment> segments,
+                                     const associate::AssociateOptions& by_votes,
+                                     const ThingOptions& by_surface,
+                                     Progress& progress) {
+  Result<FoundThings> found = FindAll(inputs, std::move(segments), by_votes, by_surface, progress);
+  if (!found.ok()) return found;
+  LeaveOutFlush({inputs.frames, inputs.trajectory, inputs.layout, inputs.classes, found->segments},
+                found->association);
   return found;
 }
 

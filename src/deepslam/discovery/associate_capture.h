@@ -13,6 +13,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/discovery/find_things.h"
 #include "deepslam/scene/ground.h"
+#include "deepslam/scene/layout.h"
 
 namespace deepslam::discovery {
 
@@ -32,6 +33,7 @@ struct CaptureInputs {
   std::span<const Detection> detections;  // of these frames
   // None: objects are found by votes alone, as in the paper.
   const std::optional<SurfaceOfCapture>& surface;
+  const Layout& layout;  // what lies flush in its walls is no object
 };
 
 // `segments`: of the detections, by single frames, ascending. Frames that have no measured place in

@@ -33,16 +33,14 @@ Result<PathOfCapture> ReadPath(const StageContext& context) {
   return PathOfCapture{std::move(static_cast<Trajectory&>(*odometry)), std::move(parts)};
 }
 
-Result<std::optional<discovery::SurfaceOfCapture>> ReadSurface(
-    const StageContext& context, const AssociateStageOptions& options) {
+Result<std::optional<discovery::SurfaceOfCapture>> ReadSurface(const StageContext& context,
+                                                               const AssociateStageOptions& options,
+                                                               const Layout& layout) {
   if (options.method != kBySurface) return std::optional<discovery::SurfaceOfCapture>();
   Result<CoarseSurface> surface = ReadCoarseSurface(context);
   if (!surface.ok()) return surface.error();
-  Result<Layout> layout = ReadLayout(context);
-  if (!layout.ok()) return layout.error();
-  surface->level_from_tracking = layout->level_from_tracking;
-  return std::optional(
-      discovery::SurfaceOfCapture{std::move(surface).value(), std::move(layout).value()});
+  surface->level_from_tracking = layout.level_from_tracking;
+  return std::optional(discovery::SurfaceOfCapture{std::move(surface).value(), layout});
 }
 
 Result<discovery::FoundThings> Find(const StageContext& context, const RunInputs& inputs) {
@@ -50,8 +48,10 @@ Result<discovery::FoundThings> Find(const StageContext& context, const RunInputs
   if (!path.ok()) return path.error();
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
+  const Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
   Result<std::optional<discovery::SurfaceOfCapture>> surface =
-      ReadSurface(context, inputs.config.associate_stage);
+      ReadSurface(context, inputs.config.associate_stage, *layout);
   if (!surface.ok()) return surface.error();
   if (*surface) (*surface)->surface.has_ground = ground->plane_world.has_value();
   const Result<artifact::DetectionTable> table = ReadDetections(context);
@@ -67,7 +67,8 @@ Result<discovery::FoundThings> Find(const StageContext& context, const RunInputs
                                       inputs.classes,
                                       looked_at,
                                       table->detections,
-                                      *surface},
+                                      *surface,
+                                      *layout},
                                      std::move(segments).value(),
                                      inputs.config.associate,
                                      inputs.config.things,
