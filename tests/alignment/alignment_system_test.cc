@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "alignment/box_world.h"
+#include "alignment/rendered_pyramids.h"
 #include "deepslam/alignment/batch_columns.h"
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/alignment/source_points.h"
@@ -13,15 +14,8 @@
 namespace deepslam::alignment {
 namespace {
 
-using testing_support::BoxWorld;
-using testing_support::kSmallCamera;
+using testing_support::Furnished;
 using testing_support::LookAt;
-using testing_support::RenderFrame;
-
-FramePyramid Furnished(const Pose3& world_from_camera, std::uint64_t seed = 1) {
-  const Frame frame = RenderFrame(BoxWorld::Furnished(), world_from_camera, 1.0, seed);
-  return AsReference(BuildPyramid(frame, kSmallCamera, {}));
-}
 
 const Pose3 kWorldFromI = LookAt({1.6, -1.9, 1.4}, {0, 0, 0.4});
 const Pose3 kIFromJ = V2t((Vector6d() << 0.03, -0.02, 0.04, 0.02, -0.03, 0.01).finished());

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "alignment/box_world.h"
+#include "alignment/rendered_pyramids.h"
 #include "deepslam/alignment/free_space.h"
 
 namespace deepslam::alignment {
@@ -23,16 +24,8 @@ using ::testing::Lt;
 using testing_support::Arc;
 using testing_support::BoxWorld;
 using testing_support::kRadPerDeg;
-using testing_support::kSmallCamera;
 using testing_support::LookAt;
-using testing_support::RenderFrame;
-
-std::shared_ptr<const FramePyramid> Seen(const BoxWorld& world,
-                                         const Pose3& world_from_camera,
-                                         std::uint64_t seed = 0) {
-  return std::make_shared<const FramePyramid>(
-      BuildPyramid(RenderFrame(world, world_from_camera, 1.0, seed), kSmallCamera, {}));
-}
+using testing_support::Seen;
 
 std::vector<PlacedPyramid> Placed(const BoxWorld& world, const std::vector<Pose3>& poses) {
   std::vector<PlacedPyramid> placed;

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "alignment/box_world.h"
+#include "alignment/rendered_pyramids.h"
 #include "deepslam/alignment/patch_zncc.h"
 
 namespace deepslam::alignment {
@@ -26,13 +27,7 @@ using testing_support::kRadPerDeg;
 using testing_support::kSmallCamera;
 using testing_support::LookAt;
 using testing_support::RenderFrame;
-
-std::shared_ptr<const FramePyramid> Seen(const BoxWorld& world,
-                                         const Pose3& world_from_camera,
-                                         std::uint64_t seed = 0) {
-  return std::make_shared<const FramePyramid>(
-      BuildPyramid(RenderFrame(world, world_from_camera, 1.0, seed), kSmallCamera, {}));
-}
+using testing_support::Seen;
 
 double DetailsInCommon(const BoxWorld& a, const BoxWorld& b, const std::array<Pose3, 2>& poses) {
   return PatchZncc(*Seen(a, poses[0], 1), *Seen(b, poses[1], 2), poses[0].Inverse() * poses[1], {});

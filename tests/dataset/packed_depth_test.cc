@@ -38,7 +38,7 @@ void ExpectSameBits(const DepthImage& depth_m, const DepthImage& expected_m) {
   for (std::size_t n = 0; n < depth_m.size(); ++n) {
     ASSERT_EQ(std::bit_cast<std::uint32_t>(depth_m.data()[n]),
               std::bit_cast<std::uint32_t>(expected_m.data()[n]))
-        << "texel " << n;
+        << "pixel " << n;
   }
 }
 

@@ -21,8 +21,8 @@ MapObject Chair(int id, double x_m, double confidence) {
 }
 
 // Places alone.
-std::vector<Intruder> Intruders(const ObjectMap& map, const LoopOptions& options = {}) {
-  return FindIntruders(SuspectIntruders(map, options), map, {}, options);
+std::vector<Duplicate> Duplicates(const ObjectMap& map, const LoopOptions& options = {}) {
+  return FindDuplicates(SuspectDuplicates(map, options), map, {}, options);
 }
 
 // A board of 1 m, upright along x, that begins at this corner.
@@ -34,9 +34,9 @@ std::vector<Eigen::Vector3f> Board(float x_m, float y_m, float width_m) {
   return points;
 }
 
-TEST(SharedPlace, IntrudersStandInASurerOneOfTheirClass) {
+TEST(SharedPlace, DuplicatesStandInASurerOneOfTheirClass) {
   const ObjectMap map{{Chair(0, 0, 0.7), Chair(1, 0.1, 0.2), Chair(2, 0.6, 0.2)}, {}};
-  const std::vector<Intruder> found = Intruders(map);
+  const std::vector<Duplicate> found = Duplicates(map);
   ASSERT_EQ(found.size(), 1U);  // chair 2 stands beside
   EXPECT_EQ(found.front().id, ObjectId(1));
   EXPECT_EQ(found.front().host, ObjectId(0));
@@ -56,17 +56,17 @@ TEST(SharedPlace, NobodyIntrudesFromAPartOfThePathThatNothingTies) {
     odometry.keyframes.push_back(FrameIdx{k});
   }
   const auto parts = [&odometry] { return PartsOfFrames(odometry, JoinsOf(odometry)); };
-  EXPECT_EQ(SuspectIntruders(map, {}, parts()).size(), 1U);
+  EXPECT_EQ(SuspectDuplicates(map, {}, parts()).size(), 1U);
   odometry.frames[1].status = TrackingStatus::kLost;
   odometry.edges.push_back({FrameIdx{0}, FrameIdx{1}, {}, Matrix6d::Identity(), true});
-  EXPECT_TRUE(SuspectIntruders(map, {}, parts()).empty());
+  EXPECT_TRUE(SuspectDuplicates(map, {}, parts()).empty());
 }
 
 TEST(SharedPlace, TheSurestIsTheHostWhateverTheOrder) {
   for (const bool reversed : {false, true}) {
     ObjectMap map{{Chair(0, 0, 0.5), Chair(1, 0.1, 0.2), Chair(2, 0.2, 0.9)}, {}};
     if (reversed) std::reverse(map.objects.begin(), map.objects.end());
-    const std::vector<Intruder> found = Intruders(map);
+    const std::vector<Duplicate> found = Duplicates(map);
     ASSERT_EQ(found.size(), 1U);  // 0.5 is more than half of 0.9
     EXPECT_EQ(found.front().id, ObjectId(1));
     EXPECT_EQ(found.front().host, ObjectId(2));
@@ -76,20 +76,20 @@ TEST(SharedPlace, TheSurestIsTheHostWhateverTheOrder) {
 // 0.45 lies in 0.95's place and 0.2 in 0.45's, but 0.2 stands clear of 0.95.
 TEST(SharedPlace, NothingStandsInWhatLeavesTheMap) {
   const ObjectMap map{{Chair(0, 0, 0.2), Chair(1, 0.2, 0.45), Chair(2, 0.4, 0.95)}, {}};
-  const std::vector<Intruder> found = Intruders(map);
+  const std::vector<Duplicate> found = Duplicates(map);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found.front().id, ObjectId(1));
   EXPECT_EQ(found.front().host, ObjectId(2));
 }
 
 TEST(SharedPlace, EquallySureOnesAndOtherClassesStay) {
-  EXPECT_TRUE(Intruders({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.6)}, {}}).empty());
+  EXPECT_TRUE(Duplicates({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.6)}, {}}).empty());
   MapObject table = Chair(1, 0.1, 0.1);  // a chair pushed under it shares its place
   table.class_name = "table";
-  EXPECT_TRUE(Intruders({{Chair(0, 0, 0.7), table}, {}}).empty());
+  EXPECT_TRUE(Duplicates({{Chair(0, 0, 0.7), table}, {}}).empty());
   LoopOptions off;
   off.merge_overlapping = false;
-  EXPECT_TRUE(Intruders({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.2)}, {}}, off).empty());
+  EXPECT_TRUE(Duplicates({{Chair(0, 0, 0.7), Chair(1, 0.1, 0.2)}, {}}, off).empty());
 }
 
 TEST(SharedPlace, APieceOfASurerOneIsNoThingOfItsOwn) {
@@ -101,7 +101,7 @@ TEST(SharedPlace, APieceOfASurerOneIsNoThingOfItsOwn) {
     LoopEvidence evidence;
     evidence[ObjectId(0)].model_points_world = Board(0, 0, 1);
     evidence[ObjectId(1)].depth_points_world = of_chair;
-    return !FindIntruders(SuspectIntruders(of_both, {}), of_both, evidence, {}).empty();
+    return !FindDuplicates(SuspectDuplicates(of_both, {}), of_both, evidence, {}).empty();
   };
   EXPECT_TRUE(intrudes(Board(0.5F, 0.03F, 0.5F), map));
   EXPECT_FALSE(intrudes(Board(0.7F, 0.03F, 0.5F), map)) << "two fifths of it stand beside";
@@ -114,9 +114,9 @@ TEST(SharedPlace, APieceOfASurerOneIsNoThingOfItsOwn) {
 
 TEST(SharedPlace, NonsenseIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(Intruders({}).empty());
-  EXPECT_TRUE(Intruders({{Chair(0, nan, 0.7), Chair(1, 0, 0.2)}, {}}).empty());
-  EXPECT_TRUE(Intruders({{Chair(0, 0, nan), Chair(1, 0, 0.2)}, {}}).empty());
+  EXPECT_TRUE(Duplicates({}).empty());
+  EXPECT_TRUE(Duplicates({{Chair(0, nan, 0.7), Chair(1, 0, 0.2)}, {}}).empty());
+  EXPECT_TRUE(Duplicates({{Chair(0, 0, nan), Chair(1, 0, 0.2)}, {}}).empty());
 }
 
 }  // namespace

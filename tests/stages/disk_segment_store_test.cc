@@ -36,7 +36,7 @@ std::vector<Segment> SampleSegments(int count) {
 }
 
 Result<std::shared_ptr<const DiskSegmentStore>> Read(const std::string& text,
-                                                    const std::filesystem::path& workspace) {
+                                                     const std::filesystem::path& workspace) {
   std::filesystem::create_directories(workspace / "associate");
   std::filesystem::create_directories(workspace / "own");
   WriteText(workspace / "associate" / "segments.json", text);
@@ -48,15 +48,15 @@ Result<std::shared_ptr<const DiskSegmentStore>> Read(const std::string& text,
 TEST(DiskSegmentStore, GiveBackTheMasksOfThoseThatAreWanted) {
   const TempDir dir;
   const std::vector<Segment> all = SampleSegments(20);
-  const auto shelved = Read(*SegmentsText(all), dir.path());
-  ASSERT_TRUE(shelved.ok()) << shelved.error().message;
-  ASSERT_EQ((*shelved)->without_masks().size(), all.size());
+  const auto store = Read(*SegmentsText(all), dir.path());
+  ASSERT_TRUE(store.ok()) << store.error().message;
+  ASSERT_EQ((*store)->without_masks().size(), all.size());
   for (std::size_t n = 0; n < all.size(); ++n) {
-    EXPECT_EQ((*shelved)->without_masks()[n].detection, all[n].detection);
-    EXPECT_TRUE((*shelved)->without_masks()[n].mask.empty());
+    EXPECT_EQ((*store)->without_masks()[n].detection, all[n].detection);
+    EXPECT_TRUE((*store)->without_masks()[n].mask.empty());
   }
   const Result<std::vector<Segment>> some =
-      (*shelved)->Of({DetectionId{17}, DetectionId{0}, DetectionId{7}, DetectionId{99}});
+      (*store)->Of({DetectionId{17}, DetectionId{0}, DetectionId{7}, DetectionId{99}});
   ASSERT_TRUE(some.ok()) << some.error().message;
   ASSERT_EQ(some->size(), 3u);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -65,7 +65,7 @@ TEST(DiskSegmentStore, GiveBackTheMasksOfThoseThatAreWanted) {
     EXPECT_EQ((*some)[k].frame, all[n].frame);
     EXPECT_EQ((*some)[k].mask, all[n].mask);
   }
-  EXPECT_TRUE((*shelved)->Of({})->empty());
+  EXPECT_TRUE((*store)->Of({})->empty());
 }
 
 TEST(DiskSegmentStore, PassOnWhatIsWrongWithTheFile) {

@@ -152,18 +152,11 @@ Result<std::vector<formats::TimedPose>> ParseTrajectory(const std::string& text,
 }  // namespace
 
 LayoutMatch MatchArkitScenes(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
-  for (const auto& [found, piece] :
-       {std::pair(!ColourFolder(path).empty(), "lowres_wide/ (or vga_wide/)"),
-        {fs::is_directory(path / "lowres_depth", ignored), "lowres_depth/"},
-        {fs::is_regular_file(path / kPosesName, ignored), "lowres_wide.traj"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
+  LayoutMatch match =
+      MatchOfPieces({{!ColourFolder(path).empty(), "lowres_wide/ (or vga_wide/)"},
+                     {fs::is_directory(path / "lowres_depth", ignored), "lowres_depth/"},
+                     {fs::is_regular_file(path / kPosesName, ignored), "lowres_wide.traj"}});
   match.matches = !ColourFolder(path).empty() && fs::is_directory(path / "lowres_depth", ignored);
   return match;
 }

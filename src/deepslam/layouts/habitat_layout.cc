@@ -30,20 +30,10 @@ PinholeCamera UsualCamera(const dataset::ImageSize& size) {
 }  // namespace
 
 LayoutMatch MatchHabitat(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
-  for (const auto& [found, piece] :
-       {std::pair(!ColourFolder(path).empty(), "rgb/"),
-        {fs::is_directory(path / "depth", ignored), "depth/"},
-        {fs::is_regular_file(path / kPosesName, ignored), "GT_Pose.txt"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
-  match.matches = match.missing.empty();
-  return match;
+  return MatchOfPieces({{!ColourFolder(path).empty(), "rgb/"},
+                        {fs::is_directory(path / "depth", ignored), "depth/"},
+                        {fs::is_regular_file(path / kPosesName, ignored), "GT_Pose.txt"}});
 }
 
 Result<OpenedLayout> OpenHabitat(const LayoutSource& source) {

@@ -190,6 +190,19 @@ Error UnknownFile(const fs::path& path) {
 
 std::span<const Layout> Layouts() { return kLayouts; }
 
+LayoutMatch MatchOfPieces(std::initializer_list<std::pair<bool, std::string_view>> pieces) {
+  LayoutMatch match;
+  for (const auto& [found, piece] : pieces) {
+    if (found) {
+      ++match.num_found;
+    } else {
+      match.missing.emplace_back(piece);
+    }
+  }
+  match.matches = match.missing.empty();
+  return match;
+}
+
 Result<const Layout*> ChooseLayout(const fs::path& path, std::string_view stated) {
   if (!stated.empty()) {
     const auto named = std::ranges::find(kLayouts, stated, &Layout::name);

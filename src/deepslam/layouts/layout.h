@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "deepslam/core/result.h"
@@ -41,6 +43,10 @@ struct LayoutMatch {
   int num_found = 0;                 // pieces that are there
   std::vector<std::string> missing;  // pieces that are not
 };
+
+// Of pieces that all have to be there: whether each is, and what it is called.
+[[nodiscard]] LayoutMatch MatchOfPieces(
+    std::initializer_list<std::pair<bool, std::string_view>> pieces);
 
 struct Layout {
   std::string_view name;    // `format` in capture.yaml

@@ -321,21 +321,14 @@ Result<double> DepthScale(const fs::path& folder,
 }  // namespace
 
 LayoutMatch MatchOpen3d(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
   const bool has_colour = !ColourFolder(path).empty();
   const bool has_depth = fs::is_directory(path / "depth", ignored);
   const bool has_intrinsics = FindIntrinsics(path, {}).has_value();
   const bool has_log = fs::exists(path / "trajectory.log", ignored);
-  for (const auto& [found, piece] : {std::pair(has_colour, "color/ (or image/, rgb/)"),
+  LayoutMatch match = MatchOfPieces({{has_colour, "color/ (or image/, rgb/)"},
                                      {has_depth, "depth/"},
-                                     {has_intrinsics, "camera_intrinsic.json"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
+                                     {has_intrinsics, "camera_intrinsic.json"}});
   match.matches = has_colour && has_depth &&
                   (has_intrinsics || has_log || fs::exists(path / kConfigName, ignored) ||
                    HasRedwoodNames(path, ColourFolder(path)));

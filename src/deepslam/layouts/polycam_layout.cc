@@ -138,19 +138,12 @@ Result<Keyframes> ReadKeyframes(const fs::path& folder, std::vector<std::string>
 }  // namespace
 
 LayoutMatch MatchPolycam(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
   const Folders folders = FindFolders(path);
-  for (const auto& [found, piece] :
-       {std::pair(fs::is_directory(path / folders.images, ignored), "keyframes/images/"),
-        {fs::is_directory(path / "keyframes/depth", ignored), "keyframes/depth/"},
-        {fs::is_directory(path / folders.cameras, ignored), "keyframes/cameras/"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
+  LayoutMatch match =
+      MatchOfPieces({{fs::is_directory(path / folders.images, ignored), "keyframes/images/"},
+                     {fs::is_directory(path / "keyframes/depth", ignored), "keyframes/depth/"},
+                     {fs::is_directory(path / folders.cameras, ignored), "keyframes/cameras/"}});
   match.matches = match.num_found >= 2 && fs::is_directory(path / folders.cameras, ignored);
   return match;
 }

@@ -159,19 +159,10 @@ bool SetTimes(const Metadata& metadata, std::vector<dataset::ImagePair>& pairs) 
 }  // namespace
 
 LayoutMatch MatchRecord3d(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
-  for (const auto& [found, piece] : {std::pair(FindMetadata(path).has_value(), "metadata.json"),
-                                     {fs::is_directory(path / "rgb", ignored), "rgb/"},
-                                     {fs::is_directory(path / "depth", ignored), "depth/"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
-  match.matches = match.missing.empty();
-  return match;
+  return MatchOfPieces({{FindMetadata(path).has_value(), "metadata.json"},
+                        {fs::is_directory(path / "rgb", ignored), "rgb/"},
+                        {fs::is_directory(path / "depth", ignored), "depth/"}});
 }
 
 Result<OpenedLayout> OpenRecord3d(const LayoutSource& source) {

@@ -124,18 +124,11 @@ Result<Camera> CameraOf(const LayoutSource& source,
 }  // namespace
 
 LayoutMatch MatchReplica(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
   const bool has_images = fs::is_directory(path / kImages, ignored) && !PairsOf(path).empty();
-  for (const auto& [found, piece] :
-       {std::pair(has_images, "results/frame000000.jpg, results/depth000000.png"),
-        {fs::is_regular_file(path / kPosesName, ignored), "traj.txt"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
+  LayoutMatch match =
+      MatchOfPieces({{has_images, "results/frame000000.jpg, results/depth000000.png"},
+                     {fs::is_regular_file(path / kPosesName, ignored), "traj.txt"}});
   match.matches = has_images;
   return match;
 }

@@ -149,21 +149,12 @@ Result<Cameras> ReadCameras(const fs::path& folder,
 }  // namespace
 
 LayoutMatch MatchScanNetExport(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
   const bool has_matrix =
       FindMatrix(path, "intrinsic", "depth") || FindMatrix(path, "intrinsic", "color");
-  for (const auto& [found, piece] : {std::pair(!ColourFolder(path).empty(), "color/"),
-                                     {fs::is_directory(path / "depth", ignored), "depth/"},
-                                     {has_matrix, "intrinsic/intrinsic_depth.txt"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
-  match.matches = match.missing.empty();
-  return match;
+  return MatchOfPieces({{!ColourFolder(path).empty(), "color/"},
+                        {fs::is_directory(path / "depth", ignored), "depth/"},
+                        {has_matrix, "intrinsic/intrinsic_depth.txt"}});
 }
 
 Result<OpenedLayout> OpenScanNetExport(const LayoutSource& source) {

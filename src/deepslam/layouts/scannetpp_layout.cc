@@ -156,20 +156,13 @@ PinholeCamera CameraOf(const ParsedFrame& frame, const dataset::ImageSize& size)
 }  // namespace
 
 LayoutMatch MatchScanNetPp(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
   const bool has_colour =
       FindVideo(path, kVideos).has_value() || fs::is_directory(path / "rgb", ignored);
-  for (const auto& [found, piece] :
-       {std::pair(fs::is_regular_file(path / kName, ignored), "pose_intrinsic_imu.json"),
-        {fs::is_directory(path / "depth", ignored), "depth/"},
-        {has_colour, "rgb/ (or rgb.mkv)"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
+  LayoutMatch match =
+      MatchOfPieces({{fs::is_regular_file(path / kName, ignored), "pose_intrinsic_imu.json"},
+                     {fs::is_directory(path / "depth", ignored), "depth/"},
+                     {has_colour, "rgb/ (or rgb.mkv)"}});
   match.matches = fs::is_regular_file(path / kName, ignored) && has_colour;
   return match;
 }

@@ -331,20 +331,13 @@ Result<std::vector<PinholeCamera>> CamerasOfRows(const std::vector<Row>& rows,
 }  // namespace
 
 LayoutMatch MatchStray(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
   const bool has_odometry = fs::exists(path / kOdometryName, ignored);
   const bool has_colour = FindVideo(path, kVideos) || fs::is_directory(path / "rgb", ignored);
-  for (const auto& [found, piece] : {std::pair(has_odometry, "odometry.csv"),
+  LayoutMatch match = MatchOfPieces({{has_odometry, "odometry.csv"},
                                      {fs::exists(path / kMatrixName, ignored), "camera_matrix.csv"},
                                      {has_colour, "rgb.mp4 (or rgb/)"},
-                                     {fs::is_directory(path / "depth", ignored), "depth/"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
+                                     {fs::is_directory(path / "depth", ignored), "depth/"}});
   // A folder with lists of files is a TUM capture, whatever else lies in it.
   match.matches = ListsOf(path).empty() &&
                   (has_odometry || (has_colour && fs::exists(path / kMatrixName, ignored)));

@@ -95,21 +95,11 @@ Result<Poses> ReadPoses(const fs::path& folder,
 }  // namespace
 
 LayoutMatch MatchSun3d(const fs::path& path) {
-  LayoutMatch match;
   std::error_code ignored;
-  for (const auto& [found, piece] :
-       {std::pair(fs::is_directory(path / "image", ignored), "image/"),
-        {fs::is_directory(path / "depth", ignored), "depth/"},
-        {fs::is_regular_file(path / kMatrixName, ignored), "intrinsics.txt"},
-        {fs::is_directory(path / kPosesFolder, ignored), "extrinsics/"}}) {
-    if (found) {
-      ++match.num_found;
-    } else {
-      match.missing.emplace_back(piece);
-    }
-  }
-  match.matches = match.missing.empty();
-  return match;
+  return MatchOfPieces({{fs::is_directory(path / "image", ignored), "image/"},
+                        {fs::is_directory(path / "depth", ignored), "depth/"},
+                        {fs::is_regular_file(path / kMatrixName, ignored), "intrinsics.txt"},
+                        {fs::is_directory(path / kPosesFolder, ignored), "extrinsics/"}});
 }
 
 Result<OpenedLayout> OpenSun3d(const LayoutSource& source) {

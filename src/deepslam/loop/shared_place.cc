@@ -41,10 +41,10 @@ bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& optio
   return Apart_m(a, b) < options.overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
 }
 
-std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
-                                       const LoopOptions& options,
-                                       std::span<const int> part_of_frame) {
-  std::vector<Intruder> suspects;
+std::vector<Duplicate> SuspectDuplicates(const ObjectMap& map,
+                                         const LoopOptions& options,
+                                         std::span<const int> part_of_frame) {
+  std::vector<Duplicate> suspects;
   if (!options.merge_overlapping) return suspects;
   const Sightings sightings(map, {}, {}, part_of_frame);
   for (std::size_t k = 0; k < map.objects.size(); ++k) {
@@ -60,12 +60,12 @@ std::vector<Intruder> SuspectIntruders(const ObjectMap& map,
   return suspects;
 }
 
-std::vector<Intruder> FindIntruders(const std::vector<Intruder>& suspects,
-                                    const ObjectMap& map,
-                                    const LoopEvidence& evidence,
-                                    const LoopOptions& options) {
+std::vector<Duplicate> FindDuplicates(const std::vector<Duplicate>& suspects,
+                                      const ObjectMap& map,
+                                      const LoopEvidence& evidence,
+                                      const LoopOptions& options) {
   const auto confidence = [&](ObjectId id) { return Get(map, id).confidence; };
-  const auto stands_in = [&](const Intruder& suspect) {
+  const auto stands_in = [&](const Duplicate& suspect) {
     const MapObject& object = Get(map, suspect.id);
     const MapObject& host = Get(map, suspect.host);
     return (object.class_name == host.class_name && SharePlace(object, host, options)) ||
@@ -73,22 +73,22 @@ std::vector<Intruder> FindIntruders(const std::vector<Intruder>& suspects,
   };
   // Hosts are surer than what stands in them: their own fate is known first, and what leaves the
   // map itself is nobody's host.
-  std::vector<Intruder> surest_first = suspects;
-  std::ranges::stable_sort(surest_first, [&](const Intruder& a, const Intruder& b) {
+  std::vector<Duplicate> surest_first = suspects;
+  std::ranges::stable_sort(surest_first, [&](const Duplicate& a, const Duplicate& b) {
     return confidence(a.id) != confidence(b.id) ? confidence(a.id) > confidence(b.id)
                                                 : confidence(a.host) > confidence(b.host);
   });
   std::map<ObjectId, ObjectId> host_of;
-  for (const Intruder& suspect : surest_first) {
+  for (const Duplicate& suspect : surest_first) {
     if (host_of.contains(suspect.id) || host_of.contains(suspect.host)) continue;
     if (stands_in(suspect)) host_of.emplace(suspect.id, suspect.host);
   }
-  std::vector<Intruder> intruders;
-  std::ranges::copy_if(suspects, std::back_inserter(intruders), [&](const Intruder& suspect) {
+  std::vector<Duplicate> duplicates;
+  std::ranges::copy_if(suspects, std::back_inserter(duplicates), [&](const Duplicate& suspect) {
     const auto host = host_of.find(suspect.id);
     return host != host_of.end() && host->second == suspect.host;
   });
-  return intruders;
+  return duplicates;
 }
 
 }  // namespace deepslam::loop

@@ -15,7 +15,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-// By this share of the points: level tops slide far on each other for less.
+// By this share of the points: support planes slide far on each other for less.
 constexpr double kClearlyBetter = 0.1;
 
 Eigen::Vector3d Mean(const Points& points) {

@@ -166,15 +166,16 @@ Result<Loops> SearchLoops(const LoopClosing& closing, LoopWorld& world) {
 Status DropDuplicates(const LoopClosing& closing, LoopWorld& world) {
   const loop::LoopOptions& options = closing.loops;
   ObjectMap& map = world.map;
-  const std::vector<loop::Intruder> suspects = loop::SuspectIntruders(map, options, PartsOf(world));
+  const std::vector<loop::Duplicate> suspects =
+      loop::SuspectDuplicates(map, options, PartsOf(world));
   if (suspects.empty()) return Ok();
   std::set<ObjectId> wanted;
-  for (const loop::Intruder& suspect : suspects) wanted.insert({suspect.id, suspect.host});
+  for (const loop::Duplicate& suspect : suspects) wanted.insert({suspect.id, suspect.host});
   const Result<loop::LoopEvidence> evidence = CollectEvidence(wanted, closing, world);
   if (!evidence.ok()) return evidence.error();
   std::map<ObjectId, std::string> names;
   for (const MapObject& object : map.objects) names[object.id] = ObjectName(object);
-  for (const loop::Intruder& duplicate : loop::FindIntruders(suspects, map, *evidence, options)) {
+  for (const loop::Duplicate& duplicate : loop::FindDuplicates(suspects, map, *evidence, options)) {
     map.dropped.push_back(fmt::format(
         "{}: stands in {}, which is surer", names[duplicate.id], names[duplicate.host]));
     std::erase_if(map.objects, [&](const MapObject& object) { return object.id == duplicate.id; });

@@ -1,4 +1,4 @@
-// Tables: a level top at one height above the ground.
+// Tables: a support plane at one height above the ground.
 #pragma once
 
 #include <optional>

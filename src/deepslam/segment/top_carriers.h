@@ -1,4 +1,4 @@
-// What carries tables: legs, columns and boards under a level top.
+// What carries tables: legs, columns and boards under a support plane.
 #pragma once
 
 #include <span>

@@ -13,14 +13,14 @@ Result<std::shared_ptr<const DiskSegmentStore>> DiskSegmentStore::Read(
     const StageContext& context) {
   Result<TextSource> text = context.Open("associate", "segments.json");
   if (!text.ok()) return text.error();
-  const auto shelved = std::make_shared<DiskSegmentStore>();
-  shelved->file_ = context.Scratch();
-  const Status read = artifact::DecodeEachSegment(
-      std::move(text).value(),
-      StageContext::DisplayName("associate", "segments.json"),
-      [&](Segment segment) { return shelved->Add(std::move(segment)); });
+  const auto store = std::make_shared<DiskSegmentStore>();
+  store->file_ = context.Scratch();
+  const Status read =
+      artifact::DecodeEachSegment(std::move(text).value(),
+                                  StageContext::DisplayName("associate", "segments.json"),
+                                  [&](Segment segment) { return store->Add(std::move(segment)); });
   if (!read.ok()) return read.error();
-  return std::shared_ptr<const DiskSegmentStore>(shelved);
+  return std::shared_ptr<const DiskSegmentStore>(store);
 }
 
 Status DiskSegmentStore::Add(Segment segment) {
