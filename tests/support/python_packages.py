@@ -1,4 +1,7 @@
-"""Python packages that tests may need: Debian's numpy, and GTSAM where scripts/setup.sh --tests puts it."""
+"""Python packages that tests may need: Debian's numpy, and what scripts/setup.sh --tests puts beside it.
+
+That is GTSAM, in a folder of its own, and an environment with what scripts/test_requirements.txt lists.
+"""
 import importlib
 import os
 import pathlib
@@ -6,11 +9,16 @@ import sys
 
 SKIPPED = 77
 DEBIANS = "/usr/bin/python3"
+TRIED = "DEEPSLAM_PYTHONS_TRIED"
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "deepslam" / "python"
 
 
+ENVIRONMENT = CACHE / "environment" / "bin" / "python3"
+
+
 def need(*names):
-    """The modules. Where one is missing the test starts anew in Debian's Python, and is skipped where it is missing there.
+    """The modules. Where one is missing the test starts anew in Debian's Python, then in the environment of the tests, and
+    is skipped where it is missing there as well.
 
     Debian's packages are there for Debian's Python, which need not be the first on the path.
     """
@@ -18,7 +26,9 @@ def need(*names):
     try:
         return [importlib.import_module(name) for name in names]
     except ImportError as fault:
-        if pathlib.Path(DEBIANS).exists() and "DEEPSLAM_SECOND_TRY" not in os.environ:
-            os.execve(DEBIANS, [DEBIANS, *sys.argv], {**os.environ, "DEEPSLAM_SECOND_TRY": "1"})
+        tried = int(os.environ.get(TRIED, "0"))
+        for number, python in enumerate((DEBIANS, ENVIRONMENT), 1):
+            if number > tried and pathlib.Path(python).exists():
+                os.execve(python, [str(python), *sys.argv], {**os.environ, TRIED: str(number)})
         print(f"skipped: {fault}; scripts/setup.sh --tests installs it", file=sys.stderr)
         sys.exit(SKIPPED)
