@@ -5,6 +5,7 @@
 
 Exits with 77 (skipped) where rosbags, mcap or numpy are missing.
 """
+import importlib.metadata
 import json
 import pathlib
 import re
@@ -16,15 +17,13 @@ import tempfile
 import unittest
 import zlib
 
-try:
-    import mcap  # noqa: F401
-    import numpy
-    from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
-    from rosbags.typesys import Stores, get_typestore
-except ImportError as missing:
-    print(f"skipped: {missing.name} is missing (scripts/import_requirements.txt)")
-    sys.exit(77)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import python_packages  # noqa: E402
+
+mcap, numpy, _ = python_packages.need("mcap", "numpy", "rosbags")
+from rosbags.rosbag1 import Writer as Writer1  # noqa: E402
+from rosbags.rosbag2 import StoragePlugin, Writer as Writer2  # noqa: E402
+from rosbags.typesys import Stores, get_typestore  # noqa: E402
 
 SCRIPT, PROGRAM = sys.argv.pop(1), sys.argv.pop(1)
 WIDTH, HEIGHT, FRAMES = 32, 24, 4
@@ -352,6 +351,12 @@ class Import(unittest.TestCase):
         self.refuses(path, "azure.mkv")
         path.write_bytes(azure(b"\xff\xd8\xff", depth, calibration=False))
         self.refuses(path, "calibration.json")
+
+    def test_packages_are_those_that_users_are_told_to_install(self):
+        pins = dict(re.findall(r"^(\S+)==(\S+)$", pathlib.Path(SCRIPT).with_name("import_requirements.txt").read_text(), re.M))
+        self.assertEqual(set(pins), {"rosbags", "mcap", "numpy"})
+        for name, version in pins.items():
+            self.assertEqual(importlib.metadata.version(name), version, name)
 
 
 if __name__ == "__main__":
