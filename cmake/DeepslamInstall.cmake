@@ -6,7 +6,7 @@
 #   share/deepslam/configs, scripts         the same two folders as in the source tree
 #   share/man, share/bash-completion, ...   written by the program itself (DeepslamPackages.cmake)
 #   share/doc/deepslam
-#   lib/libdeepslam_<room>.a, include/deepslam/<room>, lib/cmake/deepslam       component `development`
+#   lib/libdeepslam_<module>.a, include/deepslam/<module>, lib/cmake/deepslam       component `development`
 set(CMAKE_INSTALL_LIBDIR lib)  # not lib/<triplet>: the prefix decides nothing
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -17,7 +17,7 @@ set(DEEPSLAM_CMAKEDIR lib/cmake/deepslam)
 set(DEEPSLAM_BUILD_MODULES "${PROJECT_BINARY_DIR}/${DEEPSLAM_PRIVATE_LIBDIR}")
 set(CMAKE_BUILD_RPATH "${DEEPSLAM_BUILD_MODULES}")
 
-# The packages that give the targets which rooms link.
+# The packages that give the targets which modules link.
 set(deepslam_package_of_fmt fmt)
 set(deepslam_package_of_TBB TBB)
 set(deepslam_package_of_OpenSSL OpenSSL)
@@ -49,46 +49,46 @@ set(deepslam_package_of_deepslam::blosc blosc)
 set(deepslam_package_of_deepslam::libzip libzip)
 set(deepslam_package_of_deepslam::webp webp)
 
-# deepslam_install_room(<room> DEPS rooms... FENCED libs...)
-function(deepslam_install_room room)
-  cmake_parse_arguments(ROOM "" "" "DEPS;FENCED" ${ARGN})
-  set_target_properties(deepslam_${room} PROPERTIES EXPORT_NAME ${room})
-  install(TARGETS deepslam_${room} EXPORT deepslamTargets
+# deepslam_install_module(<module> DEPS modules... FENCED libs...)
+function(deepslam_install_module module)
+  cmake_parse_arguments(MODULE "" "" "DEPS;FENCED" ${ARGN})
+  set_target_properties(deepslam_${module} PROPERTIES EXPORT_NAME ${module})
+  install(TARGETS deepslam_${module} EXPORT deepslamTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
           INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/deepslam/${room}
+  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/deepslam/${module}
           COMPONENT development FILES_MATCHING PATTERN "*.h")
 
-  # Packages of this room and of those below it, in the order in which they are to be looked for.
+  # Packages of this module and of those below it, in the order in which they are to be looked for.
   set(packages "")
-  foreach(dep IN LISTS ROOM_DEPS)
+  foreach(dep IN LISTS MODULE_DEPS)
     get_property(below GLOBAL PROPERTY deepslam_packages_${dep})
     list(APPEND packages ${below})
   endforeach()
-  foreach(lib IN LISTS ROOM_FENCED)
+  foreach(lib IN LISTS MODULE_FENCED)
     set(key "${lib}")
     if(NOT DEFINED deepslam_package_of_${key})
       string(REGEX REPLACE "::.*" "" key "${lib}")
     endif()
     if(NOT DEFINED deepslam_package_of_${key})
-      message(FATAL_ERROR "${lib}, which room ${room} links, has no package in cmake/DeepslamInstall.cmake")
+      message(FATAL_ERROR "${lib}, which module ${module} links, has no package in cmake/DeepslamInstall.cmake")
     endif()
     list(APPEND packages ${deepslam_package_of_${key}})
   endforeach()
   list(REMOVE_DUPLICATES packages)
-  set_property(GLOBAL PROPERTY deepslam_packages_${room} ${packages})
-  set_property(GLOBAL APPEND PROPERTY deepslam_installed_rooms ${room})
+  set_property(GLOBAL PROPERTY deepslam_packages_${module} ${packages})
+  set_property(GLOBAL APPEND PROPERTY deepslam_installed_modules ${module})
 endfunction()
 
-# After all rooms: the files behind find_package(deepslam).
+# After all modules: the files behind find_package(deepslam).
 function(deepslam_install_config)
-  get_property(rooms GLOBAL PROPERTY deepslam_installed_rooms)
-  set(DEEPSLAM_ROOM_PACKAGES "")
-  foreach(room IN LISTS rooms)
-    get_property(packages GLOBAL PROPERTY deepslam_packages_${room})
-    string(APPEND DEEPSLAM_ROOM_PACKAGES "set(_deepslam_packages_${room} ${packages})\n")
+  get_property(modules GLOBAL PROPERTY deepslam_installed_modules)
+  set(DEEPSLAM_MODULE_PACKAGES "")
+  foreach(module IN LISTS modules)
+    get_property(packages GLOBAL PROPERTY deepslam_packages_${module})
+    string(APPEND DEEPSLAM_MODULE_PACKAGES "set(_deepslam_packages_${module} ${packages})\n")
   endforeach()
-  set(DEEPSLAM_ROOMS "${rooms}")
+  set(DEEPSLAM_MODULES "${modules}")
   configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/deepslamConfig.cmake.in"
     "${PROJECT_BINARY_DIR}/deepslamConfig.cmake" INSTALL_DESTINATION ${DEEPSLAM_CMAKEDIR}
     NO_CHECK_REQUIRED_COMPONENTS_MACRO)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks which room includes which, and that heavy libraries stay in the .cc files that may hold them.
+"""Checks which module includes which, and that heavy libraries stay in the .cc files that may hold them.
 
 The table below is the structure of the project; docs/architecture.md draws it. Run by ctest:
     scripts/check_layers.py [REPOSITORY]
@@ -10,7 +10,7 @@ import sys
 
 VOCABULARY = {"core", "geometry", "frames", "scene", "shape"}
 ALGORITHM = VOCABULARY
-ROOMS = {
+MODULES = {
     "core": set(),
     "geometry": {"core"},
     "frames": {"core", "geometry"},
@@ -63,16 +63,16 @@ ROOMS = {
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }
 # composition: joins algorithms on interfaces, in memory
-ROOMS["discovery"] = ALGORITHM | {"instances", "associate"}
-ROOMS["stages"] = set(ROOMS) - {"synth", "furniture", "priors", "video"}
+MODULES["discovery"] = ALGORITHM | {"instances", "associate"}
+MODULES["stages"] = set(MODULES) - {"synth", "furniture", "priors", "video"}
 # Many runs: lists, plans, states, processes, other schedulers. It knows nothing of what a run does.
-ROOMS["batch"] = {"core", "artifact", "storage"}
-TOOLS = set(ROOMS) - {"video"}
+MODULES["batch"] = {"core", "artifact", "storage"}
+TOOLS = set(MODULES) - {"video"}
 
-# Rooms that may touch the disk.
-FILE_ROOMS = {"dataset", "formats", "layouts", "convert", "storage", "library", "pipeline", "stages", "batch"}
+# Modules that may touch the disk.
+FILE_MODULES = {"dataset", "formats", "layouts", "convert", "storage", "library", "pipeline", "stages", "batch"}
 
-# Third-party include prefix -> rooms whose .cc files may include it. Never in a header.
+# Third-party include prefix -> modules whose .cc files may include it. Never in a header.
 FENCES = {
     "opencv2/": {"video", "detect", "loop", "report", "synth"},
     "ceres/": {"graph", "registration", "ground", "refine"},
@@ -109,23 +109,23 @@ FENCES = {
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.MULTILINE)
 
 
-def check_file(path, room, allowed, faults):
+def check_file(path, module, allowed, faults):
     text = path.read_text(encoding="utf-8")
     header = path.suffix == ".h"
     for name in INCLUDE.findall(text):
         if name.startswith("deepslam/"):
             target = name.split("/")[1]
-            if target != room and target not in allowed:
-                faults.append(f"{path}: room {room} may not include room {target} ({name})")
+            if target != module and target not in allowed:
+                faults.append(f"{path}: module {module} may not include module {target} ({name})")
             continue
-        if name == "fstream" and room not in FILE_ROOMS | {"tools"}:
-            faults.append(f"{path}: room {room} may not touch the disk ({name})")
-        for prefix, rooms in FENCES.items():
+        if name == "fstream" and module not in FILE_MODULES | {"tools"}:
+            faults.append(f"{path}: module {module} may not touch the disk ({name})")
+        for prefix, modules in FENCES.items():
             if name.startswith(prefix):
                 if header:
                     faults.append(f"{path}: {name} may not stand in a header")
-                elif room not in rooms:
-                    faults.append(f"{path}: {name} is fenced off from room {room}")
+                elif module not in modules:
+                    faults.append(f"{path}: {name} is fenced off from module {module}")
 
 
 def main():
@@ -135,12 +135,12 @@ def main():
     source = root / "src" / "deepslam"
     for folder in sorted(p for p in source.iterdir() if p.is_dir()):
         files = sorted(f for f in folder.rglob("*") if f.suffix in {".h", ".cc"})
-        if files and folder.name not in ROOMS:
-            faults.append(f"{folder}: not a room of the table in scripts/check_layers.py")
+        if files and folder.name not in MODULES:
+            faults.append(f"{folder}: not a module of the table in scripts/check_layers.py")
             continue
         for path in files:
             count += 1
-            check_file(path, folder.name, ROOMS[folder.name], faults)
+            check_file(path, folder.name, MODULES[folder.name], faults)
     for path in sorted((root / "tools").glob("*.[hc]*")):
         if path.suffix in {".h", ".cc"}:
             count += 1

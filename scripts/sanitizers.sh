@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Builds rooms and their tests with AddressSanitizer and UndefinedBehaviorSanitizer (asan) or ThreadSanitizer (tsan) and
+# Builds modules and their tests with AddressSanitizer and UndefinedBehaviorSanitizer (asan) or ThreadSanitizer (tsan) and
 # runs them, one after another, as far as the time allows.
-#   scripts/sanitizers.sh [--minutes M] [PRESET:ROOM ...]      e.g. asan:fuzz tsan:core
-#     --minutes M    no room is begun, built or run beyond that; default: 240
-# Without PRESET:ROOM: those first that read what strangers wrote, then those with threads, then every other room. One line
+#   scripts/sanitizers.sh [--minutes M] [PRESET:MODULE ...]      e.g. asan:fuzz tsan:core
+#     --minutes M    no module is begun, built or run beyond that; default: 240
+# Without PRESET:MODULE: those first that read what strangers wrote, then those with threads, then every other module. One line
 # each: passed, failed, or not reached. Ends with 1 where one failed; what was not reached is no failure.
 # Environment: JOBS (of the compiler, default 2).
 set -euo pipefail
 
 fail() { echo "sanitizers: $*" >&2; exit 2; }
 minutes=240
-rooms=()
+modules=()
 while [ $# -gt 0 ]; do
   case "$1" in
     --minutes)
@@ -19,25 +19,25 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    asan:* | tsan:*) rooms+=("$1") ;;
-    *) fail "unknown word '$1'; known: --minutes M, asan:ROOM, tsan:ROOM" ;;
+    asan:* | tsan:*) modules+=("$1") ;;
+    *) fail "unknown word '$1'; known: --minutes M, asan:MODULE, tsan:MODULE" ;;
   esac
   shift
 done
 cd "$(dirname "$0")/.."
-if [ ${#rooms[@]} -eq 0 ]; then
+if [ ${#modules[@]} -eq 0 ]; then
   # asan:fuzz replays the corpora of all parsers.
-  rooms=(tsan:core asan:fuzz tsan:dataset tsan:layouts asan:dataset asan:layouts asan:convert asan:artifact asan:gltf
+  modules=(tsan:core asan:fuzz tsan:dataset tsan:layouts asan:dataset asan:layouts asan:convert asan:artifact asan:gltf
     tsan:alignment tsan:tracking tsan:associate tsan:registration tsan:select tsan:fuse tsan:observe tsan:propose tsan:render tsan:shape
     tsan:report tsan:stages tsan:batch)
   for tests in tests/*/CMakeLists.txt; do
-    room="$(basename "$(dirname "$tests")")"
-    [ -d "src/deepslam/$room" ] || continue
-    [[ " ${rooms[*]} " = *" asan:$room "* ]] || rooms+=("asan:$room")
+    module="$(basename "$(dirname "$tests")")"
+    [ -d "src/deepslam/$module" ] || continue
+    [[ " ${modules[*]} " = *" asan:$module "* ]] || modules+=("asan:$module")
   done
 fi
-for room in "${rooms[@]}"; do
-  [ -f "tests/${room#*:}/CMakeLists.txt" ] || fail "$room: no folder tests/${room#*:}"
+for module in "${modules[@]}"; do
+  [ -f "tests/${module#*:}/CMakeLists.txt" ] || fail "$module: no folder tests/${module#*:}"
 done
 
 ends=$((SECONDS + 60 * minutes))
@@ -58,13 +58,13 @@ in_time() {
 }
 
 check() {
-  local preset="${1%%:*}" room="${1#*:}" status=0
+  local preset="${1%%:*}" module="${1#*:}" status=0
   local build="build/$preset" target="deepslam_${1#*:}_test"
-  local log="$build/$room.log"
+  local log="$build/$module.log"
   mkdir -p "$build"
   [ -f "$build/build.ninja" ] || in_time "$log" cmake --preset "$preset" -DDEEPSLAM_TESTS=ON || status=$?
   [ $status -ne 0 ] || in_time "$log" cmake --build "$build" -j "${JOBS:-2}" --target "$target" || status=$?
-  [ $status -ne 0 ] || in_time "$log" "$build/tests/$room/$target" --gtest_brief=1 || status=$?
+  [ $status -ne 0 ] || in_time "$log" "$build/tests/$module/$target" --gtest_brief=1 || status=$?
   case $status in
     0) echo "sanitizers: $1: passed, $(sed -n 's/.*\] \([0-9]* tests\) from.*/\1/p' "$log" | head -1)" ;;
     124) echo "sanitizers: $1: not reached in $minutes minutes" ;;
@@ -74,7 +74,7 @@ check() {
 }
 
 failed=0
-for room in "${rooms[@]}"; do
-  check "$room" || failed=1
+for module in "${modules[@]}"; do
+  check "$module" || failed=1
 done
 exit $failed

@@ -7,8 +7,8 @@ add_library(deepslam_commands OBJECT
 target_link_libraries(deepslam_commands PUBLIC
   deepslam::batch deepslam::stages deepslam::convert deepslam::layouts CLI11::CLI11 spdlog::spdlog fmt::fmt)
 deepslam_compile_options(deepslam_commands)
-target_link_libraries(deepslam_commands PUBLIC deepslam_hands_on)
-deepslam_compile_headers(deepslam_command_headers HEADERS <CLI/CLI.hpp> LINKS CLI11::CLI11 deepslam_hands_on)
+target_link_libraries(deepslam_commands PUBLIC deepslam_optimized_less)
+deepslam_compile_headers(deepslam_command_headers HEADERS <CLI/CLI.hpp> LINKS CLI11::CLI11 deepslam_optimized_less)
 deepslam_use_headers(deepslam_commands deepslam_command_headers)
 
 add_executable(deepslam deepslam.cc other_program.cc)

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "deepslam/dataset/capture.h"
+#include "deepslam/layouts/open_capture.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {
@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const deepslam::Result<deepslam::dataset::Capture> capture =
-      deepslam::dataset::OpenCapture(argv[1]);
+      deepslam::layouts::OpenCapture(argv[1]);
   if (!capture.ok()) {
     std::fprintf(stderr, "%s\n", capture.error().message.c_str());
     return 3;

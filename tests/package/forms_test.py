@@ -82,7 +82,7 @@ class Forms(unittest.TestCase):
         poses, to, equals, setting, choice, flag = self.complete(
             ("run", "x", "--poses", ""), ("convert", "a", "b", "--to", "s"), ("convert", "--to", "=", "o"),
             ("run", "--set", "track.po"), ("run", "--set", "detect.source", "=", "n"), ("run", "--set", "track.photometric", "=", ""))
-        self.assertEqual(poses, ["track", "capture"])
+        self.assertEqual(poses, ["track", "capture", "prior"])
         self.assertEqual(to, ["scannet"])
         self.assertEqual(equals, ["open3d"])
         self.assertEqual(setting, ["track.poses="])

@@ -1,9 +1,10 @@
-# One room = one folder = one library deepslam_<room>, alias deepslam::<room>.
+# One module = one folder = one library deepslam_<module>, alias deepslam::<module>.
 #
-#   deepslam_room(<room> SOURCES a.cc b.cc DEPS core geometry FENCED OpenCV::core [CGAL])
+#   deepslam_module(<module> SOURCES a.cc b.cc DEPS core geometry FENCED OpenCV::core [CGAL])
 #
-# HANDS_ON: the room joins what others compute. TOGETHER: several files are compiled as one, where they share what takes longest. DEPS are rooms and appear in headers; FENCED are third-party libraries that stay in the .cc files. scripts/check_layers.py
-# holds the allowed arrows between rooms; ctest runs it.
+# OPTIMIZE_LESS: the module hands on what others compute. UNITY: several files are compiled as one, where they share what
+# takes longest. DEPS are modules and appear in headers; FENCED are third-party libraries that stay in the .cc files.
+# scripts/check_layers.py holds the allowed arrows between modules; ctest runs it.
 
 # Sanitizers load libraries in the program's stead, and a RUNPATH is that of its owner alone: a plain RPATH is heeded.
 function(deepslam_run_path_for_all target)
@@ -65,9 +66,9 @@ function(deepslam_compile_headers name)
 endfunction()
 deepslam_compile_headers(deepslam_common_headers)
 # Of code that hands things on and computes nothing: optimising it thoroughly takes longer than all that it will ever do.
-add_library(deepslam_hands_on INTERFACE)
-target_compile_options(deepslam_hands_on INTERFACE $<$<CONFIG:Release>:-O1>)
-deepslam_compile_headers(deepslam_hands_on_headers LINKS deepslam_hands_on)
+add_library(deepslam_optimized_less INTERFACE)
+target_compile_options(deepslam_optimized_less INTERFACE $<$<CONFIG:Release>:-O1>)
+deepslam_compile_headers(deepslam_optimized_less_headers LINKS deepslam_optimized_less)
 
 # deepslam_use_headers(<target> <name>): of deepslam_compile_headers.
 function(deepslam_use_headers target name)
@@ -89,18 +90,18 @@ function(deepslam_use_headers target name)
   endif()
 endfunction()
 
-function(deepslam_room room)
-  cmake_parse_arguments(ROOM "NO_UBSAN;HANDS_ON;TOGETHER" "" "SOURCES;DEPS;FENCED" ${ARGN})
-  set(target deepslam_${room})
-  add_library(${target} STATIC ${ROOM_SOURCES})
-  add_library(deepslam::${room} ALIAS ${target})
+function(deepslam_module module)
+  cmake_parse_arguments(MODULE "NO_UBSAN;OPTIMIZE_LESS;UNITY" "" "SOURCES;DEPS;FENCED" ${ARGN})
+  set(target deepslam_${module})
+  add_library(${target} STATIC ${MODULE_SOURCES})
+  add_library(deepslam::${module} ALIAS ${target})
   target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>")
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC Eigen3::Eigen)
-  foreach(dep IN LISTS ROOM_DEPS)
+  foreach(dep IN LISTS MODULE_DEPS)
     target_link_libraries(${target} PUBLIC deepslam::${dep})
   endforeach()
-  foreach(lib IN LISTS ROOM_FENCED)
+  foreach(lib IN LISTS MODULE_FENCED)
     target_link_libraries(${target} PRIVATE ${lib})
     # Third-party headers are not ours to warn about.
     if(TARGET ${lib})
@@ -110,21 +111,21 @@ function(deepslam_room room)
       endif()
     endif()
   endforeach()
-  if(ROOM_NO_UBSAN)
+  if(MODULE_NO_UBSAN)
     deepslam_compile_options(${target} NO_UBSAN)
   else()
     deepslam_compile_options(${target})
   endif()
-  if(ROOM_TOGETHER)
+  if(MODULE_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
-  if(ROOM_HANDS_ON)
-    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:deepslam_hands_on>)
-    deepslam_use_headers(${target} deepslam_hands_on_headers)
+  if(MODULE_OPTIMIZE_LESS)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:deepslam_optimized_less>)
+    deepslam_use_headers(${target} deepslam_optimized_less_headers)
   else()
     deepslam_use_headers(${target} deepslam_common_headers)
   endif()
-  deepslam_install_room(${room} DEPS ${ROOM_DEPS} FENCED ${ROOM_FENCED})
+  deepslam_install_module(${module} DEPS ${MODULE_DEPS} FENCED ${MODULE_FENCED})
 endfunction()
 
 # deepslam_timeout(<seconds> <test>...): ends what hangs; sanitized builds have five times as long.
@@ -135,8 +136,8 @@ function(deepslam_timeout seconds)
   set_tests_properties(${ARGN} PROPERTIES TIMEOUT ${seconds})
 endfunction()
 
-# deepslam_test(<room> SOURCES a_test.cc ... DEPS rooms... FENCED libs... [LABEL unit|real|kill|web] [TIMEOUT s])
-# One test executable per room; tests are named as GoogleTest names them.
+# deepslam_test(<module> SOURCES a_test.cc ... DEPS modules... FENCED libs... [LABEL unit|real|kill|web] [TIMEOUT s])
+# One test executable per module; tests are named as GoogleTest names them.
 include(GoogleTest)
 function(deepslam_test name)
   cmake_parse_arguments(TEST "" "LABEL;TIMEOUT" "SOURCES;DEPS;FENCED" ${ARGN})
