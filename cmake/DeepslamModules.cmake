@@ -118,6 +118,8 @@ function(deepslam_module module)
   endif()
   if(MODULE_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # gcc excuses a class with members of a file's own types in the file that is compiled alone.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
   if(MODULE_OPTIMIZE_LESS)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:deepslam_optimized_less>)

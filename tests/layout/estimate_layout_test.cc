@@ -1,8 +1,8 @@
+#include "deepslam/core/angles.h"
 #include "deepslam/layout/estimate_layout.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,7 +13,6 @@
 namespace deepslam::layout {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 
 Layout LayoutOf(const std::vector<Cuboid>& world,
                 const std::vector<Pose3>& poses,
@@ -43,14 +42,14 @@ double ToCorner(const LayoutRoom& room, const Eigen::Vector2d& corner) {
 
 TEST(EstimateLayout, FindsARoomAtAnyAngle) {
   for (const double angle_deg : {0.0, 17.0, 45.0, 71.5}) {
-    const Layout layout = LayoutOf(OneRoom(), InTheMiddle(), angle_deg * kDegree);
+    const Layout layout = LayoutOf(OneRoom(), InTheMiddle(), angle_deg * kRadPerDeg);
     ASSERT_EQ(layout.rooms.size(), 1U) << angle_deg;
     const LayoutRoom& room = layout.rooms[0];
     EXPECT_EQ(room.polygon_m.size(), 4U) << angle_deg;
     EXPECT_NEAR(AreaOf(room.polygon_m), 12.0, 0.36) << angle_deg;
     EXPECT_NEAR(room.floor_m, 0, 0.03);
     EXPECT_NEAR(room.ceiling_m, kCeiling_m, 0.03);
-    const Eigen::Rotation2Dd turn(angle_deg * kDegree);
+    const Eigen::Rotation2Dd turn(angle_deg * kRadPerDeg);
     for (const Eigen::Vector2d& corner : {Eigen::Vector2d(2, 1.5), Eigen::Vector2d(-2, 1.5)})
       EXPECT_LT(ToCorner(room, turn * corner), 0.05) << angle_deg;
     EXPECT_EQ(layout.walls.size(), 4U) << angle_deg;

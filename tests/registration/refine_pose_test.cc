@@ -1,3 +1,4 @@
+#include "deepslam/core/angles.h"
 #include "deepslam/registration/refine_pose.h"
 
 #include <cmath>
@@ -19,7 +20,6 @@ using testing_support::FurnitureWorld;
 using testing_support::Perturbed;
 using testing_support::PoseNear;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSize_m = 0.9;
 
 FurnitureWorld Chair() { return {testing_support::ChairGrid(), kSize_m}; }

@@ -21,7 +21,7 @@ namespace {
 
 namespace codec = image_codec;
 
-Error FileError(const std::filesystem::path& file, std::string_view fault) {
+Error ImageError(const std::filesystem::path& file, std::string_view fault) {
   return InvalidInput(fmt::format("{}: {}", file.string(), fault));
 }
 
@@ -35,25 +35,25 @@ Result<codec::ImageStructure> CheckedStructure(const std::filesystem::path& file
                                                std::string_view bytes,
                                                int width,
                                                int height) {
-  if (bytes.empty()) return FileError(file, "file is empty");
+  if (bytes.empty()) return ImageError(file, "file is empty");
   const codec::ImageStructure structure = codec::StructureOf(bytes);
   if (!IsPngOrJpeg(structure))
-    return FileError(file, "not a readable image (neither PNG nor JPEG): convert it to PNG");
+    return ImageError(file, "not a readable image (neither PNG nor JPEG): convert it to PNG");
   if (structure.width > 0 && (structure.width != width || structure.height != height)) {
-    return FileError(
+    return ImageError(
         file,
         fmt::format(
             "is {} x {} px, the camera {} x {}", structure.width, structure.height, width, height));
   }
   if (const Status checked = codec::CheckStructure(structure, bytes); !checked)
-    return FileError(file, checked.error().message);
+    return ImageError(file, checked.error().message);
   return structure;
 }
 
 template <typename T>
 Result<T> Named(const std::filesystem::path& file, Result<T> decoded) {
   if (decoded) return decoded;
-  return FileError(file, fmt::format("not a readable image ({})", decoded.error().message));
+  return ImageError(file, fmt::format("not a readable image ({})", decoded.error().message));
 }
 
 // The most that JPEG's own blocks of 8 x 8 pixels let a file be reduced by in decoding, of
@@ -112,14 +112,14 @@ RawDepthImage Rounded(const Image<float>& real, double raw_per_real) {
 
 Result<codec::DepthStructure> DepthStructureOf(const std::filesystem::path& file,
                                                std::string_view bytes) {
-  if (bytes.empty()) return FileError(file, "file is empty");
+  if (bytes.empty()) return ImageError(file, "file is empty");
   if (codec::FormatOf(bytes) == codec::ImageFormat::kJpeg) {
-    return FileError(file,
+    return ImageError(file,
                      "depth must have one channel of 16 bits, this is a JPEG image, which has 8; "
                      "store depth as 16-bit PNG");
   }
   Result<codec::DepthStructure> structure = codec::DepthStructureOf(bytes);
-  if (!structure) return FileError(file, structure.error().message);
+  if (!structure) return ImageError(file, structure.error().message);
   return structure;
 }
 
@@ -140,9 +140,9 @@ Result<ImageSize> ReadImageSize(const std::filesystem::path& file) {
   const Result<std::string> bytes = ReadFileBytes(file);
   if (!bytes) return bytes.error();
   const codec::ImageStructure structure = codec::StructureOf(*bytes);
-  if (!IsPngOrJpeg(structure)) return FileError(file, "is neither a PNG nor a JPEG image");
+  if (!IsPngOrJpeg(structure)) return ImageError(file, "is neither a PNG nor a JPEG image");
   if (structure.width < 1 || structure.height < 1)
-    return FileError(file, "image file ends too early (truncated or damaged)");
+    return ImageError(file, "image file ends too early (truncated or damaged)");
   return ImageSize{structure.width, structure.height};
 }
 
@@ -153,7 +153,7 @@ Result<ColourImage> DecodeColour(std::string_view bytes,
   const Result<codec::ImageStructure> structure = CheckedStructure(file, bytes, width, height);
   if (!structure) return structure.error();
   if (structure->bits != 8)
-    return FileError(file, "has 16 bits per channel, a colour image 8: is it a depth image?");
+    return ImageError(file, "has 16 bits per channel, a colour image 8: is it a depth image?");
   return Named(file, codec::DecodeColour(bytes));
 }
 
@@ -198,7 +198,7 @@ Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file,
   const Result<codec::DepthStructure> structure = DepthStructureOf(file, *bytes);
   if (!structure) return structure.error();
   if (structure->width != width || structure->height != height) {
-    return FileError(file,
+    return ImageError(file,
                      fmt::format("is {} x {} px, the camera {} x {}{}",
                                  structure->width,
                                  structure->height,
@@ -207,14 +207,14 @@ Result<RawDepthImage> ReadDepthFile(const std::filesystem::path& file,
                                  kDepthCameraRemedy));
   }
   if (structure->real != (raw_per_real > 0)) {
-    return FileError(file,
+    return ImageError(file,
                      fmt::format("holds depth as {} numbers, the capture's first image as {} ones",
                                  structure->real ? "real" : "whole",
                                  structure->real ? "whole" : "real"));
   }
   Result<codec::DepthPixels> pixels = codec::DecodeDepth(*bytes);
   if (!pixels)
-    return FileError(file, fmt::format("not a readable image ({})", pixels.error().message));
+    return ImageError(file, fmt::format("not a readable image ({})", pixels.error().message));
   if (auto* const whole = std::get_if<RawDepthImage>(&*pixels)) return std::move(*whole);
   return Rounded(std::get<Image<float>>(*pixels), raw_per_real);
 }
@@ -225,7 +225,7 @@ Result<Image<std::uint8_t>> ReadGreyFile(const std::filesystem::path& file, int 
   const Result<codec::ImageStructure> structure = CheckedStructure(file, *bytes, width, height);
   if (!structure) return structure.error();
   if (structure->channels != 1 || structure->bits != 8) {
-    return FileError(file,
+    return ImageError(file,
                      fmt::format("must have one channel of 8 bits, this has {} of {} bits",
                                  structure->channels,
                                  structure->bits));

@@ -16,11 +16,11 @@ constexpr double kSamePx = 0.1;
 constexpr float kNowhere = -1;
 
 // Where each pixel of a pinhole's image lies in the image that was taken, px; kNowhere outside it.
-struct Place {
+struct SourcePixel {
   float u = kNowhere;
   float v = kNowhere;
 };
-using Map = Image<Place>;
+using Map = Image<SourcePixel>;
 
 Map MakeMap(const PinholeCamera& target,
             const PinholeCamera& taken,
@@ -51,7 +51,7 @@ struct Neighbours {
   double share_u, share_v;
 };
 
-Neighbours NeighboursOf(const Place& place, int width, int height) {
+Neighbours NeighboursOf(const SourcePixel& place, int width, int height) {
   const int u = static_cast<int>(place.u);
   const int v = static_cast<int>(place.v);
   return {u,
@@ -64,7 +64,7 @@ Neighbours NeighboursOf(const Place& place, int width, int height) {
 
 ColourImage Through(const Map& map, const ColourImage& taken) {
   ColourImage out(map.width(), map.height());
-  std::transform(map.begin(), map.end(), out.begin(), [&](const Place& place) {
+  std::transform(map.begin(), map.end(), out.begin(), [&](const SourcePixel& place) {
     if (place.u < 0) return Rgb8{};
     const Neighbours n = NeighboursOf(place, taken.width(), taken.height());
     const auto mixed = [&](std::uint8_t Rgb8::*channel) {
@@ -86,7 +86,7 @@ RawDepthImage Through(const Map& map, const RawDepthImage& taken, float max_rati
     const std::uint16_t value = taken(u, v);
     return value == kSaturatedDepth ? 0.0F : static_cast<float>(value);
   };
-  std::transform(map.begin(), map.end(), out.begin(), [&](const Place& place) {
+  std::transform(map.begin(), map.end(), out.begin(), [&](const SourcePixel& place) {
     if (place.u < 0) return kNoDepth;
     const Neighbours n = NeighboursOf(place, taken.width(), taken.height());
     const std::array<float, 4> around = {

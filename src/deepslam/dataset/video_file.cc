@@ -13,7 +13,7 @@
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kMaxSidePx = 16384;
+constexpr int kMaxVideoSidePx = 16384;
 constexpr std::size_t kMaxKeptBytes = std::size_t{96} << 20;
 
 struct CloseDecoder {
@@ -79,8 +79,8 @@ Result<std::unique_ptr<VideoFile>> VideoFile::Open(const std::filesystem::path& 
   impl->width = impl->module->width(impl->decoder.get());
   impl->height = impl->module->height(impl->decoder.get());
   impl->num_frames = impl->module->num_frames(impl->decoder.get());
-  if (impl->width < 1 || impl->height < 1 || impl->width > kMaxSidePx ||
-      impl->height > kMaxSidePx) {
+  if (impl->width < 1 || impl->height < 1 || impl->width > kMaxVideoSidePx ||
+      impl->height > kMaxVideoSidePx) {
     return InvalidInput(
         fmt::format("{}: has frames of {} x {} px", file.string(), impl->width, impl->height));
   }

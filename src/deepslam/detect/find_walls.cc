@@ -25,7 +25,7 @@ constexpr double kMinLength_m = 1.0;
 constexpr double kMinShare = 0.1;       // of the area of all upright points
 constexpr double kMaxBeyond = 0.15;     // of the wall's own area
 constexpr double kTopShare = 0.02;      // of the wall's points that lie at the picture's top
-constexpr std::size_t kOutermost = 50;  // part of the points at either end that may be noise
+constexpr std::size_t kWallOutermost = 50;  // part of the points at either end that may be noise
 
 double AreaOf(const UprightPoint& point) { return point.depth_m * point.depth_m; }
 
@@ -175,9 +175,9 @@ bool IsWall(std::span<const UprightPoint> points, const Wall& wall) {
   }
   if (heights_m.empty() || area < kMinShare * area_all || area_beyond > kMaxBeyond * area)
     return false;
-  const auto [first_m, last_m] = InnerRange(places_m, kOutermost);
+  const auto [first_m, last_m] = InnerRange(places_m, kWallOutermost);
   if (last_m - first_m < kMinLength_m) return false;
-  return InnerRange(heights_m, kOutermost).second > kMinHeight_m ||
+  return InnerRange(heights_m, kWallOutermost).second > kMinHeight_m ||
          static_cast<double>(num_at_top) > kTopShare * static_cast<double>(heights_m.size());
 }
 

@@ -1,4 +1,5 @@
 #include "deepslam/eval/layout_score.h"
+#include "deepslam/core/angles.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,13 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace deepslam::eval {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kStep_m = 0.05;       // lengths are counted in steps of this
 constexpr double kSeenHeight_m = 0.3;  // of a step of wall, to call it seen
 
@@ -50,7 +49,7 @@ double AngleBetween(const Segment& a, const Segment& b) {
 // The direction of a wall in a thick box is known no better than its diagonal.
 double AngleLimit(const TrueWall& wall, const LayoutScoreOptions& options) {
   const double length_m = (wall.to_m - wall.from_m).norm();
-  return options.max_angle_deg * kDegree + std::atan2(wall.thickness_m, length_m);
+  return options.max_angle_deg * kRadPerDeg + std::atan2(wall.thickness_m, length_m);
 }
 
 // Whether a place of the true wall is covered by the estimated one.

@@ -1,7 +1,7 @@
 #include "deepslam/fuse/choose_frames.h"
 
-#include <numbers>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/geometry/pose.h"
 
 namespace deepslam::fuse {
@@ -10,10 +10,9 @@ namespace {
 bool IsNew(const TrackedFrame& frame, const TrackedFrame& last, const FrameChoice& options) {
   if (frame.frame.value - last.frame.value >= options.frame_step) return true;
   const Pose3 moved = last.world_from_camera.Inverse() * frame.world_from_camera;
-  constexpr double kDegree = std::numbers::pi / 180.0;
   const double share = frame.keyframe == frame.frame ? 0.5 : 1.0;
   return moved.translation_m.norm() >= share * options.move_m ||
-         RotationAngle(moved.rotation) >= share * options.turn_deg * kDegree;
+         RotationAngle(moved.rotation) >= share * options.turn_deg * kRadPerDeg;
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "deepslam/gltf/glb_builder.h"
 
 #include <cstddef>
-#include <numbers>
 #include <sstream>
 #include <utility>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/utf8.h"
 
 #define TINYGLTF_NO_STB_IMAGE
@@ -17,7 +17,6 @@
 namespace deepslam::gltf {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr Rgb8 kWhite{255, 255, 255};
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/parallel_in_order.h"
 #include "deepslam/core/utf8.h"
 #include "deepslam/gltf/check_scene.h"
@@ -28,7 +28,6 @@
 namespace deepslam::gltf {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr Rgb8 kWhite{255, 255, 255};
 constexpr Rgb8 kGroundColour{176, 170, 160};
 constexpr Rgb8 kTrajectoryColour{230, 80, 30};

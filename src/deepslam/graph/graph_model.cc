@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/disjoint_sets.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/graph/condense.h"
@@ -15,7 +15,6 @@
 namespace deepslam::graph {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 // What a tie between keyframes without any measurement is worth: about a second of lost tracking.
 constexpr double kTieDeviation_m = 0.1;
 constexpr double kTieDeviation_rad = 5.0 * kRadPerDeg;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/random.h"
@@ -28,7 +28,6 @@
 namespace deepslam::ground {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr std::size_t kBatchKeyframes = 16;
 // Of each keyframe, of long paths fewer: 12 bytes each, and 24 MB are enough.
 constexpr std::size_t kMostSamplePoints = 400;

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/geometry/upright.h"
 
 namespace deepslam::ground {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr int kMaxPlanes = 4;
 constexpr double kCandidateShare = 0.03;  // smaller planes are chance
 constexpr std::size_t kJudgedPoints = 1500;

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/LU>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/ground/plane_fit.h"
 
 namespace deepslam::ground {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kStandardDeviations = 3;
 constexpr double kMaxReachM = 0.3;
 constexpr double kMaxReachRad = 12 * kRadPerDeg;

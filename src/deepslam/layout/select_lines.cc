@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <utility>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::layout {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kBeyond_m = 0.5;     // a line is looked at this far beyond what is on it
 constexpr double kSameWall_m = 0.16;  // windows stand back, pictures and radiators stand out
 constexpr double kSameWall_deg = 8;
@@ -78,7 +77,7 @@ bool IsSameWall(const WallLine& weaker,
                 const WallProfile& weaker_profile,
                 const WallLine& stronger,
                 const WallProfile& stronger_profile) {
-  if (weaker.normal.dot(stronger.normal) < std::cos(kSameWall_deg * kDegree)) return false;
+  if (weaker.normal.dot(stronger.normal) < std::cos(kSameWall_deg * kRadPerDeg)) return false;
   int num_slots = 0;
   int num_same = 0;
   for (int slot = 0; slot < weaker_profile.num_slots; ++slot) {
@@ -100,7 +99,7 @@ bool AtRightAngles(const WallLine& line, const std::vector<WallLine>& others) {
     const double cosine = std::abs(line.normal.dot(other.normal));
     const double off = std::min(cosine, std::sqrt(std::max(0.0, 1 - cosine * cosine)));
     whole_m2 += other.area_m2;
-    near_m2 += off < std::sin(4 * kDegree) ? other.area_m2 : 0;
+    near_m2 += off < std::sin(4 * kRadPerDeg) ? other.area_m2 : 0;
   }
   return near_m2 > 0.5 * whole_m2;
 }

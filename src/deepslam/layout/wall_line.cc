@@ -1,4 +1,5 @@
 #include "deepslam/layout/wall_line.h"
+#include "deepslam/core/angles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 namespace deepslam::layout {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Weighted points on the ground, from which a line follows.
 struct GroundSums {
@@ -101,8 +101,8 @@ std::vector<WallLine> FindWallLines(const CoarseSurface& surface,
                                     const std::vector<double>& areas_m2,
                                     const std::vector<SurfacePlane>& planes,
                                     const LineOptions& options) {
-  const double max_vertical = std::sin(options.max_tilt_deg * kDegree);
-  const double min_cosine = std::cos(options.same_angle_deg * kDegree);
+  const double max_vertical = std::sin(options.max_tilt_deg * kRadPerDeg);
+  const double min_cosine = std::cos(options.same_angle_deg * kRadPerDeg);
   std::vector<GrowingLine> growing;
   for (const SurfacePlane& plane : planes) {
     if (std::abs(plane.plane.normal.z()) > max_vertical) continue;
@@ -129,7 +129,7 @@ std::vector<WallLine> FindWallLines(const CoarseSurface& surface,
 }
 
 bool AlignLines(std::vector<WallLine>& lines) {
-  constexpr double kNear_rad = 3 * kDegree;
+  constexpr double kNear_rad = 3 * kRadPerDeg;
   constexpr double kMost = 0.7;  // of the area
   double whole_m2 = 0;
   for (const WallLine& line : lines) whole_m2 += line.area_m2;

@@ -1,15 +1,14 @@
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <set>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/sightings.h"
 
 namespace deepslam::loop {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 using IdPair = std::pair<ObjectId, ObjectId>;
 

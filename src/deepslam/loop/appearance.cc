@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/corner_loop.h"
 #include "deepslam/loop/feature_pose.h"
@@ -15,7 +15,6 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr int kNeighbours = 15;  // keyframes looked at about one whose loops are compared
 // What two right poses of neighbours differ by, beside drift.
 constexpr double kSame_m = 0.10;

@@ -1,15 +1,14 @@
 #include "deepslam/loop/corner_loop.h"
 
-#include <numbers>
 
 #include <Eigen/LU>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/loop/registered_pair.h"
 
 namespace deepslam::loop {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 }  // namespace
 

@@ -27,7 +27,7 @@ constexpr double kSureOfPose = 0.999;  // that the best sample was drawn
 constexpr int kRefinements = 4;
 constexpr float kMinSide_m = 0.15F;  // of a sample's triangle
 // A rival pose that is nearly the same is no rival.
-constexpr double kSame_m = 0.15;
+constexpr double kSamePose_m = 0.15;
 constexpr double kSame_rad = 0.1;
 
 struct Match {
@@ -212,7 +212,7 @@ int Rivals(const Matches& matches, const Consensus& winner, const Pose3& pose, R
   if (rival.inliers.empty()) return 0;
   const Pose3 between = pose.Inverse() * ToPose(rival.old_from_new);
   const bool same =
-      between.translation_m.norm() < kSame_m && RotationAngle(between.rotation) < kSame_rad;
+      between.translation_m.norm() < kSamePose_m && RotationAngle(between.rotation) < kSame_rad;
   return same ? 0 : static_cast<int>(rival.inliers.size());
 }
 

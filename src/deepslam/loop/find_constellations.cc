@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
 #include "deepslam/loop/shared_place.h"
@@ -12,7 +12,6 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 // An old object and a new one that might be the same.
 struct PairHypothesis {

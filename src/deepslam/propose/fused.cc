@@ -167,9 +167,9 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
       cloud.level_from_world);
   // Stray depth. Parts of an object may well hang unconnected where thin links between them were
   // not measured.
-  constexpr double kCrumb = 0.05;
+  constexpr double kFusedCrumb = 0.05;
   VoxelGrid grid = shape::WithoutCrumbs(
-      Carve(raster, views, classes_.TraitsOf(object.class_name).solid_inside), 1, kCrumb);
+      Carve(raster, views, classes_.TraitsOf(object.class_name).solid_inside), 1, kFusedCrumb);
   if (cloud.has_ground) {
     const double ground = 0.5 * kGridSize - 0.5 * box.size_m.z() / raster.voxel_m();
     shape::StandOnGround(static_cast<int>(std::lround(ground)),

@@ -14,7 +14,7 @@ namespace {
 constexpr float kNear_m = 0.1F;
 constexpr int kRasterCells = 32;  // along the silhouette's longer side; a coarse model has as many
 
-struct Raster {
+struct MaskRaster {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> cells;
@@ -25,9 +25,9 @@ struct Raster {
 };
 
 // Cells of which `share` lies in the mask.
-Raster Reduce(const Mask& mask, int cell_px) {
+MaskRaster Reduce(const Mask& mask, int cell_px) {
   constexpr double kShare = 0.35;
-  Raster raster;
+  MaskRaster raster;
   raster.width = (mask.width() + cell_px - 1) / cell_px;
   raster.height = (mask.height() + cell_px - 1) / cell_px;
   std::vector<int> count(static_cast<std::size_t>(raster.width * raster.height), 0);
@@ -44,8 +44,8 @@ Raster Reduce(const Mask& mask, int cell_px) {
 
 // Cells of which any (grow) or all (shrink) of the 3 x 3 neighbours are set; outside counts for
 // neither.
-Raster Filtered(const Raster& raster, bool grow) {
-  Raster result = raster;
+MaskRaster Filtered(const MaskRaster& raster, bool grow) {
+  MaskRaster result = raster;
   for (int v = 0; v < raster.height; ++v) {
     for (int u = 0; u < raster.width; ++u) {
       bool value = !grow;
@@ -234,7 +234,7 @@ SilhouetteView::SilhouetteView(const ObjectView& view, const Pose3& level_from_w
   fy_ = static_cast<float>(camera.fy);
   cx_ = static_cast<float>(camera.cx);
   cy_ = static_cast<float>(camera.cy);
-  const Raster raster = Filtered(Filtered(Reduce(view.mask_crop, cell_px), true), false);
+  const MaskRaster raster = Filtered(Filtered(Reduce(view.mask_crop, cell_px), true), false);
   width_ = raster.width;
   height_ = raster.height;
   inside_ = raster.cells;

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/LU>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/registration/view_matches.h"
 
 namespace deepslam::registration {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Matrix6d Floor() {
   Vector6d sigma;
-  sigma << 1.0, 1.0, 1.0, 10 * kDegree, 10 * kDegree, 180 * kDegree;
+  sigma << 1.0, 1.0, 1.0, 10 * kRadPerDeg, 10 * kRadPerDeg, 180 * kRadPerDeg;
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
@@ -78,7 +77,7 @@ bool IsRound(const shape::ShapeModel& model, double share) {
   const std::size_t stride = points.size() / 1000 + 1;
   for (const double degrees : {22.5, 45.0, 67.5, 90.0, 135.0}) {
     const Eigen::Matrix3f turn =
-        Eigen::AngleAxisf(static_cast<float>(degrees * kDegree), Eigen::Vector3f::UnitZ())
+        Eigen::AngleAxisf(static_cast<float>(degrees * kRadPerDeg), Eigen::Vector3f::UnitZ())
             .toRotationMatrix();
     int covered = 0;
     int total = 0;

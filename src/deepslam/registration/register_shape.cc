@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/registration/information.h"
 #include "deepslam/registration/refine_pose.h"
 #include "deepslam/registration/similarity_icp.h"
@@ -15,15 +16,14 @@
 namespace deepslam::registration {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 // Up taken from how cameras are held, without a ground: anything from level to looking well down.
-constexpr double kGuessedUprightSigma = 25 * kDegree;
+constexpr double kGuessedUprightSigma = 25 * kRadPerDeg;
 // Furniture of a source that names no size.
 constexpr double kMinSize = 0.1;
 constexpr double kMaxSize = 5.0;
 // How far the joint pose holds a single view: the drift between views that tracking leaves.
 constexpr double kHoldSigma = 0.05;
-constexpr double kHoldSigmaRad = 5 * kDegree;
+constexpr double kHoldSigmaRad = 5 * kRadPerDeg;
 // A placement in the air must disagree this much less than one on the ground.
 constexpr double kClearlyBetter = 0.7;
 constexpr std::size_t kPointsPerCoarseView = 150;
@@ -72,7 +72,7 @@ SimilarityIcpOptions JointOptions(const PlacementPrior& prior,
   icp.max_scale_m = prior.max_m;
   icp.expected_scale_m = prior.expected_m;
   icp.size_sigma = options.size_sigma;
-  icp.upright_sigma_rad = ground_known ? options.upright_sigma_deg * kDegree : kGuessedUprightSigma;
+  icp.upright_sigma_rad = ground_known ? options.upright_sigma_deg * kRadPerDeg : kGuessedUprightSigma;
   icp.ground_sigma_m = prior.stands ? options.ground_sigma_m : 0.0;
   return icp;
 }
@@ -167,8 +167,8 @@ std::string WhyNotRegistered(const ViewFit& fit,
     return "moved " + std::to_string(static_cast<int>(100 * moved_m)) +
            " cm away from the other views' pose";
   }
-  if (turned_rad > options.max_turn_deg * kDegree) {
-    return "turned " + std::to_string(static_cast<int>(turned_rad / kDegree)) +
+  if (turned_rad > options.max_turn_deg * kRadPerDeg) {
+    return "turned " + std::to_string(static_cast<int>(turned_rad / kRadPerDeg)) +
            " deg away from the other views' pose";
   }
   return {};
@@ -210,7 +210,7 @@ ViewRegistration RegisterView(const shape::ShapeModel& model,
   if (!result.ok) return result;
   result.camera_from_object = camera_from_object;
   result.information = fit.information;
-  result.yaw_free = fit.yaw_sigma_rad > options.yaw_free_sigma_deg * kDegree;
+  result.yaw_free = fit.yaw_sigma_rad > options.yaw_free_sigma_deg * kRadPerDeg;
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/check.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
@@ -17,7 +18,6 @@
 namespace deepslam::select {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<std::string_view, 2> kModes = {"offline", "greedy"};
 // Of a model seen less than this nearly all is the prior's word.
 constexpr double kHardlySeenShare = 0.12;
@@ -25,10 +25,10 @@ constexpr double kHardlySeenShare = 0.12;
 // not the thing.
 constexpr double kOwnShare = 0.75;
 // Directions of view within this angle are one side of an object.
-constexpr double kOneSideRad = 90 * kDegree;
+constexpr double kOneSideRad = 90 * kRadPerDeg;
 // Depth of a surface seen at a steeper angle than this is poor (Nguyen et al. 2012): the noise of a
 // Kinect is level up to 60 degrees and grows without bound beyond.
-constexpr double kWellSeenRad = 60 * kDegree;
+constexpr double kWellSeenRad = 60 * kRadPerDeg;
 
 void AppendNote(std::string& note, const std::string& text) {
   if (!note.empty()) note += "; ";
