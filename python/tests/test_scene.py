@@ -1,7 +1,9 @@
 """What is opened says what was written; relations between numbers that two files have."""
 from __future__ import annotations
 
+import contextlib
 import importlib.util
+import io
 import json
 import pathlib
 import shutil
@@ -11,6 +13,7 @@ import unittest
 import numpy as np
 
 import deepslam
+import deepslam.check
 import handmade
 from deepslam.geometry import pose_matrix
 
@@ -120,6 +123,17 @@ class Handmade(unittest.TestCase):
         self.assertEqual([each.proposal for each in scene.object(0).candidates], [None, None])
         with self.assertRaisesRegex(deepslam.Error, "were dropped .*--force associate"):
             scene.not_mapped
+
+    def test_checking(self) -> None:
+        for path, words in ((self.workspace, "2 objects, doubtful, 2 relations, 24 faces, 1 parts around them, 3 poses, 3 candidates"),
+                            (self.workspace / "export/scene_graph.json", "2 objects, 2 relations")):
+            with contextlib.redirect_stdout(io.StringIO()) as told:
+                self.assertEqual(deepslam.check.main([str(path)]), 0)
+            self.assertEqual(told.getvalue(), f"{path}: {words}\n")
+        (self.workspace / "optimize/trajectory.tum").write_text("x")
+        with contextlib.redirect_stderr(io.StringIO()) as fault:
+            self.assertEqual(deepslam.check.main([str(self.workspace)]), 3)
+        self.assertRegex(fault.getvalue(), "^error: .*trajectory.tum: line 1 has 1 columns")
 
     def test_an_empty_map(self) -> None:
         document = {**handmade.compact_map(), "objects": [], "layout": {"rooms": [], "walls": [], "openings": []}, "ground_outline_m": []}

@@ -19,9 +19,13 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import python_packages  # noqa: E402
+
+python_packages.need("numpy")  # of the Python package
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
 REPOSITORY = pathlib.Path(sys.argv.pop(1)).resolve()
-sys.path.insert(0, str(REPOSITORY / "tests" / "end_to_end"))
+sys.path[:0] = [str(REPOSITORY / "tests/end_to_end"), str(REPOSITORY / "python/src")]
 import captures  # noqa: E402
 
 DATA = pathlib.Path(os.environ.get("XDG_DATA_HOME") or pathlib.Path.home() / ".local/share") / "deepslam"
@@ -31,7 +35,7 @@ PROGRAMS = r"(deepslam(-[a-z-]+)?|scripts/\S+|python3|pip|cmake|ctest|apt|apt-ge
 
 # Not run: regular expression -> reason. The program must exist, and its options stand in its help.
 DRY = {
-    r"scripts/(demo|test|setup|package|test_package|build|build_time)\.sh\b": "installs, builds or takes minutes",
+    r"scripts/(demo|test|setup|package|test_package|test_container|build|build_time)\.sh\b": "installs, builds or takes minutes",
     r"scripts/sanitizers\.sh\b": "builds for minutes; .ci/run calls it behind the tests",
     r"scripts/bench\.sh\b": "measures for a quarter of an hour, on a machine left alone",
     r"scripts/fuzz\.sh\b": "installs, builds and runs for hours; ctest replays what it found (fuzz)",
@@ -48,6 +52,7 @@ DRY = {
     r"deepslam priors look ": "needs an object of a class with networks; the world has tables",
     r"scripts/measure_noise\.py\b": "takes minutes; ctest runs it (noise_statistics)",
     r"deepslam synth configs/scenes/\S+( --rung \S+)? -o \S+$": "renders 120 frames; the world's capture is of the same kind",
+    r"scripts/python_docs\.py\b": "writes the page; ctest looks whether it is current (python_package)",
     r"deepslam batch .*--engine slurm": "needs a cluster; ctest runs it (slurm)",
     r"deepslam batch --keep final$": "named in a sentence; the batch test runs it",
     r"deepslam library (build --force|split)$": "reads the whole catalogue, half a minute",
@@ -170,6 +175,7 @@ class World:
             shutil.copy(name, folder / "data")
         self.environment = dict(os.environ, PATH=f"{folder}/bin:{os.environ['PATH']}", DEEPSLAM_DATA=str(folder / "data"),
                                 XDG_CACHE_HOME=str(folder / "cache"))
+        os.environ.update(DEEPSLAM=str(PROGRAM), DEEPSLAM_DATA=str(folder / "data"))  # for snippets of Python
         (folder / "scene.yaml").write_text(captures.SCENE)
         self.check("deepslam synth scene.yaml -o capture")
         self.check("deepslam run capture -o workspace --progress none")

@@ -1,10 +1,10 @@
 """Labelled object maps in Python: opens what the program `deepslam` wrote, and runs it.
 
     import deepslam
-
     scene = deepslam.open("workspace")
     for thing in scene.objects:
         print(thing.name, thing.confidence, thing.world_from_object[:3, 3], thing.size_m)
+    print(scene.trajectory.length_m, "m of camera path")
 
 Frames and units are those of the map: metres, seconds, z up, floor at z = 0; transforms are 4x4 matrices `b_from_a`. Whatever
 cannot be used raises `Error`, which names file, field, value and remedy.

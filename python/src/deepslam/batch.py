@@ -16,14 +16,14 @@ STATES = ("waiting", "running", "done", "failed", "interrupted")
 class BatchCapture:
     """A capture of a batch and what became of it."""
 
-    name: str
+    name: str  # of its workspace
     capture: str  # path
-    workspace: pathlib.Path
+    workspace: pathlib.Path  # may be missing where it has not run
     state: str  # waiting, running, done, failed, interrupted
     reason: str  # why it failed and what to do; empty: it has not
     exit_code: int  # with which `deepslam run` would have ended
     verdict: str  # good, doubtful or bad; empty: no map yet
-    verdict_reasons: tuple[str, ...]
+    verdict_reasons: tuple[str, ...]  # in words
     objects: Mapping[str, int]  # number by class
     ate_rmse_m: float | None  # error of the camera path, where poses came with the capture
     wall_s: float  # of all attempts
@@ -37,10 +37,10 @@ class BatchCapture:
 class Batch:
     """All captures of a batch, in its order."""
 
-    folder: pathlib.Path
-    tool_version: str
-    state: str
-    captures: tuple[BatchCapture, ...]
+    folder: pathlib.Path  # that holds batch.json
+    tool_version: str  # of the program
+    state: str  # of the whole
+    captures: tuple[BatchCapture, ...]  # all of them
 
     @property
     def done(self) -> tuple[BatchCapture, ...]:

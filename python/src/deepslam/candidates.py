@@ -25,14 +25,14 @@ class Proposal:
 class Candidate:
     """A shape that was proposed for an object, and how well it agrees with all depth of the object."""
 
-    id: int
-    chosen: bool
+    id: int  # over all objects
+    chosen: bool  # whether it is the object's shape
     score: float  # what decides
     surface_share: float  # of the object's depth points, within tolerance of the model
     coverage_share: float  # of the model's surface that should be seen, what is
     free_violation: float  # share of rays that pass through the model before their measured depth
     seen_share: float  # of the whole model's surface, what some view confirmed
-    num_views: int
+    num_views: int  # that it was placed in
     note: str  # why it could not be scored, or what was unsure
     proposal: Proposal | None  # None where the files of proposals were dropped (`deepslam batch --keep final`)
 

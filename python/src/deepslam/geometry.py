@@ -47,8 +47,8 @@ def read_pose(node: Node) -> Floats:
 class OrientedBox:
     """A box in the world: its middle and axes by `world_from_box` (4x4), its extent along them by `size_m`."""
 
-    world_from_box: Floats
-    size_m: Floats
+    world_from_box: Floats  # (4, 4)
+    size_m: Floats  # (3,)
 
     @property
     def centre_m(self) -> Floats:
@@ -64,6 +64,7 @@ class OrientedBox:
 
     @property
     def volume_m3(self) -> float:
+        """Of the box."""
         return float(np.prod(self.size_m))
 
     def contains(self, points_m: npt.ArrayLike) -> npt.NDArray[np.bool_]:

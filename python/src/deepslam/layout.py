@@ -15,13 +15,14 @@ KINDS = ("door", "window", "passage")
 class Room:
     """A room by the corners of its floor, counter-clockwise; an edge without a wall was not seen."""
 
-    id: int
+    id: int  # position in the list
     polygon_m: Floats  # (n, 2): x, y
-    floor_m: float
-    ceiling_m: float | None  # None: not seen
+    floor_m: float  # height of the floor
+    ceiling_m: float | None  # height of the ceiling; None: not seen
 
     @property
     def area_m2(self) -> float:
+        """Of the polygon."""
         x, y = self.polygon_m.T
         return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
 
@@ -30,15 +31,16 @@ class Room:
 class _Upright:
     """An upright rectangle: its ends on the floor plan and its heights."""
 
-    id: int
+    id: int  # position in the list
     from_m: Floats  # (2,): x, y
-    to_m: Floats
-    bottom_m: float
-    top_m: float
-    confidence: float
+    to_m: Floats  # (2,): x, y
+    bottom_m: float  # height of its lower edge
+    top_m: float  # height of its upper edge
+    confidence: float  # [0, 1]
 
     @property
     def length_m(self) -> float:
+        """On the floor plan."""
         return float(np.linalg.norm(self.to_m - self.from_m))
 
     @property
@@ -52,7 +54,7 @@ class _Upright:
 class Wall(_Upright):
     """A face of a wall. Walking from `from_m` to `to_m` its room lies to the left."""
 
-    rooms: tuple[int, ...]
+    rooms: tuple[int, ...]  # ids of the rooms whose it is; none: its room was not closed
     seen_share: float  # of its length, [0, 1]
 
 
@@ -60,17 +62,17 @@ class Wall(_Upright):
 class Opening(_Upright):
     """A door, window or passage in a wall; below a confidence of 0.5 it is doubtful."""
 
-    wall: int
-    kind: str
+    wall: int  # id of the wall that it is in
+    kind: str  # door, window, passage
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Layout:
     """All of it. Ids are positions in these lists."""
 
-    rooms: tuple[Room, ...]
-    walls: tuple[Wall, ...]
-    openings: tuple[Opening, ...]
+    rooms: tuple[Room, ...]  # closed by walls
+    walls: tuple[Wall, ...]  # faces of walls
+    openings: tuple[Opening, ...]  # in them
 
 
 def read_layout(node: Node) -> Layout:

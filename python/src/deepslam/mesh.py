@@ -38,6 +38,7 @@ class Mesh:
 
     @property
     def area_m2(self) -> float:
+        """Of all triangles."""
         a, b, c = np.moveaxis(self.vertices_m[self.faces], 1, 0)
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 

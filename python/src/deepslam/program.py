@@ -28,24 +28,24 @@ class Progress:
     program's own: why the stage runs, what came out, what the warning is. `done` of `total` steps with `progress`, else None.
     """
 
-    event: str
-    stage: str
-    text: str
-    done: int | None = None
-    total: int | None = None
+    event: str  # start, progress, done, skipped, warning
+    stage: str  # that it is about; empty: none yet
+    text: str  # the program's own words
+    done: int | None = None  # steps
+    total: int | None = None  # steps
 
 
 @dataclasses.dataclass(frozen=True)
 class RunResult:
     """What a run came to: stages that ran and those that were left as they were, files that it made, warnings."""
 
-    workspace: pathlib.Path
-    ran: tuple[str, ...]
-    skipped: tuple[str, ...]
-    scene_glb: pathlib.Path | None  # None where the run ended before
-    map_json: pathlib.Path | None
-    report_html: pathlib.Path | None
-    warnings: tuple[str, ...]
+    workspace: pathlib.Path  # what `open` opens
+    ran: tuple[str, ...]  # stages, in order
+    skipped: tuple[str, ...]  # stages whose files were those of this run already
+    scene_glb: pathlib.Path | None  # the scene; None where the run ended before (`until`)
+    map_json: pathlib.Path | None  # the compact map
+    report_html: pathlib.Path | None  # the report
+    warnings: tuple[str, ...]  # as they were said
 
 
 def find_program(program: StrPath | None = None) -> pathlib.Path:
@@ -75,6 +75,9 @@ def run(
     program: StrPath | None = None,
 ) -> RunResult:
     """Takes a capture through the chain, as `deepslam run` does, and waits for the end; continues where it was stopped.
+
+        result = deepslam.run("capture", "workspace", {"export.trajectory": False}, on_progress=lambda event: print(event.stage, event.text))
+        print(result.ran, result.warnings)
 
     `options` are those of `deepslam config dump`, by name: {"detect.min_score": 0.4}. The others are the program's own
     (`deepslam run --help`). `on_progress` is called in this thread for every event. An exception of it, and Ctrl-C, stop the
@@ -187,7 +190,7 @@ def _event(line: str) -> Progress | None:
 def _follow(command: Sequence[str], stdout: IO[bytes] | int, listener: _Listener) -> int:
     """Runs the command, gives its lines to the listener, and returns its exit code."""
     # A process group of its own: Ctrl-C on a terminal comes here alone, and is passed on once.
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=subprocess.PIPE, text=True,
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=subprocess.PIPE, encoding="utf-8",
                                errors="replace", process_group=0)
     assert process.stderr is not None
     try:

@@ -16,9 +16,9 @@ _FAR_M = 1e6
 class Relation:
     """`subject` `predicate` `object`, by names: chair_03 next_to table_01. docs/scene_graph.schema.json defines the predicates."""
 
-    subject: str
-    predicate: str
-    object: str
+    subject: str  # an object
+    predicate: str  # in_room, stands_on, hangs_on, against_wall, next_to, in_front_of
+    object: str  # an object, a room, a wall, or `floor`
     distance_m: float | None  # on the floor plan; of next_to and in_front_of
 
 
@@ -26,8 +26,8 @@ class Relation:
 class Label:
     """A class of a label set: 56 chair."""
 
-    id: int
-    name: str
+    id: int  # in its set
+    name: str  # in its set
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -34,28 +34,18 @@ class SceneObject:
     def __init__(self, scene: Scene, stored: CompactObject) -> None:
         self._scene = scene
         self._map_object = stored
-        self.id = stored.id
-        #: In all outputs: `chair_03`.
-        self.name = stored.name
-        self.class_name = stored.class_name
-        #: In [0, 1].
-        self.confidence = stored.confidence
-        #: Where its shape came from: retrieval, fused, network, mean_latent, refined, completed.
-        self.source = stored.source
-        #: 4x4, rigid.
-        self.world_from_object = stored.world_from_object
-        #: Along its front, left and up.
-        self.size_m = stored.size_m
-        #: Creator and licence of a CAD model; empty: none.
-        self.credit = stored.credit
-        #: What is doubtful about it, in words; empty: nothing.
-        self.note = stored.note
-        #: Id of the room that holds its middle; None: none.
-        self.room = stored.room
-        #: `floor`, `wall` (it hangs), or the name of the object below; None: not known.
-        self.stands_on = stored.stands_on
-        #: Id of the wall within 15 cm of a side of it; None: none.
-        self.against_wall = stored.against_wall
+        self.id: int = stored.id  # not a position in the list
+        self.name: str = stored.name  # in all outputs: `chair_03`
+        self.class_name: str = stored.class_name  # of the table of classes
+        self.confidence: float = stored.confidence  # in [0, 1]
+        self.source: str = stored.source  # of its shape: retrieval, fused, network, mean_latent, refined, completed
+        self.world_from_object: Floats = stored.world_from_object  # (4, 4), rigid
+        self.size_m: Floats = stored.size_m  # (3,): along its front, left and up
+        self.credit: str = stored.credit  # creator and licence of a CAD model; empty: none
+        self.note: str = stored.note  # what is doubtful about it, in words; empty: nothing
+        self.room: int | None = stored.room  # id of the room that holds its middle; None: none
+        self.stands_on: str | None = stored.stands_on  # `floor`, `wall` (it hangs), or the name of the object below; None: not known
+        self.against_wall: int | None = stored.against_wall  # id of the wall within 15 cm of a side of it; None: none
 
     def __repr__(self) -> str:
         return f"<{self.name}, {self.confidence:.2f}>"
@@ -64,7 +54,7 @@ class SceneObject:
     def box(self) -> OrientedBox:
         """The box along its axes: that of its mesh where scene_graph.json is there, else its size about its frame's origin,
         which lies within a voxel (1/64 of its longest side) of the middle."""
-        graph = self._scene.graph_object(self.id)
+        graph = self._scene._graph_object(self.id)
         return graph.box if graph is not None else OrientedBox(self.world_from_object, self.size_m)
 
     @property
@@ -80,22 +70,22 @@ class SceneObject:
     @property
     def votes(self) -> Mapping[str, float]:
         """What the detector calls it: sums of scores by class."""
-        return self._scene.stored_object(self.id).class_votes
+        return self._scene._stored_object(self.id).class_votes
 
     @property
     def frames(self) -> tuple[int, ...]:
         """Frames that saw it."""
-        return self._scene.stored_object(self.id).frames
+        return self._scene._stored_object(self.id).frames
 
     @property
     def candidates(self) -> tuple[Candidate, ...]:
         """Shapes that were proposed for it, best first."""
-        return self._scene.stored_object(self.id).candidates
+        return self._scene._stored_object(self.id).candidates
 
     @property
     def labels(self) -> Mapping[str, Label]:
         """Its class in common label sets: coco, nyu40, scannet200; without those that have no such class."""
-        return self._scene.graph.objects[self.id].labels
+        return self._scene._graph.objects[self.id].labels
 
     @property
     def relations(self) -> tuple[Relation, ...]:
@@ -107,12 +97,11 @@ class Scene:
     """A map. `open` makes it; the map itself is read at once, everything else when it is asked for."""
 
     def __init__(self, map_file: pathlib.Path, workspace: pathlib.Path | None, program_file: StrPath | None = None) -> None:
-        self.map_file = map_file
-        #: The folder of the run; None: the map was opened alone.
-        self.workspace = workspace
+        self.map_file: pathlib.Path = map_file  # the map.json that was read
+        self.workspace: pathlib.Path | None = workspace  # the folder of the run; None: the map was opened alone
         self._program = program_file
         self._map: CompactMap = read_map(map_file)
-        self.objects: tuple[SceneObject, ...] = tuple(SceneObject(self, each) for each in self._map.objects)
+        self.objects: tuple[SceneObject, ...] = tuple(SceneObject(self, each) for each in self._map.objects)  # by ascending id
 
     def __repr__(self) -> str:
         return f"<Scene of {self.capture_name}: {len(self.objects)} objects, {self.verdict}>"
@@ -124,6 +113,7 @@ class Scene:
 
     @property
     def capture_name(self) -> str:
+        """The capture's folder or file, by its last name."""
         return self._map.capture_name
 
     @property
@@ -138,6 +128,7 @@ class Scene:
 
     @property
     def reasons(self) -> tuple[str, ...]:
+        """Of the verdict, in words."""
         return self._map.reasons
 
     @property
@@ -169,7 +160,7 @@ class Scene:
         return read_trajectory(self._stage("optimize"))
 
     @functools.cached_property
-    def graph(self) -> SceneGraph:
+    def _graph(self) -> SceneGraph:
         """scene_graph.json beside the map."""
         graph = read_scene_graph(self._beside("scene_graph.json"))
         names = {each.id: each.name for each in self.objects}
@@ -180,11 +171,11 @@ class Scene:
     @property
     def relations(self) -> tuple[Relation, ...]:
         """How objects stand to each other, to rooms and to walls: scene_graph.json."""
-        return self.graph.relations
+        return self._graph.relations
 
-    def graph_object(self, number: int) -> GraphObject | None:
+    def _graph_object(self, number: int) -> GraphObject | None:
         """What scene_graph.json has of an object; None where there is no such file."""
-        return self.graph.objects[number] if self._beside("scene_graph.json").exists() else None
+        return self._graph.objects[number] if self._beside("scene_graph.json").exists() else None
 
     @functools.cached_property
     def not_mapped(self) -> tuple[str, ...]:
@@ -201,7 +192,7 @@ class Scene:
             proposals = read_proposals(self._stage(stage) / "candidates.json" for stage in ("propose", "select", "loops"))
         return read_stored_objects(folder / "objects.json", proposals)
 
-    def stored_object(self, number: int) -> StoredObject:
+    def _stored_object(self, number: int) -> StoredObject:
         """What the workspace knows of an object beyond the map."""
         if number not in self._stored[0]:
             raise Error(self._stage("optimize") / "objects.json", "objects", f"has no object {number}, which the map has", _GO_ON)
@@ -279,6 +270,10 @@ def open(path: StrPath, *, program: StrPath | None = None) -> Scene:
 
     A map in its workspace's folder `export` knows the workspace; one that lies elsewhere has objects and layout, and meshes where
     a scene lies beside it or where the program (`program`, see `find_program`) makes them.
+
+    Meshes are read from scene.uncompressed.glb, which every run writes beside scene.glb: this package does not decode Draco, by
+    which scene.glb is compressed. Of a map without it (option export.uncompressed_twin off, or the map.json alone) they are made by
+    `deepslam expand`, without the colours of the frames.
     """
     place = pathlib.Path(path)
     if place.is_dir():

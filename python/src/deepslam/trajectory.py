@@ -24,9 +24,9 @@ class Trajectory:
     constrained in a direction at least), or a prediction alone, where tracking was `lost` or images were `unreadable`.
     """
 
-    times_s: Floats  # (n,)
+    times_s: Floats  # (n,): as in the capture
     world_from_camera: Floats  # (n, 4, 4)
-    status: tuple[str, ...]
+    status: tuple[str, ...]  # of every frame
     keyframes: npt.NDArray[np.int64]  # numbers of frames
 
     def __len__(self) -> int:
@@ -39,6 +39,7 @@ class Trajectory:
 
     @property
     def length_m(self) -> float:
+        """Of the way from frame to frame."""
         return float(np.linalg.norm(np.diff(self.positions_m, axis=0), axis=1).sum())
 
 
