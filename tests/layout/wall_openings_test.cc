@@ -125,6 +125,39 @@ class Face {
   WallFace face;
 };
 
+// A closed leaf 5 cm deep, 0.9 x 2 m, of which a low cabinet hides the foot but for its first
+// third.
+TEST(FindOpenings, FurnitureHidesTheFootOfADoor) {
+  Face face;
+  face.Move(20, 38, 0, 40, -0.05F);
+  face.Set(26, 60, 0, 9, kThing | kFront);
+  const std::vector<FaceOpening> doors = FindOpenings(face.profile, face.face);
+  ASSERT_EQ(doors.size(), 1U);
+  EXPECT_EQ(doors[0].kind, OpeningKind::kDoor);
+  EXPECT_NEAR(doors[0].from_m, 1.0, 1e-9);
+  EXPECT_NEAR(doors[0].to_m, 1.9, 1e-9);
+  EXPECT_NEAR(doors[0].bottom_m, 0, 1e-9);
+  // The same of an open door.
+  Face open;
+  open.Set(20, 38, 0, 40, kOpen | kFront | kBehind);
+  open.Set(26, 60, 0, 9, kThing | kFront);
+  const std::vector<FaceOpening> gaps = FindOpenings(open.profile, open.face);
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_EQ(gaps[0].kind, OpeningKind::kDoor);
+  EXPECT_NEAR(gaps[0].bottom_m, 0, 1e-9);
+}
+
+// Of a window the wall below is not seen behind a desk, or seen in a part: it is no door.
+TEST(FindOpenings, AWindowBehindADeskIsNoDoor) {
+  for (const int first_hidden : {20, 30}) {
+    Face face;
+    face.Move(20, 38, 16, 40, -0.05F);
+    face.Set(first_hidden, 60, 0, 16, kThing | kFront);
+    const std::vector<FaceOpening> openings = FindOpenings(face.profile, face.face);
+    for (const FaceOpening& opening : openings) EXPECT_EQ(opening.kind, OpeningKind::kWindow);
+  }
+}
+
 TEST(FindOpenings, AGapWithoutDepthIsAWindowUnlessAThingStandsThere) {
   Face glass;
   glass.Set(20, 44, 18, 42, kBlind);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -96,8 +99,47 @@ TEST(PlanCanvas, IsTurnedWithTheWallsAndTrueToScale) {
 TEST(FloorPlan, MarksSidesThatWereGuessed) {
   FloorPlanContent content = TwoRooms();
   EXPECT_THAT(FloorPlan(content), Not(HasSubstr("<path class='fp-guessed'")));
-  content.layout_world.rooms[0].guessed[3] = true;
+  // A wall that was seen in a part of its side alone leaves the rest of it.
+  content.layout_world.walls[3].from_m = {0, 1.5};
   EXPECT_EQ(CountOf(FloorPlan(content), "<path class='fp-guessed'"), 1U);
+  content.layout_world.walls[0].rooms.clear();
+  EXPECT_EQ(CountOf(FloorPlan(content), "<path class='fp-guessed'"), 2U);
+}
+
+// Where texts of a class stand.
+std::vector<Eigen::Vector2d> PlacesOf(const std::string& svg, const std::string& css_class) {
+  const std::regex group("<g transform='translate\\(([-0-9.]+) ([-0-9.]+)\\)[^']*'><text class='" +
+                         css_class + "'");
+  std::vector<Eigen::Vector2d> places;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), group), end; at != end; ++at)
+    places.emplace_back(std::stod((*at)[1]), std::stod((*at)[2]));
+  return places;
+}
+
+// Furniture before the middles of walls, where lengths would stand.
+TEST(FloorPlan, LengthsStandBesideNamesAndNotOverThem) {
+  FloorPlanContent content = TwoRooms();
+  for (const double x : {2.0, 6.1}) {
+    content.things.push_back(MakePlanThing(
+        "cabinet", {Eigen::Quaterniond::Identity(), {x, 0.15, 0.4}}, {1.2, 0.3, 0.8}, {}));
+  }
+  const std::string svg = FloorPlan(content);
+  const std::vector<Eigen::Vector2d> lengths = PlacesOf(svg, "fp-length");
+  const std::vector<Eigen::Vector2d> names = PlacesOf(svg, "fp-name");
+  EXPECT_EQ(lengths.size(), 8U) << "one for each wall";
+  ASSERT_EQ(names.size(), 3U);
+  for (const Eigen::Vector2d& length : lengths) {
+    for (const Eigen::Vector2d& name : names) {
+      const Eigen::Vector2d apart = (length - name).cwiseAbs();
+      EXPECT_TRUE(apart.x() > 25 || apart.y() > 10) << length.transpose();
+    }
+  }
+}
+
+TEST(FloorPlan, TellsHowWideAndHighOpeningsAre) {
+  const std::string svg = FloorPlan(TwoRooms());
+  EXPECT_THAT(svg, HasSubstr("0.90 x 2.00"));
+  EXPECT_THAT(svg, HasSubstr("1.20 x 1.20"));
 }
 
 TEST(FloorPlan, OfNothingAndOfFurnitureAlone) {

@@ -19,11 +19,13 @@ constexpr double kMinHeight_m = 0.4;
 constexpr double kMinFill = 0.5;      // of the rectangle that is gap
 constexpr double kMinFrame = 0.4;     // of a side that is wall
 constexpr double kThreshold_m = 0.3;  // what begins lower reaches the floor
-constexpr double kRecess_m = 0.02;    // a leaf lies this much deeper than its wall, or more
-constexpr double kBeside_m = 0.2;     // where the frame of an opening is looked for
+// Of an opening's width that has to be seen down to the floor, where furniture hides the rest.
+constexpr double kFootShare = 0.25;
+constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wall, or more
+constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
 
 constexpr double kThingShare = 0.1;  // before a gap without depth: then it is a thing's
-constexpr double kPaneFill = 0.7;     // of a window's rectangle that is set back
+constexpr double kPaneFill = 0.7;    // of a window's rectangle that is set back
 constexpr double kPaneConfidence = 0.6;
 constexpr double kMullion_m = 0.2;  // wall between the sashes of one window
 constexpr double kLevel_m = 0.12;   // their ends differ by less: two cells and a little
@@ -155,7 +157,7 @@ class FaceSearch {
       const CellBox box = BoxOf(cells, box_);
       if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
       if (ShareOf(box, box_, gap) < kMinFill) continue;
-      if (const auto opening = Classified(box)) found.push_back(*opening);
+      if (const auto opening = Classified(box, ReachesFloor(box, gap))) found.push_back(*opening);
     }
   }
 
@@ -166,7 +168,7 @@ class FaceSearch {
     for (const Cells& cells : Components(box_, deep)) {
       const CellBox box = BoxOf(cells, box_);
       if (!IsDoorSized(box) || ShareOf(box, box_, deep) < kMinFill) continue;
-      if (Bottom(box) > face_.floor_m + kThreshold_m) continue;
+      if (!ReachesFloor(box, deep)) continue;
       const CellTest flush = [&](int slot, int row) {
         return (At(slot, row) & kSolid) != 0 && !deep(slot, row);
       };
@@ -194,7 +196,7 @@ class FaceSearch {
       const CellBox box = BoxOf(cells, box_);
       if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
       if (ShareOf(box, box_, set_back) < kPaneFill) continue;
-      if (Bottom(box) <= face_.floor_m + kThreshold_m) continue;
+      if (ReachesFloor(box, set_back)) continue;
       const Frame frame = FrameOf(box, flush);
       if (frame.num_sides() < 4 || IsDarkThing(box)) continue;
       FaceOpening opening = OpeningOf(box, OpeningKind::kWindow);
@@ -266,14 +268,34 @@ class FaceSearch {
     return opening;
   }
 
-  [[nodiscard]] std::optional<FaceOpening> Classified(const CellBox& box) const {
+  // Whether what passes the test goes down to the floor, in a part of the box's width at least
+  // where things stand before the rest. A wall seen below the box says that it does not.
+  [[nodiscard]] bool ReachesFloor(const CellBox& box, const CellTest& test) const {
+    if (Bottom(box) <= face_.floor_m + kThreshold_m) return true;
+    const int low_row = box_.first_row + static_cast<int>(kThreshold_m / kCell_m);
+    int num_reaching = 0;
+    int num_wall = 0;
+    for (int slot = box.first_slot; slot < box.end_slot; ++slot) {
+      const CellBox below{slot, slot + 1, box_.first_row, box.first_row};
+      const CellBox foot{slot, slot + 1, box_.first_row, low_row};
+      const double wall =
+          ShareOf(below, box_, [&](int s, int row) { return IsSolid(s, row) && !test(s, row); });
+      const bool is_wall = wall > kMinFrame;
+      num_wall += is_wall ? 1 : 0;
+      num_reaching += !is_wall && ShareOf(foot, box_, test) > 0 ? 1 : 0;
+    }
+    const double least = kFootShare * (box.end_slot - box.first_slot);
+    return num_reaching >= least && num_wall < least;
+  }
+
+  [[nodiscard]] std::optional<FaceOpening> Classified(const CellBox& box,
+                                                      bool reaches_floor) const {
     const Frame frame = FrameOf(box, [this](int slot, int row) { return IsSolid(slot, row); });
     const double behind =
         ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBehind) != 0; });
     const double blind = BlindShare(box);
     if (IsDarkThing(box)) return std::nullopt;
-    return Bottom(box) <= face_.floor_m + kThreshold_m ? AtFloor(box, frame, behind, blind)
-                                                       : Above(box, frame, behind, blind);
+    return reaches_floor ? AtFloor(box, frame, behind, blind) : Above(box, frame, behind, blind);
   }
 
   [[nodiscard]] std::optional<FaceOpening> AtFloor(const CellBox& box,

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/report/html.h"
+#include "deepslam/report/plan_labels.h"
 #include "deepslam/report/plan_walls.h"
 #include "deepslam/scene/wall_geometry.h"
 
@@ -19,10 +20,6 @@ namespace {
 
 constexpr double kMargin_px = 84;  // measures stand in it
 constexpr double kFooter_px = 46;  // scale and caption
-constexpr double kLeastFont_px = 6.5;
-constexpr double kLargestFont_px = 11;
-constexpr double kCharacter = 0.56;  // width of one, of the size of the font
-constexpr double kSearch_m = 0.15;   // step in which a free place for a room's name is looked for
 
 constexpr std::string_view kStyle =
     "<style>.fp text{font-family:Helvetica,Arial,sans-serif;fill:#222;text-anchor:middle}"
@@ -38,6 +35,9 @@ constexpr std::string_view kStyle =
     ".fp-thing{stroke:#444;stroke-width:1;fill-opacity:.28}"
     ".fp-front{stroke:#444;stroke-width:2.6;fill:none}"
     ".fp text.fp-size{fill:#555}.fp text.fp-length{font-size:10px;fill:#666}"
+    ".fp text.fp-opening{font-size:7.5px;fill:#444}"
+    ".fp-opening,.fp-name,.fp-size,.fp-length,.fp-room,.fp-area,.fp-small{paint-order:stroke;"
+    "stroke:#fff;stroke-opacity:.75;stroke-width:2px;stroke-linejoin:round}"
     ".fp text.fp-room{font-size:14px;font-weight:bold}.fp text.fp-area{font-size:12px;fill:#444}"
     ".fp-measure{stroke:#555;stroke-width:.8;fill:none}.fp text.fp-measured{font-size:11px}"
     ".fp text.fp-left{text-anchor:start}.fp text.fp-title{font-size:15px;font-weight:bold;"
@@ -101,94 +101,6 @@ std::string ThingShape(const PlanCanvas& canvas, const PlanThing& thing) {
       a.y(),
       b.x(),
       b.y());
-}
-
-// Name and measures in the middle of the footprint, as large as it lets them be.
-std::string ThingLabel(const PlanCanvas& canvas, const PlanThing& thing) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& corner : thing.corners_m) box.extend(canvas.ToPixels(corner));
-  const std::string measures =
-      fmt::format("{:.2f} x {:.2f} x {:.2f}", thing.size_m.x(), thing.size_m.y(), thing.size_m.z());
-  const bool upright = box.sizes().y() > 1.6 * box.sizes().x();
-  const double room_px = upright ? box.sizes().y() : box.sizes().x();
-  const auto size_of = [&](const std::string& text, double largest_px) {
-    return std::clamp(0.94 * room_px / (kCharacter * static_cast<double>(text.size())),
-                      kLeastFont_px,
-                      largest_px);
-  };
-  const double name_px = size_of(thing.name, kLargestFont_px);
-  const double size_px = std::min(name_px, size_of(measures, kLargestFont_px - 2));
-  const Eigen::Vector2d middle = box.center();
-  return fmt::format(
-      "<g transform='translate({:.1f} {:.1f}){}'><text style='font-size:{:.1f}px' y='-1'>{}</text>"
-      "<text class='fp-size' style='font-size:{:.1f}px' y='{:.1f}'>{}</text></g>",
-      middle.x(),
-      middle.y(),
-      upright ? " rotate(-90)" : "",
-      name_px,
-      EscapeHtml(thing.name),
-      size_px,
-      size_px + 1,
-      measures);
-}
-
-double DistanceToEdges(const std::vector<Eigen::Vector2d>& polygon_m, const Eigen::Vector2d& p) {
-  double nearest = 1e9;
-  for (std::size_t n = 0; n < polygon_m.size(); ++n) {
-    const Eigen::Vector2d& a = polygon_m[n];
-    const Eigen::Vector2d along = polygon_m[(n + 1) % polygon_m.size()] - a;
-    const double length = std::max(along.squaredNorm(), 1e-12);
-    const double t = std::clamp((p - a).dot(along) / length, 0.0, 1.0);
-    nearest = std::min(nearest, (p - a - t * along).norm());
-  }
-  return nearest;
-}
-
-// The place in a room that is farthest from its walls and from what stands in it.
-Eigen::Vector2d FreePlace(const LayoutRoom& room, const std::vector<PlanThing>& things) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& corner : room.polygon_m) box.extend(corner);
-  constexpr double kMostPlaces = 40;  // a side
-  const double step_m = std::max(kSearch_m, box.sizes().maxCoeff() / kMostPlaces);
-  Eigen::Vector2d best = box.center();
-  double best_m = -1;
-  for (double x = box.min().x() + 0.5 * step_m; x < box.max().x(); x += step_m) {
-    for (double y = box.min().y() + 0.5 * step_m; y < box.max().y(); y += step_m) {
-      const Eigen::Vector2d p(x, y);
-      if (!IsInside(room.polygon_m, p)) continue;
-      double free_m = DistanceToEdges(room.polygon_m, p);
-      for (const PlanThing& thing : things) {
-        const std::vector<Eigen::Vector2d> print(thing.corners_m.begin(), thing.corners_m.end());
-        free_m = std::min(free_m, IsInside(print, p) ? 0 : DistanceToEdges(print, p));
-      }
-      if (free_m <= best_m) continue;
-      best_m = free_m;
-      best = p;
-    }
-  }
-  return best;
-}
-
-std::string RoomLabel(const PlanCanvas& canvas,
-                      const FloorPlanContent& content,
-                      std::size_t number) {
-  const LayoutRoom& room = content.layout_world.rooms[number];
-  const Eigen::Vector2d at = canvas.ToPixels(FreePlace(room, content.things));
-  std::string svg = fmt::format(
-      "<text class='fp-room' x='{0:.1f}' y='{1:.1f}'>Room {2}</text>"
-      "<text class='fp-area' x='{0:.1f}' y='{3:.1f}'>{4:.1f} m²</text>",
-      at.x(),
-      at.y() - 3,
-      number,
-      at.y() + 12,
-      AreaOf(room.polygon_m));
-  if (HasCeiling(room)) {
-    svg += fmt::format("<text class='fp-small' x='{:.1f}' y='{:.1f}'>h {:.2f}</text>",
-                       at.x(),
-                       at.y() + 25,
-                       room.ceiling_m - room.floor_m);
-  }
-  return svg;
 }
 
 // Overall measures left of what is drawn and below it.
@@ -360,9 +272,7 @@ std::string FloorPlan(const FloorPlanContent& content,
   for (const PlanThing& thing : content.things) svg += ThingShape(canvas, thing);
   svg += PlanWalls(canvas, layout) + PlanOpenings(canvas, layout);
   if (draw_over) svg += draw_over(canvas);
-  svg += PlanLengths(canvas, layout);
-  for (const PlanThing& thing : content.things) svg += ThingLabel(canvas, thing);
-  for (std::size_t n = 0; n < layout.rooms.size(); ++n) svg += RoomLabel(canvas, content, n);
+  svg += PlanLabels(canvas, content);
   if (!layout.walls.empty() || !layout.rooms.empty()) svg += OverallMeasures(canvas);
   return svg + ScaleBar(canvas) + FirstViewArrow(canvas) + TitleOf(content) + "</svg>\n";
 }

@@ -14,7 +14,4 @@ namespace deepslam::report {
 // What opens them, drawn over them; what is doubtful with dashes.
 [[nodiscard]] std::string PlanOpenings(const PlanCanvas& canvas, const Layout& layout);
 
-// The length of each wall beside its face.
-[[nodiscard]] std::string PlanLengths(const PlanCanvas& canvas, const Layout& layout);
-
 }  // namespace deepslam::report

@@ -80,6 +80,9 @@ void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
   visitor.Field("habitat",
                 options.habitat,
                 "also write scene.semantic.glb and scene.semantic.txt, as Habitat reads them");
+  visitor.Field("plan_dxf",
+                options.plan_dxf,
+                "also write plan.dxf: the floor plan for CAD programs, in metres");
   visitor.Field("room", options.room, "put the room's measured surface into the scene");
   visitor.Choice(
       "surroundings",

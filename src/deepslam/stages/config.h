@@ -73,6 +73,7 @@ struct ExportStageOptions {
   bool labelled_ply = false;            // scene.ply
   bool habitat = false;                 // scene.semantic.glb and scene.semantic.txt
   bool room = true;
+  bool plan_dxf = false;                // plan.dxf
   std::string surroundings = "both";  // layout | measured | both
   bool trajectory = true;
 };

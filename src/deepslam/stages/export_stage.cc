@@ -17,6 +17,7 @@
 #include "deepslam/presentation/map_plan.h"
 #include "deepslam/presentation/objects_csv.h"
 #include "deepslam/report/floor_plan.h"
+#include "deepslam/report/plan_dxf.h"
 #include "deepslam/report/sanity_checks.h"
 #include "deepslam/stages/mesh_options.h"
 #include "deepslam/stages/plan.h"
@@ -63,6 +64,14 @@ Status WriteOnRequest(StageContext& context,
   if (!pair.ok()) return pair.error();
   const Status status = context.Write("scene.semantic.glb", pair->glb);
   return status.ok() ? context.Write("scene.semantic.txt", pair->txt) : status;
+}
+
+Status WritePlans(StageContext& context,
+                  const report::FloorPlanContent& plan,
+                  const ExportStageOptions& wanted) {
+  const Status status = context.Write("plan.svg", report::FloorPlan(plan));
+  if (!status.ok() || !wanted.plan_dxf) return status;
+  return context.Write("plan.dxf", report::FloorPlanDxf(plan));
 }
 
 StageSummary Summary(const CompactMap& map,
@@ -112,9 +121,9 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   if (status.ok() && glbs.size() > 2)
     status = WriteEncoded(context, "scene.uncompressed.glb", glbs[2]);
   if (status.ok()) {
-    status = context.Write(
-        "plan.svg",
-        report::FloorPlan(presentation::PlanOf(finished, inputs.classes, run.capture_name)));
+    status = WritePlans(context,
+                        presentation::PlanOf(finished, inputs.classes, run.capture_name),
+                        config.export_stage);
   }
   if (status.ok()) status = WriteOnRequest(context, scene, config.export_stage);
   if (status.ok()) status = WriteEncoded(context, "map.json", map_json);
