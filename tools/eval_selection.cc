@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -12,10 +14,12 @@
 #include "deepslam/artifact/scene_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/eval/shape_similarity.h"
+#include "deepslam/eval/unseen_surface.h"
 #include "deepslam/shape/stretch.h"
 #include "deepslam/storage/store.h"
 #include "eval_commands.h"
 #include "eval_data.h"
+#include "eval_unseen.h"
 
 namespace deepslam::tools {
 namespace {
@@ -30,6 +34,7 @@ constexpr std::uint64_t kBootstrapSeed = 1;
 struct ShapeFigures {
   std::vector<double> iou_sweep;
   double chamfer = 0;
+  double unseen_share = 0;  // eval/unseen_surface.h; 0 where nobody asked
 };
 
 struct ScoredCandidate {
@@ -43,11 +48,20 @@ struct ScoredCandidate {
 // opinion best first.
 struct ObjectCandidates {
   std::string name;
+  std::string capture;
+  int true_number = 0;  // in the truth's list, from 1
   std::vector<ScoredCandidate> candidates;
   std::vector<ScoredCandidate> refined;
   CandidateId greedy;
   CandidateId selected;  // of `candidates`
   CandidateId final;     // of either
+};
+
+// What the command was asked beside its pairs.
+struct Question {
+  std::string annotation;  // file in place of the truth's; empty: that
+  bool unseen = false;     // how much of the unseen surface is right, as well
+  std::string json_file;   // empty: standard output
 };
 
 // What stages propose, register and select left.
@@ -80,7 +94,8 @@ Result<Proposed> ReadProposed(const fs::path& workspace, const Truth& truth) {
 Result<ShapeFigures> CompareAsPlaced(const VoxelGrid& grid,
                                      const CandidateRegistration& registration,
                                      const Proposed& proposed,
-                                     const TrueObject& truth) {
+                                     const TrueObject& truth,
+                                     std::span<const Eigen::Vector3d> unseen) {
   const int quarters = eval::QuarterTurnsAsPlaced(
       proposed.truth_from_tracking * registration.world_from_object, truth.box.world_from_object);
   const eval::Volume ours(shape::TurnGrid(grid, quarters));
@@ -92,15 +107,25 @@ Result<ShapeFigures> CompareAsPlaced(const VoxelGrid& grid,
   if (!points.ok()) return points.error();
   const auto true_points = eval::SampleForChamfer(eval::Volume(truth.grid), kChamferSeed);
   if (!true_points.ok()) return true_points.error();
-  return ShapeFigures{eval::IouPerThreshold(*volume, *true_volume),
-                      eval::ChamferDistance(*points, *true_points)};
+  ShapeFigures figures{eval::IouPerThreshold(*volume, *true_volume),
+                       eval::ChamferDistance(*points, *true_points)};
+  if (!unseen.empty()) {
+    figures.unseen_share = eval::ShareOnSurface(
+        shape::ShapeModel(grid),
+        Similarity3::From(proposed.truth_from_tracking * registration.world_from_object,
+                          registration.scale_m),
+        unseen);
+  }
+  return figures;
 }
 
 Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
                                          const MappedObject& mapped,
                                          const Proposed& proposed,
-                                         const TrueObject& truth) {
+                                         const TrueObject& truth,
+                                         std::span<const Eigen::Vector3d> unseen) {
   ObjectCandidates object;
+  object.true_number = truth.number;
   object.name = mapped.name;
   object.final = mapped.object.chosen;
   object.greedy =
@@ -113,7 +138,8 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
       continue;
     const Result<VoxelGrid> grid = ReadCandidateModel(workspace, proposed.files, candidate->second);
     if (!grid.ok()) return grid.error();
-    Result<ShapeFigures> figures = CompareAsPlaced(*grid, registration->second, proposed, truth);
+    Result<ShapeFigures> figures =
+        CompareAsPlaced(*grid, registration->second, proposed, truth, unseen);
     if (!figures.ok()) return figures.error();
     const bool is_derived = TraitsOf(candidate->second.source).is_derived;
     auto& those = is_derived ? object.refined : object.candidates;
@@ -128,10 +154,16 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
 }
 
 Status AddPair(const EvalPair& pair,
-               const std::string& annotation,
+               const Question& question,
                std::vector<ObjectCandidates>& objects) {
-  const Result<Truth> truth = ReadTruth(pair.truth, annotation);
+  const Result<Truth> truth = ReadTruth(pair.truth, question.annotation);
   if (!truth.ok()) return truth.error();
+  std::vector<std::vector<Eigen::Vector3d>> unseen(truth->objects.size());
+  if (question.unseen) {
+    auto points = UnseenPoints(*truth);
+    if (!points.ok()) return points.error();
+    unseen = std::move(points).value();
+  }
   const Result<MapResult> map = ReadMapResult(pair.workspace, *truth);
   if (!map.ok()) return map.error();
   const Result<Proposed> proposed = ReadProposed(pair.workspace, *truth);
@@ -140,9 +172,10 @@ Status AddPair(const EvalPair& pair,
        eval::MatchObjects(BoxesOf(*map), BoxesOf(*truth), eval::PlacementOptions())) {
     const TrueObject& true_object = truth->objects[match.truth];
     if (!match.same_class || !true_object.has_shape) continue;
-    Result<ObjectCandidates> object =
-        ScoreCandidates(pair.workspace, map->objects[match.estimated], *proposed, true_object);
+    Result<ObjectCandidates> object = ScoreCandidates(
+        pair.workspace, map->objects[match.estimated], *proposed, true_object, unseen[match.truth]);
     if (!object.ok()) return object.error();
+    object->capture = pair.truth.string();
     if (!object->candidates.empty()) objects.push_back(std::move(object).value());
   }
   return Ok();
@@ -183,12 +216,13 @@ const ShapeFigures* Oracle(const ObjectCandidates& object) {
 }
 
 ShapeFigures Mean(const ObjectCandidates& object) {
-  ShapeFigures mean{std::vector<double>(eval::kNumIouThresholds, 0.0), 0};
+  ShapeFigures mean{std::vector<double>(eval::kNumIouThresholds, 0.0), 0, 0};
   const auto count = static_cast<double>(object.candidates.size());
   for (const ScoredCandidate& candidate : object.candidates) {
     for (std::size_t n = 0; n < mean.iou_sweep.size(); ++n)
       mean.iou_sweep[n] += candidate.figures.iou_sweep[n] / count;
     mean.chamfer += candidate.figures.chamfer / count;
+    mean.unseen_share += candidate.figures.unseen_share / count;
   }
   return mean;
 }
@@ -242,16 +276,18 @@ std::vector<Row> RowsOf(const std::vector<ObjectCandidates>& objects,
 }
 
 // A row beside `initial`, over the objects that have both.
-JsonValue RowJson(const Row& row, const Row& initial) {
+JsonValue RowJson(const Row& row, const Row& initial, bool with_unseen) {
   std::vector<std::vector<double>> sweeps;
   std::vector<std::vector<double>> initial_sweeps;
   std::vector<double> chamfer;
   std::vector<double> chamfer_gain;
+  std::vector<double> unseen;
   for (std::size_t i = 0; i < row.chosen.size(); ++i) {
     if (row.chosen[i] == nullptr) continue;
     sweeps.push_back(row.chosen[i]->iou_sweep);
     initial_sweeps.push_back(initial.chosen[i]->iou_sweep);
     chamfer.push_back(row.chosen[i]->chamfer);
+    unseen.push_back(row.chosen[i]->unseen_share);
     chamfer_gain.push_back(row.chosen[i]->chamfer - initial.chosen[i]->chamfer);
   }
   const eval::SetIou iou = eval::BestOverSet(sweeps);
@@ -262,10 +298,11 @@ JsonValue RowJson(const Row& row, const Row& initial) {
   const eval::Interval gain = eval::BootstrapMean(iou_gain, kBootstrapSeed);
   const eval::Interval mean_chamfer = eval::BootstrapMean(chamfer, kBootstrapSeed);
   const eval::Interval chamfer_change = eval::BootstrapMean(chamfer_gain, kBootstrapSeed);
+  const eval::Interval mean_unseen = eval::BootstrapMean(unseen, kBootstrapSeed);
   if (!sweeps.empty()) {
     fmt::print(stderr,
                "{:<18} {:>3} {:>7.4f} {:>+8.4f} [{:+.4f}, {:+.4f}] {:>7.4f} {:>+8.4f} [{:+.4f}, "
-               "{:+.4f}]\n",
+               "{:+.4f}]{}\n",
                row.name,
                sweeps.size(),
                iou.mean,
@@ -275,7 +312,8 @@ JsonValue RowJson(const Row& row, const Row& initial) {
                mean_chamfer.mean,
                chamfer_change.mean,
                chamfer_change.low,
-               chamfer_change.high);
+               chamfer_change.high,
+               with_unseen ? fmt::format(" {:>6.1f} %", 100 * mean_unseen.mean) : "");
   }
   JsonObject json;
   json.emplace("row", row.name);
@@ -285,17 +323,20 @@ JsonValue RowJson(const Row& row, const Row& initial) {
   json.emplace("iou_minus_initial", ToJson(gain));
   json.emplace("chamfer", mean_chamfer.mean);
   json.emplace("chamfer_minus_initial", ToJson(chamfer_change));
+  if (with_unseen) json.emplace("unseen_share", ToJson(mean_unseen));
   JsonArray each;
   for (const double value : iou.each) each.emplace_back(value);
   json.emplace("iou_each", std::move(each));
   return JsonValue(std::move(json));
 }
 
-JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects) {
+JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects, bool with_unseen) {
   JsonArray rows;
   for (const ObjectCandidates& object : objects) {
     JsonObject row;
     row.emplace("mapped", object.name);
+    row.emplace("capture", object.capture);
+    row.emplace("true_number", object.true_number);
     JsonArray candidates;
     for (const auto* those : {&object.candidates, &object.refined}) {
       for (const ScoredCandidate& candidate : *those) {
@@ -304,6 +345,7 @@ JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects) {
         entry.emplace("source", NameOf(candidate.source));
         entry.emplace("iou_peak", Peak(candidate.figures));
         entry.emplace("chamfer", candidate.figures.chamfer);
+        if (with_unseen) entry.emplace("unseen_share", candidate.figures.unseen_share);
         candidates.emplace_back(std::move(entry));
       }
     }
@@ -316,14 +358,12 @@ JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects) {
   return rows;
 }
 
-int EvalSelection(const std::vector<std::string>& paths,
-                  const std::string& annotation,
-                  const std::string& json_file) {
+int EvalSelection(const std::vector<std::string>& paths, const Question& question) {
   const Result<std::vector<EvalPair>> pairs = PairsOf(paths);
   if (!pairs.ok()) return ReportError(pairs.error());
   std::vector<ObjectCandidates> objects;
   for (const EvalPair& pair : *pairs) {
-    if (Status status = AddPair(pair, annotation, objects); !status.ok())
+    if (Status status = AddPair(pair, question, objects); !status.ok())
       return ReportError(status.error());
   }
   if (objects.empty())
@@ -333,15 +373,16 @@ int EvalSelection(const std::vector<std::string>& paths,
   for (const ObjectCandidates& object : objects) means.push_back(Mean(object));
   const std::vector<Row> rows = RowsOf(objects, means);
   fmt::print(stderr,
-             "{:<18} {:>3} {:>7} {:>26} {:>8} {:>26}\n",
+             "{:<18} {:>3} {:>7} {:>26} {:>8} {:>26}{}\n",
              "choice",
              "n",
              "IoU",
              "- initial [95 %]",
              "CD",
-             "- initial [95 %]");
+             "- initial [95 %]",
+             question.unseen ? "   unseen" : "");
   JsonArray row_json;
-  for (const Row& row : rows) row_json.push_back(RowJson(row, rows.front()));
+  for (const Row& row : rows) row_json.push_back(RowJson(row, rows.front(), question.unseen));
   JsonObject document = artifact::NewDocument("deepslam/eval_selection", 1);
   JsonObject protocols;
   protocols.emplace("iou", eval::kPix3dIou);
@@ -352,11 +393,12 @@ int EvalSelection(const std::vector<std::string>& paths,
       "initial",
       "the network's candidate of the earliest view that proposed; without networks, the "
       "first candidate");
+  if (question.unseen) protocols.emplace("unseen_share", eval::kUnseenProtocol);
   document.emplace("protocols", std::move(protocols));
   document.emplace("rows", std::move(row_json));
-  document.emplace("objects", ObjectRows(objects));
+  document.emplace("objects", ObjectRows(objects, question.unseen));
   const Result<std::string> text = DumpJson(std::move(document), "selection");
-  const Status status = text.ok() ? WriteResult(json_file, *text) : Status(text.error());
+  const Status status = text.ok() ? WriteResult(question.json_file, *text) : Status(text.error());
   return status.ok() ? kExitOk : ReportError(status.error());
 }
 
@@ -365,8 +407,7 @@ int EvalSelection(const std::vector<std::string>& paths,
 void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
   struct Arguments {
     std::vector<std::string> paths;
-    std::string annotation;
-    std::string json;
+    Question question;
     bool held_out = false;
     std::string judge_by;
   };
@@ -378,9 +419,16 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
                    arguments->paths,
                    "WORKSPACE TRUTH, or several such pairs that are scored as one set")
       ->required();
-  command->add_option("--annotation", arguments->annotation, "Annotation file in place of TRUTH's");
   command->add_option(
-      "--json", arguments->json, "Write the result here instead of to standard output");
+      "--annotation", arguments->question.annotation, "Annotation file in place of TRUTH's");
+  command->add_option("--json",
+                      arguments->question.json_file,
+                      "Write the result here instead of to standard output");
+  command->add_flag(
+      "--unseen",
+      arguments->question.unseen,
+      "Also how much of the surface that no frame saw lies within 5 cm of each model; "
+      "of captures with instance masks");
   command->add_flag("--held-out",
                     arguments->held_out,
                     "Without truth: agreement with the depth of frames no view comes from; the "
@@ -392,10 +440,10 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
   command->callback([&chosen, arguments] {
     chosen = [arguments] {
       if (arguments->held_out)
-        return EvalHeldOut(arguments->paths, arguments->judge_by, arguments->json);
+        return EvalHeldOut(arguments->paths, arguments->judge_by, arguments->question.json_file);
       if (!arguments->judge_by.empty())
         return ReportError(InvalidConfig("--judge-by: only with --held-out"));
-      return EvalSelection(arguments->paths, arguments->annotation, arguments->json);
+      return EvalSelection(arguments->paths, arguments->question);
     };
   });
 }

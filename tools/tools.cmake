@@ -17,7 +17,7 @@ target_link_libraries(deepslam PRIVATE deepslam_commands)
 add_executable(deepslam_tools
   candidate_files.cc command_tree.cc completion_script.cc deepslam_tools.cc eval_boxes.cc eval_command.cc eval_data.cc
   eval_detections.cc eval_held_out.cc eval_layout.cc eval_map.cc eval_objects.cc eval_selection.cc
-  eval_silhouettes.cc eval_surfaces.cc eval_trajectory.cc forms_command.cc furniture_files.cc known_shapes.cc man_page.cc
+  eval_silhouettes.cc eval_surfaces.cc eval_trajectory.cc eval_unseen.cc forms_command.cc furniture_files.cc known_shapes.cc man_page.cc
   priors_command.cc priors_look.cc synth_capture.cc synth_command.cc training_models.cc training_shards.cc)
 target_link_libraries(deepslam_tools PRIVATE
   deepslam_commands deepslam::eval deepslam::synth deepslam::furniture deepslam::priors)

@@ -81,6 +81,9 @@ walk:
 
 
 class Driver:
+    scene = staticmethod(scene)
+    variants = VARIANTS
+
     def __init__(self, args):
         self.args = args
 
@@ -96,10 +99,10 @@ class Driver:
     def render(self, seed):
         file = self.args.work / "scenes" / f"{seed:03d}.yaml"
         made = (self.capture(seed) / "groundtruth.txt").exists()
-        if made and file.exists() and file.read_text() == scene(seed):
+        if made and file.exists() and file.read_text() == self.scene(seed):
             return True
         shutil.rmtree(self.capture(seed), ignore_errors=True)
-        file.write_text(scene(seed))
+        file.write_text(self.scene(seed))
         return self.call(f"{seed:03d}", "synth", file, "-o", self.capture(seed))
 
     def reconstruct(self, seed, variant, origin):
@@ -112,7 +115,7 @@ class Driver:
                 shutil.copytree(source / stage, workspace / stage)
             shutil.copy(source / "workspace.json", workspace)
         return self.call(f"{seed:03d}.{variant}", "run", self.capture(seed), "-o", workspace, "--progress", "none",
-                         "--threads", self.args.threads, *VARIANTS[variant], *self.args.run_options, "--until", "mesh")
+                         "--threads", self.args.threads, *self.variants[variant], *self.args.run_options, "--until", "mesh")
 
     def score(self, variant, seeds):
         result = self.args.work / "results" / f"{variant}.json"
