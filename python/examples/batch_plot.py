@@ -60,7 +60,7 @@ def draw_plan(axes: Axes, name: str, scene: deepslam.Scene) -> None:
         for opening in scene.layout.openings:
             axes.plot(*zip(opening.from_m, opening.to_m), color=OPENING_COLOURS[opening.kind], linewidth=3)
     for thing in scene.objects:
-        colour = [channel / 255 for channel in scene.class_colours[thing.class_name]]
+        colour = [channel / 255 for channel in scene.class_colours.get(thing.class_name, (150, 150, 150))]
         axes.add_patch(Polygon(thing.box.corners_m[FOOTPRINT, :2], facecolor=colour, edgecolor="0.2", alpha=0.7))
         x, y = thing.box.centre_m[:2]
         axes.annotate(thing.name, (x, y), ha="center", va="center", fontsize="xx-small")

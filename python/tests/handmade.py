@@ -160,14 +160,14 @@ def gltf_place(pose: dict[str, Any]) -> dict[str, Any]:
     return {"translation": [y, z, x], "rotation": [qy, qz, qx, qw]}
 
 
-def scene_glb(compressed: bool = False) -> bytes:
+def scene_glb(compressed: bool = False, chair: str = "chair_00") -> bytes:
     """The chair as it is, the table as a unit box with a scale, and a floor."""
     writer = GlbWriter()
-    chair = writer.mesh(to_gltf(CORNERS * CHAIR_SIZE), BOX_FACES, (65535, 0, 32768, 65535))
+    own = writer.mesh(to_gltf(CORNERS * CHAIR_SIZE), BOX_FACES, (65535, 0, 32768, 65535))
     unit = writer.mesh(to_gltf(CORNERS), BOX_FACES)
     floor = writer.mesh(to_gltf(np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0]])), np.array([[0, 1, 2]]))
     sx, sy, sz = TABLE_SIZE
-    writer.node(name="chair_00", mesh=chair, extras={"class": "chair", "instance": 0}, **gltf_place(CHAIR))
+    writer.node(name=chair, mesh=own, extras={"class": "chair", "instance": 0}, **gltf_place(CHAIR))
     writer.node(name="table_03", mesh=unit, extras={"class": "table", "instance": 3}, scale=[sy, sz, sx], **gltf_place(TABLE))
     writer.node(name="ground", mesh=floor)
     if compressed:

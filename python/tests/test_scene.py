@@ -124,6 +124,21 @@ class Handmade(unittest.TestCase):
         with self.assertRaisesRegex(deepslam.Error, "were dropped .*--force associate"):
             scene.not_mapped
 
+    def test_a_recording_takes_any_name(self) -> None:
+        if importlib.util.find_spec("rerun") is None:
+            self.skipTest("rerun-sdk is not installed")
+        document = handmade.compact_map()
+        document["objects"][0].update({"name": "Stühle/椅子 [0]", "class": "Stühle/椅子"})
+        (self.workspace / "export/map.json").write_text(json.dumps(document))
+        (self.workspace / "export/scene_graph.json").unlink()
+        file = self.workspace / "export/scene.uncompressed.glb"
+        file.write_bytes(handmade.scene_glb(chair="Stühle/椅子 [0]"))
+        deepslam.open(self.workspace).to_rerun(self.folder / "scene.rrd")
+        from rerun.chunk import RrdReader
+
+        paths = {str(chunk.entity_path) for chunk in RrdReader(self.folder / "scene.rrd").stream()}
+        self.assertEqual(len([path for path in paths if "椅子" in path]), 2, paths)
+
     def test_checking(self) -> None:
         for path, words in ((self.workspace, "2 objects, doubtful, 2 relations, 24 faces, 1 parts around them, 3 poses, 3 candidates"),
                             (self.workspace / "export/scene_graph.json", "2 objects, 2 relations")):

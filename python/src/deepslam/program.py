@@ -76,7 +76,8 @@ def run(
 ) -> RunResult:
     """Takes a capture through the chain, as `deepslam run` does, and waits for the end; continues where it was stopped.
 
-        result = deepslam.run("capture", "workspace", {"export.trajectory": False}, on_progress=lambda event: print(event.stage, event.text))
+        result = deepslam.run("capture", "workspace", {"export.trajectory": False},
+                              on_progress=lambda event: print(event.stage, event.text))
         print(result.ran, result.warnings)
 
     `options` are those of `deepslam config dump`, by name: {"detect.min_score": 0.4}. The others are the program's own
@@ -86,18 +87,10 @@ def run(
     """
     found = find_program(program)
     command = [str(found), "run", os.fspath(capture), "--output", os.fspath(workspace), "--progress", "json"]
-    for flag, values in (
-        ("--config", [os.fspath(file) for file in config]),
-        ("--set", [f"{name}={_option_text(value)}" for name, value in (options or {}).items()]),
-        ("--poses", _maybe(poses)),
-        ("--overrides", _maybe(overrides)),
-        ("--until", _maybe(until)),
-        ("--force", list(force)),
-        ("--threads", _maybe(threads)),
-        ("--data", _maybe(data)),
-    ):
-        for value in values:
-            command += [flag, value]
+    command += _flags({
+        "--config": config, "--set": [f"{name}={_option_text(value)}" for name, value in (options or {}).items()],
+        "--poses": _maybe(poses), "--overrides": _maybe(overrides), "--until": _maybe(until), "--force": force,
+        "--threads": _maybe(threads), "--data": _maybe(data)})
     listener = _Listener(on_progress)
     with tempfile.TemporaryDirectory(prefix="deepslam-") as folder:
         told = pathlib.Path(folder) / "result of deepslam run"
@@ -114,16 +107,20 @@ def expand(map_json: StrPath, scene_glb: StrPath, *, library: StrPath | None = N
     found = find_program(program)
     command = [str(found), "expand", os.fspath(map_json), "--output", os.fspath(scene_glb)]
     command += [] if compressed else ["--uncompressed"]
-    for flag, value in (("--library", library), ("--data", data)):
-        command += [] if value is None else [flag, os.fspath(value)]
+    command += _flags({"--library": _maybe(library), "--data": _maybe(data)})
     listener = _Listener(None)
     code = _follow(command, subprocess.DEVNULL, listener)
     if code != 0:
         raise program_error(found, "expand", code, listener.message())
 
 
-def _maybe(value: StrPath | int | None) -> list[str]:
-    return [] if value is None else [os.fspath(value) if isinstance(value, os.PathLike) else str(value)]
+def _maybe(value: StrPath | int | None) -> list[StrPath]:
+    return [] if value is None else [value if isinstance(value, os.PathLike) else str(value)]
+
+
+def _flags(values: Mapping[str, Sequence[StrPath]]) -> list[str]:
+    """Each flag once for every value of its list."""
+    return [word for flag, row in values.items() for value in row for word in (flag, os.fspath(value))]
 
 
 def _option_text(value: object) -> str:

@@ -31,15 +31,16 @@ def write_recording(scene: Scene, file: pathlib.Path) -> None:
     except ImportError as fault:
         raise Error(file, "", f"cannot be written: {fault}", "install the extra: `pip install deepslam[rerun]`") from None
     # The same map gives the same recording's name, so that opening it again replaces it.
-    recording = rr.RecordingStream("deepslam", recording_id=f"{scene.capture_name}-{scene.capture_hash[:16]}", send_properties=False)
+    name = f"{scene.capture_name}-{scene.capture_hash[:16]}"
+    recording = rr.RecordingStream("deepslam", recording_id=name, send_properties=False)
     try:
         recording.save(file)
     except (OSError, RuntimeError) as fault:
         raise Error(file, "", f"cannot be written: {fault}", "choose a file in a folder that you may write to") from None
     recording.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     _log_objects(recording, scene)
-    for name, mesh in scene.surroundings.items():
-        recording.log(f"room/{name}", _mesh(mesh), static=True)
+    for part, mesh in scene.surroundings.items():
+        recording.log(["room", part], _mesh(mesh), static=True)
     if scene.layout is not None:
         _log_layout(recording, scene.layout)
     if scene.workspace is not None:
@@ -61,13 +62,13 @@ def _log_objects(recording: rerun.RecordingStream, scene: Scene) -> None:
     for each in scene.objects:
         box, colour = each.box, scene.class_colours.get(each.class_name, _WALL_COLOUR)
         recording.log(
-            f"objects/{each.name}/box",
+            ["objects", each.name, "box"],
             rr.Transform3D(translation=box.centre_m, mat3x3=box.world_from_box[:3, :3]),
             rr.Boxes3D(half_sizes=[box.size_m / 2], labels=[f"{each.name} {each.confidence:.2f}"], colors=[colour]),
             rr.AnyValues(class_name=each.class_name, confidence=each.confidence, source=each.source, note=each.note),
             static=True)
         if len(each.mesh.faces):
-            recording.log(f"objects/{each.name}/mesh", _mesh(each.mesh_world), static=True)
+            recording.log(["objects", each.name, "mesh"], _mesh(each.mesh_world), static=True)
 
 
 def _log_layout(recording: rerun.RecordingStream, layout: Layout) -> None:

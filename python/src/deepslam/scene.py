@@ -44,7 +44,7 @@ class SceneObject:
         self.credit: str = stored.credit  # creator and licence of a CAD model; empty: none
         self.note: str = stored.note  # what is doubtful about it, in words; empty: nothing
         self.room: int | None = stored.room  # id of the room that holds its middle; None: none
-        self.stands_on: str | None = stored.stands_on  # `floor`, `wall` (it hangs), or the name of the object below; None: not known
+        self.stands_on: str | None = stored.stands_on  # `floor`, `wall` (it hangs), or the object below; None: not known
         self.against_wall: int | None = stored.against_wall  # id of the wall within 15 cm of a side of it; None: none
 
     def __repr__(self) -> str:
