@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import pathlib
 import re
 import shutil
@@ -13,6 +14,7 @@ import unittest
 import zipfile
 
 import deepslam
+from deepslam import compact_map, layout, relations
 
 PYTHON = pathlib.Path(__file__).resolve().parents[1]
 REPOSITORY = PYTHON.parent
@@ -56,6 +58,14 @@ class Package(unittest.TestCase):
         script = REPOSITORY / "scripts" / "python_docs.py"
         result = subprocess.run([sys.executable, "-B", script, "--check"], capture_output=True, text=True, timeout=60)
         self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_the_schema_knows_the_same_words(self) -> None:
+        schema = json.loads((REPOSITORY / "docs/scene_graph.schema.json").read_text())
+        parts = schema["$defs"]
+        self.assertEqual(list(relations.PREDICATES), parts["relation"]["properties"]["predicate"]["enum"])
+        self.assertEqual(list(layout.KINDS), parts["opening"]["properties"]["kind"]["enum"])
+        self.assertEqual(list(compact_map.VERDICTS), schema["properties"]["verdict"]["enum"])
+        self.assertEqual(schema["properties"]["version"]["const"], 1)
 
     def test_numpy_alone_is_needed(self) -> None:
         """Extras are imported where they are used."""

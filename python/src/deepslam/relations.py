@@ -54,7 +54,7 @@ def read_scene_graph(file: pathlib.Path) -> SceneGraph:
     """The file checked against itself: relations name what is in it."""
     root = read_document(
         file, "deepslam/scene_graph", 1,
-        missing="run `deepslam run` on its workspace again, with a program that writes it (option export.scene_graph)")
+        missing="run `deepslam run` on its workspace again, with a program that writes it")
     objects = {}
     for row in root["objects"].items():
         number = row["id"].integer()
