@@ -125,4 +125,4 @@ foreach(pair "deepslam-demo sample.sh" "deepslam-fetch-weights fetch_weights.sh"
   install(FILES "${PROJECT_BINARY_DIR}/installed/${name}" DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
 install(FILES README.md LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/deepslam)
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/deepslam FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/deepslam FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
