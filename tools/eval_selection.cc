@@ -49,6 +49,7 @@ struct ScoredCandidate {
 struct ObjectCandidates {
   std::string name;
   std::string capture;
+  std::string class_name;
   int true_number = 0;  // in the truth's list, from 1
   std::vector<ScoredCandidate> candidates;
   std::vector<ScoredCandidate> refined;
@@ -125,6 +126,7 @@ Result<ObjectCandidates> ScoreCandidates(const fs::path& workspace,
                                          const TrueObject& truth,
                                          std::span<const Eigen::Vector3d> unseen) {
   ObjectCandidates object;
+  object.class_name = truth.box.class_name;
   object.true_number = truth.number;
   object.name = mapped.name;
   object.final = mapped.object.chosen;
@@ -336,6 +338,7 @@ JsonArray ObjectRows(const std::vector<ObjectCandidates>& objects, bool with_uns
     JsonObject row;
     row.emplace("mapped", object.name);
     row.emplace("capture", object.capture);
+    row.emplace("class", object.class_name);
     row.emplace("true_number", object.true_number);
     JsonArray candidates;
     for (const auto* those : {&object.candidates, &object.refined}) {

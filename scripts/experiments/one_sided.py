@@ -85,10 +85,10 @@ class Driver(table1.Driver):
 
 
 def figures(selection):
-    """{(capture, true number): {source or 'final': (IoU, Chamfer, unseen share)}}; of each source the best scored."""
+    """{(class, capture, true number): {source or 'final': (IoU, Chamfer, unseen share)}}; of each source the best scored."""
     objects = {}
     for row in selection["objects"]:
-        of = objects.setdefault((row["capture"], row["true_number"]), {})
+        of = objects.setdefault((row["class"], row["capture"], row["true_number"]), {})
         for candidate in row["candidates"]:
             values = (candidate["iou_peak"], candidate["chamfer"], candidate["unseen_share"])
             of.setdefault(candidate["source"], values)
@@ -103,6 +103,20 @@ def mean_interval(values, seed=1, resamples=10000):
     n = len(values)
     means = sorted(sum(draw.choices(values, k=n)) / n for _ in range(resamples))
     return sum(values) / n, means[int(0.025 * resamples)], means[int(0.975 * resamples) - 1]
+
+
+def by_class(known, common):
+    """What ends in the map, without networks and with them, for each class."""
+    rows = []
+    for class_name in sorted({key[0] for key in common}):
+        keys = [key for key in common if key[0] == class_name and all("final" in known[v][key] for v in known)]
+        if not keys:
+            continue
+        cells = []
+        for n, digits, factor in ((0, 3, 1), (1, 3, 1), (2, 1, 100)):
+            cells += [f"{factor * sum(known[v][key]['final'][n] for key in keys) / len(keys):.{digits}f}" for v in VARIANTS]
+        rows.append([class_name, len(keys), *cells])
+    return table(["class", "objects", "IoU without", "with", "CD without", "with", "unseen % without", "with"], rows)
 
 
 def report(scored):
@@ -128,6 +142,7 @@ def report(scored):
                      (mean_interval([a[n] - b[n] for a, b in pairs]) for n in (0, 1, 2))]
             changes.append([f"{against}, measured", len(pairs), *cells])
         parts.append(table(["map with networks, less", "objects", "IoU, 95 %", "CD, 95 %", "unseen share, 95 %"], changes))
+        parts.append(by_class(known, common))
     return "\n\n".join(parts)
 
 

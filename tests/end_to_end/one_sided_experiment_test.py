@@ -53,7 +53,7 @@ def selection(*objects):
     for number, final, sources in objects:
         candidates = [{"candidate": n, "source": source, "iou_peak": iou, "chamfer": cd, "unseen_share": unseen}
                       for n, (source, (iou, cd, unseen)) in enumerate(sources.items())]
-        rows.append({"capture": "c", "true_number": number, "candidates": candidates,
+        rows.append({"class": "chair", "capture": "c", "true_number": number, "candidates": candidates,
                      "final": list(sources).index(final)})
     return {"objects": rows}
 
@@ -67,6 +67,7 @@ class Tables(unittest.TestCase):
         self.assertIn("| final, measured | 1 | 0.300 | 0.100 | 20.0 |", text)
         self.assertIn("| final, networks | 1 | 0.500 | 0.050 | 70.0 |", text)
         self.assertIn("| retrieval, measured | 1 | +0.300 [+0.300, +0.300]", text)
+        self.assertIn("| chair | 1 | 0.300 | 0.500 | 0.100 | 0.050 | 20.0 | 70.0 |", text)
 
     def test_intervals_hold_the_mean_and_narrow_with_the_number(self):
         mean, low, high = one_sided.mean_interval([0.0, 1.0] * 10)
