@@ -47,6 +47,10 @@ class Real(unittest.TestCase):
             np.testing.assert_allclose(bounds[1] - bounds[0], each.size_m, atol=1e-3)
             self.assertTrue((each.mesh_world.bounds_m[0, 2] > -0.1).all(), "nothing goes into the floor")
             self.assertIsNotNone(each.mesh.colours)
+            if importlib.util.find_spec("trimesh") is not None:
+                other = each.mesh.to_trimesh()
+                self.assertTrue(other.is_watertight, each)
+                self.assertAlmostEqual(float(other.volume), each.mesh.volume_m3)
 
     def test_expanded_meshes_are_those_of_the_scene(self) -> None:
         expanded = self.scene.expand(data=rooms.DATA)

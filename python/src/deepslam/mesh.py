@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -67,15 +67,15 @@ class Mesh:
         return dataclasses.replace(self, vertices_m=transform_points(b_from_a, self.vertices_m), normals=normals)
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """As trimesh has it, vertices as they are. Needs the extra: `pip install deepslam[mesh]`."""
+        """As trimesh has it: vertices at one place are one, so that what is closed is watertight; normals are its own.
+
+        Needs the extra: `pip install deepslam[mesh]`.
+        """
         import trimesh
 
-        more: dict[str, Any] = {}
-        if self.normals is not None:
-            more["vertex_normals"] = self.normals
-        if self.colours is not None:
-            more["vertex_colors"] = self.colours
-        return trimesh.Trimesh(self.vertices_m, self.faces, process=False, **more)
+        mesh = trimesh.Trimesh(self.vertices_m, self.faces, vertex_colors=self.colours, process=False)
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        return mesh
 
 
 EMPTY = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
