@@ -51,6 +51,10 @@ TEST(ClassTableFile, ReadsBackWhatItWrites) {
     ASSERT_EQ(read->classes.size(), table.classes.size());
     for (std::size_t n = 0; n < table.classes.size(); ++n)
       EXPECT_EQ(read->classes[n].traits, table.classes[n].traits) << table.classes[n].name;
+    for (std::size_t n = 0; n < table.classes.size(); ++n) {
+      EXPECT_EQ(read->classes[n].labels_elsewhere, table.classes[n].labels_elsewhere);
+      EXPECT_EQ(read->classes[n].physics, table.classes[n].physics);
+    }
     EXPECT_EQ(EncodeClassTable(*read), EncodeClassTable(table));
   }
 }
@@ -141,6 +145,60 @@ TEST(DefaultClasses, TraitsFitOneAnother) {
   }
 }
 
+TEST(ClassTableFile, ReadsWhatOtherProgramsCallAClassAndWhatItWeighs) {
+  const Result<ClassTable> table = DecodeClassTable(
+      File(3,
+           {Entry("chair"),
+            Entry("sink",
+                  "    coco: [81, sink]\n    nyu40: [34, \"a, b\"]\n    density_kg_m3: 250.5\n"
+                  "    fixed: true\n")}),
+      "c.yaml");
+  ASSERT_TRUE(table.ok()) << table.error().message;
+  EXPECT_EQ(table->classes[0].labels_elsewhere, CommonLabels());
+  EXPECT_EQ(table->classes[0].physics, ClassPhysics());
+  EXPECT_EQ(table->classes[1].labels_elsewhere.coco, (ClassLabel{81, "sink"}));
+  EXPECT_EQ(table->classes[1].labels_elsewhere.nyu40, (ClassLabel{34, "a, b"}));
+  EXPECT_EQ(table->classes[1].physics, (ClassPhysics{250.5, true}));
+  const auto fault_of = [](const std::string& line) {
+    return FaultsOf(File(3, {Entry("sink", "    " + line + "\n")}));
+  };
+  for (const char* value : {"81", "[81]", "[sink, 81]", "[-1, sink]", "[81, \"\"]", "{81: sink}"}) {
+    EXPECT_THAT(fault_of(fmt::format("scannet200: {}", value)),
+                HasSubstr("c.yaml:9: class sink, scannet200: must be [id, name]"))
+        << value;
+  }
+  for (const char* value : {"0", "-1", "nan", "heavy", "1e9", "[1]"}) {
+    EXPECT_THAT(fault_of(fmt::format("density_kg_m3: {}", value)),
+                HasSubstr("class sink, density_kg_m3: must lie in (0, 25000]"))
+        << value;
+  }
+  EXPECT_THAT(fault_of("fixed: 1"),
+              HasSubstr("class sink, fixed: is \"1\", must be true or false"));
+  EXPECT_THAT(FaultsOf(File(2, {Entry("sink", "    fixed: true\n")})),
+              HasSubstr("fixed: is not of version 2; write `version: 3` above"));
+}
+
+TEST(DefaultClasses, TheirIdsTellThemApartInEverySet) {
+  std::set<int> coco;
+  std::set<int> scannet200;
+  for (const ObjectClass& c : DefaultClassTable().classes) {
+    const CommonLabels& labels = c.labels_elsewhere;
+    EXPECT_TRUE(labels.coco || labels.nyu40 || labels.scannet200) << c.name;
+    if (labels.coco) {
+      EXPECT_TRUE(coco.insert(labels.coco->id).second) << c.name;
+    }
+    if (labels.coco && c.traits.fused_only) {  // detectors of COCO's names find it
+      EXPECT_THAT(c.detector_labels, testing::Contains(labels.coco->name)) << c.name;
+    }
+    if (labels.scannet200) {
+      EXPECT_TRUE(scannet200.insert(labels.scannet200->id).second) << c.name;
+    }
+    if (labels.nyu40) {
+      EXPECT_LE(labels.nyu40->id, 40) << c.name;
+    }
+  }
+}
+
 // Tables that users have: what programs of that version took from the name still holds.
 TEST(ClassTableFile, ReadsVersionOneWithTheTraitsItsNamesMeant) {
   const Result<ClassTable> table = DecodeClassTable(
@@ -161,15 +219,15 @@ TEST(ClassTableFile, ReadsVersionOneWithTheTraitsItsNamesMeant) {
 }
 
 TEST(ClassTableFile, RefusesOtherVersions) {
-  EXPECT_THAT(FaultsOf(File(3, {Entry("table")})),
-              AllOf(HasSubstr("c.yaml:1: version is 3, written for a later deepslam"),
-                    HasSubstr("reads 1 to 2")));
+  EXPECT_THAT(FaultsOf(File(4, {Entry("table")})),
+              AllOf(HasSubstr("c.yaml:1: version is 4, written for a later deepslam"),
+                    HasSubstr("reads 1 to 3")));
   for (const std::string version : {"0", "-1", "two", "[2]", "1.5", "99999999999"}) {
     EXPECT_THAT(FaultsOf("version: " + version + "\nclasses:\n" + Entry("table")),
-                HasSubstr("version must be 1 to 2"))
+                HasSubstr("version must be 1 to 3"))
         << version;
   }
-  EXPECT_THAT(FaultsOf("classes:\n" + Entry("table")), HasSubstr("version must be 1 to 2"));
+  EXPECT_THAT(FaultsOf("classes:\n" + Entry("table")), HasSubstr("version must be 1 to 3"));
 }
 
 TEST(ClassTableFile, TellsAllFaultsWithLineClassAndField) {

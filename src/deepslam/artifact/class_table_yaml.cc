@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -16,7 +17,8 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
+constexpr double kMaxDensityKgM3 = 25'000;  // no metal is denser than 22,600 kg/m3
 constexpr double kMaxSizeM = 20;
 // Aliases can make a small file huge.
 constexpr std::size_t kMaxBytes = 1U << 20;
@@ -38,7 +40,12 @@ constexpr std::string_view kHeader =
     "most); `fused_only` has the\n"
     "# shape that was measured and no prior's. `stands_on` is what such things rest on: [floor] "
     "where it is left out, or some\n"
-    "# of floor, furniture, wall.\n";
+    "# of floor, furniture, wall.\n"
+    "# For other programs: `coco`, `nyu40` and `scannet200` are what those label sets call it, "
+    "[id, name]; `density_kg_m3` is its\n"
+    "# mass over the volume of its closed surface, hollows included, after masses and sizes of "
+    "common products; `fixed: true`\n"
+    "# is fixed to the building and never moves.\n";
 
 struct FlagColumn {
   std::string_view name;
@@ -67,6 +74,14 @@ std::string SupportsLine(const Supports& supports) {
   }
   return fmt::format("    stands_on: [{}]\n", fmt::join(names, ", "));
 }
+
+struct LabelColumn {
+  std::string_view name;
+  std::optional<ClassLabel> CommonLabels::*label;
+};
+constexpr std::array kLabelColumns = {LabelColumn{"coco", &CommonLabels::coco},
+                                      LabelColumn{"nyu40", &CommonLabels::nyu40},
+                                      LabelColumn{"scannet200", &CommonLabels::scannet200}};
 
 constexpr ClassTraits kSupportPlane = {.support_plane = true};
 constexpr ClassTraits kTable = {.support_plane = true, .yaw_free = true};
@@ -120,6 +135,20 @@ std::string Quoted(const std::vector<std::string>& texts) {
 std::string Shown(const std::string& text) {
   constexpr std::size_t kMaxShown = 40;
   return text.size() <= kMaxShown ? text : "...";
+}
+
+// What stage `export` says of a class; what is a default is not written.
+std::string LinesOfExport(const ObjectClass& c) {
+  std::string lines;
+  for (const LabelColumn& column : kLabelColumns) {
+    const std::optional<ClassLabel>& label = c.labels_elsewhere.*(column.label);
+    if (label)
+      lines += fmt::format("    {}: [{}, {}]\n", column.name, label->id, Quoted(label->name));
+  }
+  if (c.physics.density_kg_m3 != ClassPhysics().density_kg_m3)
+    lines += fmt::format("    density_kg_m3: {}\n", c.physics.density_kg_m3);
+  if (c.physics.fixed) lines += "    fixed: true\n";
+  return lines;
 }
 
 class TableReader {
@@ -194,7 +223,7 @@ class TableReader {
       ReadColour(node, c);
     } else if (field_ == "stands_on") {
       ReadSupports(key, node, c.traits.supports);
-    } else {
+    } else if (!ReadColumnOfExport(key, node, c)) {
       ReadTrait(key, node, c.traits);
     }
   }
@@ -208,20 +237,51 @@ class TableReader {
       const std::string unknown = std::exchange(field_, {});
       std::string known = "name, labels, library, size_m, height_m, colour, stands_on";
       for (const FlagColumn& flag : kFlagColumns) known += fmt::format(", {}", flag.name);
+      for (const LabelColumn& label : kLabelColumns) known += fmt::format(", {}", label.name);
+      known += ", density_kg_m3, fixed";
       return Fault(key, fmt::format("unknown key \"{}\"; known are {}", unknown, known));
     }
-    if (!IsOfVersion(key)) return;
-    const std::string text = node.IsScalar() ? node.Scalar() : "";
-    if (text != "true" && text != "false") {
-      return Fault(node, fmt::format("is \"{}\", must be true or false", Shown(text)));
-    }
-    traits.*(column->flag) = text == "true";
+    if (IsOfVersion(key)) ReadFlag(node, traits.*(column->flag));
   }
 
-  bool IsOfVersion(const YAML::Node& key) {
-    if (version_ > 1) return true;
-    Fault(key, "is not of version 1; write `version: 2` above");
+  bool IsOfVersion(const YAML::Node& key, int since = 2) {
+    if (version_ >= since) return true;
+    Fault(key, fmt::format("is not of version {}; write `version: {}` above", version_, since));
     return false;
+  }
+
+  // Whether it is one of the columns for other programs, which then was read.
+  bool ReadColumnOfExport(const YAML::Node& key, const YAML::Node& node, ObjectClass& c) {
+    for (const LabelColumn& column : kLabelColumns) {
+      if (column.name != field_) continue;
+      if (IsOfVersion(key, 3)) ReadLabel(node, c.labels_elsewhere.*(column.label));
+      return true;
+    }
+    if (field_ == "density_kg_m3") {
+      if (!IsOfVersion(key, 3)) return true;
+      c.physics.density_kg_m3 = node.as<double>(NAN);
+      if (!(c.physics.density_kg_m3 > 0 && c.physics.density_kg_m3 <= kMaxDensityKgM3))
+        Fault(node, fmt::format("must lie in (0, {}]", kMaxDensityKgM3));
+      return true;
+    }
+    if (field_ != "fixed") return false;
+    if (IsOfVersion(key, 3)) ReadFlag(node, c.physics.fixed);
+    return true;
+  }
+
+  void ReadLabel(const YAML::Node& node, std::optional<ClassLabel>& label) {
+    const bool is_pair = node.IsSequence() && node.size() == 2;
+    label.emplace();
+    if (is_pair) *label = {node[0].as<int>(-1), node[1].as<std::string>("")};
+    if (!is_pair || label->id < 0 || label->name.empty())
+      Fault(node, "must be [id, name], as [62, chair]");
+  }
+
+  void ReadFlag(const YAML::Node& node, bool& flag) {
+    const std::string text = node.IsScalar() ? node.Scalar() : "";
+    if (text != "true" && text != "false")
+      return Fault(node, fmt::format("is \"{}\", must be true or false", Shown(text)));
+    flag = text == "true";
   }
 
   void ReadSupports(const YAML::Node& key, const YAML::Node& node, Supports& supports) {
@@ -327,6 +387,7 @@ std::string EncodeClassTable(const ClassTable& table) {
     for (const FlagColumn& column : kFlagColumns) {
       if (c.traits.*(column.flag)) text += fmt::format("    {}: true\n", column.name);
     }
+    text += LinesOfExport(c);
   }
   return text;
 }

@@ -1,4 +1,4 @@
-#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,12 +76,66 @@ std::vector<ObjectClass> HouseholdThings() {
   };
 }
 
+// What stage `export` says of a class. Densities are masses of common products over the volume of
+// their closed outside, which our shapes fill: a chair of 5 kg in 0.02 m3 of legs, seat and back, a
+// sofa of 60 kg in 1 m3, a refrigerator of 60 kg in 0.7 m3. An id of 0: the set has no such class.
+struct ExportColumns {
+  std::string_view class_name;
+  ClassLabel coco;
+  ClassLabel nyu40;
+  ClassLabel scannet200;
+  ClassPhysics physics;
+};
+
+std::vector<ExportColumns> ColumnsOfExport() {
+  constexpr bool kFixed = true;
+  return {
+      {"chair", {62, "chair"}, {5, "chair"}, {2, "chair"}, {250}},
+      {"table", {67, "dining table"}, {7, "table"}, {4, "table"}, {300}},
+      {"sofa", {63, "couch"}, {6, "sofa"}, {6, "couch"}, {60}},
+      {"bed", {65, "bed"}, {4, "bed"}, {11, "bed"}, {60}},
+      {"cabinet", {}, {3, "cabinet"}, {7, "cabinet"}, {150}},
+      {"shelf", {}, {15, "shelves"}, {8, "shelf"}, {150}},
+      {"furniture", {}, {39, "otherfurniture"}, {213, "furniture"}, {150}},
+      {"tv", {72, "tv"}, {25, "television"}, {33, "tv"}, {250}},
+      {"laptop", {73, "laptop"}, {40, "otherprop"}, {77, "laptop"}, {500}},
+      {"refrigerator", {82, "refrigerator"}, {24, "refridgerator"}, {27, "refrigerator"}, {90}},
+      {"oven", {79, "oven"}, {}, {84, "oven"}, {160, kFixed}},
+      {"microwave", {78, "microwave"}, {40, "otherprop"}, {59, "microwave"}, {220}},
+      {"toaster", {80, "toaster"}, {40, "otherprop"}, {148, "toaster"}, {150}},
+      {"sink", {81, "sink"}, {34, "sink"}, {14, "sink"}, {250, kFixed}},
+      {"toilet", {70, "toilet"}, {33, "toilet"}, {17, "toilet"}, {300, kFixed}},
+      {"plant", {64, "potted plant"}, {40, "otherprop"}, {40, "plant"}, {100}},
+      {"bench", {15, "bench"}, {}, {68, "bench"}, {250}},
+      {"suitcase", {33, "suitcase"}, {}, {93, "suitcase"}, {100}},
+      {"bicycle", {2, "bicycle"}, {40, "otherprop"}, {121, "bicycle"}, {250}},
+      {"clock", {85, "clock"}, {40, "otherprop"}, {103, "clock"}, {200}},
+      {"vase", {86, "vase"}, {40, "otherprop"}, {}, {400}},
+      {"lamp", {}, {35, "lamp"}, {28, "lamp"}, {100}},
+  };
+}
+
+std::optional<ClassLabel> Known(const ClassLabel& label) {
+  return label.id > 0 ? std::optional(label) : std::nullopt;
+}
+
+void AddColumnsOfExport(std::vector<ObjectClass>& classes) {
+  for (const ExportColumns& columns : ColumnsOfExport()) {
+    for (ObjectClass& c : classes) {
+      if (c.name != columns.class_name) continue;
+      c.labels_elsewhere = {Known(columns.coco), Known(columns.nyu40), Known(columns.scannet200)};
+      c.physics = columns.physics;
+    }
+  }
+}
+
 }  // namespace
 
 ClassTable DefaultClassTable() {
   ClassTable table;
   for (const std::vector<ObjectClass>& rows : {Furniture(), HouseholdThings()})
     table.classes.insert(table.classes.end(), rows.begin(), rows.end());
+  AddColumnsOfExport(table.classes);
   return table;
 }
 

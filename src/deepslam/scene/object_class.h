@@ -28,6 +28,31 @@ struct Supports {
   }
 };
 
+// What a label set of the field calls a class.
+struct ClassLabel {
+  int id = 0;
+  std::string name;
+
+  [[nodiscard]] bool operator==(const ClassLabel&) const = default;
+};
+struct CommonLabels {
+  std::optional<ClassLabel> coco;        // categories of COCO 2017
+  std::optional<ClassLabel> nyu40;       // NYU Depth v2, 40 classes
+  std::optional<ClassLabel> scannet200;  // ScanNet200
+
+  [[nodiscard]] bool operator==(const CommonLabels&) const = default;
+};
+
+// What simulators have to know of things of a class.
+struct ClassPhysics {
+  // Mass over the volume of the closed surface, what is hollow in it included. The default is that
+  // of light wooden furniture.
+  double density_kg_m3 = 200;
+  bool fixed = false;  // to the building, so that it never moves
+
+  [[nodiscard]] bool operator==(const ClassPhysics&) const = default;
+};
+
 // The defaults are what holds for a class that nothing is said of.
 struct ClassTraits {
   Supports supports = {};
@@ -61,6 +86,8 @@ struct ObjectClass {
   double max_height_m = 2.5;
   std::array<int, 3> colour_rgb = {160, 160, 160};  // class colour in pictures and scenes
   ClassTraits traits;
+  CommonLabels labels_elsewhere = {};
+  ClassPhysics physics = {};
 };
 
 struct ClassTable {

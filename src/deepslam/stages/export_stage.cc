@@ -7,6 +7,7 @@
 
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/ply.h"
+#include "deepslam/artifact/scene_graph_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
@@ -16,6 +17,7 @@
 #include "deepslam/presentation/labelled_surface.h"
 #include "deepslam/presentation/map_plan.h"
 #include "deepslam/presentation/objects_csv.h"
+#include "deepslam/presentation/scene_graph.h"
 #include "deepslam/report/floor_plan.h"
 #include "deepslam/report/plan_dxf.h"
 #include "deepslam/report/sanity_checks.h"
@@ -129,6 +131,12 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
   if (status.ok()) status = WriteEncoded(context, "map.json", map_json);
   if (status.ok()) {
     status = context.Write("objects.csv", presentation::EncodeObjectsCsv(map.objects, volumes_m3));
+  }
+  if (status.ok()) {
+    const SceneGraph graph =
+        presentation::MakeSceneGraph(map, finished.meshes, volumes_m3, inputs.classes);
+    status = WriteEncoded(
+        context, "scene_graph.json", artifact::EncodeSceneGraph(graph, "scene_graph.json"));
   }
   if (!status.ok()) return status.error();
   return Summary(map, glbs, *map_json);

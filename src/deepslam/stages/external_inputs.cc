@@ -55,14 +55,27 @@ Status AddPriors(const RunInputs& inputs, StringMap& hashes) {
   return AddContent(inputs, "priors", **folder, hashes);
 }
 
+// Who changes a density makes no detection anew.
+ClassTable WithoutExportColumns(ClassTable table) {
+  for (ObjectClass& c : table.classes) {
+    c.labels_elsewhere = {};
+    c.physics = {};
+  }
+  return table;
+}
+
 }  // namespace
 
 Result<std::map<std::string, std::string>> HashExternals(const RunInputs& inputs, unsigned what) {
   StringMap hashes;
   if ((what & kFrames) != 0 && inputs.capture)
     hashes.emplace("capture", inputs.capture->content_hash);
-  if ((what & kClasses) != 0)
-    hashes.emplace("classes", Sha256Hex(artifact::EncodeClassTable(inputs.classes)));
+  if ((what & kClasses) != 0) {
+    const bool all = (what & kExportColumns) != 0;
+    hashes.emplace("classes",
+                   Sha256Hex(artifact::EncodeClassTable(
+                       all ? inputs.classes : WithoutExportColumns(inputs.classes))));
+  }
   if ((what & kDetector) != 0) {
     if (Status status = AddDetector(inputs, hashes); !status.ok()) return status.error();
   }

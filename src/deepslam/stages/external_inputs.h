@@ -21,6 +21,7 @@ enum External : unsigned {
   kTrackOverrides = 32,
   kChoices = 64,
   kPriors = 128,
+  kExportColumns = 256,  // kClasses with what stage `export` alone asks of classes
 };
 
 // By name. Parts of the corrections that are empty have none. Errors name what is missing, and what

@@ -80,7 +80,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      12,
      "track ground layout propose select loops optimize mesh fuse",
      "export export.ground export.gltf",
-     kFrames | kClasses,
+     kFrames | kClasses | kExportColumns,
      RunExport},
     {"report",
      14,
