@@ -48,7 +48,7 @@ TEST(CheckRun, NamesTheFrameAtWhichTheCameraJumps) {
   EXPECT_EQ(CheckRun(MapOfAWalk(40, 0.1), {}).verdict, Verdict::kGood);
   const RunVerdict jumped = CheckRun(MapOfAWalk(40, 0.5), {});
   EXPECT_EQ(jumped.verdict, Verdict::kDoubtful);
-  EXPECT_THAT(jumped.reasons, testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
+  EXPECT_THAT(jumped.reasons, testing::ElementsAre(HasSubstr("0.52 m at frame 40,")));
   // Keyframes far apart, as sparse captures have them, are a pace of their own.
   OptimizedMap sparse = MapOfAWalk(40, 0);
   for (TrackedFrame& frame : sparse.frames) frame.world_from_camera.translation_m *= 20;
@@ -128,7 +128,7 @@ TEST(CheckRun, SeesJumpsWhereTheClockWasSetBack) {
   };
   EXPECT_EQ(CheckRun(set_back(MapOfAWalk(40, 0)), {}).verdict, Verdict::kGood);
   EXPECT_THAT(CheckRun(set_back(MapOfAWalk(40, 0.5)), {}).reasons,
-              testing::ElementsAre(HasSubstr("0.52 m at frame 40;")));
+              testing::ElementsAre(HasSubstr("0.52 m at frame 40,")));
 }
 
 TEST(CheckRun, FollowsWhatWentWrong) {

@@ -9,7 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/core/order_statistics.h"
+#include "deepslam/core/angles.h"
+#include "deepslam/report/path_jumps.h"
 #include "deepslam/report/report_content.h"
 
 namespace deepslam::report {
@@ -22,54 +23,6 @@ constexpr double kDoubtfulDegenerateShare = 0.25;
 // over each other are no map; a few frames between two losses spoil what they alone saw.
 constexpr double kBadUnmeasuredShare = 0.2;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
-// A camera in a hand or on a robot keeps its pace: a step between neighbouring frames that is
-// longer than the first and quicker than the second times the capture's median speed is a wrong
-// alignment or a cut in the capture.
-constexpr double kJumpM = 0.2;
-constexpr double kJumpSpeeds = 4;
-
-struct Step {
-  std::size_t to_frame;
-  double length_m;
-  double speed_m_per_s;
-};
-
-// Of frames that are later than the one before.
-double UsualIntervalS(const std::vector<TrackedFrame>& frames) {
-  std::vector<double> intervals_s;
-  for (std::size_t k = 1; k < frames.size(); ++k) {
-    const double time_s = frames[k].time_s - frames[k - 1].time_s;
-    if (time_s > 0) intervals_s.push_back(time_s);
-  }
-  return intervals_s.empty() ? 0 : Median(intervals_s);
-}
-
-std::vector<Step> Steps(const std::vector<TrackedFrame>& frames) {
-  std::vector<Step> steps;
-  const double usual_s = UsualIntervalS(frames);
-  for (std::size_t k = 1; k < frames.size(); ++k) {
-    double time_s = frames[k].time_s - frames[k - 1].time_s;
-    if (time_s < 0) time_s = usual_s;  // the clock was set back
-    if (!IsAligned(frames[k - 1]) || !IsAligned(frames[k]) || !(time_s > 0)) continue;
-    const double length_m =
-        (frames[k].world_from_camera.translation_m - frames[k - 1].world_from_camera.translation_m)
-            .norm();
-    steps.push_back({k, length_m, length_m / time_s});
-  }
-  return steps;
-}
-
-std::vector<Step> Jumps(const std::vector<TrackedFrame>& frames) {
-  std::vector<Step> steps = Steps(frames);
-  if (steps.empty()) return steps;
-  std::vector<double> speeds;
-  for (const Step& step : steps) speeds.push_back(step.speed_m_per_s);
-  const double usual = Median(speeds);
-  std::erase_if(steps, [&](const Step& step) {
-    return step.length_m < kJumpM || step.speed_m_per_s < kJumpSpeeds * usual;
-  });
-  return steps;
-}
 
 // Stretches of frames whose place relative to the largest part was not measured.
 struct Unmeasured {
@@ -131,6 +84,19 @@ std::string InWords(const Unmeasured& unmeasured) {
       100 * unmeasured.share);
 }
 
+std::string InWords(const std::vector<PathJump>& jumps) {
+  const PathJump& first = jumps.front();
+  const std::string how = first.is_turn
+                              ? fmt::format("turns by {:.0f} deg", first.angle_rad / kRadPerDeg)
+                              : fmt::format("jumps by {:.2f} m", first.length_m);
+  return fmt::format(
+      "the camera {} at frame {}{}, unlike the rest of the capture; what was seen "
+      "before and after may not fit together",
+      how,
+      first.to_frame,
+      jumps.size() > 1 ? fmt::format(" and at {} others", jumps.size() - 1) : "");
+}
+
 void Note(Verdict level, std::string reason, RunVerdict& run) {
   run.verdict = std::max(run.verdict, level);
   run.reasons.push_back(std::move(reason));
@@ -162,16 +128,8 @@ void CheckPath(const OptimizedMap& map, std::span<const KeyframeJoin> joins, Run
          InWords(*unmeasured),
          run);
   }
-  const std::vector<Step> jumps = Jumps(map.frames);
-  if (!jumps.empty()) {
-    Note(Verdict::kDoubtful,
-         fmt::format("the camera jumps by {:.2f} m at frame {}{}; what was seen before and after "
-                     "may not fit together",
-                     jumps.front().length_m,
-                     jumps.front().to_frame,
-                     jumps.size() > 1 ? fmt::format(" and at {} others", jumps.size() - 1) : ""),
-         run);
-  }
+  const std::vector<PathJump> jumps = FindPathJumps(map.frames);
+  if (!jumps.empty()) Note(Verdict::kDoubtful, InWords(jumps), run);
   if (map.keyframes.size() < kFewKeyframes) {
     Note(Verdict::kDoubtful,
          fmt::format("only {} keyframes: the camera hardly moved, so little was seen twice",

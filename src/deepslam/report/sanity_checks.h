@@ -12,8 +12,9 @@ namespace deepslam::report {
 
 // Bad: more than half of the frames lost, more than a fifth without a measured place relative to
 // the rest, or no object. Doubtful: more than 5 % lost, any frames without a measured place, more
-// than a quarter weakly constrained, a camera that jumps, few keyframes, no ground, a graph that
-// did not converge, objects of little confidence, and whatever is doubted of the capture itself
+// than a quarter weakly constrained, a camera that jumps (path_jumps.h), few keyframes, no ground,
+// a graph that did not converge, objects of little confidence, and whatever is doubted of the
+// capture itself
 // (`capture_doubts`, sentences), which stands first. `joins`: what is known between
 // keyframes, by tracking and by the loops.
 [[nodiscard]] RunVerdict CheckRun(const OptimizedMap& map,
