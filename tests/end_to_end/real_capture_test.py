@@ -175,7 +175,7 @@ class RealCapture(unittest.TestCase):
 
     def check_networks(self):
         """The shape networks on top of the finished run: their candidates, refined ones, and the same by one thread."""
-        options = ("--set", "propose.network=true")
+        options = ("--set", "select.refine.enabled=true")
         shutil.copytree(DIR / "redkitchen", DIR / "one")
         run = Run("redkitchen", "redkitchen", *options, "--threads", "2")
         self.check_common(run)

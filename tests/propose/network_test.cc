@@ -164,6 +164,22 @@ TEST(NetworkProposerTest, ViewsWithoutASilhouetteGiveAReason) {
   EXPECT_THAT(proposals->notes[0], HasSubstr("silhouette"));
 }
 
+TEST(NetworkProposerTest, ViewsThatANetworkMisreadsFallAndGiveAReason) {
+  const VoxelGrid chair = Chair();
+  TinyPrior broken = PriorOf(chair);
+  broken.encoder.outputs[0].values[7] = std::numeric_limits<float>::quiet_NaN();
+  ShapePriors priors;
+  priors.emplace("chair", std::move(*broken.Load()));
+  const auto proposer = MakeNetworkProposer(std::move(priors), Classes(), {});
+  const std::vector<ObjectView> views = StagedViews(chair, {});
+  const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, "chair", views});
+  ASSERT_TRUE(proposals) << proposals.error().message;
+  EXPECT_TRUE(proposals->candidates.empty());
+  ASSERT_EQ(proposals->notes.size(), views.size());
+  EXPECT_THAT(proposals->notes[0], HasSubstr("frame"));
+  EXPECT_THAT(proposals->notes[0], HasSubstr("not finite"));
+}
+
 TEST(ShapePriorTest, SaysWhereTheCameraStands) {
   const Result<std::unique_ptr<ShapePrior>> prior = PriorOf(Chair(), 6).Load();
   ASSERT_TRUE(prior);

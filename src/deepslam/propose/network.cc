@@ -70,6 +70,10 @@ std::string NoteStart(const ObjectObservations& object) {
   return "object " + std::to_string(object.id.value) + " (" + object.class_name + "): ";
 }
 
+std::string NoteOf(const ObjectObservations& object, const ObjectView& view) {
+  return NoteStart(object) + "frame " + std::to_string(view.frame.value) + ": ";
+}
+
 void NetworkProposer::Add(const ObjectObservations& object,
                           const ShapePrior& prior,
                           const PriorEncoding& encoding,
@@ -155,12 +159,14 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
     const ObjectView& view = object.views[n];
     const Result<NetworkCrop> crop = MakeNetworkCrop(view, by_depth);
     if (!crop.ok()) {
-      proposals.notes.push_back(NoteStart(object) + "frame " + std::to_string(view.frame.value) +
-                                ": " + crop.error().message);
+      proposals.notes.push_back(NoteOf(object, view) + crop.error().message);
       continue;
     }
     const Result<PriorEncoding> encoding = prior.Encode(*crop);
-    if (!encoding.ok()) return encoding.error();
+    if (!encoding.ok()) {
+      proposals.notes.push_back(NoteOf(object, view) + encoding.error().message);
+      continue;
+    }
     encodings.push_back(*encoding);
     Add(object, prior, *encoding, &view, extent.size_m, proposals);
   }

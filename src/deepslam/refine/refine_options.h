@@ -6,7 +6,7 @@
 namespace deepslam::refine {
 
 struct RefineOptions {
-  bool enabled = true;
+  bool enabled = false;         // its gain is within noise where models are completed
   bool complete = true;         // the best model by what was measured of the object
   bool pose = false;            // the winner's similarity, jointly over all views
   double reach_m = 0.15;        // of the model, for what completes it

@@ -52,7 +52,7 @@ struct ProposeStageOptions {
   bool use_depth = true;
   bool retrieval = true;
   bool fused = true;
-  bool network = false;
+  bool network = true;
   std::string priors;   // folder with CLASS/*.onnx; empty: `priors` in the data folder, else the
                         // program's own
   std::string library;  // folder; empty: `library` in the data folder
