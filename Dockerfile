@@ -5,7 +5,7 @@ ARG BASE=debian:bookworm-slim
 FROM ${BASE} AS build
 WORKDIR /src
 # What is installed depends on these alone, and is kept while other sources change.
-COPY scripts/setup.sh scripts/npm_files.sh scripts/test_requirements.txt scripts/
+COPY scripts/setup.sh scripts/npm_files.sh scripts/
 RUN scripts/setup.sh --no-weights
 COPY . .
 RUN scripts/build.sh release -DDEEPSLAM_TESTS=OFF && scripts/package.sh /packages
