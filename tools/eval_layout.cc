@@ -11,9 +11,11 @@
 #include <CLI/CLI.hpp>
 
 #include "deepslam/artifact/coarse_surface_file.h"
+#include "deepslam/artifact/ground_json.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/layout_json.h"
 #include "deepslam/artifact/ply.h"
+#include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/eval/layout_score.h"
 #include "deepslam/storage/store.h"
 #include "eval_commands.h"
@@ -57,8 +59,31 @@ void MoveTo(const Pose3& truth_from_level, Layout& layout) {
   std::for_each(layout.openings.begin(), layout.openings.end(), move);
 }
 
+// Of frames whose place tracking measured against the first: the layout is seen from these, and
+// what stands apart would turn the one world against the other.
+Result<std::vector<TimedPose>> ReadJoinedPoses(const fs::path& workspace) {
+  const fs::path frames_file = workspace / "track" / "frames.json";
+  const Result<std::string> frames = storage::ReadFile(frames_file);
+  if (!frames.ok()) return frames.error();
+  const Result<std::string> tum = storage::ReadFile(workspace / "track" / "trajectory.tum");
+  if (!tum.ok()) return tum.error();
+  const auto trajectory = artifact::DecodeTrajectory(*frames, *tum, frames_file.string());
+  if (!trajectory.ok()) return trajectory.error();
+  const fs::path ground_file = workspace / "ground" / "ground.json";
+  const Result<std::string> text = storage::ReadFile(ground_file);
+  if (!text.ok()) return text.error();
+  const Result<Ground> ground = artifact::DecodeGround(*text, ground_file.string());
+  if (!ground.ok()) return ground.error();
+  std::vector<TimedPose> poses;
+  for (const TrackedFrame& frame : trajectory->frames) {
+    if (IsAligned(frame) && ApartAt(*ground, frame.frame) == nullptr)
+      poses.push_back({frame.time_s, frame.world_from_camera});
+  }
+  return poses;
+}
+
 Result<EstimatedLayout> ReadEstimate(const fs::path& workspace, const Truth& truth) {
-  const auto poses = ReadTum(workspace / "track" / "trajectory.tum");
+  const auto poses = ReadJoinedPoses(workspace);
   if (!poses.ok()) return poses.error();
   const auto error = ComputeTrajectoryError(*poses, truth.poses, TrajectoryErrorOptions());
   if (!error.ok()) {

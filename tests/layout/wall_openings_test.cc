@@ -147,6 +147,32 @@ TEST(FindOpenings, FurnitureHidesTheFootOfADoor) {
   EXPECT_NEAR(gaps[0].bottom_m, 0, 1e-9);
 }
 
+// Two doors of which nothing was measured above the wall between them are two.
+TEST(FindOpenings, DoorsBesideEachOtherAreNotOne) {
+  Face face;
+  face.Set(10, 26, 0, 41, kOpen | kFront | kBehind);
+  face.Set(46, 62, 0, 41, kOpen | kFront | kBehind);
+  face.Set(10, 62, 38, 41, kBlind | kFront);
+  const std::vector<FaceOpening> doors = FindOpenings(face.profile, face.face);
+  ASSERT_EQ(doors.size(), 2U);
+  for (const FaceOpening& door : doors) {
+    EXPECT_EQ(door.kind, OpeningKind::kDoor);
+    EXPECT_NEAR(door.to_m - door.from_m, 0.8, 1e-9);
+  }
+}
+
+// A window over a strip of wall over a bed, behind which nothing was measured; one cell joins both.
+TEST(FindOpenings, AWindowOverABedIsNoDoor) {
+  Face face;
+  face.Set(20, 44, 18, 42, kBlind | kFront);
+  face.Set(20, 44, 0, 11, kBlind | kThing);
+  face.Set(30, 31, 11, 18, kBlind | kFront);
+  const std::vector<FaceOpening> openings = FindOpenings(face.profile, face.face);
+  ASSERT_EQ(openings.size(), 1U);
+  EXPECT_EQ(openings[0].kind, OpeningKind::kWindow);
+  EXPECT_NEAR(openings[0].bottom_m, 0.9, 1e-9);
+}
+
 // Of a window the wall below is not seen behind a desk, or seen in a part: it is no door.
 TEST(FindOpenings, AWindowBehindADeskIsNoDoor) {
   for (const int first_hidden : {20, 30}) {

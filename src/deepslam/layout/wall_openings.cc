@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <utility>
 
 #include "deepslam/layout/door_casings.h"
 #include "deepslam/layout/door_sizes.h"
+#include "deepslam/layout/face_rectangles.h"
 
 namespace deepslam::layout {
 namespace {
@@ -21,6 +21,7 @@ constexpr double kMinFrame = 0.4;     // of a side that is wall
 constexpr double kThreshold_m = 0.3;  // what begins lower reaches the floor
 // Of an opening's width that has to be seen down to the floor, where furniture hides the rest.
 constexpr double kFootShare = 0.25;
+constexpr int kSillCells = 2;       // of wall below an opening, in a column: one may be noise
 constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wall, or more
 constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
 
@@ -29,98 +30,6 @@ constexpr double kPaneFill = 0.7;    // of a window's rectangle that is set back
 constexpr double kPaneConfidence = 0.6;
 constexpr double kMullion_m = 0.2;  // wall between the sashes of one window
 constexpr double kLevel_m = 0.12;   // their ends differ by less: two cells and a little
-
-// Rows and slots [first, end) of a profile.
-struct CellBox {
-  int first_slot = 0;
-  int end_slot = 0;
-  int first_row = 0;
-  int end_row = 0;
-
-  [[nodiscard]] double width_m() const { return (end_slot - first_slot) * kCell_m; }
-  [[nodiscard]] double height_m() const { return (end_row - first_row) * kCell_m; }
-};
-
-using CellTest = std::function<bool(int slot, int row)>;
-
-double ShareOf(const CellBox& box, const CellBox& within, const CellTest& test) {
-  int num = 0;
-  int count = 0;
-  for (int slot = std::max(box.first_slot, within.first_slot);
-       slot < std::min(box.end_slot, within.end_slot);
-       ++slot) {
-    for (int row = std::max(box.first_row, within.first_row);
-         row < std::min(box.end_row, within.end_row);
-         ++row) {
-      ++count;
-      num += test(slot, row) ? 1 : 0;
-    }
-  }
-  return count > 0 ? static_cast<double>(num) / count : 0.0;
-}
-
-using Cells = std::vector<std::pair<int, int>>;  // slot, row
-
-// Connected cells that pass the test.
-std::vector<Cells> Components(const CellBox& within, const CellTest& test) {
-  const int width = within.end_slot - within.first_slot;
-  const int height = within.end_row - within.first_row;
-  std::vector<Cells> components;
-  if (width <= 0 || height <= 0) return components;
-  std::vector<std::uint8_t> known(static_cast<std::size_t>(width) *
-                                  static_cast<std::size_t>(height));
-  const auto take = [&](int slot, int row) {
-    if (slot < within.first_slot || slot >= within.end_slot || row < within.first_row ||
-        row >= within.end_row)
-      return false;
-    std::uint8_t& mark = known[static_cast<std::size_t>(slot - within.first_slot) *
-                                   static_cast<std::size_t>(height) +
-                               static_cast<std::size_t>(row - within.first_row)];
-    if (mark != 0) return false;
-    mark = 1;
-    return test(slot, row);
-  };
-  for (int slot = within.first_slot; slot < within.end_slot; ++slot) {
-    for (int row = within.first_row; row < within.end_row; ++row) {
-      if (!take(slot, row)) continue;
-      Cells cells = {{slot, row}};
-      for (std::size_t n = 0; n < cells.size(); ++n) {
-        const auto [s, r] = cells[n];
-        for (const auto& [ds, dr] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
-          if (take(s + ds, r + dr)) cells.emplace_back(s + ds, r + dr);
-        }
-      }
-      components.push_back(std::move(cells));
-    }
-  }
-  return components;
-}
-
-// First and end of where counts reach half of their largest.
-std::pair<int, int> HalfHeight(const std::vector<int>& counts) {
-  const int most = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
-  int first = 0;
-  int end = static_cast<int>(counts.size());
-  while (first < end && 2 * counts[static_cast<std::size_t>(first)] < most) ++first;
-  while (end > first && 2 * counts[static_cast<std::size_t>(end - 1)] < most) --end;
-  return {first, end};
-}
-
-// The rectangle that most of the cells fill.
-CellBox BoxOf(const Cells& cells, const CellBox& within) {
-  std::vector<int> by_slot(static_cast<std::size_t>(within.end_slot - within.first_slot), 0);
-  std::vector<int> by_row(static_cast<std::size_t>(within.end_row - within.first_row), 0);
-  for (const auto& [slot, row] : cells) {
-    ++by_slot[static_cast<std::size_t>(slot - within.first_slot)];
-    ++by_row[static_cast<std::size_t>(row - within.first_row)];
-  }
-  const auto [first_slot, end_slot] = HalfHeight(by_slot);
-  const auto [first_row, end_row] = HalfHeight(by_row);
-  return {within.first_slot + first_slot,
-          within.first_slot + end_slot,
-          within.first_row + first_row,
-          within.first_row + end_row};
-}
 
 // Which sides of an opening are wall.
 struct Frame {
@@ -153,8 +62,8 @@ class FaceSearch {
     const CellTest gap = [this](int slot, int row) {
       return (At(slot, row) & (kOpen | kBlind)) != 0;
     };
-    for (const Cells& cells : Components(box_, gap)) {
-      const CellBox box = BoxOf(cells, box_);
+    const CellTest wall = [this](int slot, int row) { return IsSolid(slot, row); };
+    for (const CellBox& box : RectanglesOf(box_, gap, wall)) {
       if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
       if (ShareOf(box, box_, gap) < kMinFill) continue;
       if (const auto opening = Classified(box, ReachesFloor(box, gap))) found.push_back(*opening);
@@ -165,13 +74,12 @@ class FaceSearch {
     const CellTest deep = [this](int slot, int row) {
       return (At(slot, row) & kSolid) != 0 && profile_.OffsetAt(slot, row) < -kRecess_m;
     };
-    for (const Cells& cells : Components(box_, deep)) {
-      const CellBox box = BoxOf(cells, box_);
+    const CellTest flush = [&](int slot, int row) {
+      return IsSolid(slot, row) && !deep(slot, row);
+    };
+    for (const CellBox& box : RectanglesOf(box_, deep, flush)) {
       if (!IsDoorSized(box) || ShareOf(box, box_, deep) < kMinFill) continue;
       if (!ReachesFloor(box, deep)) continue;
-      const CellTest flush = [&](int slot, int row) {
-        return (At(slot, row) & kSolid) != 0 && !deep(slot, row);
-      };
       const Frame frame = FrameOf(box, flush);
       if (frame.num_sides() < 2) continue;
       FaceOpening opening = OpeningOf(box, OpeningKind::kDoor);
@@ -192,8 +100,7 @@ class FaceSearch {
     const CellTest flush = [&](int slot, int row) {
       return IsSolid(slot, row) && !set_back(slot, row);
     };
-    for (const Cells& cells : Components(box_, set_back)) {
-      const CellBox box = BoxOf(cells, box_);
+    for (const CellBox& box : RectanglesOf(box_, set_back, flush)) {
       if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
       if (ShareOf(box, box_, set_back) < kPaneFill) continue;
       if (ReachesFloor(box, set_back)) continue;
@@ -276,11 +183,11 @@ class FaceSearch {
     int num_reaching = 0;
     int num_wall = 0;
     for (int slot = box.first_slot; slot < box.end_slot; ++slot) {
-      const CellBox below{slot, slot + 1, box_.first_row, box.first_row};
+      int num_cells = 0;
+      for (int row = box_.first_row; row < box.first_row; ++row)
+        num_cells += IsSolid(slot, row) && !test(slot, row) ? 1 : 0;
       const CellBox foot{slot, slot + 1, box_.first_row, low_row};
-      const double wall =
-          ShareOf(below, box_, [&](int s, int row) { return IsSolid(s, row) && !test(s, row); });
-      const bool is_wall = wall > kMinFrame;
+      const bool is_wall = num_cells >= kSillCells;
       num_wall += is_wall ? 1 : 0;
       num_reaching += !is_wall && ShareOf(foot, box_, test) > 0 ? 1 : 0;
     }

@@ -30,7 +30,7 @@ struct PlannedStage {
 constexpr std::array<PlannedStage, 15> kChain = {{
     {"track", 18, "", "track track.covisible", kFrames, RunTrack},
     {"ground", 6, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 3, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 4, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      7,
      "track ground",
@@ -68,7 +68,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      "track views register select select.refine loops loops.appearance optimize",
      kFrames | kClasses | kChoices,
      RunLoops},
-    {"optimize", 4, "track ground loops", "optimize", kClasses, RunOptimize},
+    {"optimize", 5, "track ground layout loops", "optimize", kFrames | kClasses, RunOptimize},
     {"mesh",
      2,
      "track ground associate loops optimize",
