@@ -41,7 +41,7 @@ void Optimise(benchmark::State& state) {
   const World world = WorldOf(num_keyframes, num_keyframes / 10);
   for (auto _ : state) {
     const Result<OptimizedMap> map = OptimizeGraph(
-        world.odometry, world.ground, world.map, world.loops, GraphOptions(), world.feet);
+        world.odometry, world.ground, world.map, world.loops, GraphOptions(), {world.feet, {}});
     if (!map.ok() || !map->summary.converged) state.SkipWithError("not converged");
     state.counters["iterations"] = map->summary.num_iterations;
     state.counters["error_m"] = testing_support::TrajectoryError(map->frames, world);

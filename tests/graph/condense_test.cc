@@ -30,14 +30,15 @@ using testing_support::World;
 const Noise kDrift{0.004, 0.003, 0.02, 0.02};
 
 GraphModel WholeModel(const World& world) {
-  return *BuildGraphModel(world.odometry, world.ground, world.map, world.loops, {}, world.feet);
+  return *BuildGraphModel(
+      world.odometry, world.ground, world.map, world.loops, {}, {world.feet, {}});
 }
 
 OptimizedMap Optimize(const World& world, int max_keyframes) {
   GraphOptions options;
   options.max_keyframes = max_keyframes;
-  Result<OptimizedMap> result =
-      OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, world.feet);
+  Result<OptimizedMap> result = OptimizeGraph(
+      world.odometry, world.ground, world.map, world.loops, options, {world.feet, {}});
   EXPECT_TRUE(result.ok());
   return *std::move(result);
 }

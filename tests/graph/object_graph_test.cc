@@ -24,8 +24,8 @@ using testing_support::TrajectoryError;
 using testing_support::World;
 
 OptimizedMap Optimize(const World& world, const GraphOptions& options = {}) {
-  Result<OptimizedMap> result =
-      OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, world.feet);
+  Result<OptimizedMap> result = OptimizeGraph(
+      world.odometry, world.ground, world.map, world.loops, options, {world.feet, {}});
   EXPECT_TRUE(result.ok());
   return *std::move(result);
 }
@@ -66,6 +66,80 @@ TEST(OptimizeGraph, ADriftedLoopComesHome) {
     EXPECT_TRUE(map.summary.converged) << map.summary.message;
     EXPECT_LT(Energy(map, true), Energy(map, false));
     EXPECT_LT(TrajectoryError(map.frames, world), 0.5 * ErrorBefore(world)) << "seed " << seed;
+  }
+}
+
+// Four walls round the walk, as keyframes that look at them see them: every third keyframe at most.
+WallViews WallsAround(const World& world) {
+  WallViews walls;
+  const Pose3 tracking_from_world = world.world_from_camera.front().Inverse();
+  for (const auto& [normal, d_m] : {std::pair(Eigen::Vector3d(1, 0, 0), 5.0),
+                                    std::pair(Eigen::Vector3d(-1, 0, 0), 5.0),
+                                    std::pair(Eigen::Vector3d(0, 1, 0), 2.0),
+                                    std::pair(Eigen::Vector3d(0, -1, 0), 8.0)}) {
+    const Plane wall{normal, d_m};
+    for (std::size_t k = 0; k < world.world_from_camera.size(); ++k) {
+      const Pose3& camera = world.world_from_camera[k];
+      const bool is_seen = (camera.rotation * Eigen::Vector3d::UnitZ()).dot(normal) < -0.7;
+      if (!is_seen) continue;
+      WallView view;
+      view.keyframe = FrameIdx{static_cast<int>(k)};
+      view.wall = static_cast<int>(walls.planes.size());
+      view.plane_camera = Transformed(camera.Inverse(), wall);
+      view.information = 1e6 * Eigen::Matrix3d::Identity();
+      walls.views.push_back(view);
+    }
+    walls.planes.push_back(Transformed(tracking_from_world, wall));
+  }
+  return walls;
+}
+
+// Of several walks together: what single views are good for is half a degree.
+TEST(OptimizeGraph, WallsHoldThePathWhereTheyAreAskedTo) {
+  GraphOptions options;
+  double without_m = 0;
+  double with_m = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const World world = MakeWorld(80, 0, 1, kDrift, seed);
+    const WallViews walls = WallsAround(world);
+    ASSERT_GT(walls.views.size(), 20U);
+    for (const bool use_walls : {false, true}) {
+      options.use_walls = use_walls;
+      const Result<OptimizedMap> map =
+          OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, {{}, walls});
+      ASSERT_TRUE(map.ok());
+      (use_walls ? with_m : without_m) += TrajectoryError(map->frames, world);
+      EXPECT_EQ(map->summary.terms.back().name == "r_pw", use_walls);
+    }
+  }
+  EXPECT_LT(with_m, 0.5 * without_m) << without_m;
+}
+
+// Bad views are left out and counted; a wall that one keyframe saw says nothing.
+TEST(OptimizeGraph, WallsThatSayNothingChangeNothing) {
+  const World world = MakeWorld(30, 0, 1, kDrift);
+  GraphOptions options;
+  const OptimizedMap without = Optimize(world, options);
+  options.use_walls = true;
+  WallViews walls;
+  walls.planes = {Plane{Eigen::Vector3d::UnitX(), 3}, Plane{Eigen::Vector3d::Zero(), 1}};
+  WallView once;
+  once.keyframe = FrameIdx{3};
+  once.plane_camera = walls.planes[0];
+  WallView nowhere = once;
+  nowhere.keyframe = FrameIdx{500};
+  WallView of_none = once;
+  of_none.wall = 7;
+  WallView not_finite = once;
+  not_finite.plane_camera.d_m = std::numeric_limits<double>::quiet_NaN();
+  walls.views = {once, nowhere, of_none, not_finite};
+  const Result<OptimizedMap> map =
+      OptimizeGraph(world.odometry, world.ground, world.map, world.loops, options, {{}, walls});
+  ASSERT_TRUE(map.ok());
+  EXPECT_THAT(map->summary.message, testing::HasSubstr("3 unusable edges"));
+  for (std::size_t k = 0; k < map->frames.size(); ++k) {
+    EXPECT_THAT(map->frames[k].world_from_camera,
+                PoseNear(without.frames[k].world_from_camera, 1e-9, 1e-9));
   }
 }
 
@@ -336,8 +410,8 @@ TEST(OptimizeGraph, BytesDoNotDependOnTheNumberOfThreads) {
     for (const int threads : {1, 2, 2}) {
       const ThreadLimit limit(threads);
       const OptimizedMap map = Optimize(world, options);
-      const std::string text =
-          *GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, world.feet, &map);
+      const std::string text = *GraphToG2o(
+          world.odometry, world.ground, world.map, world.loops, {}, {world.feet, {}}, &map);
       if (first.empty()) first = text;
       EXPECT_TRUE(text == first);
     }
@@ -466,7 +540,7 @@ TEST(GraphToG2o, FileHoldsTheGraphAndItsEnergy) {
   const World world = MakeWorld(40, 4, 1, kDrift);
   const OptimizedMap map = Optimize(world);
   const auto text =
-      GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, world.feet, &map);
+      GraphToG2o(world.odometry, world.ground, world.map, world.loops, {}, {world.feet, {}}, &map);
   ASSERT_TRUE(text.ok());
   const Result<G2oGraph> read = ParseG2o(*text);
   ASSERT_TRUE(read.ok()) << read.error().message;

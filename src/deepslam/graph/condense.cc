@@ -133,6 +133,9 @@ class Condenser {
     CarryPoseEdges(measured);
     for (const GroundEdge& edge : model_.ground_edges)
       condensed_.ground_edges.push_back(Carried(edge));
+    condensed_.walls = std::move(model_.walls);
+    for (const WallEdge& edge : model_.wall_edges)
+      condensed_.wall_edges.push_back({edge.wall, Carried(edge.view)});
     for (const int node : model_.upright) condensed_.upright.push_back(NodeOf(node));
     for (StandEdge edge : model_.stands) {
       edge.node = NodeOf(edge.node);

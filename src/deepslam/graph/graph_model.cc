@@ -181,6 +181,32 @@ class ModelBuilder {
                      [](const GroundEdge& a, const GroundEdge& b) { return a.node < b.node; });
   }
 
+  // Walls that one keyframe alone saw say nothing.
+  void AddWalls(const WallViews& walls) {
+    Eigen::Vector3d floor;
+    floor << Eigen::Vector2d::Constant(options_.wall_floor_deg * kRadPerDeg), options_.wall_floor_m;
+    std::vector<std::vector<GroundEdge>> edges(walls.planes.size());
+    for (const WallView& view : walls.views) {
+      const std::optional<Plane> plane = UnitPlane(view.plane_camera);
+      const int node = PositionOf(model_.keyframes, view.keyframe);
+      const bool is_known = view.wall >= 0 && view.wall < static_cast<int>(edges.size());
+      const Eigen::Matrix3d information =
+          BalancedInformation<3>(view.information, options_.ground_variance_scale, floor);
+      if (!plane || node < 0 || !is_known || information.diagonal().maxCoeff() <= 0) {
+        ++model_.num_bad_edges;
+        continue;
+      }
+      edges[static_cast<std::size_t>(view.wall)].push_back({node, *plane, information});
+    }
+    for (std::size_t wall = 0; wall < edges.size(); ++wall) {
+      const std::optional<Plane> plane = UnitPlane(walls.planes[wall]);
+      if (!plane || edges[wall].size() < 2) continue;
+      for (const GroundEdge& view : edges[wall])
+        model_.wall_edges.push_back({static_cast<int>(model_.walls.size()), view});
+      model_.walls.push_back(*plane);
+    }
+  }
+
   void AddObjectsOnGround(const ObjectMap& map, const std::map<ObjectId, ObjectFoot>& feet) {
     if (!model_.plane) return;
     for (std::size_t k = 0; k < model_.objects.size(); ++k) {
@@ -306,7 +332,7 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
                                    const ObjectMap& map,
                                    const Loops& loops,
                                    const GraphOptions& options,
-                                   const std::map<ObjectId, ObjectFoot>& feet) {
+                                   const GraphSurroundings& surroundings) {
   if (const Status status = CheckOdometry(odometry); !status.ok()) return status.error();
   const PathEdges path(odometry, loops, options);
   ModelBuilder builder(odometry, options);
@@ -314,8 +340,9 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
   if (options.use_objects) builder.AddObjects(map);
   if (options.use_ground) {
     builder.AddGround(ground);
-    builder.AddObjectsOnGround(map, feet);
+    builder.AddObjectsOnGround(map, surroundings.feet);
   }
+  if (options.use_walls) builder.AddWalls(surroundings.walls);
   const auto along_path = [&](const std::function<void(const PoseEdge&)>& use) {
     path.ForEach(use);
   };

@@ -28,6 +28,11 @@ struct GroundEdge {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // balanced, without lambda
 };
 
+struct WallEdge {
+  int wall = 0;  // position in GraphModel::walls
+  GroundEdge view;
+};
+
 struct StandEdge {
   int node = 0;
   double bottom_m = 0;
@@ -45,6 +50,8 @@ struct GraphModel {
   std::vector<PoseEdge> pose_edges;
   std::optional<Plane> plane;            // tracking world
   std::vector<GroundEdge> ground_edges;  // ascending nodes; none: the plane is held
+  std::vector<Plane> walls;              // tracking world
+  std::vector<WallEdge> wall_edges;      // each wall has two at least
   std::vector<int> upright;              // nodes
   std::vector<StandEdge> stands;
   std::vector<ObjectId> not_standing;  // bottom known, but too far from the ground
@@ -59,7 +66,7 @@ struct GraphModel {
                                                  const ObjectMap& map,
                                                  const Loops& loops,
                                                  const GraphOptions& options,
-                                                 const std::map<ObjectId, ObjectFoot>& feet);
+                                                 const GraphSurroundings& surroundings);
 
 // In an ascending list; -1 for none of it.
 [[nodiscard]] int PositionOf(const std::vector<FrameIdx>& keyframes, FrameIdx keyframe);

@@ -239,6 +239,16 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options) {
                 kFloor_deg,
                 "deg",
                 "least deviation of a ground observation's normal");
+  visitor.Field("wall_floor_m",
+                options.wall_floor_m,
+                kFloor_m,
+                "m",
+                "least deviation of a wall observation's distance");
+  visitor.Field("wall_floor_deg",
+                options.wall_floor_deg,
+                kFloor_deg,
+                "deg",
+                "least deviation of a wall observation's normal");
   visitor.Choice("object_loss", options.object_loss, kLosses, "robust loss on r_io");
   visitor.Choice("odometry_loss", options.odometry_loss, kLosses, "robust loss on r_ij");
   visitor.Choice("loop_loss", options.loop_loss, kLosses, "robust loss on loop edges");
@@ -255,6 +265,9 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options) {
                 "rounds of shrinking loss width, each a quarter of the one before");
   visitor.Field("use_objects", options.use_objects, "objects enter the graph");
   visitor.Field("use_ground", options.use_ground, "the ground plane enters the graph");
+  visitor.Field("use_walls",
+                options.use_walls,
+                "walls of the layout enter the graph: one plane in all keyframes that saw it");
   visitor.Field("stand_floor_m",
                 options.stand_floor_m,
                 {0, 10},
@@ -287,8 +300,8 @@ Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
                                    const ObjectMap& map,
                                    const Loops& loops,
                                    const GraphOptions& options,
-                                   const std::map<ObjectId, ObjectFoot>& feet) {
-  Result<GraphModel> built = BuildGraphModel(odometry, ground, map, loops, options, feet);
+                                   const GraphSurroundings& surroundings) {
+  Result<GraphModel> built = BuildGraphModel(odometry, ground, map, loops, options, surroundings);
   if (!built.ok()) return built.error();
   GraphModel& model = *built;
 
@@ -324,9 +337,9 @@ Result<std::string> GraphToG2o(const Odometry& odometry,
                                const ObjectMap& map,
                                const Loops& loops,
                                const GraphOptions& options,
-                               const std::map<ObjectId, ObjectFoot>& feet,
+                               const GraphSurroundings& surroundings,
                                const OptimizedMap* after) {
-  Result<GraphModel> model = BuildGraphModel(odometry, ground, map, loops, options, feet);
+  Result<GraphModel> model = BuildGraphModel(odometry, ground, map, loops, options, surroundings);
   if (!model.ok()) return model.error();
   if (after != nullptr) {
     if (const Status moved = MoveTo(*after, map, *model); !moved.ok()) return moved.error();

@@ -10,7 +10,9 @@
 //   r_po  = n - R (0, 0, 1)^T                 x lambda_3    per object that stands on the ground
 //   loop  = r_ij of a verified loop edge      x lambda_1
 //   stand = height of the model's bottom above the ground   per object that stands on it
-// Past the paper: the last one, and robust losses on r_io, r_pi and loop. How r_pi's information is
+//   r_pw  = r_pi of a wall's plane       x lambda_2, with the ground's loss, per keyframe that saw
+//   it
+// Past the paper: the last two, and robust losses on r_io, r_pi and loop. How r_pi's information is
 // carried to the world: residuals.h.
 // t2v is (translation m; rotation vector rad), information in that order.
 //
@@ -45,6 +47,7 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
+#include "deepslam/graph/wall_view.h"
 #include "deepslam/scene/ground.h"
 #include "deepslam/scene/loop.h"
 #include "deepslam/scene/object_class.h"
@@ -71,6 +74,8 @@ struct GraphOptions {
   double ground_variance_scale = 10;
   double ground_floor_m = 0.01;
   double ground_floor_deg = 0.5;
+  double wall_floor_m = 0.01;  // the scale is the ground's
+  double wall_floor_deg = 0.5;
 
   // Loss per kind: none | huber | cauchy. The paper has none. Width in standard deviations of the
   // whole residual (the mean of chi with 6 degrees of freedom is 2.4, its 0.999 quantile 4.7).
@@ -83,6 +88,7 @@ struct GraphOptions {
 
   bool use_objects = true;  // r_io and r_po; else objects follow their keyframes
   bool use_ground = true;   // r_pi, r_po, stand
+  bool use_walls = false;   // r_pw: a wall is one plane in all keyframes that saw it
   // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges. Wide,
   // since the bottom of a model is good to half a voxel however many views there are, and what the
   // views agree on must not be moved for it.
@@ -110,36 +116,41 @@ struct ObjectFoot {
   Supports supports = {};
 };
 
+// What is known beside the measurements along the path.
+struct GraphSurroundings {
+  std::map<ObjectId, ObjectFoot> feet;  // for the standing edges; objects that are missing get none
+  WallViews walls;                      // along the odometry's path
+};
+
 // Optimises, then turns everything into the gravity-aligned world (gravity_world.h). `map` is the
 // map after merging.
 //
-// `feet`: for the standing edges; objects that are missing get none. Objects without a usable view
-// keep their pose relative to the keyframe of their best view. Frames between keyframes that are
-// nodes (all, but of long paths: condense.h): where a frame was tracked against its preceding
-// keyframe, its poses as carried by the keyframe before and the one after are blended by frame
-// number, so that no jump appears at a keyframe; else it moves rigidly with the keyframe it was
-// tracked against. An object that leans more than 5 deg afterwards, or does not stand, says so in
-// its note; the largest tilt is in the summary's message. A solver that fails leaves the poses as
-// they were: summary.converged = false and the reason. Errors (kInvalidInput): frames not numbered
-// 0..n-1, keyframes not ascending or out of range, poses not finite. Bad edges (out of range, not
-// finite, no information) are left out and counted in the message.
+// Objects without a usable view keep their pose relative to the keyframe of their best view. Frames
+// between keyframes that are nodes (all, but of long paths: condense.h): where a frame was tracked
+// against its preceding keyframe, its poses as carried by the keyframe before and the one after are
+// blended by frame number, so that no jump appears at a keyframe; else it moves rigidly with the
+// keyframe it was tracked against. An object that leans more than 5 deg afterwards, or does not
+// stand, says so in its note; the largest tilt is in the summary's message. A solver that fails
+// leaves the poses as they were: summary.converged = false and the reason. Errors (kInvalidInput):
+// frames not numbered 0..n-1, keyframes not ascending or out of range, poses not finite. Bad edges
+// (out of range, not finite, no information) are left out and counted in the message.
 [[nodiscard]] Result<OptimizedMap> OptimizeGraph(const Odometry& odometry,
                                                  const Ground& ground,
                                                  const ObjectMap& map,
                                                  const Loops& loops,
                                                  const GraphOptions& options,
-                                                 const std::map<ObjectId, ObjectFoot>& feet = {});
+                                                 const GraphSurroundings& surroundings = {});
 
 // The same graph as g2o text (g2o.h): VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX, ground terms as
 // comments. Vertices stand at the poses of `after` when given, else at the input's. Edges carry the
-// balanced information, lambda included, without robust losses (g2o files have none). Keyframes
-// that are nodes have their frame number as id, objects kObjectVertexOffset + id.
+// balanced information, lambda included, without robust losses (g2o files have none) and walls.
+// Keyframes that are nodes have their frame number as id, objects kObjectVertexOffset + id.
 [[nodiscard]] Result<std::string> GraphToG2o(const Odometry& odometry,
                                              const Ground& ground,
                                              const ObjectMap& map,
                                              const Loops& loops,
                                              const GraphOptions& options,
-                                             const std::map<ObjectId, ObjectFoot>& feet = {},
+                                             const GraphSurroundings& surroundings = {},
                                              const OptimizedMap* after = nullptr);
 
 }  // namespace deepslam::graph

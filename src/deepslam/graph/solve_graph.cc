@@ -17,6 +17,7 @@ namespace deepslam::graph {
 namespace {
 
 constexpr int kPoseSize = 7;
+constexpr std::size_t kPlaneSize = 4;
 constexpr double kRoundFactor = 4.0;  // widths of successive rounds
 constexpr double kCoarseTolerance = 1e-4;
 constexpr double kFineTolerance = 1e-9;
@@ -26,7 +27,8 @@ constexpr int kMaxConjugateGradients = 500;  // steps; some twenty are usual
 class Parameters {
  public:
   explicit Parameters(const GraphModel& model)
-      : values_(model.world_from_node.size() * kPoseSize + 4) {
+      : ground_(model.world_from_node.size() * kPoseSize),
+        values_(ground_ + kPlaneSize * (1 + model.walls.size())) {
     for (std::size_t k = 0; k < model.world_from_node.size(); ++k) {
       double* pose = Pose(static_cast<int>(k));
       Eigen::Map<Eigen::Vector4d> rotation(pose);
@@ -34,14 +36,14 @@ class Parameters {
       rotation = model.world_from_node[k].rotation.coeffs();
       translation_m = model.world_from_node[k].translation_m;
     }
-    const deepslam::Plane plane = model.plane.value_or(deepslam::Plane{});
-    Eigen::Map<Eigen::Vector3d> normal(Plane());
-    normal = plane.normal;
-    Plane()[3] = plane.d_m;
+    SetPlane(model.plane.value_or(deepslam::Plane{}), Plane());
+    for (std::size_t k = 0; k < model.walls.size(); ++k)
+      SetPlane(model.walls[k], Wall(static_cast<int>(k)));
   }
 
   double* Pose(int node) { return values_.data() + static_cast<std::size_t>(node) * kPoseSize; }
-  double* Plane() { return values_.data() + values_.size() - 4; }
+  double* Plane() { return values_.data() + ground_; }
+  double* Wall(int wall) { return Plane() + kPlaneSize * (1 + static_cast<std::size_t>(wall)); }
   [[nodiscard]] bool AllFinite() const {
     return std::all_of(values_.begin(), values_.end(), [](double v) { return std::isfinite(v); });
   }
@@ -53,12 +55,22 @@ class Parameters {
       model.world_from_node[k] = {rotation.normalized(),
                                   Eigen::Map<const Eigen::Vector3d>(pose + 4)};
     }
-    if (!model.plane) return;
-    model.plane->normal = Eigen::Map<const Eigen::Vector3d>(Plane()).normalized();
-    model.plane->d_m = Plane()[3];
+    for (std::size_t k = 0; k < model.walls.size(); ++k)
+      model.walls[k] = PlaneAt(Wall(static_cast<int>(k)));
+    if (model.plane) model.plane = PlaneAt(Plane());
   }
 
  private:
+  static void SetPlane(const deepslam::Plane& plane, double* values) {
+    Eigen::Map<Eigen::Vector3d> normal(values);
+    normal = plane.normal;
+    values[3] = plane.d_m;
+  }
+  static deepslam::Plane PlaneAt(const double* values) {
+    return {Eigen::Map<const Eigen::Vector3d>(values).normalized(), values[3]};
+  }
+
+  std::size_t ground_;  // where the ground's plane begins; walls follow
   std::vector<double> values_;
 };
 
@@ -147,6 +159,30 @@ Residuals AddGroundEdges(const GraphModel& model,
   return residuals;
 }
 
+Residuals AddWallEdges(const GraphModel& model,
+                       const GraphOptions& options,
+                       double width,
+                       Parameters& parameters,
+                       ceres::Problem& problem) {
+  Residuals residuals;
+  for (const WallEdge& edge : model.wall_edges) {
+    residuals.push_back(
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
+                                     new GroundResidual(Residual(edge.view))),
+                                 Loss(options.ground_loss, width, options.lambda_ground),
+                                 parameters.Pose(edge.view.node),
+                                 parameters.Wall(edge.wall)));
+  }
+  return residuals;
+}
+
+void AddPlane(double* plane, ceres::Problem& problem) {
+  problem.AddParameterBlock(
+      plane,
+      4,
+      new ceres::ProductManifold<ceres::SphereManifold<3>, ceres::EuclideanManifold<1>>());
+}
+
 void AddVariables(const GraphModel& model, Parameters& parameters, ceres::Problem& problem) {
   for (std::size_t k = 0; k < model.world_from_node.size(); ++k) {
     problem.AddParameterBlock(
@@ -156,11 +192,10 @@ void AddVariables(const GraphModel& model, Parameters& parameters, ceres::Proble
   }
   // Gauge: see object_graph.h.
   problem.SetParameterBlockConstant(parameters.Pose(0));
+  for (std::size_t k = 0; k < model.walls.size(); ++k)
+    AddPlane(parameters.Wall(static_cast<int>(k)), problem);
   if (!model.plane) return;
-  problem.AddParameterBlock(
-      parameters.Plane(),
-      4,
-      new ceres::ProductManifold<ceres::SphereManifold<3>, ceres::EuclideanManifold<1>>());
+  AddPlane(parameters.Plane(), problem);
   if (model.ground_edges.empty()) problem.SetParameterBlockConstant(parameters.Plane());
 }
 
@@ -168,9 +203,9 @@ void AddVariables(const GraphModel& model, Parameters& parameters, ceres::Proble
 // that carry it do not: conjugate gradients preconditioned by the factor of those alone.
 void UseConjugateGradients(const GraphModel& model,
                            const Residuals& of_pose_edges,
-                           const Residuals& of_ground,
+                           const Residuals& of_planes,
                            ceres::Solver::Options& solver) {
-  std::unordered_set<ceres::ResidualBlockId> carrying(of_ground.begin(), of_ground.end());
+  std::unordered_set<ceres::ResidualBlockId> carrying(of_planes.begin(), of_planes.end());
   for (const std::size_t edge : CarryingEdges(model)) carrying.insert(of_pose_edges[edge]);
   solver.linear_solver_type = ceres::CGNR;
   solver.preconditioner_type = ceres::SUBSET;
@@ -186,7 +221,9 @@ ceres::Solver::Summary SolveRound(const GraphModel& model,
   ceres::Problem problem;
   AddVariables(model, parameters, problem);
   const Residuals of_pose_edges = AddPoseEdges(model, options, width, parameters, problem);
-  const Residuals of_ground = AddGroundEdges(model, options, width, parameters, problem);
+  Residuals of_planes = AddGroundEdges(model, options, width, parameters, problem);
+  const Residuals of_walls = AddWallEdges(model, options, width, parameters, problem);
+  of_planes.insert(of_planes.end(), of_walls.begin(), of_walls.end());
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
@@ -200,17 +237,18 @@ ceres::Solver::Summary SolveRound(const GraphModel& model,
   solver.parameter_tolerance = 1e-12;
   solver.logging_type = ceres::SILENT;
   if (model.num_keyframes() > options.max_direct_keyframes)
-    UseConjugateGradients(model, of_pose_edges, of_ground, solver);
+    UseConjugateGradients(model, of_pose_edges, of_planes, solver);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   return summary;
 }
 
-enum Term { kIo, kIj, kPi, kPo, kLoopTerm, kStand, kNumTerms };
+enum Term { kIo, kIj, kPi, kPo, kLoopTerm, kStand, kWall, kNumTerms };
 
-std::vector<EnergyTerm> EmptyTerms() {
-  std::vector<EnergyTerm> terms(kNumTerms);
-  const char* const names[kNumTerms] = {"r_io", "r_ij", "r_pi", "r_po", "loop", "stand"};
+// That of walls is there where there are any.
+std::vector<EnergyTerm> EmptyTerms(const GraphModel& model) {
+  std::vector<EnergyTerm> terms(model.wall_edges.empty() ? kWall : kNumTerms);
+  const char* const names[kNumTerms] = {"r_io", "r_ij", "r_pi", "r_po", "loop", "stand", "r_pw"};
   for (std::size_t k = 0; k < terms.size(); ++k) terms[k].name = names[k];
   return terms;
 }
@@ -226,7 +264,7 @@ double SquaredNorm(const Functor& functor, const double* a, const double* b) {
 std::vector<EnergyTerm> Energies(const GraphModel& model,
                                  const GraphOptions& options,
                                  Parameters& parameters) {
-  std::vector<EnergyTerm> terms = EmptyTerms();
+  std::vector<EnergyTerm> terms = EmptyTerms(model);
   const auto add = [&terms](Term term, double energy) {
     terms[term].after += energy;
     ++terms[term].num_edges;
@@ -245,6 +283,12 @@ std::vector<EnergyTerm> Energies(const GraphModel& model,
         options.lambda_ground * SquaredNorm<GroundResidual, 3>(Residual(edge),
                                                                parameters.Pose(edge.node),
                                                                parameters.Plane()));
+  }
+  for (const WallEdge& edge : model.wall_edges) {
+    add(kWall,
+        options.lambda_ground * SquaredNorm<GroundResidual, 3>(Residual(edge.view),
+                                                               parameters.Pose(edge.view.node),
+                                                               parameters.Wall(edge.wall)));
   }
   for (const int node : model.upright) {
     add(kPo,

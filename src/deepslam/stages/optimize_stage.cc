@@ -1,4 +1,6 @@
 // optimize: cameras, objects and ground brought into agreement, in the gravity-aligned world.
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "deepslam/artifact/ground_json.h"
@@ -6,6 +8,7 @@
 #include "deepslam/artifact/summary_json.h"
 #include "deepslam/artifact/trajectory_files.h"
 #include "deepslam/graph/object_graph.h"
+#include "deepslam/mapping/measure_walls.h"
 #include "deepslam/shape/shape_model.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/stage_inputs.h"
@@ -15,6 +18,17 @@ namespace {
 
 using pipeline::StageContext;
 using pipeline::StageSummary;
+
+// Walls as keyframes saw them along the path before loops, which the layout was found along.
+Result<graph::WallViews> Walls(const StageContext& context,
+                               const RunInputs& inputs,
+                               const Trajectory& trajectory) {
+  if (!inputs.config.optimize.use_walls) return graph::WallViews{};
+  const Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
+  return mapping::MeasureWalls(
+      *inputs.capture->frames, trajectory, *layout, mapping::WallViewOptions(), context.progress());
+}
 
 Result<std::map<ObjectId, graph::ObjectFoot>> Feet(const StageContext& context,
                                                    const ClassTable& classes,
@@ -57,11 +71,14 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
   if (!map.ok()) return map.error();
   const Result<Loops> loops = ReadLoops(context);
   if (!loops.ok()) return loops.error();
-  const Result<std::map<ObjectId, graph::ObjectFoot>> feet = Feet(context, inputs.classes, *map);
+  Result<std::map<ObjectId, graph::ObjectFoot>> feet = Feet(context, inputs.classes, *map);
   if (!feet.ok()) return feet.error();
+  Result<graph::WallViews> walls = Walls(context, inputs, *odometry);
+  if (!walls.ok()) return walls.error();
+  const graph::GraphSurroundings surroundings{std::move(feet).value(), std::move(walls).value()};
   const graph::GraphOptions& options = inputs.config.optimize;
   const Result<OptimizedMap> optimized =
-      graph::OptimizeGraph(*odometry, *ground, *map, *loops, options, *feet);
+      graph::OptimizeGraph(*odometry, *ground, *map, *loops, options, surroundings);
   if (!optimized.ok()) return optimized.error();
 
   Ground final_ground{std::nullopt, ground->observations, {}, ground->upright};
@@ -80,10 +97,11 @@ Result<StageSummary> RunOptimize(StageContext& context, const RunInputs& inputs)
               optimized->frames, optimized->keyframes, JoinsOf(*odometry), "frames.json");
         }},
        {"graph_before.g2o",
-        [&] { return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *feet); }},
+        [&] { return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, surroundings); }},
        {"graph.g2o",
         [&] {
-          return graph::GraphToG2o(*odometry, *ground, *map, *loops, options, *feet, &*optimized);
+          return graph::GraphToG2o(
+              *odometry, *ground, *map, *loops, options, surroundings, &*optimized);
         }},
        {"objects.json", [&] { return artifact::EncodeObjectMap(optimized->map, "objects.json"); }},
        {"ground.json", [&] { return artifact::EncodeGround(final_ground, "ground.json"); }},
