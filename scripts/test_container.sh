@@ -92,7 +92,7 @@ inspect() { images inspect --type image --format "$1" localhost/deepslam; }
 container="$(images from localhost/deepslam)"
 in_image() { images run --isolation chroot "$@"; }
 [ "$(in_image "$container" -- id -u)" != 0 ] || fail "the image runs as root"
-[ -z "$(in_image "$container" -- sh -c 'find / -xdev -name "yolo*" 2>/dev/null')" ] || fail "the image holds the detector's weights"
+[ -z "$(in_image --user root "$container" -- find / -xdev -name "yolo*")" ] || fail "the image holds the detector's weights"
 [ -s "$(images mount "$container")/usr/share/doc/deepslam/copyright" ] || fail "the image has no texts of licences"
 images umount "$container" >/dev/null
 quietly in_image "$container" -- deepslam --help
