@@ -49,6 +49,8 @@ images() { command buildah --root "$folder/images" --runroot "$folder/run" --sto
 clean_up() {
   images rm -a >/dev/null 2>&1 || true
   images rmi -a -f >/dev/null 2>&1 || true
+  # Buildah leaves its store mounted upon itself.
+  awk -v folder="$folder/" 'index($2, folder) == 1 {print $2}' /proc/mounts | sort -r | while read -r place; do umount "$place" || true; done
   mount | grep -qF " on $folder/" && { echo "test_container: something is still mounted in $folder; left alone" >&2; return; }
   rm -rf --one-file-system "$folder"
 }
