@@ -17,8 +17,13 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr float kRatio = 0.85F;  // nearest over second nearest
-constexpr int kMaxBits = 70;     // unequal ones
+// How near the nearest descriptor has to be, and how much nearer than the second nearest.
+struct Distinctness {
+  float ratio = 1;
+  int max_distance = std::numeric_limits<int>::max();
+};
+constexpr Distinctness kOfCorners{0.85F, 70};      // unequal bits
+constexpr Distinctness kOfGradients{0.8F * 0.8F};  // of squared distances; Lowe 2004
 constexpr float kAngle_rad = 0.01F;
 constexpr float kDepthBase_m = 0.03F;
 constexpr float kDepthGrowth = 0.015F;  // 1 / m
@@ -40,21 +45,22 @@ using Matches = std::vector<Match>;
 // second nearest is.
 struct Nearest {
   int row = -1;
-  int bits = std::numeric_limits<int>::max();  // unequal ones
-  int second_bits = std::numeric_limits<int>::max();
+  int distance = std::numeric_limits<int>::max();
+  int second_distance = std::numeric_limits<int>::max();
 
-  void Hold(int other, int unequal) {
-    if (unequal < bits) {
-      second_bits = std::exchange(bits, unequal);
+  void Hold(int other, int other_distance) {
+    if (other_distance < distance) {
+      second_distance = std::exchange(distance, other_distance);
       row = other;
     } else {
-      second_bits = std::min(second_bits, unequal);
+      second_distance = std::min(second_distance, other_distance);
     }
   }
 
   // Whether the second nearest is not as good.
-  [[nodiscard]] bool IsDistinct() const {
-    return bits <= kMaxBits && static_cast<float>(bits) <= kRatio * static_cast<float>(second_bits);
+  [[nodiscard]] bool IsDistinct(const Distinctness& least) const {
+    return distance <= least.max_distance &&
+           static_cast<float>(distance) <= least.ratio * static_cast<float>(second_distance);
   }
 };
 
@@ -63,29 +69,44 @@ struct NearestBothWays {
   std::vector<Nearest> of_new;
 };
 
-DEEPSLAM_WIDE_VECTORS
-NearestBothWays FindNearest(std::span<const BinaryDescriptor> olds,
-                            std::span<const BinaryDescriptor> news) {
+template <typename Descriptor>
+NearestBothWays Compare(std::span<const Descriptor> olds, std::span<const Descriptor> news) {
   NearestBothWays nearest{std::vector<Nearest>(olds.size()), std::vector<Nearest>(news.size())};
   for (std::size_t n = 0; n < news.size(); ++n) {
     for (std::size_t o = 0; o < olds.size(); ++o) {
-      const int unequal = Distance(olds[o], news[n]);
-      nearest.of_new[n].Hold(static_cast<int>(o), unequal);
-      nearest.of_old[o].Hold(static_cast<int>(n), unequal);
+      const int distance = Distance(olds[o], news[n]);
+      nearest.of_new[n].Hold(static_cast<int>(o), distance);
+      nearest.of_old[o].Hold(static_cast<int>(n), distance);
     }
   }
   return nearest;
 }
 
-Matches MutualMatches(const KeyframeFeatures& old_features, const KeyframeFeatures& new_features) {
+DEEPSLAM_WIDE_VECTORS
+NearestBothWays FindNearest(std::span<const BinaryDescriptor> olds,
+                            std::span<const BinaryDescriptor> news) {
+  return Compare(olds, news);
+}
+
+DEEPSLAM_WIDE_VECTORS
+NearestBothWays FindNearest(std::span<const GradientDescriptor> olds,
+                            std::span<const GradientDescriptor> news) {
+  return Compare(olds, news);
+}
+
+template <typename Descriptor>
+Matches MutualMatches(const FeaturesOf<Descriptor>& old_features,
+                      const FeaturesOf<Descriptor>& new_features,
+                      const Distinctness& least) {
   if (old_features.descriptors.size() < 2 || new_features.descriptors.size() < 2) return {};
-  const NearestBothWays nearest = FindNearest(old_features.descriptors, new_features.descriptors);
+  const NearestBothWays nearest =
+      FindNearest(std::span(old_features.descriptors), std::span(new_features.descriptors));
   Matches matches;
   for (std::size_t k = 0; k < nearest.of_new.size(); ++k) {
-    if (!nearest.of_new[k].IsDistinct()) continue;
+    if (!nearest.of_new[k].IsDistinct(least)) continue;
     const auto other = static_cast<std::size_t>(nearest.of_new[k].row);
     const Nearest& back = nearest.of_old[other];
-    if (!back.IsDistinct() || back.row != static_cast<int>(k)) continue;
+    if (!back.IsDistinct(least) || back.row != static_cast<int>(k)) continue;
     matches.push_back({old_features.points_camera[other], new_features.points_camera[k]});
   }
   return matches;
@@ -216,17 +237,15 @@ int Rivals(const Matches& matches, const Consensus& winner, const Pose3& pose, R
   return same ? 0 : static_cast<int>(rival.inliers.size());
 }
 
-}  // namespace
-
-std::optional<FeaturePose> PoseFromFeatures(const KeyframeFeatures& old_features,
-                                            const KeyframeFeatures& new_features,
-                                            int min_inliers) {
+// `item` draws the samples.
+std::optional<FeaturePose> PoseFromMatches(const Matches& matches,
+                                           int min_inliers,
+                                           std::pair<FrameIdx, FrameIdx> item) {
   const auto least = static_cast<std::size_t>(std::max(4, min_inliers));
-  const Matches matches = MutualMatches(old_features, new_features);
   if (matches.size() < least) return std::nullopt;
-  Random random(static_cast<std::uint64_t>(old_features.keyframe.value),
+  Random random(static_cast<std::uint64_t>(item.first.value),
                 "feature pose",
-                static_cast<std::uint64_t>(new_features.keyframe.value));
+                static_cast<std::uint64_t>(item.second.value));
   const Consensus consensus = Ransac(matches, random);
   if (consensus.inliers.size() < least) return std::nullopt;
   FeaturePose pose;
@@ -236,6 +255,24 @@ std::optional<FeaturePose> PoseFromFeatures(const KeyframeFeatures& old_features
   pose.spread_rad = std::min(Spread(matches, consensus.inliers, &Match::old_m),
                              Spread(matches, consensus.inliers, &Match::new_m));
   return pose;
+}
+
+}  // namespace
+
+std::optional<FeaturePose> PoseFromFeatures(const KeyframeFeatures& old_features,
+                                            const KeyframeFeatures& new_features,
+                                            int min_inliers) {
+  return PoseFromMatches(MutualMatches(old_features, new_features, kOfCorners),
+                         min_inliers,
+                         {old_features.keyframe, new_features.keyframe});
+}
+
+std::optional<FeaturePose> PoseFromFeatures(const GradientFeatures& old_features,
+                                            const GradientFeatures& new_features,
+                                            int min_inliers) {
+  return PoseFromMatches(MutualMatches(old_features, new_features, kOfGradients),
+                         min_inliers,
+                         {old_features.keyframe, new_features.keyframe});
 }
 
 }  // namespace deepslam::loop

@@ -26,5 +26,8 @@ struct FeaturePose {
 [[nodiscard]] std::optional<FeaturePose> PoseFromFeatures(const KeyframeFeatures& old_features,
                                                           const KeyframeFeatures& new_features,
                                                           int min_inliers);
+[[nodiscard]] std::optional<FeaturePose> PoseFromFeatures(const GradientFeatures& old_features,
+                                                          const GradientFeatures& new_features,
+                                                          int min_inliers);
 
 }  // namespace deepslam::loop

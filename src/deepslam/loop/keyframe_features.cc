@@ -17,6 +17,11 @@ constexpr int kCellsAcross = 8;
 constexpr int kCellsDown = 6;
 constexpr int kCellShare = 4;       // a cell may hold this many times its even share
 constexpr int kFastThreshold = 10;  // grey levels; rooms have little contrast
+// Of blobs, as a share of the grey levels: half of what Lowe asks for, as blur leaves little.
+constexpr double kBlobContrast = 0.02;
+constexpr int kOctaveLayers = 3;       // Lowe 2004
+constexpr double kMaxEdgeRatio = 10;   // Lowe 2004
+constexpr double kFirstBlur_px = 1.6;  // Lowe 2004
 constexpr int kEdge_px = 19;
 constexpr float kMaxDepth_m = 8.0F;
 // Depth within the 3 x 3 pixels about a corner: farther apart, it lies on an edge of something.
@@ -97,6 +102,35 @@ Corners Choose(std::vector<cv::KeyPoint> found,
   return chosen;
 }
 
+// The picture that a frame's points are looked for in; empty where nothing can be.
+struct Picture {
+  cv::Mat grey;
+  int factor = 1;  // by which it is reduced
+};
+
+Picture PictureOf(const Frame& frame, int max_features) {
+  const bool sizes_agree = frame.colour.width() == frame.depth_m.width() &&
+                           frame.colour.height() == frame.depth_m.height();
+  if (frame.colour.empty() || !sizes_agree || max_features < 1) return {};
+  const int factor = std::max(1, (frame.colour.width() + kWorkWidth_px - 1) / kWorkWidth_px);
+  Picture picture{Grey(frame.colour, factor), factor};
+  if (std::min(picture.grey.cols, picture.grey.rows) <= 2 * kEdge_px) return {};
+  return picture;
+}
+
+// compute() may leave corners out: their number in the list is kept with them.
+cv::Mat Describe(cv::Feature2D& by, const cv::Mat& grey, Corners& corners) {
+  for (std::size_t k = 0; k < corners.keypoints.size(); ++k)
+    corners.keypoints[k].class_id = static_cast<int>(k);
+  cv::Mat descriptors;
+  if (!corners.keypoints.empty()) by.compute(grey, corners.keypoints, descriptors);
+  return descriptors;
+}
+
+const Eigen::Vector3f& PointOf(const Corners& corners, std::size_t keypoint) {
+  return corners.points_camera[static_cast<std::size_t>(corners.keypoints[keypoint].class_id)];
+}
+
 }  // namespace
 
 KeyframeFeatures ExtractFeatures(const Frame& frame,
@@ -104,29 +138,44 @@ KeyframeFeatures ExtractFeatures(const Frame& frame,
                                  int max_features) {
   KeyframeFeatures features;
   features.keyframe = frame.idx;
-  const bool sizes_agree = frame.colour.width() == frame.depth_m.width() &&
-                           frame.colour.height() == frame.depth_m.height();
-  if (frame.colour.empty() || !sizes_agree || max_features < 1) return features;
-  const int factor = std::max(1, (frame.colour.width() + kWorkWidth_px - 1) / kWorkWidth_px);
-  const cv::Mat grey = Grey(frame.colour, factor);
-  if (std::min(grey.cols, grey.rows) <= 2 * kEdge_px) return features;
+  const Picture picture = PictureOf(frame, max_features);
+  if (picture.grey.empty()) return features;
   // Twice as many, since some have no depth.
   const cv::Ptr<cv::ORB> orb = cv::ORB::create(
       2 * max_features, 1.2F, 8, kEdge_px, 0, 2, cv::ORB::HARRIS_SCORE, 31, kFastThreshold);
   std::vector<cv::KeyPoint> found;
-  orb->detect(grey, found);
-  // compute() may leave corners out: their number in the list is kept with them.
-  Corners corners = Choose(std::move(found), grey.size(), frame, camera, factor, max_features);
-  for (std::size_t k = 0; k < corners.keypoints.size(); ++k)
-    corners.keypoints[k].class_id = static_cast<int>(k);
-  cv::Mat descriptors;
-  if (!corners.keypoints.empty()) orb->compute(grey, corners.keypoints, descriptors);
+  orb->detect(picture.grey, found);
+  Corners corners =
+      Choose(std::move(found), picture.grey.size(), frame, camera, picture.factor, max_features);
+  const cv::Mat descriptors = Describe(*orb, picture.grey, corners);
   for (std::size_t k = 0; k < corners.keypoints.size(); ++k) {
     BinaryDescriptor descriptor{};
     std::memcpy(descriptor.data(), descriptors.ptr(static_cast<int>(k)), sizeof(descriptor));
     features.descriptors.push_back(descriptor);
-    features.points_camera.push_back(
-        corners.points_camera[static_cast<std::size_t>(corners.keypoints[k].class_id)]);
+    features.points_camera.push_back(PointOf(corners, k));
+  }
+  return features;
+}
+
+GradientFeatures ExtractGradientFeatures(const Frame& frame,
+                                         const PinholeCamera& camera,
+                                         int max_features) {
+  GradientFeatures features;
+  features.keyframe = frame.idx;
+  const Picture picture = PictureOf(frame, max_features);
+  if (picture.grey.empty()) return features;
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(
+      2 * max_features, kOctaveLayers, kBlobContrast, kMaxEdgeRatio, kFirstBlur_px, CV_8U);
+  std::vector<cv::KeyPoint> found;
+  sift->detect(picture.grey, found);
+  Corners corners =
+      Choose(std::move(found), picture.grey.size(), frame, camera, picture.factor, max_features);
+  const cv::Mat descriptors = Describe(*sift, picture.grey, corners);
+  for (std::size_t k = 0; k < corners.keypoints.size(); ++k) {
+    const std::uint8_t* const row = descriptors.ptr(static_cast<int>(k));
+    GradientDescriptor& descriptor = features.descriptors.emplace_back();
+    std::copy_n(row, descriptor.size(), descriptor.begin());
+    features.points_camera.push_back(PointOf(corners, k));
   }
   return features;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "deepslam/core/angles.h"
+#include "deepslam/mapping/feature_starts.h"
 #include "deepslam/mapping/keyframe_pyramids.h"
 #include "deepslam/mapping/recorded_edges.h"
 #include "deepslam/mapping/refine_path.h"
@@ -58,7 +59,15 @@ Result<TrackedPath> TrackPath(const FrameSource& frames,
     pyramids.Take(keyframe.frame, std::move(keyframe.pyramid));
     frames.GiveBack({keyframe.frame, 0, {}, std::move(keyframe.depth_m)});
   };
-  Result<Odometry> tracked = tracking::EstimateOdometry(frames, options, progress, take, recorded);
+  // The keyframes that tracking looks back at, and the frames that it asks about.
+  FeaturePlaces features(frames,
+                         static_cast<std::size_t>(options.num_relocalisation_keyframes) + 4);
+  tracking::OtherPlaces others{recorded, {}};
+  if (options.alignment.photometric)
+    others.features = [&](FrameIdx reference, FrameIdx frame) {
+      return features.Find(reference, frame);
+    };
+  Result<Odometry> tracked = tracking::EstimateOdometry(frames, options, progress, take, others);
   if (!tracked.ok()) return tracked.error();
   std::vector<Pose3> as_tracked = PosesOf(tracked->frames);
   if (as_prior) AddRecordedEdges(recorded, options, *tracked);

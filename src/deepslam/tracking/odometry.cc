@@ -64,13 +64,13 @@ class Pipeline {
            const OdometryOptions& options,
            Progress& progress,
            const std::function<void(ReadKeyframe)>& take,
-           const RecordedPoses& recorded)
+           const OtherPlaces& others)
       : frames_(frames),
         options_(options),
         progress_(progress),
         take_(take),
-        recorded_(recorded),
-        tracker_(options) {}
+        recorded_(others.recorded),
+        tracker_(options, others.features) {}
 
   Result<Odometry> Run() {
     const std::size_t num_frames = static_cast<std::size_t>(frames_.num_frames());
@@ -149,9 +149,9 @@ Result<Odometry> EstimateOdometry(const FrameSource& frames,
                                   const OdometryOptions& options,
                                   Progress& progress,
                                   const std::function<void(ReadKeyframe)>& take,
-                                  const RecordedPoses& recorded) {
+                                  const OtherPlaces& others) {
   if (frames.num_frames() <= 0) return InvalidInput("the capture has no frames");
-  return Pipeline(frames, options, progress, take, recorded).Run();
+  return Pipeline(frames, options, progress, take, others).Run();
 }
 
 }  // namespace deepslam::tracking

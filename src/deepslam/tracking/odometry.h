@@ -21,6 +21,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/frames/frame_source.h"
 #include "deepslam/scene/trajectory.h"
+#include "deepslam/tracking/feature_starts.h"
 #include "deepslam/tracking/odometry_options.h"
 
 namespace deepslam::tracking {
@@ -36,6 +37,12 @@ struct ReadKeyframe {
 // (--poses prior): world from camera, in a world of their own; nothing of frames that have none.
 using RecordedPoses = std::function<std::optional<Pose3>(FrameIdx)>;
 
+// Where frames may be beside what tracking itself expects; each may be empty.
+struct OtherPlaces {
+  RecordedPoses recorded;
+  FeatureStarts features;
+};
+
 // Stage `track`. `take` is given keyframes as they are found, in their order and one at a time:
 // most of them, and some that are given up later. InvalidInput when no frame, or less than half of
 // them, could be read, or none has usable depth.
@@ -43,7 +50,7 @@ using RecordedPoses = std::function<std::optional<Pose3>(FrameIdx)>;
                                                 const OdometryOptions& options,
                                                 Progress& progress,
                                                 const std::function<void(ReadKeyframe)>& take = {},
-                                                const RecordedPoses& recorded = {});
+                                                const OtherPlaces& others = {});
 
 // Those of a capture that are usable: finite, a rotation.
 [[nodiscard]] RecordedPoses RecordedPosesOf(const FrameSource& frames);

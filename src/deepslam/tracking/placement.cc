@@ -150,4 +150,21 @@ FrameAlignment Place(const PathSoFar& path,
   return better ? second : first;
 }
 
+FrameAlignment PlaceByFeatures(const PathSoFar& path,
+                               const PosedFrame& reference,
+                               const PosedFrame& last,
+                               const PosedFrame& frame) {
+  if (last.sub_trajectory != reference.sub_trajectory) return {};
+  const auto start = path.features != nullptr && *path.features
+                         ? (*path.features)(reference.frame, frame.frame)
+                         : std::nullopt;
+  if (!start) return {};
+  const Pose3 world_from_camera = reference.world_from_camera * start->reference_from_frame;
+  const FrameAlignment placed = Place(path, reference, last, frame, {{world_from_camera}});
+  if (placed.ok) return placed;
+  FrameAlignment found = AlignTo(path, reference, frame, {world_from_camera});
+  found.ok = IsBorneOutByFeatures(path, reference, last, frame, found, *start);
+  return found;
+}
+
 }  // namespace deepslam::tracking

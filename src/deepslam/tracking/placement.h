@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deepslam/alignment/frame_alignment.h"
+#include "deepslam/tracking/feature_starts.h"
 #include "deepslam/tracking/keyframe_window.h"
 #include "deepslam/tracking/motion_gate.h"
 #include "deepslam/tracking/odometry_options.h"
@@ -22,6 +23,7 @@ struct PathSoFar {
   const KeyframeWindow& keyframes;
   const PosedFrame& previous;  // the frame placed last
   const MotionModel& motion;   // ... and how it came there
+  const FeatureStarts* features = nullptr;
 };
 
 // World from the camera of a frame: moved since the frame placed last as the recorder says, where
@@ -58,5 +60,12 @@ struct Starts {
                                               const PosedFrame& last,
                                               const PosedFrame& frame,
                                               Starts starts);
+
+// Place, from where points that the frame shares with the reference have it. Not ok where they are
+// too few, and where it would join sub-trajectories: things look alike in other rooms.
+[[nodiscard]] alignment::FrameAlignment PlaceByFeatures(const PathSoFar& path,
+                                                        const PosedFrame& reference,
+                                                        const PosedFrame& last,
+                                                        const PosedFrame& frame);
 
 }  // namespace deepslam::tracking

@@ -21,4 +21,14 @@ inline constexpr double kMaxViolationFar = 0.01;
                                 const PosedFrame& frame,
                                 const alignment::FrameAlignment& found);
 
+// By points that frame and reference share, where depth is so poor that it cannot bear an alignment
+// out (holes, edges that smear): it lies where they say, fits as far as it is measured, and the
+// camera was expected there; or a hand may have carried it there, and details are alike.
+[[nodiscard]] bool IsBorneOutByFeatures(const PathSoFar& path,
+                                        const PosedFrame& reference,
+                                        const PosedFrame& last,
+                                        const PosedFrame& frame,
+                                        const alignment::FrameAlignment& found,
+                                        const FeatureStart& start);
+
 }  // namespace deepslam::tracking

@@ -14,8 +14,9 @@ using alignment::FrameAlignment;
 using alignment::FramePyramid;
 using alignment::Sharpened;
 
-Tracker::Tracker(const OdometryOptions& options)
+Tracker::Tracker(const OdometryOptions& options, FeatureStarts features)
     : options_(options),
+      features_(std::move(features)),
       motion_(options.motion_prediction),
       keyframes_(options.num_relocalisation_keyframes),
       odometry_(options) {}
@@ -83,8 +84,9 @@ bool Tracker::AlignToPrevious(PosedFrame& frame) {
   HideDynamic(*previous_);
   MakeReference(*previous_);
   const PathSoFar path = Path();
-  const FrameAlignment found =
+  FrameAlignment found =
       Place(path, *previous_, *previous_, frame, StartsBehindPrevious(path, frame));
+  if (!found.ok) found = PlaceByFeatures(path, *previous_, *previous_, frame);
   if (!found.ok) return false;
   const std::optional<FrameAlignment> direct = previous_to_keyframe_;
   AddKeyframe(*previous_, direct ? &*direct : nullptr);
@@ -134,8 +136,8 @@ bool Tracker::BeginSubTrajectory(PosedFrame& frame) {
   PosedFrame start = *pending_;
   start.sub_trajectory = sub_trajectories_.newest() + 1;
   MakeReference(start);
-  const FrameAlignment found =
-      Place(Path(), start, start, frame, {{start.world_from_camera}, &start});
+  FrameAlignment found = Place(Path(), start, start, frame, {{start.world_from_camera}, &start});
+  if (!found.ok) found = PlaceByFeatures(Path(), start, start, frame);
   if (!found.ok) return false;
   sub_trajectories_.Begin(start.frame);
   odometry_.AddUncertainEdge(keyframes_.last(), start);

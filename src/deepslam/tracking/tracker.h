@@ -9,6 +9,7 @@
 
 #include "deepslam/alignment/frame_alignment.h"
 #include "deepslam/scene/trajectory.h"
+#include "deepslam/tracking/feature_starts.h"
 #include "deepslam/tracking/keyframe_window.h"
 #include "deepslam/tracking/monotonic_clock.h"
 #include "deepslam/tracking/motion_gate.h"
@@ -22,7 +23,7 @@ namespace deepslam::tracking {
 
 class Tracker {
  public:
-  explicit Tracker(const OdometryOptions& options);
+  explicit Tracker(const OdometryOptions& options, FeatureStarts features = {});
 
   // Frames must come in order, none left out. Null: the frame was unreadable.
   // `recorded`: PosedFrame::recorded.
@@ -38,7 +39,9 @@ class Tracker {
   [[nodiscard]] Odometry Finish() &&;
 
  private:
-  [[nodiscard]] PathSoFar Path() const { return {options_, keyframes_, *previous_, motion_}; }
+  [[nodiscard]] PathSoFar Path() const {
+    return {options_, keyframes_, *previous_, motion_, &features_};
+  }
   [[nodiscard]] bool IsUsable(const alignment::FramePyramid& pyramid) const;
   // Frames of one depth everywhere are as good as a wall only while nothing better has come.
   void ForgetOneDepth();
@@ -70,6 +73,7 @@ class Tracker {
   void HideDynamic(PosedFrame& frame) const;
 
   const OdometryOptions options_;
+  const FeatureStarts features_;
   MonotonicClock clock_;
   MotionModel motion_;
   KeyframeWindow keyframes_;
