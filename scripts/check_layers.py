@@ -48,6 +48,9 @@ MODULES = {
     "fuse": ALGORITHM,
     "layout": ALGORITHM,
     "gltf": ALGORITHM,
+    "usd": ALGORITHM,
+    "convex": ALGORITHM,
+    "simulator": ALGORITHM,
     "render": ALGORITHM,
     "eval": ALGORITHM,
     "report": ALGORITHM | {"image_codec"},
@@ -58,7 +61,7 @@ MODULES = {
     # composition: joins algorithms, in memory
     "mapping": VOCABULARY | {"alignment", "tracking", "loop", "graph"},
     "modelling": VOCABULARY | {"observe", "propose", "registration", "select", "refine", "loop", "graph", "mapping"},
-    "presentation": VOCABULARY | {"mesh", "fuse", "layout", "gltf", "render", "report"},
+    "presentation": VOCABULARY | {"mesh", "fuse", "layout", "gltf", "usd", "convex", "simulator", "render", "report"},
     # control
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }
@@ -76,7 +79,7 @@ FILE_MODULES = {"dataset", "formats", "layouts", "convert", "storage", "library"
 FENCES = {
     "opencv2/": {"video", "detect", "loop", "report", "synth"},
     "ceres/": {"graph", "registration", "ground", "refine"},
-    "CGAL/": {"mesh", "layout"},
+    "CGAL/": {"mesh", "layout", "convex"},
     "boost/": {"layout"},
     "OpenMesh/": {"mesh", "gltf"},
     "draco/": {"gltf"},
@@ -89,8 +92,8 @@ FENCES = {
     "onnxruntime": {"detect", "propose"},
     "google/protobuf": set(),
     "onnx_excerpt.pb.h": {"detect"},
-    "nlohmann/": {"artifact", "gltf", "pipeline", "report", "stages", "eval", "library", "detect", "tools", "layouts",
-                  "convert"},
+    "nlohmann/": {"artifact", "gltf", "pipeline", "presentation", "report", "stages", "eval", "library", "detect", "tools",
+                  "layouts", "convert"},
     "png.h": {"image_codec"},
     "jpeglib.h": {"image_codec"},
     "OpenEXR/": {"image_codec"},

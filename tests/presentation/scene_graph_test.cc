@@ -7,8 +7,8 @@
 
 #include <gmock/gmock.h>
 
-#include "deepslam/artifact/scene_graph_json.h"
 #include "deepslam/presentation/labelled_scene.h"
+#include "deepslam/presentation/scene_graph_json.h"
 #include "presentation/room_with_box.h"
 #include "support/layout_samples.h"
 
@@ -115,21 +115,21 @@ TEST(MakeSceneGraph, TakesLabelsAndFrontsFromTheTable) {
 TEST(MakeSceneGraph, BearsAnEmptyMapAndThingsWithoutASurface) {
   const SceneGraph none = GraphOf(BoxesInRooms({}));
   EXPECT_TRUE(none.objects.empty() && none.relations.empty());
-  EXPECT_TRUE(artifact::EncodeSceneGraph(none, "f").ok());
+  EXPECT_TRUE(EncodeSceneGraph(none, "f").ok());
   FinishedMap finished = BoxesInRooms({{1, 1.5, 0.5}, {1.1, 1.5, 0.5}});
   finished.meshes[0] = {};
   const SceneGraph graph = GraphOf(finished);
   EXPECT_FALSE(graph.objects[0].has_mesh);
   EXPECT_EQ(graph.objects[0].box_world.min, graph.objects[0].box_world.max);
   EXPECT_EQ(graph.objects[0].room, 0);
-  EXPECT_TRUE(artifact::EncodeSceneGraph(graph, "f").ok());
+  EXPECT_TRUE(EncodeSceneGraph(graph, "f").ok());
 }
 
 TEST(EncodeSceneGraph, IsTheSameEveryTimeAndRefusesWhatIsNoNumber) {
   SceneGraph graph = GraphOf(BoxesInRooms({{1, 0.52, 0.5}, {2.2, 0.52, 0.5}}));
-  EXPECT_EQ(*artifact::EncodeSceneGraph(graph, "f"), *artifact::EncodeSceneGraph(graph, "f"));
+  EXPECT_EQ(*EncodeSceneGraph(graph, "f"), *EncodeSceneGraph(graph, "f"));
   graph.objects[0].volume_m3 = std::numeric_limits<double>::quiet_NaN();
-  const Result<std::string> text = artifact::EncodeSceneGraph(graph, "scene_graph.json");
+  const Result<std::string> text = EncodeSceneGraph(graph, "scene_graph.json");
   ASSERT_FALSE(text.ok());
   EXPECT_THAT(text.error().message, testing::HasSubstr("scene_graph.json"));
 }

@@ -19,13 +19,13 @@ namespace {
 constexpr double kVolumeStepM3 = 1e-6;  // a cubic centimetre
 
 // Divided by a whole number, so that decimals are written as short as they are.
-double Rounded(double value, double step) {
+double RoundedTo(double value, double step) {
   const double per_unit = std::round(1 / step);
   return std::round(value * per_unit) / per_unit;
 }
 
 Eigen::Vector3d RoundedPlace(const Eigen::Vector3d& p) {
-  return p.unaryExpr([](double value) { return Rounded(value, kMapPlaceStepM); });
+  return p.unaryExpr([](double value) { return RoundedTo(value, kMapPlaceStepM); });
 }
 
 GraphObject ToGraph(const CompactObject& object,
@@ -54,7 +54,7 @@ GraphObject ToGraph(const CompactObject& object,
   node.box_world.min = RoundedPlace(box.empty() ? origin : box_world.min);
   node.box_world.max = RoundedPlace(box.empty() ? origin : box_world.max);
   node.has_front = !classes.TraitsOf(object.class_name).yaw_free;
-  node.volume_m3 = Rounded(std::max(0.0, volume_m3), kVolumeStepM3);
+  node.volume_m3 = RoundedTo(std::max(0.0, volume_m3), kVolumeStepM3);
   node.room = object.room;
   node.credit = object.credit;
   node.note = object.note;
@@ -89,7 +89,7 @@ std::vector<std::vector<GraphRelation>> RelationsOf(const CompactMap& map,
     const std::string& second = objects[pair.second].name;
     const bool stands =
         map.objects[pair.first].stands_on == second || map.objects[pair.second].stands_on == first;
-    const double distance_m = Rounded(pair.distance_m, kMapLayoutStepM);
+    const double distance_m = RoundedTo(pair.distance_m, kMapLayoutStepM);
     if (pair.before)
       relations[pair.first].push_back({first, Predicate::kInFrontOf, second, distance_m});
     if (pair.beside && !stands)

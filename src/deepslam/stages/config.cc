@@ -11,6 +11,7 @@ constexpr std::array<std::string_view, 2> kDetectFrames = {"keyframes", "all"};
 constexpr std::array<std::string_view, 2> kAssociationMethods = {kBySurface, "votes"};
 constexpr std::array<std::string_view, 2> kAppearances = {"measured", "class"};
 constexpr std::array<std::string_view, 3> kSurroundings = {"layout", "measured", "both"};
+constexpr std::array<std::string_view, 4> kUsdFiles = {"none", "usdz", "usda", "both"};
 const std::set<std::string>& PathOptions() {
   static const std::set<std::string> names = {
       "classes.file", "detect.weights", "detect.file", "propose.library", "propose.priors"};
@@ -83,6 +84,18 @@ void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
   visitor.Field("plan_dxf",
                 options.plan_dxf,
                 "also write plan.dxf: the floor plan for CAD programs, in metres");
+  visitor.Choice("usd",
+                 options.usd,
+                 kUsdFiles,
+                 "also write the scene as Universal Scene Description: scene.usdz, scene.usda, or "
+                 "both");
+  visitor.Field("usd_physics",
+                options.usd_physics,
+                "in it also what moves, masses and the convex pieces that collide");
+  visitor.Field("simulator",
+                options.simulator,
+                "also write simulator/: the scene for MuJoCo (MJCF) and others (URDF), with meshes "
+                "and the convex pieces that collide");
   visitor.Field("room", options.room, "put the room's measured surface into the scene");
   visitor.Choice(
       "surroundings",
@@ -146,6 +159,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("export", "The scene file", c.export_stage),
       Section("export.ground", "The seen piece of floor", c.ground_polygon),
       Section("export.gltf", "glTF and Draco", c.gltf),
+      Section("export.convex", "Convex pieces of objects, for physics", c.convex),
   };
 }
 

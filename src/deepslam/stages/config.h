@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deepslam/associate/associate.h"
+#include "deepslam/convex/decompose.h"
 #include "deepslam/detect/cluster_detector.h"
 #include "deepslam/detect/detect_frame.h"
 #include "deepslam/detect/detector.h"
@@ -72,8 +73,11 @@ struct ExportStageOptions {
   std::string appearance = "measured";  // measured | class
   bool labelled_ply = false;            // scene.ply
   bool habitat = false;                 // scene.semantic.glb and scene.semantic.txt
+  std::string usd = "none";             // none | usdz | usda | both
+  bool usd_physics = false;             // bodies, masses and collision pieces in it
+  bool simulator = false;               // simulator/: MJCF, URDF, meshes and convex pieces
   bool room = true;
-  bool plan_dxf = false;                // plan.dxf
+  bool plan_dxf = false;              // plan.dxf
   std::string surroundings = "both";  // layout | measured | both
   bool trajectory = true;
 };
@@ -115,6 +119,7 @@ struct Config {
   ExportStageOptions export_stage;
   mesh::GroundPolygonOptions ground_polygon;
   gltf::GltfOptions gltf;
+  convex::DecomposeOptions convex;
 };
 
 // Every section of the configuration, in the order of the pipeline. `config` must outlive the

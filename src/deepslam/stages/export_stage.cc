@@ -7,7 +7,6 @@
 
 #include "deepslam/artifact/map_json.h"
 #include "deepslam/artifact/ply.h"
-#include "deepslam/artifact/scene_graph_json.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/gltf/scene_writer.h"
 #include "deepslam/mesh/check_mesh.h"
@@ -18,9 +17,11 @@
 #include "deepslam/presentation/map_plan.h"
 #include "deepslam/presentation/objects_csv.h"
 #include "deepslam/presentation/scene_graph.h"
+#include "deepslam/presentation/scene_graph_json.h"
 #include "deepslam/report/floor_plan.h"
 #include "deepslam/report/plan_dxf.h"
 #include "deepslam/report/sanity_checks.h"
+#include "deepslam/stages/export_elsewhere.h"
 #include "deepslam/stages/mesh_options.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/stages/presentation_inputs.h"
@@ -133,11 +134,13 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
     status = context.Write("objects.csv", presentation::EncodeObjectsCsv(map.objects, volumes_m3));
   }
   if (status.ok()) {
-    const SceneGraph graph =
+    const presentation::SceneGraph graph =
         presentation::MakeSceneGraph(map, finished.meshes, volumes_m3, inputs.classes);
     status = WriteEncoded(
-        context, "scene_graph.json", artifact::EncodeSceneGraph(graph, "scene_graph.json"));
+        context, "scene_graph.json", presentation::EncodeSceneGraph(graph, "scene_graph.json"));
   }
+  if (status.ok())
+    status = WriteElsewhere(context, {scene, map, finished.meshes, inputs.classes}, config);
   if (!status.ok()) return status.error();
   return Summary(map, glbs, *map_json);
 }

@@ -79,7 +79,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
     {"export",
      12,
      "track ground layout propose select loops optimize mesh fuse",
-     "export export.ground export.gltf",
+     "export export.ground export.gltf export.convex",
      kFrames | kClasses | kExportColumns,
      RunExport},
     {"report",

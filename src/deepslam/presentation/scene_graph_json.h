@@ -6,11 +6,11 @@
 #include <string_view>
 
 #include "deepslam/core/result.h"
-#include "deepslam/scene/scene_graph.h"
+#include "deepslam/presentation/scene_graph.h"
 
-namespace deepslam::artifact {
+namespace deepslam::presentation {
 
-// Error: a number that is not finite.
+// Keys are sorted. Error: a number that is not finite. `name` is what messages call the file.
 [[nodiscard]] Result<std::string> EncodeSceneGraph(const SceneGraph& graph, std::string_view name);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::presentation

@@ -1,0 +1,66 @@
+#include "deepslam/convex/convex_hull.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "convex/convex_samples.h"
+#include "deepslam/convex/mass_properties.h"
+#include "deepslam/core/random.h"
+#include "deepslam/scene/mesh_check.h"
+
+namespace deepslam::convex {
+namespace {
+
+std::vector<Eigen::Vector3f> Ball(int count, float flat = 1) {
+  std::vector<Eigen::Vector3f> points;
+  for (int n = 0; n < count; ++n) {
+    const double z = 1 - (2.0 * n + 1) / count;
+    const double radius = std::sqrt(1 - z * z);
+    points.emplace_back(static_cast<float>(radius * std::cos(2.4 * n)),
+                        static_cast<float>(radius * std::sin(2.4 * n)),
+                        flat * static_cast<float>(z));
+  }
+  return points;
+}
+
+TEST(ConvexHull, IsClosedAndHoldsAllPoints) {
+  std::vector<Eigen::Vector3f> points = Ball(200);
+  points.emplace_back(0, 0, 0);
+  const TriangleMesh hull = ConvexHull(points);
+  EXPECT_TRUE(CheckMesh(hull).ok()) << CheckMesh(hull).fault;
+  EXPECT_NEAR(VolumeOf(hull), 4.0 / 3 * 3.14159, 0.2);
+  EXPECT_NEAR(VolumeOf(testing_support::BoxMesh({0, 0, 0}, {1, 2, 3})), 6, 1e-6);
+}
+
+TEST(ConvexHull, OfWhatIsFlatIsEmpty) {
+  EXPECT_TRUE(ConvexHull({}).empty());
+  const std::vector<Eigen::Vector3f> flat = {
+      {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0.5F, 0.2F, 1}};
+  EXPECT_TRUE(ConvexHull(flat).empty());
+  const std::vector<Eigen::Vector3f> same(10, Eigen::Vector3f(1, 2, 3));
+  EXPECT_TRUE(ConvexHull(same).empty());
+}
+
+TEST(BoundedHull, KeepsTheVolumeWithFewVertices) {
+  for (const float flat : {1.0F, 0.02F}) {
+    const std::vector<Eigen::Vector3f> points = Ball(3000, flat);
+    const TriangleMesh hull = BoundedHull(points, 64);
+    EXPECT_LE(hull.vertices.size(), 64U);
+    EXPECT_TRUE(CheckMesh(hull).ok());
+    EXPECT_GT(VolumeOf(hull), 0.85 * VolumeOf(ConvexHull(points))) << flat;
+  }
+}
+
+TEST(ClipConvex, CutsAtThePlane) {
+  const TriangleMesh box = testing_support::BoxMesh({0, 0, 0}, {1, 1, 1});
+  EXPECT_NEAR(VolumeOf(ClipConvex(box, {1, 0, 0}, 0.25)), 0.25, 1e-6);
+  EXPECT_NEAR(VolumeOf(ClipConvex(box, {-1, 0, 0}, -0.25)), 0.75, 1e-6);
+  const Eigen::Vector3d diagonal = Eigen::Vector3d(1, 1, 1).normalized();
+  EXPECT_NEAR(VolumeOf(ClipConvex(box, diagonal, 1 / std::sqrt(3.0))), 1.0 / 6, 1e-6);
+  EXPECT_EQ(ClipConvex(box, {1, 0, 0}, 2).vertices.size(), box.vertices.size());
+  EXPECT_TRUE(ClipConvex(box, {1, 0, 0}, -1).empty());
+}
+
+}  // namespace
+}  // namespace deepslam::convex
