@@ -45,10 +45,41 @@ TEST(WholesOf, ABackOnTheEdgeOfASeatIsOfThatChair) {
   EXPECT_THAT(WholesOf(std::vector{seat, behind, above}), ElementsAre(0, 1, 2));
 }
 
+TEST(WholesOf, LegsAreOfTheTopThatTheyCarry) {
+  Instance table = Thing("table", true, {0, 0, 0, 0.75}, {1.6, 0.9});
+  table.has_support_plane = true;
+  Instance leg = Thing("cabinet", false, {0.7, 0.35, 0.1, 0.68}, {0.1, 0.08});
+  leg.rejection = "small";
+  EXPECT_THAT(WholesOf(std::vector{table, leg}), ElementsAre(0, 0));
+  EXPECT_THAT(WholesOf(std::vector{leg, table}), ElementsAre(0, 0));
+  // What ends well below the top, rises above it, is wide or stands beside it is another thing.
+  const Instance post_of_a_seat = Thing("chair", true, {0.7, 0.35, 0, 0.45}, {0.1, 0.08});
+  const Instance back = Thing("chair", true, {0.7, 0.35, 0.4, 0.9}, {0.05, 0.18});
+  const Instance drawers = Thing("cabinet", false, {0.5, 0.2, 0, 0.7}, {0.4, 0.5});
+  const Instance beside = Thing("cabinet", false, {0.95, 0.35, 0.1, 0.68}, {0.1, 0.08});
+  for (const Instance& other : {post_of_a_seat, back, drawers, beside})
+    EXPECT_THAT(WholesOf(std::vector{table, other}), ElementsAre(0, 1));
+}
+
 TEST(WholesOf, BoardsAboveOneAnotherAreARack) {
   const Instance low = Thing("cabinet", false, {0, 0, 0.1, 0.3}, {0.9, 0.3});
   const Instance high = Thing("cabinet", false, {0.02, 0, 0.6, 0.9}, {0.88, 0.28});
   EXPECT_THAT(WholesOf(std::vector{low, high}), ElementsAre(0, 0));
+  // Each alone may be too little to be a thing.
+  Instance board = high;
+  board.rejection = "only 0.28 m deep";
+  EXPECT_THAT(WholesOf(std::vector{low, board}), ElementsAre(0, 0));
+  EXPECT_THAT(WholesOf(std::vector{board, board}), ElementsAre(0, 0));
+  // Pictures above one another hang on a wall.
+  Instance picture = Thing("cabinet", false, {0, 0, 0.8, 1.2}, {0.5, 0.03});
+  picture.rejection = "only 0.03 m deep";
+  Instance above = Thing("cabinet", false, {0, 0, 1.3, 1.7}, {0.5, 0.03});
+  above.rejection = "only 0.03 m deep";
+  EXPECT_THAT(WholesOf(std::vector{picture, above}), ElementsAre(0, 1));
+  // Its size may call the upper one something else.
+  Instance other = high;
+  other.class_name = "furniture";
+  EXPECT_THAT(WholesOf(std::vector{low, other}), ElementsAre(0, 0));
   // A box on a cabinet is another thing, and so is a wall cabinet that hangs over a counter.
   EXPECT_THAT(WholesOf(std::vector{low, Thing("cabinet", false, {0, 0, 0.32, 0.5}, {0.4, 0.3})}),
               ElementsAre(0, 1));

@@ -22,8 +22,11 @@ using instances::SurfaceElements;
 constexpr double kNeighbourVoxels = 1.9;
 // Of a silhouette that no detection shows: less than any detection that is kept by default.
 constexpr double kUndetectedScore = 0.25;
-// Rejected things of so much surface are told of.
+// Rejected things of so much surface are told of, and long ones of less: of a chair that is seen
+// from behind alone there is little more than the upper rail of its back.
 constexpr double kLargeM2 = 0.15;
+constexpr double kLongM = 0.4;
+constexpr double kLargeOfLongM2 = 0.06;
 
 // Which thing each detection of a frame is of: the one that most of what it claims belongs to.
 std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,
@@ -52,6 +55,12 @@ std::vector<int> ThingsOfSuperpoints(const Superpoints& superpoints, const Insta
       things[static_cast<std::size_t>(superpoints.of_element[i])] = found.of_element[i];
   }
   return things;
+}
+
+bool IsWorthTelling(const Instance& instance, double surface_m2) {
+  const instances::UprightBox& box = instance.box_level;
+  const bool is_long = std::max(box.long_side_m(), box.height_m()) >= kLongM;
+  return instance.is_named || surface_m2 >= (is_long ? kLargeOfLongM2 : kLargeM2);
 }
 
 Segment SegmentOf(const Silhouette& silhouette,
@@ -129,7 +138,7 @@ class Tracks {
                               : members_[thing].empty()   ? "no frame shows enough of it"
                                                           : "";
       if (!why.empty()) {
-        if (surface_m2 >= kLargeM2 || instance.is_named)
+        if (IsWorthTelling(instance, surface_m2))
           found.association.not_mapped.push_back(
               fmt::format("{} at {:.2f}, {:.2f} ({}): {}",
                           instance.class_name.empty() ? "thing" : instance.class_name,

@@ -19,7 +19,7 @@ constexpr double kHiddenBaseM = 0.45;
 // something else than the floor, or hangs.
 constexpr double kHungBaseM = 0.75;
 // What detections name may be seen in part: the back of a chair that stands under a table is 0.2 m
-// high. Of the least side that is asked of other things, 0.25 m by default.
+// high. Of the least side and surface that are asked of other things.
 constexpr double kNamedSideShare = 0.6;
 // A class names nothing of which less than this share of its least length was seen: a cushion is no
 // bed.
@@ -107,17 +107,19 @@ void Name(const ClassTable& classes, const InstanceOptions& options, Instance& i
     instance.is_named = true;
   }
   if (!instance.is_named) instance.class_name = ClassBySize(instance.box_level, classes);
+  instance.has_support_plane = classes.TraitsOf(instance.class_name).support_plane;
 }
 
 // Why something is too small to be mapped, whoever names it.
 std::string TooLittle(const Instance& instance, double voxel_m, const InstanceOptions& options) {
   const UprightBox& box = instance.box_level;
   const double surface_m2 = static_cast<double>(instance.elements.size()) * voxel_m * voxel_m;
-  if (surface_m2 < options.min_surface_m2)
+  const double seen_share = instance.is_named ? kNamedSideShare : 1;
+  if (surface_m2 < seen_share * options.min_surface_m2)
     return fmt::format("only {:.2f} m2 of it were seen", surface_m2);
   std::array<double, 3> sides_m = {box.length_m, box.width_m, box.height_m()};
   std::ranges::sort(sides_m);
-  const double min_side_m = (instance.is_named ? kNamedSideShare : 1) * options.min_size_m;
+  const double min_side_m = seen_share * options.min_size_m;
   if (sides_m[1] < min_side_m)
     return fmt::format("small: {:.2f} x {:.2f} m", sides_m[2], sides_m[1]);
   return {};

@@ -41,7 +41,8 @@ struct Instance {
   UprightBox box_level;
   // Class of most votes; of a thing that no detection names the class whose sizes hold it.
   std::string class_name;
-  bool is_named = false;  // by detections
+  bool is_named = false;           // by detections
+  bool has_support_plane = false;  // as its class says
   // Sum of the scores of detections that claimed its superpoints over the views that saw them.
   std::map<std::string, double> class_shares;
   std::string rejection;  // why it is no object of the map; empty: it is one

@@ -14,11 +14,19 @@ constexpr double kMinSharedVolume = 0.5;  // of the smaller box
 // than what it stands on or above.
 constexpr double kMinOutlineIou = 0.6;
 constexpr double kMaxGapM = 0.45;  // between the boards of a rack or the planks of a console table
+constexpr double kBoardDepthM = 0.1;  // pictures are flatter, racks for anything but spices deeper
 // A chair's back stands on the edge of its seat or leans out over it.
 constexpr double kEdgeM = 0.05;
 constexpr double kMinSharedOutline = 0.5;  // of the smaller outline
 constexpr double kMaxGapOfNamedM = 0.2;    // between a seat and what is seen of a back
 constexpr double kFlatM = 0.02;            // boxes are no thinner, so that a board has a volume
+// Legs of tables are no wider than this, of what is seen of them, two voxels of the surface more
+// than the widest that segmentation by frames takes for one (segment/top_carriers.h).
+constexpr double kSlimM = 0.2;
+// Their upper ends hide behind aprons and tops. Chairs that are pushed under a table end lower with
+// their seats, and higher with their backs.
+constexpr double kHiddenEndM = 0.2;
+constexpr double kAboveTopM = 0.03;  // noise
 
 LevelRectangle OutlineOf(const UprightBox& box) {
   return {box.centre_m, box.yaw_rad, std::max(box.length_m, kFlatM), std::max(box.width_m, kFlatM)};
@@ -43,16 +51,37 @@ bool LiesOver(const UprightBox& a, const UprightBox& b) {
   return SharedArea(larger, smaller) > kMinSharedOutline * smaller.area_m2();
 }
 
+bool Carries(const Instance& leg, const Instance& table) {
+  const UprightBox& own = leg.box_level;
+  const UprightBox& top = table.box_level;
+  if (!table.has_support_plane || !table.is_named || !table.rejection.empty() ||
+      own.long_side_m() > kSlimM || own.top_m > top.top_m + kAboveTopM ||
+      own.top_m < top.top_m - kHiddenEndM)
+    return false;
+  return SharedArea(OutlineOf(own), OutlineOf(top)) > kMinSharedOutline * OutlineOf(own).area_m2();
+}
+
+bool AreBoards(const Instance& a, const Instance& b) {
+  const UprightBox& box_a = a.box_level;
+  const UprightBox& box_b = b.box_level;
+  if (a.is_named || b.is_named || SharedHeight(box_a, box_b) <= -kMaxGapM ||
+      std::min(box_a.short_side_m(), box_b.short_side_m()) < kBoardDepthM)
+    return false;
+  const double shared_m2 = SharedArea(OutlineOf(box_a), OutlineOf(box_b));
+  const double all_m2 = OutlineOf(box_a).area_m2() + OutlineOf(box_b).area_m2() - shared_m2;
+  return shared_m2 > kMinOutlineIou * all_m2;
+}
+
 bool AreOneThing(const Instance& a, const Instance& b) {
-  if (a.class_name != b.class_name || !a.rejection.empty() || !b.rejection.empty()) return false;
+  if (Carries(a, b) || Carries(b, a) || AreBoards(a, b)) return true;
+  const bool may_be_alike = a.class_name == b.class_name || (!a.is_named && !b.is_named);
+  if (!may_be_alike || !a.rejection.empty() || !b.rejection.empty()) return false;
   const UprightBox& box_a = a.box_level;
   const UprightBox& box_b = b.box_level;
   const double shared_m2 = SharedArea(OutlineOf(box_a), OutlineOf(box_b));
   const double height_m = SharedHeight(box_a, box_b);
   if (height_m * shared_m2 > kMinSharedVolume * std::min(Volume(box_a), Volume(box_b))) return true;
-  if (a.is_named && b.is_named) return height_m > -kMaxGapOfNamedM && LiesOver(box_a, box_b);
-  const double all_m2 = OutlineOf(box_a).area_m2() + OutlineOf(box_b).area_m2() - shared_m2;
-  return !a.is_named && !b.is_named && height_m > -kMaxGapM && shared_m2 > kMinOutlineIou * all_m2;
+  return a.is_named && b.is_named && height_m > -kMaxGapOfNamedM && LiesOver(box_a, box_b);
 }
 
 }  // namespace

@@ -10,12 +10,15 @@
 namespace deepslam::instances {
 
 // Of each instance the position of the one that it is a part of, no greater than its own; its own
-// where it is no other's part. Parts of one thing are instances of one class
+// where it is no other's part. Parts of one thing are instances of one class, or such that nothing
+// names, since their classes are guesses by size,
 //  - whose boxes share more than half of the smaller one;
 //  - that detections name and one of which lies over the other, as the back of a chair on its seat;
 //  - that nothing names and that stand one above the other on the same outline, as the boards of a
 //    rack do.
-// Instances that are rejected are nobody's part.
+// Instances that are rejected are nobody's part, but for such boards, each of which may be too
+// little to be a thing, and for legs: what is slim, stands under a support plane and reaches up to
+// it carries it, whatever its size and its name.
 [[nodiscard]] std::vector<int> WholesOf(std::span<const Instance> instances);
 
 }  // namespace deepslam::instances

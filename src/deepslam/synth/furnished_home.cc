@@ -19,7 +19,8 @@
 namespace deepslam::synth {
 namespace {
 
-// What a piece is called in the truth, and the catalogue's pieces of its kind.
+// What a piece is called in the truth, a class of the table, and the catalogue's pieces of its
+// kind.
 struct Kind {
   std::string_view class_name;
   std::span<const std::string_view> models;
@@ -103,14 +104,14 @@ constexpr std::array<std::string_view, 1> kWashers = {"Blend Swap CC-BY#washing_
 constexpr Kind kSofa = {"sofa", kSofas}, kArmchair = {"chair", kArmchairs},
                kCoffeeTable = {"table", kCoffeeTables}, kTable = {"table", kTables},
                kChair = {"chair", kChairs}, kBookcase = {"shelf", kBookcases},
-               kDresser = {"cabinet", kDressers}, kTv = {"tv", kTvs},
-               kPlant = {"potted plant", kPlants}, kBed = {"bed", kBeds},
-               kNightstand = {"cabinet", kNightstands}, kWardrobe = {"cabinet", kWardrobes},
-               kDesk = {"table", kDesks}, kCounter = {"cabinet", kCounters},
-               kSink = {"sink", kSinks}, kWallCabinet = {"cabinet", kWallCabinets},
-               kFridge = {"refrigerator", kFridges}, kMicrowave = {"microwave", kMicrowaves},
-               kStool = {"stool", kStools}, kToilet = {"toilet", kToilets},
-               kBasin = {"sink", kBasins}, kWasher = {"washing machine", kWashers};
+               kDresser = {"cabinet", kDressers}, kTv = {"tv", kTvs}, kPlant = {"plant", kPlants},
+               kBed = {"bed", kBeds}, kNightstand = {"cabinet", kNightstands},
+               kWardrobe = {"cabinet", kWardrobes}, kDesk = {"table", kDesks},
+               kCounter = {"cabinet", kCounters}, kSink = {"sink", kSinks},
+               kWallCabinet = {"cabinet", kWallCabinets}, kFridge = {"refrigerator", kFridges},
+               kMicrowave = {"microwave", kMicrowaves}, kStool = {"chair", kStools},
+               kToilet = {"toilet", kToilets}, kBasin = {"sink", kBasins},
+               kWasher = {"furniture", kWashers};
 constexpr std::array<Kind, 22> kKinds = {
     kSofa,   kArmchair,  kCoffeeTable, kTable,    kChair, kBookcase, kDresser, kTv,
     kPlant,  kBed,       kNightstand,  kWardrobe, kDesk,  kCounter,  kSink,    kWallCabinet,
