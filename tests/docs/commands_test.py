@@ -41,7 +41,7 @@ DRY = {
     r"scripts/fuzz\.sh\b": "installs, builds and runs for hours; ctest replays what it found (fuzz)",
     r"python3 tests/tools/(kill|fault)_test\.py ": "ctest runs them with fewer trials (kill, faults)",
     r"deepslam-demo\b": "renders and reconstructs 120 frames; scripts/test_package.sh runs it",
-    r"scripts/experiments/(run|loops|table1|one_sided|layouts|homes)\.py\b": "takes hours",
+    r"scripts/experiments/(run|loops|table1|one_sided|layouts|homes|recorded)\.py\b": "takes hours",
     r"scripts/experiments/wall_planes\.py\b": "needs Pillow; ctest runs it (layouts_experiment)",
     r"scripts/experiments/halves\.py\b": "wants a real capture; ctest runs it on one (real_capture)",
     r"python3 tests/end_to_end/golden_demo_test\.py ": "wants a build by another compiler; ctest runs it with this one (golden_demo)",
