@@ -166,7 +166,10 @@ class BodyMaker {
     Decompose(options);
     std::vector<convex::PiecedThing> things;
     for (std::size_t n = 0; n < bodies_.objects.size(); ++n) things.push_back(ObjectInWorld(n));
-    for (const RigidBody& part : bodies_.parts) things.push_back({part.pieces, true});
+    for (std::size_t n = 0; n < parts_.size(); ++n) {
+      // Things rest on floors: cut along them they would no longer touch.
+      if (parts_[n].kind != "floor") things.push_back({bodies_.parts[n].pieces, true});
+    }
     convex::Separate(things, kGap_m);
     for (std::size_t n = 0; n < bodies_.objects.size(); ++n) TakeBack(n, things[n].pieces);
     return std::move(bodies_);

@@ -26,7 +26,7 @@ struct RigidBodies {
 // overlaps. So the pieces alone, never the meshes that are seen, are moved down or up to the floor
 // of free objects that stand on it, made flat where they end within a band above it (of 1 to 10 cm,
 // the lowest on which the object stands), and cut where they reach into those of another object, a
-// wall or the floor.
+// wall.
 [[nodiscard]] RigidBodies MakeRigidBodies(const CompactMap& map,
                                           std::span<const TriangleMesh> meshes,
                                           std::span<const gltf::GltfPart> parts,
