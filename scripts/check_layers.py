@@ -28,6 +28,7 @@ MODULES = {
     "library": VOCABULARY,
     # text or bytes to values and back
     "artifact": VOCABULARY,
+    "class_table": VOCABULARY,
     # algorithms: value in, value out; none knows another, but for tracking, which goes from frame to frame by alignment
     "alignment": ALGORITHM,
     "tracking": ALGORITHM | {"alignment"},
@@ -102,7 +103,7 @@ FENCES = {
     "webp/": {"image_codec"},
     "zlib.h": {"formats", "image_codec"},
     "blosc.h": {"dataset"},
-    "yaml-cpp/": {"dataset", "layouts", "pipeline", "synth", "artifact"},
+    "yaml-cpp/": {"dataset", "layouts", "pipeline", "synth", "artifact", "class_table"},
     "CLI/": {"tools"},
     "spdlog/": {"tools", "pipeline"},
     "nanoflann.hpp": {"associate", "shape", "registration", "loop", "eval", "mesh", "select", "segment", "observe"},

@@ -5,7 +5,7 @@
 
 #include "commands.h"
 #include "console.h"
-#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/plan.h"
 #include "deepslam/storage/store.h"
@@ -105,7 +105,7 @@ void AddConfig(CLI::App& app, Command& chosen) {
   classes->callback([&chosen] {
     chosen = [] {
       const Status status =
-          WriteResult("", artifact::EncodeClassTable(artifact::DefaultClassTable()));
+          WriteResult("", class_table::EncodeClassTable(class_table::DefaultClassTable()));
       return status.ok() ? kExitOk : ReportError(status.error());
     };
   });

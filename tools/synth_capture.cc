@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/layout_json.h"
 #include "deepslam/artifact/ply.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/convert/tum_writer.h"
 #include "deepslam/core/nearest_word.h"
 #include "deepslam/core/parallel.h"
@@ -316,7 +316,7 @@ Result<SynthSummary> SynthesiseCapture(const SynthRequest& request, Progress& pr
   if (!scene) return scene.error();
   const Result<Models> models = ReadModels(request, *scene);
   if (!models) return models.error();
-  Result<synth::World> world = synth::BuildWorld(*scene, *models, artifact::DefaultClassTable());
+  Result<synth::World> world = synth::BuildWorld(*scene, *models, class_table::DefaultClassTable());
   if (!world) return Error{world.error().code, scene_file.string() + ": " + world.error().message};
 
   SynthSummary summary;

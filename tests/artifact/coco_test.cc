@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "artifact/sample_values.h"
-#include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/coco_file.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/frames/run_lengths.h"
 
 namespace deepslam::artifact {
@@ -23,8 +23,10 @@ std::vector<DetectedImage> Images() {
 }
 
 Result<CocoDetections> Read(const std::string& text) {
-  return ReadCocoFile(
-      [&] { return Result<TextSource>(text); }, "boxes.json", Images(), DefaultClassTable());
+  return ReadCocoFile([&] { return Result<TextSource>(text); },
+                      "boxes.json",
+                      Images(),
+                      class_table::DefaultClassTable());
 }
 
 // Known strings of pycocotools for a 3 x 2 (width x height) mask.
@@ -100,7 +102,7 @@ TEST(CocoFile, PassesOnThatItCannotBeOpened) {
       ReadCocoFile([] { return Result<TextSource>(InvalidInput("boxes.json: is not a file")); },
                    "boxes.json",
                    Images(),
-                   DefaultClassTable());
+                   class_table::DefaultClassTable());
   ASSERT_FALSE(read.ok());
   EXPECT_EQ(read.error().message, "boxes.json: is not a file");
 }
@@ -162,7 +164,7 @@ CocoDetections ReadScaled(const std::string& text, const PictureSize& colour) {
   const Result<CocoDetections> read = ReadCocoFile([&] { return Result<TextSource>(text); },
                                                    "boxes.json",
                                                    Images(),
-                                                   DefaultClassTable(),
+                                                   class_table::DefaultClassTable(),
                                                    colour);
   EXPECT_TRUE(read.ok()) << read.error().message;
   return read.ok() ? *read : CocoDetections();
@@ -298,14 +300,15 @@ TEST(CocoFile, RefusesWhatIsNoCoco) {
 }
 
 TEST(ClassTable, ReadsBack) {
-  const ClassTable table = DefaultClassTable();
-  const Result<ClassTable> read = DecodeClassTable(EncodeClassTable(table), "classes.yaml");
+  const ClassTable table = class_table::DefaultClassTable();
+  const Result<ClassTable> read =
+      class_table::DecodeClassTable(class_table::EncodeClassTable(table), "classes.yaml");
   ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(EncodeClassTable(*read), EncodeClassTable(table));
+  EXPECT_EQ(class_table::EncodeClassTable(*read), class_table::EncodeClassTable(table));
 }
 
 TEST(ClassTable, TellsAllFaultsWithTheirLines) {
-  const Result<ClassTable> read = DecodeClassTable(
+  const Result<ClassTable> read = class_table::DecodeClassTable(
       "version: 1\n"
       "classes:\n"
       "  - name: chair\n"

@@ -7,7 +7,7 @@
 #include "convex/convex_samples.h"
 #include "deepslam/convex/mass_properties.h"
 #include "deepslam/core/random.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 
 namespace deepslam::convex {
 namespace {
@@ -28,7 +28,7 @@ TEST(ConvexHull, IsClosedAndHoldsAllPoints) {
   std::vector<Eigen::Vector3f> points = Ball(200);
   points.emplace_back(0, 0, 0);
   const TriangleMesh hull = ConvexHull(points);
-  EXPECT_TRUE(CheckMesh(hull).ok()) << CheckMesh(hull).fault;
+  EXPECT_TRUE(shape::CheckMesh(hull).ok()) << shape::CheckMesh(hull).fault;
   EXPECT_NEAR(VolumeOf(hull), 4.0 / 3 * 3.14159, 0.2);
   EXPECT_NEAR(VolumeOf(testing_support::BoxMesh({0, 0, 0}, {1, 2, 3})), 6, 1e-6);
 }
@@ -47,7 +47,7 @@ TEST(BoundedHull, KeepsTheVolumeWithFewVertices) {
     const std::vector<Eigen::Vector3f> points = Ball(3000, flat);
     const TriangleMesh hull = BoundedHull(points, 64);
     EXPECT_LE(hull.vertices.size(), 64U);
-    EXPECT_TRUE(CheckMesh(hull).ok());
+    EXPECT_TRUE(shape::CheckMesh(hull).ok());
     EXPECT_GT(VolumeOf(hull), 0.85 * VolumeOf(ConvexHull(points))) << flat;
   }
 }

@@ -7,7 +7,7 @@
 #include "convex/convex_samples.h"
 #include "deepslam/convex/convex_hull.h"
 #include "deepslam/convex/mass_properties.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 
 namespace deepslam::convex {
 namespace {
@@ -55,7 +55,7 @@ TEST(Decompose, PiecesAreConvexClosedAndBounded) {
   const DecomposeOptions few{.max_pieces = 3};
   EXPECT_LE(Decompose(testing_support::TableMesh(), few).size(), 3U);
   for (const TriangleMesh& piece : Decompose(testing_support::TableMesh(), {})) {
-    EXPECT_TRUE(CheckMesh(piece).ok()) << CheckMesh(piece).fault;
+    EXPECT_TRUE(shape::CheckMesh(piece).ok()) << shape::CheckMesh(piece).fault;
     EXPECT_LE(piece.vertices.size(), 64U);
     EXPECT_NEAR(convex::VolumeOf(ConvexHull(piece.vertices)), convex::VolumeOf(piece), 1e-7);
   }

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "deepslam/core/random.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 #include "gltf/test_scene.h"
 
 namespace deepslam::gltf {

@@ -9,7 +9,7 @@
 #include "deepslam/convex/convex_hull.h"
 #include "deepslam/presentation/labelled_scene.h"
 #include "deepslam/presentation/scenes_elsewhere.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 #include "presentation/room_with_box.h"
 
 namespace deepslam::presentation {

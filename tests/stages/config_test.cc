@@ -1,7 +1,7 @@
 // The configuration as users see it: files equal the code, and every option counts.
 #include <gmock/gmock.h>
 
-#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/stages/config.h"
 #include "deepslam/stages/data_folder.h"
@@ -69,7 +69,7 @@ TEST(PaperConfig, IsAnOverlayWithoutFaults) {
 
 TEST(ClassesConfig, FileEqualsTheCode) {
   EXPECT_EQ(ReadText(Configs() / "classes.yaml"),
-            artifact::EncodeClassTable(artifact::DefaultClassTable()))
+            class_table::EncodeClassTable(class_table::DefaultClassTable()))
       << "run `deepslam config classes > configs/classes.yaml`";
 }
 
@@ -100,7 +100,7 @@ TEST(Keys, AClassesTraitChangesTheStagesThatLookAtIt) {
     }
     return hashes;
   };
-  const ClassTable classes = artifact::DefaultClassTable();
+  const ClassTable classes = class_table::DefaultClassTable();
   ClassTable changed = classes;
   changed.classes.front().traits.yaw_free = !changed.classes.front().traits.yaw_free;
   for (const char* stage : {"segment", "loops", "mesh", "export", "report"}) {

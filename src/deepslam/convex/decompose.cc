@@ -9,7 +9,7 @@
 #include "deepslam/convex/mass_properties.h"
 #include "deepslam/convex/polygon_soup.h"
 #include "deepslam/convex/solid_voxels.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 
 namespace deepslam::convex {
 namespace {
@@ -154,7 +154,7 @@ void Describe(OptionsVisitor& visitor, DecomposeOptions& options) {
 }
 
 std::vector<TriangleMesh> Decompose(const TriangleMesh& mesh, const DecomposeOptions& options) {
-  if (!CheckMesh(mesh).ok()) {
+  if (!shape::CheckMesh(mesh).ok()) {
     TriangleMesh hull = BoundedHull(mesh.vertices, kMaxVertices);
     if (hull.empty()) return {};
     return {std::move(hull)};

@@ -13,7 +13,7 @@
 #include "deepslam/gltf/gltf_nodes.h"
 #include "deepslam/gltf/primitive_geometry.h"
 #include "deepslam/gltf/tiny_gltf_check.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 
 namespace deepslam::gltf {
 namespace {
@@ -229,7 +229,7 @@ class Validator {
     if (node.mesh < 0) return;
     const std::optional<TriangleMesh> mesh = MeshOf(node);
     if (!mesh) return;
-    const MeshCheck check = CheckMesh(*mesh);
+    const shape::MeshCheck check = shape::CheckMesh(*mesh);
     if (!check.ok()) place.Error("mesh is not closed and oriented: " + check.fault);
   }
 
@@ -249,7 +249,7 @@ class Validator {
     const std::optional<TriangleMesh> mesh = MeshOf(node);
     if (!mesh) return;
     object.size_m = SizeOf(mesh->vertices);
-    const MeshCheck check = CheckMesh(*mesh);
+    const shape::MeshCheck check = shape::CheckMesh(*mesh);
     if (!check.ok()) place.Error("mesh is not closed and oriented: " + check.fault);
     object.num_faces = static_cast<int>(mesh->faces.size());
     std::set<std::array<float, 3>> places;

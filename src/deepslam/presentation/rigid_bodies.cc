@@ -16,7 +16,7 @@
 #include "deepslam/core/check.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/geometry/box.h"
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 
 namespace deepslam::presentation {
 namespace {
@@ -48,7 +48,7 @@ double BottomOf(const std::vector<TriangleMesh>& pieces) {
 // Mass and inertia of the mesh, or of its pieces where it has no inside.
 RigidBody BodyOf(const TriangleMesh& mesh, std::vector<TriangleMesh> pieces, double density_kg_m3) {
   convex::MassProperties properties;
-  if (CheckMesh(mesh).ok()) properties = convex::MassPropertiesOf(mesh);
+  if (shape::CheckMesh(mesh).ok()) properties = convex::MassPropertiesOf(mesh);
   if (!(properties.volume_m3 > 0) && !pieces.empty())
     properties = convex::MassPropertiesOf(pieces.front());  // the hull of an open mesh
   RigidBody body;

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <string_view>
 
-#include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/overrides_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/core/sha256.h"
 #include "deepslam/stages/content_hashes.h"
 #include "deepslam/stages/data_folder.h"
@@ -73,7 +73,7 @@ Result<std::map<std::string, std::string>> HashExternals(const RunInputs& inputs
   if ((what & kClasses) != 0) {
     const bool all = (what & kExportColumns) != 0;
     hashes.emplace("classes",
-                   Sha256Hex(artifact::EncodeClassTable(
+                   Sha256Hex(class_table::EncodeClassTable(
                        all ? inputs.classes : WithoutExportColumns(inputs.classes))));
   }
   if ((what & kDetector) != 0) {

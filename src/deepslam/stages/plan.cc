@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "deepslam/stages/external_inputs.h"
 #include "deepslam/storage/store.h"
 
@@ -109,10 +109,10 @@ Result<StageSummary> RunOn(StageContext& context, const RunInputs& inputs, Stage
 }  // namespace
 
 Result<ClassTable> LoadClasses(const Config& config) {
-  if (config.classes_file.empty()) return artifact::DefaultClassTable();
+  if (config.classes_file.empty()) return class_table::DefaultClassTable();
   const Result<std::string> text = storage::ReadFile(config.classes_file);
   if (!text.ok()) return Error{ErrorCode::kInvalidConfig, "classes.file: " + text.error().message};
-  return artifact::DecodeClassTable(*text, config.classes_file);
+  return class_table::DecodeClassTable(*text, config.classes_file);
 }
 
 std::vector<Stage> MakePlan(SharedInputs inputs) {

@@ -1,12 +1,12 @@
 // A user's detections.
 #include <array>
 
-#include "deepslam/artifact/class_table_yaml.h"
 #include "deepslam/artifact/coco_file.h"
+#include "deepslam/class_table/class_table_yaml.h"
 #include "fuzz/entry.h"
 
 DEEPSLAM_FUZZ(coco) {
-  static const ClassTable classes = artifact::DefaultClassTable();
+  static const ClassTable classes = class_table::DefaultClassTable();
   static const std::array<artifact::DetectedImage, 2> images = {
       artifact::DetectedImage{FrameIdx{0}, "rgb/000000.jpg", 64, 48},
       artifact::DetectedImage{FrameIdx{3}, "rgb/000003.jpg", 64, 48}};

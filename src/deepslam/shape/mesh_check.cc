@@ -1,4 +1,4 @@
-#include "deepslam/scene/mesh_check.h"
+#include "deepslam/shape/mesh_check.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include "deepslam/core/disjoint_sets.h"
 #include "deepslam/scene/mesh_pieces.h"
 
-namespace deepslam {
+namespace deepslam::shape {
 namespace {
 
 using Face = std::array<std::uint32_t, 3>;
@@ -189,4 +189,4 @@ MeshCheck CheckMesh(const TriangleMesh& mesh) {
   return check;
 }
 
-}  // namespace deepslam
+}  // namespace deepslam::shape

@@ -7,7 +7,7 @@
 #include "deepslam/core/result.h"
 #include "deepslam/scene/object_class.h"
 
-namespace deepslam::artifact {
+namespace deepslam::class_table {
 
 // The table compiled in; configs/classes.yaml holds the same (a test compares).
 [[nodiscard]] ClassTable DefaultClassTable();
@@ -20,4 +20,4 @@ namespace deepslam::artifact {
 // ...).
 [[nodiscard]] Result<ClassTable> DecodeClassTable(std::string_view text, std::string_view name);
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::class_table

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 
-namespace deepslam::artifact {
+namespace deepslam::class_table {
 namespace {
 
 using testing::AllOf;
@@ -280,4 +280,4 @@ TEST(ClassTableFile, BearsWhatIsNoTable) {
 }
 
 }  // namespace
-}  // namespace deepslam::artifact
+}  // namespace deepslam::class_table

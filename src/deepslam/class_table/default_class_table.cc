@@ -3,9 +3,9 @@
 #include <string_view>
 #include <vector>
 
-#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 
-namespace deepslam::artifact {
+namespace deepslam::class_table {
 namespace {
 
 constexpr Supports kFloor = {};
@@ -139,4 +139,4 @@ ClassTable DefaultClassTable() {
   return table;
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::class_table

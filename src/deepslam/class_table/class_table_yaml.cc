@@ -1,4 +1,4 @@
-#include "deepslam/artifact/class_table_yaml.h"
+#include "deepslam/class_table/class_table_yaml.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 
 #include "deepslam/core/yaml_quotes.h"
 
-namespace deepslam::artifact {
+namespace deepslam::class_table {
 namespace {
 
 constexpr int kVersion = 3;
@@ -409,4 +409,4 @@ Result<ClassTable> DecodeClassTable(std::string_view text, std::string_view name
   }
 }
 
-}  // namespace deepslam::artifact
+}  // namespace deepslam::class_table
