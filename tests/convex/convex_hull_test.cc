@@ -1,6 +1,8 @@
 #include "deepslam/convex/convex_hull.h"
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -40,6 +42,47 @@ TEST(ConvexHull, OfWhatIsFlatIsEmpty) {
   EXPECT_TRUE(ConvexHull(flat).empty());
   const std::vector<Eigen::Vector3f> same(10, Eigen::Vector3f(1, 2, 3));
   EXPECT_TRUE(ConvexHull(same).empty());
+}
+
+TEST(ConvexHull, IsTheSameInWhateverOrderPointsCome) {
+  // Many points in each plane and along each edge, which hulls may be cut at in many ways.
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i <= 4; ++i) {
+    for (int j = 0; j <= 4; ++j) {
+      for (int k = 0; k <= 4; ++k)
+        points.push_back(
+            Eigen::Vector3i(i, j, k).cast<float>().cwiseProduct(Eigen::Vector3f(0.3F, 0.7F, 0.2F)));
+    }
+  }
+  const TriangleMesh box = ConvexHull(points);
+  EXPECT_EQ(box.vertices.size(), 8U);
+  EXPECT_EQ(box.faces.size(), 12U);
+  EXPECT_TRUE(shape::CheckMesh(box).ok()) << shape::CheckMesh(box).fault;
+  EXPECT_NEAR(VolumeOf(box), 1.2 * 2.8 * 0.8, 1e-5);
+  const std::vector<Eigen::Vector3f> prism = {{0, 0, 0},
+                                              {2, 0, 0},
+                                              {3, 1, 0},
+                                              {2, 2, 0},
+                                              {0, 2, 0},
+                                              {-1, 1, 0},
+                                              {0, 0, 1},
+                                              {2, 0, 1},
+                                              {3, 1, 1},
+                                              {2, 2, 1},
+                                              {0, 2, 1},
+                                              {-1, 1, 1}};
+  for (std::vector<Eigen::Vector3f> some : {points, prism, Ball(60)}) {
+    const TriangleMesh first = ConvexHull(some);
+    for (int n = 0; n < 20; ++n) {
+      std::next_permutation(some.begin(), some.end(), [](const auto& a, const auto& b) {
+        return std::tuple(a.x(), a.y(), a.z()) < std::tuple(b.x(), b.y(), b.z());
+      });
+      std::rotate(some.begin(), some.begin() + 7, some.end());
+      const TriangleMesh again = ConvexHull(some);
+      EXPECT_EQ(again.vertices, first.vertices);
+      EXPECT_EQ(again.faces, first.faces);
+    }
+  }
 }
 
 TEST(BoundedHull, KeepsTheVolumeWithFewVertices) {

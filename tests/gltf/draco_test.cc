@@ -47,12 +47,12 @@ RenderMesh Box(float x, float y, float z) { return MakeRenderMesh(BoxMesh(x, y, 
 TEST(Draco, RoundTripStaysClosedWithinTheStatedError) {
   constexpr std::uint32_t kSide = 40;
   const RenderMesh mesh = Torus(kSide);
-  ASSERT_TRUE(CheckMesh(Surface(mesh)).ok());
+  ASSERT_TRUE(shape::CheckMesh(Surface(mesh)).ok());
   for (const int bits : {10, 12, 14, 18}) {
     const Result<DracoPayload> payload = DracoEncode(mesh, bits, 8);
     ASSERT_TRUE(payload.ok()) << payload.error().message;
     const RenderMesh& decoded = payload->decoded;
-    const MeshCheck check = CheckMesh(Surface(decoded));
+    const shape::MeshCheck check = shape::CheckMesh(Surface(decoded));
     EXPECT_TRUE(check.ok()) << check.fault;
     ASSERT_EQ(decoded.positions.size(), mesh.positions.size());
     ASSERT_EQ(decoded.faces.size(), mesh.faces.size());
@@ -79,7 +79,7 @@ TEST(Draco, RefinesTheGridWhereVerticesWouldFallTogether) {
   const Result<DracoPayload> payload = DracoEncode(MakeRenderMesh(mesh, 3.2), 8, 8);
   ASSERT_TRUE(payload.ok()) << payload.error().message;
   EXPECT_GT(payload->position_bits, 8);
-  EXPECT_TRUE(CheckMesh(Surface(payload->decoded)).ok());
+  EXPECT_TRUE(shape::CheckMesh(Surface(payload->decoded)).ok());
 }
 
 TEST(Draco, RefusesWhatCannotBeEncoded) {

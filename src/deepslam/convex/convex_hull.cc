@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -17,6 +18,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "deepslam/core/disjoint_sets.h"
 
 namespace deepslam::convex {
 namespace {
@@ -85,6 +88,97 @@ void SortVertices(TriangleMesh& mesh) {
   for (auto& face : mesh.faces) face = {place[face[0]], place[face[1]], place[face[2]]};
 }
 
+Kernel::Point_3 Exact(const Eigen::Vector3f& p) { return {p.x(), p.y(), p.z()}; }
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+using FacesOfEdges = std::map<Edge, std::uint32_t>;  // the face that goes along the edge
+
+FacesOfEdges EdgesOf(const TriangleMesh& hull) {
+  FacesOfEdges edges;
+  for (std::uint32_t f = 0; f < hull.faces.size(); ++f) {
+    for (std::size_t n = 0; n < 3; ++n) edges[{hull.faces[f][n], hull.faces[f][(n + 1) % 3]}] = f;
+  }
+  return edges;
+}
+
+// Triangles that lie in one plane are of one facet. Exact, so that it is the same whatever
+// triangles a facet was cut into.
+DisjointSets FacetsOf(const TriangleMesh& hull, const FacesOfEdges& edges) {
+  DisjointSets facets(hull.faces.size());
+  for (const auto& [edge, f] : edges) {
+    const auto other = edges.find({edge.second, edge.first});
+    if (other == edges.end() || other->second <= f) continue;
+    for (const std::uint32_t v : hull.faces[other->second]) {
+      if (v == edge.first || v == edge.second) continue;
+      const auto& face = hull.faces[f];
+      if (CGAL::coplanar(Exact(hull.vertices[face[0]]),
+                         Exact(hull.vertices[face[1]]),
+                         Exact(hull.vertices[face[2]]),
+                         Exact(hull.vertices[v])))
+        facets.Join(f, other->second);
+    }
+  }
+  return facets;
+}
+
+// The facet's corners in turn, the first vertex first; without vertices that lie on an edge.
+std::vector<std::uint32_t> CornersOf(const TriangleMesh& hull,
+                                     const std::map<std::uint32_t, std::uint32_t>& next) {
+  std::vector<std::uint32_t> loop = {next.begin()->first};
+  while (loop.size() <= next.size()) {
+    const auto step = next.find(loop.back());
+    if (step == next.end() || step->second == loop.front()) break;
+    loop.push_back(step->second);
+  }
+  std::vector<std::uint32_t> corners;
+  for (std::size_t n = 0; n < loop.size(); ++n) {
+    const std::uint32_t before = loop[(n + loop.size() - 1) % loop.size()];
+    const std::uint32_t after = loop[(n + 1) % loop.size()];
+    if (!CGAL::collinear(Exact(hull.vertices[before]),
+                         Exact(hull.vertices[loop[n]]),
+                         Exact(hull.vertices[after])))
+      corners.push_back(loop[n]);
+  }
+  std::ranges::rotate(corners, std::ranges::min_element(corners));
+  return corners;
+}
+
+// Facets cut into fans about their first corners, in order: which triangles CGAL cuts them into,
+// and in which order, depends on where they lie in memory.
+void CutFacetsAnew(TriangleMesh& hull) {
+  const FacesOfEdges edges = EdgesOf(hull);
+  DisjointSets facets = FacetsOf(hull, edges);
+  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> borders;
+  for (const auto& [edge, f] : edges) {
+    const auto other = edges.find({edge.second, edge.first});
+    if (other == edges.end() || facets.LeastOf(other->second) != facets.LeastOf(f))
+      borders[facets.LeastOf(f)][edge.first] = edge.second;
+  }
+  hull.faces.clear();
+  for (const auto& [facet, next] : borders) {
+    const std::vector<std::uint32_t> corners = CornersOf(hull, next);
+    for (std::size_t n = 2; n < corners.size(); ++n)
+      hull.faces.push_back({corners[0], corners[n - 1], corners[n]});
+  }
+  std::ranges::sort(hull.faces);
+}
+
+// Without vertices of no face; the order of the others stays.
+void DropUnused(TriangleMesh& hull) {
+  std::vector<bool> used(hull.vertices.size(), false);
+  for (const auto& face : hull.faces) {
+    for (const std::uint32_t v : face) used[v] = true;
+  }
+  std::vector<std::uint32_t> place(used.size(), 0);
+  std::vector<Eigen::Vector3f> kept;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    place[v] = static_cast<std::uint32_t>(kept.size());
+    if (used[v]) kept.push_back(hull.vertices[v]);
+  }
+  hull.vertices = std::move(kept);
+  for (auto& face : hull.faces) face = {place[face[0]], place[face[1]], place[face[2]]};
+}
+
 }  // namespace
 
 TriangleMesh ConvexHull(std::span<const Eigen::Vector3f> points) {
@@ -92,7 +186,7 @@ TriangleMesh ConvexHull(std::span<const Eigen::Vector3f> points) {
   if (points.size() < 4) return hull;
   std::vector<Kernel::Point_3> places;
   places.reserve(points.size());
-  for (const Eigen::Vector3f& p : points) places.emplace_back(p.x(), p.y(), p.z());
+  for (const Eigen::Vector3f& p : points) places.push_back(Exact(p));
   SurfaceMesh mesh;
   CGAL::convex_hull_3(places.begin(), places.end(), mesh);
   if (mesh.number_of_faces() < 4) return hull;  // flat
@@ -109,6 +203,8 @@ TriangleMesh ConvexHull(std::span<const Eigen::Vector3f> points) {
       hull.faces.push_back({corners[0], corners[n - 1], corners[n]});
   }
   SortVertices(hull);
+  CutFacetsAnew(hull);
+  DropUnused(hull);
   return hull;
 }
 
