@@ -86,11 +86,11 @@ std::string InWords(const Unmeasured& unmeasured) {
 
 std::string InWords(const std::vector<PathJump>& jumps) {
   const PathJump& first = jumps.front();
-  const std::string how = first.is_turn
-                              ? fmt::format("turns by {:.0f} deg", first.angle_rad / kRadPerDeg)
-                              : fmt::format("jumps by {:.2f} m", first.length_m);
+  const std::string how =
+      first.is_turn ? fmt::format("the camera turns by {:.0f} deg", first.angle_rad / kRadPerDeg)
+                    : fmt::format("the camera jumps by {:.2f} m", first.length_m);
   return fmt::format(
-      "the camera {} at frame {}{}, unlike the rest of the capture; what was seen "
+      "{} at frame {}{}, unlike the rest of the capture; what was seen "
       "before and after may not fit together",
       how,
       first.to_frame,
