@@ -11,7 +11,7 @@
 namespace deepslam::convex {
 
 struct DecomposeOptions {
-  int max_pieces = 64;
+  int max_pieces = 128;
   // The pieces' volumes may sum up to this much more than the mesh's.
   double tolerance = 0.05;
 };
