@@ -17,15 +17,9 @@ import subprocess
 import sys
 import time
 
+import seeded
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-
-
-def seeds_of(text):
-    seeds = []
-    for part in text.split(","):
-        first, _, last = part.partition("-")
-        seeds += range(int(first), int(last or first) + 1)
-    return seeds
 
 
 def call(args, log, *command):
@@ -83,7 +77,7 @@ def main():
     print("  home  true  mapped  recall  at 0.5   right  precision  merged  split  placed  ATE cm  seconds")
     total, total_s, worst_m = collections.Counter(), 0.0, 0.0
     confusions, missed = collections.Counter(), collections.Counter()
-    for seed in seeds_of(args.seeds):
+    for seed in seeded.seeds_of(args.seeds):
         figures, seconds = scored(args, seed)
         sums = counts(figures)
         ate_m = figures["pairs"][0]["trajectory"]["ate_rmse_m"]

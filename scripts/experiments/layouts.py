@@ -21,21 +21,12 @@ from seeded import ROOT
 KINDS = ("door", "window", "passage")
 
 
-def seeds_of(text):
-    """`2,21-24` as numbers."""
-    seeds = []
-    for part in text.split(","):
-        first, _, last = part.partition("-")
-        seeds += range(int(first), int(last or first) + 1)
-    return seeds
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/layouts")
     parser.add_argument("--captures", type=pathlib.Path, help="where homes lie, by seed (default: WORK/captures)")
-    parser.add_argument("--seeds", type=seeds_of, default="21-24", metavar="LIST", help="as 2,21-24 (default: 21-24)")
+    parser.add_argument("--seeds", type=seeded.seeds_of, default="21-24", metavar="LIST", help="as 2,21-24 (default: 21-24)")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
     args = parser.parse_args()

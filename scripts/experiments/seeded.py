@@ -15,7 +15,7 @@ def arguments(description, work, seeds, option, choices):
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / work)
-    parser.add_argument("--seeds", default=seeds, help=f"FIRST-LAST (default: {seeds})")
+    parser.add_argument("--seeds", default=seeds, help=f"such as 2,21-24 (default: {seeds})")
     parser.add_argument(f"--{option}", default=",".join(choices))
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
@@ -27,11 +27,19 @@ def arguments(description, work, seeds, option, choices):
     if unknown := set(chosen) - set(choices):
         sys.exit(f"--{option}: {', '.join(sorted(unknown))} unknown; known are {', '.join(choices)}")
     setattr(args, option, chosen)
-    first, _, last = args.seeds.partition("-")
-    args.seeds = range(int(first), int(last or first) + 1)
+    args.seeds = seeds_of(args.seeds)
     for folder in FOLDERS:
         (args.work / folder).mkdir(parents=True, exist_ok=True)
     return args
+
+
+def seeds_of(text):
+    """`2,21-24` as numbers."""
+    seeds = []
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        seeds += range(int(first), int(last or first) + 1)
+    return seeds
 
 
 def call(args, name, *command):

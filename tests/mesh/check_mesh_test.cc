@@ -4,15 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "support/box_meshes.h"
+
 namespace deepslam::mesh {
 namespace {
 
-TriangleMesh Tetrahedron() {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return mesh;
-}
+using testing_support::Tetrahedron;
 
 // Appends `other`, moved.
 TriangleMesh Joined(TriangleMesh mesh, const TriangleMesh& other, const Eigen::Vector3f& offset) {

@@ -8,24 +8,13 @@
 
 #include <gmock/gmock.h>
 
-#include "support/layout_samples.h"
+#include "report/two_room_plan.h"
 
 namespace deepslam::report {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-FloorPlanContent TwoRooms() {
-  FloorPlanContent content;
-  content.title = "home <1>";
-  content.layout_world = testing_support::TwoRoomLayout();
-  content.things = {MakePlanThing("table_02",
-                                  {Eigen::Quaterniond::Identity(), {2, 1.5, 0.4}},
-                                  {0.8, 1.6, 0.75},
-                                  {10, 200, 30})};
-  return content;
-}
 
 std::size_t CountOf(const std::string& text, const std::string& what) {
   std::size_t count = 0;
@@ -35,7 +24,7 @@ std::size_t CountOf(const std::string& text, const std::string& what) {
 }
 
 TEST(FloorPlan, ShowsWallsOpeningsFurnitureAndMeasures) {
-  const std::string svg = FloorPlan(TwoRooms());
+  const std::string svg = FloorPlan(TwoRoomPlan());
   EXPECT_EQ(CountOf(svg, "<polygon class='fp-wall'"), 8U);
   EXPECT_EQ(CountOf(svg, "<polygon class='fp-gap'"), 2U);
   EXPECT_EQ(CountOf(svg, "<path class='fp-arc'"), 1U);
@@ -51,7 +40,7 @@ TEST(FloorPlan, ShowsWallsOpeningsFurnitureAndMeasures) {
 
 // Files that are opened by themselves have to be XML: every attribute in quotes.
 TEST(FloorPlan, IsXml) {
-  const std::string svg = FloorPlan(TwoRooms());
+  const std::string svg = FloorPlan(TwoRoomPlan());
   EXPECT_THAT(svg, testing::StartsWith("<svg xmlns='http://www.w3.org/2000/svg'"));
   bool in_tag = false;
   char quote = 0;
@@ -72,7 +61,7 @@ TEST(FloorPlan, IsXml) {
 
 TEST(PlanCanvas, IsTurnedWithTheWallsAndTrueToScale) {
   for (const double angle : {0.0, 0.3, -0.6, 1.2}) {
-    FloorPlanContent content = TwoRooms();
+    FloorPlanContent content = TwoRoomPlan();
     const Eigen::Rotation2Dd turn(angle);
     for (LayoutRoom& room : content.layout_world.rooms) {
       for (Eigen::Vector2d& p : room.polygon_m) p = turn * p;
@@ -97,7 +86,7 @@ TEST(PlanCanvas, IsTurnedWithTheWallsAndTrueToScale) {
 }
 
 TEST(FloorPlan, MarksSidesThatWereGuessed) {
-  FloorPlanContent content = TwoRooms();
+  FloorPlanContent content = TwoRoomPlan();
   EXPECT_THAT(FloorPlan(content), Not(HasSubstr("<path class='fp-guessed'")));
   // A wall that was seen in a part of its side alone leaves the rest of it.
   content.layout_world.walls[3].from_m = {0, 1.5};
@@ -118,7 +107,7 @@ std::vector<Eigen::Vector2d> PlacesOf(const std::string& svg, const std::string&
 
 // Furniture before the middles of walls, where lengths would stand.
 TEST(FloorPlan, LengthsStandBesideNamesAndNotOverThem) {
-  FloorPlanContent content = TwoRooms();
+  FloorPlanContent content = TwoRoomPlan();
   for (const double x : {2.0, 6.1}) {
     content.things.push_back(MakePlanThing(
         "cabinet", {Eigen::Quaterniond::Identity(), {x, 0.15, 0.4}}, {1.2, 0.3, 0.8}, {}));
@@ -137,14 +126,14 @@ TEST(FloorPlan, LengthsStandBesideNamesAndNotOverThem) {
 }
 
 TEST(FloorPlan, TellsHowWideAndHighOpeningsAre) {
-  const std::string svg = FloorPlan(TwoRooms());
+  const std::string svg = FloorPlan(TwoRoomPlan());
   EXPECT_THAT(svg, HasSubstr("0.90 x 2.00"));
   EXPECT_THAT(svg, HasSubstr("1.20 x 1.20"));
 }
 
 TEST(FloorPlan, OfNothingAndOfFurnitureAlone) {
   EXPECT_THAT(FloorPlan({}), HasSubstr("</svg>"));
-  FloorPlanContent content = TwoRooms();
+  FloorPlanContent content = TwoRoomPlan();
   content.layout_world = {};
   const std::string svg = FloorPlan(content, [](const PlanCanvas&) { return "<g id='over'/>"; });
   EXPECT_THAT(svg, HasSubstr("table_02"));

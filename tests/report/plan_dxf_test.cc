@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-#include "support/layout_samples.h"
+#include "report/two_room_plan.h"
 
 namespace deepslam::report {
 namespace {
@@ -50,19 +50,8 @@ std::vector<Entity> Of(const std::vector<Entity>& all,
   return some;
 }
 
-FloorPlanContent TwoRooms() {
-  FloorPlanContent content;
-  content.title = "home";
-  content.layout_world = testing_support::TwoRoomLayout();
-  content.things = {MakePlanThing("table_02",
-                                  {Eigen::Quaterniond::Identity(), {2, 1.5, 0.4}},
-                                  {0.8, 1.6, 0.75},
-                                  {10, 200, 30})};
-  return content;
-}
-
 TEST(FloorPlanDxf, IsTrueToScaleOnItsLayers) {
-  const std::vector<Entity> all = ReadDxf(FloorPlanDxf(TwoRooms()));
+  const std::vector<Entity> all = ReadDxf(FloorPlanDxf(TwoRoomPlan()));
   EXPECT_EQ(all.front().kind, "SECTION");
   EXPECT_EQ(all.back().kind, "EOF");
   std::set<std::string> layers;
@@ -86,7 +75,7 @@ TEST(FloorPlanDxf, IsTrueToScaleOnItsLayers) {
 
 // No piece of wall is drawn within an opening, on either face.
 TEST(FloorPlanDxf, WallsAreOpenWhereDoorsAre) {
-  const std::vector<Entity> all = ReadDxf(FloorPlanDxf(TwoRooms()));
+  const std::vector<Entity> all = ReadDxf(FloorPlanDxf(TwoRoomPlan()));
   int num_beside = 0;
   for (const Entity& line : Of(all, "WALLS", "LINE")) {
     if (std::abs(line.Number(10) - line.Number(11)) > 1e-6 || line.Number(10) < 3.9 ||
@@ -101,7 +90,7 @@ TEST(FloorPlanDxf, WallsAreOpenWhereDoorsAre) {
 }
 
 TEST(FloorPlanDxf, KeepsToPlainAsciiAndNeedsNoContent) {
-  FloorPlanContent content = TwoRooms();
+  FloorPlanContent content = TwoRoomPlan();
   content.things[0].name = "ta\nble\xc3\xa9\t\x01";
   const std::string dxf = FloorPlanDxf(content);
   EXPECT_TRUE(std::all_of(

@@ -10,19 +10,14 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/simulator/xml_text.h"
+#include "support/box_meshes.h"
 
 namespace deepslam::simulator {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-TriangleMesh Tetrahedron() {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return mesh;
-}
+using testing_support::Tetrahedron;
 
 SimulatedThing Thing(const std::string& name, bool free) {
   SimulatedThing thing;

@@ -1,4 +1,4 @@
-// Meshes of boxes, balls and furniture made of boxes, for tests.
+// Meshes of a tetrahedron, boxes, balls and furniture made of boxes, for tests.
 #pragma once
 
 #include <array>
@@ -9,6 +9,13 @@
 #include "deepslam/scene/triangle_mesh.h"
 
 namespace deepslam::testing_support {
+
+inline TriangleMesh Tetrahedron() {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return mesh;
+}
 
 inline void AddBox(const Eigen::Vector3f& low, const Eigen::Vector3f& high, TriangleMesh& mesh) {
   const auto base = static_cast<std::uint32_t>(mesh.vertices.size());

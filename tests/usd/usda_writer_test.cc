@@ -6,18 +6,14 @@
 
 #include <gmock/gmock.h>
 
+#include "support/box_meshes.h"
+
 namespace deepslam::usd {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-TriangleMesh Tetrahedron() {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return mesh;
-}
+using testing_support::Tetrahedron;
 
 UsdScene OnePrim(const std::string& name) {
   UsdPrim prim;

@@ -109,6 +109,12 @@ GroundResidual Residual(const GroundEdge& edge) {
           SqrtInformation<3>(edge.information)};
 }
 
+// Of the ground or of a wall: one plane, seen from one node.
+ceres::CostFunction* PlaneTerm(const GroundEdge& edge) {
+  return new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
+      new GroundResidual(Residual(edge)));
+}
+
 using Residuals = std::vector<ceres::ResidualBlockId>;  // in the order of what they are of
 
 Residuals AddPoseEdges(const GraphModel& model,
@@ -140,10 +146,7 @@ Residuals AddGroundEdges(const GraphModel& model,
         problem.AddResidualBlock(term, loss, parameters.Pose(node), parameters.Plane()));
   };
   for (const GroundEdge& edge : model.ground_edges) {
-    add(new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
-            new GroundResidual(Residual(edge))),
-        Loss(options.ground_loss, width, options.lambda_ground),
-        edge.node);
+    add(PlaneTerm(edge), Loss(options.ground_loss, width, options.lambda_ground), edge.node);
   }
   for (const int node : model.upright) {
     add(new ceres::AutoDiffCostFunction<UprightResidual, 3, kPoseSize, 4>(new UprightResidual()),
@@ -167,8 +170,7 @@ Residuals AddWallEdges(const GraphModel& model,
   Residuals residuals;
   for (const WallEdge& edge : model.wall_edges) {
     residuals.push_back(
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundResidual, 3, kPoseSize, 4>(
-                                     new GroundResidual(Residual(edge.view))),
+        problem.AddResidualBlock(PlaneTerm(edge.view),
                                  Loss(options.ground_loss, width, options.lambda_ground),
                                  parameters.Pose(edge.view.node),
                                  parameters.Wall(edge.wall)));

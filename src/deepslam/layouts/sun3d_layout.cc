@@ -14,6 +14,7 @@
 #include "deepslam/formats/pose_matrix.h"
 #include "deepslam/formats/text_lines.h"
 #include "deepslam/layouts/image_folders.h"
+#include "deepslam/layouts/matrix_camera.h"
 #include "deepslam/layouts/open_files.h"
 
 namespace deepslam::layouts {
@@ -24,25 +25,6 @@ namespace fs = std::filesystem;
 constexpr double kUnitsPerM = 1000;
 constexpr std::string_view kMatrixName = "intrinsics.txt";
 constexpr std::string_view kPosesFolder = "extrinsics";
-
-struct Camera {
-  PinholeCamera camera;
-  std::string text;
-};
-
-Result<Camera> ReadCamera(const fs::path& folder, const std::vector<dataset::ImagePair>& pairs) {
-  const fs::path file = folder / kMatrixName;
-  Result<std::string> text = dataset::ReadTextFile(file);
-  if (!text) return text.error();
-  const auto m = formats::ParseNumbers(*text, file, 9, "a 3 x 3 matrix");
-  if (!m) return m.error();
-  const Result<dataset::ImageSize> size = FirstColourSize(folder, pairs);
-  if (!size) return size.error();
-  const PinholeCamera camera{size->width, size->height, (*m)[0], (*m)[4], (*m)[2], (*m)[5]};
-  if (const Status plausible = dataset::CheckCamera(camera, file); !plausible)
-    return plausible.error();
-  return Camera{camera, *std::move(text)};
-}
 
 // Copies of the data set hold depth both ways: told by the first image that can be read.
 bool HasTurnedBits(const fs::path& folder, const std::vector<dataset::ImagePair>& pairs) {
@@ -110,7 +92,7 @@ Result<OpenedLayout> OpenSun3d(const LayoutSource& source) {
   dataset::CaptureCameras cameras{{}, {}, Pose3(), kUnitsPerM};
   std::string text;
   if (!source.settings.has_camera()) {
-    Result<Camera> camera = ReadCamera(folder, read->pairs);
+    Result<MatrixCamera> camera = ReadMatrixCamera(folder / kMatrixName, folder, read->pairs);
     if (!camera) return camera.error();
     cameras.colour = cameras.depth = camera->camera;
     text = std::move(camera->text);

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/dataset/read_bytes.h"
-#include "deepslam/formats/text_lines.h"
+#include "deepslam/formats/pose_matrix.h"
 #include "deepslam/layouts/frame_files.h"
+#include "deepslam/layouts/matrix_camera.h"
 #include "deepslam/layouts/open_files.h"
 
 namespace deepslam::layouts {
@@ -49,17 +49,10 @@ Result<OpenedLayout> OpenThreeDMatch(const LayoutSource& source) {
   std::string matrix_text;
   if (!source.settings.has_camera()) {
     const fs::path file = FindMatrix(folder).value_or(folder / kMatrixName);
-    Result<std::string> text = dataset::ReadTextFile(file);
-    if (!text) return text.error();
-    const auto m = formats::ParseNumbers(*text, file, 9, "a 3 x 3 matrix");
-    if (!m) return m.error();
-    const Result<dataset::ImageSize> size = FirstColourSize(folder, pairs);
-    if (!size) return size.error();
-    cameras.colour = {size->width, size->height, (*m)[0], (*m)[4], (*m)[2], (*m)[5]};
-    if (const Status plausible = dataset::CheckCamera(cameras.colour, file); !plausible)
-      return plausible.error();
-    cameras.depth = cameras.colour;
-    matrix_text = *std::move(text);
+    Result<MatrixCamera> camera = ReadMatrixCamera(file, folder, pairs);
+    if (!camera) return camera.error();
+    cameras.colour = cameras.depth = camera->camera;
+    matrix_text = std::move(camera->text);
   }
   const Result<SettledImages> settled = SettleImages(source, cameras, pairs, warnings);
   if (!settled) return settled.error();

@@ -118,17 +118,34 @@ Picture PictureOf(const Frame& frame, int max_features) {
   return picture;
 }
 
-// compute() may leave corners out: their number in the list is kept with them.
-cv::Mat Describe(cv::Feature2D& by, const cv::Mat& grey, Corners& corners) {
+// Corners that `by` finds and describes, into features of either kind: their descriptors are the
+// rows' bytes.
+template <typename Features>
+Features Extract(cv::Feature2D& by,
+                 const Frame& frame,
+                 const PinholeCamera& camera,
+                 int max_features) {
+  Features features;
+  features.keyframe = frame.idx;
+  const Picture picture = PictureOf(frame, max_features);
+  if (picture.grey.empty()) return features;
+  std::vector<cv::KeyPoint> found;
+  by.detect(picture.grey, found);
+  Corners corners =
+      Choose(std::move(found), picture.grey.size(), frame, camera, picture.factor, max_features);
+  if (corners.keypoints.empty()) return features;
+  // compute() may leave corners out: their number in the list is kept with them.
   for (std::size_t k = 0; k < corners.keypoints.size(); ++k)
     corners.keypoints[k].class_id = static_cast<int>(k);
   cv::Mat descriptors;
-  if (!corners.keypoints.empty()) by.compute(grey, corners.keypoints, descriptors);
-  return descriptors;
-}
-
-const Eigen::Vector3f& PointOf(const Corners& corners, std::size_t keypoint) {
-  return corners.points_camera[static_cast<std::size_t>(corners.keypoints[keypoint].class_id)];
+  by.compute(picture.grey, corners.keypoints, descriptors);
+  for (std::size_t k = 0; k < corners.keypoints.size(); ++k) {
+    auto& descriptor = features.descriptors.emplace_back();
+    std::memcpy(descriptor.data(), descriptors.ptr(static_cast<int>(k)), sizeof(descriptor));
+    features.points_camera.push_back(
+        corners.points_camera[static_cast<std::size_t>(corners.keypoints[k].class_id)]);
+  }
+  return features;
 }
 
 }  // namespace
@@ -136,48 +153,29 @@ const Eigen::Vector3f& PointOf(const Corners& corners, std::size_t keypoint) {
 KeyframeFeatures ExtractFeatures(const Frame& frame,
                                  const PinholeCamera& camera,
                                  int max_features) {
-  KeyframeFeatures features;
-  features.keyframe = frame.idx;
-  const Picture picture = PictureOf(frame, max_features);
-  if (picture.grey.empty()) return features;
   // Twice as many, since some have no depth.
-  const cv::Ptr<cv::ORB> orb = cv::ORB::create(
-      2 * max_features, 1.2F, 8, kEdge_px, 0, 2, cv::ORB::HARRIS_SCORE, 31, kFastThreshold);
-  std::vector<cv::KeyPoint> found;
-  orb->detect(picture.grey, found);
-  Corners corners =
-      Choose(std::move(found), picture.grey.size(), frame, camera, picture.factor, max_features);
-  const cv::Mat descriptors = Describe(*orb, picture.grey, corners);
-  for (std::size_t k = 0; k < corners.keypoints.size(); ++k) {
-    BinaryDescriptor descriptor{};
-    std::memcpy(descriptor.data(), descriptors.ptr(static_cast<int>(k)), sizeof(descriptor));
-    features.descriptors.push_back(descriptor);
-    features.points_camera.push_back(PointOf(corners, k));
-  }
-  return features;
+  const cv::Ptr<cv::ORB> orb = cv::ORB::create(2 * std::max(1, max_features),
+                                               1.2F,
+                                               8,
+                                               kEdge_px,
+                                               0,
+                                               2,
+                                               cv::ORB::HARRIS_SCORE,
+                                               31,
+                                               kFastThreshold);
+  return Extract<KeyframeFeatures>(*orb, frame, camera, max_features);
 }
 
 GradientFeatures ExtractGradientFeatures(const Frame& frame,
                                          const PinholeCamera& camera,
                                          int max_features) {
-  GradientFeatures features;
-  features.keyframe = frame.idx;
-  const Picture picture = PictureOf(frame, max_features);
-  if (picture.grey.empty()) return features;
-  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(
-      2 * max_features, kOctaveLayers, kBlobContrast, kMaxEdgeRatio, kFirstBlur_px, CV_8U);
-  std::vector<cv::KeyPoint> found;
-  sift->detect(picture.grey, found);
-  Corners corners =
-      Choose(std::move(found), picture.grey.size(), frame, camera, picture.factor, max_features);
-  const cv::Mat descriptors = Describe(*sift, picture.grey, corners);
-  for (std::size_t k = 0; k < corners.keypoints.size(); ++k) {
-    const std::uint8_t* const row = descriptors.ptr(static_cast<int>(k));
-    GradientDescriptor& descriptor = features.descriptors.emplace_back();
-    std::copy_n(row, descriptor.size(), descriptor.begin());
-    features.points_camera.push_back(PointOf(corners, k));
-  }
-  return features;
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(2 * std::max(1, max_features),
+                                                  kOctaveLayers,
+                                                  kBlobContrast,
+                                                  kMaxEdgeRatio,
+                                                  kFirstBlur_px,
+                                                  CV_8U);
+  return Extract<GradientFeatures>(*sift, frame, camera, max_features);
 }
 
 }  // namespace deepslam::loop
