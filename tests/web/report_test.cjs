@@ -25,8 +25,10 @@ async function picksByClick(tab, name) {
 }
 
 // What the view draws: the pixels of its canvas and the labels over it. Not a screenshot: where the page moves the view by a
-// part of a pixel, as times, pictures and fonts do that come late, the browser draws labels and canvas otherwise.
-const picture = (tab) => tab.evaluate(() => {
+// part of a pixel, as times, pictures and fonts do that come late, the browser draws labels and canvas otherwise. The canvas
+// takes its new size a frame after the panel beside it opens or closes, so two frames pass first.
+const picture = (tab) => tab.evaluate(async () => {
+  for (let frame = 0; frame < 2; ++frame) await new Promise((done) => requestAnimationFrame(done));
   const view = document.querySelector(".viewer-canvas");
   const labels = [...view.querySelectorAll(".viewer-label")].filter((label) => label.offsetParent !== null);
   return view.querySelector("canvas").toDataURL() + labels.map((label) => `${label.textContent} ${label.style.transform}`).join();
