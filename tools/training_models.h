@@ -2,17 +2,17 @@
 // catalogues' products, and folders of meshes.
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "deepslam/core/progress.h"
 #include "deepslam/core/result.h"
 #include "deepslam/priors/training_view.h"
 #include "deepslam/scene/voxel_grid.h"
+#include "training_products.h"
 
 namespace deepslam::tools {
 
@@ -36,31 +36,31 @@ struct TrainingModelRequest {
   std::uint64_t seed = 1;
   int first_design = 0;
   int num_designs = 0;    // generated, of each class
-  bool catalogue = true;  // with its products
   bool withheld = false;  // the withheld products instead of those for training, and nothing else
   int num_variants = 0;   // of each product and mesh: other proportions, other backs
   int num_widened = 0;    // sofas made of each armchair of the catalogues and folders
   int num_narrowed = 0;   // armchairs made of each of their sofas
-  std::filesystem::path catalogues;
-  std::filesystem::path withheld_list;
-  std::vector<std::filesystem::path> mesh_folders;  // with .../CLASS/name.obj (or .glb, .gltf)
 };
+
+// Classes whose products take part: those asked for, and those that are given another width.
+[[nodiscard]] std::vector<std::string> ClassesToRead(const TrainingModelRequest& request);
 
 // A model that is yet to be read or made.
 struct TrainingModelSource;
 class KnownShapes;
 
-// Lists the models, then makes them one by one: meshes are large, so only some are held at once.
+// The list of the models, which are made them one by one: meshes are large, so only some are held
+// at once.
 class TrainingModels {
  public:
-  [[nodiscard]] static Result<TrainingModels> List(const TrainingModelRequest& request,
-                                                   Progress& progress);
+  // Out of designs made up by rules and of `products`, which may be of more classes.
+  [[nodiscard]] static TrainingModels Of(const TrainingModelRequest& request,
+                                         TrainingProducts products);
   ~TrainingModels();
   TrainingModels(TrainingModels&&) noexcept;
   TrainingModels& operator=(TrainingModels&&) noexcept;
 
   [[nodiscard]] std::size_t size() const;
-  [[nodiscard]] const std::vector<std::string>& dropped() const;  // "id: reason"
   // A product or mesh, not a design made up by rules.
   [[nodiscard]] bool IsProduct(std::size_t n) const;
   // Thread-safe. Variants are drawn anew where they are like a withheld product.
@@ -70,7 +70,6 @@ class TrainingModels {
   TrainingModels();
   std::vector<TrainingModelSource> sources_;
   std::unique_ptr<KnownShapes> withheld_;
-  std::vector<std::string> dropped_;
   TrainingModelRequest request_;
 };
 
