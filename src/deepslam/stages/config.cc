@@ -127,6 +127,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
        }},
       Section("track", "Camera tracking", c.track_stage, c.track),
       Section("track.covisible", "Keyframes that see the same, measured as well", c.covisible),
+      Section("track.join", "Sub-trajectories that tracking could not tie together", c.joining),
       Section("ground", "Ground plane", c.ground),
       Section("layout", "Walls, rooms and openings", c.layout),
       Section("layout.surface",

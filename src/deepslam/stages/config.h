@@ -22,6 +22,7 @@
 #include "deepslam/loop/appearance.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/covisible.h"
+#include "deepslam/mapping/join_sub_trajectories.h"
 #include "deepslam/mesh/colour_mesh.h"
 #include "deepslam/mesh/extract_surface.h"
 #include "deepslam/mesh/ground_polygon.h"
@@ -109,6 +110,7 @@ struct Config {
   loop::LoopOptions loops;
   loop::AppearanceOptions appearance;
   loop::CovisibleOptions covisible;
+  mapping::JoiningOptions joining;
   graph::GraphOptions optimize;
   mesh::SurfaceOptions surface;
   mesh::RefineOptions refine;

@@ -28,9 +28,9 @@ struct PlannedStage {
 };
 
 constexpr std::array<PlannedStage, 15> kChain = {{
-    {"track", 18, "", "track track.covisible", kFrames, RunTrack},
+    {"track", 19, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 6, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 4, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 5, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      7,
      "track ground",
