@@ -1,5 +1,5 @@
-#include "deepslam/core/angles.h"
 #include "deepslam/layout/estimate_layout.h"
+#include "deepslam/core/angles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 
 namespace deepslam::layout {
 namespace {
-
 
 Layout LayoutOf(const std::vector<Cuboid>& world,
                 const std::vector<Pose3>& poses,
@@ -116,6 +115,51 @@ TEST(EstimateLayout, TellsTwoRoomsWithADoorBetweenThem) {
     return std::abs((window.to_m - window.from_m).norm() - 1.2) < 0.15 &&
            std::abs(window.bottom_m - 0.9) < 0.1 && std::abs(window.top_m - 2.1) < 0.1;
   }));
+}
+
+// However the home lies in its world, it is the same home.
+TEST(EstimateLayout, TurnedRoomsHaveTheSameWallsAndOpenings) {
+  std::vector<Cuboid> world = TwoRooms();
+  AddBox({-2, -1.5, 0}, {-1.4, -0.6, 1.8}, world);   // a wardrobe
+  AddBox({4.2, -1.5, 0}, {5.8, -0.7, 0.75}, world);  // a table at a wall
+  const Layout straight = LayoutOf(world, ThroughTheDoor());
+  ASSERT_EQ(straight.rooms.size(), 2U);
+  for (const double angle_deg : {17.0, 90.0, 133.0}) {
+    const Eigen::Rotation2Dd turn(angle_deg * kRadPerDeg);
+    const Layout turned = LayoutOf(world, ThroughTheDoor(), angle_deg * kRadPerDeg);
+    ASSERT_EQ(turned.rooms.size(), straight.rooms.size()) << angle_deg;
+    EXPECT_EQ(turned.walls.size(), straight.walls.size()) << angle_deg;
+    for (const LayoutRoom& room : straight.rooms) {
+      double nearest_m = 1e9;
+      for (const LayoutRoom& other : turned.rooms) {
+        double farthest_m = 0;
+        for (const Eigen::Vector2d& corner : room.polygon_m)
+          farthest_m = std::max(farthest_m, ToCorner(other, turn * corner));
+        nearest_m = std::min(nearest_m, farthest_m);
+      }
+      EXPECT_LT(nearest_m, 0.05) << angle_deg;
+    }
+    // A door between two rooms is told on one of the two faces of its wall.
+    constexpr double kFaces_m = 0.16;
+    const auto middle = [](const LayoutOpening& opening) -> Eigen::Vector2d {
+      return 0.5 * (opening.from_m + opening.to_m);
+    };
+    EXPECT_EQ(turned.openings.size(), straight.openings.size()) << angle_deg;
+    for (const LayoutOpening& opening : straight.openings) {
+      EXPECT_TRUE(std::ranges::any_of(turned.openings, [&](const LayoutOpening& other) {
+        return other.kind == opening.kind &&
+               (middle(other) - turn * middle(opening)).norm() < kFaces_m &&
+               std::abs(other.top_m - opening.top_m) < 0.12;
+      })) << angle_deg;
+    }
+  }
+}
+
+// Two rooms in one line along a facade: each has a wall of its own, and no third one spans both.
+TEST(EstimateLayout, AWallOfTwoRoomsIsNotToldOnceMore) {
+  const Layout layout = LayoutOf(TwoRooms(), ThroughTheDoor());
+  EXPECT_EQ(layout.walls.size(), 8U);
+  for (const LayoutWall& wall : layout.walls) EXPECT_EQ(wall.rooms.size(), 1U);
 }
 
 TEST(EstimateLayout, FurnitureIsNoWall) {

@@ -201,6 +201,60 @@ TEST(FindOpenings, AGapWithoutDepthIsAWindowUnlessAThingStandsThere) {
   EXPECT_TRUE(FindOpenings(shelf.profile, shelf.face).empty());
 }
 
+// Nothing was looked at above a gap down to the floor: between two jambs as far apart as a leaf is
+// wide it is taken for a door and called doubtful; wider ones, and those that end at the ceiling,
+// are passages.
+TEST(FindOpenings, WithoutAnUpperEdgeTheWidthTellsADoor) {
+  const auto told = [](int end_slot, double top_m, bool ceiling_seen) {
+    Face face;
+    face.Set(0, 80, 42, 50, 0);
+    face.Set(20, end_slot, 0, 42, kOpen | kFront | kBehind);
+    face.face.top_m = top_m;
+    face.face.ceiling_seen = ceiling_seen;
+    const std::vector<FaceOpening> openings = FindOpenings(face.profile, face.face);
+    EXPECT_EQ(openings.size(), 1U);
+    return openings.empty() ? FaceOpening() : openings[0];
+  };
+  Face whole;
+  whole.Set(20, 38, 0, 42, kOpen | kFront | kBehind);
+  const std::vector<FaceOpening> seen = FindOpenings(whole.profile, whole.face);
+  ASSERT_EQ(seen.size(), 1U);
+  const FaceOpening door = told(38, 2.5, false);
+  EXPECT_EQ(door.kind, OpeningKind::kDoor);
+  EXPECT_LE(door.confidence, 0.5);
+  EXPECT_LT(door.confidence, seen[0].confidence);
+  EXPECT_FALSE(door.note.empty());
+  EXPECT_EQ(told(46, 2.5, false).kind, OpeningKind::kPassage);
+  EXPECT_EQ(told(38, 2.1, true).kind, OpeningKind::kPassage);
+}
+
+// A dark wardrobe in the corner of a room: of it depth shows one side and the upper edge.
+TEST(FindOpenings, AThingWithoutDepthIsNoDoor) {
+  Face door;
+  door.Set(60, 78, 0, 40, kBlind | kFront);
+  ASSERT_EQ(FindOpenings(door.profile, door.face).size(), 1U);
+  Face wardrobe = door;
+  for (int row = 0; row < 40; ++row) wardrobe.At(60, row) |= kThing;
+  EXPECT_EQ(FindOpenings(wardrobe.profile, wardrobe.face).size(), 1U)
+      << "what stands beside a door does not make it a thing";
+  for (int slot = 60; slot < 78; ++slot) wardrobe.At(slot, 40) |= kThing;
+  EXPECT_TRUE(FindOpenings(wardrobe.profile, wardrobe.face).empty());
+}
+
+// Depth is missing where a corner of a room meets the upper border of what was looked at.
+TEST(FindOpenings, WhatEndsInACornerAndInNothingIsAWindowOnlyOfItsSize) {
+  const auto num_told = [](int first_slot, int first_row, int end_row) {
+    Face face;
+    face.Set(0, 80, 44, 50, 0);
+    face.Set(first_slot, 80, first_row, end_row, kBlind | kFront);
+    return FindOpenings(face.profile, face.face).size();
+  };
+  EXPECT_EQ(num_told(40, 34, 44), 0U) << "a strip";
+  EXPECT_EQ(num_told(71, 20, 44), 0U) << "narrow";
+  EXPECT_EQ(num_told(54, 18, 44), 1U);
+  EXPECT_EQ(num_told(40, 34, 43), 0U);
+}
+
 TEST(FindOpenings, SashesOfOneHeightAreOneWindow) {
   Face face;
   face.Set(10, 28, 18, 42, kBlind);

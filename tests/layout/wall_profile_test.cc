@@ -56,6 +56,27 @@ TEST(WallProfile, TheFrontOfACounterIsNoWall) {
   EXPECT_TRUE(profile.WallRuns().empty());
 }
 
+// A wardrobe nearly as high as anybody looked: a strip of two cells shows over it.
+TEST(WallProfile, TheFrontOfAWardrobeIsNoWallWhereverOneLooksOverIt) {
+  std::vector<Cuboid> world;
+  AddWall({true, 1.5, -2.2, 2.2, 0.2, {}}, world);
+  AddBox({0.2, 0.9, 0}, {1.6, 1.5, 1.9}, world);
+  std::vector<Pose3> poses;
+  for (const double x : {-0.8, 0.0, 0.8, 1.2})
+    poses.push_back(testing_support::LookAt({x, -1.2, 1.5}, {x, 1.5, 1.0}));
+  const CoarseSurface surface = SurfaceOf(world, poses);
+  const WallProfile front = ProfileOf(surface, FacingSouth(0.9), kReach, ProfileOptions());
+  ASSERT_NE(CellAt(front, -0.9, 1.5) & kSolid, 0);
+  int num_over = 0;
+  for (int row = 0; row < front.num_rows; ++row)
+    num_over += (front.at(front.SlotOf(-0.9), row) & kOpen) != 0 && front.HeightOf(row) > 1.9;
+  ASSERT_GT(num_over, 0);
+  ASSERT_LT(num_over * kCell_m, ProfileOptions().max_open_above_m) << "one slot does not tell";
+  EXPECT_EQ(front.WallShare(-1.6, -0.2), 0);
+  const WallProfile wall = ProfileOf(surface, FacingSouth(1.5), kReach, ProfileOptions());
+  EXPECT_EQ(wall.WallShare(0.2, 1.2), 1);
+}
+
 TEST(WallProfile, OutsideItsReachThereIsNothing) {
   const WallProfile profile = ProfileOf(Surface(), FacingSouth(1.5), kReach, ProfileOptions());
   EXPECT_EQ(profile.WallShare(10, 12), 0);

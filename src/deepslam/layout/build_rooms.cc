@@ -236,6 +236,28 @@ std::optional<Outline> OuterOf(const std::vector<Outline>& outlines) {
   return outer;
 }
 
+// Of the wall's length the share that stands at one of these.
+double KnownShareOf(const LayoutWall& wall, const std::vector<LayoutWall>& others) {
+  constexpr double kBehind_m = 0.3;
+  constexpr double kBefore_m = 0.6;  // what stands this near before a wall stands at it
+  constexpr double kParallel = 0.9;  // cosine: 26 deg
+  constexpr int kPlaces = 20;
+  int num_known = 0;
+  for (int n = 0; n < kPlaces; ++n) {
+    const Eigen::Vector2d p = wall.from_m + (n + 0.5) / kPlaces * (wall.to_m - wall.from_m);
+    const bool known = std::any_of(others.begin(), others.end(), [&](const LayoutWall& other) {
+      const Eigen::Vector2d along = (other.to_m - other.from_m).normalized();
+      const Eigen::Vector2d off = p - other.from_m;
+      const double before_m = along.x() * off.y() - along.y() * off.x();
+      const double at_m = along.dot(off);
+      return std::abs(along.dot((wall.to_m - wall.from_m).normalized())) > kParallel &&
+             before_m > -kBehind_m && before_m < kBefore_m && at_m > 0 && at_m < other.length_m();
+    });
+    num_known += known ? 1 : 0;
+  }
+  return static_cast<double>(num_known) / kPlaces;
+}
+
 // Why a room is none, or empty.
 std::string WhyNot(const CoarseSurface& surface,
                    const CellComplex& complex,
@@ -307,7 +329,7 @@ void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, Bui
   constexpr double kBridged_m = 1.5;  // windows and doors in it
   // What stands alone and is lower than people is a fence, a hedge, a car.
   constexpr double kLowest_m = 1.8;
-  constexpr double kBefore_m = 0.6;  // what stands this near before a wall stands at it
+  constexpr double kKnown = 0.5;  // of its length that stands at walls which are there already
   for (std::size_t line = 0; line < complex.num_wall_lines(); ++line) {
     const WallProfile& profile = complex.profiles[line];
     std::vector<std::pair<double, double>> ranges;
@@ -321,16 +343,7 @@ void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, Bui
       const LayoutWall wall = WallOn(complex, line, range);
       if (wall.length_m() < kLeast_m || wall.seen_share < 0.5) continue;
       if (surface.has_ground && wall.top_m < kLowest_m) continue;
-      const bool known =
-          std::any_of(built.layout.walls.begin(), built.layout.walls.end(), [&](const auto& other) {
-            const Eigen::Vector2d along = (other.to_m - other.from_m).normalized();
-            const Eigen::Vector2d off = 0.5 * (wall.from_m + wall.to_m) - other.from_m;
-            const double before_m = along.x() * off.y() - along.y() * off.x();
-            const double at_m = along.dot(off);
-            return std::abs(along.dot((wall.to_m - wall.from_m).normalized())) > 0.9 &&
-                   before_m > -0.3 && before_m < kBefore_m && at_m > 0 && at_m < other.length_m();
-          });
-      if (known) continue;
+      if (KnownShareOf(wall, built.layout.walls) > kKnown) continue;
       built.layout.walls.push_back(wall);
       built.layout.walls.back().confidence *= surface.has_ground ? 0.7 : 0.4;
       built.line_of_wall.push_back(line);

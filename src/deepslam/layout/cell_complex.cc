@@ -17,16 +17,18 @@ constexpr double kMargin_m = 0.3;      // of the bounds around what was seen ins
 constexpr double kShortest_m = 1e-6;   // edges below are where three lines meet
 constexpr double kOpenHeight_m = 0.5;  // of a slot's rays through the face: it is open
 
-std::optional<Box2> BoundsOf(const ColumnMap& columns) {
+// Of what was seen inside, along `axis` (u) and across it (v).
+std::optional<Box2> BoundsOf(const ColumnMap& columns, const Eigen::Vector2d& axis) {
+  const Eigen::Vector2d across(-axis.y(), axis.x());
   Box2 bounds{1e9, 1e9, -1e9, -1e9};
   for (int i = 0; i < columns.width; ++i) {
     for (int j = 0; j < columns.height; ++j) {
       if (!(columns.evidence[columns.IndexOf(i, j)] > 0)) continue;
       const Eigen::Vector2d p = columns.CentreOf(i, j);
-      bounds = {std::min(bounds.u_min, p.x()),
-                std::min(bounds.v_min, p.y()),
-                std::max(bounds.u_max, p.x()),
-                std::max(bounds.v_max, p.y())};
+      bounds = {std::min(bounds.u_min, axis.dot(p)),
+                std::min(bounds.v_min, across.dot(p)),
+                std::max(bounds.u_max, axis.dot(p)),
+                std::max(bounds.v_max, across.dot(p))};
     }
   }
   if (bounds.empty()) return std::nullopt;
@@ -151,14 +153,17 @@ CellComplex CutGround(std::vector<WallLine> lines,
                       std::vector<WallProfile> profiles,
                       const ColumnMap& columns) {
   CellComplex complex;
-  const std::optional<Box2> bounds = BoundsOf(columns);
+  // Along the walls: bounds across them would cut off corners of rooms that furniture hides.
+  const Eigen::Vector2d axis = lines.empty() ? Eigen::Vector2d::UnitX() : lines.front().normal;
+  const Eigen::Vector2d across(-axis.y(), axis.x());
+  const std::optional<Box2> bounds = BoundsOf(columns, axis);
   if (!bounds) return complex;
   complex.lines = std::move(lines);
   complex.profiles = std::move(profiles);
-  complex.lines.push_back(Bound(Eigen::Vector2d::UnitX(), bounds->u_min - kMargin_m));
-  complex.lines.push_back(Bound(-Eigen::Vector2d::UnitX(), -bounds->u_max - kMargin_m));
-  complex.lines.push_back(Bound(Eigen::Vector2d::UnitY(), bounds->v_min - kMargin_m));
-  complex.lines.push_back(Bound(-Eigen::Vector2d::UnitY(), -bounds->v_max - kMargin_m));
+  complex.lines.push_back(Bound(axis, bounds->u_min - kMargin_m));
+  complex.lines.push_back(Bound(-axis, -bounds->u_max - kMargin_m));
+  complex.lines.push_back(Bound(across, bounds->v_min - kMargin_m));
+  complex.lines.push_back(Bound(-across, -bounds->v_max - kMargin_m));
   CellNames names(complex.lines);
   AddColumns(columns, names, complex);
   for (std::size_t line = 0; line < complex.lines.size(); ++line) AddEdges(line, names, complex);

@@ -30,7 +30,8 @@ struct CellEdge {
 };
 
 struct CellComplex {
-  std::vector<WallLine> lines;        // those of walls, then four that bound what was seen
+  std::vector<WallLine> lines;  // those of walls, then four along the first that bound what was
+                                // seen
   std::vector<WallProfile> profiles;  // of the lines of walls
   std::vector<GroundCell> cells;
   std::vector<CellEdge> edges;  // line by line, in order along them

@@ -7,6 +7,7 @@ namespace deepslam::layout {
 // and 1.98 to 2.11, other countries a little more); a cell is added on either side.
 inline constexpr double kNarrowDoor_m = 0.55;
 inline constexpr double kWidestDoor_m = 1.35;
+inline constexpr double kWidestLeaf_m = 1.05;  // of one leaf (DIN 18101: 0.985), with a cell
 inline constexpr double kLowestDoor_m = 1.75;
 inline constexpr double kHighestDoor_m = 2.35;
 

@@ -72,21 +72,28 @@ bool HasWall(const WallProfile& profile, double floor_m, const LayoutOptions& op
          num_solid * kCell_m * kCell_m >= kMinSolid_m2 && num_high > kHighShare * num_slots;
 }
 
-// Whether most of the wall on `weaker` stands before or behind wall on `stronger`.
-bool IsSameWall(const WallLine& weaker,
-                const WallProfile& weaker_profile,
-                const WallLine& stronger,
-                const WallProfile& stronger_profile) {
-  if (weaker.normal.dot(stronger.normal) < std::cos(kSameWall_deg * kRadPerDeg)) return false;
+// Whether wall of the line stands before or behind a place.
+bool StandsAt(const WallLine& line, const WallProfile& profile, const Eigen::Vector2d& at) {
+  if (std::abs(line.Distance(at)) > kSameWall_m) return false;
+  const double position_m = line.along().dot(at);
+  return profile.WallShare(position_m - kBridged_m, position_m + kBridged_m) > 0;
+}
+
+// Whether most of the wall on `weaker` stands before or behind wall of lines that face its way.
+// They may be several: a line along the walls of two rooms, each of which has its own.
+bool IsSameWall(const WallLine& weaker, const WallProfile& profile, const WallLines& stronger) {
   int num_slots = 0;
   int num_same = 0;
-  for (int slot = 0; slot < weaker_profile.num_slots; ++slot) {
-    if (weaker_profile.is_wall[static_cast<std::size_t>(slot)] == 0) continue;
+  for (int slot = 0; slot < profile.num_slots; ++slot) {
+    if (profile.is_wall[static_cast<std::size_t>(slot)] == 0) continue;
     ++num_slots;
-    const Eigen::Vector2d at = weaker.At(weaker_profile.PositionOf(slot) + 0.5 * kCell_m);
-    if (std::abs(stronger.Distance(at)) > kSameWall_m) continue;
-    const double position_m = stronger.along().dot(at);
-    num_same += stronger_profile.WallShare(position_m - kBridged_m, position_m + kBridged_m) > 0;
+    const Eigen::Vector2d at = weaker.At(profile.PositionOf(slot) + 0.5 * kCell_m);
+    bool same = false;
+    for (std::size_t k = 0; k < stronger.lines.size() && !same; ++k) {
+      same = weaker.normal.dot(stronger.lines[k].normal) >= std::cos(kSameWall_deg * kRadPerDeg) &&
+             StandsAt(stronger.lines[k], stronger.profiles[k], at);
+    }
+    num_same += same ? 1 : 0;
   }
   return num_same > kMostOfIt * num_slots;
 }
@@ -116,10 +123,7 @@ WallLines SelectLines(const CoarseSurface& surface,
   WallLines walls;
   for (std::size_t n = 0; n < candidates.size(); ++n) {
     if (!HasWall(profiles[n], floor_m, options)) continue;
-    bool same = false;
-    for (std::size_t k = 0; k < walls.lines.size() && !same; ++k)
-      same = IsSameWall(candidates[n], profiles[n], walls.lines[k], walls.profiles[k]);
-    if (same) continue;
+    if (IsSameWall(candidates[n], profiles[n], walls)) continue;
     walls.lines.push_back(candidates[n]);
     walls.profiles.push_back(profiles[n]);
   }

@@ -26,8 +26,13 @@ constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wal
 constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
 
 constexpr double kThingShare = 0.1;  // before a gap without depth: then it is a thing's
+constexpr double kEdgeShare = 0.5;   // of its edge that is seen
 constexpr double kPaneFill = 0.7;    // of a window's rectangle that is set back
 constexpr double kPaneConfidence = 0.6;
+// Sills of living rooms are 0.8 to 0.9 m high and heads 2.0 m and more; narrow sashes are 0.6 m
+// wide.
+constexpr double kUsualWidth_m = 0.6;
+constexpr double kUsualHeight_m = 0.9;
 constexpr double kMullion_m = 0.2;  // wall between the sashes of one window
 constexpr double kLevel_m = 0.12;   // their ends differ by less: two cells and a little
 
@@ -38,6 +43,7 @@ struct Frame {
   bool above = false;
   bool below = false;
   bool to_ceiling = false;  // nothing of the wall is above it
+  bool at_corner = false;   // the left or the right side is the corner of the room
 
   [[nodiscard]] int num_sides() const { return left + right + above + below; }
 };
@@ -116,6 +122,7 @@ class FaceSearch {
  private:
   [[nodiscard]] std::uint8_t At(int slot, int row) const { return profile_.at(slot, row); }
   [[nodiscard]] bool IsSolid(int slot, int row) const { return (At(slot, row) & kSolid) != 0; }
+  [[nodiscard]] bool IsThing(int slot, int row) const { return (At(slot, row) & kThing) != 0; }
   [[nodiscard]] double Bottom(const CellBox& box) const { return profile_.HeightOf(box.first_row); }
   [[nodiscard]] double Top(const CellBox& box) const { return profile_.HeightOf(box.end_row); }
 
@@ -129,12 +136,15 @@ class FaceSearch {
     const int beside = static_cast<int>(kBeside_m / kCell_m);
     Frame frame;
     // The corner of the room is a side as well.
+    const bool left_corner = box.first_slot - box_.first_slot < beside / 2;
+    const bool right_corner = box_.end_slot - box.end_slot < beside / 2;
+    frame.at_corner = left_corner || right_corner;
     frame.left =
-        box.first_slot - box_.first_slot < beside / 2 ||
+        left_corner ||
         ShareOf({box.first_slot - beside, box.first_slot, box.first_row, box.end_row}, box_, wall) >
             kMinFrame;
     frame.right =
-        box_.end_slot - box.end_slot < beside / 2 ||
+        right_corner ||
         ShareOf({box.end_slot, box.end_slot + beside, box.first_row, box.end_row}, box_, wall) >
             kMinFrame;
     frame.above =
@@ -151,17 +161,42 @@ class FaceSearch {
     return ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBlind) != 0; });
   }
 
-  // Dark and shiny things return no depth either; what stands around them does.
+  // Dark and shiny things return no depth either; what stands around them does, or two of the edges
+  // of theirs that are seen against what is behind: one upright, and the upper one.
   [[nodiscard]] bool IsDarkThing(const CellBox& box) const {
     constexpr int kAround = 2;  // cells: the sides of a shelf
     if (BlindShare(box) <= 0.5) return false;
+    const auto upright = [&](int slot, int row) {
+      return CellBox{slot - kAround, slot + kAround, row, row + 1};
+    };
+    const auto column = [&](int slot) {
+      return ThingShareAlong(
+          box.first_row, box.end_row, [&](int row) { return upright(slot, row); });
+    };
+    const double upper = ThingShareAlong(box.first_slot, box.end_slot, [&](int slot) {
+      return CellBox{slot, slot + 1, box.end_row - kAround, box.end_row + kAround};
+    });
     const CellBox around{box.first_slot - kAround,
                          box.end_slot + kAround,
                          box.first_row - kAround,
                          box.end_row + kAround};
-    return ShareOf(around, box_, [this](int slot, int row) {
-             return (At(slot, row) & kThing) != 0;
-           }) > kThingShare;
+    return ShareOf(around, box_, [this](int slot, int row) { return IsThing(slot, row); }) >
+               kThingShare ||
+           (upper > kEdgeShare &&
+            std::max(column(box.first_slot), column(box.end_slot)) > kEdgeShare);
+  }
+
+  // Of the places along an edge, those at which a thing stands before the wall.
+  template <typename BoxAt>
+  [[nodiscard]] double ThingShareAlong(int first, int end, const BoxAt& box_at) const {
+    int count = 0;
+    for (int n = first; n < end; ++n) {
+      count +=
+          ShareOf(box_at(n), box_, [this](int slot, int row) { return IsThing(slot, row); }) > 0
+              ? 1
+              : 0;
+    }
+    return end > first ? static_cast<double>(count) / (end - first) : 0.0;
   }
 
   [[nodiscard]] FaceOpening OpeningOf(const CellBox& box, OpeningKind kind) const {
@@ -195,6 +230,14 @@ class FaceSearch {
     return num_reaching >= least && num_wall < least;
   }
 
+  // At the upper border of what was looked at depth is missing in corners of rooms as well: what
+  // ends in both has to be as large as a window that people look out of, and a rectangle.
+  [[nodiscard]] bool IsUsualWindow(const CellBox& box) const {
+    const double fill = ShareOf(
+        box, box_, [this](int slot, int row) { return (At(slot, row) & (kOpen | kBlind)) != 0; });
+    return box.width_m() >= kUsualWidth_m && box.height_m() >= kUsualHeight_m && fill > kPaneFill;
+  }
+
   [[nodiscard]] std::optional<FaceOpening> Classified(const CellBox& box,
                                                       bool reaches_floor) const {
     const Frame frame = FrameOf(box, [this](int slot, int row) { return IsSolid(slot, row); });
@@ -212,7 +255,10 @@ class FaceSearch {
     if (Top(box) - face_.floor_m < kLowestDoor_m || box.width_m() < kNarrowDoor_m)
       return std::nullopt;
     if (frame.num_sides() < 2) return std::nullopt;
-    const bool is_door = frame.above && IsDoorSized(box);
+    const bool edge_seen = frame.above || frame.to_ceiling;
+    // What is as wide as one leaf, between two jambs, is a door more often than not.
+    const bool by_width = !edge_seen && frame.left && frame.right && box.width_m() <= kWidestLeaf_m;
+    const bool is_door = (frame.above || by_width) && IsDoorSized(box);
     FaceOpening opening = OpeningOf(box, is_door ? OpeningKind::kDoor : OpeningKind::kPassage);
     opening.confidence = 0.35 + 0.15 * frame.num_sides();
     if (behind < 0.5 && blind > 0.5) {
@@ -222,9 +268,10 @@ class FaceSearch {
       opening.confidence -= 0.3;
       opening.note = "not deep: a niche, or a leaf that stands back";
     }
-    if (!frame.above && !frame.to_ceiling) {
+    if (!edge_seen) {
       opening.confidence -= 0.15;
-      opening.note = "its upper edge was not seen";
+      opening.note = is_door ? "its upper edge was not seen: a door by its width"
+                             : "its upper edge was not seen";
     }
     opening.confidence = std::clamp(opening.confidence, 0.05, 0.95);
     return opening;
@@ -235,6 +282,7 @@ class FaceSearch {
                                                  double behind,
                                                  double blind) const {
     if (frame.num_sides() < 3 || !frame.below) return std::nullopt;
+    if (blind > 0.5 && frame.at_corner && !frame.above && !IsUsualWindow(box)) return std::nullopt;
     FaceOpening opening = OpeningOf(box, OpeningKind::kWindow);
     opening.confidence = 0.2 + 0.15 * frame.num_sides();
     if (blind > 0.5) {

@@ -82,6 +82,14 @@ void MarkSpace(const CoarseSurface& surface, const WallLine& line, WallProfile& 
   }
 }
 
+// Rows above the topmost wall of a slot that rays went through.
+int NumOpenAbove(const WallProfile& profile, int slot) {
+  int num_open = 0;
+  for (int row = profile.num_rows - 1; row >= 0 && (profile.at(slot, row) & kSolid) == 0; --row)
+    num_open += (profile.at(slot, row) & kOpen) != 0 ? 1 : 0;
+  return num_open;
+}
+
 bool IsWall(const WallProfile& profile, int slot, const ProfileOptions& options) {
   int num_solid = 0;
   int top = -1;
@@ -95,17 +103,26 @@ bool IsWall(const WallProfile& profile, int slot, const ProfileOptions& options)
     }
     if ((cell & kFront) != 0) top_seen = row;
   }
-  int num_open_above = 0;
-  for (int row = top + 1; row < profile.num_rows; ++row)
-    num_open_above += (profile.at(slot, row) & kOpen) != 0 ? 1 : 0;
   return num_solid * kCell_m >= options.min_solid_m &&
-         num_open_above * kCell_m < options.max_open_above_m &&
+         NumOpenAbove(profile, slot) * kCell_m < options.max_open_above_m &&
          (top_seen - top) * kCell_m < options.max_below_seen_m;
 }
 
 void DropShortRuns(double min_run_m, WallProfile& profile) {
   for (const auto& [first, end] : profile.WallRuns()) {
     if ((end - first) * kCell_m >= min_run_m) continue;
+    std::fill(profile.is_wall.begin() + first, profile.is_wall.begin() + end, std::uint8_t{0});
+  }
+}
+
+// Fronts of furniture that reach nearly as high as anybody looked: what is over them is a strip too
+// narrow to tell in one slot, but not in most of a run. Over walls rays go nowhere.
+void DropSeenOver(WallProfile& profile) {
+  for (const auto& [first, end] : profile.WallRuns()) {
+    int num_seen_over = 0;
+    for (int slot = first; slot < end; ++slot)
+      num_seen_over += NumOpenAbove(profile, slot) > 0 ? 1 : 0;
+    if (2 * num_seen_over <= end - first) continue;
     std::fill(profile.is_wall.begin() + first, profile.is_wall.begin() + end, std::uint8_t{0});
   }
 }
@@ -154,6 +171,7 @@ WallProfile ProfileOf(const CoarseSurface& surface,
     profile.is_wall[static_cast<std::size_t>(slot)] = IsWall(profile, slot, options) ? 1 : 0;
   }
   DropShortRuns(options.min_run_m, profile);
+  DropSeenOver(profile);
   return profile;
 }
 
