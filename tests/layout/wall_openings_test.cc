@@ -228,17 +228,34 @@ TEST(FindOpenings, WithoutAnUpperEdgeTheWidthTellsADoor) {
   EXPECT_EQ(told(38, 2.1, true).kind, OpeningKind::kPassage);
 }
 
-// A dark wardrobe in the corner of a room: of it depth shows one side and the upper edge.
-TEST(FindOpenings, AThingWithoutDepthIsNoDoor) {
+// A dark wardrobe in the corner of a room: of it depth shows a side board alone.
+TEST(FindOpenings, ADarkWardrobeIsNoDoor) {
   Face door;
   door.Set(60, 78, 0, 40, kBlind | kFront);
   ASSERT_EQ(FindOpenings(door.profile, door.face).size(), 1U);
   Face wardrobe = door;
   for (int row = 0; row < 40; ++row) wardrobe.At(60, row) |= kThing;
-  EXPECT_EQ(FindOpenings(wardrobe.profile, wardrobe.face).size(), 1U)
-      << "what stands beside a door does not make it a thing";
-  for (int slot = 60; slot < 78; ++slot) wardrobe.At(slot, 40) |= kThing;
   EXPECT_TRUE(FindOpenings(wardrobe.profile, wardrobe.face).empty());
+  // The board is that of a shelf beside a door.
+  Face shelf = wardrobe;
+  for (const int row : {8, 16, 24, 32, 39}) {
+    for (int slot = 50; slot < 60; ++slot) shelf.At(slot, row) |= kThing;
+  }
+  EXPECT_EQ(FindOpenings(shelf.profile, shelf.face).size(), 1U);
+}
+
+// Places behind a dark table reach up beside the sill, and hang together with the window.
+TEST(FindOpenings, AWindowIsToldApartFromWhatIsBehindFurniture) {
+  Face face;
+  face.Set(16, 40, 18, 42, kBlind | kFront);
+  face.Set(30, 60, 0, 12, kBlind);
+  face.Set(32, 40, 12, 18, kBlind);
+  const std::vector<FaceOpening> windows = FindOpenings(face.profile, face.face);
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_EQ(windows[0].kind, OpeningKind::kWindow);
+  EXPECT_NEAR(windows[0].from_m, 0.8, 1e-9);
+  EXPECT_NEAR(windows[0].to_m, 2.0, 1e-9);
+  EXPECT_NEAR(windows[0].bottom_m, 0.9, 1e-9);
 }
 
 // Depth is missing where a corner of a room meets the upper border of what was looked at.

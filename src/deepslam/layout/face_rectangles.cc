@@ -111,6 +111,64 @@ std::vector<CellBox> WithoutBands(const CellBox& box, const CellTest& wall) {
   return {box};
 }
 
+// Cells that pass, slot by slot, rows running fastest.
+class CellGrid {
+ public:
+  CellGrid(const CellBox& within, const CellTest& test)
+      : within_(within),
+        width_(std::max(0, within.end_slot - within.first_slot)),
+        height_(std::max(0, within.end_row - within.first_row)) {
+    for (int slot = 0; slot < width_; ++slot) {
+      for (int row = 0; row < height_; ++row)
+        passes_.push_back(test(within.first_slot + slot, within.first_row + row) ? 1 : 0);
+    }
+  }
+
+  // The largest rectangle that passes; empty where none does.
+  [[nodiscard]] CellBox Largest() const {
+    CellBox largest;
+    std::vector<int> length(static_cast<std::size_t>(height_), 0);  // of each row, up to a slot
+    for (int slot = 0; slot < width_; ++slot) {
+      for (int row = 0; row < height_; ++row) {
+        int& of_row = length[static_cast<std::size_t>(row)];
+        of_row = Passes(slot, row) ? of_row + 1 : 0;
+      }
+      for (int first = 0; first < height_; ++first) {
+        int least = width_;
+        for (int row = first; row < height_; ++row) {
+          least = std::min(least, length[static_cast<std::size_t>(row)]);
+          if (least == 0) break;
+          const CellBox box{within_.first_slot + slot + 1 - least,
+                            within_.first_slot + slot + 1,
+                            within_.first_row + first,
+                            within_.first_row + row + 1};
+          if (box.width_m() * box.height_m() > largest.width_m() * largest.height_m())
+            largest = box;
+        }
+      }
+    }
+    return largest;
+  }
+  void TakeOut(const CellBox& box) {
+    for (int slot = box.first_slot; slot < box.end_slot; ++slot) {
+      for (int row = box.first_row; row < box.end_row; ++row)
+        passes_[At(slot - within_.first_slot, row - within_.first_row)] = 0;
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t At(int slot, int row) const {
+    return static_cast<std::size_t>(slot) * static_cast<std::size_t>(height_) +
+           static_cast<std::size_t>(row);
+  }
+  [[nodiscard]] bool Passes(int slot, int row) const { return passes_[At(slot, row)] != 0; }
+
+  CellBox within_;
+  int width_;
+  int height_;
+  std::vector<std::uint8_t> passes_;
+};
+
 }  // namespace
 
 double ShareOf(const CellBox& box, const CellBox& within, const CellTest& test) {
@@ -149,6 +207,20 @@ std::vector<CellBox> RectanglesOf(const CellBox& within,
       });
       if (!inside.empty()) boxes.push_back(BoxOf(inside, piece));
     }
+  }
+  return boxes;
+}
+
+std::vector<CellBox> FullRectanglesOf(const CellBox& within,
+                                      const CellTest& test,
+                                      std::size_t most) {
+  CellGrid grid(within, test);
+  std::vector<CellBox> boxes;
+  while (boxes.size() < most) {
+    const CellBox largest = grid.Largest();
+    if (largest.end_slot <= largest.first_slot) break;
+    boxes.push_back(largest);
+    grid.TakeOut(largest);
   }
   return boxes;
 }

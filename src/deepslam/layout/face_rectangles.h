@@ -1,6 +1,7 @@
 // Rectangles of a wall's profile: what is open in it, or set back.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <vector>
 
@@ -29,5 +30,11 @@ using CellTest = std::function<bool(int slot, int row)>;
 [[nodiscard]] std::vector<CellBox> RectanglesOf(const CellBox& within,
                                                 const CellTest& test,
                                                 const CellTest& wall);
+
+// The largest rectangles within a box whose cells all pass the test, largest first, none of them
+// over another; `most` at most.
+[[nodiscard]] std::vector<CellBox> FullRectanglesOf(const CellBox& within,
+                                                    const CellTest& test,
+                                                    std::size_t most);
 
 }  // namespace deepslam::layout

@@ -25,12 +25,14 @@ constexpr int kSillCells = 2;       // of wall below an opening, in a column: on
 constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wall, or more
 constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
 
-constexpr double kThingShare = 0.1;  // before a gap without depth: then it is a thing's
-constexpr double kEdgeShare = 0.5;   // of its edge that is seen
-constexpr double kPaneFill = 0.7;    // of a window's rectangle that is set back
+constexpr double kThingShare = 0.1;    // before a gap without depth: then it is a thing's
+constexpr double kBoardShare = 0.5;    // of its height where a side board is seen,
+constexpr double kBeyondShare = 0.05;  // and of what is beyond it, things: the board is not theirs
+constexpr double kPaneFill = 0.7;      // of a window's rectangle that is set back
 constexpr double kPaneConfidence = 0.6;
 // Sills of living rooms are 0.8 to 0.9 m high and heads 2.0 m and more; narrow sashes are 0.6 m
 // wide.
+constexpr std::size_t kMostPanes = 4;  // looked at in what hangs together
 constexpr double kUsualWidth_m = 0.6;
 constexpr double kUsualHeight_m = 0.9;
 constexpr double kMullion_m = 0.2;  // wall between the sashes of one window
@@ -72,7 +74,11 @@ class FaceSearch {
     for (const CellBox& box : RectanglesOf(box_, gap, wall)) {
       if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
       if (ShareOf(box, box_, gap) < kMinFill) continue;
-      if (const auto opening = Classified(box, ReachesFloor(box, gap))) found.push_back(*opening);
+      if (const auto opening = Classified(box, ReachesFloor(box, gap))) {
+        found.push_back(*opening);
+      } else {
+        AddWindowsWithin(box, gap, found);
+      }
     }
   }
 
@@ -122,7 +128,6 @@ class FaceSearch {
  private:
   [[nodiscard]] std::uint8_t At(int slot, int row) const { return profile_.at(slot, row); }
   [[nodiscard]] bool IsSolid(int slot, int row) const { return (At(slot, row) & kSolid) != 0; }
-  [[nodiscard]] bool IsThing(int slot, int row) const { return (At(slot, row) & kThing) != 0; }
   [[nodiscard]] double Bottom(const CellBox& box) const { return profile_.HeightOf(box.first_row); }
   [[nodiscard]] double Top(const CellBox& box) const { return profile_.HeightOf(box.end_row); }
 
@@ -161,42 +166,40 @@ class FaceSearch {
     return ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kBlind) != 0; });
   }
 
-  // Dark and shiny things return no depth either; what stands around them does, or two of the edges
-  // of theirs that are seen against what is behind: one upright, and the upper one.
+  // Dark and shiny things return no depth either; what stands around them does.
   [[nodiscard]] bool IsDarkThing(const CellBox& box) const {
     constexpr int kAround = 2;  // cells: the sides of a shelf
     if (BlindShare(box) <= 0.5) return false;
-    const auto upright = [&](int slot, int row) {
-      return CellBox{slot - kAround, slot + kAround, row, row + 1};
-    };
-    const auto column = [&](int slot) {
-      return ThingShareAlong(
-          box.first_row, box.end_row, [&](int row) { return upright(slot, row); });
-    };
-    const double upper = ThingShareAlong(box.first_slot, box.end_slot, [&](int slot) {
-      return CellBox{slot, slot + 1, box.end_row - kAround, box.end_row + kAround};
-    });
     const CellBox around{box.first_slot - kAround,
                          box.end_slot + kAround,
                          box.first_row - kAround,
                          box.end_row + kAround};
-    return ShareOf(around, box_, [this](int slot, int row) { return IsThing(slot, row); }) >
-               kThingShare ||
-           (upper > kEdgeShare &&
-            std::max(column(box.first_slot), column(box.end_slot)) > kEdgeShare);
+    return ThingShare(around) > kThingShare;
   }
 
-  // Of the places along an edge, those at which a thing stands before the wall.
-  template <typename BoxAt>
-  [[nodiscard]] double ThingShareAlong(int first, int end, const BoxAt& box_at) const {
-    int count = 0;
-    for (int n = first; n < end; ++n) {
-      count +=
-          ShareOf(box_at(n), box_, [this](int slot, int row) { return IsThing(slot, row); }) > 0
-              ? 1
-              : 0;
-    }
-    return end > first ? static_cast<double>(count) / (end - first) : 0.0;
+  // Dark wardrobes: of them depth shows a side board, which stands out from the wall along an
+  // upright side of the gap. Where more of a thing is on the board's other side, it is that one's.
+  [[nodiscard]] bool IsDarkWardrobe(const CellBox& box) const {
+    return BlindShare(box) > 0.5 &&
+           (HasSideBoard(box, box.first_slot, -1) || HasSideBoard(box, box.end_slot, 1));
+  }
+
+  // `outward`: -1 to the left of `side`, 1 to the right.
+  [[nodiscard]] bool HasSideBoard(const CellBox& box, int side, int outward) const {
+    constexpr int kNear = 3;     // cells on both sides: depth is missing at its edges too
+    constexpr int kBeyond = 12;  // cells: the width of a narrow shelf
+    int num_rows = 0;
+    for (int row = box.first_row; row < box.end_row; ++row)
+      num_rows += ThingShare({side - kNear, side + kNear, row, row + 1}) > 0 ? 1 : 0;
+    const int from = side + outward * (kNear + 1);
+    const int to = side + outward * kBeyond;
+    const CellBox beyond{std::min(from, to), std::max(from, to), box.first_row, box.end_row};
+    return num_rows > kBoardShare * (box.end_row - box.first_row) &&
+           ThingShare(beyond) < kBeyondShare;
+  }
+
+  [[nodiscard]] double ThingShare(const CellBox& box) const {
+    return ShareOf(box, box_, [this](int slot, int row) { return (At(slot, row) & kThing) != 0; });
   }
 
   [[nodiscard]] FaceOpening OpeningOf(const CellBox& box, OpeningKind kind) const {
@@ -230,6 +233,19 @@ class FaceSearch {
     return num_reaching >= least && num_wall < least;
   }
 
+  // Windows in what hangs together with places behind dark furniture: rectangles that nothing
+  // interrupts, between jambs over a sill.
+  void AddWindowsWithin(const CellBox& box,
+                        const CellTest& gap,
+                        std::vector<FaceOpening>& found) const {
+    for (const CellBox& pane : FullRectanglesOf(box, gap, kMostPanes)) {
+      const Frame frame = FrameOf(pane, [this](int slot, int row) { return IsSolid(slot, row); });
+      const bool framed = frame.left && frame.right && frame.below && !frame.at_corner;
+      if (!framed || !IsUsualWindow(pane) || ReachesFloor(pane, gap)) continue;
+      if (const auto window = Classified(pane, false)) found.push_back(*window);
+    }
+  }
+
   // At the upper border of what was looked at depth is missing in corners of rooms as well: what
   // ends in both has to be as large as a window that people look out of, and a rectangle.
   [[nodiscard]] bool IsUsualWindow(const CellBox& box) const {
@@ -254,7 +270,7 @@ class FaceSearch {
                                                    double blind) const {
     if (Top(box) - face_.floor_m < kLowestDoor_m || box.width_m() < kNarrowDoor_m)
       return std::nullopt;
-    if (frame.num_sides() < 2) return std::nullopt;
+    if (frame.num_sides() < 2 || IsDarkWardrobe(box)) return std::nullopt;
     const bool edge_seen = frame.above || frame.to_ceiling;
     // What is as wide as one leaf, between two jambs, is a door more often than not.
     const bool by_width = !edge_seen && frame.left && frame.right && box.width_m() <= kWidestLeaf_m;
