@@ -156,13 +156,14 @@ TEST(EstimateOdometry, AlongABareWallFramesSayThatTheyMaySlide) {
   const AlongAWall walk = GoAlongAWall(0.0);
   ASSERT_GT(walk.bare_end, walk.bare_begin + 20);
   const Odometry odometry = Track(Render(walk.hall, walk.truth));
-  ExpectStatus(odometry, 0, walk.bare_begin - 3, TrackingStatus::kTracked);
+  // An end of the hall shows where the camera is as soon as enough of it is in view.
+  ExpectStatus(odometry, 0, walk.bare_begin - 5, TrackingStatus::kTracked);
   for (std::size_t k = walk.bare_begin; k < walk.bare_end; ++k)
     EXPECT_NE(odometry.frames[k].status, TrackingStatus::kTracked) << "frame " << k;
-  ExpectStatus(odometry, walk.bare_end + 6, walk.truth.size(), TrackingStatus::kTracked);
-  ExpectTrue(odometry, walk.truth, 0, walk.bare_begin - 3);
+  ExpectStatus(odometry, walk.bare_end + 8, walk.truth.size(), TrackingStatus::kTracked);
+  ExpectTrue(odometry, walk.truth, 0, walk.bare_begin - 5);
   // Behind the bare wall the sub-trajectories fit in themselves.
-  ExpectTrue(odometry, walk.truth, walk.bare_end + 6, walk.truth.size());
+  ExpectTrue(odometry, walk.truth, walk.bare_end + 8, walk.truth.size());
   ExpectConsistent(odometry);
   ExpectHonestEdges(odometry, walk.truth);
   // What the wall shows is right all along: its distance, and that the camera does not turn.
@@ -193,7 +194,10 @@ TEST(EstimateOdometry, AMotionThatNothingShowsIsBoundedLooselyAndEndsWhereSometh
 TEST(EstimateOdometry, AlongAWallThatImagesSeeNothingSlides) {
   const AlongAWall walk = GoAlongAWall(1.0);
   const Odometry odometry = Track(Render(walk.hall, walk.truth));
-  ExpectStatus(odometry, 0, walk.truth.size(), TrackingStatus::kTracked);
+  // Where a change of pace is less than what images surely show, a frame says so.
+  const auto tracked = std::ranges::count(
+      odometry.frames, TrackingStatus::kTracked, [](const auto& frame) { return frame.status; });
+  EXPECT_GE(tracked, 0.95 * static_cast<double>(walk.truth.size()));
   ExpectTrue(odometry, walk.truth, 0, walk.truth.size(), 0.03, 0.8);
   ExpectHonestEdges(odometry, walk.truth);
 }

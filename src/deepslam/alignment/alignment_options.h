@@ -37,5 +37,8 @@ struct StartSigma {
   double translation_m = 0.2;
   double rotation_rad = 0.2;
 };
+// Of a prediction from two alignments, beside what the hand does: where somebody walks through they
+// are off by several centimetres.
+inline constexpr StartSigma kPredictionSigma{0.02, 0.016};
 
 }  // namespace deepslam::alignment

@@ -26,14 +26,22 @@ double InformationOfStart(const Vector6d& direction,
   return 1 / direction.cwiseProduct(sigmas_m).squaredNorm();
 }
 
+// What images show of the other directions.
+Matrix6d Beside(const DegenerateDirections& fixed, const Matrix6d& hessian) {
+  if (fixed.empty()) return hessian;
+  Matrix6d others = Matrix6d::Identity();
+  for (int k = 0; k < 6; ++k) others.col(k) -= fixed.Component(Vector6d::Unit(k));
+  return others.transpose() * hessian * others;
+}
+
 ClampedHessian Clamped(const GaussNewtonState& state,
                        const PyramidLevel& finest,
                        const StartSigma& start_sigma,
                        const AlignmentOptions& options) {
   const AlignmentSystem& system = state.system;
-  const Matrix6d& photometric = system.photometric_hessian;
+  const Matrix6d photometric = Beside(state.fixed, system.photometric_hessian);
   const Matrix6d raw =
-      (system.hessian - photometric) /
+      (system.hessian - system.photometric_hessian) /
           PixelsPerMeasurement(finest, state.stride, options.correlation_length_px) +
       photometric /
           PixelsPerMeasurement(finest, state.stride, options.photometric_correlation_length_px);
@@ -44,7 +52,7 @@ ClampedHessian Clamped(const GaussNewtonState& state,
   Vector6d values = spectrum->values.cwiseMax(0.0);
   const double ratio = values[5] > 0 ? values[0] / values[5] : 0;
   const bool by_depth_alone = !ComparesImages(system.num_photometric);
-  const double least = by_depth_alone ? kDegenerateRatio * values[5] : 0;
+  const double least = by_depth_alone || !state.fixed.empty() ? kDegenerateRatio * values[5] : 0;
   for (int k = 0; k < 6 && values[k] < least; ++k)
     values[k] = InformationOfStart(directions.col(k), scale, start_sigma);
   const Matrix6d clamped = directions * values.asDiagonal() * directions.transpose();

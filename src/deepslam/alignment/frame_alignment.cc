@@ -6,6 +6,7 @@
 
 #include "deepslam/alignment/edge_information.h"
 #include "deepslam/alignment/reference_pixels.h"
+#include "deepslam/alignment/solution_remapping.h"
 #include "deepslam/alignment/weak_direction_search.h"
 #include "deepslam/core/check.h"
 
@@ -53,36 +54,6 @@ SourcePoints NearPoints(const PyramidLevel& level, int stride, const AlignmentOp
   return SourcePoints(level, {stride, options.photometric, true});
 }
 
-// The finest level, where iterations end.
-struct Finest {
-  const PyramidLevel& i;
-  const SourcePoints& j;
-  int batch_stride;
-  const AlignmentOptions& options;
-};
-
-// Its system where iterations have ended, of both frames' normals and gradients.
-void MeasureEnd(const Finest& finest, GaussNewtonState& state) {
-  AlignmentGates gates = state.gates;
-  gates.cross_frames = true;
-  gates.batch_stride = finest.batch_stride;
-  state.system =
-      BuildAlignmentSystem(finest.i, finest.j, state.i_from_j, gates, finest.options.pyramid.noise);
-  state.stride = finest.j.choice().stride;
-}
-
-// Along what depth alone does not constrain, the end is brought back to `start_i_from_j`, and the
-// iterations go on in the other directions (solution remapping: Zhang, Kaess, Singh 2016).
-void Remap(const Finest& finest, const Pose3& start_i_from_j, GaussNewtonState& state) {
-  if (ComparesImages(state.system.num_photometric)) return;
-  state.fixed = DegenerateDirections(state.system.hessian);
-  if (state.fixed.empty()) return;
-  const Vector6d moved = T2v(state.i_from_j * start_i_from_j.Inverse());
-  state.i_from_j = V2t(moved - state.fixed.Component(moved)) * start_i_from_j;
-  Iterate(finest.i, finest.j, finest.options, state);
-  MeasureEnd(finest, state);
-}
-
 // Of a level that `num_coarser` others precede; scales open again for what the level adds.
 void TakeGates(const AlignmentOptions& options, std::size_t num_coarser, GaussNewtonState& state) {
   AlignmentGates gates = LevelGates(options, num_coarser);
@@ -103,7 +74,7 @@ struct FramePair {
 // Down the `num_levels` finest levels, and measured at the end.
 void IterateToFinest(const FramePair& pair,
                      std::size_t num_levels,
-                     const Pose3& first_start,
+                     const FirstStart& first_start,
                      const FinestEnd& end,
                      GaussNewtonState& state) {
   const AlignmentOptions& options = pair.options;
@@ -118,14 +89,14 @@ void IterateToFinest(const FramePair& pair,
   const PyramidLevel& source = pair.j.levels.front();
   const SourcePoints points = num_levels > 0 ? NearPoints(source, FinestStride(source), options)
                                              : FarPoints(source, 1, options);
-  const Finest finest{pair.i.levels.front(), points, end.batch_stride, options};
+  const FinestLevel finest{pair.i.levels.front(), points, end.batch_stride, options};
   if (num_levels > 0) {
     TakeGates(options, coarsest, state);
     state.converged_px = end.converged_px;
     Iterate(finest.i, points, options, state);
   }
   MeasureEnd(finest, state);
-  Remap(finest, first_start, state);
+  state = Remapped(finest, first_start, state);
 }
 
 bool IsOk(const FrameAlignment& alignment, bool has_colour, const AlignmentOptions& options) {
@@ -153,7 +124,7 @@ FrameAlignment Conclude(const GaussNewtonState& state,
   result.inside_ratio = system.num_inside / num_source;
   result.constraint_ratio = edge.constraint_ratio;
   result.remapped = !state.fixed.empty();
-  result.degenerate = edge.constraint_ratio < options.degenerate_ratio;
+  result.degenerate = result.remapped || edge.constraint_ratio < options.degenerate_ratio;
   result.inlier_ratio = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
   const bool has_colour = ComparesImages(system.num_photometric);
   if (has_colour) result.intensity_correlation = system.intensity_correlation;
@@ -208,7 +179,8 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   GaussNewtonState state = SearchStarts(coarsest_i, coarsest_j, initial_i_from_j, others, options);
   if (options.photometric && (others.always || !IsConclusive(state.system)))
     state = SearchWeakDirections(coarsest_i, coarsest_j, options, state);
-  IterateToFinest({i, j, options}, coarsest, initial_i_from_j.front(), kPlaced, state);
+  IterateToFinest(
+      {i, j, options}, coarsest, {initial_i_from_j.front(), start_sigma}, kPlaced, state);
   return Conclude(state, j.levels.front(), start_sigma, options);
 }
 
@@ -224,7 +196,7 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
   state.gates.geometric_scale = kNearScale;
   state.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));
-  IterateToFinest({i, j, options}, num_levels, i_from_j, kMeasured, state);
+  IterateToFinest({i, j, options}, num_levels, {i_from_j, {}}, kMeasured, state);
   return Conclude(state, j.levels.front(), {}, options);
 }
 

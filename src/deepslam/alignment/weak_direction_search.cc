@@ -11,8 +11,6 @@ constexpr double kStepPx = 0.75;
 constexpr int kNumSteps = 10;
 // Images share no more than this of their variance, the camera's noise being what it is.
 constexpr double kFullCorrelation = 0.999;
-// A likelihood ratio of exp(6), 400 : 1, among some twenty places.
-constexpr double kSureNats = 6;
 
 double MeanDepthM(const PyramidLevel& level) {
   double sum = 0;
@@ -85,6 +83,16 @@ int BestStep(const LikenessOfStep& likeness_of) {
 }
 
 }  // namespace
+
+double SharedInformation(const PyramidLevel& i,
+                         const SourcePoints& j,
+                         const Pose3& i_from_j,
+                         const AlignmentOptions& options) {
+  const PlaceScore place = ScoreCoarsely(i, j, i_from_j, options);
+  return place.num_photometric /
+         PixelsPerMeasurement(j, options.photometric_correlation_length_px) *
+         SharedInformation(place);
+}
 
 GaussNewtonState SearchWeakDirections(const PyramidLevel& i,
                                       CoarsePoints& j,

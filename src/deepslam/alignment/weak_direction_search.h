@@ -14,4 +14,15 @@ namespace deepslam::alignment {
                                                     const AlignmentOptions& options,
                                                     const GaussNewtonState& state);
 
+// Differences of likelihood below this, among some twenty places, are chance: a ratio of exp(6),
+// 400 : 1.
+inline constexpr double kSureNats = 6;
+
+// What images of independent measurements share at a place, nats; of points chosen as for a place
+// far off.
+[[nodiscard]] double SharedInformation(const PyramidLevel& i,
+                                       const SourcePoints& j,
+                                       const Pose3& i_from_j,
+                                       const AlignmentOptions& options);
+
 }  // namespace deepslam::alignment

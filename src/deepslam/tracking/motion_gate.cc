@@ -6,6 +6,7 @@
 namespace deepslam::tracking {
 namespace {
 
+using alignment::kPredictionSigma;
 using alignment::StartSigma;
 
 // A motion is carried on over at most this many times the interval it was measured in.
@@ -16,10 +17,6 @@ constexpr double kHandAcceleration = 2;   // m/s^2
 constexpr double kWristSpeed = 0.7;       // rad/s
 constexpr double kWristAcceleration = 4;  // rad/s^2
 constexpr double kManySigmas = 5;         // farther off, it was not a hand
-// Of a prediction from two alignments, beside what the hand does, one standard deviation: where
-// somebody walks through they are off by several centimetres.
-constexpr double kPredictedM = 0.02;
-constexpr double kPredictedRad = 0.016;
 // Farther off, or after a longer time, a prediction is none.
 constexpr StartSigma kFarthestPrediction;
 
@@ -57,8 +54,8 @@ MotionLikelihood LikelihoodOf(const Pose3& world_from_camera, const ExpectedMoti
   const double off_m = off.translation_m.norm();
   const double off_rad = RotationAngle(off.rotation);
   if (motion.world_from_predicted) {
-    const double sigma_m = std::hypot(motion.sigma.translation_m, kPredictedM);
-    const double sigma_rad = std::hypot(motion.sigma.rotation_rad, kPredictedRad);
+    const double sigma_m = std::hypot(motion.sigma.translation_m, kPredictionSigma.translation_m);
+    const double sigma_rad = std::hypot(motion.sigma.rotation_rad, kPredictionSigma.rotation_rad);
     if (off_m <= std::min(kFarthestPrediction.translation_m, kManySigmas * sigma_m) &&
         off_rad <= std::min(kFarthestPrediction.rotation_rad, kManySigmas * sigma_rad))
       return MotionLikelihood::kAsPredicted;
