@@ -98,6 +98,10 @@ in_image() { images run --isolation chroot "$@"; }
 [ -s "$(images mount "$container")/usr/share/doc/deepslam/copyright" ] || fail "the image has no texts of licences"
 images umount "$container" >/dev/null
 quietly in_image "$container" -- deepslam --help
+# What the image leaves out of Debian's packages is nothing that is linked.
+in_image "$container" -- sh -c 'ldd /usr/bin/deepslam* /usr/lib/deepslam/*.so* 2>/dev/null' >"$folder/linked"
+! grep "not found" "$folder/linked" >&2 || fail "the image lacks libraries"
+grep -q libavcodec "$folder/linked" || fail "the image cannot read videos"
 images images --format '{{.Name}} {{.Size}}' localhost/deepslam
 
 # The demo's capture is rendered where the furniture is, in the stage that built it.

@@ -10,6 +10,7 @@ import importlib
 import json
 import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -126,7 +127,7 @@ class SceneChecks:
         pose = entry["world_from_object"]
         self.assertLess(numpy.abs(matrix[:3, 3] - pose["translation_m"]).max(), SAME_M)
         self.assertLess(numpy.abs(matrix[:3, :3] - turned(pose["rotation_xyzw"])).max(), 1e-5)
-        mesh = UsdGeom.Mesh(prim.GetChild("mesh"))
+        mesh = UsdGeom.Mesh(prim.GetChild(prim.GetName()))
         points = numpy.array(mesh.GetPointsAttr().Get())
         self.assertLess(numpy.abs(numpy.ptp(points, axis=0) - entry["size_m"]).max(), SAME_M, entry["name"])
         extent = numpy.array(mesh.GetExtentAttr().Get())
@@ -139,6 +140,20 @@ class SceneChecks:
         if prim.HasAPI(UsdPhysics.RigidBodyAPI):
             self.assertGreater(UsdPhysics.MassAPI(prim).GetMassAttr().Get(), 0)
             self.assertTrue(prim.GetChild("collision"))
+
+    def test_blender_has_their_names_and_labels(self):
+        done = subprocess.run([REPOSITORY / "scripts/import_blender.sh", self.exported.folder / "scene.usdz"],
+                              capture_output=True, text=True, timeout=600)
+        if "no Blender found" in done.stderr or "usd_import" in done.stderr:
+            self.skipTest("no Blender that reads USD")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        things = {thing["name"]: thing for thing in json.loads(done.stdout)}
+        for entry in self.exported.map["objects"]:
+            thing = things[entry["name"]]
+            self.assertEqual((thing["class"], thing["instance"]), (entry["class"], entry["id"]))
+            self.assertTrue(thing["vertex_colours"])
+            self.assertLess(numpy.abs(numpy.subtract(thing["at_m"], entry["world_from_object"]["translation_m"])).max(), SAME_M)
+            self.assertLess(numpy.abs(numpy.subtract(thing["size_m"], entry["size_m"])).max(), SAME_M)
 
     def test_convex_pieces_have_the_volume_of_the_mesh(self):
         # Pieces of things that reach into others or into a wall are cut: what stands apart shows the decomposition.

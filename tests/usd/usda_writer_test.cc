@@ -41,12 +41,16 @@ TEST(WriteUsda, SaysUnitsAxisAndWhatIsInIt) {
                            "upAxis = \"Z\"",
                            "defaultPrim = \"World\"",
                            "def Xform \"chair_03\"",
+                           "def Mesh \"chair_03\"",
+                           "custom string userProperties:class = \"chair\"",
+                           "custom double userProperties:score = 0.5",
                            "semantics:labels:class = [\"chair\"]",
                            "double3 xformOp:translate = (1, 2, 0.5)",
                            "float3[] extent = [(0, 0, 0), (1, 1, 1)]",
                            "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]"})
     EXPECT_THAT(*text, HasSubstr(part));
   EXPECT_THAT(*text, Not(HasSubstr("physics")));
+  EXPECT_THAT(*text, HasSubstr("doubleSided = 0"));
   EXPECT_EQ(CountOf("{", *text), CountOf("}", *text));
   EXPECT_EQ(*text, *WriteUsda(OnePrim("chair_03")));
 }

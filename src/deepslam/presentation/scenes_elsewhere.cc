@@ -18,7 +18,6 @@ usd::UsdPrim ObjectPrim(const gltf::GltfObject& object, const CompactObject& ent
   prim.world_from_prim = entry.world_from_object;
   prim.mesh = object.mesh;
   prim.colour = object.class_colour;
-  prim.closed = true;
   prim.texts = {{"class", object.class_name}, {"source", object.source}};
   if (!object.credit.empty()) prim.texts["credit"] = object.credit;
   if (!entry.stands_on.empty()) prim.texts["stands_on"] = entry.stands_on;
@@ -34,7 +33,6 @@ usd::UsdPrim PartPrim(const gltf::GltfPart& part) {
   prim.mesh = part.mesh_world;
   prim.colour = part.colour;
   prim.opacity = part.opacity;
-  prim.closed = true;
   prim.numbers = part.figures;
   prim.numbers["id"] = part.id;
   if (part.wall) prim.numbers["wall"] = *part.wall;
@@ -87,6 +85,7 @@ usd::UsdScene UsdSceneOf(const gltf::GltfScene& scene,
   usd::UsdGroup surroundings{"Surroundings", {}};
   if (scene.ground) {
     surroundings.prims.push_back(SurroundingsPrim("ground", "floor", *scene.ground));
+    surroundings.prims.back().two_sided = true;
     if (bodies != nullptr)
       surroundings.prims.back().body.emplace();  // as it is: what things rest on
   }

@@ -1,14 +1,15 @@
-// What stage `export` writes for engines and simulators where it is asked to.
+// What stage `export` and `deepslam expand` write for engines and simulators where they are asked
+// to.
 #pragma once
 
 #include <span>
 
 #include "deepslam/core/result.h"
 #include "deepslam/gltf/scene_writer.h"
-#include "deepslam/pipeline/stage.h"
 #include "deepslam/scene/compact_map.h"
 #include "deepslam/scene/object_class.h"
 #include "deepslam/scene/triangle_mesh.h"
+#include "deepslam/simulator/simulator_files.h"
 #include "deepslam/stages/config.h"
 
 namespace deepslam::stages {
@@ -21,9 +22,10 @@ struct ExportedScene {
   const ClassTable& classes;
 };
 
-// scene.usdz, scene.usda, simulator/.
-[[nodiscard]] Status WriteElsewhere(pipeline::StageContext& context,
-                                    const ExportedScene& exported,
-                                    const Config& config);
+// scene.usdz, scene.usda, simulator/: handed to `write` one after another, whose first error ends
+// it.
+[[nodiscard]] Status WriteElsewhere(const ExportedScene& exported,
+                                    const Config& config,
+                                    const simulator::WriteFile& write);
 
 }  // namespace deepslam::stages

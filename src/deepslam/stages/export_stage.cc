@@ -139,8 +139,12 @@ Result<StageSummary> RunExport(StageContext& context, const RunInputs& inputs) {
     status = WriteEncoded(
         context, "scene_graph.json", presentation::EncodeSceneGraph(graph, "scene_graph.json"));
   }
-  if (status.ok())
-    status = WriteElsewhere(context, {scene, map, finished.meshes, inputs.classes}, config);
+  if (status.ok()) {
+    status = WriteElsewhere(
+        {scene, map, finished.meshes, inputs.classes},
+        config,
+        [&](std::string_view file, std::string_view bytes) { return context.Write(file, bytes); });
+  }
   if (!status.ok()) return status.error();
   return Summary(map, glbs, *map_json);
 }

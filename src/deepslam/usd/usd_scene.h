@@ -8,8 +8,8 @@
 
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/pose.h"
-#include "deepslam/shape/rigid_body.h"
 #include "deepslam/scene/triangle_mesh.h"
+#include "deepslam/shape/rigid_body.h"
 
 namespace deepslam::usd {
 
@@ -21,7 +21,7 @@ struct UsdPrim {
   TriangleMesh mesh;           // frame of the prim, m; may be empty
   Rgb8 colour{160, 160, 160};  // sRGB, where the mesh has no colours
   double opacity = 1;
-  bool closed = false;  // seen from outside alone
+  bool two_sided = false;  // else it is seen from where its normals point alone
   // Custom data `deepslam`.
   std::map<std::string, std::string> texts;
   std::map<std::string, double> numbers;

@@ -163,13 +163,15 @@ void WriteGeometry(const TriangleMesh& mesh, UsdaWriter& out) {
   out.Line("uniform token subdivisionScheme = \"none\"");
 }
 
+// Called as its Xform is: programs that make one thing of the two, as Blender does, take its name.
 void WriteMesh(const UsdPrim& prim, const std::string& path, UsdaWriter& out) {
   std::string schemas = "\"MaterialBindingAPI\"";
   const bool collides = prim.body && prim.body->pieces.empty();
   if (collides) schemas += ", \"PhysicsCollisionAPI\", \"PhysicsMeshCollisionAPI\"";
-  out.Open("def Mesh \"mesh\"", {fmt::format("prepend apiSchemas = [{}]", schemas)});
+  out.Open(fmt::format("def Mesh \"{}\"", path.substr(path.rfind('/') + 1)),
+           {fmt::format("prepend apiSchemas = [{}]", schemas)});
   WriteGeometry(prim.mesh, out);
-  out.Line(fmt::format("uniform bool doubleSided = {}", prim.closed ? "0" : "1"));
+  out.Line(fmt::format("uniform bool doubleSided = {}", prim.two_sided ? "1" : "0"));
   if (prim.mesh.colours.empty()) {
     const std::vector<Rgb8> colour = {prim.colour};
     out.Attribute("color3f[] primvars:displayColor",
@@ -201,6 +203,15 @@ void WritePieces(const std::vector<TriangleMesh>& pieces, UsdaWriter& out) {
   out.Close();
 }
 
+// The attributes that Blender makes custom properties of, called as those of the glTF scene.
+void WriteUserProperties(const UsdPrim& prim, UsdaWriter& out) {
+  out.Line(fmt::format("custom string userProperties:class = {}", Quoted(prim.label)));
+  if (const auto found = prim.numbers.find("instance"); found != prim.numbers.end())
+    out.Line(fmt::format("custom int userProperties:instance = {:.0f}", found->second));
+  if (const auto found = prim.numbers.find("confidence"); found != prim.numbers.end())
+    out.Number("custom double userProperties:score", found->second);
+}
+
 void WriteBody(const RigidBody& body, UsdaWriter& out) {
   if (!body.free) return;
   out.Number("float physics:mass", body.mass_kg);
@@ -227,6 +238,7 @@ void WritePrim(const UsdPrim& prim,
   out.Line(fmt::format("token[] semantics:labels:class = [{}]", Quoted(prim.label)));
   out.Line(fmt::format("string semantic:Semantics:params:semanticData = {}", Quoted(prim.label)));
   out.Line("string semantic:Semantics:params:semanticType = \"class\"");
+  WriteUserProperties(prim, out);
   out.Pose(prim.world_from_prim);
   if (prim.body) WriteBody(*prim.body, out);
   if (!prim.mesh.empty()) {

@@ -2,9 +2,9 @@
 //
 // Metres, z up, default prim `/World`. Below it a group each (`/World/Objects/chair_03`), with one
 // Xform per prim: its pose, the label by `SemanticsLabelsAPI:class` and by the attributes that
-// Isaac Sim read before there was such a schema, custom data `deepslam`, and a Mesh whose vertex
-// colours are the primvar displayColor and, through a primvar reader, the diffuse colour of a
-// UsdPreviewSurface.
+// Isaac Sim read before there was such a schema, custom data `deepslam`, attributes
+// `userProperties` for Blender, and a Mesh of the same name whose vertex colours are the primvar
+// displayColor and, through a primvar reader, the diffuse colour of a UsdPreviewSurface.
 #pragma once
 
 #include <string>
