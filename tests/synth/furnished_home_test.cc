@@ -10,6 +10,7 @@
 
 #include "deepslam/geometry/box.h"
 #include "deepslam/scene/layout.h"
+#include "deepslam/synth/camera_path.h"
 #include "deepslam/synth/true_layout.h"
 #include "deepslam/synth/world.h"
 #include "support/box_meshes.h"
@@ -64,6 +65,28 @@ Box3 BoxOf(const SceneObject& object, const PieceSizes& sizes) {
 bool Overlap(const Box3& a, const Box3& b) {
   return (a.min.array() < b.max.array() - 1e-9).all() &&
          (a.max.array() > b.min.array() + 1e-9).all();
+}
+
+// Of the view, from frame to frame.
+double FastestTurn_deg(const SceneDescription& home) {
+  const std::vector<Pose3> path = CameraPath(home);
+  double most = 0;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const Eigen::Vector3d before = path[k - 1].rotation * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d after = path[k].rotation * Eigen::Vector3d::UnitZ();
+    most = std::max(most, std::atan2(before.cross(after).norm(), before.dot(after)));
+  }
+  return most * 180 / std::numbers::pi;
+}
+
+TEST(FurnishHome, IsFilmedByAViewThatTurnsAsAHandTurnsIt) {
+  const PieceSizes sizes = Sizes();
+  for (std::uint64_t seed = 1; seed <= kNumSeeds; ++seed) {
+    const SceneDescription home = FurnishHome(seed, sizes);
+    // 46 degrees in a second, a third more in the middle of the way, and the hand shakes.
+    EXPECT_LT(FastestTurn_deg(home), 10) << "seed " << seed;
+    EXPECT_LT(home.num_frames, 2500) << "seed " << seed;
+  }
 }
 
 TEST(FurnishHome, CanBeBuiltAndWalkedThrough) {

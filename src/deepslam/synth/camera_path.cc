@@ -52,17 +52,23 @@ double Eased(double linear) { return 0.5 * linear + 0.5 * (0.5 - 0.5 * std::cos(
 // A smooth curve through points, by the share of its length.
 class Curve {
  public:
-  Curve(const std::vector<Eigen::Vector3d>& points, bool closed)
+  // `span_length_m`: of a piece between two shares of a span, given both ends.
+  template <typename SpanLength>
+  Curve(const std::vector<Eigen::Vector3d>& points, bool closed, const SpanLength& span_length_m)
       : points_(points), closed_(closed) {
     num_spans_ = closed ? points.size() : points.size() - 1;
     length_m_.push_back(0);
-    Eigen::Vector3d last = points[0];
+    double last = 0;
     for (std::size_t i = 1; i <= num_spans_ * kStepsPerSpan; ++i) {
-      const Eigen::Vector3d p = AtSpan(static_cast<double>(i) / kStepsPerSpan);
-      length_m_.push_back(length_m_.back() + (p - last).norm());
-      last = p;
+      const double span = static_cast<double>(i) / kStepsPerSpan;
+      length_m_.push_back(length_m_.back() + span_length_m(*this, last, span));
+      last = span;
     }
   }
+  Curve(const std::vector<Eigen::Vector3d>& points, bool closed)
+      : Curve(points, closed, [](const Curve& curve, double from, double to) {
+          return (curve.AtSpan(to) - curve.AtSpan(from)).norm();
+        }) {}
 
   // Span and share of it, as one number, at a share of the length. Closed curves go on after 1.
   [[nodiscard]] double SpanAt(double share) const {
@@ -113,6 +119,19 @@ Look OrbitAt(const SceneOrbit& orbit, double linear) {
           {orbit.centre_m.x(), orbit.centre_m.y(), orbit.target_height_m}};
 }
 
+// Its points, by the share of the time that walking and turning take.
+Curve WayOf(const SceneWalk& walk) {
+  if (walk.turn_m_per_rad <= 0 || walk.look_at_m.size() < 2) return {walk.points_m, walk.closed};
+  const Curve targets(walk.look_at_m, walk.closed);
+  return {walk.points_m, walk.closed, [&](const Curve& curve, double from, double to) {
+            const Eigen::Vector3d a = curve.AtSpan(from), b = curve.AtSpan(to);
+            const Eigen::Vector3d view_a = targets.AtSpan(from) - a,
+                                  view_b = targets.AtSpan(to) - b;
+            const double turn_rad = std::atan2(view_a.cross(view_b).norm(), view_a.dot(view_b));
+            return std::max((b - a).norm(), walk.turn_m_per_rad * turn_rad);
+          }};
+}
+
 Look WalkAt(const SceneWalk& walk, const Curve& curve, double linear) {
   constexpr double kAheadM = 1.5;
   double share = walk.closed ? walk.laps * linear : Eased(linear);
@@ -142,6 +161,8 @@ Look WalkAt(const SceneWalk& walk, const Curve& curve, double linear) {
 
 }  // namespace
 
+double WalkLength_m(const SceneWalk& walk) { return WayOf(walk).length_m(); }
+
 std::vector<Pose3> CameraPath(const SceneDescription& description) {
   const SceneWalk& walk = description.walk;
   const bool walks = !walk.points_m.empty();
@@ -150,7 +171,7 @@ std::vector<Pose3> CameraPath(const SceneDescription& description) {
   std::vector<Sway> sways;
   for (std::uint64_t i = 0; i < 6; ++i) sways.emplace_back(Random(description.seed, "sway", i));
   std::optional<Curve> curve;
-  if (walks) curve.emplace(walk.points_m, walk.closed);
+  if (walks) curve.emplace(WayOf(walk));
   const Eigen::Quaterniond held =
       RotationFromVector(description.roll_deg * kPi / 180.0 * Eigen::Vector3d::UnitZ());
   std::vector<Pose3> path;

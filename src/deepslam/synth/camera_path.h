@@ -13,6 +13,9 @@ namespace deepslam::synth {
 // scene's seed, so it is smooth at any frame rate) and, walking, of steps.
 std::vector<Pose3> CameraPath(const SceneDescription& description);
 
+// Of a walk's points from end to end, m, with what one would have walked while the view turned.
+double WalkLength_m(const SceneWalk& walk);
+
 // Numbers of the frames that are not dropped, ascending; the first one always is there.
 std::vector<int> KeptFrames(const SceneDescription& description);
 

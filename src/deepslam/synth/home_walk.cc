@@ -9,15 +9,25 @@
 #include <queue>
 #include <utility>
 
+#include "deepslam/synth/camera_path.h"
+
 namespace deepslam::synth {
 namespace {
 
 constexpr double kCell_m = 0.1;
 constexpr double kClearance_m = 0.28;  // between the camera and what stands there or walls
+// Where there is room, people stay so far from walls, as if the way along them were so many times
+// as long.
+constexpr double kComfort_m = 0.55;
+constexpr double kDiscomfort = 3;
 constexpr double kEye_m = 1.5;
 constexpr double kTarget_m = 0.55;
 constexpr double kSpeed_m_per_s = 0.45;
+constexpr double kTurn_rad_per_s = 0.8;  // of a view that is to stay sharp
 constexpr double kFramesPerS = 10;
+// Through a door one looks where one goes: from so far before it, to so far behind it.
+constexpr double kBeforeDoor_m = 0.9;
+constexpr double kBehindDoor_m = 2;
 constexpr double kPointEvery_m = 0.5;
 constexpr double kCornerShare = 0.6;  // of the way from a room's middle to its corner
 constexpr std::size_t kMaxPoints = 1000;
@@ -29,9 +39,13 @@ class FreeFloor {
       : half_(plan.size_m.head<2>() / 2),
         nx_(static_cast<int>(plan.size_m.x() / kCell_m)),
         ny_(static_cast<int>(plan.size_m.y() / kCell_m)),
-        free_(static_cast<std::size_t>(nx_ * ny_), 0) {
-    for (int n = 0; n < nx_ * ny_; ++n)
-      free_[static_cast<std::size_t>(n)] = IsFree(plan, taken, PlaceOf(n)) ? 1 : 0;
+        free_(static_cast<std::size_t>(nx_ * ny_), 0),
+        effort_(free_.size(), kDiscomfort) {
+    for (int n = 0; n < nx_ * ny_; ++n) {
+      const auto cell = static_cast<std::size_t>(n);
+      free_[cell] = IsFree(plan, taken, PlaceOf(n), kClearance_m) ? 1 : 0;
+      if (IsFree(plan, taken, PlaceOf(n), kComfort_m)) effort_[cell] = 1;
+    }
     KeepLargestPart();
   }
 
@@ -74,7 +88,7 @@ class FreeFloor {
         const int x = cell % nx_ + dx, y = cell / nx_ + dy;
         if (x < 0 || x >= nx_ || y < 0 || y >= ny_) continue;
         const auto next = static_cast<std::size_t>(y * nx_ + x);
-        const double there = so_far + std::hypot(dx, dy);
+        const double there = so_far + std::hypot(dx, dy) * effort_[next];
         if (free_[next] == 0 || there >= cost[next]) continue;
         cost[next] = there;
         before[next] = cell;
@@ -120,8 +134,9 @@ class FreeFloor {
 
   static bool IsFree(const HomePlan& plan,
                      const std::vector<FloorRectangle>& taken,
-                     const Eigen::Vector2d& p) {
-    const FloorRectangle about{p.array() - kClearance_m, p.array() + kClearance_m};
+                     const Eigen::Vector2d& p,
+                     double clearance_m) {
+    const FloorRectangle about{p.array() - clearance_m, p.array() + clearance_m};
     const bool in_room = std::ranges::any_of(
         plan.rooms, [&](const PlannedRoom& room) { return room.floor.Contains(about); });
     const bool in_door = std::ranges::any_of(plan.doors, [&](const PlannedDoor& door) {
@@ -137,6 +152,7 @@ class FreeFloor {
   Eigen::Vector2d half_;
   int nx_, ny_;
   std::vector<std::uint8_t> free_;
+  std::vector<double> effort_;  // as many times as long as on open floor
 };
 
 struct Stop {
@@ -171,24 +187,34 @@ class Tour {
     for (std::size_t k = 0; k <= corners.size(); ++k) {
       const Eigen::Vector2d& corner = corners[(first + k) % corners.size()];
       const Eigen::Vector2d from = middle + kCornerShare * (corner - middle);
-      if (const std::optional<int> cell = floor_.Nearest(from, room))
-        stops_.push_back({*cell, middle - 0.8 * (corner - middle)});
+      StopNear(from, room, middle - 0.8 * (corner - middle));
     }
     for (const PlannedDoor& door : plan_.doors) {
       if (door.from != static_cast<int>(n) && door.to != static_cast<int>(n)) continue;
       const auto other =
           static_cast<std::size_t>(door.from == static_cast<int>(n) ? door.to : door.from);
       if (visited_[other]) continue;
-      Through(door, plan_.rooms[other].floor.middle());
+      Through(door, n, other);
       VisitRoom(other, door.middle_m);
-      Through(door, middle);
+      Through(door, other, n);
     }
   }
 
-  void Through(const PlannedDoor& door, const Eigen::Vector2d& towards) {
-    const FloorRectangle here{door.middle_m.array() - 0.3, door.middle_m.array() + 0.3};
-    if (const std::optional<int> cell = floor_.Nearest(door.middle_m, here))
-      stops_.push_back({*cell, towards});
+  // Before the door, in it and behind it, looking along the way.
+  void Through(const PlannedDoor& door, std::size_t from, std::size_t to) {
+    const Eigen::Vector2d towards = plan_.rooms[to].floor.middle() - door.middle_m;
+    const Eigen::Vector2d along = towards.dot(door.through) > 0 ? door.through : -door.through;
+    const Eigen::Vector2d look_at_m = door.middle_m + kBehindDoor_m * along;
+    StopNear(door.middle_m - kBeforeDoor_m * along, plan_.rooms[from].floor, look_at_m);
+    StopNear(door.middle_m, {door.middle_m.array() - 0.3, door.middle_m.array() + 0.3}, look_at_m);
+    StopNear(door.middle_m + kBeforeDoor_m * along, plan_.rooms[to].floor, look_at_m);
+  }
+
+  void StopNear(const Eigen::Vector2d& place,
+                const FloorRectangle& within,
+                const Eigen::Vector2d& look_at_m) {
+    if (const std::optional<int> cell = floor_.Nearest(place, within))
+      stops_.push_back({*cell, look_at_m});
   }
 
   const HomePlan& plan_;
@@ -210,7 +236,7 @@ void AddWalk(const HomePlan& plan,
   const FreeFloor floor(plan, taken);
   const std::vector<Stop> stops = Tour(plan, floor).Take();
   SceneWalk& walk = scene.walk;
-  double length_m = 0;
+  walk.turn_m_per_rad = kSpeed_m_per_s / kTurn_rad_per_s;
   const int stride = static_cast<int>(kPointEvery_m / kCell_m);
   std::optional<Stop> last;
   for (const Stop& stop : stops) {
@@ -222,7 +248,6 @@ void AddWalk(const HomePlan& plan,
     const std::vector<int> way = floor.Way(last->cell, stop.cell);
     if (way.empty() || walk.points_m.size() + way.size() > kMaxPoints) continue;
     for (std::size_t k = 1; k < way.size(); ++k) {
-      length_m += (floor.PlaceOf(way[k]) - floor.PlaceOf(way[k - 1])).norm();
       const bool is_last = k + 1 == way.size();
       if (!is_last && k % static_cast<std::size_t>(stride) != 0) continue;
       // The view turns from one target to the next on the way.
@@ -236,7 +261,8 @@ void AddWalk(const HomePlan& plan,
     walk.look_at_m.push_back(walk.look_at_m.front());
   }
   scene.frames_per_s = kFramesPerS;
-  scene.num_frames = std::max(2, static_cast<int>(length_m / kSpeed_m_per_s * kFramesPerS));
+  scene.num_frames =
+      std::max(2, static_cast<int>(WalkLength_m(walk) / kSpeed_m_per_s * kFramesPerS));
 }
 
 }  // namespace deepslam::synth

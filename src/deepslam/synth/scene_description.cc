@@ -96,6 +96,7 @@ void ReadWalk(SceneTable walk, SceneWalk& value) {
   walk.Switch("closed", value.closed);
   walk.Switch("and_back", value.and_back);
   walk.Number("laps", value.laps, 0.01, 100);
+  walk.Number("turn_m_per_rad", value.turn_m_per_rad, 0, 10);
   walk.Number("shake_m", value.shake_m, 0, 1);
   walk.Number("shake_deg", value.shake_deg, 0, 30);
   walk.Number("step_m", value.step_m, 0, 1);

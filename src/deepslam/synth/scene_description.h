@@ -84,6 +84,9 @@ struct SceneWalk {
   bool closed = false;    // on from the last point to the first
   bool and_back = false;  // the same way back, looking as on the way there
   double laps = 1;        // of a closed way; 1.2 sees its beginning again
+  // How far one walks in the time in which the view turns by a radian, m: where it turns faster,
+  // one waits. 0: turns take no time.
+  double turn_m_per_rad = 0;
   double shake_m = 0.015;
   double shake_deg = 0.8;
   double step_m = 0.012;  // up and down with each step, standard deviation
