@@ -72,9 +72,7 @@ double FastestTurn_deg(const SceneDescription& home) {
   const std::vector<Pose3> path = CameraPath(home);
   double most = 0;
   for (std::size_t k = 1; k < path.size(); ++k) {
-    const Eigen::Vector3d before = path[k - 1].rotation * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d after = path[k].rotation * Eigen::Vector3d::UnitZ();
-    most = std::max(most, std::atan2(before.cross(after).norm(), before.dot(after)));
+    most = std::max(most, RotationAngle(path[k - 1].rotation.inverse() * path[k].rotation));
   }
   return most * 180 / std::numbers::pi;
 }

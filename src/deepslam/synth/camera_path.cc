@@ -125,9 +125,8 @@ Curve WayOf(const SceneWalk& walk) {
   const Curve targets(walk.look_at_m, walk.closed);
   return {walk.points_m, walk.closed, [&](const Curve& curve, double from, double to) {
             const Eigen::Vector3d a = curve.AtSpan(from), b = curve.AtSpan(to);
-            const Eigen::Vector3d view_a = targets.AtSpan(from) - a,
-                                  view_b = targets.AtSpan(to) - b;
-            const double turn_rad = std::atan2(view_a.cross(view_b).norm(), view_a.dot(view_b));
+            const double turn_rad = RotationAngle(LookAt(a, targets.AtSpan(from)).inverse() *
+                                                  LookAt(b, targets.AtSpan(to)));
             return std::max((b - a).norm(), walk.turn_m_per_rad * turn_rad);
           }};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <queue>
 #include <utility>
@@ -223,9 +224,52 @@ class Tour {
   std::vector<Stop> stops_;
 };
 
-void AddPoint(const Eigen::Vector2d& at, const Eigen::Vector2d& look_at, SceneWalk& walk) {
-  walk.points_m.emplace_back(at.x(), at.y(), kEye_m);
-  walk.look_at_m.emplace_back(look_at.x(), look_at.y(), kTarget_m);
+// Points of a walk one after the other; where the view turns far between two, it turns by steps
+// before the camera goes on.
+class Filming {
+ public:
+  explicit Filming(SceneWalk& walk) : walk_(walk) {}
+
+  [[nodiscard]] double yaw_rad() const { return yaw_rad_; }
+
+  void Begin(const Eigen::Vector2d& at, double yaw_rad) {
+    at_ = at;
+    yaw_rad_ = yaw_rad;
+    AddPoint();
+  }
+
+  void GoOn(const Eigen::Vector2d& at, double yaw_rad) {
+    const double turn_rad = Turn(yaw_rad_, yaw_rad);
+    const int num_steps = std::max(1, static_cast<int>(std::ceil(std::abs(turn_rad) / kStep_rad)));
+    for (int k = 1; k < num_steps; ++k) {
+      yaw_rad_ += turn_rad / num_steps;
+      AddPoint();
+    }
+    Begin(at, yaw_rad);
+  }
+
+  // The short way round.
+  static double Turn(double from_rad, double to_rad) {
+    return std::remainder(to_rad - from_rad, 2 * std::numbers::pi);
+  }
+
+ private:
+  static constexpr double kStep_rad = 0.4;
+  static constexpr double kLook_m = 1.8;  // ahead, on the floor
+
+  void AddPoint() {
+    walk_.points_m.emplace_back(at_.x(), at_.y(), kEye_m);
+    walk_.look_at_m.emplace_back(
+        at_.x() + kLook_m * std::cos(yaw_rad_), at_.y() + kLook_m * std::sin(yaw_rad_), kTarget_m);
+  }
+
+  SceneWalk& walk_;
+  Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
+  double yaw_rad_ = 0;
+};
+
+double YawTo(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return std::atan2(to.y() - from.y(), to.x() - from.x());
 }
 
 }  // namespace
@@ -238,23 +282,28 @@ void AddWalk(const HomePlan& plan,
   SceneWalk& walk = scene.walk;
   walk.turn_m_per_rad = kSpeed_m_per_s / kTurn_rad_per_s;
   const int stride = static_cast<int>(kPointEvery_m / kCell_m);
-  std::optional<Stop> last;
+  Filming filming(walk);
+  std::optional<int> last;
   for (const Stop& stop : stops) {
     if (!last) {
-      AddPoint(floor.PlaceOf(stop.cell), stop.look_at_m, walk);
-      last = stop;
+      const Eigen::Vector2d at = floor.PlaceOf(stop.cell);
+      filming.Begin(at, YawTo(at, stop.look_at_m));
+      last = stop.cell;
       continue;
     }
-    const std::vector<int> way = floor.Way(last->cell, stop.cell);
+    const double before_rad = filming.yaw_rad();
+    const std::vector<int> way = floor.Way(*last, stop.cell);
     if (way.empty() || walk.points_m.size() + way.size() > kMaxPoints) continue;
     for (std::size_t k = 1; k < way.size(); ++k) {
       const bool is_last = k + 1 == way.size();
       if (!is_last && k % static_cast<std::size_t>(stride) != 0) continue;
       // The view turns from one target to the next on the way.
       const double share = static_cast<double>(k) / static_cast<double>(way.size() - 1);
-      AddPoint(floor.PlaceOf(way[k]), (1 - share) * last->look_at_m + share * stop.look_at_m, walk);
+      const Eigen::Vector2d at = floor.PlaceOf(way[k]);
+      const double turn_rad = Filming::Turn(before_rad, YawTo(at, stop.look_at_m));
+      filming.GoOn(at, before_rad + share * turn_rad);
     }
-    last = stop;
+    last = stop.cell;
   }
   if (walk.points_m.size() == 1) {  // a way has two ends
     walk.points_m.push_back(walk.points_m.front() + Eigen::Vector3d(0.01, 0, 0));
