@@ -26,6 +26,7 @@ template <typename T>
 std::optional<std::vector<T>> Take(std::string_view& bytes, std::size_t count) {
   if (count * sizeof(T) > bytes.size()) return std::nullopt;
   std::vector<T> values(count);
+  if (values.empty()) return values;  // nothing to copy, perhaps from nowhere
   std::memcpy(values.data(), bytes.data(), count * sizeof(T));
   bytes.remove_prefix(count * sizeof(T));
   return values;
