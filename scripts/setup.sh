@@ -56,7 +56,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   sweethome3d-furniture
 )
-[ "$with_tests" = no ] || packages+=(chromium python3-numpy python3-venv python3-pathspec python3-pygments slurm-wlm munge man-db debootstrap)
+[ "$with_tests" = no ] || packages+=(chromium python3-numpy python3-venv python3-pathspec python3-pygments slurm-wlm munge man-db debootstrap libsdformat12-12)
 [ "$with_fuzz" = no ] || packages+=(clang-14 libclang-rt-14-dev)
 
 # 1. Debian's packages.

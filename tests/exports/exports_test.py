@@ -6,6 +6,7 @@
 A rendered room, and redkitchen where DEEPSLAM_TEST_DATA is set. Workspaces that are there already, exported with all
 of it on, are looked at instead where DEEPSLAM_EXPORTED names them (with ":" between).
 """
+import ctypes
 import importlib
 import json
 import os
@@ -19,10 +20,12 @@ REPOSITORY = pathlib.Path(sys.argv[2]).resolve()
 sys.path[:0] = [str(REPOSITORY / "tests" / part) for part in ("support", "end_to_end")]
 import python_packages  # noqa: E402
 
-numpy, jsonschema, mujoco, pybullet, _ = python_packages.need("numpy", "jsonschema", "mujoco", "pybullet", "pxr")
+numpy, jsonschema, mujoco, pybullet, typesys, _ = python_packages.need(
+    "numpy", "jsonschema", "mujoco", "pybullet", "rosbags.typesys", "pxr")
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, UsdValidation  # noqa: E402
 
 captures = importlib.import_module("captures")
+volume_of = importlib.import_module("obj_files").volume_of
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 DATA = pathlib.Path(os.environ.get("DEEPSLAM_TEST_DATA", "/nonexistent")) / "data"
@@ -39,20 +42,6 @@ def turned(rotation_xyzw):
     return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
                         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-
-
-def volume_of(path):
-    """Of a closed OBJ."""
-    vertices, faces = [], []
-    for line in path.read_text().splitlines():
-        words = line.split()
-        if words[0] == "v":
-            vertices.append([float(word) for word in words[1:4]])
-        elif words[0] == "f":
-            faces.append([int(word) - 1 for word in words[1:4]])
-    vertices, faces = numpy.array(vertices), numpy.array(faces)
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return numpy.einsum("ij,ij->i", a, numpy.cross(b, c)).sum() / 6
 
 
 def tipped_deg(before, after):
@@ -141,6 +130,31 @@ class SceneChecks:
             self.assertGreater(UsdPhysics.MassAPI(prim).GetMassAttr().Get(), 0)
             self.assertTrue(prim.GetChild("collision"))
 
+    def test_messages_of_ros_hold_it(self):
+        # The guide's frames and markers, packed as ROS 2 sends them and unpacked again.
+        store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+        kinds = {name.rsplit("/", 1)[1]: kind for name, kind in store.types.items()
+                 if name.split("/")[0] in ("builtin_interfaces", "geometry_msgs", "std_msgs", "visualization_msgs")}
+        header = kinds["Header"](kinds["Time"](0, 0), "map")
+        no_bytes = numpy.zeros(0, numpy.uint8)
+        picture = store.types["sensor_msgs/msg/CompressedImage"](header, "", no_bytes)
+        frames, markers = [], []
+        for thing in self.exported.graph["objects"]:
+            pose, box = thing["world_from_object"], thing["oriented_box"]
+            turn = kinds["Quaternion"](*pose["rotation_xyzw"])
+            frames.append(kinds["TransformStamped"](
+                header, thing["name"], kinds["Transform"](kinds["Vector3"](*pose["translation_m"]), turn)))
+            place = kinds["Pose"](kinds["Point"](*box["centre_m"]), kinds["Quaternion"](*box["rotation_xyzw"]))
+            markers.append(kinds["Marker"](
+                header=header, ns=thing["class"], id=thing["id"], type=kinds["Marker"].CUBE, action=0, pose=place,
+                scale=kinds["Vector3"](*box["size_m"]), color=kinds["ColorRGBA"](0, 1, 0, 0.4),
+                lifetime=kinds["Duration"](0, 0), frame_locked=False, points=[], colors=[], texture_resource="",
+                texture=picture, uv_coordinates=[], text="", mesh_resource="", mesh_use_embedded_materials=False,
+                mesh_file=kinds["MeshFile"]("", no_bytes)))
+        for message in [kinds["MarkerArray"](markers), *frames]:
+            packed = store.serialize_cdr(message, message.__msgtype__)
+            self.assertEqual(store.serialize_cdr(store.deserialize_cdr(packed, message.__msgtype__), message.__msgtype__), packed)
+
     def test_blender_has_their_names_and_labels(self):
         done = subprocess.run([REPOSITORY / "scripts/import_blender.sh", self.exported.folder / "scene.usdz"],
                               capture_output=True, text=True, timeout=600)
@@ -212,6 +226,16 @@ class SceneChecks:
             place, turn = pybullet.getBasePositionAndOrientation(bodies[name])
             self.assertLess(numpy.linalg.norm(numpy.subtract(place, before[name][0])), MAX_MOVED_M, name)
             self.assertLess(tipped_deg(turned(before[name][1]), turned(turn)), MAX_TIPPED_DEG, name)
+
+    def test_sdformat_takes_what_gazebo_loads(self):
+        try:
+            check = ctypes.CDLL("libsdformat12.so.12").cmdCheck
+        except OSError as fault:
+            self.skipTest(str(fault))
+        files = [self.exported.simulator / name for name in ("scene.sdf", "scene_fixed.urdf")]
+        for file in [*files, *self.exported.simulator.glob("objects/*.urdf")]:
+            self.assertEqual(check(str(file).encode()), 0, file.name)
+        self.assertNotEqual(check(str(self.exported.folder / "map.json").encode()), 0, "it would take anything")
 
     def test_a_ball_under_a_chair_or_a_table_rolls(self):
         standing = [entry for entry in self.exported.map["objects"]

@@ -51,12 +51,18 @@ TEST(WriteSimulatorFiles, FreeAndFixedThings) {
   EXPECT_THAT(urdf, HasSubstr("name=\"chair_03_joint\" type=\"floating\""));
   EXPECT_THAT(urdf, HasSubstr("name=\"wall_00_joint\" type=\"fixed\""));
   EXPECT_THAT(files.at("scene_fixed.urdf"), Not(HasSubstr("chair_03")));
+  const std::string& sdf = files.at("scene.sdf");
+  EXPECT_THAT(sdf,
+              HasSubstr("<model name=\"chair_03\">\n      <pose>1 2 0 0 0 0</pose>\n      "
+                        "<static>false</static>"));
+  EXPECT_THAT(sdf, HasSubstr("<static>true</static>"));
+  EXPECT_THAT(sdf, HasSubstr("<mass>4.5</mass>"));
   EXPECT_THAT(files.at("objects/chair_03.urdf"), HasSubstr("../meshes/chair_03_piece_1.obj"));
   EXPECT_FALSE(files.contains("objects/wall_00.urdf"));
   EXPECT_THAT(files.at("placements.json"), HasSubstr("\"position_m\": [1, 2, 0]"));
   EXPECT_EQ(files.at("meshes/wall_00_piece_0.obj").substr(0, 10), "v 0.00000 ");
   // Every mesh that a file names is there.
-  for (const char* text : {"scene.xml", "scene.urdf"}) {
+  for (const char* text : {"scene.xml", "scene.urdf", "scene.sdf"}) {
     const std::string& content = files.at(text);
     for (std::size_t at = content.find(".obj"); at != std::string::npos;
          at = content.find(".obj", at + 1)) {

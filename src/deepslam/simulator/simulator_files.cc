@@ -10,6 +10,7 @@
 #include "deepslam/simulator/mjcf.h"
 #include "deepslam/simulator/named_thing.h"
 #include "deepslam/simulator/obj_text.h"
+#include "deepslam/simulator/sdf.h"
 #include "deepslam/simulator/urdf.h"
 
 namespace deepslam::simulator {
@@ -97,6 +98,7 @@ Status WriteSimulatorFiles(const SimulatorScene& scene, const WriteFile& write) 
   Status status = write("scene.xml", MjcfText(things, scene));
   if (status.ok()) status = write("scene.urdf", UrdfText(things, scene));
   if (status.ok()) status = write("scene_fixed.urdf", FixedUrdfText(things, scene));
+  if (status.ok()) status = write("scene.sdf", SdfText(things, scene));
   if (status.ok()) status = write("placements.json", PlacementsText(things));
   return status;
 }
