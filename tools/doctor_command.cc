@@ -77,10 +77,11 @@ Finding CheckNetworks(const fs::path& data_folder,
   if (!folder.ok()) return {what, false, folder.error().message};
   if (!folder->has_value())
     return {what, false, "none came with the program; make them by scripts/train/train.sh CLASS"};
-  const Result<propose::ShapePriors> priors = stages::LoadPriors(**folder, classes);
+  const auto priors =
+      stages::FindShapePriors({data_folder, {}}, config.propose_stage.priors, classes);
   if (!priors.ok()) return {what, false, priors.error().message};
   std::string names;
-  for (const auto& [class_name, prior] : *priors) names += " " + class_name;
+  for (const auto& [class_name, prior] : **priors) names += " " + class_name;
   return {what, true, fmt::format("of{} in {}", names, (*folder)->string())};
 }
 

@@ -12,6 +12,38 @@ ARRAYS = ("colour", "silhouette", "depth", "height", "sketch_depth", "sketch_nor
 UNKNOWN = -10  # stands for an elevation that is not known
 
 
+CROP = ("colour", "silhouette", "depth", "height")
+SKETCH = ("sketch_depth", "sketch_normal", "sketch_silhouette")
+
+
+def crop_planes(colour, silhouette, depth, height):
+    """Bytes of the arrays -> [n, 7, 128, 128] as src/deepslam/propose/network_crop.cc fills them."""
+    known = (depth > 0)[:, None]
+    planes = [colour.permute(0, 3, 1, 2).float() / 255, silhouette[:, None].float() / 255,
+              torch.where(known, (depth[:, None].float() - 128) / 127, 0), torch.where(known, height[:, None].float() * 0.01 - 0.1, 0),
+              known.float()]
+    return torch.cat(planes, 1)
+
+
+def sketch_planes(depth, normal, silhouette):
+    """Bytes -> [n, 5, 64, 64]: depth, normal, silhouette; and where the depth is known."""
+    depth = depth[:, None]
+    sketch = [(depth.float() - 128) / 127, (normal.permute(0, 3, 1, 2).float() - 128) / 127, silhouette[:, None].float() / 255]
+    return torch.cat(sketch, 1), depth > 0
+
+
+def unpacked(bits):
+    """[n, 32768] bytes -> [n, 64, 64, 64] of 0 and 1, the first in the highest bit."""
+    places = torch.arange(7, -1, -1, device=bits.device, dtype=torch.uint8)
+    return (bits[:, :, None] >> places & 1).view(-1, 64, 64, 64)
+
+
+def sight_of(camera):
+    """[n, 3] of the crop's camera: the square's side (tangent), elevation by the ground, and whether that is known."""
+    known = camera[:, 6:7] != UNKNOWN
+    return torch.cat([camera[:, 5:6], torch.where(known, camera[:, 6:7], 0), known.float()], 1)
+
+
 class Views:
     """One folder, or several that are used as one."""
 
@@ -43,31 +75,17 @@ class Views:
         return np.flatnonzero(made[self.owner]), np.flatnonzero(~made[self.owner])
 
     def voxels(self, models):
-        bits = np.unpackbits(self.packed[models], axis=1)
-        return torch.from_numpy(bits.reshape(-1, 64, 64, 64))
+        return unpacked(torch.from_numpy(self.packed[models]))
 
     def rows(self, name, numbers):
         pairs = self.index[numbers]
         return np.stack([self.parts[part][name][view] for part, view in pairs])
 
     def crops(self, numbers):
-        """[n, 7, 128, 128] as src/deepslam/propose/network_crop.cc fills them."""
-        colour = self.rows("colour", numbers).transpose(0, 3, 1, 2).astype(np.float32) / 255
-        silhouette = self.rows("silhouette", numbers)[:, None].astype(np.float32) / 255
-        depth = self.rows("depth", numbers)[:, None]
-        known = depth > 0
-        height = self.rows("height", numbers)[:, None]
-        planes = [colour, silhouette, np.where(known, (depth.astype(np.float32) - 128) / 127, 0),
-                  np.where(known, height.astype(np.float32) * 0.01 - 0.1, 0), known]
-        return torch.from_numpy(np.concatenate([p.astype(np.float32) for p in planes], 1))
+        return crop_planes(*(torch.from_numpy(self.rows(name, numbers)) for name in CROP))
 
     def sketches(self, numbers):
-        """[n, 5, 64, 64]: depth, normal, silhouette, and where the depth is known."""
-        depth = self.rows("sketch_depth", numbers)[:, None]
-        normal = self.rows("sketch_normal", numbers).transpose(0, 3, 1, 2).astype(np.float32)
-        silhouette = self.rows("sketch_silhouette", numbers)[:, None].astype(np.float32) / 255
-        sketch = np.concatenate([(depth.astype(np.float32) - 128) / 127, (normal - 128) / 127, silhouette], 1)
-        return torch.from_numpy(sketch.astype(np.float32)), torch.from_numpy(depth > 0)
+        return sketch_planes(*(torch.from_numpy(self.rows(name, numbers)) for name in SKETCH))
 
     def symmetry(self, numbers):
         return torch.tensor([self.models[m]["symmetry"] for m in self.owner[numbers]])
@@ -77,10 +95,7 @@ class Views:
         return torch.from_numpy(np.stack([self.parts[part]["camera"][view, :5] for part, view in pairs]).astype(np.float32))
 
     def sight(self, numbers):
-        """[n, 3] of the crop's camera: the square's side (tangent), elevation by the ground, and whether that is known."""
-        camera = self.rows("camera", numbers).astype(np.float32)
-        known = camera[:, 6:7] != UNKNOWN
-        return torch.from_numpy(np.concatenate([camera[:, 5:6], np.where(known, camera[:, 6:7], 0), known], 1).astype(np.float32))
+        return sight_of(torch.from_numpy(self.rows("camera", numbers).astype(np.float32)))
 
     def inputs(self, numbers, use_depth):
         """Crops and sight; by colour alone without depth and ground."""
@@ -98,15 +113,22 @@ def drop_depth(crops, sight, rows):
 
 def batch(views, numbers, random, depth_dropped):
     """What one step learns from; half of it mirrored left to right."""
-    crops, (sketch, known), camera = views.crops(numbers), views.sketches(numbers), views.camera(numbers)
-    voxels, azimuth = views.voxels(views.owner[numbers]).float(), camera[:, 0].clone()
     flip = torch.from_numpy(random.random(len(numbers)) < 0.5)
-    crops[flip] = crops[flip].flip(3)
-    sketch[flip] = mirrored_sketch(sketch[flip])
-    known[flip] = known[flip].flip(3)
-    voxels[flip] = voxels[flip].flip(2)
-    azimuth[flip] *= -1
-    sight = views.sight(numbers)
-    drop_depth(crops, sight, torch.from_numpy(random.random(len(numbers)) < depth_dropped))
-    return {"crop": crops, "sight": sight, "sketch": sketch, "known": known, "voxels": voxels, "azimuth": azimuth,
-            "elevation": camera[:, 1], "symmetry": views.symmetry(numbers)}
+    dropped = torch.from_numpy(random.random(len(numbers)) < depth_dropped)
+    return varied(views.crops(numbers), views.sketches(numbers), views.voxels(views.owner[numbers]), views.camera(numbers),
+                  views.sight(numbers), views.symmetry(numbers), flip, dropped)
+
+
+def varied(crops, sketches, voxels, camera, sight, symmetry, flip, dropped):
+    """Views where `flip` mirrored left to right, where `dropped` without depth. Waits for no device."""
+    def chosen(rows, those, others):
+        return torch.where(rows.view(-1, *[1] * (others.dim() - 1)), those, others)
+
+    sketch, known = sketches
+    colour, depth = crops.split([4, crops.shape[1] - 4], 1)
+    crops = torch.cat([colour, chosen(dropped, torch.zeros_like(depth), depth)], 1)
+    sight = torch.cat([sight[:, :1], chosen(dropped, torch.zeros_like(sight[:, 1:]), sight[:, 1:])], 1)
+    return {"crop": chosen(flip, crops.flip(3), crops), "sight": sight,
+            "sketch": chosen(flip, mirrored_sketch(sketch), sketch), "known": chosen(flip, known.flip(3), known),
+            "voxels": chosen(flip, voxels.flip(2), voxels).float(), "azimuth": chosen(flip, -camera[:, 0], camera[:, 0]),
+            "elevation": camera[:, 1], "symmetry": symmetry}

@@ -40,15 +40,17 @@ def azimuth_loss(logits, azimuth, symmetry):
 
 def halved(volume, join):
     """Blocks of 2 x 2 x 2 joined to one."""
-    volume = join(volume[0::2], volume[1::2])
     volume = join(volume[:, 0::2], volume[:, 1::2])
-    return join(volume[:, :, 0::2], volume[:, :, 1::2])
+    volume = join(volume[:, :, 0::2], volume[:, :, 1::2])
+    return join(volume[:, :, :, 0::2], volume[:, :, :, 1::2])
 
 
 def dice(share, truth):
-    """Soft Dice loss and its derivative by `share`: slope * truth + level."""
-    common, total = torch.dot(share.reshape(-1), truth.reshape(-1)), share.sum() + truth.sum() + 1
-    return 1 - (2 * common + 1) / total, -2 / total, (2 * common + 1) / total**2
+    """Soft Dice loss of each model, and its derivative by `share`: slope * truth + level ([n, 1, 1, 1] each)."""
+    share, truth = share.flatten(1), truth.flatten(1)
+    common, total = torch.linalg.vecdot(share, truth), share.sum(1) + truth.sum(1) + 1
+    by_truth, level = -2 / total, (2 * common + 1) / total**2
+    return 1 - (2 * common + 1) / total, by_truth.view(-1, 1, 1, 1), level.view(-1, 1, 1, 1)
 
 
 class Occupancy(torch.autograd.Function):
@@ -59,33 +61,34 @@ class Occupancy(torch.autograd.Function):
     Returns their weighted sum, and the four.
 
     Written with its derivative, as the plain form passes two dozen times over 4 million numbers, which takes longer than
-    the decoder; this one takes model after model through the cache."""
+    the decoder. On a processor model after model goes through the cache; a GPU wants many at once."""
 
     @staticmethod
     def forward(context, logits, target, weights):
         gradient = torch.empty_like(logits)
-        parts = torch.zeros(4, device=logits.device)
-        for logit, truth, slope in zip(logits, target, gradient):
+        parts = torch.zeros(4, device=logits.device, dtype=logits.dtype)
+        at_once = 1 if logits.device.type == "cpu" else 64
+        for logit, truth, slope in zip(logits.split(at_once), target.split(at_once), gradient.split(at_once)):
             share = torch.sigmoid(logit)
             torch.sub(share, truth, out=slope)
-            parts[0] -= 10 * torch.log((1 - slope.abs()).clamp_(min=1e-7)).mean()
-            slope.mul_(10 * weights[0] / logit.numel())
+            parts[0] -= 10 * torch.log((1 - slope.abs()).clamp_(min=1e-7)).sum() / share[0].numel()
+            slope.mul_(10 * weights[0] / share[0].numel())
             value, by_truth, level = dice(share, truth)
-            parts[1] += value
-            pull = (truth * by_truth).add_(level).mul_(share).addcmul_(share, share, value=-level)
-            pull.addcmul_(share * truth, share, value=-by_truth)
+            parts[1] += value.sum()
+            pull = (truth * by_truth).add_(level).mul_(share)
+            pull.addcmul_(share * share, -level).addcmul_(share * truth * share, -by_truth)
             slope.add_(pull, alpha=weights[1])
             if weights[2]:
                 empty = halved(torch.log((1 - share).clamp_(min=1e-7)), torch.add).exp_()
                 truth_32 = halved(truth, torch.maximum)
                 value, by_truth, level = dice(1 - empty, truth_32)
-                parts[2] += value
+                parts[2] += value.sum()
                 pull = (truth_32 * by_truth + level).mul_(empty)
-                pull = pull.repeat_interleave(2, 2).repeat_interleave(2, 1)
-                slope.view(32, 2, 64, 64).addcmul_(share.view(32, 2, 64, 64), pull[:, None], value=weights[2])
-            for axis in range(3) if weights[3] else ():
+                pull = pull.repeat_interleave(2, 3).repeat_interleave(2, 2)
+                slope.view(-1, 32, 2, 64, 64).addcmul_(share.view(-1, 32, 2, 64, 64), pull[:, :, None], value=weights[2])
+            for axis in (1, 2, 3) if weights[3] else ():
                 most, met = logit.amax(axis, keepdim=True), truth.amax(axis, keepdim=True)
-                each = 1 / (3 * most.numel())
+                each = 1 / (3 * most[0].numel())
                 parts[3] += each * F.binary_cross_entropy_with_logits(most, met, reduction="sum")
                 slope.addcmul_((logit == most).float(), torch.sigmoid(most) - met, value=weights[3] * each)
         context.save_for_backward(gradient.div_(len(logits)))
@@ -128,11 +131,30 @@ def losses(output, item, weights):
 def follow(mean, model, step):
     """The weights that are kept are a running mean over about a thousand steps: steadier than the last ones."""
     keep = min(0.999, (1 + step) / (10 + step))
-    for ours, theirs in zip(mean.state_dict().values(), model.state_dict().values()):
-        if ours.dtype.is_floating_point:
-            ours.lerp_(theirs, 1 - keep)
-        else:
+    pairs = list(zip(mean.state_dict().values(), model.state_dict().values()))
+    torch._foreach_lerp_(*zip(*((ours, theirs) for ours, theirs in pairs if ours.dtype.is_floating_point)), 1 - keep)
+    for ours, theirs in pairs:
+        if not ours.dtype.is_floating_point:
             ours.copy_(theirs)
+
+
+def set_rate(optimizer, highest, warm, progress):
+    """Rises while `warm` is below 1, then falls along a cosine to a twentieth as `progress` goes to 1."""
+    rate = highest * min(1.0, warm) * (0.05 + 0.475 * (1 + math.cos(math.pi * min(1.0, progress))))
+    for group in optimizer.param_groups:
+        group["lr"] = rate
+
+
+def learn(model, optimizer, item, weights, half):
+    """One step. Returns the parts of the loss."""
+    with torch.autocast(item["crop"].device.type, dtype=torch.bfloat16, enabled=half):
+        output = model(item["crop"], item["sight"])
+    loss, parts = losses([value.float() for value in output], item, weights)
+    optimizer.zero_grad(set_to_none=True)
+    loss.backward()
+    torch.nn.utils.clip_grad_norm_(model.parameters(), 5.0)
+    optimizer.step()
+    return parts
 
 
 def draw_numbers(views, random, size, share_of_products):
@@ -151,11 +173,11 @@ def validate(model, views, device, count=256):
     for start in range(0, len(numbers), 32):
         some = numbers[start:start + 32]
         logits, _, azimuth, *_ = model(views.crops(some).to(device), views.sight(some).to(device))
-        share, truth = torch.sigmoid(logits).cpu(), views.voxels(views.owner[some]).bool()
+        share, truth = torch.sigmoid(logits), views.voxels(views.owner[some]).to(device).bool()
         for level in levels:
             ours = share > level
             both, either = (ours & truth).sum((1, 2, 3)), (ours | truth).sum((1, 2, 3))
-            ious.append((float(level), (both / either.clamp(min=1)).numpy()))
+            ious.append((float(level), (both / either.clamp(min=1)).cpu().numpy()))
         apart = nets.azimuth_of(azimuth).cpu() - views.camera(some)[:, 0]
         told = views.symmetry(some) == 1
         errors.append(torch.atan2(apart.sin(), apart.cos()).abs()[told].numpy())
@@ -226,17 +248,8 @@ def main():
         numbers = draw_numbers(train_views, random, config["batch"], config["product_share"])
         item = {name: value.to(device) for name, value in
                 data.batch(train_views, numbers, random, config["depth_dropped"]).items()}
-        progress = min(1.0, step / last_step)
-        rate = highest_rate * min(1.0, (step + 1) / warm) * (0.05 + 0.475 * (1 + math.cos(math.pi * progress)))
-        for group in optimizer.param_groups:
-            group["lr"] = rate
-        with torch.autocast(device.type, dtype=torch.bfloat16, enabled=half):
-            output = model(item["crop"], item["sight"])
-        loss, parts = losses([value.float() for value in output], item, config.get("weights", {}))
-        optimizer.zero_grad(set_to_none=True)
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(model.parameters(), 5.0)
-        optimizer.step()
+        set_rate(optimizer, highest_rate, (step + 1) / warm, step / last_step)
+        parts = learn(model, optimizer, item, config.get("weights", {}), half)
         follow(mean, model, step)
         for name, value in parts.items():
             sums[name] = sums.get(name, 0.0) + float(value.detach())

@@ -1,11 +1,14 @@
 #include "deepslam/stages/model_cache.h"
 
+#include <algorithm>
 #include <array>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "deepslam/core/parallel.h"
 #include "deepslam/library/furniture_library.h"
 #include "deepslam/pipeline/config.h"
 #include "deepslam/propose/shape_prior.h"
@@ -31,6 +34,58 @@ std::string OptionsText(detect::DetectorOptions options) {
   return text;
 }
 
+Result<std::unique_ptr<propose::ShapePrior>> LoadPrior(const fs::path& folder,
+                                                       const std::string& class_name) {
+  std::array<std::string, 3> networks;
+  constexpr std::array kFiles = {"sketch.onnx", "encoder.onnx", "decoder.onnx"};
+  for (std::size_t n = 0; n < kFiles.size(); ++n) {
+    Result<std::string> bytes = storage::ReadFile(folder / kFiles.at(n));
+    if (!bytes.ok()) return bytes.error();
+    networks.at(n) = std::move(bytes).value();
+  }
+  Result<std::unique_ptr<propose::ShapePrior>> prior =
+      propose::ShapePrior::Load(class_name, networks[0], networks[1], networks[2]);
+  if (!prior.ok()) return Error{prior.error().code, folder.string() + "/" + prior.error().message};
+  return prior;
+}
+
+// Of those of the classes that have a folder, opened side by side.
+Result<propose::ShapePriors> LoadPriors(const fs::path& folder,
+                                        const std::set<std::string>& classes) {
+  std::vector<std::string> there;
+  for (const std::string& name : classes) {
+    std::error_code code;
+    if (fs::is_directory(folder / name, code)) there.push_back(name);
+  }
+  // Opening networks is what takes time, and each is opened by one thread.
+  std::vector<std::optional<Result<std::unique_ptr<propose::ShapePrior>>>> loaded(there.size());
+  ParallelFor(there.size(),
+              [&](std::size_t n) { loaded[n] = LoadPrior(folder / there[n], there[n]); });
+  propose::ShapePriors priors;
+  for (std::size_t n = 0; n < there.size(); ++n) {
+    if (!loaded[n]->ok()) return loaded[n]->error();
+    priors.emplace(there[n], std::move(**loaded[n]));
+  }
+  return priors;
+}
+
+std::set<std::string> NamesOf(const ClassTable& classes) {
+  std::set<std::string> names;
+  for (const ObjectClass& object_class : classes.classes) names.insert(object_class.name);
+  return names;
+}
+
+Status CheckHoldsNetworks(const fs::path& folder, const ClassTable& classes) {
+  const auto has_folder = [&](const ObjectClass& object_class) {
+    std::error_code code;
+    return fs::is_directory(folder / object_class.name, code);
+  };
+  if (std::ranges::any_of(classes.classes, has_folder)) return Ok();
+  return InvalidInput(folder.string() +
+                      ": holds no networks of any class; expected CLASS/sketch.onnx, encoder.onnx, "
+                      "decoder.onnx, as scripts/train/train.sh makes them");
+}
+
 }  // namespace
 
 Result<std::unique_ptr<detect::Detector>> LoadDetectorFile(const fs::path& onnx_file,
@@ -43,34 +98,6 @@ Result<std::unique_ptr<detect::Detector>> LoadDetectorFile(const fs::path& onnx_
     return Error{detector.error().code,
                  fmt::format("{}: {}", onnx_file.string(), detector.error().message)};
   return detector;
-}
-
-Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
-                                        const ClassTable& classes) {
-  propose::ShapePriors priors;
-  for (const ObjectClass& object_class : classes.classes) {
-    const std::filesystem::path of_class = folder / object_class.name;
-    std::error_code code;
-    if (!std::filesystem::is_directory(of_class, code)) continue;
-    std::array<std::string, 3> networks;
-    constexpr std::array kFiles = {"sketch.onnx", "encoder.onnx", "decoder.onnx"};
-    for (std::size_t n = 0; n < kFiles.size(); ++n) {
-      Result<std::string> bytes = storage::ReadFile(of_class / kFiles.at(n));
-      if (!bytes.ok()) return bytes.error();
-      networks.at(n) = std::move(bytes).value();
-    }
-    Result<std::unique_ptr<propose::ShapePrior>> prior =
-        propose::ShapePrior::Load(object_class.name, networks[0], networks[1], networks[2]);
-    if (!prior.ok())
-      return Error{prior.error().code, of_class.string() + "/" + prior.error().message};
-    priors.emplace(object_class.name, std::move(prior).value());
-  }
-  if (priors.empty())
-    return InvalidInput(
-        folder.string() +
-        ": holds no networks of any class; expected CLASS/sketch.onnx, encoder.onnx, "
-        "decoder.onnx, as scripts/train/train.sh makes them");
-  return priors;
 }
 
 Result<std::shared_ptr<const detect::Detector>> ModelCache::Detector(
@@ -94,26 +121,38 @@ Result<std::shared_ptr<const ModelLibrary>> ModelCache::Library(const fs::path& 
   return library_.value;
 }
 
-Result<std::shared_ptr<const propose::ShapePriors>> ModelCache::Priors(const fs::path& folder,
-                                                                       const ClassTable& classes) {
-  std::string source = StateOf(folder);
-  for (const ObjectClass& object_class : classes.classes) source += object_class.name + '\n';
-  if (priors_.value && priors_.source == source) return priors_.value;
-  priors_ = {};
-  Result<propose::ShapePriors> loaded = LoadPriors(folder, classes);
+Result<propose::ShapePriors> ModelCache::Priors(const fs::path& folder,
+                                                const std::set<std::string>& classes) {
+  const std::string source = StateOf(folder);
+  if (priors_source_ != source) priors_.clear();
+  priors_source_ = source;
+  std::set<std::string> missing;
+  for (const std::string& name : classes) {
+    if (!priors_.contains(name)) missing.insert(name);
+  }
+  Result<propose::ShapePriors> loaded = LoadPriors(folder, missing);
   if (!loaded.ok()) return loaded.error();
-  priors_ = {source, std::make_shared<const propose::ShapePriors>(std::move(loaded).value())};
-  return priors_.value;
+  priors_.merge(*loaded);
+  propose::ShapePriors wanted;
+  for (const auto& [name, prior] : priors_) {
+    if (classes.contains(name)) wanted.emplace(name, prior);
+  }
+  return wanted;
 }
 
-Result<std::shared_ptr<const propose::ShapePriors>> FindShapePriors(const ModelFolders& folders,
-                                                                    const std::string& named,
-                                                                    const ClassTable& classes) {
+Result<std::shared_ptr<const propose::ShapePriors>> FindShapePriors(
+    const ModelFolders& folders,
+    const std::string& named,
+    const ClassTable& classes,
+    const std::optional<std::set<std::string>>& only) {
   const auto folder = FindPriors(folders.data_folder, named);
   if (!folder.ok()) return folder.error();
   if (!*folder) return std::shared_ptr<const propose::ShapePriors>();
-  if (folders.cache) return folders.cache->Priors(**folder, classes);
-  Result<propose::ShapePriors> priors = LoadPriors(**folder, classes);
+  if (Status status = CheckHoldsNetworks(**folder, classes); !status.ok()) return status.error();
+  std::set<std::string> wanted = NamesOf(classes);
+  if (only) std::erase_if(wanted, [&](const std::string& name) { return !only->contains(name); });
+  Result<propose::ShapePriors> priors =
+      folders.cache ? folders.cache->Priors(**folder, wanted) : LoadPriors(**folder, wanted);
   if (!priors.ok()) return priors.error();
   return std::make_shared<const propose::ShapePriors>(std::move(priors).value());
 }

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 
 #include "deepslam/core/result.h"
@@ -22,8 +24,10 @@ class ModelCache {
       const std::filesystem::path& onnx_file, const detect::DetectorOptions& options);
   [[nodiscard]] Result<std::shared_ptr<const ModelLibrary>> Library(
       const std::filesystem::path& folder);
-  [[nodiscard]] Result<std::shared_ptr<const propose::ShapePriors>> Priors(
-      const std::filesystem::path& folder, const ClassTable& classes);
+  // Of those of the classes that have a folder CLASS/, with sketch.onnx, encoder.onnx and
+  // decoder.onnx; what was opened for other classes stays.
+  [[nodiscard]] Result<propose::ShapePriors> Priors(const std::filesystem::path& folder,
+                                                    const std::set<std::string>& classes);
 
  private:
   template <typename T>
@@ -33,14 +37,9 @@ class ModelCache {
   };
   Held<detect::Detector> detector_;
   Held<ModelLibrary> library_;
-  Held<propose::ShapePriors> priors_;
+  std::string priors_source_;
+  propose::ShapePriors priors_;  // of every class that was asked for so far
 };
-
-// The shape networks of every class of the table that has a folder CLASS/ with sketch.onnx,
-// encoder.onnx and decoder.onnx. InvalidInput naming the file when one is missing or is no such
-// network, and when there is none at all.
-[[nodiscard]] Result<propose::ShapePriors> LoadPriors(const std::filesystem::path& folder,
-                                                      const ClassTable& classes);
 
 // Where a run's networks and libraries are found. A cache shares them between the stages of a run
 // and the runs of a process; none: they are loaded anew.
@@ -50,9 +49,13 @@ struct ModelFolders {
 };
 
 // Those of the folder named (FindPriors in data_folder.h); null where none is named and none is
-// there.
+// there. With `only` no other classes' networks are opened: what no object needs costs nothing, and
+// is not looked at. InvalidInput also when the folder holds networks of no class of the table.
 [[nodiscard]] Result<std::shared_ptr<const propose::ShapePriors>> FindShapePriors(
-    const ModelFolders& folders, const std::string& named, const ClassTable& classes);
+    const ModelFolders& folders,
+    const std::string& named,
+    const ClassTable& classes,
+    const std::optional<std::set<std::string>>& only = std::nullopt);
 
 // Likewise (FindLibrary).
 [[nodiscard]] Result<std::shared_ptr<const ModelLibrary>> FindModelLibrary(

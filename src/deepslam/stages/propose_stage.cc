@@ -1,6 +1,9 @@
 // propose: whole shapes for every object, from every source that is switched on.
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,10 +29,18 @@ struct Sources {
   std::shared_ptr<const ModelLibrary> library;
 };
 
-Result<Sources> MakeSources(const Config& config,
-                            const ClassTable& classes,
-                            const ModelFolders& folders,
+std::set<std::string> ClassesOf(const std::vector<ObjectTrack>& tracks) {
+  std::set<std::string> names;
+  for (const ObjectTrack& track : tracks) names.insert(track.class_name);
+  return names;
+}
+
+Result<Sources> MakeSources(const RunInputs& inputs,
+                            const std::vector<ObjectTrack>& tracks,
                             Progress& progress) {
+  const Config& config = inputs.config;
+  const ClassTable& classes = inputs.classes;
+  const ModelFolders folders = {inputs.data_folder, inputs.models};
   const bool use_depth = config.propose_stage.use_depth;
   const auto sight = use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour;
   Sources sources;
@@ -46,7 +57,8 @@ Result<Sources> MakeSources(const Config& config,
     proposers.push_back(propose::MakeFusedProposer(classes, config.fused));
   }
   if (config.propose_stage.network) {
-    const auto priors = FindShapePriors(folders, config.propose_stage.priors, classes);
+    const auto priors =
+        FindShapePriors(folders, config.propose_stage.priors, classes, ClassesOf(tracks));
     if (!priors.ok()) return priors.error();
     if (!*priors) {
       progress.Warn(
@@ -85,8 +97,7 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  const Result<Sources> sources = MakeSources(
-      inputs.config, inputs.classes, {inputs.data_folder, inputs.models}, context.progress());
+  const Result<Sources> sources = MakeSources(inputs, association->tracks, context.progress());
   if (!sources.ok()) return sources.error();
   const auto views =
       OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
