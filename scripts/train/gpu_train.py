@@ -141,9 +141,9 @@ def write_curve(curve, out):
         plots.draw_curves(curve, out / f"curves.{suffix}")
 
 
-def finish(training, arguments, config_file, base, test, threads):
+def finish(training, arguments, config_file, base, test, stopped):
     """Scores and networks of what was trained, as train.sh makes them, and all of it as one file."""
-    made = arguments.work / "made"
+    made, threads = arguments.work / "made", arguments.threads
     shutil.rmtree(made, ignore_errors=True)
     (made / "networks").mkdir(parents=True)
     torch.save({name: value.float().cpu().contiguous() if value.dtype.is_floating_point else value.cpu()
@@ -161,6 +161,9 @@ def finish(training, arguments, config_file, base, test, threads):
         start = time.monotonic()
         outcome = subprocess.run([sys.executable, str(HERE / command[0]), *command[1:]], cwd=made, capture_output=True, text=True,
                                  env=dict(os.environ, OMP_NUM_THREADS=str(threads)), check=False)
+        if stopped.asked:
+            print("stopped; the checkpoint stands: run again for scores and networks", flush=True)
+            sys.exit(130)
         if outcome.returncode:
             raise SystemExit(f"{command[0]}: {(outcome.stderr or outcome.stdout).strip()[-1500:]}\n"
                              f"the checkpoint stands in {arguments.out}; run again to try once more")
@@ -241,7 +244,7 @@ def main():
         print(f"stopped at step {training.state['step']}; run again to go on", flush=True)
         sys.exit(130)
     if not arguments.no_scores:
-        finish(training, arguments, config_file, base, test, arguments.threads)
+        finish(training, arguments, config_file, base, test, stopped)
 
 
 if __name__ == "__main__":
