@@ -67,7 +67,7 @@ MODULES = {
     "pipeline": VOCABULARY | {"artifact", "storage"},
 }
 # composition: joins algorithms on interfaces, in memory
-MODULES["discovery"] = ALGORITHM | {"instances", "associate"}
+MODULES["discovery"] = ALGORITHM | {"instances", "associate", "segment"}
 MODULES["stages"] = set(MODULES) - {"synth", "furniture", "priors", "video"}
 # Many runs: lists, plans, states, processes, other schedulers. It knows nothing of what a run does.
 MODULES["batch"] = {"core", "artifact", "storage"}

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/discovery/cut_silhouettes.h"
 #include "deepslam/discovery/frame_claims.h"
 
 namespace deepslam::discovery {
@@ -22,6 +23,9 @@ using instances::SurfaceElements;
 constexpr double kNeighbourVoxels = 1.9;
 // Of a silhouette that no detection shows: less than any detection that is kept by default.
 constexpr double kUndetectedScore = 0.25;
+// What nothing names and fewer frames show stands at the rim of what was seen: too little of it for
+// a shape.
+constexpr std::size_t kMinViewsOfUnnamed = 4;
 // Rejected things of so much surface are told of, and long ones of less: of a chair that is seen
 // from behind alone there is little more than the upper rail of its back.
 constexpr double kLargeM2 = 0.15;
@@ -134,9 +138,7 @@ class Tracks {
                                            box.width_m,
                                            box.height_m(),
                                            surface_m2);
-      const std::string why = !instance.rejection.empty() ? instance.rejection
-                              : members_[thing].empty()   ? "no frame shows enough of it"
-                                                          : "";
+      const std::string why = WhyNot(instance, members_[thing].size());
       if (!why.empty()) {
         if (IsWorthTelling(instance, surface_m2))
           found.association.not_mapped.push_back(
@@ -185,6 +187,15 @@ class Tracks {
     rejections_.push_back({detection.id, detection.frame, reason});
   }
 
+  // Why it is no object of the map; empty: it is one.
+  static std::string WhyNot(const Instance& instance, std::size_t num_views) {
+    if (!instance.rejection.empty()) return instance.rejection;
+    if (num_views == 0) return "no frame shows enough of it";
+    if (!instance.is_named && num_views < kMinViewsOfUnnamed)
+      return fmt::format("only {} frames show enough of it, and no detection names it", num_views);
+    return {};
+  }
+
   static std::string Votes(const Instance& instance) {
     std::string text = "; votes:";
     for (const auto& [name, share] : instance.class_shares)
@@ -231,11 +242,14 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   const instances::DividedSurface divided{elements, nearest, found};
   Tracks tracks(inputs, found);
   const auto look = [&](std::size_t, const Frame& frame) {
-    return instances::FindSilhouettes(divided,
-                                      frame.depth_m,
-                                      inputs.frames.camera(),
-                                      LevelFromCamera(inputs, frame.idx),
-                                      options.silhouettes);
+    const Pose3 level_from_camera = LevelFromCamera(inputs, frame.idx);
+    std::vector<Silhouette> silhouettes = instances::FindSilhouettes(
+        divided, frame.depth_m, inputs.frames.camera(), level_from_camera, options.silhouettes);
+    CutSilhouettes({frame, inputs.frames.camera(), level_from_camera, found.instances},
+                   inputs.classes,
+                   options.cut,
+                   silhouettes);
+    return silhouettes;
   };
   const auto add = [&](std::size_t n, std::vector<Silhouette> silhouettes) {
     tracks.Add(n,

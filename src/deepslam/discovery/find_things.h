@@ -20,6 +20,7 @@
 #include "deepslam/scene/object_class.h"
 #include "deepslam/scene/object_track.h"
 #include "deepslam/scene/trajectory.h"
+#include "deepslam/segment/segment_objects.h"
 
 namespace deepslam::discovery {
 
@@ -27,6 +28,7 @@ struct ThingOptions {
   instances::StructureOptions structure;
   instances::InstanceOptions instances;
   instances::SilhouetteOptions silhouettes;
+  segment::SegmentOptions cut;  // of the silhouettes, along depth edges
 };
 void Describe(OptionsVisitor& visitor, ThingOptions& options);
 

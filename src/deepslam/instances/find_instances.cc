@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/instances/carried.h"
 #include "deepslam/instances/join_instances.h"
 
 namespace deepslam::instances {
@@ -136,8 +137,7 @@ std::string NoThing(const UprightBox& box, const InstanceOptions& options) {
   const double min_depth_m = stands ? options.min_depth_m : options.min_hung_depth_m;
   if (box.short_side_m() < min_depth_m)
     return fmt::format("only {:.2f} m deep", box.short_side_m());
-  if (!stands && size_m < options.min_hung_size_m)
-    return fmt::format("{:.2f} m large on or above other things", size_m);
+  if (size_m < options.min_unnamed_size_m) return fmt::format("only {:.2f} m large", size_m);
   if (stands && box.height_m() < 0.5 * options.min_size_m)
     return fmt::format("only {:.2f} m high", box.height_m());
   return {};
@@ -222,11 +222,12 @@ void Describe(OptionsVisitor& visitor, InstanceOptions& options) {
                 {0, 2},
                 "m",
                 "thinner ones that no detection names are parts of walls and doors");
-  visitor.Field("min_hung_size_m",
-                options.min_hung_size_m,
+  visitor.Field("min_unnamed_size_m",
+                options.min_unnamed_size_m,
                 {0, 5},
                 "m",
-                "least longest side of one that stands on or hangs from something");
+                "least longest side of what no detection names");
+  visitor.Retired("min_hung_size_m", "associate.things.min_unnamed_size_m");
   visitor.Field("min_hung_depth_m",
                 options.min_hung_depth_m,
                 {0, 2},
@@ -258,6 +259,7 @@ Instances FindInstances(const SurfaceElements& elements,
   std::vector<Instance> instances = Assemble(context, thing_of_superpoint);
   while (JoinParts(WholesOf(instances), thing_of_superpoint))
     instances = Assemble(context, thing_of_superpoint);
+  RejectCarried(instances);
   Instances found{std::move(instances), std::vector<int>(elements.size(), -1)};
   for (std::size_t k = 0; k < found.instances.size(); ++k) {
     for (const int i : found.instances[k].elements)

@@ -29,10 +29,10 @@ struct InstanceOptions {
   // Of things that no detection names:
   double max_base_m = 0.25;   // they stand on the floor when they begin below this ...
   double min_depth_m = 0.15;  // ... and are no thinner; thinner ones are parts of walls and doors
-  double min_hung_size_m = 0.4;   // longest side of one that stands on or hangs from something
-  double min_hung_depth_m = 0.2;  // and its shorter side on the ground
-  double max_top_m = 2.3;         // higher ones belong to the room
-  double max_size_m = 3.5;        // longer ones are no single thing
+  double min_unnamed_size_m = 0.45;  // smaller ones are household clutter: bags, boxes, devices
+  double min_hung_depth_m = 0.2;     // and its shorter side on the ground
+  double max_top_m = 2.3;            // higher ones belong to the room
+  double max_size_m = 3.5;           // longer ones are no single thing
 };
 void Describe(OptionsVisitor& visitor, InstanceOptions& options);
 

@@ -238,12 +238,13 @@ std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
   const std::vector<PlacedView> views = UsableViews(all_views);
   if (model.empty() || views.empty()) return std::nullopt;
   const double reach = options.reach_m / views.front().camera_from_grid.scale;
-  Similarity3 object_from_grid = GridAround(model, views, reach);
+  const ThingInViews thing{model, views, reach, options.follow_level_face};
+  Similarity3 object_from_grid = GridAround(thing);
   VoxelGrid grid = CompleteIn(object_from_grid, model, views, options);
   std::optional<VoxelBox> box = OccupiedBox(grid);
   // A grid that fits is made by the views: resampled, one layer in sixty would fall out of boards.
   for (int n = 0; n < kMaxRegrids && box && !IsOfModelSize(*box); ++n) {
-    object_from_grid = GridOver(*box, object_from_grid, model.bottom());
+    object_from_grid = GridOver(*box, object_from_grid, thing);
     grid = CompleteIn(object_from_grid, model, views, options);
     box = OccupiedBox(grid);
   }

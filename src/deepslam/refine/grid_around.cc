@@ -3,18 +3,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/parallel.h"
+#include "deepslam/geometry/plane.h"
 
 namespace deepslam::refine {
 namespace {
 
 constexpr int kPixelStep = 3;            // of views whose points bound the grid
 constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
+// Of an object's points; of an upright face a sixtieth lies in half a voxel.
+constexpr double kLevelShare = 0.2;
+constexpr int kFitRounds = 3;
+constexpr double kMostSlope = 0.035;  // 2 degrees: furniture stands plumb
 constexpr int kModelVoxels = 62;
 static_assert(kModelVoxels * kVoxelSize == kModelExtent);
 
@@ -69,6 +75,75 @@ Similarity3 OnFloor(Similarity3 object_from_grid, double floor_z) {
   return object_from_grid;
 }
 
+// The same along its own z, so that a layer begins at `p`.
+Similarity3 BeginningAt(Similarity3 object_from_grid, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d up = object_from_grid.rotation * Eigen::Vector3d::UnitZ();
+  const double voxel = object_from_grid.scale * kVoxelSize;
+  const double layers = up.dot(p - object_from_grid.translation_m) / voxel;
+  object_from_grid.translation_m += (layers - std::round(layers)) * voxel * up;
+  return object_from_grid;
+}
+
+// The height about which most of the points lie within a quarter of a voxel, where those are a
+// share that nothing but a level face has.
+std::optional<double> HeightOfLevelFace(const Points& points, double voxel) {
+  std::vector<double> heights(points.size());
+  std::ranges::transform(points, heights.begin(), [](const Eigen::Vector3d& p) { return p.z(); });
+  std::ranges::sort(heights);
+  std::size_t most = 0;
+  double face = 0;
+  for (std::size_t low = 0, high = 0; low < heights.size(); ++low) {
+    while (high < heights.size() && heights[high] < heights[low] + 0.5 * voxel) ++high;
+    if (high - low <= most) continue;
+    most = high - low;
+    face = heights[low + most / 2];
+  }
+  if (static_cast<double>(most) <= kLevelShare * static_cast<double>(heights.size()))
+    return std::nullopt;
+  return face;
+}
+
+// z = at.x + at.y x + at.z y.
+double HeightOn(const Eigen::Vector3d& at, const Eigen::Vector3d& p) {
+  return at.dot(Eigen::Vector3d(1, p.x(), p.y()));
+}
+
+// The level face as a plane, as HeightOn has it.
+std::optional<Eigen::Vector3d> LevelFace(const Points& points, double voxel) {
+  const std::optional<double> height = HeightOfLevelFace(points, voxel);
+  if (!height) return std::nullopt;
+  Eigen::Vector3d plane(*height, 0, 0);
+  for (int round = 0; round < kFitRounds; ++round) {
+    Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : points) {
+      if (std::abs(p.z() - HeightOn(plane, p)) > voxel) continue;
+      const Eigen::Vector3d row(1, p.x(), p.y());
+      normal_matrix += row * row.transpose();
+      right += p.z() * row;
+    }
+    const Eigen::Vector3d fitted = normal_matrix.ldlt().solve(right);
+    if (!fitted.allFinite() || fitted.tail<2>().norm() > kMostSlope) break;
+    plane = fitted;
+  }
+  return plane;
+}
+
+// With its middle in the level face, rays that see that at any angle find it in one layer and,
+// where it is a little uneven, in no other. Without one, a layer begins at the floor.
+Similarity3 OnLayers(Similarity3 object_from_grid,
+                     const ThingInViews& thing,
+                     const Points& points) {
+  const double voxel = object_from_grid.scale * kVoxelSize;
+  object_from_grid.rotation.setIdentity();
+  const std::optional<Eigen::Vector3d> face =
+      thing.follow_level_face ? LevelFace(points, voxel) : std::nullopt;
+  if (!face) return OnFloor(object_from_grid, thing.model.bottom());
+  const Eigen::Vector3d up = Eigen::Vector3d(-face->y(), -face->z(), 1).normalized();
+  object_from_grid.rotation = ShortestRotation(Eigen::Vector3d::UnitZ(), up);
+  return BeginningAt(object_from_grid, Eigen::Vector3d(0, 0, face->x()) - 0.5 * voxel * up);
+}
+
 // The model's own grid where the box fits into it; else one that holds the box.
 Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   Similarity3 object_from_grid;
@@ -93,15 +168,17 @@ Similarity3 ObjectFromNextGrid(const Similarity3& object_from_grid, const VoxelB
 
 }  // namespace
 
-Similarity3 GridAround(const shape::ShapeModel& model,
-                       std::span<const PlacedView> views,
-                       double reach) {
-  const Eigen::AlignedBox3d box = Around(model, PointsNear(model, views, reach));
-  return OnFloor(ObjectFromGrid(box), model.bottom());
+Similarity3 GridAround(const ThingInViews& thing) {
+  const Points points = PointsNear(thing.model, thing.views, thing.reach);
+  return OnLayers(ObjectFromGrid(Around(thing.model, points)), thing, points);
 }
 
-Similarity3 GridOver(const VoxelBox& box, const Similarity3& object_from_grid, double floor_z) {
-  return OnFloor(ObjectFromNextGrid(object_from_grid, box), floor_z);
+Similarity3 GridOver(const VoxelBox& box,
+                     const Similarity3& object_from_grid,
+                     const ThingInViews& thing) {
+  const Points points =
+      thing.follow_level_face ? PointsNear(thing.model, thing.views, thing.reach) : Points();
+  return OnLayers(ObjectFromNextGrid(object_from_grid, box), thing, points);
 }
 
 bool IsOfModelSize(const VoxelBox& box) { return box.sides().maxCoeff() == kModelVoxels; }

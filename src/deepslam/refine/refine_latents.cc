@@ -208,6 +208,9 @@ void Describe(OptionsVisitor& visitor, RefineOptions& options) {
   visitor.Field("complete",
                 options.complete,
                 "let measured depth complete the best whole model; it competes with the others");
+  visitor.Field("follow_level_face",
+                options.follow_level_face,
+                "voxels of a completed model follow the object's level face, as a table's top");
   visitor.Field(
       "pose",
       options.pose,

@@ -60,6 +60,8 @@ Result<discovery::FoundThings> Find(const StageContext& context, const RunInputs
   for (const artifact::DetectedImage& image : table->images) looked_at.push_back(image.frame);
   Result<std::vector<Segment>> segments = ReadSegments(context, "segment");
   if (!segments.ok()) return segments.error();
+  discovery::ThingOptions by_surface = inputs.config.things;
+  by_surface.cut = inputs.config.segment;
   return discovery::AssociateCapture({*inputs.capture->frames,
                                       path->trajectory,
                                       path->part_of_frame,
@@ -71,7 +73,7 @@ Result<discovery::FoundThings> Find(const StageContext& context, const RunInputs
                                       *layout},
                                      std::move(segments).value(),
                                      inputs.config.associate,
-                                     inputs.config.things,
+                                     by_surface,
                                      context.progress());
 }
 

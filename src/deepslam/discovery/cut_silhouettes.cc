@@ -1,0 +1,123 @@
+#include "deepslam/discovery/cut_silhouettes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "deepslam/geometry/level_rectangle.h"
+#include "deepslam/geometry/plane.h"
+
+namespace deepslam::discovery {
+namespace {
+
+using instances::Instance;
+using instances::Silhouette;
+
+// A thing goes on this far beyond what the surface of the capture holds of it, two voxels of it.
+constexpr double kMarginM = 0.08;
+
+const Instance& ThingOf(const FrameOfThings& seen, const Silhouette& silhouette) {
+  return seen.things[static_cast<std::size_t>(silhouette.instance)];
+}
+
+// 1 + the silhouette of each pixel; 0: none.
+Image<int> Owners(const DepthImage& depth_m, std::span<const Silhouette> silhouettes) {
+  Image<int> owners(depth_m.width(), depth_m.height(), 0);
+  for (std::size_t n = 0; n < silhouettes.size(); ++n) {
+    for (int v = 0; v < owners.height(); ++v) {
+      for (int u = 0; u < owners.width(); ++u) {
+        if (silhouettes[n].mask(u, v) != 0) owners(u, v) = static_cast<int>(n) + 1;
+      }
+    }
+  }
+  return owners;
+}
+
+void Extend(int u, int v, Box2& box_px) {
+  if (box_px.empty()) {
+    box_px = {u - 0.5, v - 0.5, u + 0.5, v + 0.5};
+    return;
+  }
+  box_px.u_min = std::min(box_px.u_min, u - 0.5);
+  box_px.v_min = std::min(box_px.v_min, v - 0.5);
+  box_px.u_max = std::max(box_px.u_max, u + 0.5);
+  box_px.v_max = std::max(box_px.v_max, v + 0.5);
+}
+
+// What may be of the n-th silhouette's thing: within its outline on the floor and of no other
+// thing.
+Detection AsDetection(const FrameOfThings& seen,
+                      const Instance& thing,
+                      const Image<int>& owners,
+                      std::size_t n) {
+  const DepthImage& depth_m = seen.frame.depth_m;
+  const instances::UprightBox& box = thing.box_level;
+  const LevelRectangle outline{
+      box.centre_m, box.yaw_rad, box.length_m + 2 * kMarginM, box.width_m + 2 * kMarginM};
+  const int own = static_cast<int>(n) + 1;
+  Detection detection;
+  detection.class_name = thing.class_name;
+  detection.source = DetectionSource::kCluster;  // it is depth, and no wall
+  Mask mask(depth_m.width(), depth_m.height());
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      const double z_m = depth_m(u, v);
+      if (!(z_m > 0) || (owners(u, v) != 0 && owners(u, v) != own)) continue;
+      const Eigen::Vector3d p_level = seen.level_from_camera * seen.camera.Unproject(u, v, z_m);
+      if (p_level.z() > box.top_m + kMarginM || !outline.Contains(p_level.head<2>())) continue;
+      mask(u, v) = 1;
+      Extend(u, v, detection.box_px);
+    }
+  }
+  detection.mask = mask;
+  return detection;
+}
+
+// Pixels of other things, which widened masks may reach, stay theirs.
+void Take(const Segment& segment, const Image<int>& owners, std::size_t n, Silhouette& silhouette) {
+  const int own = static_cast<int>(n) + 1;
+  silhouette.mask = segment.mask.Unpacked();
+  silhouette.num_points = segment.num_points;
+  silhouette.extent_camera = segment.extent_camera;
+  silhouette.box_px = Box2();
+  for (int v = 0; v < owners.height(); ++v) {
+    for (int u = 0; u < owners.width(); ++u) {
+      std::uint8_t& is_own = silhouette.mask(u, v);
+      if (owners(u, v) != 0 && owners(u, v) != own) is_own = 0;
+      if (is_own != 0) Extend(u, v, silhouette.box_px);
+    }
+  }
+}
+
+}  // namespace
+
+void CutSilhouettes(const FrameOfThings& seen,
+                    const ClassTable& classes,
+                    const segment::SegmentOptions& options,
+                    std::vector<Silhouette>& silhouettes) {
+  if (std::ranges::none_of(silhouettes, [&](const Silhouette& silhouette) {
+        return ThingOf(seen, silhouette).has_support_plane;
+      }))
+    return;
+  const Image<int> owners = Owners(seen.frame.depth_m, silhouettes);
+  std::vector<Detection> detections;
+  std::vector<std::size_t> silhouette_of;
+  for (std::size_t n = 0; n < silhouettes.size(); ++n) {
+    const Instance& thing = ThingOf(seen, silhouettes[n]);
+    if (!thing.has_support_plane) continue;
+    detections.push_back(AsDetection(seen, thing, owners, n));
+    silhouette_of.push_back(n);
+  }
+  const Plane ground_camera =
+      Transformed(seen.level_from_camera.Inverse(), Plane{Eigen::Vector3d::UnitZ(), 0});
+  const std::vector<Segment> segments =
+      segment::SegmentFrame({seen.frame, seen.camera, ground_camera, detections}, classes, options);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    if (segments[k].usable)
+      Take(segments[k], owners, silhouette_of[k], silhouettes[silhouette_of[k]]);
+  }
+}
+
+}  // namespace deepslam::discovery
