@@ -16,10 +16,6 @@ namespace {
 
 using alignment::AsReference;
 using alignment::BuildPyramid;
-using alignment::FramePyramid;
-using alignment::FreeSpaceLevel;
-using alignment::PlacedPyramid;
-using alignment::PyramidLevel;
 using testing_support::Arc;
 using testing_support::BoxWorld;
 using testing_support::kSmallCamera;

@@ -11,7 +11,6 @@ namespace deepslam::tracking {
 namespace {
 
 using alignment::FrameAlignment;
-using alignment::FramePyramid;
 using testing_support::PoseNear;
 
 constexpr double kInterval_s = 0.1;

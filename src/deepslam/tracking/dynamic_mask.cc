@@ -12,13 +12,6 @@
 namespace deepslam::tracking {
 namespace {
 
-using alignment::DepthNoise;
-using alignment::FramePyramid;
-using alignment::FreeSpaceLevel;
-using alignment::FreeSpaceMasks;
-using alignment::PlacedPyramid;
-using alignment::PyramidLevel;
-
 // Of a pixel and its eight neighbours, so many have moved with it: outlines are off by a pixel.
 constexpr int kMinTogether = 7;
 // Between neighbouring pixels of one thing.
@@ -91,7 +84,7 @@ void Hide(const Mask& mask, PyramidLevel& level) {
 Mask DynamicMask(const PlacedPyramid& frame,
                  std::span<const PlacedPyramid> earlier,
                  const DepthNoise& noise) {
-  const FreeSpaceMasks masks = alignment::ObserveFreeSpace(frame, earlier, noise);
+  const FreeSpaceMasks masks = ObserveFreeSpace(frame, earlier, noise);
   return WithWhatHangsOn(Where(masks.violating, 1, kMinTogether, true),
                          masks.observed,
                          FreeSpaceLevel(*frame.pyramid));

@@ -2,15 +2,15 @@
 // aligned to it.
 //
 // A surface that stands where an earlier frame saw through to something behind
-// (alignment/free_space.h) cannot have stood there then. The rule needs no motion of its own to be
+// (tracking/free_space.h) cannot have stood there then. The rule needs no motion of its own to be
 // told apart from the camera's, and says nothing of what merely comes out from behind something.
 #pragma once
 
 #include <memory>
 #include <span>
 
-#include "deepslam/alignment/free_space.h"
 #include "deepslam/core/image.h"
+#include "deepslam/tracking/free_space.h"
 
 namespace deepslam::tracking {
 
@@ -18,15 +18,15 @@ namespace deepslam::tracking {
 // poses right to a few centimetres): where several observed a place, the latest one counts; what
 // none observed goes with what it hangs together with. All pyramids of one camera and as many
 // levels.
-[[nodiscard]] Mask DynamicMask(const alignment::PlacedPyramid& frame,
-                               std::span<const alignment::PlacedPyramid> earlier,
+[[nodiscard]] Mask DynamicMask(const PlacedPyramid& frame,
+                               std::span<const PlacedPyramid> earlier,
                                const alignment::DepthNoise& noise);
 
 // The frame without the depth under its dynamic mask and just around it. The same pyramid where
 // that is little of the frame.
 [[nodiscard]] std::shared_ptr<const alignment::FramePyramid> WithoutDynamic(
-    const alignment::PlacedPyramid& frame,
-    std::span<const alignment::PlacedPyramid> earlier,
+    const PlacedPyramid& frame,
+    std::span<const PlacedPyramid> earlier,
     const alignment::DepthNoise& noise);
 
 }  // namespace deepslam::tracking

@@ -7,9 +7,6 @@
 
 namespace deepslam::tracking {
 
-using alignment::FramePyramid;
-using alignment::PlacedPyramid;
-
 void MakeReference(PosedFrame& frame) {
   if (alignment::IsReference(*frame.pyramid)) return;
   frame.pyramid = std::make_shared<const FramePyramid>(alignment::AsReference(*frame.pyramid));

@@ -34,7 +34,7 @@ class KeyframeWindow {
   [[nodiscard]] const PosedFrame* before_last() const {
     return keyframes_.size() < 2 ? nullptr : &keyframes_[keyframes_.size() - 2];
   }
-  [[nodiscard]] std::vector<alignment::PlacedPyramid> PlacedOf(int sub_trajectory) const;
+  [[nodiscard]] std::vector<PlacedPyramid> PlacedOf(int sub_trajectory) const;
 
  private:
   std::size_t most_;

@@ -15,7 +15,6 @@
 
 namespace deepslam::tracking {
 
-using alignment::FramePyramid;
 using alignment::ReadFrame;
 using alignment::ReadPyramid;
 

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <optional>
 
-#include "deepslam/alignment/free_space.h"
 #include "deepslam/alignment/patch_zncc.h"
+#include "deepslam/tracking/free_space.h"
 
 namespace deepslam::tracking {
 namespace {
 
-using alignment::DepthNoise;
 using alignment::FrameAlignment;
-using alignment::FreeSpaceViolation;
-using alignment::PlacedPyramid;
 
 // Share of free space that may be violated by a frame which a hand may have brought there: noise
 // that is underrated makes as much. Placed right, captures without motion leave less than half of

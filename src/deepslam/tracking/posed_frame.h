@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "deepslam/alignment/free_space.h"
 #include "deepslam/alignment/image_pyramid.h"
 #include "deepslam/core/ids.h"
 #include "deepslam/geometry/pose.h"
+#include "deepslam/tracking/free_space.h"
 
 namespace deepslam::tracking {
 
@@ -23,7 +23,7 @@ struct PosedFrame {
   // Since the keyframe before, a degenerate direction of its motion was predicted alone.
   bool remapped = false;
 
-  [[nodiscard]] alignment::PlacedPyramid Placed() const { return {pyramid, world_from_camera}; }
+  [[nodiscard]] PlacedPyramid Placed() const { return {pyramid, world_from_camera}; }
 };
 
 }  // namespace deepslam::tracking

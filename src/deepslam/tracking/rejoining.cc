@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <vector>
 
-#include "deepslam/alignment/free_space.h"
+#include "deepslam/tracking/free_space.h"
 #include "deepslam/tracking/placement_acceptance.h"
 
 namespace deepslam::tracking {
 namespace {
 
 using alignment::FrameAlignment;
-using alignment::PlacedPyramid;
 
 // As long as somebody takes to pass by.
 constexpr double kPassingBy_s = 2;
@@ -20,9 +19,9 @@ bool Belongs(const PathSoFar& path, const PosedFrame& frame, int earlier, const 
   std::vector<PlacedPyramid> moved = path.keyframes.PlacedOf(frame.sub_trajectory);
   for (PlacedPyramid& keyframe : moved)
     keyframe.world_from_camera = motion * keyframe.world_from_camera;
-  return alignment::FreeSpaceViolation(path.keyframes.PlacedOf(earlier),
-                                       moved,
-                                       path.options.alignment.pyramid.noise) <= kMaxViolationFar;
+  return FreeSpaceViolation(path.keyframes.PlacedOf(earlier),
+                            moved,
+                            path.options.alignment.pyramid.noise) <= kMaxViolationFar;
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 namespace deepslam::tracking {
 
 using alignment::FrameAlignment;
-using alignment::FramePyramid;
 using alignment::Sharpened;
 
 Tracker::Tracker(const OdometryOptions& options, FeatureStarts features)

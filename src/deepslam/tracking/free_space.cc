@@ -1,4 +1,4 @@
-#include "deepslam/alignment/free_space.h"
+#include "deepslam/tracking/free_space.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace deepslam::alignment {
+namespace deepslam::tracking {
 namespace {
 
 // Seen through: this far behind, beside five standard deviations of the noise of the two.
@@ -112,4 +112,4 @@ double FreeSpaceViolation(std::span<const PlacedPyramid> a,
   return std::max(ShareViolating(a, b, noise), ShareViolating(b, a, noise));
 }
 
-}  // namespace deepslam::alignment
+}  // namespace deepslam::tracking

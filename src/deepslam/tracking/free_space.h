@@ -9,7 +9,11 @@
 #include "deepslam/core/image.h"
 #include "deepslam/geometry/pose.h"
 
-namespace deepslam::alignment {
+namespace deepslam::tracking {
+
+using alignment::DepthNoise;
+using alignment::FramePyramid;
+using alignment::PyramidLevel;
 
 struct PlacedPyramid {
   std::shared_ptr<const FramePyramid> pyramid;
@@ -41,4 +45,4 @@ struct FreeSpaceMasks {
                                         std::span<const PlacedPyramid> b,
                                         const DepthNoise& noise);
 
-}  // namespace deepslam::alignment
+}  // namespace deepslam::tracking

@@ -14,9 +14,9 @@
 
 #include "alignment/box_world.h"
 #include "alignment/rendered_pyramids.h"
-#include "deepslam/alignment/free_space.h"
+#include "deepslam/tracking/free_space.h"
 
-namespace deepslam::alignment {
+namespace deepslam::tracking {
 namespace {
 
 using ::testing::Gt;
@@ -84,4 +84,4 @@ TEST(FreeSpaceViolation, SaysNothingOfFramesThatLookElsewhere) {
 }
 
 }  // namespace
-}  // namespace deepslam::alignment
+}  // namespace deepslam::tracking
