@@ -122,7 +122,7 @@ class Filming {
 
  private:
   static constexpr double kStep_rad = 0.4;
-  static constexpr double kLook_m = 1.8;  // ahead, on the floor
+  static constexpr double kLook_m = 4;  // ahead: walls are seen to well above the doors
 
   void AddPoint() {
     walk_.points_m.emplace_back(at_.x(), at_.y(), kEye_m);
