@@ -62,6 +62,13 @@ class Decomposition {
     part.hull = BoundedHull(surface.surface.points, kMaxVertices);
     part.hull_m3 = VolumeOf(part.hull);
     part.own_m3 = VolumeOf(surface);
+    // Corners where planes meet within the mesh are none of its surface; its cells reach near them.
+    if (part.own_m3 > part.hull_m3) {
+      std::vector<Eigen::Vector3f> points = surface.surface.points;
+      points.insert(points.end(), cells.begin(), cells.end());
+      part.hull = BoundedHull(points, kMaxVertices);
+      part.hull_m3 = VolumeOf(part.hull);
+    }
     part.surface = std::move(surface);
     part.cells = std::move(cells);
     return part;

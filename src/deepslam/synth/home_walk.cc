@@ -96,45 +96,6 @@ class Tour {
   std::vector<Stop> stops_;
 };
 
-// Points of a walk one after the other; where the view turns far between two, it turns by steps
-// before the camera goes on.
-class Filming {
- public:
-  explicit Filming(SceneWalk& walk) : walk_(walk) {}
-
-  [[nodiscard]] double yaw_rad() const { return yaw_rad_; }
-
-  void Begin(const Eigen::Vector2d& at, double yaw_rad) {
-    at_ = at;
-    yaw_rad_ = yaw_rad;
-    AddPoint();
-  }
-
-  void GoOn(const Eigen::Vector2d& at, double yaw_rad) {
-    const double turn_rad = yaw_rad - yaw_rad_;
-    const int num_steps = std::max(1, static_cast<int>(std::ceil(std::abs(turn_rad) / kStep_rad)));
-    for (int k = 1; k < num_steps; ++k) {
-      yaw_rad_ += turn_rad / num_steps;
-      AddPoint();
-    }
-    Begin(at, yaw_rad);
-  }
-
- private:
-  static constexpr double kStep_rad = 0.4;
-  static constexpr double kLook_m = 4;  // ahead: walls are seen to well above the doors
-
-  void AddPoint() {
-    walk_.points_m.emplace_back(at_.x(), at_.y(), kEye_m);
-    walk_.look_at_m.emplace_back(
-        at_.x() + kLook_m * std::cos(yaw_rad_), at_.y() + kLook_m * std::sin(yaw_rad_), kTarget_m);
-  }
-
-  SceneWalk& walk_;
-  Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
-  double yaw_rad_ = 0;
-};
-
 // The short way round.
 double ShortTurn(double from_rad, double to_rad) {
   return std::remainder(to_rad - from_rad, 2 * std::numbers::pi);
@@ -142,7 +103,7 @@ double ShortTurn(double from_rad, double to_rad) {
 
 // How far one sees before the walls of one's room.
 double OpenBefore_m(const HomePlan& plan, const Eigen::Vector2d& at, double yaw_rad) {
-  constexpr double kInDoor_m = 1;
+  constexpr double kInDoor_m = 4;  // through it, into the next room
   const Eigen::Vector2d view(std::cos(yaw_rad), std::sin(yaw_rad));
   for (const PlannedRoom& room : plan.rooms) {
     if (!room.floor.Contains({at, at})) continue;
@@ -176,6 +137,50 @@ double OpenTurn(const HomePlan& plan, const Eigen::Vector2d& at, double from_rad
   return is_long ? long_rad : short_rad;
 }
 
+// Points of a walk one after the other; where the view turns far between two, it turns by steps
+// before the camera goes on.
+class Filming {
+ public:
+  Filming(const HomePlan& plan, SceneWalk& walk) : plan_(plan), walk_(walk) {}
+
+  [[nodiscard]] double yaw_rad() const { return yaw_rad_; }
+
+  void Begin(const Eigen::Vector2d& at, double yaw_rad) {
+    at_ = at;
+    yaw_rad_ = yaw_rad;
+    AddPoint();
+  }
+
+  void GoOn(const Eigen::Vector2d& at, double yaw_rad) {
+    const double turn_rad = yaw_rad - yaw_rad_;
+    const int num_steps = std::max(1, static_cast<int>(std::ceil(std::abs(turn_rad) / kStep_rad)));
+    for (int k = 1; k < num_steps; ++k) {
+      yaw_rad_ += turn_rad / num_steps;
+      AddPoint();
+    }
+    Begin(at, yaw_rad);
+  }
+
+ private:
+  static constexpr double kStep_rad = 0.4;
+  // As far ahead as the wall, at what stands before it: near walls one looks down, and across a
+  // room so that walls are seen to above the doors.
+  static constexpr double kNearest_m = 1.8;
+  static constexpr double kFarthest_m = 4;
+
+  void AddPoint() {
+    walk_.points_m.emplace_back(at_.x(), at_.y(), kEye_m);
+    const double ahead_m = std::clamp(OpenBefore_m(plan_, at_, yaw_rad_), kNearest_m, kFarthest_m);
+    walk_.look_at_m.emplace_back(
+        at_.x() + ahead_m * std::cos(yaw_rad_), at_.y() + ahead_m * std::sin(yaw_rad_), kTarget_m);
+  }
+
+  const HomePlan& plan_;
+  SceneWalk& walk_;
+  Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
+  double yaw_rad_ = 0;
+};
+
 double YawTo(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(to.y() - from.y(), to.x() - from.x());
 }
@@ -190,7 +195,7 @@ void AddWalk(const HomePlan& plan,
   SceneWalk& walk = scene.walk;
   walk.turn_m_per_rad = kSpeed_m_per_s / kTurn_rad_per_s;
   const int stride = static_cast<int>(kPointEvery_m / FreeFloor::kCell_m);
-  Filming filming(walk);
+  Filming filming(plan, walk);
   std::optional<int> last;
   for (const Stop& stop : stops) {
     if (!last) {
