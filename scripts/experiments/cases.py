@@ -121,22 +121,6 @@ class Case:
         file = self.result(kind, variant)
         return json.loads(file.read_text()) if file.exists() else None
 
-    def seconds(self):
-        """(rendering, reconstruction of all variants, scoring): wall time when the work was done."""
-        spent = self.load("seconds") or {}
-        stages = 0.0
-        for name in self.variants():
-            for timing in self.workspace(name).glob("*/timing.json"):
-                if timing.parent.name not in VARIANTS[name].shared:
-                    stages += json.loads(timing.read_text())["wall_s"]
-        return spent.get("synth", 0.0), stages, sum(s for kind, s in spent.items() if kind != "synth")
-
-    def note_seconds(self, kind, seconds):
-        file = self.result("seconds")
-        spent = json.loads(file.read_text()) if file.exists() else {}
-        spent[kind] = round(seconds, 1)
-        file.write_text(json.dumps(spent))
-
 
 @functools.cache
 def program_hash(program):
@@ -163,10 +147,9 @@ def render(case, args):
         return True
     shutil.rmtree(case.capture, ignore_errors=True)
     command = [str(args.deepslam), "synth", str(scene), "-o", str(case.capture)]
-    good, seconds = call(command + (["--rung", case.rung] if case.rung else []), case.log)
+    good, _ = call(command + (["--rung", case.rung] if case.rung else []), case.log)
     if good:
         stamp.write_text(made_from)
-        case.note_seconds("synth", seconds)
     return good
 
 
@@ -198,9 +181,7 @@ def score(case, name, args):
         paths = [kind, *pair]
         if kind == "tracked":
             paths = ["trajectory", str(workspace / "track" / "trajectory.tum"), str(case.capture / "groundtruth.txt")]
-        good, seconds = call([str(args.deepslam), "eval", *paths, "--json", str(result)], case.log)
-        if good:
-            case.note_seconds(f"{name}.{kind}", seconds)
+        call([str(args.deepslam), "eval", *paths, "--json", str(result)], case.log)
 
 
 def make(case, args):

@@ -192,20 +192,6 @@ def loop_parts(cases):
                    "left over", "placed 20/20/20"], rows), ""]
 
 
-def time_parts(cases):
-    rows, total, ladder = [], 0.0, 0.0
-    for case in cases:
-        spent = case.seconds()
-        rows.append([case.name, *(f"{s:.0f}" for s in spent)])
-        total += sum(spent)
-        ladder += sum(spent) if case.is_ladder else 0.0
-    rows.append(["all", "", "", f"{total:.0f}"])
-    if ladder:
-        rows.append(["the ladder", "", "", f"{ladder:.0f}"])
-    return ["## What it took", "", "Wall time in seconds, when the work was done; other work on the machine is in it.", "",
-            table(["capture", "rendering", "reconstruction, all variants", "scoring"], rows), ""]
-
-
 def write_results(cases, args, command):
     folder = args.docs
     folder.mkdir(parents=True, exist_ok=True)
@@ -224,7 +210,6 @@ def write_results(cases, args, command):
     parts += map_parts(cases, plot)
     parts += loop_parts(cases)
     parts += detection_parts(cases)
-    parts += time_parts(cases)
     failed = [case.name for case in cases if not case.load("objects")]
     if failed:
         parts += ["Not run yet, or failed (see the logs): " + ", ".join(failed), ""]
