@@ -13,12 +13,12 @@ import re
 import sys
 
 LIMITS = {
-    "options": 999,
-    "options that nobody sets": 999,
-    "constants without a comment": 9999,
-    "words of documents": 99999,
-    "lines of tracking and alignment": 99999,
-    "coined terms": 99999,
+    "options": 323,
+    "options that nobody sets": 171,
+    "constants without a comment": 713,
+    "words of documents": 26000,
+    "lines of tracking and alignment": 6821,
+    "coined terms": 1098,
 }
 
 # Coined here -> what the field says. A pattern is matched against words of code (also within names) and of documents.
