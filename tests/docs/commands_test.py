@@ -164,6 +164,7 @@ class World:
         self.folder, self.made = folder, 0
         (folder / "bin").mkdir()
         for name, target in (("deepslam", PROGRAM), ("deepslam-tools", PROGRAM.with_name("deepslam-tools")),
+                             ("deepslam-views", PROGRAM.with_name("deepslam-views")),
                              ("deepslam-demo", REPOSITORY / "scripts/sample.sh"),
                              ("deepslam-fetch-weights", REPOSITORY / "scripts/fetch_weights.sh")):
             (folder / "bin" / name).symlink_to(target)
