@@ -16,7 +16,7 @@ LIMITS = {
     "options": 323,
     "options that nobody sets": 171,
     "constants without a comment": 713,
-    "words of documents": 26000,
+    "words of documents": 26100,
     "lines of tracking and alignment": 6821,
     "coined terms": 1098,
 }
