@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "deepslam/geometry/level_rectangle.h"
+#include "deepslam/geometry/pixel_box.h"
 #include "deepslam/geometry/plane.h"
 
 namespace deepslam::discovery {
@@ -35,17 +36,6 @@ Image<int> Owners(const DepthImage& depth_m, std::span<const Silhouette> silhoue
   return owners;
 }
 
-void Extend(int u, int v, Box2& box_px) {
-  if (box_px.empty()) {
-    box_px = {u - 0.5, v - 0.5, u + 0.5, v + 0.5};
-    return;
-  }
-  box_px.u_min = std::min(box_px.u_min, u - 0.5);
-  box_px.v_min = std::min(box_px.v_min, v - 0.5);
-  box_px.u_max = std::max(box_px.u_max, u + 0.5);
-  box_px.v_max = std::max(box_px.v_max, v + 0.5);
-}
-
 // What may be of the n-th silhouette's thing: within its outline on the floor and of no other
 // thing.
 Detection AsDetection(const FrameOfThings& seen,
@@ -68,7 +58,7 @@ Detection AsDetection(const FrameOfThings& seen,
       const Eigen::Vector3d p_level = seen.level_from_camera * seen.camera.Unproject(u, v, z_m);
       if (p_level.z() > box.top_m + kMarginM || !outline.Contains(p_level.head<2>())) continue;
       mask(u, v) = 1;
-      Extend(u, v, detection.box_px);
+      ExtendByPixel(u, v, detection.box_px);
     }
   }
   detection.mask = mask;
@@ -86,7 +76,7 @@ void Take(const Segment& segment, const Image<int>& owners, std::size_t n, Silho
     for (int u = 0; u < owners.width(); ++u) {
       std::uint8_t& is_own = silhouette.mask(u, v);
       if (owners(u, v) != 0 && owners(u, v) != own) is_own = 0;
-      if (is_own != 0) Extend(u, v, silhouette.box_px);
+      if (is_own != 0) ExtendByPixel(u, v, silhouette.box_px);
     }
   }
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "deepslam/geometry/pixel_box.h"
+
 namespace deepslam::eval {
 
 std::vector<Box2> VisibleBoxes(const Image<std::uint16_t>& instances, int count, int min_pixels) {
@@ -13,11 +15,8 @@ std::vector<Box2> VisibleBoxes(const Image<std::uint16_t>& instances, int count,
       const int number = instances(u, v);
       if (number < 1 || number > count) continue;
       const auto n = static_cast<std::size_t>(number - 1);
-      Box2& box = boxes[n];
-      if (pixels[n]++ == 0) box = {u - 0.5, v - 0.5, u + 0.5, v + 0.5};
-      box.u_min = std::min(box.u_min, u - 0.5);
-      box.u_max = std::max(box.u_max, u + 0.5);
-      box.v_max = v + 0.5;
+      ++pixels[n];
+      ExtendByPixel(u, v, boxes[n]);
     }
   }
   for (std::size_t n = 0; n < boxes.size(); ++n) {

@@ -1,7 +1,8 @@
 #include "deepslam/instances/silhouettes.h"
 
-#include <algorithm>
 #include <cstddef>
+
+#include "deepslam/geometry/pixel_box.h"
 
 namespace deepslam::instances {
 namespace {
@@ -12,15 +13,7 @@ void AddPixel(int u, int v, double depth_m, const PinholeCamera& camera, Silhoue
     ++silhouette.num_points;
     silhouette.extent_camera.Extend(camera.Unproject(u, v, depth_m));
   }
-  Box2& box_px = silhouette.box_px;
-  if (box_px.empty()) {
-    box_px = {u - 0.5, v - 0.5, u + 0.5, v + 0.5};
-    return;
-  }
-  box_px.u_min = std::min(box_px.u_min, u - 0.5);
-  box_px.v_min = std::min(box_px.v_min, v - 0.5);
-  box_px.u_max = std::max(box_px.u_max, u + 0.5);
-  box_px.v_max = std::max(box_px.v_max, v + 0.5);
+  ExtendByPixel(u, v, silhouette.box_px);
 }
 
 std::vector<int> CountPixels(const PixelLabels& labels, std::size_t num_instances) {
