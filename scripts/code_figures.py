@@ -25,6 +25,7 @@ NUM_LONGEST = 10  # printed
 # Functions that may be longer, and why. A pattern is matched against the whole of "module::Function" (tools: "tools::...").
 REASONS = [
     (r"shape::SampleField", "three loops over one batch, compiled for wide vectors inside its callers"),
+    (r"stages::DescribeRetired", "one line of code per option that there was: a table"),
     (r".*::Describe", "one line of code per option: a table"),
     (r"stages::MakePlan", "the whole chain on one page"),
     (r"tools::Add[A-Z]\w*", "one line of code per option of a command: a table"),

@@ -42,7 +42,7 @@ void Carve(benchmark::State& state) {
   const FurnitureWorld world(ChairGrid(), 0.9);
   const std::vector<ObjectView> views = ViewsAround(world, static_cast<int>(state.range(0)));
   const std::vector<refine::PlacedView> placed = Placed(world, views);
-  for (auto _ : state) benchmark::DoNotOptimize(refine::CarveEvidence(placed, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(refine::CarveEvidence(placed));
 }
 BENCHMARK(Carve)->ArgName("views")->Arg(8)->Arg(24)->Unit(benchmark::kMillisecond)->UseRealTime();
 
@@ -52,7 +52,7 @@ void RefineTwoStarts(benchmark::State& state) {
   if (!prior.ok()) return state.SkipWithError(prior.error().message.c_str());
   const FurnitureWorld world(ChairGrid(), 0.9);
   const std::vector<ObjectView> views = ViewsAround(world, 24);
-  const std::vector<refine::Evidence> evidence = refine::CarveEvidence(Placed(world, views), {});
+  const std::vector<refine::Evidence> evidence = refine::CarveEvidence(Placed(world, views));
   const refine::Decoder decoder = {
       [&](std::span<const float> latents) { return (*prior)->Logits(latents); },
       [&](std::span<const float> latents, std::span<const float> by_logits) {

@@ -26,8 +26,8 @@ void RegisterAndSelect(benchmark::State& state) {
     models.emplace_back(ChairGrid(0.35 + 0.01 * (n % 30), 0.15 + 0.01 * (n % 20)));
   }
   for (auto _ : state) {
-    const auto measured = registration::PrepareForRegistration(views, {});
-    const auto judged = select::PrepareForScoring(views, {});
+    const auto measured = registration::PrepareForRegistration(views);
+    const auto judged = select::PrepareForScoring(views);
     std::vector<CandidateRegistration> registrations(candidates.size());
     std::vector<CandidateScore> scores(candidates.size());
     ParallelFor(candidates.size(), [&](std::size_t i) {

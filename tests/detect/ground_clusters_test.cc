@@ -30,7 +30,7 @@ struct Look {
       : world_from_camera(LookAt(eye, target)),
         view(RenderBoxes(world, SmallCamera(), world_from_camera)),
         ground(FloorIn(world_from_camera)),
-        grid(SurveyGround(view.frame, SmallCamera(), ground, {})) {}
+        grid(SurveyGround(view.frame, SmallCamera(), ground)) {}
 
   [[nodiscard]] double HeightAt(int u, int v) const {
     return ground.SignedDistance(SmallCamera().Unproject(u, v, view.frame.depth_m(u, v)));
@@ -70,14 +70,14 @@ TEST(SurveyGround, CellsOfMatterHoldPointsAndCellsOfFloorAreSeen) {
 TEST(FindGroundClusters, MeasuresAThingOnTheFloor) {
   const Look look({kCabinet});
   const Components components = ConnectCells(look.grid);
-  std::vector<Cluster> clusters = FindGroundClusters(320, look.grid, components, {}, 300);
+  std::vector<Cluster> clusters = FindGroundClusters(320, look.grid, components, 300);
   ASSERT_EQ(clusters.size(), 1U);
   Cluster& cabinet = clusters[0];
-  EXPECT_TRUE(IsFurniture({}, cabinet));
+  EXPECT_TRUE(IsFurniture(cabinet));
   EXPECT_NEAR(cabinet.max_height_m, 0.6, 0.03);
   EXPECT_NEAR(cabinet.long_side_m, 0.8, 0.08);
   EXPECT_NEAR(cabinet.short_side_m, 0.5, 0.08);
-  EXPECT_GT(FreeShare(look.grid, components, cabinet, {}), 0.9);
+  EXPECT_GT(FreeShare(look.grid, components, cabinet), 0.9);
   EXPECT_TRUE(EndsAreSeen(look.view.frame, SmallCamera(), look.ground, look.grid.wall, cabinet));
 }
 
@@ -85,7 +85,7 @@ TEST(FindGroundClusters, ThingsApartAreClustersOfTheirOwnLargestFirst) {
   const Look look(
       {kCabinet, {1, {1.2, -0.1, 0}, {1.5, 0.2, 0.5}}}, {0.8, -2.5, 1.6}, {0.4, 0, 0.2});
   const std::vector<Cluster> clusters =
-      FindGroundClusters(320, look.grid, ConnectCells(look.grid), {}, 100);
+      FindGroundClusters(320, look.grid, ConnectCells(look.grid), 100);
   ASSERT_EQ(clusters.size(), 2U);
   EXPECT_GE(clusters[0].num_points, clusters[1].num_points);
   for (const Cluster& cluster : clusters) {
@@ -97,8 +97,7 @@ TEST(FindGroundClusters, ThingsApartAreClustersOfTheirOwnLargestFirst) {
 TEST(EndsAreSeen, NotOfWhatRunsOnBehindSomethingNearer) {
   // A board before the left half of the cabinet.
   const Look look({kCabinet, {1, {-1.0, -0.9, 0}, {0.0, -0.85, 0.9}}}, {0.6, -2.2, 1.0});
-  std::vector<Cluster> clusters =
-      FindGroundClusters(320, look.grid, ConnectCells(look.grid), {}, 300);
+  std::vector<Cluster> clusters = FindGroundClusters(320, look.grid, ConnectCells(look.grid), 300);
   const auto cabinet = std::ranges::find_if(clusters, [&](const Cluster& cluster) {
     return !cluster.points.empty() &&
            look.view.object(cluster.points[0].u, cluster.points[0].v) == 0;
@@ -110,7 +109,7 @@ TEST(EndsAreSeen, NotOfWhatRunsOnBehindSomethingNearer) {
 TEST(SurveyGround, NothingComesOfAnImageWithoutDepth) {
   Frame frame;
   frame.depth_m = DepthImage(64, 48, 0.0F);
-  const GroundGrid grid = SurveyGround(frame, SmallCamera(), {Eigen::Vector3d(0, -1, 0), 1.4}, {});
+  const GroundGrid grid = SurveyGround(frame, SmallCamera(), {Eigen::Vector3d(0, -1, 0), 1.4});
   EXPECT_TRUE(grid.points.empty());
   EXPECT_TRUE(std::ranges::all_of(grid.kinds, [](std::uint8_t kind) { return kind == 0; }));
   EXPECT_EQ(ConnectCells(grid).count, 0);

@@ -96,7 +96,7 @@ std::vector<Detection> Clusters(const View& view,
   classes.classes.resize(1);
   classes.classes[0].name = "furniture";
   return UncoveredTurned(
-      FindClustersTurned(view.frame, view.camera, view.ground, classes, {}, upright), covered, {});
+      FindClustersTurned(view.frame, view.camera, view.ground, classes, {}, upright), covered);
 }
 
 void ExpectTheSameHoweverHeld(const View& view,

@@ -139,7 +139,7 @@ TEST(Covisible, RegistrationHasToBearThemOut) {
   const auto accepted = [&](const auto& change) {
     std::vector<KeyframeRegistration> registrations = AsTracked(pairs);
     for (KeyframeRegistration& registration : registrations) change(registration);
-    return AcceptCovisible(pairs, registrations, odometry, {}).size();
+    return AcceptCovisible(pairs, registrations, odometry).size();
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()));
@@ -158,7 +158,7 @@ TEST(Covisible, EdgesAreTheRegistrations) {
   std::vector<KeyframeRegistration> registrations = AsTracked(pairs);
   for (KeyframeRegistration& registration : registrations)
     registration.old_from_new.translation_m.x() += 0.02;
-  const std::vector<RelativePose> edges = AcceptCovisible(pairs, registrations, odometry, {});
+  const std::vector<RelativePose> edges = AcceptCovisible(pairs, registrations, odometry);
   ASSERT_EQ(edges.size(), pairs.size());
   for (std::size_t k = 0; k < edges.size(); ++k) {
     EXPECT_EQ(edges[k].i.value, pairs[k].older);
@@ -172,14 +172,14 @@ TEST(Covisible, EdgesAreTheRegistrations) {
 TEST(Covisible, WhatTheSolutionContradictsIsLeftOut) {
   const Odometry odometry = Tracked(Sweeping(30));
   const std::vector<CovisiblePair> pairs = ProposeCovisible(odometry, {});
-  std::vector<RelativePose> edges = AcceptCovisible(pairs, AsTracked(pairs), odometry, {});
+  std::vector<RelativePose> edges = AcceptCovisible(pairs, AsTracked(pairs), odometry);
   const std::size_t all = edges.size();
   edges[3].i_from_j.translation_m.y() += 0.09;
   edges[7].i_from_j.rotation *=
       Eigen::Quaterniond(Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()));
   edges[9].i_from_j.translation_m.z() += 0.01;
   std::vector<RelativePose> kept = edges;
-  std::erase_if(kept, [&](const RelativePose& edge) { return !IsConsistent(edge, odometry, {}); });
+  std::erase_if(kept, [&](const RelativePose& edge) { return !IsConsistent(edge, odometry); });
   EXPECT_EQ(kept.size(), all - 2);
   for (const RelativePose& edge : kept) {
     EXPECT_FALSE(edge.i == edges[3].i && edge.j == edges[3].j);
@@ -189,7 +189,7 @@ TEST(Covisible, WhatTheSolutionContradictsIsLeftOut) {
 
 TEST(Covisible, BrokenPosesAndEmptyPathsGiveNothing) {
   EXPECT_TRUE(ProposeCovisible({}, {}).empty());
-  EXPECT_TRUE(AcceptCovisible({}, {}, {}, {}).empty());
+  EXPECT_TRUE(AcceptCovisible({}, {}, {}).empty());
   Odometry broken = Tracked(Sweeping(20));
   for (TrackedFrame& frame : broken.frames)
     frame.world_from_camera.translation_m.x() = std::numeric_limits<double>::quiet_NaN();

@@ -56,7 +56,7 @@ TEST(Neighbours, WhatDepthAloneTrackedIsMeasuredAgainWhereverItSlid) {
     const auto n = static_cast<std::size_t>(proposed[k].old_keyframe.value);
     EXPECT_THAT(proposed[k].old_from_new, PoseNear(truth[n].Inverse() * truth[n + 1], 0.03, 1.0));
   }
-  const std::vector<RelativePose> edges = AcceptNeighbours(proposed, AsProposed(proposed), {});
+  const std::vector<RelativePose> edges = AcceptNeighbours(proposed, AsProposed(proposed));
   EXPECT_EQ(edges.size(), proposed.size());
 }
 
@@ -121,7 +121,7 @@ TEST(Neighbours, RegistrationHasToBearThemOut) {
       ProposeAll(FeaturesAlong(room, truth), Tracked(truth), true);
   ASSERT_FALSE(proposed.empty());
   ExpectRegistrationToBearOut(proposed, [&](const auto& registrations) {
-    return AcceptNeighbours(proposed, registrations, {}).size();
+    return AcceptNeighbours(proposed, registrations).size();
   });
 }
 
@@ -148,7 +148,7 @@ TEST(Neighbours, NothingAndOff) {
   EXPECT_TRUE(ProposeAll(features, Tracked(truth), true, off).empty());
   EXPECT_TRUE(ProposeAll({}, {}, true).empty());
   EXPECT_TRUE(ProposeAll({}, Tracked(truth), true).empty()) << "features are missing";
-  EXPECT_TRUE(AcceptNeighbours({}, {}, {}).empty());
+  EXPECT_TRUE(AcceptNeighbours({}, {}).empty());
 }
 
 TEST(Neighbours, TheNumberOfThreadsChangesNothing) {

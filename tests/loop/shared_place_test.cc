@@ -22,7 +22,7 @@ MapObject Chair(int id, double x_m, double confidence) {
 
 // Places alone.
 std::vector<Duplicate> Duplicates(const ObjectMap& map, const LoopOptions& options = {}) {
-  return FindDuplicates(SuspectDuplicates(map, options), map, {}, options);
+  return FindDuplicates(SuspectDuplicates(map, options), map, {});
 }
 
 // A board of 1 m, upright along x, that begins at this corner.
@@ -101,7 +101,7 @@ TEST(SharedPlace, APieceOfASurerOneIsNoThingOfItsOwn) {
     LoopEvidence evidence;
     evidence[ObjectId(0)].model_points_world = Board(0, 0, 1);
     evidence[ObjectId(1)].depth_points_world = of_chair;
-    return !FindDuplicates(SuspectDuplicates(of_both, {}), of_both, evidence, {}).empty();
+    return !FindDuplicates(SuspectDuplicates(of_both, {}), of_both, evidence).empty();
   };
   EXPECT_TRUE(intrudes(Board(0.5F, 0.03F, 0.5F), map));
   EXPECT_FALSE(intrudes(Board(0.7F, 0.03F, 0.5F), map)) << "two fifths of it stand beside";

@@ -152,7 +152,7 @@ inline Loops Detect(const Scene& scene, const LoopOptions& options = {}) {
       FindConstellations({scene.map, scene.association, classes, scene.odometry, parts}, options);
   for (const Constellation& proposed : found.constellations)
     verified.push_back(VerifyConstellation(proposed, scene.map, scene.evidence, options));
-  return AcceptLoops(verified, scene.map, scene.association, options, scene.odometry);
+  return AcceptLoops(verified, scene.map, scene.association, scene.odometry);
 }
 
 inline std::set<std::pair<int, int>> Merged(const Loops& loops) {

@@ -62,7 +62,7 @@ TriangleMesh Ground(const TriangleMesh& room) {
   for (const Eigen::Vector3f& p : room.vertices) {
     if (std::abs(p.z()) < kBandM) points.emplace_back(p.x(), p.y());
   }
-  return *GroundPolygon(points, {});
+  return *GroundPolygon(points);
 }
 
 int CountFaces(const TriangleMesh& mesh, Rgb8 colour) {

@@ -37,7 +37,7 @@ TEST(GroundPolygon, OutlinesAnLShapedFloorAndBridgesWhatStandsOnIt) {
     const bool table = std::abs(x - 1) < 0.15 && std::abs(y - 1) < 0.15;
     return !notch && !table;
   });
-  const Result<TriangleMesh> mesh = GroundPolygon(floor, {});
+  const Result<TriangleMesh> mesh = GroundPolygon(floor);
   ASSERT_TRUE(mesh.ok());
   // 12 - 1.5 * 1.5 square metres; the notch's corner is rounded by alpha, the outline simplified by
   // 3 cm.
@@ -48,7 +48,7 @@ TEST(GroundPolygon, OutlinesAnLShapedFloorAndBridgesWhatStandsOnIt) {
 
 TEST(GroundPolygon, OutlineAloneGivesTheSameFloorBack) {
   const auto floor = Floor(4, 3, [](double x, double y) { return !(x > 2.5 && y > 1.5); });
-  const Result<TriangleMesh> mesh = GroundPolygon(floor, {});
+  const Result<TriangleMesh> mesh = GroundPolygon(floor);
   ASSERT_TRUE(mesh.ok());
   const std::vector<Eigen::Vector2d> outline = OutlineOf(*mesh);
   EXPECT_EQ(outline.size(), mesh->vertices.size());
@@ -70,9 +70,9 @@ TEST(GroundPolygon, RefusesOutlinesThatAreNone) {
 
 TEST(GroundPolygon, DoesNotDependOnTheOrderOfPoints) {
   auto floor = Floor(2, 2, [](double x, double y) { return x + y < 3; });
-  const Result<TriangleMesh> a = GroundPolygon(floor, {});
+  const Result<TriangleMesh> a = GroundPolygon(floor);
   std::reverse(floor.begin(), floor.end());
-  const Result<TriangleMesh> b = GroundPolygon(floor, {});
+  const Result<TriangleMesh> b = GroundPolygon(floor);
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_EQ(a->vertices, b->vertices);
   EXPECT_EQ(a->faces, b->faces);
@@ -83,7 +83,7 @@ TEST(GroundPolygon, TakesTheLargestPieceAndLeavesOutNonsense) {
   floor.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0.0);
   floor.emplace_back(std::numeric_limits<double>::infinity(), 0.0);
   floor.emplace_back(1e30, 1e30);
-  const Result<TriangleMesh> mesh = GroundPolygon(floor, {});
+  const Result<TriangleMesh> mesh = GroundPolygon(floor);
   ASSERT_TRUE(mesh.ok());
   EXPECT_NEAR(Area(*mesh), 4.0, 0.3);
 }
@@ -91,8 +91,8 @@ TEST(GroundPolygon, TakesTheLargestPieceAndLeavesOutNonsense) {
 TEST(GroundPolygon, RefusesPointsWithoutArea) {
   std::vector<Eigen::Vector2d> line;
   for (int n = 0; n < 50; ++n) line.emplace_back(0.05 * n, 0.0);
-  EXPECT_FALSE(GroundPolygon(line, {}).ok());
-  EXPECT_FALSE(GroundPolygon({}, {}).ok());
+  EXPECT_FALSE(GroundPolygon(line).ok());
+  EXPECT_FALSE(GroundPolygon({}).ok());
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ TEST(CutObjectViews, WithoutColourGivesTheSameDepthAndObject) {
   const ViewPlan plan = PlanObjectViews(odometry, world.segments, tracks, {});
   SilentProgress progress;
   const auto cut = [&](ViewContent content) {
-    return *CutObjectViews(world.source, odometry, Ground(), plan, {}, content, progress);
+    return *CutObjectViews(world.source, odometry, Ground(), plan, content, progress);
   };
   const std::vector<ObjectView> whole = cut(ViewContent::kColourAndDepth).at({4});
   const std::vector<ObjectView> depth = cut(ViewContent::kDepth).at({4});
@@ -119,7 +119,7 @@ TEST(CutObjectViews, WithoutColourGivesTheSameDepthAndObject) {
     EXPECT_FALSE(whole[n].colour_crop.empty());
     num_bytes += whole[n].colour_crop.size() * (sizeof(Rgb8) + sizeof(float) + 1);
   }
-  EXPECT_EQ(NumBytes(plan.at({4}), SmallCamera(), {}), num_bytes);
+  EXPECT_EQ(NumBytes(plan.at({4}), SmallCamera()), num_bytes);
 }
 
 TEST(CollectObjectViews, SpreadsTheViewsItChooses) {

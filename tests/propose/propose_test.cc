@@ -319,7 +319,7 @@ TEST(Retrieval, DoesNotDependOnTheNumberOfThreads) {
 
 Proposals Fuse(const std::string& class_name, std::span<const ObjectView> views) {
   const Result<Proposals> proposals =
-      MakeFusedProposer(Classes(), {})->Propose({ObjectId{7}, class_name, views});
+      MakeFusedProposer(Classes())->Propose({ObjectId{7}, class_name, views});
   EXPECT_TRUE(proposals.ok());
   return *proposals;
 }

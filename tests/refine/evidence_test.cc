@@ -28,7 +28,7 @@ class EvidenceTest : public testing::Test {
   [[nodiscard]] std::vector<Evidence> Carve() const {
     std::vector<PlacedView> placed;
     for (const Staged& staged : staged_) placed.push_back({&staged.view, staged.camera_from_grid});
-    return CarveEvidence(placed, RefineOptions());
+    return CarveEvidence(placed);
   }
 
   // How many voxels of a kind lie further inside, or outside, the model than `voxels`.
@@ -92,7 +92,7 @@ TEST_F(EvidenceTest, ViewsThatCannotBeSaySoByNothing) {
   Stage(1);
   const auto says_nothing = [&](const Staged& staged) {
     const PlacedView placed = {&staged.view, staged.camera_from_grid};
-    const std::vector<Evidence> evidence = CarveEvidence({&placed, 1}, RefineOptions());
+    const std::vector<Evidence> evidence = CarveEvidence({&placed, 1});
     return std::all_of(
         evidence.begin(), evidence.end(), [](Evidence e) { return e == Evidence::kUnknown; });
   };
@@ -112,7 +112,7 @@ TEST_F(EvidenceTest, ViewsThatCannotBeSaySoByNothing) {
   Staged torn = staged_[0];
   for (float& depth_m : torn.view.depth_crop_m) depth_m = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(says_nothing(torn));
-  const std::vector<Evidence> of_none = CarveEvidence({}, RefineOptions());
+  const std::vector<Evidence> of_none = CarveEvidence({});
   EXPECT_EQ(std::count(of_none.begin(), of_none.end(), Evidence::kUnknown),
             kGridSize * kGridSize * kGridSize);
 }

@@ -1,5 +1,5 @@
-#include "deepslam/core/angles.h"
 #include "deepslam/registration/refine_pose.h"
+#include "deepslam/core/angles.h"
 
 #include <cmath>
 #include <limits>
@@ -164,8 +164,7 @@ TEST(RefinePose, StaysFiniteWithHardlyAnyPoints) {
 TEST(RegisterCandidateNear, RegistersEveryViewFromTheRefinedPose) {
   const FurnitureWorld world = Chair();
   const RegisterOptions options;
-  const std::vector<MeasuredView> views =
-      PrepareForRegistration(world.Views({0.2, 1.0, 1.9}), options);
+  const std::vector<MeasuredView> views = PrepareForRegistration(world.Views({0.2, 1.0, 1.9}));
   const CandidateRegistration result =
       RegisterCandidateNear(CandidateFor(0.5 * kSize_m, 1.5 * kSize_m),
                             world.model(),

@@ -30,8 +30,7 @@ class ATable : public testing::Test {
   }
 
   std::optional<LevelTop> Claim() {
-    return ClaimLevelTop(
-        pieces_, heights_, SmallCamera(), ground_, whole_image_, 7, options_, owners_);
+    return ClaimLevelTop(pieces_, heights_, SmallCamera(), ground_, whole_image_, 7, owners_);
   }
 
   // Above the floor, of a pixel of an object.
@@ -84,7 +83,7 @@ TEST_F(ATable, ItsLegsCarryIt) {
   const std::optional<LevelTop> top = Claim();
   ASSERT_TRUE(top.has_value());
   const std::vector<OwnedTop> tops = {{7, *top}};
-  ClaimCarriers(pieces_, ground_, tops, options_, owners_);
+  ClaimCarriers(pieces_, ground_, tops, owners_);
   int num_legs = 0;
   int num_missed = 0;
   for (int v = 0; v < owners_.height(); ++v) {
@@ -115,7 +114,7 @@ TEST_F(ATableWithAChairUnderIt, DoesNotOwnTheChair) {
   const std::optional<LevelTop> top = Claim();
   ASSERT_TRUE(top.has_value());
   const std::vector<OwnedTop> tops = {{7, *top}};
-  ClaimCarriers(pieces_, ground_, tops, options_, owners_);
+  ClaimCarriers(pieces_, ground_, tops, owners_);
   for (int v = 0; v < owners_.height(); ++v) {
     for (int u = 0; u < owners_.width(); ++u)
       EXPECT_FALSE(owners_(u, v) == 7 && view_.object(u, v) == 1) << u << " " << v;

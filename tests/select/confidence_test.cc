@@ -59,7 +59,7 @@ class ConfidenceInAPlace : public testing::Test {
     winner.scale_m = registrations_[number].scale_m;
     winner.world_from_object = registrations_[number].world_from_object;
     winner.views = registrations_[number].views;
-    return Confidence(winner, shape_, candidates_, registrations_, scores_, {});
+    return Confidence(winner, shape_, candidates_, registrations_, scores_);
   }
 
   shape::ShapeModel shape_ = Model(testing_support::ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.04F));
@@ -137,7 +137,7 @@ TEST_F(ConfidenceInAPlace, IsInRangeWhateverTheScoresAre) {
     EXPECT_LE(Of(0), 1);
   }
   MapObject nothing;
-  EXPECT_EQ(Confidence(nothing, shape_, candidates_, registrations_, scores_, {}), 0);
+  EXPECT_EQ(Confidence(nothing, shape_, candidates_, registrations_, scores_), 0);
 }
 
 }  // namespace

@@ -32,8 +32,7 @@ class JudgeAChair : public testing::Test {
     const CandidateScore score = ScoreCandidate(candidate, model, registration, views, {});
     MapObject object = SelectShape(
         ObjectId{0}, "chair", {&candidate, 1}, {&registration, 1}, {&score, 1}, views, {});
-    object.confidence =
-        Confidence(object, model, {&candidate, 1}, {&registration, 1}, {&score, 1}, {});
+    object.confidence = Confidence(object, model, {&candidate, 1}, {&registration, 1}, {&score, 1});
     return object;
   }
 

@@ -158,7 +158,7 @@ class SelectAChair : public testing::Test {
   }
 
   [[nodiscard]] double ConfidenceOf(const MapObject& object) const {
-    return Confidence(object, world_.model(), candidates_, registrations_, scores_, options_);
+    return Confidence(object, world_.model(), candidates_, registrations_, scores_);
   }
 
   FurnitureWorld world_{testing_support::ChairGrid(), 0.9};
@@ -203,7 +203,7 @@ TEST_F(SelectAChair, LeavesOutWhatIsSmallerThanTheMapHolds) {
   const double size_m = registrations_[1].scale_m * kModelExtent;
   options_.min_size_m = 1.01 * size_m;
   EXPECT_FALSE(Select().chosen.valid());
-  EXPECT_THAT(Select().note, testing::HasSubstr("cm large, less than select.min_size"));
+  EXPECT_THAT(Select().note, testing::HasSubstr("cm large, less than select.min_size_m"));
   options_.min_size_m = 0.99 * size_m;
   EXPECT_TRUE(Select().chosen.valid());
 }

@@ -89,6 +89,54 @@ TEST(ClassesConfig, OptionsThatListedClassesSayWhereTheirTraitsStandNow) {
     EXPECT_THAT(status.error().message, HasSubstr(expected));
 }
 
+TEST(RetiredOptions, AreRefusedWithTheValueThatHoldsOrTheNewName) {
+  Config config;
+  const Status status = pipeline::ApplyYaml(Sections(config),
+                                            "register:\n  num_azimuths: 8\n"
+                                            "select:\n  min_size: 0.2\n"
+                                            "optimize:\n  use_ground: false\n",
+                                            "old.yaml");
+  ASSERT_FALSE(status.ok());
+  for (const char* expected :
+       {"old.yaml:2: register.num_azimuths is no option any more: its value is fixed at 8; remove",
+        "old.yaml:4: select.min_size is no option any more: it is called select.min_size_m",
+        "old.yaml:6: optimize.use_ground is no option any more: its value is fixed at true"})
+    EXPECT_THAT(status.error().message, HasSubstr(expected));
+}
+
+TEST(RetiredOptions, AreNoOptions) {
+  class Names final : public OptionsVisitor {
+   public:
+    explicit Names(std::string section) : section_(std::move(section)) {}
+    void Field(std::string_view, double&, Range, std::string_view, std::string_view) override {}
+    void Field(std::string_view, int&, Range, std::string_view, std::string_view) override {}
+    void Field(std::string_view, bool&, std::string_view) override {}
+    void Field(std::string_view, std::string&, std::string_view) override {}
+    void Choice(std::string_view,
+                std::string&,
+                std::span<const std::string_view>,
+                std::string_view) override {}
+    void Retired(std::string_view name, std::string_view) override {
+      EXPECT_TRUE(names.insert(section_ + "." + std::string(name)).second) << name << " twice";
+    }
+    std::set<std::string> names;
+
+   private:
+    std::string section_;
+  };
+  Config config;
+  const std::vector<pipeline::OptionSection> sections = Sections(config);
+  std::set<std::string> retired;
+  for (const pipeline::OptionSection& section : sections) {
+    Names names(section.name);
+    section.describe(names);
+    retired.merge(names.names);
+  }
+  EXPECT_GT(retired.size(), 100U);
+  for (const pipeline::OptionEntry& entry : pipeline::ListOptions(sections))
+    EXPECT_FALSE(retired.contains(entry.name)) << entry.name;
+}
+
 // Every stage that asks for a trait runs again when one changes.
 TEST(Keys, AClassesTraitChangesTheStagesThatLookAtIt) {
   const auto classes_in_keys = [](const ClassTable& classes) {
@@ -125,11 +173,11 @@ TEST(Keys, EveryOptionBelongsToAStage) {
 
 TEST(Keys, AnOptionChangesItsOwnStagesOnly) {
   Config changed;
-  changed.optimize.lambda_ground *= 2;
+  changed.optimize.loss_rounds += 1;
   // Loops by appearance are put through the graph as well.
   EXPECT_EQ(StagesThatDiffer({}, changed), (std::set<std::string>{"loops", "optimize"}));
   changed = {};
-  changed.appearance.min_inliers += 1;
+  changed.appearance.max_keyframes += 1;
   EXPECT_EQ(StagesThatDiffer({}, changed), std::set<std::string>{"loops"});
   changed = {};
   changed.views.max_views += 1;

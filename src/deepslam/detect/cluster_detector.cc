@@ -58,17 +58,17 @@ FrameClusters FindClusters(const Frame& frame,
   FrameClusters found;
   if (!options.enabled || frame.depth_m.empty() || !(camera.fx > 0) || !(camera.fy > 0))
     return found;
-  const GroundGrid grid = SurveyGround(frame, camera, ground_camera, options);
+  const GroundGrid grid = SurveyGround(frame, camera, ground_camera);
   const Components components = ConnectCells(grid);
   const auto min_points = static_cast<std::size_t>(
-      std::max(1.0, options.min_points_share * static_cast<double>(frame.depth_m.size())));
+      std::max(1.0, ClusterOptions::kMinPointsShare * static_cast<double>(frame.depth_m.size())));
   std::vector<Cluster> clusters =
-      FindGroundClusters(frame.depth_m.width(), grid, components, options, min_points);
+      FindGroundClusters(frame.depth_m.width(), grid, components, min_points);
   for (Cluster& cluster : clusters) {
     found.boxes_px.push_back(cluster.box_px);
-    if (!IsFurniture(options, cluster)) continue;
-    const double free_share = FreeShare(grid, components, cluster, options);
-    if (free_share < options.min_free_share) continue;
+    if (!IsFurniture(cluster)) continue;
+    const double free_share = FreeShare(grid, components, cluster);
+    if (free_share < ClusterOptions::kMinFreeShare) continue;
     if (!EndsAreSeen(frame, camera, ground_camera, grid.wall, cluster)) continue;
     Detection detection = DetectionOf(cluster, frame, free_share);
     detection.class_name = ClassOf(cluster, classes);
@@ -84,7 +84,7 @@ std::vector<Detection> DetectClusters(const Frame& frame,
                                       std::span<const Detection> covered,
                                       const ClassTable& classes,
                                       const ClusterOptions& options) {
-  return Uncovered(FindClusters(frame, camera, ground_camera, classes, options), covered, options);
+  return Uncovered(FindClusters(frame, camera, ground_camera, classes, options), covered);
 }
 
 }  // namespace deepslam::detect

@@ -17,20 +17,27 @@ namespace deepslam::detect {
 
 struct ClusterOptions {
   bool enabled = true;
-  double min_height_m = 0.10;  // points lower than this above the ground belong to the ground
-  double max_height_m = 2.0;   // points above belong to the room; a cluster that reaches it is none
-  double max_depth_m = 4.0;    // farther depth is too coarse to tell clusters apart
-  double max_base_m = 0.25;  // a cluster's lowest point must be this near to the ground: it stands
-  double cell_m = 0.04;      // grid on the ground in which clusters are connected
-  double min_footprint_m2 = 0.04;   // smaller ground area seen: no furniture
-  double min_size_m = 0.30;         // longest side of the cluster
-  double max_size_m = 2.2;          // wider than this is a wall or a row of fitted furniture
-  double min_points_share = 0.004;  // of the image's pixels
+  static constexpr double kMinHeight_m =
+      0.10;  // points lower than this above the ground belong to the ground
+  static constexpr double kMaxHeight_m =
+      2.0;  // points above belong to the room; a cluster that reaches it is none
+  static constexpr double kMaxDepth_m = 4.0;  // farther depth is too coarse to tell clusters apart
+  static constexpr double kMaxBase_m = 0.25;  // Grid on the ground in which clusters are connected:
+                                              // two to three pixels of a reduced frame at
+  // 4 m.
+  static constexpr double kCell_m = 0.04;
+  // Clusters that cover less ground are no furniture: 20 cm square.
+  static constexpr double kMinFootprint_m2 = 0.04;
+  // Longest side of the cluster: smaller things are not mapped (select_options.h).
+  static constexpr double kMinSize_m = 0.30;
+  static constexpr double kMaxSize_m =
+      2.2;  // Share of the image's pixels: 300 of a reduced frame of 320 x 240.
+  static constexpr double kMinPointsShare = 0.004;
   // A cluster whose pixels are covered more than this by the detection that found it is its own.
-  double max_covered_share = 0.35;
-  double free_margin_m =
-      0.15;  // floor must be seen around this much of the cluster's visible foot ...
-  double min_free_share =
+  static constexpr double kMaxCoveredShare = 0.35;
+  // Floor must be seen around this much of the cluster's visible foot.
+  static constexpr double kFreeMargin_m = 0.15;
+  static constexpr double kMinFreeShare =
       0.5;  // ... along this share of its outline (stands free, not part of a wall)
 };
 void Describe(OptionsVisitor& visitor, ClusterOptions& options);
@@ -56,8 +63,7 @@ struct FrameClusters {
 
 // The furniture that none of `covered` has found or covers.
 [[nodiscard]] std::vector<Detection> Uncovered(FrameClusters clusters,
-                                               std::span<const Detection> covered,
-                                               const ClusterOptions& options);
+                                               std::span<const Detection> covered);
 
 // Both at once.
 [[nodiscard]] std::vector<Detection> DetectClusters(const Frame& frame,

@@ -18,21 +18,6 @@ bool IsSane(const RawDetection& raw) {
 void Describe(OptionsVisitor& visitor, DetectOptions& options) {
   visitor.Field(
       "min_score", options.min_score, {0, 1}, "1", "detections with a lower score are dropped");
-  visitor.Field("duplicate_iou",
-                options.duplicate_iou,
-                {0, 1},
-                "1",
-                "of two boxes of different classes with more overlap than this the better stays");
-  visitor.Field("same_class_iou",
-                options.same_class_iou,
-                {0, 1},
-                "1",
-                "of two boxes of one class with more overlap than this the better stays");
-  visitor.Field("min_side_px",
-                options.min_side_px,
-                {1, 1000},
-                "px",
-                "boxes narrower or lower than this are dropped");
 }
 
 std::vector<Detection> MapDetections(std::span<const RawDetection> raw,
@@ -45,8 +30,8 @@ std::vector<Detection> MapDetections(std::span<const RawDetection> raw,
     if (!IsSane(r) || r.score < options.min_score) continue;
     const ObjectClass* object_class = classes.FindByLabel(r.label);
     const Box2 box = Intersection(r.box_px, image);
-    const bool large = !box.empty() && box.width_px() >= options.min_side_px &&
-                       box.height_px() >= options.min_side_px;
+    const bool large = !box.empty() && box.width_px() >= DetectOptions::kMinSide_px &&
+                       box.height_px() >= DetectOptions::kMinSide_px;
     if (object_class == nullptr || !large) continue;
     Detection detection;
     detection.frame = frame.idx;
@@ -62,8 +47,8 @@ std::vector<Detection> MapDetections(std::span<const RawDetection> raw,
   std::vector<Detection> kept;
   for (Detection& candidate : found) {
     const bool repeated = std::any_of(kept.begin(), kept.end(), [&](const Detection& better) {
-      const double limit = better.class_name == candidate.class_name ? options.same_class_iou
-                                                                     : options.duplicate_iou;
+      const double limit = better.class_name == candidate.class_name ? DetectOptions::kSameClassIou
+                                                                     : DetectOptions::kDuplicateIou;
       return IntersectionOverUnion(better.box_px, candidate.box_px) > limit;
     });
     if (!repeated) kept.push_back(std::move(candidate));

@@ -15,10 +15,14 @@ namespace deepslam::detect {
 
 struct DetectOptions {
   double min_score = 0.3;  // detections below are dropped
-  double duplicate_iou =
-      0.7;  // of two boxes of different classes with more overlap the better stays
-  double same_class_iou = 0.6;  // the same for two labels that mean one class of the table
-  double min_side_px = 12;      // boxes narrower or lower are too small to say anything
+  // Of two boxes of different classes with more overlap the better stays: the detector gives one
+  // thing two names.
+  static constexpr double kDuplicateIou = 0.7;
+  // The same for two labels that mean one class of the table, as the detector's own suppression
+  // has it (detector.h).
+  static constexpr double kSameClassIou = 0.6;
+  // Boxes narrower or lower are too small to say anything: at 5 m this is 10 cm.
+  static constexpr double kMinSide_px = 12;
 };
 void Describe(OptionsVisitor& visitor, DetectOptions& options);
 

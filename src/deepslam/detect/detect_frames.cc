@@ -191,18 +191,14 @@ void WarnOf(const FrameFinds& finds, FrameIdx frame, Progress& progress) {
 }
 
 // Detections of one frame, with those given for it.
-std::vector<Detection> Joined(FrameFinds finds,
-                              FrameIdx frame,
-                              std::span<const Detection> given,
-                              const ClusterOptions& options) {
+std::vector<Detection> Joined(FrameFinds finds, FrameIdx frame, std::span<const Detection> given) {
   if (finds.unread_depth || finds.unread_colour) return {};
   std::vector<Detection> detections = std::move(finds.detections);
   detections.insert(detections.end(),
                     std::ranges::lower_bound(given, frame, {}, &Detection::frame),
                     std::ranges::upper_bound(given, frame, {}, &Detection::frame));
   if (!finds.clusters) return detections;
-  std::vector<Detection> clusters =
-      UncoveredTurned(*std::move(finds.clusters), detections, options);
+  std::vector<Detection> clusters = UncoveredTurned(*std::move(finds.clusters), detections);
   std::ranges::move(clusters, std::back_inserter(detections));
   return detections;
 }
@@ -234,9 +230,8 @@ Result<std::vector<FrameDetections>> DetectFrames(const DetectionInputs& inputs,
     FrameFinds& finds = (*found)[k];
     WarnOf(finds, wanted[k], progress);
     const std::optional<bool> contains_person = finds.contains_person;
-    detections.push_back({wanted[k],
-                          Joined(std::move(finds), wanted[k], inputs.given, options.clusters),
-                          contains_person});
+    detections.push_back(
+        {wanted[k], Joined(std::move(finds), wanted[k], inputs.given), contains_person});
   }
   return detections;
 }

@@ -34,9 +34,10 @@ class Detector {
 
 struct DetectorOptions {
   double min_score = 0.1;  // raw detections below are dropped
-  double max_overlap_iou =
-      0.6;  // of two boxes with one label and more overlap than this the better stays (NMS)
-  int max_detections = 100;  // per image
+  // Non-maximum suppression: of two boxes with one label and more overlap the better stays.
+  static constexpr double kMaxOverlapIou = 0.6;
+  // Detections kept per image: far more than a room shows.
+  static constexpr int kMaxDetections = 100;
   // Threads inside one forward pass. Not described: results do not depend on it.
   int num_threads = 1;
   // Of the images to come. The network's input is made no larger than they need (fitted_network.h);

@@ -125,9 +125,10 @@ std::vector<Cluster> MeasureClusters(int image_width,
 }
 
 // As far as the image and the grid tell.
-bool MayBeFurniture(const Cluster& cluster, const ClusterOptions& options) {
-  const double cell_m2 = options.cell_m * options.cell_m;
-  if (static_cast<double>(cluster.num_cells) * cell_m2 < options.min_footprint_m2) return false;
+bool MayBeFurniture(const Cluster& cluster) {
+  const double cell_m2 = ClusterOptions::kCell_m * ClusterOptions::kCell_m;
+  if (static_cast<double>(cluster.num_cells) * cell_m2 < ClusterOptions::kMinFootprint_m2)
+    return false;
   // What runs out of the picture on both sides or through its top may be anything.
   const double limit = kBorderShare * cluster.num_rows * kBorder_px;
   const bool left = cluster.num_left > limit;
@@ -139,11 +140,10 @@ bool MayBeFurniture(const Cluster& cluster, const ClusterOptions& options) {
 // Points and cells of those that may be furniture.
 void GatherPoints(const GroundGrid& grid,
                   const Components& components,
-                  const ClusterOptions& options,
                   std::vector<Cluster>& clusters) {
   std::vector<Cluster*> of_component(static_cast<std::size_t>(components.count), nullptr);
   for (Cluster& cluster : clusters) {
-    if (!MayBeFurniture(cluster, options)) continue;
+    if (!MayBeFurniture(cluster)) continue;
     of_component[static_cast<std::size_t>(cluster.component)] = &cluster;
     cluster.points.reserve(cluster.num_points);
     cluster.cells.reserve(cluster.num_cells);
@@ -192,22 +192,23 @@ Components ConnectCells(const GroundGrid& grid) {
 std::vector<Cluster> FindGroundClusters(int image_width,
                                         const GroundGrid& grid,
                                         const Components& components,
-                                        const ClusterOptions& options,
                                         std::size_t min_points) {
   std::vector<Cluster> clusters = MeasureClusters(image_width, grid, components, min_points);
-  GatherPoints(grid, components, options, clusters);
+  GatherPoints(grid, components, clusters);
   return clusters;
 }
 
-bool IsFurniture(const ClusterOptions& options, Cluster& cluster) {
+bool IsFurniture(Cluster& cluster) {
   if (cluster.points.empty()) return false;
   MeasureHeights(cluster);
-  if (cluster.max_height_m > options.max_height_m || cluster.min_height_m > options.max_base_m) {
+  if (cluster.max_height_m > ClusterOptions::kMaxHeight_m ||
+      cluster.min_height_m > ClusterOptions::kMaxBase_m) {
     return false;
   }
   MeasureFootprint(cluster);
   const double longest_m = std::max(cluster.long_side_m, cluster.max_height_m);
-  if (longest_m < options.min_size_m || cluster.long_side_m > options.max_size_m) return false;
+  if (longest_m < ClusterOptions::kMinSize_m || cluster.long_side_m > ClusterOptions::kMaxSize_m)
+    return false;
   return cluster.short_side_m >= kThin_m || cluster.max_height_m <= kThinTall_m;
 }
 

@@ -42,10 +42,9 @@ struct Cluster {
 [[nodiscard]] std::vector<Cluster> FindGroundClusters(int image_width,
                                                       const GroundGrid& grid,
                                                       const Components& components,
-                                                      const ClusterOptions& options,
                                                       std::size_t min_points);
 
 // Whether its size and place are those of furniture; measures the cluster, as far as it takes.
-[[nodiscard]] bool IsFurniture(const ClusterOptions& options, Cluster& cluster);
+[[nodiscard]] bool IsFurniture(Cluster& cluster);
 
 }  // namespace deepslam::detect

@@ -69,11 +69,12 @@ DEEPSLAM_WIDE_VECTORS void SurveyRow(const float* depth_m,
 
 GroundGrid SurveyCells(const Frame& frame,
                        const PinholeCamera& camera,
-                       const Plane& ground_camera,
-                       const ClusterOptions& options) {
+                       const Plane& ground_camera) {
   GroundGrid grid;
-  grid.cell_m = options.cell_m;
-  grid.side = 2 * static_cast<int>(std::ceil(1.5 * options.max_depth_m / options.cell_m)) + 3;
+  grid.cell_m = ClusterOptions::kCell_m;
+  grid.side =
+      2 * static_cast<int>(std::ceil(1.5 * ClusterOptions::kMaxDepth_m / ClusterOptions::kCell_m)) +
+      3;
   const auto num_cells = static_cast<std::size_t>(grid.side) * static_cast<std::size_t>(grid.side);
   grid.kinds.assign(num_cells, 0);
   grid.wall = Mask(frame.depth_m.width(), frame.depth_m.height());
@@ -94,7 +95,7 @@ GroundGrid SurveyCells(const Frame& frame,
               row);
     for (int u = 0; u < frame.depth_m.width(); ++u) {
       const float depth_m = depth_row_m[u];
-      if (!(depth_m > 0) || depth_m > options.max_depth_m) continue;
+      if (!(depth_m > 0) || depth_m > ClusterOptions::kMaxDepth_m) continue;
       const auto at = static_cast<std::size_t>(u);
       const int cell = grid.Cell(row.i[at], row.j[at]);
       if (cell < 0) continue;
@@ -147,11 +148,10 @@ void MarkMatter(double min_height_m, GroundGrid& grid) {
 
 GroundGrid SurveyGround(const Frame& frame,
                         const PinholeCamera& camera,
-                        const Plane& ground_camera,
-                        const ClusterOptions& options) {
-  GroundGrid grid = SurveyCells(frame, camera, ground_camera, options);
+                        const Plane& ground_camera) {
+  GroundGrid grid = SurveyCells(frame, camera, ground_camera);
   LeaveOutWalls(frame.depth_m.height() / kTopPart, grid);
-  MarkMatter(options.min_height_m, grid);
+  MarkMatter(ClusterOptions::kMinHeight_m, grid);
   return grid;
 }
 

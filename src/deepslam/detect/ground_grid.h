@@ -47,11 +47,10 @@ struct GroundGrid {
 };
 
 // The floor that is seen, and the points above it. Points of walls are left out, so that what
-// stands against a wall stands for itself; cells with some points of at least options.min_height_m
-// hold matter. `ground_camera`: normal up, d the camera's height.
+// stands against a wall stands for itself; cells with some points of at least
+// ClusterOptions::kMinHeight_m hold matter. `ground_camera`: normal up, d the camera's height.
 [[nodiscard]] GroundGrid SurveyGround(const Frame& frame,
                                       const PinholeCamera& camera,
-                                      const Plane& ground_camera,
-                                      const ClusterOptions& options);
+                                      const Plane& ground_camera);
 
 }  // namespace deepslam::detect

@@ -222,8 +222,8 @@ Result<std::vector<RawDetection>> NetworkDetector::Detect(const ColourImage& ima
   };
   const std::vector<HeadBox> boxes =
       SuppressOverlaps(DecodeHead(values(outputs[0]), layout_, options_.min_score),
-                       options_.max_overlap_iou,
-                       options_.max_detections);
+                       DetectorOptions::kMaxOverlapIou,
+                       DetectorOptions::kMaxDetections);
   std::vector<RawDetection> detections;
   for (const HeadBox& box : boxes) {
     RawDetection detection;
@@ -275,13 +275,6 @@ void Describe(OptionsVisitor& visitor, DetectorOptions& options) {
                 {0.001, 1},
                 "1",
                 "raw detections with a lower score are dropped");
-  visitor.Field("max_overlap_iou",
-                options.max_overlap_iou,
-                {0, 1},
-                "1",
-                "of two boxes with one label and more overlap than this the better stays");
-  visitor.Field(
-      "max_detections", options.max_detections, {1, 1000}, "1", "raw detections kept per image");
 }
 
 Result<std::unique_ptr<Detector>> LoadNetworkDetector(std::string_view onnx_bytes,

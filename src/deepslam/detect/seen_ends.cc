@@ -53,11 +53,9 @@ double EndShare(const Frame& frame,
 
 }  // namespace
 
-double FreeShare(const GroundGrid& grid,
-                 const Components& components,
-                 const Cluster& cluster,
-                 const ClusterOptions& options) {
-  const int reach = std::max(1, static_cast<int>(std::lround(options.free_margin_m / grid.cell_m)));
+double FreeShare(const GroundGrid& grid, const Components& components, const Cluster& cluster) {
+  const int reach =
+      std::max(1, static_cast<int>(std::lround(ClusterOptions::kFreeMargin_m / grid.cell_m)));
   int num_front = 0;
   int num_free = 0;
   for (const int cell : cluster.cells) {

@@ -14,8 +14,7 @@ namespace deepslam::detect {
 // stands free.
 [[nodiscard]] double FreeShare(const GroundGrid& grid,
                                const Components& components,
-                               const Cluster& cluster,
-                               const ClusterOptions& options);
+                               const Cluster& cluster);
 
 // Whether both its left and its right end are seen to end in enough rows of the image: next to them
 // lies floor, a wall or something farther. A thing that runs on behind an occluder, out of the

@@ -50,14 +50,13 @@ UprightClusters FindClustersTurned(const Frame& frame,
 }
 
 std::vector<Detection> UncoveredTurned(UprightClusters clusters,
-                                       std::span<const Detection> covered,
-                                       const ClusterOptions& options) {
+                                       std::span<const Detection> covered) {
   const QuarterTurn upright = clusters.upright;
-  if (upright == QuarterTurn::kNone) return Uncovered(std::move(clusters.found), covered, options);
+  if (upright == QuarterTurn::kNone) return Uncovered(std::move(clusters.found), covered);
   std::vector<Detection> turned_covered;
   for (const Detection& detection : covered)
     turned_covered.push_back(Turned(detection, clusters.width, clusters.height, upright));
-  std::vector<Detection> found = Uncovered(std::move(clusters.found), turned_covered, options);
+  std::vector<Detection> found = Uncovered(std::move(clusters.found), turned_covered);
   const bool on_its_side = OnItsSide(upright);
   const int turned_width = on_its_side ? clusters.height : clusters.width;
   const int turned_height = on_its_side ? clusters.width : clusters.height;

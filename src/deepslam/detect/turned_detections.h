@@ -36,7 +36,6 @@ struct UprightClusters {
 // Those that `covered` does not explain; everything given and returned is of the picture as it
 // came.
 [[nodiscard]] std::vector<Detection> UncoveredTurned(UprightClusters clusters,
-                                                     std::span<const Detection> covered,
-                                                     const ClusterOptions& options);
+                                                     std::span<const Detection> covered);
 
 }  // namespace deepslam::detect

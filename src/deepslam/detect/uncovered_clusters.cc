@@ -65,13 +65,11 @@ bool IsExplained(const FrameClusters::Furniture& furniture,
 
 }  // namespace
 
-std::vector<Detection> Uncovered(FrameClusters clusters,
-                                 std::span<const Detection> covered,
-                                 const ClusterOptions& options) {
+std::vector<Detection> Uncovered(FrameClusters clusters, std::span<const Detection> covered) {
   const std::vector<std::size_t> found = FoundBy(covered, clusters.boxes_px);
   std::vector<Detection> detections;
   for (FrameClusters::Furniture& furniture : clusters.furniture) {
-    if (IsExplained(furniture, covered, found, options.max_covered_share)) continue;
+    if (IsExplained(furniture, covered, found, ClusterOptions::kMaxCoveredShare)) continue;
     detections.push_back(std::move(furniture.detection));
   }
   return detections;

@@ -1,6 +1,5 @@
 #include "deepslam/fuse/choose_frames.h"
 
-
 #include "deepslam/core/angles.h"
 #include "deepslam/geometry/pose.h"
 
@@ -27,21 +26,6 @@ std::vector<FrameIdx> FramesToFuse(std::span<const TrackedFrame> frames,
     last = &frame;
   }
   return chosen;
-}
-
-void Describe(OptionsVisitor& visitor, FrameChoice& options) {
-  visitor.Field("move_m",
-                options.move_m,
-                {0, 10},
-                "m",
-                "a frame is fused when the camera moved this far since the last one");
-  visitor.Field(
-      "turn_deg", options.turn_deg, {0, 180}, "deg", "or turned this far since the last one");
-  visitor.Field("frame_step",
-                options.frame_step,
-                {1, 1000},
-                "1",
-                "or after so many frames; 1 fuses every frame");
 }
 
 }  // namespace deepslam::fuse

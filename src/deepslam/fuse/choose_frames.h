@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "deepslam/core/ids.h"
-#include "deepslam/core/options.h"
 #include "deepslam/scene/trajectory.h"
 
 namespace deepslam::fuse {
@@ -15,7 +14,6 @@ struct FrameChoice {
   double turn_deg = 3;   // or turned this far
   int frame_step = 15;   // or at the latest after so many frames
 };
-void Describe(OptionsVisitor& visitor, FrameChoice& options);
 
 // Of the aligned frames, in order: those that moved, turned or waited enough since the one chosen
 // before; of keyframes, which other stages have decoded, half the motion is asked. A recording of

@@ -58,9 +58,9 @@ std::int32_t FramesAt(const VoxelBlocks& blocks, const Eigen::Vector3f& vertex) 
 SpaceOptions SpaceOf(const CoarseOptions& options) {
   SpaceOptions space;
   space.voxel_m = options.voxel_m;
-  space.range_m = options.space_range_m;
+  space.range_m = CoarseOptions::kSpaceRange_m;
   // A wall nearer than what is fused would have been measured.
-  space.blind_range_m = options.max_depth_m;
+  space.blind_range_m = CoarseOptions::kMaxDepth_m;
   return space;
 }
 
@@ -70,7 +70,7 @@ FrameChoice CoarseFrameChoice() { return {0.15, 9, 45}; }
 
 struct CoarseFusion::Impl {
   explicit Impl(const CoarseOptions& o)
-      : options(o), blocks(o.voxel_m, o.truncation_m), space(SpaceOf(o)) {}
+      : options(o), blocks(o.voxel_m, CoarseOptions::kTruncation_m), space(SpaceOf(o)) {}
 
   CoarseOptions options;
   VoxelBlocks blocks;
@@ -94,7 +94,7 @@ Status CoarseFusion::Integrate(const Frame& frame,
   const bool coloured = !frame.colour.empty();
   if (!coloured && impl.grey.empty()) impl.grey = ColourImage(camera.width, camera.height, {});
   impl.coloured = impl.coloured && coloured;
-  const bool added = impl.blocks.Integrate(Near(frame.depth_m, impl.options.max_depth_m),
+  const bool added = impl.blocks.Integrate(Near(frame.depth_m, CoarseOptions::kMaxDepth_m),
                                            coloured ? frame.colour : impl.grey,
                                            camera,
                                            level_from_camera,
@@ -112,7 +112,7 @@ CoarseSurface CoarseFusion::Take() && {
   surface.voxel_m = impl_->options.voxel_m;
   TriangleMesh mesh = SurfaceOf(impl_->blocks);
   if (!impl_->coloured) mesh.colours.clear();
-  surface.mesh = CanonicalMesh(WithoutSmallComponents(mesh, impl_->options.min_component_faces));
+  surface.mesh = CanonicalMesh(WithoutSmallComponents(mesh, CoarseOptions::kMinComponentFaces));
   surface.normals = VertexNormals(surface.mesh);
   for (const Eigen::Vector3f& vertex : surface.mesh.vertices)
     surface.num_frames.push_back(FramesAt(impl_->blocks, vertex));
@@ -128,23 +128,6 @@ void Describe(OptionsVisitor& visitor, CoarseOptions& options) {
                 {0.01, 0.2},
                 "m",
                 "edge of a voxel of the coarse surface that walls and things are read from");
-  visitor.Field(
-      "truncation_m",
-      options.truncation_m,
-      {0.01, 0.5},
-      "m",
-      "its distance field is kept this far from the surface; below half a wall's thickness");
-  visitor.Field("max_depth_m", options.max_depth_m, {0.1, 50}, "m", "depth beyond is not fused");
-  visitor.Field("space_range_m",
-                options.space_range_m,
-                {0.1, 50},
-                "m",
-                "free space is told along rays this far from the camera");
-  visitor.Field("min_component_faces",
-                options.min_component_faces,
-                {0, 1'000'000},
-                "1",
-                "smaller connected components of the coarse surface are dropped as noise");
   visitor.Field("max_voxel_blocks",
                 options.max_voxel_blocks,
                 {1, 1'000'000},

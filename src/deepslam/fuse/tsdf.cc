@@ -129,11 +129,6 @@ void Describe(OptionsVisitor& visitor, FuseOptions& options) {
                 {100, 50'000'000},
                 "1",
                 "a larger room mesh is decimated to this number of faces");
-  visitor.Field("min_component_faces",
-                options.min_component_faces,
-                {0, 1'000'000},
-                "1",
-                "smaller pieces of the room's surface are dropped as noise");
   visitor.Field("max_voxel_blocks",
                 options.max_voxel_blocks,
                 {1, 10'000'000},

@@ -31,7 +31,7 @@ void EncodedMeshes::Compress(std::size_t n, const GltfOptions& options) {
   if (!encoded || encoded->mesh.faces.empty()) return;
   try {
     encoded->draco = DracoEncode(
-        encoded->mesh, options.position_bits, options.normal_bits, entries_[n].wanted.closed);
+        encoded->mesh, options.position_bits, GltfOptions::kNormalBits, entries_[n].wanted.closed);
   } catch (const std::exception&) {
     encoded->draco.reset();
   }

@@ -113,8 +113,9 @@ Status GlbBuilder::FillDraco(const EncodedMesh& encoded,
                              bool closed,
                              tinygltf::Primitive& primitive) {
   if (encoded.draco) return FillDraco(*encoded.draco, primitive);
-  return FillDraco(DracoEncode(encoded.mesh, options_.position_bits, options_.normal_bits, closed),
-                   primitive);
+  return FillDraco(
+      DracoEncode(encoded.mesh, options_.position_bits, GltfOptions::kNormalBits, closed),
+      primitive);
 }
 
 Status GlbBuilder::FillDraco(const Result<DracoPayload>& payload, tinygltf::Primitive& primitive) {

@@ -78,7 +78,7 @@ Status ObjectNodes::AddMesh(const GltfObject& object, tinygltf::Node& node) {
                                              .plain_colour = object.class_colour,
                                              .double_sided = false,
                                              .closed = true,
-                                             .crease_angle_deg = options_.crease_angle_deg,
+                                             .crease_angle_deg = GltfOptions::kCreaseAngle_deg,
                                              .class_variant = true});
   if (!mesh) return Error{mesh.error().code, node.name + ": " + mesh.error().message};
   node.mesh = *mesh;
@@ -116,7 +116,7 @@ Status ObjectNodes::Add(const GltfPart& part) {
                                              .plain_colour = part.colour,
                                              .double_sided = false,
                                              .closed = true,
-                                             .crease_angle_deg = options_.crease_angle_deg,
+                                             .crease_angle_deg = GltfOptions::kCreaseAngle_deg,
                                              .class_variant = false,
                                              .opacity = part.opacity});
   if (!mesh) return Error{mesh.error().code, name + ": " + mesh.error().message};

@@ -74,7 +74,7 @@ Status AddKeyframes(const GltfScene& scene, const GltfOptions& options, GlbBuild
   perspective.perspective.yfov = 2.0 * std::atan(0.5 * camera.height / camera.fy);
   perspective.perspective.aspectRatio = (camera.width / camera.fx) / (camera.height / camera.fy);
   perspective.perspective.znear = 0.05;
-  perspective.perspective.zfar = options.max_frustum_m;
+  perspective.perspective.zfar = GltfOptions::kMaxFrustum_m;
   builder.model().cameras.push_back(perspective);
   tinygltf::Node parent;
   parent.name = "keyframes";
@@ -154,18 +154,18 @@ Result<std::string> WriteOrSay(const GltfScene& scene,
 
 // The largest first. Of objects of one model without colours only the first, which the others will
 // mostly share.
-std::vector<EncodedMeshes::Wanted> MeshesOf(const GltfScene& scene, const GltfOptions& options) {
+std::vector<EncodedMeshes::Wanted> MeshesOf(const GltfScene& scene) {
   std::vector<EncodedMeshes::Wanted> wanted;
   for (const std::optional<TriangleMesh>& surface :
        {std::cref(scene.room), std::cref(scene.ground)})
     if (surface) wanted.push_back({&*surface, kRadPerDeg * kSmoothDeg, false});
   for (const GltfPart& part : scene.parts)
-    wanted.push_back({&part.mesh_world, kRadPerDeg * options.crease_angle_deg, true});
+    wanted.push_back({&part.mesh_world, kRadPerDeg * GltfOptions::kCreaseAngle_deg, true});
   std::set<std::string> models;
   for (const GltfObject& object : scene.objects) {
     const bool shares = !object.model.empty() && object.mesh.colours.empty();
     if (!shares || models.insert(object.model).second)
-      wanted.push_back({&object.mesh, kRadPerDeg * options.crease_angle_deg, true});
+      wanted.push_back({&object.mesh, kRadPerDeg * GltfOptions::kCreaseAngle_deg, true});
   }
   std::ranges::stable_sort(wanted, std::greater(), [](const EncodedMeshes::Wanted& mesh) {
     return mesh.source->faces.size();
@@ -183,7 +183,7 @@ Result<std::string> WriteGlb(const GltfScene& scene, const GltfOptions& options)
 std::vector<Result<std::string>> WriteGlbs(const GltfScene& scene,
                                            const GltfOptions& options,
                                            std::span<const GlbKind> kinds) {
-  EncodedMeshes meshes(MeshesOf(scene, options));
+  EncodedMeshes meshes(MeshesOf(scene));
   ParallelInOrder(meshes.size(), [&](std::size_t n) { meshes.Render(n); });
   std::vector<Result<std::string>> files(kinds.size(), Result<std::string>(std::string()));
   // Files without compression are written while meshes are compressed for the others.
@@ -209,18 +209,7 @@ void Describe(OptionsVisitor& visitor, GltfOptions& options) {
                 {static_cast<double>(kMinPositionBits), static_cast<double>(kMaxPositionBits)},
                 "1",
                 "Draco: bits per coordinate over a mesh's longest side");
-  visitor.Field("normal_bits", options.normal_bits, {4, 16}, "1", "Draco: bits per normal");
-  visitor.Field("crease_angle_deg",
-                options.crease_angle_deg,
-                {0, 180},
-                "deg",
-                "edges sharper than this are shaded sharp");
   visitor.Field("cameras", options.cameras, "write the keyframes' cameras");
-  visitor.Field("max_frustum_m",
-                options.max_frustum_m,
-                {0.1, 1000},
-                "m",
-                "far end of the keyframes' cameras");
 }
 
 }  // namespace deepslam::gltf

@@ -82,11 +82,15 @@ struct GltfScene {
 struct GltfOptions {
   bool draco =
       true;  // KHR_draco_mesh_compression for objects and room; false = the uncompressed twin
-  int position_bits = 14;        // Draco: vertices lie on a grid of longest side / (2^bits - 1)
-  int normal_bits = 8;           // Draco: octahedral normals
-  double crease_angle_deg = 40;  // edges sharper than this are shaded sharp
-  bool cameras = true;           // keyframe cameras
-  double max_frustum_m = 10;     // zfar of the keyframe cameras
+  int position_bits = 14;  // Draco: vertices lie on a grid of longest side / (2^bits - 1)
+  // Draco: octahedral normals of 8 bits err by less than a degree.
+  static constexpr int kNormalBits = 8;
+  // Edges sharper than this are shaded sharp: between round legs of twelve sides (30 degrees) and
+  // corners.
+  static constexpr double kCreaseAngle_deg = 40;
+  bool cameras = true;  // keyframe cameras
+  // Far end of the keyframe cameras: a room.
+  static constexpr double kMaxFrustum_m = 10;
 };
 void Describe(OptionsVisitor& visitor, GltfOptions& options);
 

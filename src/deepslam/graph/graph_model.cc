@@ -97,9 +97,9 @@ class PathEdges {
 
  private:
   [[nodiscard]] PoseEdge ToPoseEdge(const RelativePose& measured, EdgeKind kind) const {
-    const Vector6d floor = Floor(options_.odometry_floor_m, options_.odometry_floor_deg);
+    const Vector6d floor = Floor(GraphOptions::kOdometryFloor_m, GraphOptions::kOdometryFloor_deg);
     // Loop edges come with an honest covariance of their own; their number of points says nothing.
-    const double scale = kind == EdgeKind::kLoop ? 1.0 : options_.odometry_variance_scale;
+    const double scale = kind == EdgeKind::kLoop ? 1.0 : GraphOptions::kOdometryVarianceScale;
     return {kind,
             PositionOf(odometry_.keyframes, measured.i),
             PositionOf(odometry_.keyframes, measured.j),
@@ -162,13 +162,13 @@ class ModelBuilder {
   void AddGround(const Ground& ground) {
     if (ground.plane_world) model_.plane = UnitPlane(*ground.plane_world);
     Eigen::Vector3d floor;
-    floor << Eigen::Vector2d::Constant(options_.ground_floor_deg * kRadPerDeg),
-        options_.ground_floor_m;
+    floor << Eigen::Vector2d::Constant(GraphOptions::kGroundFloor_deg * kRadPerDeg),
+        GraphOptions::kGroundFloor_m;
     for (const GroundObservation& observation : ground.observations) {
       const std::optional<Plane> plane = UnitPlane(observation.plane_camera);
       const int node = PositionOf(model_.keyframes, observation.keyframe);
-      const Eigen::Matrix3d information =
-          BalancedInformation<3>(observation.information, options_.ground_variance_scale, floor);
+      const Eigen::Matrix3d information = BalancedInformation<3>(
+          observation.information, GraphOptions::kGroundVarianceScale, floor);
       if (!plane || node < 0 || information.diagonal().maxCoeff() <= 0) {
         ++model_.num_bad_edges;
         continue;
@@ -184,14 +184,15 @@ class ModelBuilder {
   // Walls that one keyframe alone saw say nothing.
   void AddWalls(const WallViews& walls) {
     Eigen::Vector3d floor;
-    floor << Eigen::Vector2d::Constant(options_.wall_floor_deg * kRadPerDeg), options_.wall_floor_m;
+    floor << Eigen::Vector2d::Constant(GraphOptions::kWallFloor_deg * kRadPerDeg),
+        GraphOptions::kWallFloor_m;
     std::vector<std::vector<GroundEdge>> edges(walls.planes.size());
     for (const WallView& view : walls.views) {
       const std::optional<Plane> plane = UnitPlane(view.plane_camera);
       const int node = PositionOf(model_.keyframes, view.keyframe);
       const bool is_known = view.wall >= 0 && view.wall < static_cast<int>(edges.size());
       const Eigen::Matrix3d information =
-          BalancedInformation<3>(view.information, options_.ground_variance_scale, floor);
+          BalancedInformation<3>(view.information, GraphOptions::kGroundVarianceScale, floor);
       if (!plane || node < 0 || !is_known || information.diagonal().maxCoeff() <= 0) {
         ++model_.num_bad_edges;
         continue;
@@ -215,11 +216,11 @@ class ModelBuilder {
       const auto foot = feet.find(id);
       const bool is_known = foot != feet.end() && std::isfinite(foot->second.bottom_m);
       const double gap_m = is_known ? GapToGround(k, foot->second.bottom_m) : 0;
-      if (is_known && foot->second.supports.RestsElsewhere(gap_m, options_.stand_max_gap_m))
+      if (is_known && foot->second.supports.RestsElsewhere(gap_m, GraphOptions::kStandMaxGap_m))
         continue;
       model_.upright.push_back(node);
       if (options_.stand_floor_m <= 0 || !is_known) continue;
-      if (std::abs(gap_m) > options_.stand_max_gap_m) {
+      if (std::abs(gap_m) > GraphOptions::kStandMaxGap_m) {
         model_.not_standing.push_back(id);
         continue;
       }
@@ -260,7 +261,7 @@ class ModelBuilder {
 
   // Edges of the object's usable views from their keyframes; `b` is left open.
   std::vector<PoseEdge> ObjectEdges(const MapObject& object) {
-    const Vector6d floor = Floor(options_.object_floor_m, options_.object_floor_deg);
+    const Vector6d floor = Floor(GraphOptions::kObjectFloor_m, GraphOptions::kObjectFloor_deg);
     std::vector<PoseEdge> edges;
     for (const ViewRegistration& view : object.views) {
       if (!view.ok) continue;
@@ -279,7 +280,7 @@ class ModelBuilder {
         keyframe_from_object = free.a_from_b;
         information = free.information;
       }
-      information = BalancedInformation<6>(information, options_.object_variance_scale, floor);
+      information = BalancedInformation<6>(information, GraphOptions::kObjectVarianceScale, floor);
       if (information.diagonal().maxCoeff() <= 0) {
         ++model_.num_bad_edges;
         continue;
@@ -338,10 +339,8 @@ Result<GraphModel> BuildGraphModel(const Odometry& odometry,
   ModelBuilder builder(odometry, options);
   builder.TieLooseKeyframes(path);
   if (options.use_objects) builder.AddObjects(map);
-  if (options.use_ground) {
-    builder.AddGround(ground);
-    builder.AddObjectsOnGround(map, surroundings.feet);
-  }
+  builder.AddGround(ground);
+  builder.AddObjectsOnGround(map, surroundings.feet);
   if (options.use_walls) builder.AddWalls(surroundings.walls);
   const auto along_path = [&](const std::function<void(const PoseEdge&)>& use) {
     path.ForEach(use);

@@ -129,7 +129,7 @@ void CompleteMessage(const GraphModel& model, double tilt_deg, OptimizationSumma
   if (model.plane) summary.message += "; largest tilt of an object " + Number(tilt_deg) + " deg";
 }
 
-G2oGraph ToG2oGraph(const GraphModel& model, const ObjectMap& map, const GraphOptions& options) {
+G2oGraph ToG2oGraph(const GraphModel& model, const ObjectMap& map) {
   G2oGraph graph;
   std::vector<int> ids;
   for (const FrameIdx keyframe : model.keyframes) ids.push_back(keyframe.value);
@@ -142,16 +142,16 @@ G2oGraph ToG2oGraph(const GraphModel& model, const ObjectMap& map, const GraphOp
   }
   if (!ids.empty()) graph.fixed.push_back(ids.front());
   for (const PoseEdge& edge : model.pose_edges) {
-    const double lambda = edge.kind == EdgeKind::kObject ? 1.0 : options.lambda_odometry;
+    const double lambda = edge.kind == EdgeKind::kObject ? 1.0 : GraphOptions::kLambdaOdometry;
     graph.edges.push_back(
         {id(edge.a), id(edge.b), edge.a_from_b, lambda * edge.weight * edge.information});
   }
   graph.plane = model.plane;
   for (const GroundEdge& edge : model.ground_edges) {
     graph.plane_edges.push_back(
-        {id(edge.node), edge.plane_camera, options.lambda_ground * edge.information});
+        {id(edge.node), edge.plane_camera, GraphOptions::kLambdaGround * edge.information});
   }
-  for (const int node : model.upright) graph.upright[id(node)] = options.lambda_upright;
+  for (const int node : model.upright) graph.upright[id(node)] = GraphOptions::kLambdaUpright;
   for (const StandEdge& edge : model.stands) {
     graph.stands[id(edge.node)] = {edge.bottom_m, edge.information};
   }
@@ -182,89 +182,15 @@ Status MoveTo(const OptimizedMap& after, const ObjectMap& map, GraphModel& model
 
 void Describe(OptionsVisitor& visitor, GraphOptions& options) {
   static constexpr std::array<std::string_view, 3> kLosses = {"none", "huber", "cauchy"};
-  constexpr Range kWeight{0, 1e9};
-  constexpr Range kScale{1e-3, 1e6};
-  constexpr Range kFloor_m{1e-6, 10};
-  constexpr Range kFloor_deg{1e-4, 90};
-  visitor.Field(
-      "lambda_odometry", options.lambda_odometry, kWeight, "1", "lambda_1: weight of r_ij");
-  visitor.Field("lambda_ground", options.lambda_ground, kWeight, "1", "lambda_2: weight of r_pi");
-  visitor.Field("lambda_upright",
-                options.lambda_upright,
-                kWeight,
-                "1/rad^2",
-                "lambda_3: weight of r_po, 1 / (tilt deviation)^2");
-  visitor.Field("odometry_variance_scale",
-                options.odometry_variance_scale,
-                kScale,
-                "1",
-                "factor on the covariance of odometry edges, for correlated pixels");
-  visitor.Field("odometry_floor_m",
-                options.odometry_floor_m,
-                kFloor_m,
-                "m",
-                "least deviation of an odometry edge's translation");
-  visitor.Field("odometry_floor_deg",
-                options.odometry_floor_deg,
-                kFloor_deg,
-                "deg",
-                "least deviation of an odometry edge's rotation");
-  visitor.Field("object_variance_scale",
-                options.object_variance_scale,
-                kScale,
-                "1",
-                "factor on the covariance of object registrations");
-  visitor.Field("object_floor_m",
-                options.object_floor_m,
-                kFloor_m,
-                "m",
-                "least deviation of an object registration's translation");
-  visitor.Field("object_floor_deg",
-                options.object_floor_deg,
-                kFloor_deg,
-                "deg",
-                "least deviation of an object registration's rotation");
-  visitor.Field("ground_variance_scale",
-                options.ground_variance_scale,
-                kScale,
-                "1",
-                "factor on the covariance of ground observations");
-  visitor.Field("ground_floor_m",
-                options.ground_floor_m,
-                kFloor_m,
-                "m",
-                "least deviation of a ground observation's distance");
-  visitor.Field("ground_floor_deg",
-                options.ground_floor_deg,
-                kFloor_deg,
-                "deg",
-                "least deviation of a ground observation's normal");
-  visitor.Field("wall_floor_m",
-                options.wall_floor_m,
-                kFloor_m,
-                "m",
-                "least deviation of a wall observation's distance");
-  visitor.Field("wall_floor_deg",
-                options.wall_floor_deg,
-                kFloor_deg,
-                "deg",
-                "least deviation of a wall observation's normal");
   visitor.Choice("object_loss", options.object_loss, kLosses, "robust loss on r_io");
-  visitor.Choice("odometry_loss", options.odometry_loss, kLosses, "robust loss on r_ij");
   visitor.Choice("loop_loss", options.loop_loss, kLosses, "robust loss on loop edges");
   visitor.Choice("ground_loss", options.ground_loss, kLosses, "robust loss on r_pi");
-  visitor.Field("loss_width",
-                options.loss_width,
-                {0.1, 1000},
-                "1",
-                "residual, in deviations, from which the losses bend");
   visitor.Field("loss_rounds",
                 options.loss_rounds,
                 {1, 8},
                 "1",
                 "rounds of shrinking loss width, each a quarter of the one before");
   visitor.Field("use_objects", options.use_objects, "objects enter the graph");
-  visitor.Field("use_ground", options.use_ground, "the ground plane enters the graph");
   visitor.Field("use_walls",
                 options.use_walls,
                 "walls of the layout enter the graph: one plane in all keyframes that saw it");
@@ -273,12 +199,6 @@ void Describe(OptionsVisitor& visitor, GraphOptions& options) {
                 {0, 10},
                 "m",
                 "deviation of a standing object's bottom from the ground; 0: no such edges");
-  visitor.Field("stand_max_gap_m",
-                options.stand_max_gap_m,
-                {0, 10},
-                "m",
-                "objects whose bottom starts farther from the ground do not stand on it");
-  visitor.Field("max_iterations", options.max_iterations, {1, 10000}, "1", "per round");
   visitor.Field(
       "max_direct_keyframes",
       options.max_direct_keyframes,
@@ -344,7 +264,7 @@ Result<std::string> GraphToG2o(const Odometry& odometry,
   if (after != nullptr) {
     if (const Status moved = MoveTo(*after, map, *model); !moved.ok()) return moved.error();
   }
-  return WriteG2o(ToG2oGraph(*model, map, options));
+  return WriteG2o(ToG2oGraph(*model, map));
 }
 
 }  // namespace deepslam::graph

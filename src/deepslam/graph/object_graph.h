@@ -58,24 +58,36 @@
 namespace deepslam::graph {
 
 struct GraphOptions {
-  double lambda_odometry = 1.0;   // lambda_1, dimensionless
-  double lambda_ground = 1.0;     // lambda_2, dimensionless
-  double lambda_upright = 13000;  // lambda_3, rad^-2: (0.5 deg)^-2, how plumb furniture stands
+  // Lambda_1, dimensionless: 1, since every term is in units of its own deviation.
+  static constexpr double kLambdaOdometry = 1.0;
+  // Lambda_2, dimensionless, likewise.
+  static constexpr double kLambdaGround = 1.0;
+  static constexpr double kLambdaUpright =
+      13000;  // lambda_3, rad^-2: (0.5 deg)^-2, how plumb furniture stands
 
   // Sigma' = scale * H^-1 + floor^2. 10: the noise of structured-light and time-of-flight depth is
   // correlated over windows of roughly 3 x 3 pixels and more.
-  double odometry_variance_scale = 10;
-  double odometry_floor_m = 0.003;
-  double odometry_floor_deg = 0.1;
+  static constexpr double kOdometryVarianceScale = 10;
+  // Least deviation of an odometry edge: calibration and depth bias.
+  static constexpr double kOdometryFloor_m = 0.003;
+  // And of its rotation.
+  static constexpr double kOdometryFloor_deg = 0.1;
   // A retrieved model is near the object, not equal to it, and voxels are 1-3 cm wide.
-  double object_variance_scale = 10;
-  double object_floor_m = 0.03;
-  double object_floor_deg = 3.0;
-  double ground_variance_scale = 10;
-  double ground_floor_m = 0.01;
-  double ground_floor_deg = 0.5;
-  double wall_floor_m = 0.01;  // the scale is the ground's
-  double wall_floor_deg = 0.5;
+  static constexpr double kObjectVarianceScale = 10;
+  // Least deviation of an object registration: the model is not the object.
+  static constexpr double kObjectFloor_m = 0.03;
+  // And of its rotation.
+  static constexpr double kObjectFloor_deg = 3.0;
+  // As of odometry.
+  static constexpr double kGroundVarianceScale = 10;
+  // Least deviation of a ground observation: floors are uneven.
+  static constexpr double kGroundFloor_m = 0.01;
+  // And of its normal.
+  static constexpr double kGroundFloor_deg = 0.5;
+  // Least deviation of a wall observation, as of the ground; so is the scale.
+  static constexpr double kWallFloor_m = 0.01;
+  // And of its normal.
+  static constexpr double kWallFloor_deg = 0.5;
 
   // Loss per kind: none | huber | cauchy. The paper has none. Width in standard deviations of the
   // whole residual (the mean of chi with 6 degrees of freedom is 2.4, its 0.999 quantile 4.7).
@@ -83,18 +95,19 @@ struct GraphOptions {
   std::string odometry_loss = "none";
   std::string loop_loss = "cauchy";
   std::string ground_loss = "cauchy";
-  double loss_width = 3.0;
+  // Residual, in deviations, from which the losses bend: between the mean of chi with 6 degrees of
+  // freedom (2.4) and its 0.999 quantile (4.7).
+  static constexpr double kLossWidth = 3.0;
   int loss_rounds = 3;  // widths 16x, 4x, 1x for 3; 1 = no graduation
 
   bool use_objects = true;  // r_io and r_po; else objects follow their keyframes
-  bool use_ground = true;   // r_pi, r_po, stand
   bool use_walls = false;   // r_pw: a wall is one plane in all keyframes that saw it
   // Deviation of a standing object's bottom from the ground, per view; 0 = no such edges. Wide,
   // since the bottom of a model is good to half a voxel however many views there are, and what the
   // views agree on must not be moved for it.
   double stand_floor_m = 0.1;
   // Objects whose bottom is seen farther than this from the ground hang, or stand on something.
-  double stand_max_gap_m = 0.25;
+  static constexpr double kStandMaxGap_m = 0.25;
 
   int max_iterations = 60;  // per round
   // Graphs of more keyframes are solved by conjugate gradients, in time and memory that grow with

@@ -87,8 +87,8 @@ const std::string& LossName(EdgeKind kind, const GraphOptions& options) {
 }
 
 // Of its kind, as often as it was measured.
-double Lambda(const PoseEdge& edge, const GraphOptions& options) {
-  return edge.weight * (edge.kind == EdgeKind::kObject ? 1.0 : options.lambda_odometry);
+double Lambda(const PoseEdge& edge) {
+  return edge.weight * (edge.kind == EdgeKind::kObject ? 1.0 : GraphOptions::kLambdaOdometry);
 }
 
 // lambda * loss(r^T r); the width is in deviations, whatever lambda.
@@ -127,7 +127,7 @@ Residuals AddPoseEdges(const GraphModel& model,
     residuals.push_back(problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<PoseResidual, 6, kPoseSize, kPoseSize>(
             new PoseResidual(Residual(edge))),
-        Loss(LossName(edge.kind, options), width, Lambda(edge, options)),
+        Loss(LossName(edge.kind, options), width, Lambda(edge)),
         parameters.Pose(edge.a),
         parameters.Pose(edge.b)));
   }
@@ -146,11 +146,11 @@ Residuals AddGroundEdges(const GraphModel& model,
         problem.AddResidualBlock(term, loss, parameters.Pose(node), parameters.Plane()));
   };
   for (const GroundEdge& edge : model.ground_edges) {
-    add(PlaneTerm(edge), Loss(options.ground_loss, width, options.lambda_ground), edge.node);
+    add(PlaneTerm(edge), Loss(options.ground_loss, width, GraphOptions::kLambdaGround), edge.node);
   }
   for (const int node : model.upright) {
     add(new ceres::AutoDiffCostFunction<UprightResidual, 3, kPoseSize, 4>(new UprightResidual()),
-        Loss("none", width, options.lambda_upright),
+        Loss("none", width, GraphOptions::kLambdaUpright),
         node);
   }
   for (const StandEdge& edge : model.stands) {
@@ -171,7 +171,7 @@ Residuals AddWallEdges(const GraphModel& model,
   for (const WallEdge& edge : model.wall_edges) {
     residuals.push_back(
         problem.AddResidualBlock(PlaneTerm(edge.view),
-                                 Loss(options.ground_loss, width, options.lambda_ground),
+                                 Loss(options.ground_loss, width, GraphOptions::kLambdaGround),
                                  parameters.Pose(edge.view.node),
                                  parameters.Wall(edge.wall)));
   }
@@ -263,9 +263,7 @@ double SquaredNorm(const Functor& functor, const double* a, const double* b) {
 }
 
 // Energy per term at the parameters, without robust losses; and the number of edges.
-std::vector<EnergyTerm> Energies(const GraphModel& model,
-                                 const GraphOptions& options,
-                                 Parameters& parameters) {
+std::vector<EnergyTerm> Energies(const GraphModel& model, Parameters& parameters) {
   std::vector<EnergyTerm> terms = EmptyTerms(model);
   const auto add = [&terms](Term term, double energy) {
     terms[term].after += energy;
@@ -276,25 +274,24 @@ std::vector<EnergyTerm> Energies(const GraphModel& model,
                       : edge.kind == EdgeKind::kLoop ? kLoopTerm
                                                      : kIj;
     add(term,
-        Lambda(edge, options) * SquaredNorm<PoseResidual, 6>(Residual(edge),
-                                                             parameters.Pose(edge.a),
-                                                             parameters.Pose(edge.b)));
+        Lambda(edge) * SquaredNorm<PoseResidual, 6>(
+                           Residual(edge), parameters.Pose(edge.a), parameters.Pose(edge.b)));
   }
   for (const GroundEdge& edge : model.ground_edges) {
     add(kPi,
-        options.lambda_ground * SquaredNorm<GroundResidual, 3>(Residual(edge),
-                                                               parameters.Pose(edge.node),
-                                                               parameters.Plane()));
+        GraphOptions::kLambdaGround * SquaredNorm<GroundResidual, 3>(Residual(edge),
+                                                                     parameters.Pose(edge.node),
+                                                                     parameters.Plane()));
   }
   for (const WallEdge& edge : model.wall_edges) {
     add(kWall,
-        options.lambda_ground * SquaredNorm<GroundResidual, 3>(Residual(edge.view),
-                                                               parameters.Pose(edge.view.node),
-                                                               parameters.Wall(edge.wall)));
+        GraphOptions::kLambdaGround *
+            SquaredNorm<GroundResidual, 3>(
+                Residual(edge.view), parameters.Pose(edge.view.node), parameters.Wall(edge.wall)));
   }
   for (const int node : model.upright) {
     add(kPo,
-        options.lambda_upright *
+        GraphOptions::kLambdaUpright *
             SquaredNorm<UprightResidual, 3>({}, parameters.Pose(node), parameters.Plane()));
   }
   for (const StandEdge& edge : model.stands) {
@@ -316,7 +313,7 @@ OptimizationSummary SolveGraph(GraphModel& model, const GraphOptions& options) {
   OptimizationSummary summary;
   summary.ground_observed = model.plane.has_value() ? 1.0 : 0.0;
   Parameters parameters(model);
-  summary.terms = Energies(model, options, parameters);
+  summary.terms = Energies(model, parameters);
   for (EnergyTerm& term : summary.terms) term.before = term.after;
   if (model.world_from_node.size() < 2) {
     summary.converged = true;
@@ -327,7 +324,7 @@ OptimizationSummary SolveGraph(GraphModel& model, const GraphOptions& options) {
   const int rounds = AnyRobustLoss(options) ? std::max(1, options.loss_rounds) : 1;
   for (int round = 0; round < rounds; ++round) {
     const bool last = round + 1 == rounds;
-    const double width = options.loss_width * std::pow(kRoundFactor, rounds - 1 - round);
+    const double width = GraphOptions::kLossWidth * std::pow(kRoundFactor, rounds - 1 - round);
     const ceres::Solver::Summary solved =
         SolveRound(model, options, width, last ? kFineTolerance : kCoarseTolerance, parameters);
     summary.num_iterations += std::max(0, static_cast<int>(solved.iterations.size()) - 1);
@@ -339,7 +336,7 @@ OptimizationSummary SolveGraph(GraphModel& model, const GraphOptions& options) {
     }
   }
   summary.message = summary.converged ? "converged" : "stopped at max_iterations";
-  const std::vector<EnergyTerm> after = Energies(model, options, parameters);
+  const std::vector<EnergyTerm> after = Energies(model, parameters);
   for (std::size_t k = 0; k < after.size(); ++k) summary.terms[k].after = after[k].after;
   parameters.Store(model);
   return summary;

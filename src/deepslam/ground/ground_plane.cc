@@ -151,7 +151,7 @@ class GroundSearch {
     const Pose3& world_from_camera = keyframes_[k].world_from_camera;
     const GroundPoints points = ReadPoints(k);
     Random random(0, "ground", static_cast<std::uint64_t>(keyframes_[k].frame.value));
-    for (const PlaneCandidate& candidate : FindPlanes(points, upright_, options_, random)) {
+    for (const PlaneCandidate& candidate : FindPlanes(points, upright_, random)) {
       found.push_back({k,
                        candidate.plane_camera,
                        Transformed(world_from_camera, candidate.plane_camera),
@@ -214,10 +214,9 @@ class GroundSearch {
   // What is seen of the plane near `predicted`, when that is enough for an observation.
   [[nodiscard]] std::optional<PlaneRefinement> SeenNear(const Plane& predicted,
                                                         const GroundPoints& points) const {
-    std::optional<PlaneRefinement> refined =
-        RefinePlane(points, frames_.camera(), predicted, options_);
-    if (!refined || refined->inlier_share < options_.min_inlier_share ||
-        refined->area_m2 < options_.min_area_m2) {
+    std::optional<PlaneRefinement> refined = RefinePlane(points, frames_.camera(), predicted);
+    if (!refined || refined->inlier_share < GroundOptions::kMinInlierShare ||
+        refined->area_m2 < GroundOptions::kMinArea_m2) {
       return std::nullopt;
     }
     const double height_m = refined->plane_camera.d_m;
@@ -244,7 +243,7 @@ class GroundSearch {
     const PlaneRefinement& lowest = std::ranges::max(
         found, {}, [](const PlaneRefinement& plane) { return plane.plane_camera.d_m; });
     const Plane plane_world = Transformed(keyframes_[k].world_from_camera, lowest.plane_camera);
-    if (!IsLowest(plane_world, SamplesAbout(k), options_)) return std::nullopt;
+    if (!IsLowest(plane_world, SamplesAbout(k))) return std::nullopt;
     return lowest;
   }
 
@@ -357,7 +356,7 @@ Result<Ground> SearchPart(const FrameSource& frames,
   const QuarterTurn as_is = habit;
   Result<Ground> found = search(as_is);
   if (!found.ok() || GivenTurn(options)) return found;
-  const Holding before = JudgeHolding(*found, part, as_is, options);
+  const Holding before = JudgeHolding(*found, part, as_is);
   if (Convinces(before)) return found;
   if (!IsPossible(before)) found = Ground{};
   double most = 0;
@@ -365,7 +364,7 @@ Result<Ground> SearchPart(const FrameSource& frames,
     if (upright == as_is) continue;
     Result<Ground> turned = search(upright);
     if (!turned.ok()) return turned;
-    const Holding holding = JudgeHolding(*turned, part, upright, options);
+    const Holding holding = JudgeHolding(*turned, part, upright);
     if (!Outweighs(holding, upright, before) || Evidence(holding) <= most) continue;
     most = Evidence(holding);
     habit = upright;
@@ -419,18 +418,6 @@ Result<Ground> EstimateGround(const FrameSource& frames,
 }
 
 void Describe(OptionsVisitor& visitor, GroundOptions& options) {
-  visitor.Field("max_pitch_down_deg",
-                options.max_pitch_down_deg,
-                {0, 90},
-                "deg",
-                "camera may look down this far");
-  visitor.Field(
-      "max_pitch_up_deg", options.max_pitch_up_deg, {0, 90}, "deg", "camera may look up this far");
-  visitor.Field("max_roll_deg",
-                options.max_roll_deg,
-                {0, 90},
-                "deg",
-                "camera may be tilted sideways this far");
   visitor.Choice("upright_deg",
                  options.upright_deg,
                  kTurnsDeg,
@@ -440,35 +427,6 @@ void Describe(OptionsVisitor& visitor, GroundOptions& options) {
   visitor.Field(
       "max_height_m", options.max_height_m, {0, 100}, "m", "highest camera above the ground");
   visitor.Field("max_depth_m", options.max_depth_m, {0.1, 100}, "m", "farther points are left out");
-  visitor.Field("min_inlier_share",
-                options.min_inlier_share,
-                {0, 1},
-                "1",
-                "share of the points on the ground that makes an observation");
-  visitor.Field(
-      "min_area_m2", options.min_area_m2, {0, 100}, "m^2", "ground area that makes an observation");
-  visitor.Field("level_separation_m",
-                options.level_separation_m,
-                {0.01, 2},
-                "m",
-                "planes closer than this in height are one");
-  visitor.Field(
-      "num_ransac_draws", options.num_ransac_draws, {10, 10000}, "1", "draws per plane searched");
-  visitor.Field("correlation_length_px",
-                options.correlation_length_px,
-                {1, 100},
-                "px",
-                "length over which depth errors are shared, pixels of a 640 pixel wide image");
-  visitor.Field("floor_angle_deg",
-                options.floor_angle_deg,
-                {0, 30},
-                "deg",
-                "systematic error of an observation");
-  visitor.Field("floor_distance_m",
-                options.floor_distance_m,
-                {0, 1},
-                "m",
-                "systematic error of an observation");
 }
 
 }  // namespace deepslam::ground

@@ -22,23 +22,36 @@
 namespace deepslam::ground {
 
 struct GroundOptions {
-  double max_pitch_down_deg =
-      70;  // permissible orientation of the camera against the ground: looking down ...
-  double max_pitch_up_deg = 25;  // ... looking up ...
-  double max_roll_deg = 30;      // ... tilted sideways
+  // Permissible orientation of a camera that a hand holds against the ground: looking down by this
+  // much, nobody films the own feet for long.
+  static constexpr double kMaxPitchDown_deg = 70;
+  // Looking up by this much: beyond it no floor is in a view of 50 degrees.
+  static constexpr double kMaxPitchUp_deg = 25;
+  // And tilted sideways by this much; pictures on their side are another matter (held_camera.h).
+  static constexpr double kMaxRoll_deg = 30;
   // Clockwise turn that sets the pictures upright: auto | 0 | 90 | 180 | 270.
   std::string upright_deg = "auto";
   double min_height_m = 0.3;  // permissible height of the camera above the ground
   double max_height_m = 2.5;
-  double max_depth_m = 5.0;          // farther points are left out
-  double min_inlier_share = 0.02;    // of the frame's points on the plane, for an observation
-  double min_area_m2 = 0.05;         // covered by the inliers of an observation
-  double level_separation_m = 0.15;  // planes closer than this in height are one
-  int num_ransac_draws = 300;
-  double correlation_length_px =
-      9;  // of depth errors, pixels of a 640 pixel wide image; scales the information
-  double floor_angle_deg = 0.3;  // systematic errors of one observation, one standard deviation
-  double floor_distance_m = 0.004;
+  double max_depth_m = 5.0;  // farther points are left out
+  // Share of the frame's points that an observation needs on the plane.
+  static constexpr double kMinInlierShare = 0.02;
+  // Ground that the inliers of an observation cover: a square of 22 cm.
+  static constexpr double kMinArea_m2 = 0.05;
+  // Planes closer than this in height are one level: drift of tracking in a room stays below, a
+  // step or a low table above.
+  static constexpr double kLevelSeparation_m = 0.15;
+  // Draws of three points per plane: with a fifth of the points on it, none fails more often than
+  // in one of ten.
+  static constexpr int kNumRansacDraws = 300;
+  // Length over which depth errors are shared, pixels of a 640 pixel wide image, as in tracking
+  // (alignment_options.h); it scales the information.
+  static constexpr double kCorrelationLength_px = 9;
+  // Systematic error of one observation, one standard deviation: what a sensor's distortion tilts
+  // a plane by.
+  static constexpr double kFloorAngle_deg = 0.3;
+  // The same of its distance: calibration of depth at 1.5 m.
+  static constexpr double kFloorDistance_m = 0.004;
 };
 
 void Describe(OptionsVisitor& visitor, GroundOptions& options);

@@ -61,13 +61,12 @@ double RollSpreadDeg(const Plane& plane_world, std::span<const TrackedFrame> key
 
 Holding JudgeHolding(const Ground& ground,
                      std::span<const TrackedFrame> keyframes,
-                     QuarterTurn upright,
-                     const GroundOptions& options) {
+                     QuarterTurn upright) {
   if (!ground.plane_world || keyframes.empty()) return {};
   const auto is_held = [&](const TrackedFrame& keyframe) {
     const Plane plane_camera =
         Transformed(keyframe.world_from_camera.Inverse(), *ground.plane_world);
-    return PermissibleOrientation(plane_camera, upright, options);
+    return PermissibleOrientation(plane_camera, upright);
   };
   const auto num_keyframes = static_cast<double>(keyframes.size());
   return {static_cast<double>(std::ranges::count_if(keyframes, is_held)) / num_keyframes,

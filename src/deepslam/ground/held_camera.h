@@ -22,8 +22,7 @@ struct Holding {
 
 [[nodiscard]] Holding JudgeHolding(const Ground& ground,
                                    std::span<const TrackedFrame> keyframes,
-                                   QuarterTurn upright,
-                                   const GroundOptions& options);
+                                   QuarterTurn upright);
 
 // Nothing else need be looked for.
 [[nodiscard]] bool Convinces(const Holding& holding);

@@ -171,14 +171,15 @@ std::optional<std::size_t> FindGroundSighting(std::span<const PlaneSighting> sig
                                               const GroundOptions& options) {
   const std::optional<Eigen::Vector3d> up = VerticalDirection(sightings);
   if (!up) return std::nullopt;
-  std::vector<Level> levels = FindLevels(sightings, *up, options.level_separation_m);
+  std::vector<Level> levels = FindLevels(sightings, *up, GroundOptions::kLevelSeparation_m);
   std::ranges::sort(levels, {}, &Level::height_m);
   for (const Level& level : levels) {
     const bool plain = level.share_of_keyframe.size() > 1 || level.total() >= kMinSingleShare;
     if (!plain || !HoldsAgainstUpper(level, levels) ||
         !PermissibleHeight(level, sightings, options))
       continue;
-    if (ShareBelow(samples, *up, level.height_m - options.level_separation_m) > kMaxShareBelow)
+    if (ShareBelow(samples, *up, level.height_m - GroundOptions::kLevelSeparation_m) >
+        kMaxShareBelow)
       return std::nullopt;
     return *std::ranges::max_element(
         level.members, {}, [&](std::size_t k) { return sightings[k].share; });

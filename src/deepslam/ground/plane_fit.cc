@@ -67,15 +67,13 @@ std::optional<Plane> FitStep(const FitSystem& system, const Plane& plane) {
   return Perturbed(plane, step);
 }
 
-Eigen::Matrix3d Information(const FitSystem& system,
-                            double points_per_error,
-                            const GroundOptions& options) {
+Eigen::Matrix3d Information(const FitSystem& system, double points_per_error) {
   Eigen::Matrix3d hessian = system.hessian / points_per_error;
   hessian.diagonal().array() += 1e-3;  // keeps a thin strip of ground invertible
   Eigen::Matrix3d covariance = hessian.ldlt().solve(Eigen::Matrix3d::Identity());
-  const double floor_rad = options.floor_angle_deg * kRadPerDeg;
+  const double floor_rad = GroundOptions::kFloorAngle_deg * kRadPerDeg;
   covariance.diagonal() += Eigen::Vector3d(
-      floor_rad * floor_rad, floor_rad * floor_rad, std::pow(options.floor_distance_m, 2));
+      floor_rad * floor_rad, floor_rad * floor_rad, std::pow(GroundOptions::kFloorDistance_m, 2));
   const Eigen::Matrix3d information =
       (0.5 * (covariance + covariance.transpose())).ldlt().solve(Eigen::Matrix3d::Identity());
   return 0.5 * (information + information.transpose());
@@ -104,16 +102,15 @@ double CoveredArea(const GroundPoints& points, const PinholeCamera& camera, cons
 // points left.
 std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
                                QuarterTurn upright,
-                               const GroundOptions& options,
                                Random& random) {
   const std::size_t judge_step = std::max<std::size_t>(1, left.size() / kJudgedPoints);
   std::optional<Plane> best;
   int best_count = 0;
-  for (int draw = 0; draw < options.num_ransac_draws; ++draw) {
+  for (int draw = 0; draw < GroundOptions::kNumRansacDraws; ++draw) {
     const GroundPoint& point = left[random.Index(left.size())];
     const Plane plane{point.normal_camera.cast<double>(),
                       -static_cast<double>(point.normal_camera.dot(point.p_camera))};
-    if (!PermissibleOrientation(plane, upright, options) || plane.d_m <= 0) continue;
+    if (!PermissibleOrientation(plane, upright) || plane.d_m <= 0) continue;
     int count = 0;
     for (std::size_t k = 0; k < left.size(); k += judge_step) {
       count += OnPlane(left[k],
@@ -141,30 +138,27 @@ Plane Perturbed(const Plane& plane, const Eigen::Vector3d& tangent_and_distance)
   return {normal, plane.d_m + tangent_and_distance.z()};
 }
 
-bool PermissibleOrientation(const Plane& plane_camera,
-                            QuarterTurn upright,
-                            const GroundOptions& options) {
+bool PermissibleOrientation(const Plane& plane_camera, QuarterTurn upright) {
   const Eigen::Vector3d up = Turned(plane_camera.normal, upright);
   if (up.y() >= 0) return false;
   const double roll = std::asin(std::min(1.0, std::abs(up.x())));
   const double pitch_down = std::asin(std::clamp(-up.z(), -1.0, 1.0));
-  return roll <= options.max_roll_deg * kRadPerDeg &&
-         pitch_down <= options.max_pitch_down_deg * kRadPerDeg &&
-         pitch_down >= -options.max_pitch_up_deg * kRadPerDeg;
+  return roll <= GroundOptions::kMaxRoll_deg * kRadPerDeg &&
+         pitch_down <= GroundOptions::kMaxPitchDown_deg * kRadPerDeg &&
+         pitch_down >= -GroundOptions::kMaxPitchUp_deg * kRadPerDeg;
 }
 
 std::vector<PlaneCandidate> FindPlanes(const GroundPoints& points,
                                        QuarterTurn upright,
-                                       const GroundOptions& options,
                                        Random& random) {
   std::vector<PlaneCandidate> planes;
   std::vector<GroundPoint> left = points.points;
   const double num_points = static_cast<double>(left.size());
   while (static_cast<int>(planes.size()) < kMaxPlanes && left.size() >= 200) {
-    std::optional<Plane> plane = DrawPlane(left, upright, options, random);
+    std::optional<Plane> plane = DrawPlane(left, upright, random);
     for (int n = 0; plane && n < 4; ++n)
       plane = FitStep(BuildFit(left, *plane, 2 * kFlatnessM), *plane);
-    if (!plane || !PermissibleOrientation(*plane, upright, options)) break;
+    if (!plane || !PermissibleOrientation(*plane, upright)) break;
     const Eigen::Vector3f normal = plane->normal.cast<float>();
     PlaneCandidate candidate{*plane, Eigen::Vector3d::Zero(), 0};
     int count = 0;
@@ -192,8 +186,7 @@ std::vector<PlaneCandidate> FindPlanes(const GroundPoints& points,
 
 std::optional<PlaneRefinement> RefinePlane(const GroundPoints& points,
                                            const PinholeCamera& camera,
-                                           const Plane& predicted_camera,
-                                           const GroundOptions& options) {
+                                           const Plane& predicted_camera) {
   Plane plane = predicted_camera;
   double gate_m = kReidentifyDistanceM;
   for (int n = 0; n < kRefinements; ++n) {
@@ -207,10 +200,10 @@ std::optional<PlaneRefinement> RefinePlane(const GroundPoints& points,
     return std::nullopt;
   const FitSystem system = BuildFit(points.points, plane, gate_m);
   const double length_points =
-      options.correlation_length_px * camera.width / 640.0 / points.step_px;
+      GroundOptions::kCorrelationLength_px * camera.width / 640.0 / points.step_px;
   PlaneRefinement result;
   result.plane_camera = plane;
-  result.information = Information(system, std::max(1.0, length_points * length_points), options);
+  result.information = Information(system, std::max(1.0, length_points * length_points));
   result.num_inliers = system.num_inliers;
   result.inlier_share =
       system.num_inliers / std::max(1.0, static_cast<double>(points.points.size()));

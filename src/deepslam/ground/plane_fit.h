@@ -29,14 +29,11 @@ struct PlaneCandidate {
 
 // True when a camera that sees the plane so could see the ground so: orientation only. `upright` is
 // the turn that sets the camera's pictures upright.
-[[nodiscard]] bool PermissibleOrientation(const Plane& plane_camera,
-                                          QuarterTurn upright,
-                                          const GroundOptions& options);
+[[nodiscard]] bool PermissibleOrientation(const Plane& plane_camera, QuarterTurn upright);
 
 // The largest planes of permissible orientation, largest first, by sequential RANSAC.
 [[nodiscard]] std::vector<PlaneCandidate> FindPlanes(const GroundPoints& points,
                                                      QuarterTurn upright,
-                                                     const GroundOptions& options,
                                                      Random& random);
 
 struct PlaneRefinement {
@@ -54,8 +51,7 @@ struct PlaneRefinement {
 // errors of the options added to the covariance. Nothing when too few points.
 [[nodiscard]] std::optional<PlaneRefinement> RefinePlane(const GroundPoints& points,
                                                          const PinholeCamera& camera,
-                                                         const Plane& predicted_camera,
-                                                         const GroundOptions& options);
+                                                         const Plane& predicted_camera);
 
 // The plane turned and shifted by (a, b, d) along its tangent basis.
 [[nodiscard]] Plane Perturbed(const Plane& plane, const Eigen::Vector3d& tangent_and_distance);

@@ -46,12 +46,10 @@ std::vector<Plane> PlanesWithin(std::span<const PlaneSighting> of_keyframe,
   return within;
 }
 
-bool IsLowest(const Plane& plane_world,
-              std::span<const KeyframeSample> samples,
-              const GroundOptions& options) {
+bool IsLowest(const Plane& plane_world, std::span<const KeyframeSample> samples) {
   const Eigen::Vector3f normal = plane_world.normal.cast<float>();
   const auto d_m = static_cast<float>(plane_world.d_m);
-  const auto below_m = static_cast<float>(-options.level_separation_m);
+  const auto below_m = static_cast<float>(-GroundOptions::kLevelSeparation_m);
   std::size_t below = 0;
   std::size_t on = 0;
   for (const KeyframeSample& sample : samples) {

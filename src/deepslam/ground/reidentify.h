@@ -38,8 +38,6 @@ struct Reach {
 
 // The samples of the keyframes about hold next to nothing below the plane: a table top has floor
 // beside it somewhere, the floor has nothing below it.
-[[nodiscard]] bool IsLowest(const Plane& plane_world,
-                            std::span<const KeyframeSample> samples,
-                            const GroundOptions& options);
+[[nodiscard]] bool IsLowest(const Plane& plane_world, std::span<const KeyframeSample> samples);
 
 }  // namespace deepslam::ground

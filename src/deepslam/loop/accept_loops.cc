@@ -9,7 +9,6 @@
 namespace deepslam::loop {
 namespace {
 
-
 using IdPair = std::pair<ObjectId, ObjectId>;
 
 IdPair Ordered(ObjectId a, ObjectId b) { return {std::min(a, b), std::max(a, b)}; }
@@ -33,7 +32,7 @@ bool Contradict(const Constellation& a, const Constellation& b, const std::set<I
 
 // Refuses contradictions. Every pair of verdicts is taken against the verification's, so that order
 // does not matter.
-void RefuseContradictions(const LoopOptions& options, std::vector<Constellation>& all) {
+void RefuseContradictions(std::vector<Constellation>& all) {
   std::set<IdPair> same;
   for (const Constellation& c : all) {
     if (!c.accepted) continue;
@@ -47,7 +46,7 @@ void RefuseContradictions(const LoopOptions& options, std::vector<Constellation>
       }
       const double mine = static_cast<double>(all[a].pairs.size());
       const double others = static_cast<double>(all[b].pairs.size());
-      if (others > options.ambiguity_ratio * mine) {
+      if (others > LoopOptions::kAmbiguityRatio * mine) {
         refused.push_back(a);
         break;
       }
@@ -143,12 +142,11 @@ FrameIdx BestKeyframe(const ObjectMap& map, ObjectId id, const Trajectory& traje
 void AddEdges(const Constellation& constellation,
               const ObjectMap& map,
               const Trajectory& trajectory,
-              const LoopOptions& options,
               std::vector<RelativePose>& edges) {
-  const double deviation_m = std::max(options.edge_floor_m, constellation.position_error_m);
+  const double deviation_m = std::max(LoopOptions::kEdgeFloor_m, constellation.position_error_m);
   Vector6d deviation;
   deviation << Eigen::Vector3d::Constant(deviation_m),
-      Eigen::Vector3d::Constant(options.edge_floor_deg * kRadPerDeg);
+      Eigen::Vector3d::Constant(LoopOptions::kEdgeFloor_deg * kRadPerDeg);
   for (const ObjectMerge& pair : constellation.pairs) {
     const FrameIdx i = BestKeyframe(map, pair.kept, trajectory);
     const FrameIdx j = BestKeyframe(map, pair.merged, trajectory);
@@ -174,11 +172,10 @@ void AddEdges(const Constellation& constellation,
 Loops AcceptLoops(std::span<const Constellation> verified,
                   const ObjectMap& map,
                   const Association& association,
-                  const LoopOptions& options,
                   const Trajectory& trajectory) {
   Loops loops;
   loops.constellations.assign(verified.begin(), verified.end());
-  RefuseContradictions(options, loops.constellations);
+  RefuseContradictions(loops.constellations);
   std::stable_sort(loops.constellations.begin(),
                    loops.constellations.end(),
                    [](const Constellation& a, const Constellation& b) {
@@ -194,8 +191,8 @@ Loops AcceptLoops(std::span<const Constellation> verified,
       constellation.reason += "; a frame sees two of the objects apart";
       continue;
     }
-    if (options.add_edges && constellation.pairs.size() > 1) {
-      AddEdges(constellation, map, trajectory, options, loops.edges);
+    if (constellation.pairs.size() > 1) {
+      AddEdges(constellation, map, trajectory, loops.edges);
     }
   }
   loops.merges = groups.Merges();

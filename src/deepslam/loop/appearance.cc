@@ -46,8 +46,8 @@ class Consistency {
         loop.i_from_j;
     return off.translation_m.norm() <= options_.drift_base_m + path_.Drift_m(loop.i, loop.j) &&
            RotationAngle(off.rotation) <=
-               kRadPerDeg * (options_.drift_base_deg +
-                             options_.drift_deg_per_m * path_.Length_m(loop.i, loop.j));
+               kRadPerDeg * (AppearanceOptions::kDriftBase_deg +
+                             AppearanceOptions::kDrift_deg_per_m * path_.Length_m(loop.i, loop.j));
   }
 
   // Both tell the same correction, as far as drift between their keyframes allows to say.
@@ -61,7 +61,7 @@ class Consistency {
     return off.translation_m.norm() <=
                kSame_m + path_.Drift_m(a.i, b.i) + path_.Drift_m(a.j, b.j) &&
            RotationAngle(off.rotation) <=
-               kRadPerDeg * (kSame_deg + options_.drift_deg_per_m * length_m);
+               kRadPerDeg * (kSame_deg + AppearanceOptions::kDrift_deg_per_m * length_m);
   }
 
   [[nodiscard]] bool Near(int a, int b) const { return std::abs(a - b) <= reach_; }
@@ -136,7 +136,7 @@ void SettleContradictions(const Odometry& odometry,
   }
   for (std::size_t k = 0; k < loops.size(); ++k) {
     if (!good[k]) continue;
-    if (loops[k].num_support < options.min_support) {
+    if (loops[k].num_support < AppearanceOptions::kMinSupport) {
       loops[k].accepted = false;
       loops[k].reason = "too few neighbours say the same";
       continue;
@@ -146,7 +146,7 @@ void SettleContradictions(const Odometry& odometry,
       if (good[n] && !consistency.Same(placed[k], placed[n]))
         against = std::max(against, loops[n].num_support);
     });
-    if (against > options.ambiguity_ratio * loops[k].num_support) {
+    if (against > AppearanceOptions::kAmbiguityRatio * loops[k].num_support) {
       loops[k].accepted = false;
       loops[k].reason = "ambiguous: neighbours say otherwise";
     }
@@ -156,11 +156,8 @@ void SettleContradictions(const Odometry& odometry,
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, AppearanceOptions& options) {
-  constexpr Range kShare{0, 1};
   constexpr Range kDistance_m{0, 1000};
-  constexpr Range kAngle_deg{0, 180};
   visitor.Field("enabled", options.enabled, "look for loops by the appearance of keyframes");
-  visitor.Field("max_features", options.max_features, {10, 10000}, "1", "corners of a keyframe");
   visitor.Field("max_keyframes",
                 options.max_keyframes,
                 {2, 1e6},
@@ -171,75 +168,11 @@ void Describe(OptionsVisitor& visitor, AppearanceOptions& options) {
                 {1, 1e6},
                 "1",
                 "keyframes looked at between the two of a loop");
-  visitor.Field(
-      "max_candidates", options.max_candidates, {1, 100}, "1", "earlier keyframes tried for each");
-  visitor.Field("min_similarity",
-                options.min_similarity,
-                kShare,
-                "1",
-                "of a candidate, over that of the keyframe and the one before it");
-  visitor.Field(
-      "min_inliers", options.min_inliers, {4, 10000}, "1", "corners that agree with one pose");
-  visitor.Field("min_spread_deg",
-                options.min_spread_deg,
-                kAngle_deg,
-                "deg",
-                "deviation of their directions, across the narrower side");
-  visitor.Field("ambiguity_ratio",
-                options.ambiguity_ratio,
-                kShare,
-                "1",
-                "most that another pose, or contradicting neighbours, may have of the support");
-  visitor.Field("min_support",
-                options.min_support,
-                {0, 100},
-                "1",
-                "other keyframes near that must say the same");
   visitor.Field("drift_base_m",
                 options.drift_base_m,
                 kDistance_m,
                 "m",
                 "largest correction without any path");
-  visitor.Field("drift_share",
-                options.drift_share,
-                kShare,
-                "m/m",
-                "largest correction per path between the visits");
-  visitor.Field("drift_base_deg",
-                options.drift_base_deg,
-                kAngle_deg,
-                "deg",
-                "largest turn of the correction without any path");
-  visitor.Field("drift_deg_per_m",
-                options.drift_deg_per_m,
-                kAngle_deg,
-                "deg/m",
-                "largest turn of the correction per path");
-  visitor.Field("max_registrations",
-                options.max_registrations,
-                {1, 100},
-                "1",
-                "proposals of a keyframe that are registered by dense depth");
-  DescribeAgreement(visitor, options.min_agreement, options.min_correlation);
-  visitor.Field("max_move_m",
-                options.max_move_m,
-                kDistance_m,
-                "m",
-                "of the registered pose from that of the corners");
-  visitor.Field("max_turn_deg",
-                options.max_turn_deg,
-                kAngle_deg,
-                "deg",
-                "of the registered pose from that of the corners");
-  visitor.Field("variance_scale",
-                options.variance_scale,
-                {1e-3, 1e6},
-                "1",
-                "factor on the covariance of an edge, for correlated pixels");
-  visitor.Field(
-      "edge_floor_m", options.edge_floor_m, {1e-6, 10}, "m", "least deviation of an edge");
-  visitor.Field(
-      "edge_floor_deg", options.edge_floor_deg, {1e-4, 90}, "deg", "least deviation of an edge");
 }
 
 int KeyframeStep(std::size_t num_keyframes, const AppearanceOptions& options) {
@@ -252,15 +185,16 @@ std::vector<AppearanceLoop> ProposeAppearanceLoops(std::span<const KeyframeFeatu
                                                    const AppearanceOptions& options) {
   if (!options.enabled) return {};
   const Consistency consistency(odometry, options);
-  const SimilarityOptions similarity{
-      options.min_gap_keyframes, options.max_candidates, options.min_similarity};
+  const SimilarityOptions similarity{options.min_gap_keyframes,
+                                     AppearanceOptions::kMaxCandidates,
+                                     AppearanceOptions::kMinSimilarity};
   const auto similar = FindSimilarKeyframes(features, similarity);
   std::vector<std::vector<AppearanceLoop>> by_keyframe(features.size());
   ParallelFor(features.size(), [&](std::size_t j) {
     for (const SimilarKeyframe& candidate : similar[j]) {
       const KeyframeFeatures& older = features[candidate.index];
       const auto pose = PoseFromFeatures(older, features[j], options.min_inliers);
-      if (!pose || !BearsOut(*pose, options)) continue;
+      if (!pose || !BearsOut(*pose)) continue;
       AppearanceLoop loop{older.keyframe,
                           features[j].keyframe,
                           pose->old_from_new,
@@ -282,9 +216,9 @@ std::vector<AppearanceLoop> ProposeAppearanceLoops(std::span<const KeyframeFeatu
   std::vector<AppearanceLoop> supported;
   for (std::size_t k = 0; k < proposed.size(); ++k) {
     proposed[k].num_support = Support(consistency, placed, all, k);
-    if (proposed[k].num_support >= options.min_support) supported.push_back(proposed[k]);
+    if (proposed[k].num_support >= AppearanceOptions::kMinSupport) supported.push_back(proposed[k]);
   }
-  return Strongest(std::move(supported), options.max_registrations);
+  return Strongest(std::move(supported), AppearanceOptions::kMaxRegistrations);
 }
 
 AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> proposed,
@@ -297,7 +231,7 @@ AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> propose
     AppearanceLoop& loop = result.loops[k];
     const KeyframeRegistration& registration = registrations[k];
     loop.agreement = registration.agreement;
-    loop.reason = Verdict(loop, registration, options);
+    loop.reason = Verdict(loop, registration);
     loop.accepted = loop.reason.empty();
     if (loop.accepted) {
       loop.reason = "corners and depth agree";
@@ -312,9 +246,9 @@ AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> propose
                             loop.new_keyframe,
                             loop.old_from_new,
                             EdgeInformation(registrations[k].information,
-                                            options.variance_scale,
-                                            options.edge_floor_m,
-                                            kRadPerDeg * options.edge_floor_deg),
+                                            AppearanceOptions::kVarianceScale,
+                                            AppearanceOptions::kEdgeFloor_m,
+                                            kRadPerDeg * AppearanceOptions::kEdgeFloor_deg),
                             false});
   }
   return result;
@@ -323,8 +257,9 @@ AcceptedAppearance AcceptAppearanceLoops(std::span<const AppearanceLoop> propose
 bool RefuseContradicted(const Trajectory& solved,
                         const AppearanceOptions& options,
                         AcceptedAppearance& accepted) {
-  const double most_m = kFloors * options.edge_floor_m + options.drift_share;
-  const double most_deg = kFloors * options.edge_floor_deg + options.drift_deg_per_m;
+  const double most_m = kFloors * AppearanceOptions::kEdgeFloor_m + options.drift_share;
+  const double most_deg =
+      kFloors * AppearanceOptions::kEdgeFloor_deg + AppearanceOptions::kDrift_deg_per_m;
   const auto contradicted = [&](FrameIdx i, FrameIdx j, const Pose3& i_from_j) {
     return !Agrees(solved, i, j, i_from_j, most_m, most_deg);
   };

@@ -2,24 +2,24 @@
 //
 // Four steps. Features of every keyframe (keyframe_features.h), of long paths of every second or
 // third (KeyframeStep), go into an index of words
-// (similar_keyframes.h), which names at most max_candidates earlier keyframes for each, so that
+// (similar_keyframes.h), which names at most kMaxCandidates earlier keyframes for each, so that
 // work grows with the number of keyframes, not with its square. ProposeAppearanceLoops keeps the
 // candidates that geometry bears out. The caller registers them by dense depth and brightness (as
 // tracking does). AcceptAppearanceLoops settles contradictions and makes edges.
 //
 // Proposed is what fulfils all of
-// - min_inliers corners agree with one relative pose (feature_pose.h), spread over min_spread_deg
+// - min_inliers corners agree with one relative pose (feature_pose.h), spread over kMinSpread_deg
 //   of the image: one small thing is no place;
-// - no other pose has more than ambiguity_ratio of their number: things and patterns that stand
+// - no other pose has more than kAmbiguityRatio of their number: things and patterns that stand
 //   twice are refused;
 // - the correction of the path is no more than tracking can drift between the two: drift_base_m +
-//   drift_share * path, and drift_base_deg + drift_deg_per_m * path. Stretches where tracking said
+//   drift_share * path, and kDriftBase_deg + kDrift_deg_per_m * path. Stretches where tracking said
 //   itself that a direction was weakly constrained count with their whole length, and beyond a loss
 //   nothing is bounded;
-// - min_support other keyframes near the new one propose the same correction, within what tracking
+// - kMinSupport other keyframes near the new one propose the same correction, within what tracking
 //   drifts between them.
-// Accepted is what registration bears out: depth and brightness agree (min_agreement,
-// min_correlation), the registered pose is the corners' (max_move_m, max_turn_deg), min_support
+// Accepted is what registration bears out: depth and brightness agree (kMinAgreement,
+// kMinCorrelation), the registered pose is the corners' (kMaxMove_m, kMaxTurn_deg), kMinSupport
 // registered neighbours still say the same, and no neighbours that are as many say otherwise.
 //
 // All poses in the tracking world. Deterministic, for any thread count.
@@ -38,27 +38,47 @@ namespace deepslam::loop {
 
 struct AppearanceOptions {
   bool enabled = true;
-  int max_features = 500;       // per keyframe
-  int max_keyframes = 4000;     // that are looked at; of longer paths every second, third, ...
-  int min_gap_keyframes = 20;   // looked at between the two of a loop: about 2 m, or half a turn
-  int max_candidates = 5;       // per keyframe
-  double min_similarity = 0.3;  // of what a keyframe and the one before it have in common
+  // Corners of a keyframe, as ORB has by default.
+  static constexpr int kMaxFeatures = 500;
+  int max_keyframes = 4000;    // that are looked at; of longer paths every second, third, ...
+  int min_gap_keyframes = 20;  // looked at between the two of a loop: about 2 m, or half a turn
+  // Earlier keyframes tried for each, so that work grows with their number, not with its square.
+  static constexpr int kMaxCandidates = 5;
+  // Similarity of a candidate, relative to that of the keyframe and the one before it.
+  static constexpr double kMinSimilarity = 0.3;
   int min_inliers = 20;
-  double min_spread_deg = 3;
-  double ambiguity_ratio = 0.5;
-  int min_support = 2;
+  // Deviation of the agreeing corners' directions, across the narrower side: one small thing is no
+  // place.
+  static constexpr double kMinSpread_deg = 3;
+  // Most that another pose, or contradicting neighbours, may have of the support: no pose has half
+  // as many.
+  static constexpr double kAmbiguityRatio = 0.5;
+  // Other keyframes near that must propose the same correction.
+  static constexpr int kMinSupport = 2;
   double drift_base_m = 0.3;
   double drift_share = 0.1;
-  double drift_base_deg = 10;
-  double drift_deg_per_m = 3;
-  int max_registrations = 2;  // per keyframe: the proposals with most corners
-  double min_agreement = 0.7;
-  double min_correlation = 0.6;
-  double max_move_m = 0.15;  // of registration from the corners' pose
-  double max_turn_deg = 5;
-  double variance_scale = 10;  // of an edge's covariance, as of odometry edges
-  double edge_floor_m = 0.01;  // what does not average out between two visits
-  double edge_floor_deg = 0.3;
+  // Largest turn of the correction without any path, as of constellations.
+  static constexpr double kDriftBase_deg = 10;
+  // And per path, twice that of constellations, since depth and images are compared afterwards.
+  static constexpr double kDrift_deg_per_m = 3;
+  // Proposals of a keyframe that are registered by dense depth, those with most corners.
+  static constexpr int kMaxRegistrations = 2;
+  // Share of the common depth that must agree after dense registration, a tenth more than tracking
+  // asks.
+  static constexpr double kMinAgreement = 0.7;
+  // Correlation of the two images over the common points, half more than tracking asks.
+  static constexpr double kMinCorrelation = 0.6;
+  // Distance of the registered pose from that of the corners: half the gate of dense alignment.
+  static constexpr double kMaxMove_m = 0.15;
+  // And its turn.
+  static constexpr double kMaxTurn_deg = 5;
+  // Factor on the covariance of an edge, for correlated pixels, as of odometry edges
+  // (object_graph.h).
+  static constexpr double kVarianceScale = 10;
+  // Least deviation of an edge: what does not average out between two observations of a place.
+  static constexpr double kEdgeFloor_m = 0.01;
+  // And of its rotation.
+  static constexpr double kEdgeFloor_deg = 0.3;
 };
 
 void Describe(OptionsVisitor& visitor, AppearanceOptions& options);

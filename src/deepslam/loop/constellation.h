@@ -9,17 +9,17 @@
 // first seen at least min_gap_frames after the old one was last seen before it. Two or more pairs
 // make a constellation when one correction of four degrees of freedom (translation, and yaw about
 // the common up direction of all objects) brings the new objects onto the old ones:
-// - positions within position_tolerance_m + local_drift * (path travelled between the views of the
+// - positions within kPositionTolerance_m + kLocalDrift * (path travelled between the views of the
 //   constellation's objects, old visit and new);
-// - yaws within yaw_tolerance_deg, where neither object's yaw is free (by class, or because all its
+// - yaws within kYawTolerance_deg, where neither object's yaw is free (by class, or because all its
 //   views say so);
-// - by no more than tracking can drift on the path between the visits: drift_base_m + drift_share *
-//   path, measured at the objects, and drift_base_deg + drift_deg_per_m * path.
+// - by no more than tracking can drift on the path between the visits: drift_base_m + kDriftShare *
+//   path, measured at the objects, and kDriftBase_deg + kDrift_deg_per_m * path.
 // Two pairs' distance, bearing and yaws determine the correction; further pairs are added, nearest
 // first, as long as all agree after a refit. Two pairs of one constellation are no start of
 // another: whatever else they could lead to has a pair that is not in it, and starts with that.
 // Besides, a single pair is proposed where two models stand in each other, of whatever classes:
-// distance of centres below overlap_share * half the smaller one's longest side (a duplicate left
+// distance of centres below kOverlapShare * half the smaller one's longest side (a duplicate left
 // by association or by a path that has been closed; no gap needed), and it was measured how they
 // lie to each other: in parts of the path that nothing ties together one place may be in two rooms.
 //
@@ -28,7 +28,7 @@
 //
 // Acceptance. Constellations that pair one object with different partners contradict each other,
 // unless the partners are one object themselves by an accepted pair. Of two, the one with clearly
-// more pairs wins (ambiguity_ratio); else both are refused as ambiguous.
+// more pairs wins (kAmbiguityRatio); else both are refused as ambiguous.
 //
 // All poses in the tracking world. Deterministic: everything goes in the map's order.
 #pragma once
@@ -53,30 +53,50 @@ namespace deepslam::loop {
 struct LoopOptions {
   bool enabled = true;         // loops of any kind, duplicates among them
   bool constellations = true;  // of at least min_pairs objects
-  int min_pairs = 2;           // of a constellation; the paper's two
-  int min_gap_frames = 30;     // between the old objects' last sight and the new ones' first
-  double position_tolerance_m = 0.15;  // registered centres of two visits differ by 5-10 cm each
-  double local_drift = 0.02;           // tracking drift within one visit, m per m
-  double yaw_tolerance_deg = 30;
+  // Pairs of a constellation: the paper's two.
+  static constexpr int kMinPairs = 2;
+  int min_gap_frames = 30;  // between the old objects' last sight and the new ones' first
+  // Difference of a constellation's places after the correction: registered centres of two
+  // observations differ by 5 to 10 cm each.
+  static constexpr double kPositionTolerance_m = 0.15;
+  // Drift of tracking between the views of one constellation, m per m of path.
+  static constexpr double kLocalDrift = 0.02;
+  // Difference of yaws after the correction: two registrations, each within half of it.
+  static constexpr double kYawTolerance_deg = 30;
   double drift_base_m = 0.3;  // most tracking can be off between two visits
-  double drift_share = 0.05;
-  double drift_base_deg = 10;
-  double drift_deg_per_m = 1.5;
-  double max_spread_m = 6;        // objects of a constellation are neighbours
+  // Largest correction per path between the observations, m per m: tracking drifts less.
+  static constexpr double kDriftShare = 0.05;
+  // Largest yaw correction without any path.
+  static constexpr double kDriftBase_deg = 10;
+  // Largest yaw correction per path between the observations.
+  static constexpr double kDrift_deg_per_m = 1.5;
+  // Objects of one constellation lie no further from each other: a room's diagonal.
+  static constexpr double kMaxSpread_m = 6;
   bool merge_overlapping = true;  // single pairs
-  double overlap_share = 0.5;
+  // Two models of one thing: distance of their centres over half the smaller one's longest side.
+  static constexpr double kOverlapShare = 0.5;
   int max_seeds = 200000;  // pairs of pairs that are tried
 
-  double verify_distance_m = 0.06;  // points of the two visits this near agree
+  // Points of the two observations this near agree: both registrations' errors and the noise at 3
+  // m.
+  static constexpr double kVerifyDistance_m = 0.06;
   double min_object_agreement = 0.5;
-  double min_room_agreement = 0.5;
-  int min_room_points = 300;         // fewer: surroundings say nothing
-  double room_radius_m = 3.0;        // surroundings count this near to the objects
+  // Share of the surroundings that must agree: half, since the two observations see different
+  // parts of a room.
+  static constexpr double kMinRoomAgreement = 0.5;
+  int min_room_points = 300;  // fewer: surroundings say nothing
+  // Surroundings count this near to the objects: a degree of the correction's yaw moves them by 5
+  // cm there.
+  static constexpr double kRoomRadius_m = 3.0;
   double min_single_overlap = 0.35;  // of a single pair, see VerifyConstellation
-  double ambiguity_ratio = 0.7;
-  bool add_edges = true;  // keyframe-to-keyframe edges beside the merged objects
-  double edge_floor_m = 0.03;
-  double edge_floor_deg = 2.0;
+  // A contradicting constellation loses below this share of the other's pairs, two against three;
+  // else both are refused.
+  static constexpr double kAmbiguityRatio = 0.7;
+  // Least deviation of a loop edge: what registrations of objects are good to (object_graph.h,
+  // kObjectFloor_m).
+  static constexpr double kEdgeFloor_m = 0.03;
+  // And of its rotation.
+  static constexpr double kEdgeFloor_deg = 2.0;
 };
 
 void Describe(OptionsVisitor& visitor, LoopOptions& options);
@@ -117,18 +137,18 @@ struct MappedPath {
 
 // The constellation with refined correction, verdict and reason.
 //
-// Objects: of each pair, the share of the new object's depth within verify_distance_m of the old
+// Objects: of each pair, the share of the new object's depth within kVerifyDistance_m of the old
 // model (and the old depth), and the other way round; the worse counts. Pairs that reach less than
-// half of min_object_agreement are taken out; with min_pairs or more left, their mean must reach
+// half of min_object_agreement are taken out; with kMinPairs or more left, their mean must reach
 // min_object_agreement. No depth at all: not accepted. Surroundings: without ground and without the
-// pairs' objects, within room_radius_m. The share of either visit's points that lie within 1.5
-// verify_distance_m of the other's; the better direction counts, since one visit may have seen
-// more; it must reach min_room_agreement. Where a visit has fewer than min_room_points of them,
+// pairs' objects, within kRoomRadius_m. The share of either visit's points that lie within 1.5
+// kVerifyDistance_m of the other's; the better direction counts, since one visit may have seen
+// more; it must reach kMinRoomAgreement. Where a visit has fewer than min_room_points of them,
 // objects alone are believed only if the correction moves them by no more than drift_base_m: equal
 // furniture in an equal arrangement may stand elsewhere. A correction that moves them further is
 // refused where the surroundings agree better without it: two ends of a table look alike. A single
 // pair of one class: it is enough if without any correction min_single_overlap of both models'
-// points lie within verify_distance_m of the other model or inside its box shrunk to 80 %. Else,
+// points lie within kVerifyDistance_m of the other model or inside its box shrunk to 80 %. Else,
 // and of two classes, depth decides as above.
 [[nodiscard]] Constellation VerifyConstellation(const Constellation& constellation,
                                                 const ObjectMap& map,
@@ -149,7 +169,6 @@ struct MappedPath {
 [[nodiscard]] Loops AcceptLoops(std::span<const Constellation> verified,
                                 const ObjectMap& map,
                                 const Association& association,
-                                const LoopOptions& options,
                                 const Trajectory& trajectory = {});
 
 // What a further search found, in the map that the merges of `all` made. Merged objects still go to

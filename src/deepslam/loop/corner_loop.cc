@@ -1,29 +1,25 @@
 #include "deepslam/loop/corner_loop.h"
 
-
 #include <Eigen/LU>
 
 #include "deepslam/core/angles.h"
 #include "deepslam/loop/registered_pair.h"
 
 namespace deepslam::loop {
-namespace {
+namespace {}  // namespace
 
-
-}  // namespace
-
-bool BearsOut(const FeaturePose& pose, const AppearanceOptions& options) {
-  return pose.num_rivals <= options.ambiguity_ratio * pose.num_inliers &&
-         pose.spread_rad >= kRadPerDeg * options.min_spread_deg;
+bool BearsOut(const FeaturePose& pose) {
+  return pose.num_rivals <= AppearanceOptions::kAmbiguityRatio * pose.num_inliers &&
+         pose.spread_rad >= kRadPerDeg * AppearanceOptions::kMinSpread_deg;
 }
 
-std::string Verdict(const AppearanceLoop& loop,
-                    const KeyframeRegistration& registration,
-                    const AppearanceOptions& options) {
-  return Verdict(
-      registration,
-      loop.old_from_new,
-      {options.min_agreement, options.min_correlation, options.max_move_m, options.max_turn_deg});
+std::string Verdict(const AppearanceLoop& loop, const KeyframeRegistration& registration) {
+  return Verdict(registration,
+                 loop.old_from_new,
+                 {AppearanceOptions::kMinAgreement,
+                  AppearanceOptions::kMinCorrelation,
+                  AppearanceOptions::kMaxMove_m,
+                  AppearanceOptions::kMaxTurn_deg});
 }
 
 Matrix6d EdgeInformation(const Matrix6d& information,

@@ -10,12 +10,11 @@
 namespace deepslam::loop {
 
 // No other pose has too many corners, and they are spread over more than one thing.
-[[nodiscard]] bool BearsOut(const FeaturePose& pose, const AppearanceOptions& options);
+[[nodiscard]] bool BearsOut(const FeaturePose& pose);
 
 // Why dense registration does not bear the loop out; empty where it does.
 [[nodiscard]] std::string Verdict(const AppearanceLoop& loop,
-                                  const KeyframeRegistration& registration,
-                                  const AppearanceOptions& options);
+                                  const KeyframeRegistration& registration);
 
 // Information of an edge whose covariance is `variance_scale` times the registration's and
 // (floor_m, floor_rad) squared.

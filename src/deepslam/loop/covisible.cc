@@ -19,15 +19,13 @@ std::set<std::pair<int, int>> Joined(const Odometry& odometry, const KeyframePat
   return joined;
 }
 
-bool BearsOut(const KeyframeRegistration& registration,
-              const CovisiblePair& pair,
-              const CovisibleOptions& options) {
+bool BearsOut(const KeyframeRegistration& registration, const CovisiblePair& pair) {
   return Verdict(registration,
                  pair.older_from_newer,
-                 {options.min_agreement,
-                  options.min_correlation,
-                  options.max_move_m,
-                  options.max_move_deg})
+                 {CovisibleOptions::kMinAgreement,
+                  CovisibleOptions::kMinCorrelation,
+                  CovisibleOptions::kMaxMove_m,
+                  CovisibleOptions::kMaxMove_deg})
       .empty();
 }
 
@@ -53,7 +51,8 @@ std::vector<CovisiblePair> CovisiblePairs::Of(int newer) const {
   for (int older = std::max(0, newer - options_.max_gap_keyframes); older < newer; ++older) {
     const Pose3 older_from_newer =
         path_.world_from_camera(older).Inverse() * path_.world_from_camera(newer);
-    if (!Within(older_from_newer, options_.max_distance_m, options_.max_turn_deg)) continue;
+    if (!Within(older_from_newer, CovisibleOptions::kMaxDistance_m, CovisibleOptions::kMaxTurn_deg))
+      continue;
     if (path_.Broken(older, newer) || joined_.contains({older, newer})) continue;
     own.push_back({older, newer, older_from_newer});
   }
@@ -71,13 +70,12 @@ std::vector<CovisiblePair> CovisiblePairs::Next(std::size_t most) {
 
 std::vector<RelativePose> AcceptCovisible(std::span<const CovisiblePair> pairs,
                                           std::span<const KeyframeRegistration> registrations,
-                                          const Trajectory& trajectory,
-                                          const CovisibleOptions& options) {
+                                          const Trajectory& trajectory) {
   DEEPSLAM_CHECK(pairs.size() == registrations.size(), "one registration for each pair");
   const auto keyframe = [&](int n) { return trajectory.keyframes[static_cast<std::size_t>(n)]; };
   std::vector<RelativePose> edges;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (!BearsOut(registrations[k], pairs[k], options)) continue;
+    if (!BearsOut(registrations[k], pairs[k])) continue;
     edges.push_back({keyframe(pairs[k].older),
                      keyframe(pairs[k].newer),
                      registrations[k].old_from_new,
@@ -87,61 +85,25 @@ std::vector<RelativePose> AcceptCovisible(std::span<const CovisiblePair> pairs,
   return edges;
 }
 
-bool IsConsistent(const RelativePose& edge,
-                  const Trajectory& solved,
-                  const CovisibleOptions& options) {
-  return Agrees(
-      solved, edge.i, edge.j, edge.i_from_j, options.max_residual_m, options.max_residual_deg);
+bool IsConsistent(const RelativePose& edge, const Trajectory& solved) {
+  return Agrees(solved,
+                edge.i,
+                edge.j,
+                edge.i_from_j,
+                CovisibleOptions::kMaxResidual_m,
+                CovisibleOptions::kMaxResidual_deg);
 }
 
 void Describe(OptionsVisitor& visitor, CovisibleOptions& options) {
-  constexpr Range kDistance_m{0, 100};
-  constexpr Range kAngle_deg{0, 180};
   visitor.Field(
       "enabled",
       options.enabled,
       "measure keyframes against others that see the same; not with poses of the capture");
-  visitor.Field("max_gap_keyframes",
-                options.max_gap_keyframes,
-                {1, 10000},
-                "1",
-                "keyframes between the two of a pair, at most");
   visitor.Field("max_pairs",
                 options.max_pairs,
                 {1, 10000},
                 "1",
                 "for each keyframe, spread evenly over those before it");
-  visitor.Field("max_distance_m",
-                options.max_distance_m,
-                kDistance_m,
-                "m",
-                "between the two as tracked, at most");
-  visitor.Field("max_turn_deg",
-                options.max_turn_deg,
-                kAngle_deg,
-                "deg",
-                "between the two as tracked, at most");
-  DescribeAgreement(visitor, options.min_agreement, options.min_correlation);
-  visitor.Field("max_move_m",
-                options.max_move_m,
-                kDistance_m,
-                "m",
-                "of the registered pose from the tracked one");
-  visitor.Field("max_move_deg",
-                options.max_move_deg,
-                kAngle_deg,
-                "deg",
-                "of the registered pose from the tracked one");
-  visitor.Field("max_residual_m",
-                options.max_residual_m,
-                kDistance_m,
-                "m",
-                "of an edge from the path that all of them make; others are left out");
-  visitor.Field("max_residual_deg",
-                options.max_residual_deg,
-                kAngle_deg,
-                "deg",
-                "of an edge from the path that all of them make; others are left out");
 }
 
 }  // namespace deepslam::loop

@@ -5,8 +5,8 @@
 // longer way are appearance.h's.
 //
 // Proposed is a pair of keyframes that tracking has not joined, at most max_gap_keyframes apart
-// along the path, with no loss between, whose tracked poses lie within max_distance_m and
-// max_turn_deg. The caller registers it by dense depth and brightness, as tracking does. Accepted
+// along the path, with no loss between, whose tracked poses lie within kMaxDistance_m and
+// kMaxTurn_deg. The caller registers it by dense depth and brightness, as tracking does. Accepted
 // is what agrees and stays near the tracked pose; kept, once the caller has solved the graph with
 // these edges, what the solution does not contradict.
 //
@@ -30,14 +30,23 @@ struct CovisibleOptions {
   bool enabled = true;
   int max_gap_keyframes = 60;  // so that work grows with the number of keyframes
   int max_pairs = 12;          // for each keyframe, spread evenly over those before it
-  double max_distance_m = 1.5;
-  double max_turn_deg = 45;
-  double min_agreement = 0.7;
-  double min_correlation = 0.6;
-  double max_move_m = 0.15;  // of registration from the tracked pose
-  double max_move_deg = 5;
-  double max_residual_m = 0.05;  // of an edge from the solved path
-  double max_residual_deg = 2;
+  // Distance of the two as tracked: beyond, too little of a room is in both views.
+  static constexpr double kMaxDistance_m = 1.5;
+  // And their turn: most of a view of 60 degrees is then new.
+  static constexpr double kMaxTurn_deg = 45;
+  // Share of the common depth that must agree, as of loops (appearance.h).
+  static constexpr double kMinAgreement = 0.7;
+  // Correlation of the two images over the common points, as of loops.
+  static constexpr double kMinCorrelation = 0.6;
+  // Distance of the registered pose from the tracked one: tracking drifts less over 60 keyframes,
+  // 6 m.
+  static constexpr double kMaxMove_m = 0.15;
+  // And its turn.
+  static constexpr double kMaxMove_deg = 5;
+  // Distance of an edge from the path that all of them make; others are left out.
+  static constexpr double kMaxResidual_m = 0.05;
+  // And its turn.
+  static constexpr double kMaxResidual_deg = 2;
 };
 
 void Describe(OptionsVisitor& visitor, CovisibleOptions& options);
@@ -73,12 +82,9 @@ class CovisiblePairs {
 [[nodiscard]] std::vector<RelativePose> AcceptCovisible(
     std::span<const CovisiblePair> pairs,
     std::span<const KeyframeRegistration> registrations,
-    const Trajectory& trajectory,
-    const CovisibleOptions& options);
+    const Trajectory& trajectory);
 
 // That the poses of `solved` agree with the edge.
-[[nodiscard]] bool IsConsistent(const RelativePose& edge,
-                                const Trajectory& solved,
-                                const CovisibleOptions& options);
+[[nodiscard]] bool IsConsistent(const RelativePose& edge, const Trajectory& solved);
 
 }  // namespace deepslam::loop

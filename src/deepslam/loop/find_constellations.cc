@@ -12,7 +12,6 @@
 namespace deepslam::loop {
 namespace {
 
-
 // An old object and a new one that might be the same.
 struct PairHypothesis {
   std::size_t old_object = 0;  // index into the map
@@ -51,13 +50,13 @@ class ConstellationFinder {
 
  private:
   double MaxDrift_m(double path_m) const {
-    return options_.drift_base_m + options_.drift_share * path_m;
+    return options_.drift_base_m + LoopOptions::kDriftShare * path_m;
   }
   double MaxYawDrift_rad(double path_m) const {
     return kRadPerDeg *
-           std::min(180.0, options_.drift_base_deg + options_.drift_deg_per_m * path_m);
+           std::min(180.0, LoopOptions::kDriftBase_deg + LoopOptions::kDrift_deg_per_m * path_m);
   }
-  double YawTolerance_rad() const { return kRadPerDeg * options_.yaw_tolerance_deg; }
+  double YawTolerance_rad() const { return kRadPerDeg * LoopOptions::kYawTolerance_deg; }
 
   bool YawFree(const MapObject& object) const {
     if (classes_.TraitsOf(object.class_name).yaw_free) return true;
@@ -111,7 +110,7 @@ class ConstellationFinder {
     pair.yaw_known = !YawFree(map_.objects[o]) && !YawFree(map_.objects[n]);
     pair.yaw_rad = WrappedAngle(LevelYaw(map_.objects[o]) - LevelYaw(map_.objects[n]));
     if ((pair.old_level - pair.new_level).norm() >
-        MaxDrift_m(pair.path_m) + options_.position_tolerance_m) {
+        MaxDrift_m(pair.path_m) + LoopOptions::kPositionTolerance_m) {
       return;
     }
     if (pair.yaw_known &&
@@ -123,9 +122,9 @@ class ConstellationFinder {
 
   // Registration error, and drift inside either visit.
   double Tolerance_m(const PairHypothesis& a, const PairHypothesis& b) const {
-    return options_.position_tolerance_m +
-           options_.local_drift * (sightings_.PathBetween_m(a.old_frame, b.old_frame) +
-                                   sightings_.PathBetween_m(a.new_frame, b.new_frame));
+    return LoopOptions::kPositionTolerance_m +
+           LoopOptions::kLocalDrift * (sightings_.PathBetween_m(a.old_frame, b.old_frame) +
+                                       sightings_.PathBetween_m(a.new_frame, b.new_frame));
   }
 
   LevelCorrection Fit(const PairList& list) const {
@@ -134,7 +133,7 @@ class ConstellationFinder {
       fit.AddPoint(pairs_[k].old_level, pairs_[k].new_level);
       if (pairs_[k].yaw_known) fit.AddYaw(pairs_[k].yaw_rad);
     }
-    return fit.Solve(options_.position_tolerance_m, YawTolerance_rad());
+    return fit.Solve(LoopOptions::kPositionTolerance_m, YawTolerance_rad());
   }
 
   bool Agrees(const LevelCorrection& correction, const PairList& list) const {
@@ -156,8 +155,8 @@ class ConstellationFinder {
   }
 
   bool Neighbours(const PairHypothesis& a, const PairHypothesis& b) const {
-    return (a.old_level - b.old_level).norm() <= options_.max_spread_m &&
-           (a.new_level - b.new_level).norm() <= options_.max_spread_m;
+    return (a.old_level - b.old_level).norm() <= LoopOptions::kMaxSpread_m &&
+           (a.new_level - b.new_level).norm() <= LoopOptions::kMaxSpread_m;
   }
 
   bool Compatible(const PairHypothesis& a, const PairHypothesis& b) const {
@@ -222,7 +221,7 @@ class ConstellationFinder {
   std::vector<PairList> MaximalSets() const {
     std::vector<PairList> maximal;
     for (const PairList& list : sets_) {
-      if (static_cast<int>(list.size()) < options_.min_pairs) continue;
+      if (static_cast<int>(list.size()) < LoopOptions::kMinPairs) continue;
       const bool contained =
           std::any_of(sets_.begin(), sets_.end(), [&list](const PairList& other) {
             return other.size() > list.size() &&
@@ -260,7 +259,7 @@ class ConstellationFinder {
     }
     for (std::size_t a = 0; a < map_.objects.size(); ++a) {
       for (std::size_t b = a + 1; b < map_.objects.size(); ++b) {
-        if (!SharePlace(map_.objects[a], map_.objects[b], options_) || !Usable(a) || !Usable(b) ||
+        if (!SharePlace(map_.objects[a], map_.objects[b]) || !Usable(a) || !Usable(b) ||
             sightings_.SeenTogether(a, b) || !sightings_.Tied(a, b)) {
           continue;
         }
@@ -293,108 +292,23 @@ class ConstellationFinder {
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, LoopOptions& options) {
-  constexpr Range kShare{0, 1};
   constexpr Range kDistance_m{0, 1000};
-  constexpr Range kAngle_deg{0, 180};
   visitor.Field("enabled", options.enabled, "look for loops of any kind");
   visitor.Field(
       "constellations", options.constellations, "look for loops by constellations of objects");
-  visitor.Field("min_pairs", options.min_pairs, {2, 100}, "1", "objects of a constellation");
   visitor.Field("min_gap_frames",
                 options.min_gap_frames,
                 {1, 1e6},
                 "frames",
                 "between the old objects' last sight and the new ones' first");
-  visitor.Field("position_tolerance_m",
-                options.position_tolerance_m,
-                {1e-3, 10},
-                "m",
-                "difference of a constellation's places after the correction");
-  visitor.Field(
-      "local_drift", options.local_drift, kShare, "m/m", "tracking drift within one visit");
-  visitor.Field("yaw_tolerance_deg",
-                options.yaw_tolerance_deg,
-                {0.1, 180},
-                "deg",
-                "difference of yaws after the correction");
   visitor.Field("drift_base_m",
                 options.drift_base_m,
                 kDistance_m,
                 "m",
                 "largest correction without any path");
-  visitor.Field("drift_share",
-                options.drift_share,
-                kShare,
-                "m/m",
-                "largest correction per path between the visits");
-  visitor.Field("drift_base_deg",
-                options.drift_base_deg,
-                kAngle_deg,
-                "deg",
-                "largest yaw correction without any path");
-  visitor.Field("drift_deg_per_m",
-                options.drift_deg_per_m,
-                kAngle_deg,
-                "deg/m",
-                "largest yaw correction per path between the visits");
-  visitor.Field("max_spread_m",
-                options.max_spread_m,
-                kDistance_m,
-                "m",
-                "distance of objects of one constellation");
-  visitor.Retired(
-      "yaw_free_classes",
-      "`yaw_free: true` in the table of classes says it (classes.file, `deepslam config "
-      "classes`)");
   visitor.Field("merge_overlapping",
                 options.merge_overlapping,
                 "merge two objects of a class that stand in each other");
-  visitor.Field("overlap_share",
-                options.overlap_share,
-                kShare,
-                "1",
-                "distance of their centres over half the smaller one's longest side");
-  visitor.Field("max_seeds", options.max_seeds, {1, 1e8}, "1", "pairs of pairs that are tried");
-  visitor.Field("verify_distance_m",
-                options.verify_distance_m,
-                {1e-3, 1},
-                "m",
-                "points of the two visits this near agree");
-  visitor.Field("min_object_agreement",
-                options.min_object_agreement,
-                kShare,
-                "1",
-                "share of the objects' depth that must agree");
-  visitor.Field("min_room_agreement",
-                options.min_room_agreement,
-                kShare,
-                "1",
-                "share of the surroundings that must agree");
-  visitor.Field("min_room_points",
-                options.min_room_points,
-                {1, 1e6},
-                "1",
-                "fewer points of surroundings say nothing");
-  visitor.Field("room_radius_m",
-                options.room_radius_m,
-                kDistance_m,
-                "m",
-                "surroundings count this near to the objects");
-  visitor.Field("min_single_overlap",
-                options.min_single_overlap,
-                kShare,
-                "1",
-                "share of both models that lies in the other, for a single pair");
-  visitor.Field("ambiguity_ratio",
-                options.ambiguity_ratio,
-                kShare,
-                "1",
-                "a contradicting constellation loses below this share of the other's pairs");
-  visitor.Field("add_edges", options.add_edges, "keyframe-to-keyframe edges of accepted loops");
-  visitor.Field(
-      "edge_floor_m", options.edge_floor_m, {1e-4, 10}, "m", "least deviation of an edge");
-  visitor.Field(
-      "edge_floor_deg", options.edge_floor_deg, {1e-2, 90}, "deg", "least deviation of an edge");
 }
 
 FoundConstellations FindConstellations(const MappedPath& mapped, const LoopOptions& options) {

@@ -57,7 +57,7 @@ std::vector<AppearanceLoop> ProposeNeighbours(std::span<const NeighbourPair> pai
     const KeyframeFeatures& older = at(pairs[k].older);
     const KeyframeFeatures& newer = at(pairs[k].newer);
     const auto pose = PoseFromFeatures(older, newer, options.min_inliers);
-    if (!pose || !BearsOut(*pose, options)) return;
+    if (!pose || !BearsOut(*pose)) return;
     found[k] = {older.keyframe,
                 newer.keyframe,
                 pose->old_from_new,
@@ -75,16 +75,16 @@ std::vector<AppearanceLoop> ProposeNeighbours(std::span<const NeighbourPair> pai
 }
 
 std::vector<RelativePose> AcceptNeighbours(std::span<const AppearanceLoop> proposed,
-                                           std::span<const KeyframeRegistration> registrations,
-                                           const AppearanceOptions& options) {
+                                           std::span<const KeyframeRegistration> registrations) {
   std::vector<RelativePose> edges;
   for (std::size_t k = 0; k < proposed.size(); ++k) {
-    if (!Verdict(proposed[k], registrations[k], options).empty()) continue;
-    edges.push_back({proposed[k].old_keyframe,
-                     proposed[k].new_keyframe,
-                     registrations[k].old_from_new,
-                     EdgeInformation(registrations[k].information, options.variance_scale, 0, 0),
-                     false});
+    if (!Verdict(proposed[k], registrations[k]).empty()) continue;
+    edges.push_back(
+        {proposed[k].old_keyframe,
+         proposed[k].new_keyframe,
+         registrations[k].old_from_new,
+         EdgeInformation(registrations[k].information, AppearanceOptions::kVarianceScale, 0, 0),
+         false});
   }
   return edges;
 }

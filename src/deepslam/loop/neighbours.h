@@ -43,8 +43,6 @@ inline constexpr int kMostNeighbourGap = 5;
 // An edge for each proposal that its registration bears out. Their errors average out along the
 // path as those of odometry do, so edge_floor is not added.
 [[nodiscard]] std::vector<RelativePose> AcceptNeighbours(
-    std::span<const AppearanceLoop> proposed,
-    std::span<const KeyframeRegistration> registrations,
-    const AppearanceOptions& options);
+    std::span<const AppearanceLoop> proposed, std::span<const KeyframeRegistration> registrations);
 
 }  // namespace deepslam::loop

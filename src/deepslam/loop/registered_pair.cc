@@ -32,12 +32,4 @@ bool Agrees(const Trajectory& solved,
   return Within(i_from_j.Inverse() * solved_i_from_j, max_m, max_deg);
 }
 
-void DescribeAgreement(OptionsVisitor& visitor, double& min_agreement, double& min_correlation) {
-  constexpr Range kShare{0, 1};
-  visitor.Field(
-      "min_agreement", min_agreement, kShare, "1", "share of the common depth that must agree");
-  visitor.Field(
-      "min_correlation", min_correlation, kShare, "1", "of the two images over the common points");
-}
-
 }  // namespace deepslam::loop

@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "deepslam/core/options.h"
 #include "deepslam/loop/appearance.h"
 #include "deepslam/scene/trajectory.h"
 
@@ -32,7 +31,5 @@ struct RegistrationBounds {
                           const Pose3& i_from_j,
                           double max_m,
                           double max_deg);
-
-void DescribeAgreement(OptionsVisitor& visitor, double& min_agreement, double& min_correlation);
 
 }  // namespace deepslam::loop

@@ -37,8 +37,8 @@ bool IsPieceOf(ObjectId piece, ObjectId whole, const LoopEvidence& evidence, dou
 
 }  // namespace
 
-bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& options) {
-  return Apart_m(a, b) < options.overlap_share * 0.5 * std::min(a.scale_m, b.scale_m);
+bool SharePlace(const MapObject& a, const MapObject& b) {
+  return Apart_m(a, b) < LoopOptions::kOverlapShare * 0.5 * std::min(a.scale_m, b.scale_m);
 }
 
 std::vector<Duplicate> SuspectDuplicates(const ObjectMap& map,
@@ -62,14 +62,13 @@ std::vector<Duplicate> SuspectDuplicates(const ObjectMap& map,
 
 std::vector<Duplicate> FindDuplicates(const std::vector<Duplicate>& suspects,
                                       const ObjectMap& map,
-                                      const LoopEvidence& evidence,
-                                      const LoopOptions& options) {
+                                      const LoopEvidence& evidence) {
   const auto confidence = [&](ObjectId id) { return Get(map, id).confidence; };
   const auto stands_in = [&](const Duplicate& suspect) {
     const MapObject& object = Get(map, suspect.id);
     const MapObject& host = Get(map, suspect.host);
-    return (object.class_name == host.class_name && SharePlace(object, host, options)) ||
-           IsPieceOf(suspect.id, suspect.host, evidence, options.verify_distance_m);
+    return (object.class_name == host.class_name && SharePlace(object, host)) ||
+           IsPieceOf(suspect.id, suspect.host, evidence, LoopOptions::kVerifyDistance_m);
   };
   // Hosts are surer than what stands in them: their own fate is known first, and what leaves the
   // map itself is nobody's host.

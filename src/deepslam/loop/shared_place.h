@@ -12,7 +12,7 @@
 namespace deepslam::loop {
 
 // Centres nearer to each other than overlap_share of half the smaller one's longest side.
-[[nodiscard]] bool SharePlace(const MapObject& a, const MapObject& b, const LoopOptions& options);
+[[nodiscard]] bool SharePlace(const MapObject& a, const MapObject& b);
 
 // An object that stands where a surer one stands, from a box that took a thing and what is behind
 // it for one, or from a piece of the other. The two may be seen in one frame, so that they are not
@@ -35,7 +35,6 @@ struct Duplicate {
 // hosts.
 [[nodiscard]] std::vector<Duplicate> FindDuplicates(const std::vector<Duplicate>& suspects,
                                                     const ObjectMap& map,
-                                                    const LoopEvidence& evidence,
-                                                    const LoopOptions& options);
+                                                    const LoopEvidence& evidence);
 
 }  // namespace deepslam::loop

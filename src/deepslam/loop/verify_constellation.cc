@@ -66,8 +66,7 @@ double GroundTopOf(const LoopEvidence& evidence,
 Visit MakeVisit(const ObjectMap& map,
                 const LoopEvidence& evidence,
                 const std::vector<ObjectId>& ids,
-                const Eigen::Vector3d& up,
-                const LoopOptions& options) {
+                const Eigen::Vector3d& up) {
   Visit visit;
   Points around;
   for (const ObjectId id : ids) {
@@ -84,11 +83,11 @@ Visit MakeVisit(const ObjectMap& map,
       const MapObject* object = Find(map, id);
       return object != nullptr &&
              (object->world_from_object.translation_m - p.cast<double>()).norm() <
-                 options.room_radius_m;
+                 LoopOptions::kRoomRadius_m;
     });
     const bool own =
         std::any_of(visit.objects.begin(), visit.objects.end(), [&](const VisitedObject& object) {
-          return object.surface.Nearest(p, 1.5 * options.verify_distance_m) != nullptr;
+          return object.surface.Nearest(p, 1.5 * LoopOptions::kVerifyDistance_m) != nullptr;
         });
     if (near && !own) visit.room.push_back(p);
   }
@@ -100,24 +99,24 @@ Visit MakeVisit(const ObjectMap& map,
 Pose3 Refined(const Visit& old_visit,
               const Visit& new_visit,
               const Pose3& start,
-              const Eigen::Quaterniond& level_from_world,
-              const LoopOptions& options) {
+              const Eigen::Quaterniond& level_from_world) {
   std::vector<Belonging> clouds;
   for (std::size_t k = 0; k < new_visit.objects.size(); ++k)
     clouds.push_back({new_visit.objects[k].depth, &old_visit.objects[k].surface});
   clouds.push_back({new_visit.room, &old_visit.room_index});
-  return AlignLevel(clouds, start, level_from_world, options.verify_distance_m).value_or(start);
+  return AlignLevel(clouds, start, level_from_world, LoopOptions::kVerifyDistance_m)
+      .value_or(start);
 }
 
 // The worse of both directions; nothing where neither side has points. `b_from_a` moves a onto b.
 std::optional<double> ObjectAgreement(const VisitedObject& old_object,
                                       const VisitedObject& new_object,
-                                      const Pose3& old_from_new,
-                                      const LoopOptions& options) {
+                                      const Pose3& old_from_new) {
   std::optional<double> worse;
   const auto add = [&](const VisitedObject& a, const VisitedObject& b, const Pose3& b_from_a) {
     if (a.depth.size() < kMinPoints || b.surface.size() < kMinPoints) return;
-    const double share = AgreeingShare(a.depth, b_from_a, b.surface, options.verify_distance_m);
+    const double share =
+        AgreeingShare(a.depth, b_from_a, b.surface, LoopOptions::kVerifyDistance_m);
     worse = worse ? std::min(*worse, share) : share;
   };
   add(new_object, old_object, old_from_new);
@@ -132,10 +131,7 @@ std::string Percent(double share) {
 }
 
 // Share of model a's points on or well inside model b.
-double ShareInside(const ObjectEvidence& a,
-                   const ObjectEvidence& b,
-                   const Pose3& world_from_b,
-                   const LoopOptions& options) {
+double ShareInside(const ObjectEvidence& a, const ObjectEvidence& b, const Pose3& world_from_b) {
   const Points points = Thinned(a.model_points_world, kCell_m);
   const Points surface = Thinned(b.model_points_world, kCell_m);
   if (points.size() < kMinPoints || surface.size() < kMinPoints) return 0;
@@ -147,7 +143,7 @@ double ShareInside(const ObjectEvidence& a,
   for (const Eigen::Vector3f& p : points) {
     const Eigen::Vector3d offset = b_from_world * p.cast<double>() - box.Center();
     const bool in_box = (offset.cwiseAbs().array() <= 0.5 * kBoxShrink * box.Size().array()).all();
-    if (in_box || index.Nearest(p, options.verify_distance_m) != nullptr) ++inside;
+    if (in_box || index.Nearest(p, LoopOptions::kVerifyDistance_m) != nullptr) ++inside;
   }
   return static_cast<double>(inside) / static_cast<double>(points.size());
 }
@@ -167,10 +163,8 @@ Constellation VerifySingle(Constellation single,
     return single;
   }
   const double overlap = std::min(
-      ShareInside(
-          old_evidence->second, new_evidence->second, new_object->world_from_object, options),
-      ShareInside(
-          new_evidence->second, old_evidence->second, old_object->world_from_object, options));
+      ShareInside(old_evidence->second, new_evidence->second, new_object->world_from_object),
+      ShareInside(new_evidence->second, old_evidence->second, old_object->world_from_object));
   single.accepted =
       old_object->class_name == new_object->class_name && overlap >= options.min_single_overlap;
   single.reason = "models overlap by " + Percent(overlap);
@@ -199,10 +193,8 @@ std::optional<double> KeepAgreeingPairs(const Visit& old_visit,
   double sum = 0;
   int count = 0;
   for (std::size_t k = 0; k < constellation.pairs.size(); ++k) {
-    const std::optional<double> agreement = ObjectAgreement(old_visit.objects[k],
-                                                            new_visit.objects[k],
-                                                            constellation.old_world_from_new_world,
-                                                            options);
+    const std::optional<double> agreement = ObjectAgreement(
+        old_visit.objects[k], new_visit.objects[k], constellation.old_world_from_new_world);
     if (!agreement || *agreement < kWorstPairShare * options.min_object_agreement) continue;
     kept.push_back(constellation.pairs[k]);
     sum += *agreement;
@@ -236,11 +228,8 @@ void TakeRefinement(const Pose3& refined, const ObjectMap& map, Constellation& c
 }
 
 // The better of both directions.
-double RoomAgreement(const Visit& old_visit,
-                     const Visit& new_visit,
-                     const Pose3& old_from_new,
-                     const LoopOptions& options) {
-  const double radius_m = 1.5 * options.verify_distance_m;
+double RoomAgreement(const Visit& old_visit, const Visit& new_visit, const Pose3& old_from_new) {
+  const double radius_m = 1.5 * LoopOptions::kVerifyDistance_m;
   return std::max(
       AgreeingShare(new_visit.room, old_from_new, old_visit.room_index, radius_m),
       AgreeingShare(old_visit.room, old_from_new.Inverse(), new_visit.room_index, radius_m));
@@ -256,19 +245,18 @@ Constellation VerifyDepth(const Constellation& constellation,
                           double believed_m) {
   Constellation result = constellation;
   const std::size_t min_pairs =
-      std::min(constellation.pairs.size(), static_cast<std::size_t>(options.min_pairs));
+      std::min(constellation.pairs.size(), static_cast<std::size_t>(LoopOptions::kMinPairs));
   std::vector<ObjectId> old_ids, new_ids;
   for (const ObjectMerge& pair : result.pairs) {
     old_ids.push_back(pair.kept);
     new_ids.push_back(pair.merged);
   }
   const Eigen::Vector3d up = UpDirection(map);
-  const Visit old_visit = MakeVisit(map, evidence, old_ids, up, options);
-  const Visit new_visit = MakeVisit(map, evidence, new_ids, up, options);
-  TakeRefinement(
-      Refined(old_visit, new_visit, result.old_world_from_new_world, LevelFromWorld(up), options),
-      map,
-      result);
+  const Visit old_visit = MakeVisit(map, evidence, old_ids, up);
+  const Visit new_visit = MakeVisit(map, evidence, new_ids, up);
+  TakeRefinement(Refined(old_visit, new_visit, result.old_world_from_new_world, LevelFromWorld(up)),
+                 map,
+                 result);
 
   const std::optional<double> objects = KeepAgreeingPairs(old_visit, new_visit, options, result);
   if (result.pairs.size() < min_pairs || !objects) {
@@ -285,11 +273,11 @@ Constellation VerifyDepth(const Constellation& constellation,
     result.accepted = result.accepted && near;
     return result;
   }
-  const double room = RoomAgreement(old_visit, new_visit, result.old_world_from_new_world, options);
+  const double room = RoomAgreement(old_visit, new_visit, result.old_world_from_new_world);
   result.reason += ", surroundings by " + Percent(room);
-  result.accepted = result.accepted && room >= options.min_room_agreement;
+  result.accepted = result.accepted && room >= LoopOptions::kMinRoomAgreement;
   if (LargestMove(result, map) <= options.drift_base_m) return result;
-  const double room_as_is = RoomAgreement(old_visit, new_visit, {}, options);
+  const double room_as_is = RoomAgreement(old_visit, new_visit, {});
   if (room_as_is > room) {
     result.reason += ", as they stand by " + Percent(room_as_is);
     result.accepted = false;

@@ -101,7 +101,7 @@ bool StandApart(const ObjectEvidence& old_visit,
   const Seen newer(new_visit, up_world);
   if (std::min(older.object.size(), newer.object.size()) < kMinPoints) return false;
   const Eigen::Quaterniond level_from_world = LevelFromWorld(up_world);
-  const double radius_m = options.verify_distance_m;
+  const double radius_m = LoopOptions::kVerifyDistance_m;
   // The object first: around it walls may hold on to where they are.
   const std::vector<Belonging> object = {{newer.object, &older.object_index}};
   const PointIndex all_older(older.all);

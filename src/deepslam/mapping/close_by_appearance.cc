@@ -52,7 +52,7 @@ Result<MeasuredByAppearance> Measure(const FrameSource& frames,
   if (!adjacent.ok()) return adjacent.error();
   return MeasuredByAppearance{
       loop::AcceptAppearanceLoops(proposed->loops, *loops, odometry, options.appearance),
-      loop::AcceptNeighbours(proposed->adjacent, *adjacent, options.appearance)};
+      loop::AcceptNeighbours(proposed->adjacent, *adjacent)};
 }
 
 int CountKept(const std::vector<RelativePose>& of, const std::vector<RelativePose>& edges) {

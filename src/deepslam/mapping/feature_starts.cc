@@ -17,7 +17,7 @@ std::optional<tracking::FeatureStart> FeaturePlaces::Find(FrameIdx reference, Fr
   FeaturesAt(reference);  // the other may make room
   const loop::GradientFeatures& seen = FeaturesAt(frame);
   const auto pose = loop::PoseFromFeatures(FeaturesAt(reference), seen, options.min_inliers);
-  if (!pose || !loop::BearsOut(*pose, options)) return std::nullopt;
+  if (!pose || !loop::BearsOut(*pose)) return std::nullopt;
   return tracking::FeatureStart{pose->old_from_new, pose->num_inliers};
 }
 

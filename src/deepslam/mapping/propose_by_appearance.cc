@@ -107,7 +107,8 @@ class PathLook {
       if (look_.at_all[begin + k] == 0) return;
       const Result<Frame> frame = frames_.Read(keyframes[k]);
       if (frame.ok()) {
-        features[k] = loop::ExtractFeatures(*frame, frames_.camera(), options_.max_features);
+        features[k] =
+            loop::ExtractFeatures(*frame, frames_.camera(), loop::AppearanceOptions::kMaxFeatures);
       } else {
         faults[k] = frame.error().message;
       }

@@ -58,7 +58,7 @@ Result<SharedEdges> MeasureCovisible(const Odometry& tracked,
         RegisterPairs(pyramids, PairsOfKeyframes(batch, tracked), alignment, progress);
     if (!registrations.ok()) return registrations.error();
     const std::vector<RelativePose> accepted =
-        loop::AcceptCovisible(batch, *registrations, tracked, options.covisible);
+        loop::AcceptCovisible(batch, *registrations, tracked);
     if (Status added = AddAll(accepted, *edges); !added.ok()) return added.error();
   }
 }
@@ -66,11 +66,10 @@ Result<SharedEdges> MeasureCovisible(const Odometry& tracked,
 // Those that the solved path does not contradict.
 Result<SharedEdges> ConsistentOf(const EdgeStore& edges,
                                  const Trajectory& solved,
-                                 const loop::CovisibleOptions& options,
                                  const std::shared_ptr<EdgeStore>& consistent) {
   Status added = Ok();
   ForEach(edges, [&](const RelativePose& edge) {
-    if (added.ok() && loop::IsConsistent(edge, solved, options)) added = consistent->Add(edge);
+    if (added.ok() && loop::IsConsistent(edge, solved)) added = consistent->Add(edge);
   });
   if (!added.ok()) return added.error();
   return SharedEdges(consistent);
@@ -119,7 +118,7 @@ Result<Odometry> RefinePath(Odometry tracked,
     return refined;
   }
   refined.frames = std::move(solved).value();
-  auto consistent = ConsistentOf(**measured, refined, options.covisible, new_store());
+  auto consistent = ConsistentOf(**measured, refined, new_store());
   if (!consistent.ok()) return consistent.error();
   refined.more_edges = std::move(consistent).value();
   return refined;

@@ -67,18 +67,19 @@ std::optional<Sample> SampleView(const ObjectView& view,
   const std::optional<Eigen::Vector2d> pixel = view.camera.Project(p_camera);
   if (!pixel || !pixel->allFinite() || pixel->cwiseAbs().maxCoeff() > 1e6) return std::nullopt;
   const double cosine = -n_camera.dot(p_camera) / distance;
-  if (cosine < std::cos(options.max_view_angle_deg * std::numbers::pi / 180.0)) return std::nullopt;
+  if (cosine < std::cos(ColourOptions::kMaxViewAngle_deg * std::numbers::pi / 180.0))
+    return std::nullopt;
   const int u = static_cast<int>(std::lround(pixel->x()));
   const int v = static_cast<int>(std::lround(pixel->y()));
   if (!view.depth_crop_m.Contains(u, v)) return std::nullopt;
   const double measured_m = static_cast<double>(view.depth_crop_m(u, v));
-  if (!(measured_m > 0) || std::abs(measured_m - p_camera.z()) > options.depth_tolerance_m) {
+  if (!(measured_m > 0) || std::abs(measured_m - p_camera.z()) > ColourOptions::kDepthTolerance_m) {
     return std::nullopt;
   }
   if (options.segment_only && !view.mask_crop.empty() && view.mask_crop(u, v) == 0) {
     return std::nullopt;
   }
-  if (NextToStep(view.depth_crop_m, u, v, options.max_edge_step_m)) return std::nullopt;
+  if (NextToStep(view.depth_crop_m, u, v, ColourOptions::kMaxEdgeStep_m)) return std::nullopt;
   return Sample{view.colour_crop(u, v), cosine / (distance * distance)};
 }
 
@@ -189,21 +190,6 @@ TriangleMesh ColourMesh(const TriangleMesh& mesh_object_m,
 }
 
 void Describe(OptionsVisitor& visitor, ColourOptions& options) {
-  visitor.Field("depth_tolerance_m",
-                options.depth_tolerance_m,
-                {0.001, 1},
-                "m",
-                "a vertex is seen where the sensor's depth agrees with it this well");
-  visitor.Field("max_view_angle_deg",
-                options.max_view_angle_deg,
-                {0, 90},
-                "deg",
-                "no colour is taken at flatter angles between normal and ray");
-  visitor.Field("max_edge_step_m",
-                options.max_edge_step_m,
-                {0.001, 10},
-                "m",
-                "no colour is taken next to a larger step in depth");
   visitor.Field(
       "segment_only", options.segment_only, "take colours from the object's segment alone");
 }

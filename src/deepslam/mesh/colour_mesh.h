@@ -12,12 +12,13 @@
 namespace deepslam::mesh {
 
 struct ColourOptions {
-  double depth_tolerance_m =
-      0.04;  // the sensor's depth at a vertex may differ by this much: noise and model error
-  double max_view_angle_deg =
-      75;  // between the vertex's normal and the ray to the camera; beyond it colours smear
-  double max_edge_step_m =
-      0.05;  // a depth step larger than this next to the pixel: colour may be the background's
+  // The sensor's depth at a vertex may differ by this much: noise at 4 m and the model's error.
+  static constexpr double kDepthTolerance_m = 0.04;
+  // Between the vertex's normal and the ray to the camera; beyond, a pixel covers four times its
+  // width.
+  static constexpr double kMaxViewAngle_deg = 75;
+  // A step in depth larger than this next to the pixel: the colour may be the background's.
+  static constexpr double kMaxEdgeStep_m = 0.05;
   bool segment_only = true;  // pixels off the object's segment give no colour
 };
 void Describe(OptionsVisitor& visitor, ColourOptions& options);

@@ -76,7 +76,7 @@ TriangleMesh ToTriangleMesh(const SurfaceMesh& mesh) {
 }
 
 Result<TriangleMesh> RelaxUntilClean(const VoxelBoundary& boundary, const SurfaceOptions& options) {
-  double shift = options.max_shift_voxels;
+  double shift = SurfaceOptions::kMaxShiftVoxels;
   for (int attempt = 0; attempt <= kMaxAttempts; ++attempt, shift *= 0.5) {
     const bool last = attempt == kMaxAttempts;
     const std::vector<Eigen::Vector3d> points =
@@ -120,16 +120,6 @@ void Describe(OptionsVisitor& visitor, SurfaceOptions& options) {
                 {0, 1000},
                 "1",
                 "relaxation steps of the surface; 0 = bare voxel boundary");
-  visitor.Field("max_shift_voxels",
-                options.max_shift_voxels,
-                {0, 0.5},
-                "1",
-                "farthest a vertex may go from its voxel corner, voxels per axis");
-  visitor.Field("min_component_share",
-                options.min_component_share,
-                {0, 1},
-                "1",
-                "parts with a smaller share of the occupied voxels are dropped as noise");
 }
 
 }  // namespace deepslam::mesh

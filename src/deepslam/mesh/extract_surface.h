@@ -15,8 +15,10 @@
 namespace deepslam::mesh {
 
 struct SurfaceOptions {
-  int iterations = 80;            // of the relaxation; 0 = the bare voxel boundary
-  double max_shift_voxels = 0.5;  // farthest a vertex may go from its voxel corner, per axis
+  int iterations = 80;  // of the relaxation; 0 = the bare voxel boundary
+  // Farthest a vertex may go from its voxel corner, per axis: half a voxel, what the grid leaves
+  // open.
+  static constexpr double kMaxShiftVoxels = 0.5;
   double min_component_share =
       0.01;  // parts with a smaller share of the occupied voxels are noise and go
 };

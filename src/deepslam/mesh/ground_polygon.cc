@@ -36,13 +36,13 @@ using Constrained = CGAL::Constrained_Delaunay_triangulation_2<
 
 // One point per cell, the mean, in the order of the cells: neither order nor density of the input
 // matters.
-std::vector<Point> Thinned(std::span<const Eigen::Vector2d> points,
-                           const GroundPolygonOptions& options) {
+std::vector<Point> Thinned(std::span<const Eigen::Vector2d> points) {
   std::map<std::pair<long, long>, std::vector<std::pair<double, double>>> cells;
   for (const Eigen::Vector2d& p : points) {
-    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > options.max_extent_m) continue;
-    cells[{std::lround(p.x() / options.cell_m), std::lround(p.y() / options.cell_m)}].emplace_back(
-        p.x(), p.y());
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > GroundPolygonOptions::kMaxExtent_m) continue;
+    cells[{std::lround(p.x() / GroundPolygonOptions::kCell_m),
+           std::lround(p.y() / GroundPolygonOptions::kCell_m)}]
+        .emplace_back(p.x(), p.y());
   }
   std::vector<Point> result;
   result.reserve(cells.size());
@@ -191,20 +191,20 @@ TriangleMesh Triangulated(const Polygon& outline, std::span<const Eigen::Vector2
 
 }  // namespace
 
-Result<TriangleMesh> GroundPolygon(std::span<const Eigen::Vector2d> points_world,
-                                   const GroundPolygonOptions& options) {
+Result<TriangleMesh> GroundPolygon(std::span<const Eigen::Vector2d> points_world) {
   try {
-    const std::vector<Point> points = Thinned(points_world, options);
+    const std::vector<Point> points = Thinned(points_world);
     Delaunay triangulation(points.begin(), points.end());
-    const int label =
-        triangulation.dimension() < 2 ? 0 : LabelAlphaShape(triangulation, options.alpha_m);
+    const int label = triangulation.dimension() < 2
+                          ? 0
+                          : LabelAlphaShape(triangulation, GroundPolygonOptions::kAlpha_m);
     if (label == 0) {
       return InvalidInput("ground polygon: " + std::to_string(points.size()) +
                           " distinct points span no area");
     }
     const Polygon outline = OuterBoundary(triangulation, label);
     if (outline.size() < 3) return Failed("ground polygon: the outline is not simple");
-    return Triangulated(Simplified(outline, options.simplify_m));
+    return Triangulated(Simplified(outline, GroundPolygonOptions::kSimplify_m));
   } catch (const std::exception& e) {
     return Failed(std::string("ground polygon: ") + e.what());
   }
@@ -265,23 +265,6 @@ Result<TriangleMesh> TriangulateOutline(std::span<const Eigen::Vector2d> outline
 }
 
 void Describe(OptionsVisitor& visitor, GroundPolygonOptions& options) {
-  visitor.Field(
-      "cell_m", options.cell_m, {0.005, 1}, "m", "floor points are thinned to one per cell");
-  visitor.Field("alpha_m",
-                options.alpha_m,
-                {0.01, 10},
-                "m",
-                "gaps in the floor narrower than twice this are bridged");
-  visitor.Field("simplify_m",
-                options.simplify_m,
-                {0, 1},
-                "m",
-                "how far the simplified outline may leave the seen one");
-  visitor.Field("max_extent_m",
-                options.max_extent_m,
-                {1, 10000},
-                "m",
-                "floor points farther from the origin are outliers");
   visitor.Field("colour_step_m",
                 options.colour_step_m,
                 {0, 10},

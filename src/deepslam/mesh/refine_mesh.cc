@@ -268,7 +268,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
     mesh->request_face_normals();
     mesh->request_vertex_normals();
     mesh->update_normals();
-    Smooth(*mesh, options.smoothing_iterations, kSmoothingShare * bound);
+    Smooth(*mesh, RefineOptions::kSmoothingIterations, kSmoothingShare * bound);
     mesh->update_normals();
     Decimate(*mesh, kDecimationShare * bound, options);
     const TriangleMesh refined = ToTriangleMesh(*mesh);
@@ -284,16 +284,6 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
 }
 
 void Describe(OptionsVisitor& visitor, RefineOptions& options) {
-  visitor.Field("smoothing_iterations",
-                options.smoothing_iterations,
-                {0, 100},
-                "1",
-                "Jacobi-Laplace smoothing steps before decimation");
-  visitor.Field("max_error",
-                options.max_error,
-                {1e-6, 1.0},
-                "1",
-                "Hausdorff bound against the extracted surface, object units (a voxel is 1/64)");
   visitor.Field("max_edge",
                 options.max_edge,
                 {1e-6, 1e6},

@@ -8,7 +8,8 @@
 namespace deepslam::mesh {
 
 struct RefineOptions {
-  int smoothing_iterations = 2;  // Jacobi-Laplace steps before decimation; 0 = none
+  // Jacobi-Laplace steps before decimation; more of them would shrink thin legs.
+  static constexpr int kSmoothingIterations = 2;
   double max_error =
       0.5 / 64;  // Hausdorff bound against the input, in the mesh's own unit: half a voxel
   double max_edge = 3.0 / 64;  // longest edge that decimation makes, own unit: colours stand at

@@ -31,12 +31,10 @@ MapObject SelectOf(const CandidateSet& set,
                              options);
 }
 
-MapObject WithConfidence(const CandidateSet& set,
-                         const select::SelectOptions& options,
-                         MapObject object) {
+MapObject WithConfidence(const CandidateSet& set, MapObject object) {
   if (!object.chosen.valid()) return object;
   object.confidence = select::Confidence(
-      object, *set.models.at(object.model), set.candidates, set.registrations, set.scores, options);
+      object, *set.models.at(object.model), set.candidates, set.registrations, set.scores);
   return object;
 }
 
@@ -111,7 +109,7 @@ std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> c
                                                const ModelMap& models,
                                                std::span<const ObjectView> views,
                                                const registration::RegisterOptions& options) {
-  const auto prepared = registration::PrepareForRegistration(views, options);
+  const auto prepared = registration::PrepareForRegistration(views);
   std::vector<CandidateRegistration> registrations(candidates.size());
   ParallelFor(candidates.size(), [&](std::size_t i) {
     registrations[i] = registration::RegisterCandidate(
@@ -123,7 +121,7 @@ std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> c
 void ScoreAll(std::span<const ObjectView> views,
               const select::SelectOptions& options,
               CandidateSet& set) {
-  if (set.scored_views.empty()) set.scored_views = select::PrepareForScoring(views, options);
+  if (set.scored_views.empty()) set.scored_views = select::PrepareForScoring(views);
   const std::size_t first = set.scores.size();
   set.scores.resize(set.candidates.size());
   ParallelFor(set.candidates.size() - first, [&](std::size_t n) {
@@ -156,11 +154,10 @@ Result<MapObject> SelectOrChoose(const CandidateSet& set,
                                  const ObjectOptions& options,
                                  std::vector<std::string>& applied) {
   MapObject best = SelectOf(set, 0, set.candidates.size(), views, options.select);
-  if (!options.choice.choose) return WithConfidence(set, options.select, std::move(best));
+  if (!options.choice.choose) return WithConfidence(set, std::move(best));
   const Result<CandidateId> wanted = options.choice.choose(set.object, set.candidates);
   if (!wanted.ok()) return wanted.error();
-  if (!wanted->valid() || *wanted == best.chosen)
-    return WithConfidence(set, options.select, std::move(best));
+  if (!wanted->valid() || *wanted == best.chosen) return WithConfidence(set, std::move(best));
   const auto found = std::ranges::find(set.candidates, *wanted, &ShapeCandidate::id);
   const auto n = static_cast<std::size_t>(found - set.candidates.begin());
   MapObject chosen = SelectOf(set, n, 1, views, options.select);
@@ -170,7 +167,7 @@ Result<MapObject> SelectOrChoose(const CandidateSet& set,
   chosen.history = std::move(best.history);
   applied.push_back(fmt::format(
       "object {} is candidate {} ({}) by choice", set.object.value, wanted->value, chosen.model));
-  return WithConfidence(set, options.select, std::move(chosen));
+  return WithConfidence(set, std::move(chosen));
 }
 
 }  // namespace deepslam::modelling

@@ -80,7 +80,7 @@ Result<Loops> DetectLoops(const std::vector<PartedVisit>& visits,
   const Result<std::vector<Constellation>> verified =
       Verify(found.constellations, reobserved, closing, world);
   if (!verified.ok()) return verified.error();
-  return loop::AcceptLoops(*verified, world.map, world.association, options, world.odometry);
+  return loop::AcceptLoops(*verified, world.map, world.association, world.odometry);
 }
 
 // The path is closed by what ties it together so far, where that moves what was seen of an object
@@ -175,7 +175,7 @@ Status DropDuplicates(const LoopClosing& closing, LoopWorld& world) {
   if (!evidence.ok()) return evidence.error();
   std::map<ObjectId, std::string> names;
   for (const MapObject& object : map.objects) names[object.id] = ObjectName(object);
-  for (const loop::Duplicate& duplicate : loop::FindDuplicates(suspects, map, *evidence, options)) {
+  for (const loop::Duplicate& duplicate : loop::FindDuplicates(suspects, map, *evidence)) {
     map.dropped.push_back(fmt::format(
         "{}: stands in {}, which is surer", names[duplicate.id], names[duplicate.host]));
     std::erase_if(map.objects, [&](const MapObject& object) { return object.id == duplicate.id; });

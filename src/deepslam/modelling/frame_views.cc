@@ -61,11 +61,11 @@ Status FrameViews::ForBatches(const TrackedObjects& objects,
     for (; end < tracks.size() && (end == begin || num_bytes < batch_bytes_); ++end) {
       const auto planned = plan.find(tracks[end].id);
       if (planned == plan.end()) continue;
-      num_bytes += observe::NumBytes(planned->second, inputs_.frames.camera(), options_);
+      num_bytes += observe::NumBytes(planned->second, inputs_.frames.camera());
       of_batch.insert(plan.extract(planned));
     }
     auto views = observe::CutObjectViews(
-        inputs_.frames, objects.trajectory, objects.ground, of_batch, options_, content, progress_);
+        inputs_.frames, objects.trajectory, objects.ground, of_batch, content, progress_);
     if (!views.ok()) return views.error();
     std::vector<TrackViews> batch;
     for (std::size_t t = begin; t < end; ++t) {

@@ -108,8 +108,9 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
         CameraFromObject(registration, views[i].detection, i, views[i].world_from_camera);
     return Similarity3::From(camera_from_object, registration.scale_m) * *object_from_decoded;
   };
-  const auto placed = PlacedViews(views, static_cast<std::size_t>(refinement.max_views), place);
-  const std::vector<refine::Evidence> evidence = refine::CarveEvidence(placed, refinement);
+  const auto placed =
+      PlacedViews(views, static_cast<std::size_t>(refine::RefineOptions::kMaxViews), place);
+  const std::vector<refine::Evidence> evidence = refine::CarveEvidence(placed);
   const refine::Decoder decoder = {
       [&](std::span<const float> latents) { return prior.Logits(latents); },
       [&](std::span<const float> latents, std::span<const float> by_logits) {
@@ -192,7 +193,7 @@ Proposals CompleteBest(const CandidateSet& set,
                              registration.scale_m);
   };
   const auto placed =
-      PlacedViews(views, static_cast<std::size_t>(options.refinement.max_views), place);
+      PlacedViews(views, static_cast<std::size_t>(refine::RefineOptions::kMaxViews), place);
   std::optional<refine::CompletedModel> model =
       refine::CompleteModel(*set.models.at(start.model), placed, options.refinement);
   if (!model) return completed;
@@ -219,7 +220,7 @@ std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
       candidate,
       model,
       Similarity3::From(registration.world_from_object, registration.scale_m),
-      registration::PrepareForRegistration(views, options.registration),
+      registration::PrepareForRegistration(views),
       options.registration);
   CandidateScore other_score = select::ScoreCandidate(candidate,
                                                       model,

@@ -27,8 +27,7 @@ struct Candidate {
 
 std::vector<Candidate> CandidatesOf(const ObjectTrack& track,
                                     const std::map<DetectionId, const Segment*>& segments,
-                                    const Trajectory& trajectory,
-                                    const ViewOptions& options) {
+                                    const Trajectory& trajectory) {
   std::vector<Candidate> candidates;
   int largest = 1;
   for (const TrackMember& member : track.members) {
@@ -50,7 +49,7 @@ std::vector<Candidate> CandidatesOf(const ObjectTrack& track,
   for (Candidate& candidate : candidates) {
     const Segment& segment = *candidate.segment;
     candidate.worth = segment.score * std::sqrt(static_cast<double>(segment.num_points) / largest) *
-                      (segment.touches_border ? options.border_penalty : 1.0);
+                      (segment.touches_border ? ViewOptions::kBorderPenalty : 1.0);
   }
   return candidates;
 }
@@ -117,9 +116,9 @@ struct Window {
   int height = 0;
 };
 
-Window WindowOf(const Segment& segment, int width, int height, const ViewOptions& options) {
+Window WindowOf(const Segment& segment, int width, int height) {
   const Box2& box = segment.box_px;
-  const double margin = options.crop_margin * std::max(box.width_px(), box.height_px());
+  const double margin = ViewOptions::kCropMargin * std::max(box.width_px(), box.height_px());
   const Box2 wide =
       Intersection({box.u_min - margin, box.v_min - margin, box.u_max + margin, box.v_max + margin},
                    {0, 0, width - 1.0, height - 1.0});
@@ -137,7 +136,6 @@ Window WindowOf(const Segment& segment, int width, int height, const ViewOptions
 std::optional<ObjectView> CutView(const Frame& frame,
                                   const PinholeCamera& camera,
                                   const Segment& segment,
-                                  const ViewOptions& options,
                                   ViewContent content) {
   const int width = frame.depth_m.width();
   const int height = frame.depth_m.height();
@@ -146,7 +144,7 @@ std::optional<ObjectView> CutView(const Frame& frame,
       segment.mask.width() != width || segment.mask.height() != height) {
     return std::nullopt;
   }
-  const Window window = WindowOf(segment, width, height, options);
+  const Window window = WindowOf(segment, width, height);
   if (window.width <= 0 || window.height <= 0) return std::nullopt;
   ObjectView view;
   view.detection = segment.detection;
@@ -183,21 +181,6 @@ struct FrameViews {
 
 void Describe(OptionsVisitor& visitor, ViewOptions& options) {
   visitor.Field("max_views", options.max_views, {1, 1000}, "1", "views per object");
-  visitor.Field("crop_margin",
-                options.crop_margin,
-                {0, 2},
-                "1",
-                "widening of the box, share of its longer side");
-  visitor.Field("spread_deg",
-                options.spread_deg,
-                {0.1, 180},
-                "deg",
-                "views closer than this in direction rank lower");
-  visitor.Field("border_penalty",
-                options.border_penalty,
-                {0, 1},
-                "1",
-                "factor on the rank of views that touch the image border");
 }
 
 ViewPlan PlanObjectViews(const Trajectory& trajectory,
@@ -209,7 +192,7 @@ ViewPlan PlanObjectViews(const Trajectory& trajectory,
   ViewPlan plan;
   for (const ObjectTrack& track : tracks) {
     std::vector<const Segment*>& chosen = plan[track.id];
-    std::vector<Candidate> candidates = CandidatesOf(track, by_detection, trajectory, options);
+    std::vector<Candidate> candidates = CandidatesOf(track, by_detection, trajectory);
     ChooseViews(candidates, options);
     for (const Candidate& candidate : candidates) {
       if (candidate.chosen) chosen.push_back(candidate.segment);
@@ -221,13 +204,11 @@ ViewPlan PlanObjectViews(const Trajectory& trajectory,
   return plan;
 }
 
-std::size_t NumBytes(std::span<const Segment* const> planned,
-                     const PinholeCamera& camera,
-                     const ViewOptions& options) {
+std::size_t NumBytes(std::span<const Segment* const> planned, const PinholeCamera& camera) {
   constexpr std::size_t kPixelBytes = sizeof(Rgb8) + sizeof(float) + sizeof(std::uint8_t);
   std::size_t num_bytes = 0;
   for (const Segment* segment : planned) {
-    const Window window = WindowOf(*segment, camera.width, camera.height, options);
+    const Window window = WindowOf(*segment, camera.width, camera.height);
     num_bytes += kPixelBytes * static_cast<std::size_t>(window.width) *
                  static_cast<std::size_t>(window.height);
   }
@@ -238,7 +219,6 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSo
                                                                    const Trajectory& trajectory,
                                                                    const Ground& ground,
                                                                    const ViewPlan& plan,
-                                                                   const ViewOptions& options,
                                                                    ViewContent content,
                                                                    Progress& progress) {
   std::map<ObjectId, std::vector<ObjectView>> views;
@@ -261,7 +241,7 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CutObjectViews(const FrameSo
         return;
       }
       for (const Job& job : of_frame)
-        cut[n].views.push_back(CutView(*frame, frames.camera(), *job.segment, options, content));
+        cut[n].views.push_back(CutView(*frame, frames.camera(), *job.segment, content));
     });
     for (std::size_t n = 0; n < cut.size(); ++n) {
       const auto& [frame_idx, of_frame] = by_frame[begin + n];
@@ -296,7 +276,6 @@ Result<std::map<ObjectId, std::vector<ObjectView>>> CollectObjectViews(
                         trajectory,
                         ground,
                         PlanObjectViews(trajectory, segments, tracks, options),
-                        options,
                         ViewContent::kColourAndDepth,
                         progress);
 }

@@ -22,10 +22,12 @@ namespace deepslam::observe {
 
 struct ViewOptions {
   int max_views = 24;  // per object
-  double crop_margin =
-      0.15;  // the crop is the box widened by this share of its longer side, all round
+  // The crop is the box widened by this share of its longer side, all round: free space beside an
+  // object bounds its size.
+  static constexpr double kCropMargin = 0.15;
   double spread_deg = 10;  // views closer than this in direction count as repeats and rank lower
-  double border_penalty = 0.5;  // factor on the rank of views that touch the image border
+  // Factor on the rank of views that touch the image border: they show part of the object only.
+  static constexpr double kBorderPenalty = 0.5;
 };
 void Describe(OptionsVisitor& visitor, ViewOptions& options);
 
@@ -40,8 +42,7 @@ using ViewPlan = std::map<ObjectId, std::vector<const Segment*>>;
 
 // Memory that the views of these segments take, at most.
 [[nodiscard]] std::size_t NumBytes(std::span<const Segment* const> planned,
-                                   const PinholeCamera& camera,
-                                   const ViewOptions& options);
+                                   const PinholeCamera& camera);
 
 enum class ViewContent {
   kDepth,  // colour_crop stays empty: decoding colour is half of a frame's time
@@ -56,7 +57,6 @@ enum class ViewContent {
     const Trajectory& trajectory,
     const Ground& ground,
     const ViewPlan& plan,
-    const ViewOptions& options,
     ViewContent content,
     Progress& progress);
 

@@ -25,7 +25,7 @@ std::optional<TriangleMesh> GroundMesh(const FinishedMap& finished,
   for (const Eigen::Vector3f& vertex : finished.room_world.vertices) {
     if (std::abs(vertex.z()) < kFloorBandM) points.emplace_back(vertex.x(), vertex.y());
   }
-  const Result<TriangleMesh> polygon = mesh::GroundPolygon(points, options);
+  const Result<TriangleMesh> polygon = mesh::GroundPolygon(points);
   if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
   return mesh::ColouredGround(
       RoundedGround(*polygon), finished.room_world, kFloorBandM, options.colour_step_m);

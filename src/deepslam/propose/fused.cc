@@ -23,6 +23,12 @@
 namespace deepslam::propose {
 namespace {
 
+// Views that are fused, best supported and spread first: as many as an object has by default
+// (observe/object_views.h).
+constexpr int kMaxViews = 24;
+// The candidate's size range, measured size +- this share, as of designs (proposer.h).
+constexpr double kSizeMargin = 0.25;
+
 // The grid laid over the object: voxel (i, j, k) -> level frame.
 class Raster {
  public:
@@ -137,15 +143,13 @@ VoxelGrid Carve(const Raster& raster, std::span<const shape::DepthView> views, b
 
 class FusedProposer final : public Proposer {
  public:
-  FusedProposer(ClassTable classes, FusedOptions options)
-      : classes_(std::move(classes)), options_(std::move(options)) {}
+  explicit FusedProposer(ClassTable classes) : classes_(std::move(classes)) {}
 
   [[nodiscard]] std::string name() const override { return "fused"; }
   [[nodiscard]] Result<Proposals> Propose(const ObjectObservations& object) const override;
 
  private:
   ClassTable classes_;
-  FusedOptions options_;
 };
 
 Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const {
@@ -162,8 +166,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   const Eigen::Vector3d center_level(box.center_m.x(), box.center_m.y(), 0.5 * box.size_m.z());
   const std::vector<shape::DepthView> views = LevelViews(
       object.views,
-      ChooseViews(
-          object.views, cloud.level_from_world.Inverse() * center_level, options_.max_views),
+      ChooseViews(object.views, cloud.level_from_world.Inverse() * center_level, kMaxViews),
       cloud.level_from_world);
   // Stray depth. Parts of an object may well hang unconnected where thin links between them were
   // not measured.
@@ -193,7 +196,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   candidate.model = key.data();
   // Its own measurement always agrees with itself: no opinion.
   candidate.proposal_score = 0.5;
-  SetSize(size_m, options_.size_margin, classes_.Find(object.class_name), candidate);
+  SetSize(size_m, kSizeMargin, classes_.Find(object.class_name), candidate);
   proposals.models.emplace(candidate.model, std::move(grid));
   proposals.candidates.push_back(std::move(candidate));
   return proposals;
@@ -201,22 +204,8 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
 
 }  // namespace
 
-void Describe(OptionsVisitor& visitor, FusedOptions& options) {
-  visitor.Field(
-      "max_views", options.max_views, {1, 1000}, "1", "views of an object that are fused");
-  visitor.Field("size_margin",
-                options.size_margin,
-                {0.01, 0.9},
-                "1",
-                "share by which the candidate's real size may differ from the measured one");
-  visitor.Retired("solid_classes",
-                  "`solid_inside: true` in the table of classes says it (classes.file, `deepslam "
-                  "config classes`)");
-}
-
-std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes,
-                                            const FusedOptions& options) {
-  return std::make_unique<FusedProposer>(classes, options);
+std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes) {
+  return std::make_unique<FusedProposer>(classes);
 }
 
 }  // namespace deepslam::propose

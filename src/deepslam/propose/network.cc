@@ -101,7 +101,7 @@ void NetworkProposer::Add(const ObjectObservations& object,
   candidate.latents.assign(encoding.latents.begin(), encoding.latents.end());
   const ObjectClass* const object_class = classes_.Find(object.class_name);
   if (size_m > 0) {
-    SetSize(size_m, options_.size_margin, object_class, candidate);
+    SetSize(size_m, NetworkOptions::kSizeMargin, object_class, candidate);
   } else if (object_class != nullptr) {
     candidate.min_size_m = object_class->min_size_m;
     candidate.max_size_m = object_class->max_size_m;
@@ -134,7 +134,7 @@ void NetworkProposer::AddFitted(const ObjectObservations& object,
   candidate.model += "_fitted";
   candidate.latents.clear();  // they give the shape in its own proportions
   SetSize(placed.placement.size_m.maxCoeff(),
-          options_.size_margin,
+          NetworkOptions::kSizeMargin,
           classes_.Find(object.class_name),
           candidate);
   VoxelGrid stretched = shape::StretchGrid(grid, factors);
@@ -193,11 +193,6 @@ void Describe(OptionsVisitor& visitor, NetworkOptions& options) {
   visitor.Field("fit_proportions",
                 options.fit_proportions,
                 "also offer that shape stretched along its axes to what all depth says");
-  visitor.Field("size_margin",
-                options.size_margin,
-                {0.01, 0.9},
-                "1",
-                "share by which the candidate's real size may differ from the measured one");
 }
 
 std::unique_ptr<Proposer> MakeNetworkProposer(ShapePriors priors,

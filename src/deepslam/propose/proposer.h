@@ -54,11 +54,16 @@ enum class Sight {
 
 struct RetrievalOptions {
   int max_models = 8;  // designs offered per object
-  int max_views = 6;   // views that take part, best supported and spread first
-  double stretch_min =
-      0.7;  // a design may be stretched to the measured size by these factors per axis ...
-  double stretch_max = 1.4;   // ... relative to its catalogue size
-  double size_margin = 0.25;  // candidates' size range: measured size +- this share
+  // Views that take part, best supported and spread first: each further one costs a rendering per
+  // design.
+  static constexpr int kMaxViews = 6;
+  // A design may be stretched to the measured size by these factors per axis, relative to its
+  // catalogue size: furniture of one kind differs so.
+  static constexpr double kStretchMin = 0.7;
+  // The reciprocal of kStretchMin.
+  static constexpr double kStretchMax = 1.4;
+  // Candidates' size range, measured size +- this share: what one-sided views leave open.
+  static constexpr double kSizeMargin = 0.25;
 };
 void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
 
@@ -71,20 +76,15 @@ void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
     const RetrievalOptions& options,
     Sight sight = Sight::kColourAndDepth);
 
-struct FusedOptions {
-  int max_views = 24;         // views that are fused, best supported and spread first
-  double size_margin = 0.25;  // candidate's size range: measured size +- this share
-};
-void Describe(OptionsVisitor& visitor, FusedOptions& options);
-
-[[nodiscard]] std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes,
-                                                          const FusedOptions& options);
+[[nodiscard]] std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes);
 
 struct NetworkOptions {
   int max_views = 8;            // views that propose, best supported and spread first
   bool mean_latent = true;      // and what their latents say together (joined_encoding.h)
   bool fit_proportions = true;  // and that in the proportions that all depth has
-  double size_margin = 0.3;     // candidates' size range: measured size +- this share
+  // Candidates' size range, measured size +- this share: wider than of designs, since a network's
+  // proportions are its own.
+  static constexpr double kSizeMargin = 0.3;
 };
 void Describe(OptionsVisitor& visitor, NetworkOptions& options);
 

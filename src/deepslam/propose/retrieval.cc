@@ -105,7 +105,9 @@ class RetrievalProposer final : public Proposer {
   [[nodiscard]] const CoarseShape& Coarse(std::size_t model) const;
   void MakeCoarse(std::span<const std::size_t> models) const;
   [[nodiscard]] Match BestPlacement(std::size_t model, const Measured& measured) const;
-  [[nodiscard]] PlaceLimits Limits() const { return {options_.stretch_min, options_.stretch_max}; }
+  [[nodiscard]] PlaceLimits Limits() const {
+    return {RetrievalOptions::kStretchMin, RetrievalOptions::kStretchMax};
+  }
   [[nodiscard]] double Score(const Measured& measured, const Match& match) const;
   void AddCandidate(const ObjectObservations& object,
                     const Match& match,
@@ -162,8 +164,8 @@ double RetrievalProposer::SizeMisfit(const LibraryModel& model, const Measured& 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double most_m = seen[axis] * (axis == 2 ? 1.0 : kHidden);
     misfit = std::max({misfit,
-                       seen[axis] / (real[axis] * options_.stretch_max),
-                       real[axis] * options_.stretch_min / most_m});
+                       seen[axis] / (real[axis] * RetrievalOptions::kStretchMax),
+                       real[axis] * RetrievalOptions::kStretchMin / most_m});
   }
   return misfit;
 }
@@ -209,11 +211,11 @@ double RetrievalProposer::Score(const Measured& measured, const Match& match) co
 Match RetrievalProposer::BestPlacement(std::size_t model, const Measured& measured) const {
   const Eigen::Vector3d& real_m = library_->models[model].size_m;
   if (!measured.silhouettes.empty()) {
-    const SilhouetteFit fit =
-        FitSilhouettes(Coarse(model),
-                       real_m,
-                       measured.silhouettes,
-                       {options_.stretch_min, options_.stretch_max, measured.has_ground});
+    const SilhouetteFit fit = FitSilhouettes(
+        Coarse(model),
+        real_m,
+        measured.silhouettes,
+        {RetrievalOptions::kStretchMin, RetrievalOptions::kStretchMax, measured.has_ground});
     return {model, fit.score, fit.placement};
   }
   const PlacedShape placed = PlaceShape(Coarse(model), real_m, measured.depth, Limits());
@@ -251,7 +253,7 @@ void RetrievalProposer::AddCandidate(const ObjectObservations& object,
   if (!even) candidate.stretch = factors;
   candidate.credit = model.name + " by " + model.creator + ", " + model.licence;
   SetSize(match.placement.size_m.maxCoeff(),
-          options_.size_margin,
+          RetrievalOptions::kSizeMargin,
           classes_.Find(object.class_name),
           candidate);
   for (const ShapeCandidate& other : proposals.candidates) {
@@ -275,9 +277,9 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
   const bool by_depth = sight_ == Sight::kColourAndDepth;
   Measured measured;
   if (by_depth) {
-    measured.depth = MeasureDepth(object, options_.max_views);
+    measured.depth = MeasureDepth(object, RetrievalOptions::kMaxViews);
   } else {
-    measured = MeasureSilhouettes(object.views, options_.max_views);
+    measured = MeasureSilhouettes(object.views, RetrievalOptions::kMaxViews);
   }
   if (measured.empty()) {
     proposals.notes.push_back(subject + (by_depth ? "too few depth points for retrieval"
@@ -314,23 +316,6 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
 void Describe(OptionsVisitor& visitor, RetrievalOptions& options) {
   visitor.Field(
       "max_models", options.max_models, {1, 100}, "1", "library designs offered per object");
-  visitor.Field(
-      "max_views", options.max_views, {1, 100}, "1", "views of an object that judge the designs");
-  visitor.Field("stretch_min",
-                options.stretch_min,
-                {0.1, 1},
-                "1",
-                "smallest stretch of a design along an axis");
-  visitor.Field("stretch_max",
-                options.stretch_max,
-                {1, 10},
-                "1",
-                "largest stretch of a design along an axis");
-  visitor.Field("size_margin",
-                options.size_margin,
-                {0.01, 0.9},
-                "1",
-                "share by which a candidate's real size may differ from the fitted one");
 }
 
 std::unique_ptr<Proposer> MakeRetrievalProposer(std::shared_ptr<const ModelLibrary> library,

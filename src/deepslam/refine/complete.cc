@@ -210,7 +210,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   claims.reach = options.reach_m / scale_m;
   const std::vector<std::uint8_t> asked =
       Within(claims.reach + kMaxInside * voxel, claims.distances);
-  claims.seen = CountVotes(InGrid(views, object_from_grid), asked, options);
+  claims.seen = CountVotes(InGrid(views, object_from_grid), asked);
   claims.voxel = voxel;
   claims.num_views = views.size();
 

@@ -31,13 +31,14 @@ struct ColumnVotes {
 // A view, asked about the grid's voxels.
 class CarvingView {
  public:
-  CarvingView(const PlacedView& placed, const RefineOptions& options)
+  CarvingView(const PlacedView& placed)
       : view_(placed.view),
         camera_from_grid_(placed.camera_from_grid),
         depth_(*placed.view, camera_from_grid_.RigidPart(), shape::DepthView::Slopes::kIgnored),
         upward_m_((camera_from_grid_.rotation * Eigen::Vector3d(0, 0, VoxelM())).cast<float>()),
         before_m_(static_cast<float>(kBeforeSurface * VoxelM())),
-        behind_m_(static_cast<float>(std::min(kMaxShell_m, options.surface_voxels * VoxelM()))) {}
+        behind_m_(
+            static_cast<float>(std::min(kMaxShell_m, RefineOptions::kSurfaceVoxels * VoxelM()))) {}
 
   // On the column of voxels (i, j).
   void Vote(int i, int j, ColumnVotes& votes) const {
@@ -127,10 +128,9 @@ std::vector<PlacedView> UsableViews(std::span<const PlacedView> views) {
 }
 
 std::vector<Votes> CountVotes(std::span<const PlacedView> views,
-                              std::span<const std::uint8_t> asked,
-                              const RefineOptions& options) {
+                              std::span<const std::uint8_t> asked) {
   std::vector<CarvingView> carving;
-  for (const PlacedView& placed : UsableViews(views)) carving.emplace_back(placed, options);
+  for (const PlacedView& placed : UsableViews(views)) carving.emplace_back(placed);
   std::vector<Votes> votes(VoxelGrid().occupied.size());
   DEEPSLAM_CHECK(asked.size() == votes.size(), "an entry per voxel");
   constexpr std::size_t kSlice = std::size_t{kGridSize} * kGridSize;
@@ -143,10 +143,9 @@ std::vector<Votes> CountVotes(std::span<const PlacedView> views,
   return votes;
 }
 
-std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
-                                    const RefineOptions& options) {
+std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views) {
   const std::vector<std::uint8_t> everywhere(VoxelGrid().occupied.size(), 1);
-  const std::vector<Votes> votes = CountVotes(views, everywhere, options);
+  const std::vector<Votes> votes = CountVotes(views, everywhere);
   const std::size_t num_views = UsableViews(views).size();
   std::vector<Evidence> evidence(votes.size());
   std::transform(votes.begin(), votes.end(), evidence.begin(), [&](const Votes& of_voxel) {

@@ -57,12 +57,10 @@ struct Votes {
 // One entry per voxel, index order of VoxelGrid, as in `asked`: no votes where that is 0. Views
 // that are not usable say nothing.
 [[nodiscard]] std::vector<Votes> CountVotes(std::span<const PlacedView> views,
-                                            std::span<const std::uint8_t> asked,
-                                            const RefineOptions& options);
+                                            std::span<const std::uint8_t> asked);
 
 // Likewise for all voxels: what more views say than say the contrary, solid where they are even.
 // Surface of something else says nothing.
-[[nodiscard]] std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views,
-                                                  const RefineOptions& options);
+[[nodiscard]] std::vector<Evidence> CarveEvidence(std::span<const PlacedView> views);
 
 }  // namespace deepslam::refine

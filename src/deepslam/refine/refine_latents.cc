@@ -215,33 +215,6 @@ void Describe(OptionsVisitor& visitor, RefineOptions& options) {
       "pose",
       options.pose,
       "refine the winner's scale and pose over all views at once, where agreement improves");
-  visitor.Field("reach",
-                options.reach_m,
-                {0, 10},
-                "m",
-                "what was measured further from a model does not complete it");
-  visitor.Field(
-      "max_views", options.max_views, {1, 1000}, "1", "views of an object that take part");
-  visitor.Field("max_evaluations",
-                options.max_evaluations,
-                {1, 1000},
-                "1",
-                "of the loss and its derivative, for each start");
-  visitor.Field("surface_voxels",
-                options.surface_voxels,
-                {0.5, 10},
-                "voxels",
-                "this far behind a measured point of the object it is solid");
-  visitor.Field("min_voxels",
-                options.min_voxels,
-                {1, 100000},
-                "1",
-                "with fewer solid ones the depth says too little");
-  visitor.Field("prior_weight",
-                options.prior_weight,
-                {0, 1000},
-                "1",
-                "of the square of the latents' way, in units of their size");
 }
 
 Result<RefinedLatents> RefineLatents(std::span<const float> start,

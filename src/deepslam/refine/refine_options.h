@@ -6,18 +6,22 @@
 namespace deepslam::refine {
 
 struct RefineOptions {
-  bool enabled = false;  // its gain is within noise where models are completed
-  bool complete = true;  // the best model by what was measured of the object
+  bool enabled = false;   // its gain is within noise where models are completed
+  bool complete = true;   // the best model by what was measured of the object
   // Voxels of the completed model follow the object's level face, the top of a table; else the
   // floor.
   bool follow_level_face = false;
-  bool pose = false;            // the winner's similarity, jointly over all views
-  double reach_m = 0.15;        // of the model, for what completes it
-  int max_views = 24;           // of an object, evenly over its frames
-  int max_evaluations = 20;     // of loss and derivative
-  double surface_voxels = 1.5;  // thickness behind a measured point of the object that is solid
-  int min_voxels = 200;         // with fewer solid ones the depth says too little
-  double prior_weight = 3;      // of the way from the start, in units of the start's size
+  bool pose = false;      // the winner's similarity, jointly over all views
+  double reach_m = 0.15;  // of the model, for what completes it
+  // Views of an object that take part, evenly over its frames: as many as an object has by default
+  // (object_views.h).
+  static constexpr int kMaxViews = 24;
+  int max_evaluations = 20;  // of loss and derivative
+  // Voxels behind a measured point of the object that are solid: one, and half of the next for
+  // rounding.
+  static constexpr double kSurfaceVoxels = 1.5;
+  int min_voxels = 200;     // with fewer solid ones the depth says too little
+  double prior_weight = 3;  // of the way from the start, in units of the start's size
 };
 void Describe(OptionsVisitor& visitor, RefineOptions& options);
 

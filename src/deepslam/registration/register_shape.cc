@@ -56,24 +56,22 @@ ViewPointers UsableViews(std::span<const MeasuredView> views, int min_points) {
 }
 
 // Where no view alone has enough points, all that have any are used together.
-ViewPointers ViewsForJointPose(std::span<const MeasuredView> views,
-                               const RegisterOptions& options) {
-  ViewPointers usable = UsableViews(views, options.min_points);
+ViewPointers ViewsForJointPose(std::span<const MeasuredView> views) {
+  ViewPointers usable = UsableViews(views, RegisterOptions::kMinPoints);
   return usable.empty() ? UsableViews(views, 3) : usable;
 }
 
-SimilarityIcpOptions JointOptions(const PlacementPrior& prior,
-                                  bool ground_known,
-                                  const RegisterOptions& options) {
+SimilarityIcpOptions JointOptions(const PlacementPrior& prior, bool ground_known) {
   SimilarityIcpOptions icp;
-  icp.start_radius_m = options.coarse_radius_m;
-  icp.end_radius_m = options.fine_radius_m;
+  icp.start_radius_m = RegisterOptions::kCoarseRadius_m;
+  icp.end_radius_m = RegisterOptions::kFineRadius_m;
   icp.min_scale_m = prior.min_m;
   icp.max_scale_m = prior.max_m;
   icp.expected_scale_m = prior.expected_m;
-  icp.size_sigma = options.size_sigma;
-  icp.upright_sigma_rad = ground_known ? options.upright_sigma_deg * kRadPerDeg : kGuessedUprightSigma;
-  icp.ground_sigma_m = prior.stands ? options.ground_sigma_m : 0.0;
+  icp.size_sigma = RegisterOptions::kSizeSigma;
+  icp.upright_sigma_rad =
+      ground_known ? RegisterOptions::kUprightSigma_deg * kRadPerDeg : kGuessedUprightSigma;
+  icp.ground_sigma_m = prior.stands ? RegisterOptions::kGroundSigma_m : 0.0;
   return icp;
 }
 
@@ -98,7 +96,7 @@ Similarity3 JointPose(const shape::ShapeModel& model,
                       const std::vector<WorldHypothesis>& hypotheses,
                       const SimilarityIcpOptions& options) {
   SimilarityIcpOptions coarse = options;
-  coarse.ground_firm = options.ground_sigma_m > 0;
+  coarse.ground_firm = RegisterOptions::kGroundSigma_m > 0;
   coarse.edge_radius_m = options.start_radius_m;
   std::size_t most_points = 0;
   for (const MeasuredView* view : views) {
@@ -133,21 +131,18 @@ std::optional<JointPlacement> PlaceJointly(const shape::ShapeModel& model,
                                            VisibleSurface& visible,
                                            const ViewPointers& views,
                                            PlacementPrior prior,
-                                           bool is_partial,
-                                           const RegisterOptions& options) {
+                                           bool is_partial) {
   std::optional<JointPlacement> best;
   double least = 0;
   for (const bool stands : {true, false}) {
     prior.stands = stands;
     if (!stands && !is_partial) break;
-    const std::vector<WorldHypothesis> hypotheses =
-        FindHypotheses(model, visible, views, prior, options);
+    const std::vector<WorldHypothesis> hypotheses = FindHypotheses(model, visible, views, prior);
     if (hypotheses.empty()) return std::nullopt;
-    const SimilarityIcpOptions icp =
-        JointOptions(prior, views.front()->ground_world.has_value(), options);
+    const SimilarityIcpOptions icp = JointOptions(prior, views.front()->ground_world.has_value());
     const Similarity3 joint = JointPose(model, visible, views, hypotheses, icp);
     const double disagreement =
-        Disagreement(model, visible, views, joint, options.fine_radius_m, 2);
+        Disagreement(model, visible, views, joint, RegisterOptions::kFineRadius_m, 2);
     if (best && disagreement > kClearlyBetter * least) continue;
     best = JointPlacement{joint, icp};
     least = disagreement;
@@ -159,7 +154,7 @@ std::string WhyNotRegistered(const ViewFit& fit,
                              double moved_m,
                              double turned_rad,
                              const RegisterOptions& options) {
-  if (fit.inlier_share < options.min_inlier_share) {
+  if (fit.inlier_share < RegisterOptions::kMinInlierShare) {
     return "only " + std::to_string(static_cast<int>(100 * fit.inlier_share)) +
            " % of the points lie on the model";
   }
@@ -167,7 +162,7 @@ std::string WhyNotRegistered(const ViewFit& fit,
     return "moved " + std::to_string(static_cast<int>(100 * moved_m)) +
            " cm away from the other views' pose";
   }
-  if (turned_rad > options.max_turn_deg * kRadPerDeg) {
+  if (turned_rad > RegisterOptions::kMaxTurn_deg * kRadPerDeg) {
     return "turned " + std::to_string(static_cast<int>(turned_rad / kRadPerDeg)) +
            " deg away from the other views' pose";
   }
@@ -187,20 +182,24 @@ ViewRegistration RegisterView(const shape::ShapeModel& model,
   result.frame = view.frame;
   const Pose3 joint = view.world_from_camera.Inverse() * world_from_object.RigidPart();
   result.camera_from_object = joint;
-  if (static_cast<int>(view.points_camera.size()) < options.min_points) {
+  if (static_cast<int>(view.points_camera.size()) < RegisterOptions::kMinPoints) {
     result.reason = "only " + std::to_string(view.points_camera.size()) + " points";
     return result;
   }
   icp.free_scale = false;
   icp.num_iterations = kViewIterations;
-  icp.start_radius_m = 2 * options.fine_radius_m;
+  icp.start_radius_m = 2 * RegisterOptions::kFineRadius_m;
   icp.hold_sigma_m = kHoldSigma;
   icp.hold_sigma_rad = kHoldSigmaRad;
   const MeasuredView* const only = &view;
   const Similarity3 refined = AlignShape(model, visible, {&only, 1}, world_from_object, icp);
   const Pose3 camera_from_object = view.world_from_camera.Inverse() * refined.RigidPart();
-  const ViewFit fit = FitOfView(
-      model, view, camera_from_object, world_from_object.scale, options.fine_radius_m, is_round);
+  const ViewFit fit = FitOfView(model,
+                                view,
+                                camera_from_object,
+                                world_from_object.scale,
+                                RegisterOptions::kFineRadius_m,
+                                is_round);
   const Pose3 moved = joint.Inverse() * camera_from_object;
   result.reason =
       WhyNotRegistered(fit, moved.translation_m.norm(), RotationAngle(moved.rotation), options);
@@ -210,7 +209,7 @@ ViewRegistration RegisterView(const shape::ShapeModel& model,
   if (!result.ok) return result;
   result.camera_from_object = camera_from_object;
   result.information = fit.information;
-  result.yaw_free = fit.yaw_sigma_rad > options.yaw_free_sigma_deg * kRadPerDeg;
+  result.yaw_free = fit.yaw_sigma_rad > RegisterOptions::kYawFreeSigma_deg * kRadPerDeg;
   return result;
 }
 
@@ -238,7 +237,7 @@ CandidateRegistration RegisteredAt(const ShapeCandidate& candidate,
                                    const Similarity3& joint,
                                    const SimilarityIcpOptions& icp,
                                    const RegisterOptions& options) {
-  const bool is_round = IsRound(model, options.symmetry_share);
+  const bool is_round = IsRound(model, RegisterOptions::kSymmetryShare);
   CandidateRegistration result;
   result.candidate = candidate.id;
   result.scale_m = joint.scale;
@@ -253,94 +252,16 @@ CandidateRegistration RegisteredAt(const ShapeCandidate& candidate,
 
 }  // namespace
 
-void Describe(OptionsVisitor& visitor, RegisterOptions& options) {
-  visitor.Field("max_points", options.max_points, {20, 10000}, "1", "object points per view");
-  visitor.Field("max_crop_px",
-                options.max_crop_px,
-                {16, 1000},
-                "px",
-                "longer side of the reduced crops that show free space");
-  visitor.Field("min_points",
-                options.min_points,
-                {3, 10000},
-                "1",
-                "views with fewer points are no measurement");
-  visitor.Field(
-      "num_azimuths", options.num_azimuths, {1, 24}, "1", "starting rotations about the vertical");
-  visitor.Field("num_seed_views",
-                options.num_seed_views,
-                {1, 100},
-                "1",
-                "views whose own alignments are tried for all");
-  visitor.Field("num_refined_hypotheses",
-                options.num_refined_hypotheses,
-                {1, 100},
-                "1",
-                "starting poses that get a joint refinement");
-  visitor.Field("coarse_radius",
-                options.coarse_radius_m,
-                {0.02, 1.0},
-                "m",
-                "residuals beyond it have no weight at the start");
-  visitor.Field("fine_radius",
-                options.fine_radius_m,
-                {0.01, 0.5},
-                "m",
-                "residuals beyond it have no weight at the end");
-  visitor.Field(
-      "upright_sigma", options.upright_sigma_deg, {0.1, 90}, "deg", "how upright objects stand");
-  visitor.Field("ground_sigma",
-                options.ground_sigma_m,
-                {0, 1},
-                "m",
-                "how well objects stand on the ground; 0 = they need not");
-  visitor.Field("size_sigma",
-                options.size_sigma,
-                {0, 10},
-                "1",
-                "relative trust in a candidate's own size; 0 = none");
-  visitor.Field("max_move",
-                options.max_move_m,
-                {0.01, 10},
-                "m",
-                "a view further from the joint pose is no measurement");
-  visitor.Field("max_turn",
-                options.max_turn_deg,
-                {1, 180},
-                "deg",
-                "a view turned further from the joint pose is no measurement");
-  visitor.Field("min_inlier_share",
-                options.min_inlier_share,
-                {0, 1},
-                "1",
-                "a view with fewer points on the model is no measurement");
-  visitor.Field("patch",
-                options.patch_m,
-                {0.001, 1},
-                "m",
-                "residuals within one patch of the surface count as one");
-  visitor.Field("yaw_free_sigma",
-                options.yaw_free_sigma_deg,
-                {0.1, 180},
-                "deg",
-                "yaw less sure than this is reported as free");
-  visitor.Field("symmetry_share",
-                options.symmetry_share,
-                {0.5, 1},
-                "1",
-                "a model that covers itself this far at every angle is round");
-}
-
-std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> views,
-                                                 const RegisterOptions& options) {
-  return PrepareViews(views, options.max_points, options.max_crop_px, options.patch_m);
+std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> views) {
+  return PrepareViews(
+      views, RegisterOptions::kMaxPoints, RegisterOptions::kMaxCrop_px, RegisterOptions::kPatch_m);
 }
 
 CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                         const shape::ShapeModel& model,
                                         std::span<const ObjectView> views,
                                         const RegisterOptions& options) {
-  return RegisterCandidate(candidate, model, PrepareForRegistration(views, options), options);
+  return RegisterCandidate(candidate, model, PrepareForRegistration(views), options);
 }
 
 CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
@@ -348,12 +269,12 @@ CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                         std::span<const MeasuredView> views,
                                         const RegisterOptions& options) {
   if (model.empty()) return NotRegistered(candidate, views, "the model is empty");
-  const ViewPointers usable = ViewsForJointPose(views, options);
+  const ViewPointers usable = ViewsForJointPose(views);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
   VisibleSurface visible(model);
   const bool is_partial = TraitsOf(candidate.source).is_partial;
   const std::optional<JointPlacement> placement =
-      PlaceJointly(model, visible, usable, PriorOf(candidate), is_partial, options);
+      PlaceJointly(model, visible, usable, PriorOf(candidate), is_partial);
   if (!placement) return NotRegistered(candidate, views, "the views' points have no extent");
   return RegisteredAt(
       candidate, model, visible, views, placement->world_from_object, placement->icp, options);
@@ -365,13 +286,12 @@ CandidateRegistration RegisterCandidateNear(const ShapeCandidate& candidate,
                                             std::span<const MeasuredView> views,
                                             const RegisterOptions& options) {
   if (model.empty()) return NotRegistered(candidate, views, "the model is empty");
-  const ViewPointers usable = ViewsForJointPose(views, options);
+  const ViewPointers usable = ViewsForJointPose(views);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
   VisibleSurface visible(model);
   PlacementPrior prior = PriorOf(candidate);
   prior.stands = !TraitsOf(candidate.source).is_partial;
-  const SimilarityIcpOptions icp =
-      JointOptions(prior, usable.front()->ground_world.has_value(), options);
+  const SimilarityIcpOptions icp = JointOptions(prior, usable.front()->ground_world.has_value());
   const Similarity3 joint = RefinePose(model, visible, usable, world_from_object, icp);
   return RegisteredAt(candidate, model, visible, views, joint, icp, options);
 }

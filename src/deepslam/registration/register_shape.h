@@ -12,7 +12,6 @@
 #include <span>
 #include <vector>
 
-#include "deepslam/core/options.h"
 #include "deepslam/registration/measured_view.h"
 #include "deepslam/scene/object_view.h"
 #include "deepslam/scene/registration.h"
@@ -22,29 +21,47 @@
 namespace deepslam::registration {
 
 struct RegisterOptions {
-  int max_points = 400;            // object points per view
-  int max_crop_px = 96;            // longer side of the reduced crops
-  int min_points = 40;             // fewer: the view says nothing
-  int num_azimuths = 8;            // the paper's quantisation of the rotation about the vertical
-  int num_seed_views = 4;          // views whose own alignments become world hypotheses
-  int num_refined_hypotheses = 6;  // hypotheses that get a joint refinement
-  double coarse_radius_m = 0.15;   // a residual beyond it says nothing, at the start
-  double fine_radius_m = 0.05;     // and at the end
-  double upright_sigma_deg = 2;    // how upright furniture stands
-  double ground_sigma_m = 0.01;    // how well the model's bottom meets the ground
-  double size_sigma = 0.25;        // relative; how well a candidate's own size is believed
-  double max_move_m = 0.15;        // a view that leaves the joint pose by more is no measurement
-  double max_turn_deg = 20;
-  double min_inlier_share = 0.3;  // of a view's points, within fine_radius_m
-  double patch_m = 0.05;  // residuals within one patch of the surface count as one measurement
-  double yaw_free_sigma_deg = 15;  // yaw less sure than this is reported as free
-  double symmetry_share = 0.93;    // a model that covers itself this far at every angle is round
+  // Object points per view: one per 2 cm square of a chair seen from one side.
+  static constexpr int kMaxPoints = 400;
+  // Longer side of the reduced crops that show free space: a pixel is two thirds of a voxel.
+  static constexpr int kMaxCrop_px = 96;
+  // Views with fewer points are no measurement: a tenth of what is drawn.
+  static constexpr int kMinPoints = 40;
+  static constexpr int kNumAzimuths = 8;  // Views whose own alignments become hypotheses in the
+                                          // world: more of them repeat what these say.
+  static constexpr int kNumSeedViews = 4;
+  // Hypotheses that get a joint refinement, the costly step.
+  static constexpr int kNumRefinedHypotheses = 6;
+  // Residuals beyond it have no weight at the start: how far the moments place a model wrongly.
+  static constexpr double kCoarseRadius_m = 0.15;
+  // And at the end: model, voxels and depth noise differ by no more.
+  static constexpr double kFineRadius_m = 0.05;
+  // One standard deviation of how upright objects stand, tilt of the ground included.
+  static constexpr double kUprightSigma_deg = 2;
+  // One standard deviation of how well the model's bottom meets the ground: about half a voxel of
+  // furniture.
+  static constexpr double kGroundSigma_m = 0.01;
+  // One standard deviation of a candidate's own size, relative: catalogues hold what is sold, not
+  // what stands there.
+  static constexpr double kSizeSigma = 0.25;
+  // A view that leaves the joint pose by more is no measurement: it fits another face of the
+  // object. As far as kCoarseRadius_m reaches; no option.
+  double max_move_m = 0.15;
+  // Nor is one that turns more than this: half the step between azimuths.
+  static constexpr double kMaxTurn_deg = 20;
+  // Nor one with a smaller share of its points within kFineRadius_m.
+  static constexpr double kMinInlierShare = 0.3;
+  // Residuals within one patch of the surface count as one measurement: model and object differ by
+  // whole parts.
+  static constexpr double kPatch_m = 0.05;
+  // Yaw less sure than this is reported as free: it could not tell neighbouring azimuths apart.
+  static constexpr double kYawFreeSigma_deg = 15;
+  // A model that covers itself this far at every angle is round; voxels keep a round one from 1.
+  static constexpr double kSymmetryShare = 0.93;
 };
-void Describe(OptionsVisitor& visitor, RegisterOptions& options);
 
 // The views as RegisterCandidate wants them; once per object.
-[[nodiscard]] std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> views,
-                                                               const RegisterOptions& options);
+[[nodiscard]] std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> views);
 
 // Registers one candidate in all views. Never fails: what could not be registered says so (ok =
 // false, reason). Views stay in the order given; the result holds one entry per view. All numbers

@@ -94,8 +94,7 @@ double BackShownCost(const Similarity3& world_from_object,
 std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
                                             VisibleSurface& visible,
                                             std::span<const MeasuredView* const> views,
-                                            const PlacementPrior& prior,
-                                            const RegisterOptions& options) {
+                                            const PlacementPrior& prior) {
   const ViewPointers judges = EvenlySpaced(views, kMaxJudgeViews);
   std::vector<double> scales_m;
   if (prior.expected_m > 0) scales_m.push_back(prior.expected_m);
@@ -107,15 +106,18 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
     WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
     if (prior.stands) StandOnGround(model, view, hypothesis.world_from_object);
     const int stride = static_cast<int>(view.points_camera.size() / kPointsPerJudgeView) + 1;
-    hypothesis.disagreement =
-        Disagreement(
-            model, visible, judges, hypothesis.world_from_object, options.coarse_radius_m, stride) +
-        BackShownCost(hypothesis.world_from_object, judges);
+    hypothesis.disagreement = Disagreement(model,
+                                           visible,
+                                           judges,
+                                           hypothesis.world_from_object,
+                                           RegisterOptions::kCoarseRadius_m,
+                                           stride) +
+                              BackShownCost(hypothesis.world_from_object, judges);
     all.push_back(hypothesis);
   };
-  for (const MeasuredView* view : BestViews(views, options.num_seed_views)) {
+  for (const MeasuredView* view : BestViews(views, RegisterOptions::kNumSeedViews)) {
     for (const Similarity3& camera_from_object :
-         AlignByMoments(visible, *view, options.num_azimuths, prior.min_m, prior.max_m)) {
+         AlignByMoments(visible, *view, RegisterOptions::kNumAzimuths, prior.min_m, prior.max_m)) {
       judge(*view, camera_from_object);
       for (const double scale_m : scales_m)
         judge(*view, Rescaled(camera_from_object, view->centroid_camera, scale_m));
@@ -126,7 +128,7 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
   });
   std::vector<WorldHypothesis> kept;
   for (const WorldHypothesis& hypothesis : all) {
-    if (static_cast<int>(kept.size()) >= std::max(1, options.num_refined_hypotheses)) break;
+    if (static_cast<int>(kept.size()) >= std::max(1, RegisterOptions::kNumRefinedHypotheses)) break;
     const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const WorldHypothesis& other) {
       return IsSame(hypothesis.world_from_object, other.world_from_object);
     });

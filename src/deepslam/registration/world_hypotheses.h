@@ -33,12 +33,11 @@ struct WorldHypothesis {
 // Every azimuth of the best seed views, carried into the world by the tracked cameras, each at the
 // scale of its moments and at the size the source believes, moved vertically until the model stands
 // on the ground where one is known. Best first, near-duplicates left out, at most
-// options.num_refined_hypotheses.
+// RegisterOptions::kNumRefinedHypotheses.
 [[nodiscard]] std::vector<WorldHypothesis> FindHypotheses(
     const shape::ShapeModel& model,
     VisibleSurface& visible,
     std::span<const MeasuredView* const> views,
-    const PlacementPrior& prior,
-    const RegisterOptions& options);
+    const PlacementPrior& prior);
 
 }  // namespace deepslam::registration

@@ -35,8 +35,8 @@ Usable UsableAbove(const std::optional<Plane>& ground_camera, const SegmentOptio
   return {options.max_depth_m,
           {up.x(), up.y(), up.z()},
           ground_camera->d_m,
-          options.min_height_m,
-          options.height_per_m2};
+          SegmentOptions::kMinHeight_m,
+          SegmentOptions::kHeight_per_m2};
 }
 
 struct PointRow {
@@ -304,15 +304,12 @@ DEEPSLAM_WIDE_VECTORS void Fringe::FindBeside(int v) {
 
 // Grows pieces from the pixels in `open` from `head` on, first come first served, over free pixels
 // next to them in depth; these join `open`.
-void GrowInDepth(const SegmentOptions& options,
-                 std::size_t head,
-                 std::vector<Pixel>& open,
-                 ImagePieces& pieces) {
+void GrowInDepth(std::size_t head, std::vector<Pixel>& open, ImagePieces& pieces) {
   const PointImage& points = pieces.points_camera;
   for (; head < open.size(); ++head) {
     const Pixel at = open[head];
     const float z = points.z_m(at.u, at.v);
-    const double jump = JumpAt(z, options);
+    const double jump = JumpAt(z);
     const std::int32_t id = pieces.piece(at.u, at.v);
     for (const Pixel& step : kSteps) {
       const Pixel to = {at.u + step.u, at.v + step.v};
@@ -327,12 +324,12 @@ void GrowInDepth(const SegmentOptions& options,
 
 // Gives pixels at edges, and those of crumbs, to the piece next to them in depth; what is left
 // becomes pieces.
-void AttachRest(const SegmentOptions& options, ImagePieces& pieces) {
+void AttachRest(ImagePieces& pieces) {
   const int height = pieces.piece.height();
   std::vector<Pixel> open;
   Fringe fringe(pieces);
   for (int v = 0; v < height; ++v) fringe.Append(v, open);
-  GrowInDepth(options, 0, open, pieces);
+  GrowInDepth(0, open, pieces);
   for (int v = 0; v < height; ++v) {
     const float* const z_m = pieces.points_camera.z_row(v);
     const std::int32_t* const piece = pieces.piece.row(v);
@@ -341,7 +338,7 @@ void AttachRest(const SegmentOptions& options, ImagePieces& pieces) {
       pieces.piece(u, v) = static_cast<std::int32_t>(pieces.num_pixels.size());
       pieces.num_pixels.push_back(1);
       open.assign(1, {u, v});
-      GrowInDepth(options, 0, open, pieces);
+      GrowInDepth(0, open, pieces);
       // Specks are mixed pixels between foreground and background.
       if (open.size() >= kCrumb) continue;
       for (const Pixel& pixel : open) {
@@ -367,11 +364,11 @@ ImagePieces CutIntoPieces(const DepthImage& depth_m,
   pieces.beyond = Mask(width, height);
   pieces.points_camera = PointImage(width, height);
   FindUsablePoints(depth_m, camera, ground_camera, options, pieces);
-  SmoothLinks links = FindSmoothLinks(pieces.points_camera, camera.fx, ground_camera, options);
+  SmoothLinks links = FindSmoothLinks(pieces.points_camera, camera.fx, ground_camera);
   pieces.horizontal = std::move(links.horizontal);
   pieces.piece = Image<std::int32_t>(width, height);
   GrowPieces(links.bits, pieces);
-  AttachRest(options, pieces);
+  AttachRest(pieces);
   return pieces;
 }
 

@@ -32,8 +32,8 @@ struct ImagePieces {
                                         const SegmentOptions& options);
 
 // Depth step that still joins neighbouring pixels at this depth.
-[[nodiscard]] inline double JumpAt(double depth_m, const SegmentOptions& options) {
-  return options.jump_m + options.jump_per_m2 * depth_m * depth_m;
+[[nodiscard]] inline double JumpAt(double depth_m) {
+  return SegmentOptions::kJump_m + SegmentOptions::kJump_per_m2 * depth_m * depth_m;
 }
 
 }  // namespace deepslam::segment

@@ -107,8 +107,7 @@ std::optional<FoundTop> FindTop(const ImagePieces& pieces,
                                 const PinholeCamera& camera,
                                 const Plane& ground_camera,
                                 const Region& region,
-                                const Owners& owners,
-                                const SegmentOptions& options) {
+                                const Owners& owners) {
   constexpr double kLeastOpaque = 0.5;
   const GroundAxes axes(ground_camera);
   const HeightLayers layers(pieces, heights, region, owners);
@@ -116,7 +115,7 @@ std::optional<FoundTop> FindTop(const ImagePieces& pieces,
   double best_score = 0;
   for (const double height_m : layers.PeakHeights()) {
     FoundTop found;
-    found.pixels = layers.At(height_m, options);
+    found.pixels = layers.At(height_m);
     if (found.pixels.size() < static_cast<std::size_t>(kMinTop_px)) continue;
     found.top = {height_m, ConvexHull(OnGround(found.pixels, axes))};
     if (found.top.hull_ground_m.size() < 3) continue;
@@ -140,10 +139,8 @@ std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
                                       const Plane& ground_camera,
                                       const Region& region,
                                       int owner,
-                                      const SegmentOptions& options,
                                       Owners& owners) {
-  std::optional<FoundTop> found =
-      FindTop(pieces, heights, camera, ground_camera, region, owners, options);
+  std::optional<FoundTop> found = FindTop(pieces, heights, camera, ground_camera, region, owners);
   if (!found) return std::nullopt;
   for (const PixelPoint& p : found->pixels) owners(p.u, p.v) = owner;
   return std::move(found->top);

@@ -31,7 +31,6 @@ struct LevelTop {
                                                     const Plane& ground_camera,
                                                     const Region& region,
                                                     int owner,
-                                                    const SegmentOptions& options,
                                                     Owners& owners);
 
 }  // namespace deepslam::segment

@@ -35,9 +35,8 @@ Eigen::Matrix3f Upright(const std::optional<Plane>& ground_camera) {
 // Drops what neither hangs together with the main part nor lies within its bounds.
 std::vector<PixelPoint> KeepMainPart(const std::vector<PixelPoint>& points,
                                      const Region& region,
-                                     const std::optional<Plane>& ground_camera,
-                                     const SegmentOptions& options) {
-  const Groups groups = ConnectPoints(points, options.join_m);
+                                     const std::optional<Plane>& ground_camera) {
+  const Groups groups = ConnectPoints(points, SegmentOptions::kJoin_m);
   if (groups.count <= 1) return points;
   const double u_mid = 0.5 * (region.u_min + region.u_max);
   const double v_mid = 0.5 * (region.v_min + region.v_max);
@@ -74,7 +73,6 @@ std::vector<OwnedTop> ClaimTops(const FrameToSegment& seen,
                                 const ClassTable& classes,
                                 const ImagePieces& pieces,
                                 std::span<const Region> regions,
-                                const SegmentOptions& options,
                                 Owners& owners) {
   std::vector<OwnedTop> tops;
   std::vector<PieceHeights> heights;
@@ -82,8 +80,8 @@ std::vector<OwnedTop> ClaimTops(const FrameToSegment& seen,
     if (!classes.TraitsOf(seen.detections[d].class_name).support_plane) continue;
     if (heights.empty()) heights = HeightsOf(pieces);
     const int owner = static_cast<int>(d);
-    std::optional<LevelTop> top = ClaimLevelTop(
-        pieces, heights, seen.camera, *seen.ground_camera, regions[d], owner, options, owners);
+    std::optional<LevelTop> top =
+        ClaimLevelTop(pieces, heights, seen.camera, *seen.ground_camera, regions[d], owner, owners);
     if (top) tops.push_back({owner, std::move(*top)});
   }
   return tops;
@@ -133,11 +131,11 @@ Segment Describe(const Detection& detection,
   segment.num_points = static_cast<int>(points.size());
   const int area_px = region.area_px();
   segment.depth_support = area_px > 0 ? static_cast<double>(points.size()) / area_px : 0.0;
-  const double margin = options.border_margin_px;
+  const double margin = SegmentOptions::kBorderMargin_px;
   segment.touches_border = region.empty() || region.u_min < margin || region.v_min < margin ||
                            region.u_max > width - 1 - margin || region.v_max > height - 1 - margin;
-  segment.usable =
-      segment.num_points >= options.min_points && segment.depth_support >= options.min_support;
+  segment.usable = segment.num_points >= options.min_points &&
+                   segment.depth_support >= SegmentOptions::kMinSupport;
   if (region.empty()) {
     segment.reason = "box outside the image";
   } else if (segment.num_points < options.min_points) {
@@ -152,64 +150,6 @@ Segment Describe(const Detection& detection,
 
 void Describe(OptionsVisitor& visitor, SegmentOptions& options) {
   visitor.Field("max_depth_m", options.max_depth_m, {0.5, 50}, "m", "farther depth is not used");
-  visitor.Field("min_height_m",
-                options.min_height_m,
-                {0, 1},
-                "m",
-                "lower pixels are ground, close to the camera");
-  visitor.Field("height_per_m2",
-                options.height_per_m2,
-                {0, 0.1},
-                "1/m",
-                "growth of that height with the squared depth");
-  visitor.Field("jump_m",
-                options.jump_m,
-                {0.001, 1},
-                "m",
-                "depth step that parts neighbouring pixels, close to the camera");
-  visitor.Field("jump_per_m2",
-                options.jump_per_m2,
-                {0, 0.1},
-                "1/m",
-                "growth of that step with the squared depth");
-  visitor.Field("join_m",
-                options.join_m,
-                {0.01, 1},
-                "m",
-                "parts whose gap in space is smaller belong together");
-  visitor.Field("fill_gap_m",
-                options.fill_gap_m,
-                {0, 1},
-                "m",
-                "gaps without depth up to this width inside an object belong to its outline");
-  visitor.Field("min_piece_share",
-                options.min_piece_share,
-                {0, 1},
-                "1",
-                "share of a surface that a box must hold to own it");
-  visitor.Retired("level_top_classes",
-                  "`support_plane: true` in the table of classes says it (classes.file, `deepslam "
-                  "config classes`)");
-  visitor.Field("mask_dilation_px",
-                options.mask_dilation_px,
-                {0, 50},
-                "px",
-                "instance masks are widened by this before they cut");
-  visitor.Field("border_margin_px",
-                options.border_margin_px,
-                {0, 200},
-                "px",
-                "boxes nearer to the image border start no object");
-  visitor.Field("min_points",
-                options.min_points,
-                {1, 1000000},
-                "px",
-                "segments with fewer pixels are not usable");
-  visitor.Field("min_support",
-                options.min_support,
-                {0, 1},
-                "1",
-                "least share of the box's pixels in a usable segment");
 }
 
 std::vector<Segment> SegmentFrame(const FrameToSegment& seen,
@@ -225,8 +165,8 @@ std::vector<Segment> SegmentFrame(const FrameToSegment& seen,
   if (!detections.empty() && camera.fx > 0 && camera.fy > 0) {
     pieces = CutIntoPieces(frame.depth_m, camera, ground_camera, options);
     if (ground_camera) {
-      tops = ClaimTops(seen, classes, pieces, regions, options, owners);
-      ClaimCarriers(pieces, *ground_camera, tops, options, owners);
+      tops = ClaimTops(seen, classes, pieces, regions, owners);
+      ClaimCarriers(pieces, *ground_camera, tops, owners);
     }
     AssignPieces(pieces, regions, TakesPieces(detections.size(), tops), options, owners);
   }
@@ -238,7 +178,7 @@ std::vector<Segment> SegmentFrame(const FrameToSegment& seen,
       return top.owner == static_cast<int>(d);
     });
     const std::vector<PixelPoint> kept =
-        is_top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera, options);
+        is_top ? points[d] : KeepMainPart(points[d], regions[d], ground_camera);
     Mask mask;
     segments.push_back(Describe(detections[d], regions[d], kept, width, height, options, mask));
     // Clusters are depth themselves.
@@ -248,7 +188,7 @@ std::vector<Segment> SegmentFrame(const FrameToSegment& seen,
       segment.usable = false;
       segment.reason = "its depth is that of the wall behind";
     }
-    FillUnmeasured(frame.depth_m, camera, regions[d], options.fill_gap_m, filled, mask);
+    FillUnmeasured(frame.depth_m, camera, regions[d], SegmentOptions::kFillGap_m, filled, mask);
     segment.mask = mask;
   }
   return segments;

@@ -17,21 +17,28 @@ namespace deepslam::segment {
 
 struct SegmentOptions {
   double max_depth_m = 5.0;  // farther depth is not used
-  double min_height_m =
-      0.03;  // height above the ground below which a pixel is ground, close to the camera ...
-  double height_per_m2 =
-      0.006;  // ... plus this times the squared depth (depth noise of structured light grows so)
-  double jump_m = 0.03;        // neighbouring pixels with a larger depth step are not connected ...
-  double jump_per_m2 = 0.012;  // ... plus this times the squared depth
-  double join_m = 0.12;        // parts whose gap in space is smaller belong together (slats, legs)
+  // Height above the ground below which a pixel is ground, close to the camera: the plane and the
+  // floor differ by as much.
+  static constexpr double kMinHeight_m = 0.03;
+  // And this times the squared depth, as the depth noise of structured light grows.
+  static constexpr double kHeight_per_m2 = 0.006;
+  // Neighbouring pixels with a larger step in depth are not connected, close to the camera.
+  static constexpr double kJump_m = 0.03;
+  // And this times the squared depth, four deviations of a Kinect (Khoshelham and Elberink 2012:
+  // 2.85 mm per m^2).
+  static constexpr double kJump_per_m2 = 0.012;
+  // Parts whose gap in space is smaller belong together: slats, legs.
+  static constexpr double kJoin_m = 0.12;
   // Gaps without depth up to this width between measured parts of an object belong to its mask.
-  double fill_gap_m = 0.15;
+  static constexpr double kFillGap_m = 0.15;
   double min_piece_share =
       0.6;  // a surface belongs to a box that holds at least this share of its pixels
   double mask_dilation_px = 4;  // an instance mask is widened by this before it cuts
-  double border_margin_px = 8;  // a box nearer to the image border touches it
-  int min_points = 400;         // fewer pixels: not usable
-  double min_support = 0.04;    // smaller share of the box: not usable
+  // an instance mask is widened by this before it cuts
+  static constexpr double kBorderMargin_px = 8;  // a box nearer to the image border touches it
+  int min_points = 400;                          // fewer pixels: not usable
+  // fewer pixels: not usable
+  static constexpr double kMinSupport = 0.04;  // smaller share of the box: not usable
 };
 void Describe(OptionsVisitor& visitor, SegmentOptions& options);
 

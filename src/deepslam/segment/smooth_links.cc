@@ -228,13 +228,12 @@ DEEPSLAM_WIDE_VECTORS void LinkRow(
 
 SmoothLinks FindSmoothLinks(const PointImage& points_camera,
                             double fx,
-                            const std::optional<Plane>& ground_camera,
-                            const SegmentOptions& options) {
+                            const std::optional<Plane>& ground_camera) {
   const int width = points_camera.width();
   SmoothLinks links;
   links.bits = Mask(width, points_camera.height());
   links.horizontal = Mask(width, points_camera.height());
-  const Steps steps = {fx, options.jump_m, options.jump_per_m2};
+  const Steps steps = {fx, SegmentOptions::kJump_m, SegmentOptions::kJump_per_m2};
   std::array<float, 3> up{};
   if (ground_camera) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -29,7 +29,6 @@ struct SmoothLinks {
 // `fx`: of the camera, in pixels.
 [[nodiscard]] SmoothLinks FindSmoothLinks(const PointImage& points_camera,
                                           double fx,
-                                          const std::optional<Plane>& ground_camera,
-                                          const SegmentOptions& options);
+                                          const std::optional<Plane>& ground_camera);
 
 }  // namespace deepslam::segment

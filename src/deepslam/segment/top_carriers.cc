@@ -124,11 +124,11 @@ std::vector<Support> SurveySupports(const ImagePieces& pieces,
 using Touch = std::pair<std::int32_t, std::int32_t>;
 
 // Pieces that touch in the image and in depth, each pair once.
-std::vector<Touch> TouchingPieces(const ImagePieces& pieces, const SegmentOptions& options) {
+std::vector<Touch> TouchingPieces(const ImagePieces& pieces) {
   std::vector<Touch> touching;
   const auto touch = [&](std::int32_t a, std::int32_t b, float z, float z_to) {
     if (a == b || a < 0 || b < 0) return;
-    if (!(std::abs(static_cast<double>(z_to) - z) < JumpAt(z, options))) return;
+    if (!(std::abs(static_cast<double>(z_to) - z) < JumpAt(z))) return;
     const Touch pair = std::minmax(a, b);
     if (touching.empty() || touching.back() != pair) touching.push_back(pair);
   };
@@ -194,10 +194,9 @@ void ClaimCarrier(const ImagePieces& pieces,
 void ClaimCarriers(const ImagePieces& pieces,
                    const Plane& ground_camera,
                    std::span<const OwnedTop> tops,
-                   const SegmentOptions& options,
                    Owners& owners) {
   if (tops.empty()) return;
-  const std::vector<Touch> touching = TouchingPieces(pieces, options);
+  const std::vector<Touch> touching = TouchingPieces(pieces);
   for (const OwnedTop& top : tops) ClaimCarrier(pieces, ground_camera, top, touching, owners);
 }
 

@@ -22,7 +22,6 @@ struct OwnedTop {
 void ClaimCarriers(const ImagePieces& pieces,
                    const Plane& ground_camera,
                    std::span<const OwnedTop> tops,
-                   const SegmentOptions& options,
                    Owners& owners);
 
 }  // namespace deepslam::segment

@@ -113,7 +113,7 @@ std::vector<double> HeightLayers::PeakHeights() const {
   return peaks;
 }
 
-std::vector<PixelPoint> HeightLayers::At(double height_m, const SegmentOptions& options) const {
+std::vector<PixelPoint> HeightLayers::At(double height_m) const {
   std::vector<std::int32_t> near(pixels_.size());
   MarkNearHeight(height_m_.data(), depth_m_.data(), near.size(), height_m, near.data());
   std::vector<PixelPoint> layer;
@@ -124,7 +124,7 @@ std::vector<PixelPoint> HeightLayers::At(double height_m, const SegmentOptions& 
     if (level || EndsAt(pieces_->piece(u, v), height_m, TopThicknessAt(depth_m_[n])))
       layer.push_back({u, v, pieces_->points_camera(u, v)});
   }
-  const Groups groups = ConnectPoints(layer, std::max(kGap_m, options.join_m));
+  const Groups groups = ConnectPoints(layer, std::max(kGap_m, SegmentOptions::kJoin_m));
   if (groups.count == 1) return layer;
   const int main = groups.Heaviest([](std::size_t) { return 1.0; });
   std::vector<PixelPoint> largest;

@@ -60,7 +60,7 @@ class HeightLayers {
   [[nodiscard]] std::vector<double> PeakHeights() const;
   // The largest connected part of what is at the height: level surface, or pieces that end there,
   // as the rim of a top does whose middle returns no depth.
-  [[nodiscard]] std::vector<PixelPoint> At(double height_m, const SegmentOptions& options) const;
+  [[nodiscard]] std::vector<PixelPoint> At(double height_m) const;
 
  private:
   struct Pixel {

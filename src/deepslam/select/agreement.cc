@@ -94,8 +94,8 @@ struct PointAgreements {
     shape::FieldSampleColumns samples;
     placed.model().At(points_object, WholeLanes(size), samples);
     const double scale_m = placed.scale_m();
-    const double model_tolerance_m = placed.options().model_tolerance_m;
-    const double fade_m = placed.options().fade_m;
+    const double model_tolerance_m = SelectOptions::kModelTolerance_m;
+    const double fade_m = SelectOptions::kFade_m;
     for (std::size_t n = 0; n < size; ++n) {
       distances_m[n] = scale_m * static_cast<double>(std::abs(samples.distance[n]));
       const double tolerance_m =
@@ -122,7 +122,7 @@ SurfaceAgreement SurfaceOf(const PlacedModel& placed,
     points.Measure(placed);
     for (std::size_t n = 0; n < points.size; ++n) {
       surface.sum += points.agreements[n];
-      surface.num_reached += points.distances_m[n] <= placed.options().reach_m ? 1 : 0;
+      surface.num_reached += points.distances_m[n] <= SelectOptions::kReach_m ? 1 : 0;
     }
   }
   return surface;
@@ -205,8 +205,7 @@ void AddCoverage(const DepthImage& rendered_m,
 bool IsConfirmed(const shape::ShapeModel& model,
                  std::size_t surface_idx,
                  const Similarity3& camera_from_object,
-                 const JudgedView& view,
-                 const SelectOptions& options) {
+                 const JudgedView& view) {
   if (view.depth_m.empty()) return false;
   const Eigen::Vector3d point =
       camera_from_object * model.surface_points()[surface_idx].cast<double>();
@@ -218,13 +217,12 @@ bool IsConfirmed(const shape::ShapeModel& model,
   const int v = static_cast<int>(std::lround(pixel->y()));
   if (!view.depth_m.Contains(u, v) || view.depth_m(u, v) <= 0) return false;
   return std::abs(view.depth_m(u, v) - point.z()) <
-         options.model_tolerance_m + options.fade_m + 2 * DepthSigmaM(point.z());
+         SelectOptions::kModelTolerance_m + SelectOptions::kFade_m + 2 * DepthSigmaM(point.z());
 }
 
 }  // namespace
 
-std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
-                                          const SelectOptions& options) {
+std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views) {
   std::vector<JudgedView> judged(views.size());
   ParallelFor(views.size(), [&](std::size_t i) {
     const ObjectView& view = views[i];
@@ -232,13 +230,14 @@ std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
     judged[i].frame = view.frame;
     if (!IsUsable(view)) return;
     for (const Eigen::Vector3f& point :
-         shape::ExtractViewPoints(view, options.max_points).points_camera) {
+         shape::ExtractViewPoints(view, SelectOptions::kMaxPoints).points_camera) {
       if (point.allFinite() && point.z() > 0) judged[i].points_camera.push_back(point);
     }
     judged[i].world_from_camera = view.world_from_camera;
     judged[i].ground_camera = view.ground_camera;
     const int side = std::max(view.depth_crop_m.width(), view.depth_crop_m.height());
-    AddReducedCrop(view, (side + options.max_render_px - 1) / options.max_render_px, judged[i]);
+    AddReducedCrop(
+        view, (side + SelectOptions::kMaxRender_px - 1) / SelectOptions::kMaxRender_px, judged[i]);
   });
   return judged;
 }
@@ -267,8 +266,7 @@ DEEPSLAM_WIDE_VECTORS ViewAgreement MeasureAgreement(const shape::ShapeModel& mo
 
 double SeenShare(const shape::ShapeModel& model,
                  std::span<const Similarity3> camera_from_object,
-                 std::span<const JudgedView> views,
-                 const SelectOptions& options) {
+                 std::span<const JudgedView> views) {
   const std::span<const Eigen::Vector3f> points = model.surface_points();
   const std::size_t stride = points.size() / kSeenSamples + 1;
   int num_seen = 0;
@@ -276,7 +274,7 @@ double SeenShare(const shape::ShapeModel& model,
   for (std::size_t i = 0; i < points.size(); i += stride) {
     ++total;
     for (std::size_t k = 0; k < views.size(); ++k) {
-      if (!IsConfirmed(model, i, camera_from_object[k], views[k], options)) continue;
+      if (!IsConfirmed(model, i, camera_from_object[k], views[k])) continue;
       ++num_seen;
       break;
     }

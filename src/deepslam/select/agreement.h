@@ -32,8 +32,7 @@ struct JudgedView {
 };
 
 // Keeps the order of `views`; an unusable view has neither points nor images.
-[[nodiscard]] std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views,
-                                                        const SelectOptions& options);
+[[nodiscard]] std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views);
 
 // Surface: each object point agrees fully within a tolerance of the model's surface
 // (model_tolerance + 2 sigma of the sensor at its depth + half a voxel) and fades to nothing over
@@ -56,7 +55,6 @@ struct JudgedView {
 // `camera_from_object` runs parallel to `views`.
 [[nodiscard]] double SeenShare(const shape::ShapeModel& model,
                                std::span<const Similarity3> camera_from_object,
-                               std::span<const JudgedView> views,
-                               const SelectOptions& options);
+                               std::span<const JudgedView> views);
 
 }  // namespace deepslam::select

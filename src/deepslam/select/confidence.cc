@@ -69,8 +69,7 @@ double Confidence(const MapObject& winner,
                   const shape::ShapeModel& shape,
                   std::span<const ShapeCandidate> candidates,
                   std::span<const CandidateRegistration> registrations,
-                  std::span<const CandidateScore> scores,
-                  const SelectOptions& options) {
+                  std::span<const CandidateScore> scores) {
   const auto own = std::find_if(scores.begin(), scores.end(), [&](const CandidateScore& score) {
     return score.candidate == winner.chosen;
   });
@@ -82,10 +81,10 @@ double Confidence(const MapObject& winner,
   const double likely = Logistic(kLogit + kLeadLogit * std::clamp(lead / kClearLead, -1.0, 1.0) +
                                  kSeenLogit * ShareOf(own->seen_share, 0, kWellSeenShare) +
                                  kExplainedLogit * ShareOf(explained, kUnexplained, kExplained));
-  const double fit = Logistic((own->score - options.good_score) / kScoreWidth);
+  const double fit = Logistic((own->score - SelectOptions::kGoodScore) / kScoreWidth);
   const double views = 0.4 + 0.6 * std::min(1.0,
                                             NumRegistered(winner.views) /
-                                                std::max(1.0, options.full_confidence_views));
+                                                std::max(1.0, SelectOptions::kFullConfidenceViews));
   return std::clamp(fit * views * likely, 0.0, 1.0);
 }
 

@@ -36,7 +36,6 @@ struct PlaceVotes {
                                 const shape::ShapeModel& shape,
                                 std::span<const ShapeCandidate> candidates,
                                 std::span<const CandidateRegistration> registrations,
-                                std::span<const CandidateScore> scores,
-                                const SelectOptions& options);
+                                std::span<const CandidateScore> scores);
 
 }  // namespace deepslam::select

@@ -113,9 +113,9 @@ WholeModels BestWhole(std::span<const ShapeCandidate> candidates,
 }
 
 // The margin that is the same wherever the candidate stands and whatever was seen.
-double FixedMargin(WinningMargin margin, const SelectOptions& options) {
-  if (margin == WinningMargin::kRefined) return options.refined_lead;
-  if (margin == WinningMargin::kCompleted) return options.completed_lead;
+double FixedMargin(WinningMargin margin) {
+  if (margin == WinningMargin::kRefined) return SelectOptions::kRefinedMargin;
+  if (margin == WinningMargin::kCompleted) return SelectOptions::kCompletedMargin;
   return 0;
 }
 
@@ -123,17 +123,16 @@ double FixedMargin(WinningMargin margin, const SelectOptions& options) {
 std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
                               std::span<const CandidateRegistration> registrations,
                               std::span<const CandidateScore> scores,
-                              std::span<const ObjectView> views,
-                              const SelectOptions& options) {
+                              std::span<const ObjectView> views) {
   const std::vector<Eigen::Vector3d> cameras_world = CamerasOf(views);
   std::vector<double> handicaps(candidates.size(), 0.0);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const SourceTraits& traits = TraitsOf(candidates[i].source);
     if (traits.is_partial) continue;  // has no front of its own
     const Pose3& placed = registrations[i].world_from_object;
-    handicaps[i] =
-        options.back_handicap * BackShown(placed.rotation, placed.translation_m, cameras_world);
-    handicaps[i] += FixedMargin(traits.margin, options);
+    handicaps[i] = SelectOptions::kBackPenalty *
+                   BackShown(placed.rotation, placed.translation_m, cameras_world);
+    handicaps[i] += FixedMargin(traits.margin);
   }
   const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
@@ -141,8 +140,9 @@ std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
     if (TraitsOf(candidates[i].source).margin != WinningMargin::kUnseenSides) continue;
     const double unseen =
         UnseenShare(GapsBetweenCameras(registrations[i].world_from_object, cameras_world));
-    handicaps[i] = std::min(options.fused_margin,
-                            options.fused_lead + options.fused_handicap * unseen + out_of_reach);
+    handicaps[i] = std::min(
+        SelectOptions::kSufficientMargin,
+        SelectOptions::kFusedMargin + SelectOptions::kOneSidedMargin * unseen + out_of_reach);
   }
   return handicaps;
 }
@@ -241,8 +241,7 @@ std::string Doubts(const MapObject& object,
                    const ShapeCandidate& winner,
                    const CandidateScore& score,
                    const CandidateRegistration& registration,
-                   double seen_angle_rad,
-                   const SelectOptions& options) {
+                   double seen_angle_rad) {
   std::string note = score.note;
   const int num_registered = NumRegistered(registration.views);
   if (num_registered < 2) AppendNote(note, "registered in one view only");
@@ -265,7 +264,7 @@ std::string Doubts(const MapObject& object,
                std::to_string(std::lround(100 * (1 - score.reached_share))) +
                    " % of what was cut out with it lies far from it: perhaps two things in one");
   }
-  if (score.score < options.good_score) AppendNote(note, "agrees poorly with the depth");
+  if (score.score < SelectOptions::kGoodScore) AppendNote(note, "agrees poorly with the depth");
   return note;
 }
 
@@ -287,15 +286,14 @@ std::string SizeDoubt(const ShapeCandidate& candidate, double scale_m) {
 std::string WhyLeftOut(double scale_m, const SelectOptions& options) {
   const double size_m = scale_m * kModelExtent;
   if (size_m >= options.min_size_m) return {};
-  return std::to_string(std::lround(100 * size_m)) + " cm large, less than select.min_size";
+  return std::to_string(std::lround(100 * size_m)) + " cm large, less than select.min_size_m";
 }
 
 MapObject FillWinner(MapObject object,
                      const ShapeCandidate& winner,
                      const CandidateRegistration& registration,
                      const CandidateScore& score,
-                     std::span<const ObjectView> views,
-                     const SelectOptions& options) {
+                     std::span<const ObjectView> views) {
   object.chosen = winner.id;
   object.source = winner.source;
   object.model = winner.model;
@@ -305,7 +303,7 @@ MapObject FillWinner(MapObject object,
   object.world_from_object = registration.world_from_object;
   object.views = registration.views;
   const double seen_angle_rad = SeenAngle(object, views);
-  object.note = Doubts(object, winner, score, registration, seen_angle_rad, options);
+  object.note = Doubts(object, winner, score, registration, seen_angle_rad);
   const std::string size_doubt = SizeDoubt(winner, registration.scale_m);
   if (!size_doubt.empty()) AppendNote(object.note, size_doubt);
   return object;
@@ -319,63 +317,7 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
       options.mode,
       kModes,
       "offline: best over all views; greedy: replacement as views arrive, as in the paper");
-  visitor.Field("max_points", options.max_points, {20, 10000}, "1", "object points per view");
-  visitor.Field("max_render_px",
-                options.max_render_px,
-                {16, 1000},
-                "px",
-                "longer side of the crops models are rendered into");
-  visitor.Field("model_tolerance",
-                options.model_tolerance_m,
-                {0, 0.5},
-                "m",
-                "distance of a good model from the true surface");
-  visitor.Field("fade",
-                options.fade_m,
-                {0.001, 1},
-                "m",
-                "beyond the tolerance agreement fades out over this length");
-  visitor.Field("ground_tolerance",
-                options.ground_tolerance_m,
-                {0, 10},
-                "m",
-                "gap between model and ground that is no fault");
-  visitor.Field("reach",
-                options.reach_m,
-                {0.01, 10},
-                "m",
-                "depth further than this from a whole model may be of something else");
-  visitor.Field("fused_lead",
-                options.fused_lead,
-                {0, 1},
-                "1",
-                "lead a fused candidate needs over whole models, by depth within their reach");
-  visitor.Field("fused_handicap",
-                options.fused_handicap,
-                {0, 1},
-                "1",
-                "and this, when it was seen from one side; less, the further round the views go");
-  visitor.Field("fused_margin",
-                options.fused_margin,
-                {0, 1},
-                "1",
-                "lead that is enough for a fused candidate, whatever depth it comes from");
-  visitor.Field("refined_lead",
-                options.refined_lead,
-                {0, 1},
-                "1",
-                "lead a shape of refined latents needs over those it competes with");
-  visitor.Field("completed_lead",
-                options.completed_lead,
-                {-1, 1},
-                "1",
-                "lead a completed model needs; below 0, those it competes with have to lead");
-  visitor.Field("back_handicap",
-                options.back_handicap,
-                {0, 1},
-                "1",
-                "taken off the score of a candidate that turns its back to all cameras");
-  visitor.Field("min_size",
+  visitor.Field("min_size_m",
                 options.min_size_m,
                 {0, 10},
                 "m",
@@ -386,16 +328,6 @@ void Describe(OptionsVisitor& visitor, SelectOptions& options) {
       {0, 1},
       "1",
       "what no detection names is left out of the map where its confidence is below this");
-  visitor.Field("good_score",
-                options.good_score,
-                {0, 1},
-                "1",
-                "score at which an object is as likely right as wrong");
-  visitor.Field("full_confidence_views",
-                options.full_confidence_views,
-                {1, 1000},
-                "1",
-                "views from which on their number no longer limits the confidence");
 }
 
 CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
@@ -403,7 +335,7 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
                               const CandidateRegistration& registration,
                               std::span<const ObjectView> views,
                               const SelectOptions& options) {
-  return ScoreCandidate(candidate, model, registration, PrepareForScoring(views, options), options);
+  return ScoreCandidate(candidate, model, registration, PrepareForScoring(views), options);
 }
 
 CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
@@ -425,7 +357,7 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
         registration.scale_m);
     score.views[i] = MeasureAgreement(model, camera_from_object[i], views[i], options);
   });
-  score.seen_share = SeenShare(model, camera_from_object, views, options);
+  score.seen_share = SeenShare(model, camera_from_object, views);
   const Evidence evidence = Pool(score.views);
   score.surface_share = evidence.surface;
   score.coverage_share = evidence.coverage;
@@ -434,7 +366,7 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
   score.num_views = NumRegistered(registration.views);
   double excess_m = 0;
   if (const std::optional<double> gap_m = GroundGap(model, registration, views)) {
-    excess_m = std::max(0.0, std::abs(*gap_m) - options.ground_tolerance_m);
+    excess_m = std::max(0.0, std::abs(*gap_m) - SelectOptions::kGroundTolerance_m);
     if (excess_m > 0) {
       score.note = "its bottom is " + std::to_string(static_cast<int>(std::lround(*gap_m * 100))) +
                    " cm above the ground";
@@ -456,8 +388,7 @@ MapObject SelectShape(ObjectId id,
   MapObject object;
   object.id = id;
   object.class_name = class_name;
-  const std::vector<double> handicaps =
-      Handicaps(candidates, registrations, scores, views, options);
+  const std::vector<double> handicaps = Handicaps(candidates, registrations, scores, views);
   const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, handicaps);
   for (const Ranked& entry : ranked) object.scores.push_back(scores[entry.index]);
   object.history = GreedyHistory(candidates, registrations, scores, views, handicaps);
@@ -475,7 +406,7 @@ MapObject SelectShape(ObjectId id,
   object.note = WhyLeftOut(registrations[winner].scale_m, options);
   if (!object.note.empty()) return object;
   return FillWinner(
-      std::move(object), candidates[winner], registrations[winner], scores[winner], views, options);
+      std::move(object), candidates[winner], registrations[winner], scores[winner], views);
 }
 
 }  // namespace deepslam::select

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "deepslam/stages/retired_options.h"
+
 namespace deepslam::stages {
 namespace {
 
@@ -109,8 +111,9 @@ void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
 
 template <typename... Options>
 pipeline::OptionSection Section(std::string name, std::string help, Options&... options) {
-  return {std::move(name), std::move(help), [&options...](OptionsVisitor& visitor) {
+  return {name, std::move(help), [name, &options...](OptionsVisitor& visitor) {
             (Describe(visitor, options), ...);
+            DescribeRetired(name, visitor);
           }};
 }
 
@@ -132,7 +135,6 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("layout", "Walls, rooms and openings", c.layout),
       Section("layout.surface",
               "The coarse surface of the whole capture, which they are read from",
-              c.coarse_frames,
               c.coarse),
       Section("detect", "Boxes in colour images", c.detect_stage, c.detect),
       Section("detect.network", "The detector network", c.network),
@@ -145,9 +147,9 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("views", "Views of an object that later stages look at", c.views),
       Section("propose", "Whole shapes for objects", c.propose_stage),
       Section("propose.retrieval", "CAD models of the library", c.retrieval),
-      Section("propose.measured", "The object's own fused measurement", c.fused),
+      Section("propose.measured", "The object's own fused measurement"),
       Section("propose.networks", "Shape networks", c.shape_network),
-      Section("register", "Where a shape stands", c.registration),
+      Section("register", "Where a shape stands"),
       Section("select", "Which shape it is", c.select),
       Section("select.refine", "The networks' best shape follows the depth", c.shape_refinement),
       Section("loops", "Places seen again; constellations of objects", c.loops),
@@ -156,7 +158,7 @@ std::vector<pipeline::OptionSection> Sections(Config& c) {
       Section("mesh.surface", "Surface of the chosen shapes", c.surface),
       Section("mesh.refine", "Smoothing and decimation", c.refine),
       Section("mesh.colour", "Colours from the frames", c.colour),
-      Section("fuse", "The room's measured surface", c.fuse_frames, c.fuse_stage, c.fuse),
+      Section("fuse", "The room's measured surface", c.fuse_stage, c.fuse),
       Section("export", "The scene file", c.export_stage),
       Section("export.ground", "The seen piece of floor", c.ground_polygon),
       Section("export.gltf", "glTF and Draco", c.gltf),

@@ -88,7 +88,6 @@ struct Config {
   TrackStageOptions track_stage;
   tracking::OdometryOptions track;
   ground::GroundOptions ground;
-  fuse::FrameChoice coarse_frames = fuse::CoarseFrameChoice();
   fuse::CoarseOptions coarse;
   layout::LayoutOptions layout;
   DetectStageOptions detect_stage;
@@ -102,7 +101,6 @@ struct Config {
   observe::ViewOptions views;
   ProposeStageOptions propose_stage;
   propose::RetrievalOptions retrieval;
-  propose::FusedOptions fused;
   propose::NetworkOptions shape_network;
   registration::RegisterOptions registration;
   select::SelectOptions select;
@@ -116,7 +114,6 @@ struct Config {
   mesh::RefineOptions refine;
   mesh::ColourOptions colour;
   FuseStageOptions fuse_stage;
-  fuse::FrameChoice fuse_frames;
   fuse::FuseOptions fuse;
   ExportStageOptions export_stage;
   mesh::GroundPolygonOptions ground_polygon;

@@ -54,7 +54,7 @@ Result<StageSummary> RunFuse(StageContext& context, const RunInputs& inputs) {
   if (!masks.ok()) return masks.error();
   const std::vector<FrameIdx> wanted = leave_out
                                            ? fuse::FramesWithMasks(map->frames, *masks)
-                                           : fuse::FramesToFuse(map->frames, config.fuse_frames);
+                                           : fuse::FramesToFuse(map->frames, fuse::FrameChoice());
   if (wanted.empty()) context.progress().Warn("no frame to fuse: the room stays empty");
   Result<TriangleMesh> surface = fuse::FuseFrames(
       {*inputs.capture->frames, map->frames, *masks}, wanted, config.fuse, context.progress());

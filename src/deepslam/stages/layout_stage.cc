@@ -48,7 +48,7 @@ Result<StageSummary> RunLayout(StageContext& context, const RunInputs& inputs) {
   const Result<Ground> ground = ReadGround(context, "ground");
   if (!ground.ok()) return ground.error();
   const std::vector<FrameIdx> wanted =
-      fuse::CoarseFrames(trajectory->frames, *ground, inputs.config.coarse_frames);
+      fuse::CoarseFrames(trajectory->frames, *ground, fuse::CoarseFrameChoice());
   const Result<CoarseSurface> surface = fuse::FuseCoarse({*inputs.capture->frames,
                                                           trajectory->frames,
                                                           LevelFromTracking(*trajectory, *ground),

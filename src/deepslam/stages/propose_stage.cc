@@ -54,7 +54,7 @@ Result<Sources> MakeSources(const RunInputs& inputs,
         propose::MakeRetrievalProposer(sources.library, classes, config.retrieval, sight));
   }
   if (config.propose_stage.fused && use_depth) {
-    proposers.push_back(propose::MakeFusedProposer(classes, config.fused));
+    proposers.push_back(propose::MakeFusedProposer(classes));
   }
   if (config.propose_stage.network) {
     const auto priors =
