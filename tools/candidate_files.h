@@ -1,5 +1,5 @@
 // All candidates of a workspace and where they stand, in the tracking world: what stage propose
-// offered, what stage select refined of it, and what stage loops judged anew.
+// offered, what stage select refined of it, and what stage loops scored anew.
 #pragma once
 
 #include <filesystem>

@@ -84,7 +84,7 @@ Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_fol
       std::move(capture).value(), table->frames, std::move(map).value(), std::move(files).value()};
 }
 
-// A frame that judges, and what it shows of the object, where that is known.
+// A frame that scores, and what it shows of the object, where that is known.
 struct Judge {
   FrameIdx frame;
   const PixelMask* mask = nullptr;
@@ -134,7 +134,7 @@ Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_worksp
 }
 
 // The views of the object of the same class that stands nearest, in frames that no view of the
-// judged one comes from; none where nothing stands near.
+// scored one comes from; none where nothing stands near.
 std::vector<Judge> ViewsThere(const Bench& bench, const MapObject& object) {
   constexpr double kSamePlaceM = 0.5;
   const MapObject* nearest = nullptr;
@@ -170,7 +170,7 @@ std::optional<CandidateSource> SourceOf(const Inputs& inputs, CandidateId candid
   return proposed->second.source;
 }
 
-// What selection judged, the best first; of each row the best that belongs to it, if there is one.
+// What selection scored, the best first; of each row the best that belongs to it, if there is one.
 std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
   const auto best = [&](const auto& belongs) {
     for (const CandidateScore& score : object.scores) {

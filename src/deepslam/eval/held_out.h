@@ -30,7 +30,7 @@ struct HeldOutAgreement {
   std::int64_t num_hidden = 0;    // something nearer was measured: says nothing
 
   [[nodiscard]] std::int64_t num_judged() const { return num_agree + num_violated; }
-  // Share of judged pixels that agree; 0 where none was judged.
+  // Share of scored pixels that agree; 0 where none was scored.
   [[nodiscard]] double agreement() const;
   HeldOutAgreement& operator+=(const HeldOutAgreement& other);
 };

@@ -1,6 +1,6 @@
 // The bytes behind a glTF, as its buffers, buffer views and accessors divide them.
 //
-// No number of the file is believed: what is given out lies within bytes that are there.
+// No number of the file is trusted: what is given out lies within bytes that are there.
 #pragma once
 
 #include <cstdint>

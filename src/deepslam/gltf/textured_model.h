@@ -16,7 +16,7 @@ namespace deepslam::gltf {
 // (KHR_draco_mesh_compression); colour by base colour, texture (with KHR_texture_transform) and
 // COLOR_0. Skins and morph targets are left at rest, points and lines left out. Textures that are
 // missing are left out; missing or short buffers are errors, as are more faces than `max_faces`,
-// which no count in the file is believed for before its bytes are there. Errors name the field.
+// which no count in the file is trusted for before its bytes are there. Errors name the field.
 [[nodiscard]] Result<TexturedMesh> ReadTexturedModel(std::string_view bytes,
                                                      const ResourceLookup& beside,
                                                      std::size_t max_faces);

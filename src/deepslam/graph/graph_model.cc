@@ -68,7 +68,7 @@ bool IsUsable(const PoseEdge& edge) {
 }
 
 // What was measured along the path as the graph has it: by tracking, then by loops. What loops
-// measured again stands for what tracking measured between the same two keyframes.
+// re-registered stands for what tracking measured between the same two keyframes.
 class PathEdges {
  public:
   PathEdges(const Odometry& odometry, const Loops& loops, const GraphOptions& options)

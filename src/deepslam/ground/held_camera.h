@@ -33,7 +33,7 @@ struct Holding {
 // How much speaks for it, 0 to 1.
 [[nodiscard]] double Evidence(const Holding& holding);
 
-// Whether pictures turned by `turn` against what was taken for granted are to be believed. Half a
+// Whether pictures turned by `turn` against what was taken for granted are to be accepted. Half a
 // turn makes a floor of each ceiling, so that next to nothing may speak against it.
 [[nodiscard]] bool Outweighs(const Holding& turned, QuarterTurn turn, const Holding& as_is);
 

@@ -4,7 +4,7 @@
 // third (KeyframeStep), go into an index of words
 // (similar_keyframes.h), which names at most kMaxCandidates earlier keyframes for each, so that
 // work grows with the number of keyframes, not with its square. ProposeAppearanceLoops keeps the
-// candidates that geometry bears out. The caller registers them by dense depth and brightness (as
+// candidates that geometry bears out. The caller registers them by dense depth and intensity (as
 // tracking does). AcceptAppearanceLoops settles contradictions and makes edges.
 //
 // Proposed is what fulfils all of
@@ -18,7 +18,7 @@
 //   nothing is bounded;
 // - kMinSupport other keyframes near the new one propose the same correction, within what tracking
 //   drifts between them.
-// Accepted is what registration bears out: depth and brightness agree (kMinAgreement,
+// Accepted is what registration bears out: depth and intensity agree (kMinAgreement,
 // kMinCorrelation), the registered pose is the corners' (kMaxMove_m, kMaxTurn_deg), kMinSupport
 // registered neighbours still say the same, and no neighbours that are as many say otherwise.
 //

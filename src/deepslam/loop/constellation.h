@@ -10,11 +10,11 @@
 // make a constellation when one correction of four degrees of freedom (translation, and yaw about
 // the common up direction of all objects) brings the new objects onto the old ones:
 // - positions within kPositionTolerance_m + kLocalDrift * (path travelled between the views of the
-//   constellation's objects, old visit and new);
+//   constellation's objects, old observation and new);
 // - yaws within kYawTolerance_deg, where neither object's yaw is free (by class, or because all its
 //   views say so);
-// - by no more than tracking can drift on the path between the visits: drift_base_m + kDriftShare *
-//   path, measured at the objects, and kDriftBase_deg + kDrift_deg_per_m * path.
+// - by no more than tracking can drift on the path between the observations: drift_base_m +
+//   kDriftShare * path, measured at the objects, and kDriftBase_deg + kDrift_deg_per_m * path.
 // Two pairs' distance, bearing and yaws determine the correction; further pairs are added, nearest
 // first, as long as all agree after a refit. Two pairs of one constellation are no start of
 // another: whatever else they could lead to has a pair that is not in it, and starts with that.
@@ -24,7 +24,8 @@
 // lie to each other: in parts of the path that nothing ties together one place may be in two rooms.
 //
 // Verification. The correction is refined by 4-DoF ICP over objects and surroundings; then the
-// depth of either visit has to lie on the other visit's models, and the surroundings have to agree.
+// depth of either observation has to lie on the other observation's models, and the surroundings
+// have to agree.
 //
 // Acceptance. Constellations that pair one object with different partners contradict each other,
 // unless the partners are one object themselves by an accepted pair. Of two, the one with clearly
@@ -63,7 +64,7 @@ struct LoopOptions {
   static constexpr double kLocalDrift = 0.02;
   // Difference of yaws after the correction: two registrations, each within half of it.
   static constexpr double kYawTolerance_deg = 30;
-  double drift_base_m = 0.3;  // most tracking can be off between two visits
+  double drift_base_m = 0.3;  // most tracking can be off between two observations
   // Largest correction per path between the observations, m per m: tracking drifts less.
   static constexpr double kDriftShare = 0.05;
   // Largest yaw correction without any path.
@@ -141,21 +142,21 @@ struct MappedPath {
 // model (and the old depth), and the other way round; the worse counts. Pairs that reach less than
 // half of min_object_agreement are taken out; with kMinPairs or more left, their mean must reach
 // min_object_agreement. No depth at all: not accepted. Surroundings: without ground and without the
-// pairs' objects, within kRoomRadius_m. The share of either visit's points that lie within 1.5
-// kVerifyDistance_m of the other's; the better direction counts, since one visit may have seen
-// more; it must reach kMinRoomAgreement. Where a visit has fewer than min_room_points of them,
-// objects alone are believed only if the correction moves them by no more than drift_base_m: equal
-// furniture in an equal arrangement may stand elsewhere. A correction that moves them further is
-// refused where the surroundings agree better without it: two ends of a table look alike. A single
-// pair of one class: it is enough if without any correction min_single_overlap of both models'
-// points lie within kVerifyDistance_m of the other model or inside its box shrunk to 80 %. Else,
-// and of two classes, depth decides as above.
+// pairs' objects, within kRoomRadius_m. The share of either observation's points that lie
+// within 1.5 kVerifyDistance_m of the other's; the better direction counts, since one observation
+// may have seen more; it must reach kMinRoomAgreement. Where an observation has fewer than
+// min_room_points of them, objects alone are accepted only if the correction moves them by no more
+// than drift_base_m: equal furniture in an equal arrangement may stand elsewhere. A correction that
+// moves them further is refused where the surroundings agree better without it: two ends of a table
+// look alike. A single pair of one class: it is enough if without any correction min_single_overlap
+// of both models' points lie within kVerifyDistance_m of the other model or inside its box shrunk
+// to 80 %. Else, and of two classes, depth decides as above.
 [[nodiscard]] Constellation VerifyConstellation(const Constellation& constellation,
                                                 const ObjectMap& map,
                                                 const LoopEvidence& evidence,
                                                 const LoopOptions& options);
 
-// A single pair that association has known again (visits.h): verified as more pairs are, by the
+// A single pair that association has re-identified (visits.h): verified as more pairs are, by the
 // depth of the object and of what stands around, which has to be known here.
 [[nodiscard]] Constellation VerifyKnownAgain(const Constellation& single,
                                              const ObjectMap& map,
@@ -164,8 +165,8 @@ struct MappedPath {
 
 // From verified constellations to loops: contradictions refused, merges grouped so that each object
 // is merged at most once, into the lowest id of its group, and no group holds two objects that one
-// frame sees apart. Edges tie the keyframes of the best views of both visits. All constellations
-// come back in `constellations`, with their final verdict.
+// frame sees apart. Edges tie the keyframes of the best views of both observations. All
+// constellations come back in `constellations`, with their final verdict.
 [[nodiscard]] Loops AcceptLoops(std::span<const Constellation> verified,
                                 const ObjectMap& map,
                                 const Association& association,

@@ -31,7 +31,7 @@ class CorrectionFit {
     old_.push_back(old_level);
     new_.push_back(new_level);
   }
-  // An object's yaw in the old visit minus its yaw in the new one.
+  // An object's yaw in the old observation minus its yaw in the new one.
   void AddYaw(double difference_rad) { yaws_rad_.push_back(difference_rad); }
 
   // Points and yaws weigh by their deviations; a weak preference for no turn decides where neither

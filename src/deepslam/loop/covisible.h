@@ -6,7 +6,7 @@
 //
 // Proposed is a pair of keyframes that tracking has not joined, at most max_gap_keyframes apart
 // along the path, with no loss between, whose tracked poses lie within kMaxDistance_m and
-// kMaxTurn_deg. The caller registers it by dense depth and brightness, as tracking does. Accepted
+// kMaxTurn_deg. The caller registers it by dense depth and intensity, as tracking does. Accepted
 // is what agrees and stays near the tracked pose; kept, once the caller has solved the graph with
 // these edges, what the solution does not contradict.
 //

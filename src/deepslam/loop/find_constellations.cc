@@ -20,8 +20,8 @@ struct PairHypothesis {
   Eigen::Vector3d new_level;
   bool yaw_known = false;
   double yaw_rad = 0;  // old minus new
-  double path_m = 0;   // between the visits
-  int old_frame = 0;   // middle of each visit
+  double path_m = 0;   // between the observations
+  int old_frame = 0;   // middle of each observation
   int new_frame = 0;
 };
 
@@ -120,7 +120,7 @@ class ConstellationFinder {
     pairs_.push_back(pair);
   }
 
-  // Registration error, and drift inside either visit.
+  // Registration error, and drift inside either observation.
   double Tolerance_m(const PairHypothesis& a, const PairHypothesis& b) const {
     return LoopOptions::kPositionTolerance_m +
            LoopOptions::kLocalDrift * (sightings_.PathBetween_m(a.old_frame, b.old_frame) +

@@ -1,5 +1,5 @@
-// Keyframes next to each other of which tracking's own measurement is poor, measured again as loops
-// are (appearance.h): corners propose a pose, dense depth and brightness have to bear it out.
+// Keyframes next to each other of which tracking's own measurement is poor, re-registered as loops
+// are (appearance.h): corners propose a pose, dense depth and intensity have to bear it out.
 //
 // Poor are measurements
 // - across a loss: all pairs of the three keyframes before and the three after it;

@@ -27,7 +27,7 @@ const MapObject* Find(const ObjectMap& map, ObjectId id) {
   return it == map.objects.end() ? nullptr : &*it;
 }
 
-// One visit's knowledge of one object.
+// One observation's knowledge of one object.
 struct VisitedObject {
   Points depth;
   PointIndex surface{{}};  // model and depth together
@@ -235,9 +235,9 @@ double RoomAgreement(const Visit& old_visit, const Visit& new_visit, const Pose3
       AgreeingShare(old_visit.room, old_from_new.Inverse(), new_visit.room_index, radius_m));
 }
 
-// By the depth of both visits: objects, then surroundings. Where too little is known of these,
-// objects alone are believed as far as `believed_m`: equal furniture may stand elsewhere in an
-// equal arrangement, but not within a foot of the first.
+// By the depth of both observations: objects, then surroundings. Where too little is known of
+// these, objects alone are accepted as far as `believed_m`: equal furniture may stand elsewhere in
+// an equal arrangement, but not within a foot of the first.
 Constellation VerifyDepth(const Constellation& constellation,
                           const ObjectMap& map,
                           const LoopEvidence& evidence,

@@ -52,7 +52,7 @@ struct Seen {
   PointIndex object_index;
 };
 
-// Of the objects; the better direction, since one visit may have seen more.
+// Of the objects; the better direction, since one observation may have seen more.
 double Agreement(const Seen& older,
                  const Seen& newer,
                  const Pose3& older_from_newer,
@@ -62,7 +62,7 @@ double Agreement(const Seen& older,
       AgreeingShare(older.object, older_from_newer.Inverse(), newer.object_index, radius_m));
 }
 
-// The visits that stand together, in order.
+// The observations that stand together, in order.
 std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits, const std::vector<bool>& apart) {
   std::vector<ObjectTrack> parts;
   for (std::size_t k = 0; k < visits.size(); ++k) {
@@ -185,7 +185,7 @@ RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,
     kept[merge.merged] = merge.kept;
     kept[merge.kept] = merge.kept;
   }
-  std::map<ObjectId, std::set<ObjectId>> own;  // visits by object
+  std::map<ObjectId, std::set<ObjectId>> own;  // observations by object
   for (const PartedVisit& visit : visits) own[visit.object].insert(visit.visit);
   RejoinedVisits rejoined;
   for (const auto& [object, of_object] : own) {

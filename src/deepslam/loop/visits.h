@@ -1,9 +1,9 @@
-// Objects that association knew again. Behind drift it may have known the right one at a place that
-// is no longer its own, or taken the neighbour for it; either way the views of both visits agree on
-// no place, and what is registered with all of them stands nowhere. The depth tells: where what one
-// visit saw of the object and around it fits the other better elsewhere, the visits are parted and
-// looked for like objects of their own, so that constellations decide which are one and how far the
-// path is off.
+// Objects that association re-identified. Behind drift it may have known the right one at a place
+// that is no longer its own, or taken the neighbour for it; either way the views of both
+// observations agree on no place, and what is registered with all of them stands nowhere. The depth
+// tells: where what one observation saw of the object and around it fits the other better
+// elsewhere, the observations are parted and looked for like objects of their own, so that
+// constellations decide which are one and how far the path is off.
 #pragma once
 
 #include <map>
@@ -19,18 +19,18 @@
 
 namespace deepslam::loop {
 
-// What moves further than this was judged where it does not stand.
+// What moves further than this was scored where it does not stand.
 inline constexpr double kApart_m = 0.10;
 
 // The track cut wherever the object was not seen for min_gap_frames. At least one, all under the
 // track's own id.
 [[nodiscard]] std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& options);
 
-// Whether what two visits measured of an object, in a world with this up direction, belongs further
-// on: registered with each other, surroundings with it, one visit moves by more than kApart_m, and
-// the object's points lie on each other then (min_object_agreement), clearly more of them than as
-// the visits stand. Surroundings tell drift from visits that saw different parts of an object.
-// Models do not count. Fewer than 30 points of either visit tell nothing.
+// Whether what two observations measured of an object, in a world with this up direction, belongs
+// further on: registered with each other, surroundings with it, one observation moves by more than
+// kApart_m, and the object's points lie on each other then (min_object_agreement), clearly more of
+// them than as the observations stand. Surroundings tell drift from observations that saw different
+// parts of an object. Models do not count. Fewer than 30 points of either observation tell nothing.
 [[nodiscard]] bool StandApart(const ObjectEvidence& old_visit,
                               const ObjectEvidence& new_visit,
                               const Eigen::Vector3d& up_world,
@@ -40,28 +40,30 @@ inline constexpr double kApart_m = 0.10;
 using StandingApart = std::map<ObjectId, std::vector<bool>>;
 
 struct PartedObjects {
-  std::vector<ObjectTrack> tracks;  // of the visits, each under an id of its own, ascending
+  std::vector<ObjectTrack> tracks;  // of the observations, each under an id of its own, ascending
   std::vector<PartedVisit> visits;  // in the same order
 };
 
-// Objects parted where a visit stands apart from the one before; the first part keeps the id,
-// others get the next free ones of `association`. Objects of which nothing is said stay whole and
-// are not among the tracks.
+// Objects parted where an observation stands apart from the one before; the first part keeps the
+// id, others get the next free ones of `association`. Objects of which nothing is said stay whole
+// and are not among the tracks.
 [[nodiscard]] PartedObjects PartVisits(const Association& association,
                                        const StandingApart& apart,
                                        const LoopOptions& options);
 
 // Visits of one object, one after the other, as single pairs: association says that they are one
 // thing, and depth has to say where. Where a constellation of `proposed` has the pair, it decides;
-// other single pairs of such visits leave `proposed`, since where models overlap tells nothing new.
+// other single pairs of such observations leave `proposed`, since where models overlap tells
+// nothing new.
 [[nodiscard]] std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& visits,
                                                            const ObjectMap& map,
                                                            std::vector<Constellation>& proposed);
 
-// What becomes of the visits when nothing more is found among them.
+// What becomes of the observations when nothing more is found among them.
 struct RejoinedVisits {
-  std::set<ObjectId> whole;  // objects none of whose visits is in a merge
-  // Of visits in no merge, where all others of their object are one, and nothing else with them.
+  std::set<ObjectId> whole;  // objects none of whose observations is in a merge
+  // Of observations in no merge, where all others of their object are one, and nothing else with
+  // them.
   std::vector<ObjectMerge> merges;
 };
 

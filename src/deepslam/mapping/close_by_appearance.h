@@ -17,7 +17,7 @@ namespace deepslam::mapping {
 
 struct AppearanceClosing {
   loop::AppearanceOptions appearance;
-  alignment::AlignmentOptions alignment;  // as tracking aligns; brightness is used in any case
+  alignment::AlignmentOptions alignment;  // as tracking aligns; intensity is used in any case
   graph::GraphOptions graph;
   bool by_depth_alone = false;  // tracking used no colour: all its measurements are poor
 };

@@ -40,8 +40,8 @@ LoopWorld WorldOf(MapWithLoops before) {
   return world;
 }
 
-// The proposed constellations, then the visits that association said to be one, by what depth says
-// of each.
+// The proposed constellations, then the observations that association said to be one, by what depth
+// says of each.
 Result<std::vector<Constellation>> Verify(const std::vector<Constellation>& proposed,
                                           const std::vector<Constellation>& reobserved,
                                           const LoopClosing& closing,
@@ -124,8 +124,8 @@ Result<bool> SearchOnce(const LoopClosing& closing, LoopWorld& world, Loops& all
   return merged || *moved;
 }
 
-// Objects whose tracks were split and whose visits no loop joined are whole again; of others the
-// visits that are left.
+// Objects whose tracks were split and whose observations no loop joined are whole again; of others
+// the observations that are left.
 Status Rejoin(const WholeObjects& whole,
               const LoopClosing& closing,
               LoopWorld& world,
@@ -139,8 +139,8 @@ Status Rejoin(const WholeObjects& whole,
   return Ok();
 }
 
-// Constellations and duplicates, again and again along the path that they close, visits of doubtful
-// objects by themselves until nothing more is found among them.
+// Constellations and duplicates, again and again along the path that they close, observations of
+// doubtful objects by themselves until nothing more is found among them.
 Result<Loops> SearchLoops(const LoopClosing& closing, LoopWorld& world) {
   Loops loops;
   if (!closing.loops.enabled) return loops;

@@ -1,5 +1,5 @@
 // Objects registered and selected anew, because their views have changed: they are one from now on,
-// loops moved their views apart, or what each visit saw of them is looked at by itself.
+// loops moved their views apart, or what each observation saw of them is looked at by itself.
 #pragma once
 
 #include <set>

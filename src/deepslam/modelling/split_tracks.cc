@@ -19,7 +19,7 @@ namespace {
 // Visits of objects that were re-identified, one object's after the other's.
 struct Visits {
   std::vector<ObjectTrack> tracks;  // ids are places in the list: views are planned by them
-  std::vector<ObjectId> objects;    // of the visits
+  std::vector<ObjectId> objects;    // of the observations
 };
 
 Visits VisitsOfMap(const LoopWorld& world, const loop::LoopOptions& options) {
@@ -38,8 +38,9 @@ Visits VisitsOfMap(const LoopWorld& world, const loop::LoopOptions& options) {
   return visits;
 }
 
-// Which of the visits stand apart from the one before. What was measured is held for a batch of
-// visits and the one before it: a camera that goes round for an hour visits everything many times.
+// Which of the observations stand apart from the one before. What was measured is held for a batch
+// of observations and the one before it: a camera that goes round for an hour sees
+// everything many times.
 class VisitComparison {
  public:
   VisitComparison(const Visits& visits,
@@ -47,7 +48,7 @@ class VisitComparison {
                   const loop::LoopOptions& options)
       : visits_(visits), up_world_(up_world), options_(options) {}
 
-  // The next visits.
+  // The next observations.
   void Compare(std::span<const TrackViews> batch) {
     std::vector<loop::ObjectEvidence> measured(1 + batch.size());  // the one before, then these
     measured.front() = std::move(before_);
@@ -67,7 +68,7 @@ class VisitComparison {
   [[nodiscard]] loop::StandingApart Take() && { return std::move(apart_); }
 
  private:
-  // Of the same object as the visit before.
+  // Of the same object as the observation before.
   [[nodiscard]] bool Follows(std::size_t visit) const {
     return visit > 0 && visits_.objects[visit - 1] == visits_.objects[visit];
   }
@@ -76,7 +77,7 @@ class VisitComparison {
   const Eigen::Vector3d up_world_;
   const loop::LoopOptions& options_;
   std::size_t num_compared_ = 0;
-  loop::ObjectEvidence before_;  // of the last visit
+  loop::ObjectEvidence before_;  // of the last observation
   loop::StandingApart apart_;
 };
 
@@ -95,7 +96,7 @@ void CopyCandidates(ObjectId from, ObjectId to, LoopWorld& world) {
   }
 }
 
-// The object with what one of its visits saw.
+// The object with what one of its observations saw.
 MapObject OfVisit(const MapObject& object, const ObjectTrack& visit) {
   MapObject own = object;
   own.id = visit.id;

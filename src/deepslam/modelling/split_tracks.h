@@ -1,5 +1,5 @@
 // Objects that association re-identified where what was measured stands apart: their tracks are
-// split, what each visit saw is looked for like an object of its own, and what no loop joins
+// split, what each observation saw is looked for like an object of its own, and what no loop joins
 // becomes whole again.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace deepslam::modelling {
 
-// The visits of re-identified objects, where they stand apart.
+// The observations of re-identified objects, where they stand apart.
 [[nodiscard]] Result<loop::PartedObjects> FindSplits(const LoopClosing& closing,
                                                      const LoopWorld& world);
 
@@ -26,7 +26,7 @@ struct WholeObjects {
   std::map<ObjectId, ObjectTrack> tracks;
 };
 
-// The visits take the places of their objects, each scored by what it saw alone.
+// The observations take the places of their objects, each scored by what it saw alone.
 [[nodiscard]] Result<WholeObjects> SplitTracks(const loop::PartedObjects& splits,
                                                const LoopClosing& closing,
                                                LoopWorld& world);

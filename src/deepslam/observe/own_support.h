@@ -8,7 +8,7 @@
 
 namespace deepslam::observe {
 
-// For whoever proposes, registers and judges shapes an object rests on the ground of its views.
+// For whoever proposes, registers and scores shapes an object rests on the ground of its views.
 // Where one of this class rests on something else (its foot, the lowest of what all its views
 // measured of it, lies further than a hand above the floor, or the class stands on no floor), the
 // ground of the views becomes the level plane through its foot. Views without a ground, and an

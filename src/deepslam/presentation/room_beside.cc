@@ -9,7 +9,8 @@
 namespace deepslam::presentation {
 namespace {
 
-// Smaller pieces of the room that hang in the air once floor and objects are gone are crumbs.
+// Smaller pieces of the room that hang in the air once floor and objects are gone are small
+// components, left out.
 constexpr int kMinPieceFaces = 50;
 
 }  // namespace

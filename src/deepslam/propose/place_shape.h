@@ -27,7 +27,7 @@ struct MeasuredDepth {
 [[nodiscard]] MeasuredDepth MeasureDepth(const ObjectObservations& object, int max_views);
 
 struct PlaceLimits {
-  double stretch_min = 0.7;  // factors along each axis relative to the size that is believed ...
+  double stretch_min = 0.7;  // factors along each axis relative to the expected size ...
   double stretch_max = 1.4;
   double stretch_sigma = 0.15;  // ... and the deviation of their logarithm
 };
@@ -37,7 +37,7 @@ struct PlacedShape {
   Placement placement;
 };
 
-// The best of what descents from all boxes come to, begun at the size that is believed and at the
+// The best of what descents from all boxes come to, begun at the expected size and at the
 // measured one.
 [[nodiscard]] PlacedShape PlaceShape(const CoarseShape& shape,
                                      const Eigen::Vector3d& believed_size_m,

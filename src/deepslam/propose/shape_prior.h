@@ -40,8 +40,8 @@ class ShapePrior {
 
   // Thread-safe; equal crops give equal numbers. Errors: values that are not finite.
   [[nodiscard]] Result<PriorEncoding> Encode(const NetworkCrop& crop) const;
-  // The shape of the latents, in the canonical frame and of canonical size; crumbs left out.
-  // Errors: values that are not finite; latents that decode to (nearly) nothing. `by_depth`:
+  // The shape of the latents, in the canonical frame and of canonical size; small components left
+  // out. Errors: values that are not finite; latents that decode to (nearly) nothing. `by_depth`:
   // whether the latents come from crops with depth, for the threshold that goes with it.
   [[nodiscard]] Result<VoxelGrid> Decode(std::span<const float> latents, bool by_depth) const;
 

@@ -4,7 +4,7 @@
 // Paper, "camera-to-model pose estimation": for each azimuth the model's partial view, left by
 // orthographic occlusion along a horizontal direction towards its centre, is brought onto the
 // measured points by centroid, scale (ratio of the spreads) and the rotation given by azimuth and
-// upright. Which azimuth fits best is judged against all views (world_hypotheses.h), not by the
+// upright. Which azimuth fits best is scored against all views (world_hypotheses.h), not by the
 // point-to-point error in this one.
 #pragma once
 

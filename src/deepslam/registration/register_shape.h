@@ -3,7 +3,7 @@
 // The paper's "camera-to-model pose estimation" (moments and Procrustes over 8 azimuths against
 // orthographic partial views, then similarity ICP, Eq. (1)), made robust by using all views of the
 // object at once: hypotheses of the best views are carried into the world by the tracked cameras,
-// judged against all views, refined jointly (one scale), and every view is then registered anew
+// scored against all views, refined jointly (one scale), and every view is then registered anew
 // from the joint pose with the scale fixed, so that each is a measurement z_io.
 //
 // What keeps Eq. (1) from its trivial optimum: see similarity_icp.h.

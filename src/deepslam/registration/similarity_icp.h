@@ -69,7 +69,7 @@ struct SimilarityIcpOptions {
 
 // How badly a placed model disagrees with the views, in [0, 2]: mean truncated squared distance of
 // the points to the model, plus that of the model's visible surface to the measurement, each
-// relative to `radius_m`. 1 for a part that could not be judged at all.
+// relative to `radius_m`. 1 for a part that could not be scored at all.
 [[nodiscard]] double Disagreement(const shape::ShapeModel& model,
                                   VisibleSurface& visible,
                                   std::span<const MeasuredView* const> views,

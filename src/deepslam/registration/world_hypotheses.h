@@ -1,4 +1,4 @@
-// Where a model may stand in the world, from the alignments of single views, judged against all
+// Where a model may stand in the world, from the alignments of single views, scored against all
 // views.
 #pragma once
 

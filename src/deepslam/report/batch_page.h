@@ -16,9 +16,9 @@ struct BatchRow {
   std::string report_link;  // relative, with `/`; empty: there is no report
   std::string log_link;     // relative; empty: none
   Picture thumbnail;        // no bytes: none
-  std::string verdict;      // "good", "doubtful", "bad"; empty: not judged
+  std::string verdict;      // "good", "doubtful", "bad"; empty: none
   std::vector<std::string> verdict_reasons;
-  std::string failure;                             // why it failed, and what to do
+  std::string failure;                               // why it failed, and what to do
   std::vector<std::pair<std::string, int>> objects;  // class, number
   int num_frames = 0;
   std::optional<double> ate_m;  // rmse; only where truth exists

@@ -37,7 +37,7 @@ struct Range {
   }
 };
 
-// A visit that was looked for by itself says when it was.
+// An observation that was looked for by itself says when it was.
 std::string Name(ObjectId id, const std::vector<PartedVisit>& visits) {
   const auto visit = std::ranges::find(visits, id, &PartedVisit::visit);
   if (visit == visits.end()) return fmt::format("{:02d}", id.value);

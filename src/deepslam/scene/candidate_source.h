@@ -1,4 +1,4 @@
-// Where a whole shape comes from, and what that says of it. Whoever judges, places, scores or draws
+// Where a whole shape comes from, and what that says of it. Whoever places, scores or draws
 // candidates asks for these properties and never which source it is, so that a new source states
 // its own here and nothing else changes.
 #pragma once

@@ -23,8 +23,9 @@ struct Constellation {
   std::string reason;  // the geometric verification's verdict
 };
 
-// A visit to an object that association had known again, where what the visits measured stands
-// apart: looked for like an object of its own. The first one has the object's own id.
+// An observation of an object that association had re-identified, where what the observations
+// measured stands apart: looked for like an object of its own. The first one has the object's own
+// id.
 struct PartedVisit {
   ObjectId visit;
   ObjectId object;

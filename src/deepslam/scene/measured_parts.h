@@ -3,7 +3,7 @@
 // Where tracking finds nothing in common with the frames before (two captures in one, a teleport),
 // it starts anew at the last pose: the keyframe there is lost, and the edge that joins it is
 // composed. Such a join says nothing about where both sides lie; an edge that was measured between
-// them (tracking met an earlier keyframe again, a loop, neighbours measured again) does.
+// them (tracking met an earlier keyframe again, a loop, neighbours re-registered) does.
 #pragma once
 
 #include <span>

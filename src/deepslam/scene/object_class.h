@@ -62,7 +62,7 @@ struct ClassTraits {
   // Closed furniture: what no view sees inside it is solid; of others only a shell behind the seen
   // surface is.
   bool solid_inside = false;
-  // Alike from several sides: two visits may see its front differently.
+  // Alike from several sides: two observations may see its front differently.
   bool yaw_free = false;
   // Takes what fits no other class, and any library model of its size; one class at most.
   bool fallback = false;

@@ -18,7 +18,7 @@ namespace deepslam {
 struct ViewAgreement {
   DetectionId view;
   FrameIdx frame;
-  int num_points = 0;    // object points judged
+  int num_points = 0;    // object points scored
   double surface = 0;    // mean agreement of the object's points with the model's surface, [0, 1]
   int num_seen = 0;      // rendered model pixels that the depth confirms or contradicts
   double coverage = 0;   // share of those confirmed

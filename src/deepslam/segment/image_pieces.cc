@@ -207,7 +207,7 @@ std::vector<std::int32_t> PiecesOfParts(Parts& parts, std::vector<Arc>& arcs, in
   return piece_of;
 }
 
-// Grows smooth pieces over pixels with normals, in image order; crumbs are left out.
+// Grows smooth pieces over pixels with normals, in image order; small components are left out.
 void GrowPieces(const Mask& bits, ImagePieces& pieces) {
   Parts parts;
   std::vector<Arc> arcs;
@@ -322,8 +322,8 @@ void GrowInDepth(std::size_t head, std::vector<Pixel>& open, ImagePieces& pieces
   }
 }
 
-// Gives pixels at edges, and those of crumbs, to the piece next to them in depth; what is left
-// becomes pieces.
+// Gives pixels at edges, and those of small components, to the piece next to them in depth; what is
+// left becomes pieces.
 void AttachRest(ImagePieces& pieces) {
   const int height = pieces.piece.height();
   std::vector<Pixel> open;

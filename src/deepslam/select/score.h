@@ -27,7 +27,7 @@ struct Evidence {
 // harmonic mean is near the worse of both, so neither can be bought with the other, and size as
 // such earns nothing. What nobody measured counts for nothing. ground = exp(-(excess / 0.1 m)^2 /
 // 2) with the excess of the gap between the model's bottom and the ground over its tolerance:
-// furniture stands. A model of which nothing can be judged (C unknown) gets half of S.
+// furniture stands. A model of which nothing can be scored (C unknown) gets half of S.
 [[nodiscard]] double ScoreOf(const Evidence& evidence, double ground_excess_m);
 
 // The score of a whole model if the object's depth out of its reach were of something else: S / R

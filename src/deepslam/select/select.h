@@ -17,7 +17,7 @@
 namespace deepslam::select {
 
 // Agreement of one candidate, placed by its own registrations, with the depth of all views. A view
-// whose registration is not ok is judged at the joint pose, so that no candidate gains by refusing
+// whose registration is not ok is scored at the joint pose, so that no candidate gains by refusing
 // the views that speak against it. The result keeps the evidence per view (`views`).
 [[nodiscard]] CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
                                             const shape::ShapeModel& model,

@@ -19,7 +19,7 @@
 namespace deepslam::synth {
 namespace {
 
-// Through a door or window: a bright day, display brightness.
+// Through a door or window: a bright day, display intensity.
 const Eigen::Vector3f kOutside(0.75f, 0.82f, 0.9f);
 
 std::vector<Eigen::Vector3f> LinearColours(const TriangleMesh& mesh) {

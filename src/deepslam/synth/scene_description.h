@@ -110,7 +110,7 @@ struct SensorFaults {
   double table_edges_m = 0;  // table tops return depth this near their edges only; 0: everywhere
   bool colour_noise = true;  // photon noise, the lens's blur and vignetting
   double exposure_time_s = 0.008;    // motion blur; 0: none
-  double exposure_change_stops = 0;  // standard deviation of the slow drift of brightness
+  double exposure_change_stops = 0;  // standard deviation of the slow drift of intensity
   double dropped_share = 0;          // of frames
 
   static SensorFaults None();
