@@ -13,12 +13,12 @@ import re
 import sys
 
 LIMITS = {
-    "options": 323,
-    "options that nobody sets": 171,
-    "constants without a comment": 713,
-    "words of documents": 26100,
+    "options": 147,
+    "options that nobody sets": 39,
+    "constants without a comment": 714,
+    "words of documents": 25900,
     "lines of tracking and alignment": 6821,
-    "coined terms": 1098,
+    "coined terms": 1001,
 }
 
 # Coined here -> what the field says. A pattern is matched against words of code (also within names) and of documents.
