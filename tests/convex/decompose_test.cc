@@ -1,6 +1,8 @@
 #include "deepslam/convex/decompose.h"
 
 #include <algorithm>
+#include <array>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -48,6 +50,34 @@ TEST(Decompose, ATableLeavesTheRoomUnderItsTop) {
   for (const float x : {-0.4F, 0.0F, 0.4F}) {
     for (const float z : {0.1F, 0.4F, 0.65F})
       EXPECT_FALSE(AnyHolds(pieces, {x, 0, z})) << "a ball rolls there";
+  }
+}
+
+TEST(Decompose, PiecesWithinASolidBodyKeepTheirCorners) {
+  // Steps above and below: cuts along them meet within the body, where the surface has no point.
+  // Heights are sums of one along x and one along y, so that no two columns touch at an edge alone.
+  constexpr int kSide = 6;
+  std::mt19937 random(7);
+  const auto steps = [&] {
+    std::array<int, kSide> heights{};
+    for (int& height : heights) height = static_cast<int>(random() % 4);
+    return heights;
+  };
+  for (int body = 0; body < 5; ++body) {
+    const auto foot_x = steps(), foot_y = steps(), top_x = steps(), top_y = steps();
+    std::vector<std::vector<testing_support::Column>> columns(kSide);
+    double volume_m3 = 0;
+    for (int x = 0; x < kSide; ++x) {
+      for (int y = 0; y < kSide; ++y) {
+        const testing_support::Column column{.foot = foot_x[x] + foot_y[y],
+                                             .top = 12 + top_x[x] + top_y[y]};
+        columns[x].push_back(column);
+        volume_m3 += 1e-3 * (column.top - column.foot);
+      }
+    }
+    const TriangleMesh mesh = testing_support::ColumnsMesh(columns);
+    ASSERT_NEAR(convex::VolumeOf(mesh), volume_m3, 1e-5);
+    EXPECT_NEAR(VolumeOf(Decompose(mesh, {})) / volume_m3, 1, 0.1) << body;
   }
 }
 

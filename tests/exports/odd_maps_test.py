@@ -3,7 +3,8 @@
 
     odd_maps_test.py DEEPSLAM REPOSITORY
 
-An empty one, names of any letters, objects without a surface. The furniture is the library's.
+An empty one, names of any letters, objects without a surface, fifty different pieces of furniture, a thousand objects.
+The furniture is the library's.
 """
 import importlib
 import json
@@ -21,12 +22,14 @@ mujoco, pybullet, _ = python_packages.need("mujoco", "pybullet", "pxr")
 from pxr import Usd, UsdValidation  # noqa: E402
 
 captures = importlib.import_module("captures")
+volume_of = importlib.import_module("obj_files").volume_of
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 DATA = pathlib.Path(os.environ.get("XDG_DATA_HOME") or pathlib.Path.home() / ".local/share") / "deepslam"
 DATA = pathlib.Path(os.environ.get("DEEPSLAM_DATA") or DATA)
 LIBRARY = DATA / "library" / "library.json"
 APART_M = 6.0
+VOLUME_TOLERANCE = 0.10  # of a mesh's volume, which the engines take for its mass
 
 
 def make_map(objects):
@@ -106,6 +109,24 @@ class OddMaps(unittest.TestCase):
         for row in placed:
             self.assertEqual((self.folder / "simulator" / row["file"]).resolve().parent,
                              (self.folder / "simulator/objects").resolve())
+
+    def test_fifty_pieces_of_furniture(self):
+        some = self.models[:: max(1, len(self.models) // 50)][:50]
+        objects = [make_object(number, f"thing_{number:02}", model) for number, model in enumerate(some)]
+        self.expand(objects, self.folder / "scene.usda", "--simulator", self.folder / "simulator")
+        meshes = self.folder / "simulator/meshes"
+        for thing in objects:
+            volume = volume_of(meshes / f"{thing['name']}.obj")
+            pieces = sum(map(volume_of, meshes.glob(f"{thing['name']}_piece_*.obj")))
+            with self.subTest(model=thing["shape"]["library_id"]):
+                self.assertAlmostEqual(pieces / volume, 1, delta=VOLUME_TOLERANCE)
+
+    def test_a_thousand_objects(self):
+        cabinet = min((model for model in self.models if model["class"] == "cabinet"), key=lambda model: model["id"])
+        objects = [make_object(number, f"cabinet_{number:03}", cabinet) for number in range(1000)]
+        stage, model = self.expand_all(objects)
+        self.assertEqual(len(stage.GetPrimAtPath("/World/Objects").GetChildren()), 1000)
+        self.assertEqual(model.nbody, 1001)
 
 
 if __name__ == "__main__":
