@@ -48,7 +48,7 @@ mkdir -p "$downloads" || fail "--downloads: cannot make $downloads"
 downloads="$(cd "$downloads" && pwd)"
 
 packages=(
-  build-essential cmake ninja-build pkg-config python3 ca-certificates ccache
+  build-essential cmake ninja-build pkg-config python3 ca-certificates ccache file
   libopencv-dev libopencv-contrib-dev libjpeg-dev libpng-dev libwebp-dev libtiff-dev libopenexr-dev libsqlite3-dev libeigen3-dev libceres-dev libcgal-dev libopenmesh-dev libdraco-dev
   libtinygltf-dev libopen3d-dev libembree-dev libtinyobjloader-dev libzip-dev zlib1g-dev libblosc-dev
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev libtbb-dev libnanoflann-dev libmeshoptimizer-dev libssl-dev
