@@ -110,7 +110,7 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION ${CMAKE_INSTALL_DA
 install(PROGRAMS scripts/sample.sh scripts/furniture.sh scripts/fetch_weights.sh
         DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
 install(PROGRAMS scripts/import_recording.py DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
-install(FILES scripts/import_requirements.txt DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
+install(FILES scripts/import_requirements.txt scripts/record3d_recording.py scripts/recording_files.py DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
 install(FILES scripts/npm_files.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/deepslam/scripts)
 # dpkg-shlibdeps finds it under that name here.
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/installed/lib")

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Makes a capture that deepslam reads (layout tum) of a recording in one file.
+"""Makes a capture that deepslam reads of a recording in one file.
 
     import_recording.py RECORDING FOLDER [--colour TOPIC] [--depth TOPIC] [--poses TOPIC] [--every N] [--list]
 
-RECORDING is a bag of ROS 1 (RealSense's viewer writes these too), one of ROS 2 (its folder, or the .db3 or .mcap file), or an
-Azure Kinect recording (.mkv). Bags are read by rosbags (scripts/import_requirements.txt); an .mkv needs numpy alone.
+RECORDING is a bag of ROS 1 (RealSense's viewer writes these too), one of ROS 2 (its folder, or the .db3 or .mcap file), an
+Azure Kinect recording (.mkv), or a Record3D one (.r3d, or the folder it unpacks to). What bags and Record3D need stands in
+scripts/import_requirements.txt; an .mkv needs numpy alone. The capture is of layout tum, of Record3D of layout record3d.
 
 Topics are found by their types; where several fit they are listed, and --colour, --depth and --poses choose. Images are copied
 as they are where a capture can hold them (JPEG, PNG); raw ones become PNG. Depth keeps its place: where it is not registered to
@@ -17,45 +18,19 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import struct
 import sys
-import tempfile
-import zlib
 
-try:
-    import numpy
-except ImportError:
-    numpy = None  # its help is to be had without
+from record3d_recording import import_record3d, is_record3d
+from recording_files import MAX_SIDE_PX, Progress, Refused, new_folder, numpy, png, raw_of_metres
 
 # Colour and depth of one moment, s: half a frame at 30 Hz, rounded up, as deepslam pairs them.
 MAX_DIFFERENCE_S = 0.02
 # Raw depth of one metre, for depth that is recorded as real numbers: a fifth of a millimetre, up to 13 m.
 REAL_UNITS_PER_M = 5000
-MAX_SIDE_PX = 16384
-
-
-class Refused(Exception):
-    """What is wrong with the recording or the call, for the user."""
 
 
 # --- images
-
-def png(pixels):
-    """A PNG file of an array: 8 bits of grey, RGB, or 16 bits of grey."""
-    kind, bits = (2, 8) if pixels.ndim == 3 else (0, 16 if pixels.dtype == numpy.uint16 else 8)
-    height, width = pixels.shape[:2]
-    rows = pixels.astype(">u2").view(numpy.uint8) if bits == 16 else pixels
-    rows = rows.reshape(height, -1)
-    # Each row begins with its filter: none.
-    body = numpy.hstack([numpy.zeros((height, 1), numpy.uint8), rows]).tobytes()
-
-    def chunk(name, data):
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    head = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(body, 3)) + chunk(b"IEND", b"")
-
 
 def of_yuv422(raw, luma_first):
     """RGB of pairs of pixels that share their colour (BT.601, full range as cameras write it)."""
@@ -114,9 +89,7 @@ def depth_file(message, where):
         return png(rows_of(message, 2, where).copy().view(order + "u2").astype(numpy.uint16)), None
     if encoding == "32fc1":
         metres = rows_of(message, 4, where).copy().view(order + "f4")
-        units = numpy.nan_to_num(metres, nan=0, posinf=0, neginf=0) * REAL_UNITS_PER_M
-        units[(units < 0.5) | (units > 65534)] = 0
-        return png(numpy.rint(units).astype(numpy.uint16)), REAL_UNITS_PER_M
+        return png(raw_of_metres(metres, REAL_UNITS_PER_M)), REAL_UNITS_PER_M
     raise Refused(f"{where}: depth is encoded as '{message.encoding}'; read are 16UC1 and 32FC1")
 
 
@@ -180,18 +153,6 @@ class Pose:
 
 # --- the capture that is written
 
-class Progress:
-    def __init__(self, what):
-        self.what, self.last = what, -1
-
-    def __call__(self, done, total):
-        percent = 100 * done // max(1, total)
-        if percent == self.last or not sys.stderr.isatty():
-            return
-        self.last = percent
-        print(f"\r{self.what} {percent:3d} %", end="\n" if done >= total else "", file=sys.stderr, flush=True)
-
-
 class Writer:
     """Images as they come, lists at the end."""
 
@@ -218,21 +179,12 @@ class Writer:
 
 def write_capture(target, fill):
     """Calls fill(Writer), which returns cameras and poses; the folder appears when all is there."""
-    if target.exists():
-        raise Refused(f"{target}: exists already; name a folder that does not")
-    target.parent.mkdir(parents=True, exist_ok=True)
-    # Beside the target, so that it can be renamed; removed where anything fails.
-    work = pathlib.Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    try:
+    with new_folder(target) as work:
         writer = Writer(work)
         writer.finish(*fill(writer))
         for stream, lines in writer.lists.items():
             if not lines:
                 raise Refused(f"the recording holds no {'colour' if stream == 'rgb' else stream} images")
-        os.chmod(work, 0o755)
-        os.rename(work, target)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
     return {stream: len(lines) for stream, lines in writer.lists.items()}
 
 
@@ -687,6 +639,25 @@ def paired(folder):
     return near
 
 
+def import_one(options):
+    recording = options.recording
+    file = recording.is_file()
+    azure, record3d = file and is_matroska(recording), is_record3d(recording)
+    topics = options.colour or options.depth or options.poses
+    if topics and (azure or record3d):
+        raise Refused(f"{recording}: has no topic '{topics}': --colour, --depth and --poses are for bags; all that it holds is taken")
+    if record3d:
+        import_record3d(recording, options)
+        return
+    counts = (import_azure if azure else import_bag)(recording, options)
+    if not counts:
+        return
+    near = paired(options.folder)
+    print(f"{options.folder}: {counts['rgb']} colour and {counts['depth']} depth images, {near} pairs", file=sys.stderr)
+    if 2 * near < counts["depth"]:
+        print(f"warning: {counts['depth'] - near} depth images have no colour within {MAX_DIFFERENCE_S} s", file=sys.stderr)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recording", type=pathlib.Path)
@@ -706,13 +677,7 @@ def main():
             raise Refused("the Python package numpy is missing; pip install -r scripts/import_requirements.txt")
         if not options.recording.exists():
             raise Refused(f"{options.recording}: is missing")
-        azure = options.recording.is_file() and is_matroska(options.recording)
-        counts = (import_azure if azure else import_bag)(options.recording, options)
-        if counts:
-            near = paired(options.folder)
-            print(f"{options.folder}: {counts['rgb']} colour and {counts['depth']} depth images, {near} pairs", file=sys.stderr)
-            if 2 * near < counts["depth"]:
-                print(f"warning: {counts['depth'] - near} depth images have no colour within {MAX_DIFFERENCE_S} s", file=sys.stderr)
+        import_one(options)
     except (Refused, OSError) as fault:
         print(f"import_recording.py: {fault}", file=sys.stderr)
         return 3

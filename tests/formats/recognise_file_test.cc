@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
         Stranger{"Zstd", "a", "\x28\xb5\x2f\xfd" + kRest, {"zstd archive"}},
         Stranger{"SevenZip", "a", "7z\xbc\xaf\x27\x1c" + kRest, {"7-Zip archive"}},
         Stranger{"Tar", "a", std::string(257, 'n') + "ustar" + kRest, {"tar archive"}},
-        Stranger{"Record3d", "room.r3d", "PK\x03\x04" + kRest, {"Record3D", "EXR + RGB"}},
+        Stranger{"Record3d", "room.r3d", "PK\x03\x04" + kRest, {"Record3D", "import_recording.py"}},
         Stranger{"Record3dInCapitals", "ROOM.R3D", "PK\x03\x04" + kRest, {"Record3D"}},
         Stranger{"RosBag", "d435", "#ROSBAG V2.0\n" + kRest, {"ROS 1", "import_recording.py"}},
         Stranger{"Mcap", "a", "\x89MCAP0\r\n" + kRest, {"ROS 2", "import_recording.py"}},

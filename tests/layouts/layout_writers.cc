@@ -152,6 +152,8 @@ void WriteRecord3d(const fs::path& folder) {
   for (int i = 0; i < kWrittenFrames; ++i) {
     WriteText(folder / fmt::format("rgb/{}.png", i), ColourFile(i));
     WriteText(folder / fmt::format("depth/{}.exr", i), ExrDepth(i));
+    const cv::Mat sure(kHeight, kWidth, CV_8UC1, cv::Scalar(2));
+    WriteText(folder / fmt::format("confidence/{}.png", i), Encoded(".png", sure));
     const OpenGlQuaternion q = OpenGlTurn(i);
     poses += fmt::format(
         "{}[{}, {}, {}, {}, {}, 1.25, -2]", i == 0 ? "" : ", ", q.x, q.y, q.z, q.w, 0.5 * i);

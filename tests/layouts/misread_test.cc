@@ -40,6 +40,17 @@ float DepthMean(const dataset::Capture& capture, int i) {
   return static_cast<float>(sum / static_cast<double>(frame.depth_m.size()));
 }
 
+std::string Replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+void WriteLayout(const std::string& name, const fs::path& folder) {
+  for (const auto& layout : foreign::WrittenLayouts())
+    if (layout.name == name) layout.write(folder);
+}
+
 // --- units
 
 void WriteRealSenseFolder(const fs::path& folder, const std::string& scale) {
@@ -368,6 +379,38 @@ TEST(Misread, NinthColumnOfRtabMapsPosesIsItsNode) {
   const dataset::Capture capture = Open(dir.path());
   EXPECT_EQ(capture.frames->capture_world_from_camera(FrameIdx{1})->translation_m,
             Eigen::Vector3d(4, 5, 6));
+}
+
+TEST(Misread, Record3dsMatrixByRowsIsReadAsMeant) {
+  for (const char* k : {"[30.3, 0, 15.5, 0, 30.3, 11.25, 0, 0, 1]",
+                        "[[30.3, 0, 15.5], [0, 30.3, 11.25], [0, 0, 1]]",
+                        "[[30.3, 0, 0], [0, 30.3, 0], [15.5, 11.25, 1]]"}) {
+    const TempDir dir;
+    WriteLayout("record3d", dir.path());
+    const fs::path file = dir.path() / "metadata.json";
+    WriteText(
+        file,
+        Replaced(testing_support::ReadText(file), "[30.3, 0, 0, 0, 30.3, 0, 15.5, 11.25, 1]", k));
+    const dataset::Capture capture = Open(dir.path());
+    ASSERT_NE(capture.frames, nullptr) << k;
+    EXPECT_EQ(capture.frames->camera(), (PinholeCamera{32, 24, 30.3, 30.3, 15.5, 11.25})) << k;
+  }
+}
+
+TEST(Misread, Record3dsTimesThatDoNotAscendAreNone) {
+  for (const char* times : {"[0, 0.5, 0.5, 0.7]", "[3, 2, 1, 0]", "[0, 0.1]", "[0, null, 1, 2]"}) {
+    const TempDir dir;
+    WriteLayout("record3d", dir.path());
+    const fs::path file = dir.path() / "metadata.json";
+    WriteText(file,
+              Replaced(testing_support::ReadText(file),
+                       "\"fps\"",
+                       fmt::format("\"frameTimestamps\": {}, \"fps\"", times)));
+    const dataset::Capture capture = Open(dir.path());
+    ASSERT_NE(capture.frames, nullptr) << times;
+    for (int i = 0; i < foreign::kWrittenFrames; ++i)
+      EXPECT_NEAR(capture.frames->time_s(FrameIdx{i}), 0.1 * i, 1e-6) << times;
+  }
 }
 
 TEST(Misread, NamesMayEndInCapitals) {

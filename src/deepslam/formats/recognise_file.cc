@@ -62,11 +62,10 @@ std::string SmallEnd(const std::filesystem::path& file) {
   return end;
 }
 
-std::string Zip(const std::filesystem::path& file) {
-  if (SmallEnd(file) == ".r3d") {
-    return "a capture of Record3D: export it from the app as 'EXR + RGB' and name the folder with "
-           "metadata.json";
-  }
+// Names of an archive's first files stand in its beginning.
+std::string Zip(std::string_view head, const std::filesystem::path& file) {
+  if (SmallEnd(file) == ".r3d" || Has(head, "rgbd/"))
+    return "a recording of Record3D: " + std::string(kImport);
   return "a zip archive: " + std::string(kUnpack);
 }
 
@@ -90,12 +89,14 @@ std::string Matroska(std::string_view head, const std::filesystem::path& file) {
 
 std::optional<std::string> WhatIsToBeDone(const std::filesystem::path& file) {
   std::error_code code;
+  if (std::filesystem::is_directory(file / "rgbd", code))
+    return "rgbd/ is Record3D's, as its .r3d unpacks: " + std::string(kImport);
   const std::uintmax_t size = std::filesystem::file_size(file, code);
   if (code || size == 0) return std::nullopt;
   const Result<std::string> read = dataset::ReadFilePiece(file, 0, std::min(kLookedAtBytes, size));
   if (!read) return std::nullopt;
   const std::string_view head = *read;
-  if (head.starts_with("PK\x03\x04")) return Zip(file);
+  if (head.starts_with("PK\x03\x04")) return Zip(head, file);
   if (head.starts_with("SQLite format 3")) return Database(head, file);
   if (head.starts_with("\x1a\x45\xdf\xa3")) return Matroska(head, file);
   for (const Kind& kind : kKinds) {

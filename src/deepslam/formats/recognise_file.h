@@ -8,7 +8,8 @@
 
 namespace deepslam::formats {
 
-// "an Azure Kinect recording: ..."; nothing for files that are none of them.
+// "an Azure Kinect recording: ..."; nothing for files that are none of them. A folder is one where
+// it holds what a recording unpacks to.
 [[nodiscard]] std::optional<std::string> WhatIsToBeDone(const std::filesystem::path& file);
 
 }  // namespace deepslam::formats

@@ -166,6 +166,8 @@ Error UnknownLayout(const fs::path& path) {
   std::string message = fmt::format("{}: holds no capture in a known layout", path.string());
   if (const std::string below = WhatLiesBelow(path); !below.empty())
     return InvalidInput(message + below);
+  if (const std::optional<std::string> words = formats::WhatIsToBeDone(path))
+    return InvalidInput(fmt::format("{}, but {}", message, *words));
   if (nearest == nullptr) message += WhatFilesAre(path);
   if (nearest != nullptr) {
     message += fmt::format("; the nearest is {}, for which is missing: {}",

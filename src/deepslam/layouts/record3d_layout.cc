@@ -1,9 +1,11 @@
 // Record3D's export "EXR + RGB": rgb/0.jpg, depth/0.exr (m, coarser than colour, seen from its
 // place) and metadata.json: "K" column by column for images of "w" x "h", "poses" as
 // qx qy qz qw tx ty tz of ARKit's camera (y up, z back), "fps" and, where the app has written them,
-// "frameTimestamps" and "perFrameIntrinsicCoeffs" (fx fy cx cy).
+// "frameTimestamps" and "perFrameIntrinsicCoeffs" (fx fy cx cy). scripts/import_recording.py makes
+// the same of a .r3d, with depth/0.png and confidence/0.png (0 low, 1 medium, 2 high).
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -22,6 +24,7 @@ using nlohmann::json;
 
 constexpr double kMaxPositionM = 1e6;
 constexpr double kMaxTimeS = 1e11;
+constexpr int kMinConfidence = 1;  // medium
 
 std::optional<fs::path> FindMetadata(const fs::path& folder) {
   std::error_code ignored;
@@ -48,6 +51,22 @@ const json& Member(const json& root, const char* name) {
   return found == root.end() ? kNone : *found;
 }
 
+// The matrix as 9 numbers column by column, whether it was written so, by rows, or as three rows.
+std::optional<std::vector<double>> ParseMatrix(const json& list) {
+  std::optional<std::vector<double>> k = Numbers(list, 9);
+  if (!k && list.is_array() && list.size() == 3) {
+    k.emplace();
+    for (const json& row : list) {
+      const auto numbers = Numbers(row, 3);
+      if (!numbers) return std::nullopt;
+      k->insert(k->end(), numbers->begin(), numbers->end());
+    }
+  }
+  const bool by_rows = k && (*k)[6] == 0 && (*k)[7] == 0 && (*k)[2] > 0 && (*k)[5] > 0;
+  if (by_rows) k = {{(*k)[0], 0, 0, 0, (*k)[4], 0, (*k)[2], (*k)[5], 1}};
+  return k;
+}
+
 struct Metadata {
   PinholeCamera camera;
   double frames_per_s = 0;
@@ -57,7 +76,7 @@ struct Metadata {
 };
 
 Result<PinholeCamera> ParseCamera(const json& root, const fs::path& file) {
-  const auto k = Numbers(Member(root, "K"), 9);
+  const auto k = ParseMatrix(Member(root, "K"));
   const json& width = Member(root, "w");
   const json& height = Member(root, "h");
   if (!k || !width.is_number() || !height.is_number()) {
@@ -136,24 +155,95 @@ std::size_t NumberOf(const dataset::ImagePair& pair) {
   return static_cast<std::size_t>(number.value_or(0));
 }
 
-// True where all frames have a time of their own that ascends.
-bool SetTimes(const Metadata& metadata, std::vector<dataset::ImagePair>& pairs) {
+// True where every frame has a time: of the list, where that ascends from frame to frame, else by
+// the frame's number.
+bool SetTimes(const Metadata& metadata,
+              const fs::path& file,
+              std::vector<dataset::ImagePair>& pairs,
+              std::vector<std::string>& warnings) {
   double last_s = -kMaxTimeS;
-  for (const dataset::ImagePair& pair : pairs) {
+  const bool ascends = std::ranges::all_of(pairs, [&](const dataset::ImagePair& pair) {
     const std::size_t number = NumberOf(pair);
-    const bool has_time = number < metadata.times_s.size() && metadata.times_s[number] > last_s;
-    if (!has_time && !(metadata.frames_per_s > 0)) return false;
-    if (has_time) last_s = metadata.times_s[number];
+    if (number >= metadata.times_s.size() || metadata.times_s[number] <= last_s) return false;
+    last_s = metadata.times_s[number];
+    return true;
+  });
+  if (!ascends && !(metadata.frames_per_s > 0)) return false;
+  if (!ascends && !metadata.times_s.empty()) {
+    warnings.push_back(fmt::format(
+        "{}: field 'frameTimestamps' has no ascending time for every frame; times are by 'fps', {}",
+        file.string(),
+        metadata.frames_per_s));
   }
-  const bool by_list = last_s > -kMaxTimeS;
   for (dataset::ImagePair& pair : pairs) {
     const std::size_t number = NumberOf(pair);
-    const double time_s = by_list && number < metadata.times_s.size()
-                              ? metadata.times_s[number]
-                              : static_cast<double>(number) / metadata.frames_per_s;
+    const double time_s =
+        ascends ? metadata.times_s[number] : static_cast<double>(number) / metadata.frames_per_s;
     pair.colour.time_s = pair.depth.time_s = time_s;
   }
   return true;
+}
+
+// One pose for all frames is what the app writes where it has none (the face's camera).
+formats::FramePoses PosesOf(const Metadata& metadata,
+                            const fs::path& file,
+                            const std::vector<dataset::ImagePair>& pairs,
+                            std::vector<std::string>& warnings) {
+  formats::FramePoses poses;
+  for (const dataset::ImagePair& pair : pairs) {
+    const std::size_t number = NumberOf(pair);
+    poses.push_back(number < metadata.poses.size() ? metadata.poses[number] : std::nullopt);
+  }
+  const bool moves = std::ranges::any_of(poses, [&](const auto& pose) { return pose != poses[0]; });
+  if (moves || poses.size() < 2 || !poses[0]) return poses;
+  warnings.push_back(fmt::format(
+      "{}: field 'poses' is the same for all frames, so there are none: tracking finds them",
+      file.string()));
+  return formats::FramePoses(poses.size());
+}
+
+// Of images that are finer or coarser than the metadata says.
+Status ScaleCameras(const fs::path& folder,
+                    const fs::path& file,
+                    const std::vector<dataset::ImagePair>& pairs,
+                    Metadata& metadata,
+                    std::vector<std::string>& warnings) {
+  const Result<dataset::ImageSize> size = FirstColourSize(folder, pairs);
+  if (!size) return Ok();  // nothing is readable: told when frames are looked at
+  const PinholeCamera stated = metadata.camera;
+  if (size->width == stated.width && size->height == stated.height) return Ok();
+  const auto scale = [&](PinholeCamera& camera) -> Status {
+    const Result<PinholeCamera> scaled = SameView(camera, *size, folder / pairs[0].colour.file);
+    if (!scaled) return scaled.error();
+    camera = *scaled;
+    return Ok();
+  };
+  for (PinholeCamera& camera : metadata.cameras) {
+    const Status scaled = scale(camera);
+    if (!scaled) return scaled;
+  }
+  const Status scaled = scale(metadata.camera);
+  if (!scaled) return scaled;
+  warnings.push_back(
+      fmt::format("{}: is of images of {} x {} px, they have {} x {}: scaled to them",
+                  file.string(),
+                  stated.width,
+                  stated.height,
+                  size->width,
+                  size->height));
+  return Ok();
+}
+
+void AddConfidence(const LayoutSource& source,
+                   const std::vector<dataset::ImagePair>& pairs,
+                   dataset::ImageForm& form) {
+  const auto files = FilesByNumber(source.path / "confidence", IsColourName);
+  if (files.empty()) return;
+  form.min_confidence = source.settings.min_confidence.value_or(kMinConfidence);
+  for (const dataset::ImagePair& pair : pairs) {
+    const auto found = files.find(static_cast<std::int64_t>(NumberOf(pair)));
+    form.confidence.push_back(found == files.end() ? "" : "confidence/" + found->second);
+  }
 }
 
 }  // namespace
@@ -173,19 +263,29 @@ Result<OpenedLayout> OpenRecord3d(const LayoutSource& source) {
   const fs::path file = FindMetadata(folder).value_or(folder / "metadata.json");
   Result<std::string> text = dataset::ReadTextFile(file);
   if (!text) return text.error();
-  const Result<Metadata> metadata = ParseMetadata(*text, file);
+  Result<Metadata> metadata = ParseMetadata(*text, file);
   if (!metadata) return metadata.error();
+  const Status scaled = source.settings.has_camera()
+                            ? Ok()
+                            : ScaleCameras(folder, file, read->pairs, *metadata, warnings);
+  if (!scaled) return scaled.error();
   const PinholeCamera& camera = metadata->camera;
-  const Result<SettledImages> settled = SettleImages(
+  Result<SettledImages> settled = SettleImages(
       source, {camera, camera, Pose3(), 1000}, read->pairs, warnings, CoarserDepth::kUsual);
   if (!settled) return settled.error();
-  FilesOfLayout files{
-      "record3d", {{"metadata", *text}}, {}, {}, file.string(), *settled, {}, false};
-  files.has_times = SetTimes(*metadata, read->pairs);
+  AddConfidence(source, read->pairs, settled->form);
+  FilesOfLayout files{"record3d",
+                      {{"metadata", *text}},
+                      {},
+                      PosesOf(*metadata, file, read->pairs, warnings),
+                      file.string(),
+                      *std::move(settled),
+                      {},
+                      false};
+  files.has_times = SetTimes(*metadata, file, read->pairs, warnings);
   for (const dataset::ImagePair& pair : read->pairs) {
+    if (metadata->cameras.empty()) break;
     const std::size_t number = NumberOf(pair);
-    files.poses.push_back(number < metadata->poses.size() ? metadata->poses[number] : std::nullopt);
-    if (metadata->cameras.empty()) continue;
     files.optics.colour_cameras.push_back(
         number < metadata->cameras.size() ? metadata->cameras[number] : camera);
   }
