@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What is switched off, and by which options.
 MECHANISMS = {
     "smoothing of depth by its noise": {"track.smooth_depth": "false"},
-    "brightness in the alignment": {"track.photometric": "false"},
+    "intensity in the alignment": {"track.photometric": "false"},
     "alignment to keyframes": {"track.reference": "previous"},
     "motion prediction": {"track.motion_prediction": "false"},
     "search over rotations": {"track.rotation_search": "false"},
