@@ -1,4 +1,8 @@
 // Networks are loaded once, and again when their file changed.
+#include <memory>
+#include <set>
+#include <string>
+
 #include <gmock/gmock.h>
 
 #include "deepslam/core/sha256.h"
@@ -94,6 +98,41 @@ TEST(ModelCache, FaultsNameTheFile) {
   EXPECT_THAT(cache.Detector(dir.path() / "net.onnx", {}).error().message, HasSubstr("net.onnx"));
   EXPECT_FALSE(cache.Detector(dir.path() / "none.onnx", {}).ok());
   EXPECT_FALSE(cache.Library(dir.path() / "none").ok());
+}
+
+// Networks that are none: whoever opens them says so, so that what is opened can be told.
+TEST(FindShapePriors, OpensOnlyTheClassesAskedFor) {
+  const TempDir dir;
+  for (const std::string name : {"chair", "bed"}) {
+    fs::create_directories(dir.path() / "priors" / name);
+    for (const std::string file : {"sketch.onnx", "encoder.onnx", "decoder.onnx"})
+      WriteText(dir.path() / "priors" / name / file, "no network");
+  }
+  ClassTable classes;
+  for (const std::string name : {"bed", "chair", "table"})
+    classes.classes.emplace_back().name = name;
+  for (const auto& cache : {std::shared_ptr<ModelCache>(), std::make_shared<ModelCache>()}) {
+    const ModelFolders folders = {dir.path(), cache};
+    const std::string named = (dir.path() / "priors").string();
+    const auto of_tables = FindShapePriors(folders, named, classes, std::set<std::string>{"table"});
+    ASSERT_TRUE(of_tables.ok()) << of_tables.error().message;
+    EXPECT_TRUE((*of_tables)->empty());
+    const auto of_beds = FindShapePriors(folders, named, classes, std::set<std::string>{"bed"});
+    ASSERT_FALSE(of_beds.ok());
+    EXPECT_THAT(of_beds.error().message, HasSubstr("bed/sketch.onnx"));
+    EXPECT_FALSE(FindShapePriors(folders, named, classes).ok());
+  }
+}
+
+TEST(FindShapePriors, AFolderWithoutNetworksIsRefusedWhateverIsAskedFor) {
+  const TempDir dir;
+  fs::create_directories(dir.path() / "priors" / "spoon");
+  ClassTable classes;
+  classes.classes.emplace_back().name = "chair";
+  const auto found = FindShapePriors(
+      {dir.path(), {}}, (dir.path() / "priors").string(), classes, std::set<std::string>{"table"});
+  ASSERT_FALSE(found.ok());
+  EXPECT_THAT(found.error().message, HasSubstr("no networks of any class"));
 }
 
 }  // namespace
