@@ -99,7 +99,7 @@ in_image() { images run --isolation chroot "$@"; }
 images umount "$container" >/dev/null
 quietly in_image "$container" -- deepslam --help
 # What the image leaves out of Debian's packages is nothing that is linked.
-in_image "$container" -- sh -c 'ldd /usr/bin/deepslam* /usr/lib/deepslam/*.so* 2>/dev/null' >"$folder/linked"
+in_image "$container" -- sh -c 'find /usr/bin/deepslam* /usr/lib/deepslam -type f -exec ldd {} +; true' >"$folder/linked" 2>>"$log"
 ! grep "not found" "$folder/linked" >&2 || fail "the image lacks libraries"
 grep -q libavcodec "$folder/linked" || fail "the image cannot read videos"
 images images --format '{{.Name}} {{.Size}}' localhost/deepslam
