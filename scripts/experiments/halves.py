@@ -4,11 +4,11 @@
     scripts/experiments/halves.py CAPTURE [--deepslam PROGRAM] [--work out/halves] [-- RUN OPTIONS]
 
 The detector runs once. Of the frames it looked at, the even ones are one half, the odd ones the other; each half's detections
-make a map of their own (`detect.source=file`, no depth clusters), with the same tracking. `deepslam eval selection --held-out
---judge-by` then judges the models of each half in the views that the other half has of the same object: the share of the
-object's depth within 2 cm of the model, and the share of the rays that go through it. Objects of both halves are one set; they
-are told one by one, and their means for the first candidate, the fused shape, the best as proposed and the selected one. Needs
-nothing beyond Python 3.
+make a map of their own (`detect.source=file`, no depth clusters, `associate.method=votes`), with the same tracking. `deepslam eval
+selection --held-out --judge-by` then judges the models of each half in the views that the other half has of the same object: the
+share of the object's depth within 2 cm of the model, and the share of the rays that go through it. Objects of both halves are one
+set; they are told one by one, and their means for the first candidate, the fused shape, the best as proposed and the selected one.
+Needs nothing beyond Python 3.
 """
 import argparse
 import json
@@ -19,7 +19,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HALVES = ("even", "odd")
 ROWS = ("initial", "fused", "as proposed", "selected")
-FROM_FILE = ("--set", "detect.source=file", "--set", "detect.clusters.enabled=false")
+# By votes: things found in the surface of all frames would be made of both halves.
+FROM_FILE = ("--set", "detect.source=file", "--set", "detect.clusters.enabled=false", "--set", "associate.method=votes")
 
 
 def halved(detections, first):

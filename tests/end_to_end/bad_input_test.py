@@ -245,7 +245,7 @@ class Captures(BadInput):
             shutil.rmtree(self.workspace)
 
     def test_nothing_detected(self):
-        self.check(run(ROOM, self.workspace, "--set", "detect.clusters.enabled=false"), 0)
+        self.check(run(ROOM, self.workspace, "--set", "detect.clusters.enabled=false", "--set", "associate.method=votes"), 0)
         verdict, reasons, objects = self.verdict()
         self.assertEqual((verdict, objects), ("bad", []))
         self.assertIn("no object was mapped", reasons)
@@ -286,7 +286,7 @@ class Captures(BadInput):
 class Inputs(BadInput):
     def test_missing_weights_and_library(self):
         arguments = ("run", ROOM, "-o", self.workspace, "--progress", "none")
-        self.check(captures.deepslam(PROGRAM, *arguments), 3, r"yolov8.\.onnx; run scripts/setup.sh.*deepslam doctor")
+        self.check(captures.deepslam(PROGRAM, *arguments), 3, r"yolo11n-seg\.onnx; run scripts/setup.sh.*deepslam doctor")
         self.check(captures.deepslam(PROGRAM, *arguments, *captures.BARE[:2]), 3,
                    "no furniture library in .*; make it by `deepslam library build`.*deepslam doctor")
         self.assertFalse((self.workspace / "track").exists(), "told before any work")

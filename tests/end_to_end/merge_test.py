@@ -25,7 +25,8 @@ LITTLE = ((0.16, -0.12), 1.0)
 # The given poses are perfect but for the shift, and the laps follow each other at once.
 OPTIONS = ("--set", "detect.source=file", "--set", "detect.frames=all", "--set", "propose.retrieval=false", "--set", "propose.network=true",
            "--set", "track.poses=capture", "--set", "loops.min_gap_frames=1", "--set", "loops.drift_base_m=3", "--progress", "none")
-BY_OBJECTS = ("--set", "loops.appearance.enabled=false")
+# The surface of a path that contradicts itself shows things twice in each other: objects by votes.
+BY_OBJECTS = ("--set", "loops.appearance.enabled=false", "--set", "associate.method=votes")
 BY_IMAGES = ("--set", "loops.constellations=false", "--set", "loops.appearance.min_gap_keyframes=4")
 
 

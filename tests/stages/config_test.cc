@@ -64,6 +64,7 @@ TEST(PaperConfig, IsAnOverlayWithoutFaults) {
   ASSERT_TRUE(status.ok()) << status.error().message;
   EXPECT_EQ(config.track.reference, "previous");
   EXPECT_EQ(config.detect_stage.frames, "all");
+  EXPECT_EQ(config.associate_stage.method, "votes");
   EXPECT_EQ(config.select.mode, "greedy");
 }
 
@@ -234,6 +235,18 @@ TEST(DataFolder, NamesTheRemedyForMissingWeightsAndLibrary) {
   EXPECT_EQ(*FindWeights(dir.path(), "own"), dir.path() / "weights" / "own.onnx");
   EXPECT_EQ(*FindWeights("/nowhere", (dir.path() / "weights" / "own.onnx").string()),
             dir.path() / "weights" / "own.onnx");
+}
+
+TEST(DataFolder, TakesTheDetectorWithMasksAndElseTheOneOfBoxes) {
+  const TempDir dir;
+  EXPECT_THAT(FindWeights(dir.path(), "").error().message, HasSubstr("yolo11n-seg.onnx"));
+  const auto boxes = dir.path() / "weights" / "yolov8s.onnx";
+  WriteText(boxes, "x");
+  EXPECT_EQ(*FindWeights(dir.path(), ""), boxes);
+  EXPECT_FALSE(FindWeights(dir.path(), "yolo11n-seg").ok()) << "what is named is not replaced";
+  const auto masks = dir.path() / "weights" / "yolo11n-seg.onnx";
+  WriteText(masks, "x");
+  EXPECT_EQ(*FindWeights(dir.path(), ""), masks);
 }
 
 }  // namespace

@@ -6,11 +6,11 @@
 namespace deepslam::refine {
 
 struct RefineOptions {
-  bool enabled = false;   // its gain is within noise where models are completed
-  bool complete = true;   // the best model by what was measured of the object
+  bool enabled = false;  // its gain is within noise where models are completed
+  bool complete = true;  // the best model by what was measured of the object
   // Voxels of the completed model follow the object's level face, the top of a table; else the
   // floor.
-  bool follow_level_face = false;
+  bool follow_level_face = true;
   bool pose = false;      // the winner's similarity, jointly over all views
   double reach_m = 0.15;  // of the model, for what completes it
   // Views of an object that take part, evenly over its frames: as many as an object has by default

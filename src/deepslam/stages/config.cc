@@ -31,7 +31,8 @@ void Describe(OptionsVisitor& visitor, DetectStageOptions& options) {
   visitor.Choice("source", options.source, kDetectSources, "where boxes come from");
   visitor.Field("weights",
                 options.weights,
-                "detector: name of a file in the data folder's weights/, or a path (ONNX)");
+                "detector: name of a file in the data folder's weights/, or a path (ONNX); empty: "
+                "yolo11n-seg there, else yolov8s");
   visitor.Field("file", options.file, "COCO file of boxes and masks, for source file");
   visitor.Choice("frames", options.frames, kDetectFrames, "frames the detector looks at");
 }

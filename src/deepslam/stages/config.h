@@ -43,9 +43,9 @@ struct TrackStageOptions {
 };
 
 struct DetectStageOptions {
-  std::string source = "network";   // network | file | none
-  std::string weights = "yolov8s";  // name in the data folder's weights/, or a path to an ONNX file
-  std::string file;                 // COCO file of source `file`
+  std::string source = "network";    // network | file | none
+  std::string weights;               // as FindWeights takes it
+  std::string file;                  // COCO file of source `file`
   std::string frames = "keyframes";  // keyframes | all
 };
 
@@ -66,7 +66,7 @@ struct FuseStageOptions {
 
 inline constexpr std::string_view kBySurface = "surface";
 struct AssociateStageOptions {
-  std::string method = "votes";  // surface | votes
+  std::string method{kBySurface};  // surface | votes
 };
 
 struct ExportStageOptions {

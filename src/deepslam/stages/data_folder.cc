@@ -9,6 +9,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kDetectorWithMasks = "yolo11n-seg";
+constexpr const char* kDetectorOfBoxes = "yolov8s";
+
 std::string Environment(const char* name) {
   const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
   return value == nullptr ? std::string() : std::string(value);
@@ -39,9 +42,17 @@ fs::path FindDataFolder(const std::string& explicit_folder) {
 
 Result<fs::path> FindWeights(const fs::path& data_folder, const std::string& weights) {
   const bool is_path = weights.find('/') != std::string::npos || weights.ends_with(".onnx");
-  const fs::path file = is_path ? fs::path(weights) : data_folder / "weights" / (weights + ".onnx");
+  const auto named = [&](const std::string& name) {
+    return data_folder / "weights" / (name + ".onnx");
+  };
+  const fs::path file = is_path
+                            ? fs::path(weights)
+                            : named(weights.empty() ? std::string(kDetectorWithMasks) : weights);
   std::error_code error;
   if (fs::is_regular_file(file, error)) return file;
+  if (const fs::path other = named(kDetectorOfBoxes);
+      weights.empty() && fs::is_regular_file(other, error))
+    return other;
   return InvalidInput(fmt::format(
       "detect.weights: no file {}; run scripts/setup.sh, or deepslam-fetch-weights of an installed "
       "package, to fetch the weights (`deepslam doctor` shows what is there), "

@@ -17,7 +17,8 @@ namespace deepslam::stages {
 // weights or a library, else ${XDG_DATA_HOME:-~/.local/share}/deepslam.
 [[nodiscard]] std::filesystem::path FindDataFolder(const std::string& explicit_folder);
 
-// A name ("yolov8s") is DATA/weights/NAME.onnx; anything with a slash or ending in .onnx is a path.
+// A name ("yolov8s") is DATA/weights/NAME.onnx; anything with a slash or ending in .onnx is a path;
+// empty is yolo11n-seg, whose detections have masks, or yolov8s where that alone is there.
 // kInvalidInput with what to run when the file is missing.
 [[nodiscard]] Result<std::filesystem::path> FindWeights(const std::filesystem::path& data_folder,
                                                         const std::string& weights);
