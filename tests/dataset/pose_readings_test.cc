@@ -100,6 +100,14 @@ INSTANTIATE_TEST_SUITE_P(
                   return Pose3{Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()), p.translation_m};
                 },
                 "qw qx qy qz"},
+        Misread{"WFirstOfOpenGl",
+                [](const Pose3& p) {
+                  const Eigen::Quaterniond open_gl(0, 1, 0, 0);
+                  const Eigen::Quaterniond q = p.rotation * open_gl;
+                  return Pose3{Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()) * open_gl,
+                               p.translation_m};
+                },
+                "qw qx qy qz"},
         Misread{"CameraFromWorld", [](const Pose3& p) { return p.Inverse(); }, "camera from world"},
         Misread{"Millimetres",
                 [](const Pose3& p) {
@@ -111,6 +119,14 @@ INSTANTIATE_TEST_SUITE_P(
                   return Pose3{p.rotation, 100 * p.translation_m};
                 },
                 "centimetres"},
+        Misread{"RosBody",
+                [](const Pose3& p) { return Turned(p, Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5)); },
+                "ROS's body"},
+        Misread{"StructureFromMotion",
+                [](const Pose3& p) {
+                  return Pose3{p.rotation, 0.3 * p.translation_m};
+                },
+                "3.5 times as large"},
         Misread{"OpenGlCameraFromWorld",
                 [](const Pose3& p) { return Turned(p, Eigen::Quaterniond(0, 1, 0, 0)).Inverse(); },
                 "camera from world and camera axes y up"}),
@@ -124,6 +140,30 @@ TEST(FitPoses, PosesOfAnotherCaptureNameNoReading) {
                  {random.Normal(), random.Normal(), random.Normal()}};
   });
   EXPECT_FALSE(fit.contradicts()) << fit.best_reading;
+}
+
+// Depth that lies mirrored fits best where the camera stands; that is no fault of the poses.
+TEST(FitPoses, MirroredDepthNamesNoReading) {
+  std::vector<DepthImage> depths_m;
+  for (int i = 0; i < 12; ++i) {
+    const DepthImage depth_m = RenderBoxes(World(), kCamera, OnTheWay(i)).frame.depth_m;
+    DepthImage& mirrored = depths_m.emplace_back(kCamera.width, kCamera.height);
+    for (int v = 0; v < kCamera.height; ++v) {
+      for (int u = 0; u < kCamera.width; ++u) mirrored(u, v) = depth_m(kCamera.width - 1 - u, v);
+    }
+  }
+  std::vector<PosedPair> pairs;
+  for (const int gap : {1, 2}) {
+    for (std::size_t a = 0; a + 2 < 12; a += 2) {
+      const std::size_t b = a + static_cast<std::size_t>(gap);
+      pairs.push_back({&depths_m[a],
+                       &depths_m[b],
+                       OnTheWay(static_cast<int>(a)),
+                       OnTheWay(static_cast<int>(b))});
+    }
+  }
+  const PoseFit fit = FitPoses(kCamera, pairs);
+  EXPECT_FALSE(fit.contradicts()) << fit.share << " " << fit.best_share << " " << fit.best_reading;
 }
 
 TEST(FitPoses, NothingIsToldOfNothing) {

@@ -68,8 +68,9 @@ TEST(ParsePoseLines, LeavesOutWhatIsNoPoseAndTheUnfinishedLine) {
                      PoseColumns::kXyzQuatXyzw,
                      warnings);
   ASSERT_TRUE(poses.ok());
-  ASSERT_EQ(poses->size(), 4U);
-  EXPECT_TRUE((*poses)[0] && !(*poses)[1] && !(*poses)[2] && (*poses)[3]);
+  // The frame of the unfinished line has none, as those of the others.
+  ASSERT_EQ(poses->size(), 5U);
+  EXPECT_TRUE((*poses)[0] && !(*poses)[1] && !(*poses)[2] && (*poses)[3] && !(*poses)[4]);
   EXPECT_THAT(warnings, Contains(AllOf(HasSubstr("p.txt:2"), HasSubstr("2 poses"))));
   EXPECT_THAT(warnings, Contains(AllOf(HasSubstr("p.txt:5"), HasSubstr("left out"))));
 }
@@ -126,12 +127,20 @@ TEST(ReadMatrixFiles, MissingAndLostFilesAreNoPoses) {
   WriteText(dir.path() / "1.txt", "1 0 0\n");
   EXPECT_THAT(ReadMatrixFiles(dir.path(), {"1.txt"}, warnings).error().message,
               AllOf(HasSubstr("1.txt"), HasSubstr("3 numbers")));
+  EXPECT_FALSE(ReadMatrixFiles(dir.path(), {"1.txt", "0.txt"}, warnings).ok());
+  const auto last = ReadMatrixFiles(dir.path(), {"0.txt", "1.txt"}, warnings);
+  ASSERT_TRUE(last.ok());
+  ASSERT_EQ(last->poses.size(), 2U);
+  EXPECT_TRUE(last->poses[0] && !last->poses[1]);
+  EXPECT_THAT(warnings, Contains(AllOf(HasSubstr("1.txt"), HasSubstr("left out"))));
 }
 
 TEST(TimeError, NamesTheUnitThatASizeTells) {
   for (const auto& [field, unit] : {std::pair<std::string, std::string>("1403636589763", "milli"),
                                     {"1403636589763555", "micro"},
-                                    {"1403636589763555000", "nano"}}) {
+                                    {"1403636589763555000", "nano"},
+                                    {"345678901234", "nano"},
+                                    {"345678901234567", "nano"}}) {
     EXPECT_THAT(TimeError("rgb.txt", 3, "time", field).message,
                 AllOf(HasSubstr("rgb.txt:3"), HasSubstr(field), HasSubstr(unit)));
   }

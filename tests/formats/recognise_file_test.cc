@@ -66,6 +66,15 @@ INSTANTIATE_TEST_SUITE_P(
                  {"Azure Kinect", "import_recording.py"}},
         Stranger{"Video", "rgb", std::string("\0\0\0\x20", 4) + "ftypisom" + kRest, {"video"}},
         Stranger{"PointCloud", "room", "ply\nformat ascii 1.0\n", {"point cloud"}},
+        Stranger{"Avi", "a", std::string("RIFF\0\0\0\0", 8) + "AVI LIST" + kRest, {"video"}},
+        Stranger{"Hdf5", "nyu.mat", "\x89HDF\r\n\x1a\n" + kRest, {"HDF5", "color/ and depth/"}},
+        Stranger{"Matlab", "a", "MATLAB 5.0 MAT-file, Platform" + kRest, {"MATLAB"}},
+        Stranger{"Zed", "HD720.SVO2", kRest, {"ZED"}},
+        Stranger{"Kintinuous", "loop.klg", kRest, {"Kintinuous"}},
+        Stranger{"Record3dAsZip",
+                 "room.zip",
+                 "PK\x03\x04" + kRest + "rgbd/0.jpg",
+                 {"Record3D", "import_recording.py"}},
         Stranger{"Image", "a", "\x89PNG\r\n\x1a\n" + kRest, {"one image"}}),
     [](const auto& test) { return test.param.name; });
 

@@ -83,6 +83,32 @@ TEST(Misread, DepthScaleAmongTheIntrinsicsIsTheUnit) {
   }
 }
 
+// The names that scripts give it, wherever it stands; less than 1 is what one unit has in metres.
+TEST(Misread, DepthScaleHasSeveralNames) {
+  for (const char* field : {R"("depthScale": 4000)",
+                            R"("Depth_Scale": 4000.0)",
+                            R"("depth-units": 4000)",
+                            R"("depth_map_factor": 4000)",
+                            R"("depth_scale": 0.00025)",
+                            R"("camera": {"depth_scale": 4000, "w": 32})",
+                            R"("sensors": {"depth": {"depthUnits": 0.00025}})"}) {
+    const TempDir dir;
+    WriteRealSenseFolder(dir.path(), "4000");
+    WriteText(dir.path() / "intrinsic.json",
+              fmt::format(R"({{"width": 32, "height": 24, {},
+                              "intrinsic_matrix": [30, 0, 0, 0, 30, 0, 15.5, 11.5, 1]}})",
+                          field));
+    const dataset::Capture capture = Open(dir.path());
+    ASSERT_NE(capture.frames, nullptr) << field;
+    EXPECT_NEAR(DepthMean(capture, 0), 1.03, 0.1) << field;
+  }
+  const TempDir dir;
+  WriteRealSenseFolder(dir.path(), "4000");
+  WriteText(dir.path() / "config.json", R"({"depth_scale": 4000, "camera": {"depthScale": 1000}})");
+  EXPECT_THAT(Refusal(dir.path()),
+              AllOf(HasSubstr("config.json"), HasSubstr("depthScale"), HasSubstr("4000")));
+}
+
 // --- conventions of poses
 
 const PinholeCamera kPosed{96, 72, 80, 80, 47.5, 35.5};
@@ -240,6 +266,33 @@ TEST(Misread, VideoWithFewerFramesThanRowsIsDoubted) {
 
 // --- shapes
 
+// An app that keeps every second frame numbers them by the camera's.
+TEST(Misread, AVideoOfAsManyFramesAsRowsIsPairedInOrder) {
+  const TempDir dir;
+  WriteStray(dir.path(), false, 0, 0);
+  fs::remove_all(dir.path() / "rgb");
+  fs::remove_all(dir.path() / "confidence");
+  std::string rows = "timestamp, frame, x, y, z, qx, qy, qz, qw\n";
+  fs::remove_all(dir.path() / "depth");
+  for (int i = 0; i < 4; ++i) {
+    rows += fmt::format("{}, {}, 0, 0, 0, 0, 0, 0, 1\n", 0.1 * i, 2 * i);
+    WriteText(dir.path() / fmt::format("depth/{:06d}.png", 2 * i), foreign::DepthFile(i));
+  }
+  WriteText(dir.path() / "odometry.csv", rows);
+  cv::VideoWriter video((dir.path() / "rgb.mp4").string(),
+                        cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
+                        30,
+                        cv::Size(64, 48));
+  ASSERT_TRUE(video.isOpened());
+  for (int i = 0; i < 4; ++i) video.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar(0, 0, 60 * i)));
+  video.release();
+  const dataset::Capture capture = Open(dir.path());
+  ASSERT_NE(capture.frames, nullptr);
+  ASSERT_EQ(capture.frames->num_frames(), 4);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(capture.frames->Read(FrameIdx{i})->colour(9, 9).r, 60 * i, 20) << i;
+}
+
 TEST(Misread, DepthOfAnotherShapeHasToHaveACameraOfItsOwn) {
   const TempDir dir;
   WriteCapture(dir.path(), 3);
@@ -314,6 +367,23 @@ TEST(Misread, TimesInOtherUnitsAreNamed) {
   }
 }
 
+TEST(Misread, PosesOfAnotherClockAreToldAndNotTaken) {
+  for (const auto& [per_s, start_s, words] : {std::tuple(1e3, 0.0, "milliseconds"),
+                                              {1e9, 0.0, "nanoseconds"},
+                                              {1.0, 1.7e9, "no pose lies within"}}) {
+    const TempDir dir;
+    WriteCapture(dir.path(), 6);
+    std::string poses;
+    for (int i = 0; i < 6; ++i)
+      poses += fmt::format("{:.3f} 0 0 0 0 0 0 1\n", per_s * (start_s + 0.1 * i));
+    WriteText(dir.path() / "groundtruth.txt", poses);
+    const dataset::Capture capture = Open(dir.path());
+    ASSERT_NE(capture.frames, nullptr);
+    EXPECT_FALSE(capture.has_poses);
+    EXPECT_THAT(capture.warnings, Contains(AllOf(HasSubstr("groundtruth.txt"), HasSubstr(words))));
+  }
+}
+
 TEST(Misread, SecondsSinceTheEpochAreTimes) {
   const TempDir dir;
   WriteCapture(dir.path(), 3);
@@ -339,6 +409,39 @@ TEST(Misread, AListThatEndsWithinALineLosesThatLine) {
   EXPECT_THAT(capture.warnings, Contains(AllOf(HasSubstr("rgb.txt:4"), HasSubstr("left out"))));
   WriteText(dir.path() / "rgb.txt", "0.0 rgb/0.png\n0.10\n0.2 rgb/2.png\n");
   EXPECT_THAT(Refusal(dir.path()), HasSubstr("rgb.txt:2"));
+}
+
+TEST(Misread, AnUnfinishedLineOfPosesLosesThatPoseAlone) {
+  const TempDir dir;
+  WriteLayout("folders", dir.path());
+  const fs::path file = dir.path() / "pose.txt";
+  const std::string whole = testing_support::ReadText(file);
+  WriteText(file, whole.substr(0, whole.size() - 9));
+  const dataset::Capture capture = Open(dir.path());
+  ASSERT_NE(capture.frames, nullptr);
+  EXPECT_TRUE(capture.frames->capture_world_from_camera(FrameIdx{2}).has_value());
+  EXPECT_FALSE(capture.frames->capture_world_from_camera(FrameIdx{3}).has_value());
+}
+
+TEST(Misread, ListsOfOtherEditorsAreRead) {
+  const auto wide = [](const std::string& text, int zeros, const std::string& mark) {
+    std::string bytes = mark;
+    for (const char c : text) bytes += c + std::string(static_cast<std::size_t>(zeros), '\0');
+    return bytes;
+  };
+  const std::string list = "0.0 rgb/0.png\n0.1 rgb/1.png\n";
+  const std::string mark32 = std::string("\xFF\xFE\0\0", 4);
+  for (const std::string& text : {wide(list, 1, ""),
+                                  wide(list, 3, mark32),
+                                  std::string("0.0 rgb/0.png\r0.1 rgb/1.png\r"),
+                                  std::string("# a\r0.0\trgb/0.png\r0.1,rgb/1.png")}) {
+    const TempDir dir;
+    WriteCapture(dir.path(), 2);
+    WriteText(dir.path() / "rgb.txt", text);
+    const dataset::Capture capture = Open(dir.path());
+    ASSERT_NE(capture.frames, nullptr);
+    EXPECT_EQ(capture.frames->num_frames(), 2);
+  }
 }
 
 TEST(Misread, ListsInUtf16AreRead) {
@@ -512,6 +615,9 @@ TEST(Misread, ACaptureOneFolderDeeperIsNamed) {
     EXPECT_THAT(refusal,
                 AllOf(HasSubstr("download/my capture is one"), HasSubstr("(" + layout.name + ")")));
   }
+  const TempDir deep;
+  WriteCapture(deep.path() / "home/2026/11/room", 2);
+  EXPECT_THAT(Refusal(deep.path()), HasSubstr("home/2026/11/room is one (tum)"));
 }
 
 }  // namespace

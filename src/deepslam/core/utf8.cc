@@ -47,10 +47,12 @@ void AppendUtf8(std::uint32_t code, std::string& text) {
   }
 }
 
+// Stands for what is no character.
+constexpr std::uint32_t kReplacement = 0xFFFD;
+
 // Units of 16 bits, the lower or the higher byte first. Halves of pairs without the other become
 // U+FFFD.
 std::string OfUtf16(std::string_view bytes, bool high_first) {
-  constexpr std::uint32_t kReplacement = 0xFFFD;
   std::string text;
   std::uint32_t high = 0;
   for (std::size_t at = 0; at + 1 < bytes.size(); at += 2) {
@@ -71,11 +73,40 @@ std::string OfUtf16(std::string_view bytes, bool high_first) {
   return text;
 }
 
+// Units of 32 bits; what is no character becomes U+FFFD.
+std::string OfUtf32(std::string_view bytes, bool high_first) {
+  std::string text;
+  for (std::size_t at = 0; at + 3 < bytes.size(); at += 4) {
+    std::uint32_t code = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      code = code << 8U | ByteAt(bytes, at + (high_first ? k : 3 - k));
+    const bool is_character = code < 0x110000 && !(code >= 0xD800 && code < 0xE000);
+    AppendUtf8(is_character ? code : kReplacement, text);
+  }
+  return text;
+}
+
+// Lists and settings begin with characters of ASCII, of which UTF-16 keeps one byte as zero.
+bool StartsAsUtf16(std::string_view bytes, bool high_first) {
+  constexpr std::size_t kLookedAt = 8;  // four characters
+  if (bytes.size() < kLookedAt) return false;
+  for (std::size_t at = 0; at < kLookedAt; ++at) {
+    const bool is_high = (at % 2 == 0) == high_first;
+    if ((ByteAt(bytes, at) == 0) != is_high) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string Utf8OfText(std::string bytes) {
+  using std::string_view_literals::operator""sv;
+  if (bytes.starts_with("\xFF\xFE\0\0"sv)) return OfUtf32(std::string_view(bytes).substr(4), false);
+  if (bytes.starts_with("\0\0\xFE\xFF"sv)) return OfUtf32(std::string_view(bytes).substr(4), true);
   if (bytes.starts_with("\xFF\xFE")) return OfUtf16(std::string_view(bytes).substr(2), false);
   if (bytes.starts_with("\xFE\xFF")) return OfUtf16(std::string_view(bytes).substr(2), true);
+  for (const bool high_first : {false, true})
+    if (StartsAsUtf16(bytes, high_first)) return OfUtf16(bytes, high_first);
   return bytes;
 }
 

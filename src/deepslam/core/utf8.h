@@ -10,8 +10,8 @@ namespace deepslam {
 // readers stop there.
 [[nodiscard]] std::string ToValidUtf8(std::string_view text);
 
-// A text file's content as UTF-8: UTF-16 with one (what editors of Windows
-// call Unicode) is turned to UTF-8, other bytes stay as they are.
+// A text file's content as UTF-8: UTF-16 and UTF-32 with a byte order mark (what editors of Windows
+// call Unicode), and UTF-16 without one, are turned to UTF-8, other bytes stay as they are.
 [[nodiscard]] std::string Utf8OfText(std::string bytes);
 
 }  // namespace deepslam

@@ -225,7 +225,12 @@ Status ParseUnits(const YAML::Node& root,
         file,
         root["depth_units_per_m"],
         "depth_units_per_m",
-        fmt::format("is {}, outside 1 .. {} (usual: 1000, 5000)", *units, kMaxUnitsPerM));
+        fmt::format("is {}, outside 1 .. {} (usual: 1000, 5000){}",
+                    *units,
+                    kMaxUnitsPerM,
+                    *units > 0 && *units < 1
+                        ? fmt::format(": metres of one unit? Then write {:.6g}", 1 / *units)
+                        : ""));
   }
   settings.depth_units_per_m = *units;
   return Ok();

@@ -15,7 +15,7 @@ namespace {
 
 // Points looked at, of a frame.
 constexpr int kColumns = 24;
-constexpr int kRows = 18;
+constexpr int kRows = 18;  // as 4 : 3
 // A point lies on the other frame's surface within noise of depth, poses and moments.
 constexpr double kNearM = 0.02;
 constexpr double kNearShare = 0.01;  // of depth
@@ -30,8 +30,21 @@ constexpr int kFewestPairs = 3;
 // conventions less than 0.6, at pairs of equal distance.
 constexpr double kGoodShare = 0.7;
 constexpr double kClearlyBetter = 0.15;
+// Of 270 readings, one that changes several things fits better by chance: each more has to add
+// this.
+constexpr double kSharePerChange = 0.06;
+// A reading that all but stops the camera fits what neighbours share. It has to fit better than
+// without any motion, unless the poses as read fit nothing.
+constexpr double kBetterThanStill = 0.1;
+constexpr double kFitsNothing = 0.3;  // share that surfaces far apart meet by chance
+// Lengths of poses out of structure from motion are of any unit: tried from a twentieth to twenty
+// times as large, in steps that differ by less than what a surface's noise hides.
+constexpr double kLargestScale = 20;
+constexpr double kScaleStep = 1.25;  // half a step off is a tenth of the way between frames
 
-enum class Order { kAsRead, kWFirst, kWLast };
+// The latter two: where a layout turned the camera's axes from OpenGL's after it had read the
+// numbers.
+enum class Order { kAsRead, kWFirst, kWLast, kOpenGlWFirst, kOpenGlWLast };
 
 // One way in which poses may have been written.
 struct Reading {
@@ -41,22 +54,26 @@ struct Reading {
   Eigen::Matrix3d own_from_camera = Eigen::Matrix3d::Identity();  // axes of the poses' camera
   std::string_view axes;
 
-  [[nodiscard]] std::string InWords() const {
+  [[nodiscard]] std::vector<std::string> Changes() const {
     std::vector<std::string> words;
-    if (order == Order::kWFirst) words.emplace_back("quaternions as qw qx qy qz");
-    if (order == Order::kWLast) words.emplace_back("quaternions as qx qy qz qw");
+    if (order == Order::kWFirst || order == Order::kOpenGlWFirst)
+      words.emplace_back("quaternions as qw qx qy qz");
+    if (order == Order::kWLast || order == Order::kOpenGlWLast)
+      words.emplace_back("quaternions as qx qy qz qw");
     if (camera_from_world) words.emplace_back("poses as camera from world");
-    if (metres == 0.001) words.emplace_back("positions in millimetres");
-    if (metres == 0.01) words.emplace_back("positions in centimetres");
-    if (metres == 5 || metres == 0.2) {
+    if (metres == 0.001) {
+      words.emplace_back("positions in millimetres");
+    } else if (metres == 0.01) {
+      words.emplace_back("positions in centimetres");
+    } else if (metres != 1) {
       words.push_back(
-          fmt::format("positions {} times as large against depth (is "
-                      "'depth_units_per_m' {} times what it should be?)",
+          fmt::format("positions {:.2g} times as large against depth (is "
+                      "'depth_units_per_m' {:.2g} times what it should be?)",
                       metres,
                       1 / metres));
     }
     if (!axes.empty()) words.emplace_back(axes);
-    return fmt::format("{}", fmt::join(words, " and "));
+    return words;
   }
 };
 
@@ -72,6 +89,8 @@ std::vector<Axes> AllAxes() {
   Eigen::Matrix3d quarter;
   quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   const Eigen::Matrix3d half = quarter * quarter;
+  Eigen::Matrix3d body;
+  body << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   return {
       {none, ""},
       {open_gl, "camera axes y up, z back (OpenGL's)"},
@@ -82,7 +101,8 @@ std::vector<Axes> AllAxes() {
       {open_gl * half, "camera axes x left, y up, z back"},
       {open_gl * quarter, "camera axes y up, z back (OpenGL's) of pictures a quarter turn away"},
       {open_gl * half * quarter,
-       "camera axes y up, z back (OpenGL's) of pictures a quarter turn away, the other way"}};
+       "camera axes y up, z back (OpenGL's) of pictures a quarter turn away, the other way"},
+      {body, "camera axes x forward, y left, z up (ROS's body)"}};
 }
 
 // Simple ones first: of equals the first is taken. The very first is as read.
@@ -91,21 +111,33 @@ std::vector<Reading> AllReadings() {
   for (const double metres : {1.0, 0.001, 0.01, 5.0, 0.2}) {
     for (const Axes& axes : AllAxes()) {
       for (const bool camera_from_world : {false, true}) {
-        for (const Order order : {Order::kAsRead, Order::kWFirst, Order::kWLast}) {
+        for (const Order order : {Order::kAsRead,
+                                  Order::kWFirst,
+                                  Order::kWLast,
+                                  Order::kOpenGlWFirst,
+                                  Order::kOpenGlWLast}) {
           readings.push_back({order, camera_from_world, metres, axes.own_from_camera, axes.words});
         }
       }
     }
   }
+  for (double metres = 1 / kLargestScale; metres <= kLargestScale; metres *= kScaleStep)
+    readings.push_back({Order::kAsRead, false, metres, Eigen::Matrix3d::Identity(), ""});
   return readings;
 }
 
 Eigen::Quaterniond Reordered(const Eigen::Quaterniond& read, Order order) {
+  // Half a turn about x, which undoes itself but for the sign.
+  const Eigen::Quaterniond open_gl(0, 1, 0, 0);
   switch (order) {
     case Order::kWFirst:
       return {read.x(), read.y(), read.z(), read.w()};
     case Order::kWLast:
       return {read.z(), read.w(), read.x(), read.y()};
+    case Order::kOpenGlWFirst:
+      return Reordered(read * open_gl, Order::kWFirst) * open_gl;
+    case Order::kOpenGlWLast:
+      return Reordered(read * open_gl, Order::kWLast) * open_gl;
     case Order::kAsRead:
       break;
   }
@@ -176,6 +208,22 @@ double MeanOver(const Shares& shares, const std::vector<bool>& used, int num_use
   return sum / num_used;
 }
 
+// Of every pair by one reading.
+Shares SharesOf(const PinholeCamera& camera,
+                std::span<const PosedPair> pairs,
+                const std::vector<std::vector<Eigen::Vector3d>>& points,
+                const Reading& reading) {
+  Shares shares;
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    shares.push_back(SharePlaced(camera,
+                                 points[n],
+                                 *pairs[n].b_m,
+                                 Place(pairs[n].world_from_a, reading),
+                                 Place(pairs[n].world_from_b, reading)));
+  }
+  return shares;
+}
+
 // Pairs that fit under some reading. Frames that see nothing in common by the poses as read tell
 // nothing against these, unless that is so of most.
 std::vector<bool> UsedPairs(const std::vector<Shares>& of_readings) {
@@ -192,8 +240,8 @@ std::vector<bool> UsedPairs(const std::vector<Shares>& of_readings) {
 }  // namespace
 
 bool PoseFit::contradicts() const {
-  return num_pairs >= kFewestPairs && !best_reading.empty() && best_share >= kGoodShare &&
-         best_share - share >= kClearlyBetter;
+  return num_pairs >= kFewestPairs && !best_reading.empty() && best_worth >= kGoodShare &&
+         best_worth - share >= kClearlyBetter;
 }
 
 PoseFit FitPoses(const PinholeCamera& camera, std::span<const PosedPair> pairs) {
@@ -201,26 +249,29 @@ PoseFit FitPoses(const PinholeCamera& camera, std::span<const PosedPair> pairs) 
   for (const PosedPair& pair : pairs) points.push_back(PointsOf(camera, *pair.a_m));
   const std::vector<Reading> readings = AllReadings();
   std::vector<Shares> shares;  // of each reading
-  for (const Reading& reading : readings) {
-    Shares& of_pairs = shares.emplace_back();
-    for (std::size_t n = 0; n < pairs.size(); ++n) {
-      of_pairs.push_back(SharePlaced(camera,
-                                     points[n],
-                                     *pairs[n].b_m,
-                                     Place(pairs[n].world_from_a, reading),
-                                     Place(pairs[n].world_from_b, reading)));
-    }
-  }
+  for (const Reading& reading : readings)
+    shares.push_back(SharesOf(camera, pairs, points, reading));
   const std::vector<bool> used = UsedPairs(shares);
   PoseFit fit;
   fit.num_pairs = static_cast<int>(std::ranges::count(used, true));
   if (fit.num_pairs == 0) return fit;
   fit.share = fit.best_share = MeanOver(shares.front(), used, fit.num_pairs);
+  double best_worth = fit.share;
   for (std::size_t k = 1; k < readings.size(); ++k) {
     const double share = MeanOver(shares[k], used, fit.num_pairs);
-    if (share <= fit.best_share) continue;
+    const std::vector<std::string> changes = readings[k].Changes();
+    const double worth = share - kSharePerChange * (static_cast<double>(changes.size()) - 1);
+    if (worth <= best_worth) continue;
+    if (readings[k].metres < 1 && fit.share >= kFitsNothing) {
+      Reading still = readings[k];
+      still.metres = 0;
+      const Shares of_still = SharesOf(camera, pairs, points, still);
+      if (share < MeanOver(of_still, used, fit.num_pairs) + kBetterThanStill) continue;
+    }
+    best_worth = worth;
     fit.best_share = share;
-    fit.best_reading = readings[k].InWords();
+    fit.best_worth = worth;
+    fit.best_reading = fmt::format("{}", fmt::join(changes, " and "));
   }
   return fit;
 }

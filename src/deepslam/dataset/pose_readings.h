@@ -26,6 +26,7 @@ struct PoseFit {
   int num_pairs = 0;         // that tell something: under some reading they fit
   double share = 0;          // of points that lie on the other frame's depth by the poses as read
   double best_share = 0;     // by the reading below
+  double best_worth = 0;     // the same, less by what that reading changes
   std::string best_reading;  // in words; empty: as read
 
   // Another reading fits, and clearly better.

@@ -64,6 +64,17 @@ Result<std::optional<Pose3>> ParsePose(const fs::path& file,
   return PoseOfSeven(*numbers, w_first);
 }
 
+// Fewer numbers than `count`, of which the last may be half a one.
+bool EndsEarly(std::string_view text, std::size_t count) {
+  std::vector<std::string_view> fields;
+  for (const TextLine& line : SplitLines(text))
+    fields.insert(fields.end(), line.fields.begin(), line.fields.end());
+  if (!fields.empty()) fields.pop_back();
+  return fields.size() + 1 < count && std::ranges::all_of(fields, [](std::string_view field) {
+           return ParseNumber(field).has_value();
+         });
+}
+
 void WarnOfUnusable(std::size_t num_unusable,
                     const std::string& first,
                     std::vector<std::string>& warnings) {
@@ -93,9 +104,10 @@ Result<FramePoses> ParsePoseLines(const std::string& text,
   while (const TextLine* const line = lines.Next()) {
     const Result<std::optional<Pose3>> pose = ParsePose(file, *line, columns);
     if (!pose) {
-      // A line that the file ends within is the last one.
-      if (IsLeftOut(file, *line, warnings)) break;
-      return pose.error();
+      // A line that the file ends within is the last one: its frame has no pose.
+      if (!IsLeftOut(file, *line, warnings)) return pose.error();
+      poses.emplace_back();
+      break;
     }
     poses.push_back(*pose);
     if (!*pose && num_unusable++ == 0)
@@ -118,7 +130,13 @@ Result<MatrixFiles> ReadMatrixFiles(const fs::path& folder,
     if (!*text) continue;
     read.text += fmt::format("{}\n{}\n", name, **text);
     const auto numbers = ParseNumbers(**text, folder / name, 16, "a 4 x 4 matrix");
-    if (!numbers) return numbers.error();
+    if (!numbers) {
+      // Of a recorder that was stopped, the last file is not whole.
+      if (names.size() == 1 || name != names.back() || !EndsEarly(**text, 16))
+        return numbers.error();
+      warnings.push_back(numbers.error().message + " (was the recorder stopped?) It was left out");
+      break;
+    }
     read.poses.back() = PoseOfMatrix(std::span<const double, 16>(*numbers));
     if (!read.poses.back() && num_unusable++ == 0) first_unusable = (folder / name).string();
   }

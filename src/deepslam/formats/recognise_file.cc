@@ -25,7 +25,7 @@ constexpr std::string_view kUnpack = "unpack it and name the folder that comes o
 constexpr std::string_view kImport =
     "scripts/import_recording.py makes a capture of it, whose folder can be named here";
 
-constexpr std::array<Kind, 16> kKinds = {{
+constexpr std::array<Kind, 22> kKinds = {{
     {0, "\x1f\x8b", "a gzip archive (.tgz, .tar.gz)"},
     {0, "BZh", "a bzip2 archive (.tar.bz2)"},
     {0,
@@ -48,6 +48,18 @@ constexpr std::array<Kind, 16> kKinds = {{
     {0, "\x89PNG\r\n\x1a\n", "one image: name the folder of the capture"},
     {0, "\xff\xd8\xff", "one image: name the folder of the capture"},
     {4, "ftyp", "a video, which has no depth: name the folder of the capture"},
+    {8, "AVI LIST", "a video, which has no depth: name the folder of the capture"},
+    {0, "\x04\x22\x4d\x18", "an lz4 archive (.lz4)"},
+    {0,
+     "\x89HDF\r\n\x1a\n",
+     "an HDF5 file: write its images into color/ and depth/ (PNG of 16 bits)"},
+    {0,
+     "MATLAB 5.0 MAT-file",
+     "a file of MATLAB: write its images into color/ and depth/ (PNG of 16 bits)"},
+    {0,
+     "MATLAB 7.3 MAT-file",
+     "a file of MATLAB: write its images into color/ and depth/ (PNG of 16 bits)"},
+    {0, "glTF", "a point cloud or mesh, no capture: name the folder with the images"},
     {0, "%PDF", "a document, no capture"},
 }};
 
@@ -85,12 +97,22 @@ std::string Matroska(std::string_view head, const std::filesystem::path& file) {
   return "a video, which has no depth: name the folder of the capture";
 }
 
+// Recordings that begin with nothing of their own.
+std::optional<std::string> ByName(const std::filesystem::path& file) {
+  const std::string end = SmallEnd(file);
+  if (end == ".svo" || end == ".svo2")
+    return "a recording of a ZED: export it by its SDK, into color/ and depth/ (PNG of 16 bits)";
+  if (end == ".klg")
+    return "a log of Kintinuous: write its images into color/ and depth/ (PNG of 16 bits)";
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> WhatIsToBeDone(const std::filesystem::path& file) {
   std::error_code code;
   if (std::filesystem::is_directory(file / "rgbd", code))
-    return "rgbd/ is Record3D's, as its .r3d unpacks: " + std::string(kImport);
+    return "a recording of Record3D, unpacked: " + std::string(kImport);
   const std::uintmax_t size = std::filesystem::file_size(file, code);
   if (code || size == 0) return std::nullopt;
   const Result<std::string> read = dataset::ReadFilePiece(file, 0, std::min(kLookedAtBytes, size));
@@ -106,7 +128,7 @@ std::optional<std::string> WhatIsToBeDone(const std::filesystem::path& file) {
     if (words.find("of ROS") != std::string::npos) words += ": " + std::string(kImport);
     return words;
   }
-  return std::nullopt;
+  return ByName(file);
 }
 
 }  // namespace deepslam::formats

@@ -25,11 +25,13 @@ std::string Shown(std::string_view text) {
 LineReader::LineReader(std::string_view text) : left_(text) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (left_.starts_with(kByteOrderMark)) left_.remove_prefix(kByteOrderMark.size());
+  // Old Macs end lines by a carriage return alone.
+  if (left_.find('\n') == std::string_view::npos) line_end_ = '\r';
 }
 
 const TextLine* LineReader::Next() {
   while (!left_.empty()) {
-    const std::size_t end = left_.find('\n');
+    const std::size_t end = left_.find(line_end_);
     std::string_view line = left_.substr(0, end);
     left_.remove_prefix(end == std::string_view::npos ? left_.size() : end + 1);
     ++line_.number;
@@ -79,9 +81,15 @@ Error TimeError(const std::filesystem::path& file,
     double least;  // of today's time since 1970 in it
     std::string_view words;
   };
-  constexpr std::array<Unit, 3> kUnits = {{{1e17, "nanoseconds; divide them by 1000000000"},
-                                           {1e14, "microseconds; divide them by 1000000"},
-                                           {1e11, "milliseconds; divide them by 1000"}}};
+  // Clocks that run since a device was started count nanoseconds from 1e11 (two minutes) on.
+  constexpr std::array<Unit, 5> kUnits = {
+      {{1e17, "nanoseconds; divide them by 1000000000"},
+       {1e15, "microseconds; divide them by 1000000"},
+       {1e14, "nanoseconds since the device was started; divide them by 1000000000"},
+       {1e12,
+        "milliseconds; divide them by 1000 (or nanoseconds since the device was started: by "
+        "1000000000)"},
+       {1e11, "nanoseconds since the device was started; divide them by 1000000000"}}};
   const double size = std::abs(ParseNumber(field).value_or(0));
   for (const Unit& unit : kUnits) {
     if (!(size >= unit.least && size < 1e20)) continue;

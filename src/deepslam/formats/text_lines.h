@@ -29,6 +29,7 @@ class LineReader {
 
  private:
   std::string_view left_;
+  char line_end_ = '\n';
   TextLine line_;
 };
 // All of them, of short texts.

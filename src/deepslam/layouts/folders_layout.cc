@@ -156,12 +156,14 @@ Result<Poses> ReadPoseLines(const fs::path& file,
         file.string()));
     return Poses{formats::FramePoses(read.pairs.size()), {}, {}};
   }
-  const Result<formats::FramePoses> poses = formats::ParsePoseLines(
+  Result<formats::FramePoses> poses = formats::ParsePoseLines(
       *text,
       file,
       num_fields == 7 ? formats::PoseColumns::kXyzQuatXyzw : formats::PoseColumns::kMatrix,
       warnings);
   if (!poses) return poses.error();
+  // A line that was left out may be of a frame whose images were not written yet.
+  if (poses->size() == read.position.size() + 1 && !poses->back()) poses->pop_back();
   if (poses->size() != read.position.size()) {
     warnings.push_back(
         fmt::format("{}: has {} poses, there are {} colour images; which belong together is not "

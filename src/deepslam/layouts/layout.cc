@@ -87,7 +87,7 @@ static_assert(kLayouts.size() == dataset::kFormats.size());
 
 // Folders looked into for a capture that lies deeper, and how deep.
 constexpr int kMaxFolders = 200;
-constexpr int kMaxDepth = 2;
+constexpr int kMaxDepth = 4;
 
 const Layout* FirstMatch(const fs::path& path) {
   const auto found = std::ranges::find_if(
@@ -146,7 +146,7 @@ std::string WhatFilesAre(const fs::path& path) {
     const bool speaks = !IsColourName(name) && !IsDepthName(name);
     const std::optional<std::string> words =
         speaks ? formats::WhatIsToBeDone(path / name) : std::nullopt;
-    if (words) return fmt::format(", but {}, {}", name, *words);
+    if (words) return fmt::format(", but {} is {}", name, *words);
   }
   return {};
 }
@@ -167,7 +167,7 @@ Error UnknownLayout(const fs::path& path) {
   if (const std::string below = WhatLiesBelow(path); !below.empty())
     return InvalidInput(message + below);
   if (const std::optional<std::string> words = formats::WhatIsToBeDone(path))
-    return InvalidInput(fmt::format("{}, but {}", message, *words));
+    return InvalidInput(fmt::format("{}, but is {}", message, *words));
   if (nearest == nullptr) message += WhatFilesAre(path);
   if (nearest != nullptr) {
     message += fmt::format("; the nearest is {}, for which is missing: {}",

@@ -15,6 +15,7 @@
 #include "deepslam/formats/pose_matrix.h"
 #include "deepslam/formats/pose_texts.h"
 #include "deepslam/formats/text_lines.h"
+#include "deepslam/layouts/depth_scale.h"
 #include "deepslam/layouts/image_folders.h"
 #include "deepslam/layouts/layout.h"
 #include "deepslam/layouts/settle_images.h"
@@ -37,20 +38,6 @@ Error JsonError(const fs::path& file, std::string_view fault) {
       "0, 0, 0, fy, 0, cx, cy, 1]}} (column by column)",
       file.string(),
       fault));
-}
-
-// `depth_scale`, the raw depth of one metre: in config.json, or, where Open3D unpacked a recording
-// of a RealSense, among the intrinsics. Nothing where it does not stand.
-Result<std::optional<double>> ParseDepthScale(const json& root, const fs::path& file) {
-  const auto field = root.find("depth_scale");
-  if (field == root.end()) return std::optional<double>();
-  const double scale = field->is_number() ? field->get<double>() : 0;
-  if (scale >= 1 && scale <= 1e6) return std::optional(scale);
-  return InvalidInput(fmt::format(
-      "{}: field 'depth_scale' is {}, not a number in 1 .. 1000000 (usual: 1000); it is "
-      "the raw depth of one metre",
-      file.string(),
-      field->dump()));
 }
 
 struct Intrinsics {
@@ -103,7 +90,7 @@ Result<Intrinsics> ParseIntrinsics(const std::string& text,
   camera.cy = m[7];
   const Status plausible = dataset::CheckCamera(camera, file);
   if (!plausible) return plausible.error();
-  const Result<std::optional<double>> scale = ParseDepthScale(root, file);
+  const Result<std::optional<double>> scale = FindDepthScale(text, file, warnings);
   if (!scale) return scale.error();
   intrinsics.depth_scale = *scale;
   return intrinsics;
@@ -114,7 +101,9 @@ struct Config {
   std::optional<double> depth_scale;
 };
 
-Result<Config> ParseConfig(const std::optional<std::string>& text, const fs::path& file) {
+Result<Config> ParseConfig(const std::optional<std::string>& text,
+                           const fs::path& file,
+                           std::vector<std::string>& warnings) {
   Config config;
   if (!text) return config;
   const json root = json::parse(*text, nullptr, false);
@@ -125,7 +114,7 @@ Result<Config> ParseConfig(const std::optional<std::string>& text, const fs::pat
       field != root.end() && field->is_string() && !field->get<std::string>().empty()) {
     config.intrinsics = field->get<std::string>();
   }
-  const Result<std::optional<double>> scale = ParseDepthScale(root, file);
+  const Result<std::optional<double>> scale = FindDepthScale(*text, file, warnings);
   if (!scale) return scale.error();
   config.depth_scale = *scale;
   return config;
@@ -347,7 +336,7 @@ Result<OpenedLayout> OpenOpen3d(const LayoutSource& source) {
   const Result<std::optional<std::string>> config_text =
       dataset::ReadOptional(folder / kConfigName);
   if (!config_text) return config_text.error();
-  const Result<Config> config = ParseConfig(*config_text, folder / kConfigName);
+  const Result<Config> config = ParseConfig(*config_text, folder / kConfigName, opened.warnings);
   if (!config) return config.error();
   const Result<CameraOfFolder> of_folder =
       ReadCamera(source, *config, read->pairs, opened.warnings);

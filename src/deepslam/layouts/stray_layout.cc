@@ -2,6 +2,7 @@
 // video (or a folder of images), depth in millimetres with a confidence (0 low, 1 medium, 2 high)
 // per pixel, both coarser than colour and seen from its place. odometry.csv has world from camera,
 // the camera's axes x right, y down, z forward.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -268,25 +269,24 @@ Result<Listed> ListFrames(const fs::path& folder,
 }
 
 // Which frame of the video belongs to each row: that of its number; where the video has as many as
-// there are rows and these begin later, those in order. Rows behind its end are dropped.
+// there are rows and these are numbered beyond its end, those in order. Rows behind its end are
+// dropped.
 void SetVideoFrames(const dataset::VideoFile& video,
                     const std::vector<Row>& rows,
                     Listed& listed,
                     std::vector<std::string>& warnings,
                     std::vector<std::string>& doubts) {
   const std::int64_t num_frames = video.num_frames();
-  const std::int64_t first = rows.front().frame;
   const bool behind_end = num_frames > 0 && rows.back().frame >= num_frames;
-  const bool in_order = behind_end && first > 0 &&
-                        num_frames == static_cast<std::int64_t>(rows.size()) &&
-                        rows.back().frame - first + 1 == num_frames;
+  const bool in_order = behind_end && num_frames == static_cast<std::int64_t>(rows.size());
   if (in_order) {
     warnings.push_back(
-        fmt::format("{}: {} begins with frame {} and the video has as many frames as "
-                    "it has rows; they were paired in order",
+        fmt::format("{}: {} has frames {} to {} and the video has as many frames as it has rows; "
+                    "they were paired in order",
                     video.file().string(),
                     kOdometryName,
-                    first));
+                    rows.front().frame,
+                    rows.back().frame));
   } else if (behind_end) {
     doubts.push_back(fmt::format(
         "{}: the video has {} frames, {} goes up to frame {}: where frames are missing in it, "
@@ -298,7 +298,9 @@ void SetVideoFrames(const dataset::VideoFile& video,
   }
   Listed kept;
   for (std::size_t i = 0; i < listed.pairs.size(); ++i) {
-    const std::int64_t index = listed.rows[i].frame - (in_order ? first : 0);
+    const std::int64_t frame = listed.rows[i].frame;
+    const std::int64_t index =
+        in_order ? std::ranges::lower_bound(rows, frame, {}, &Row::frame) - rows.begin() : frame;
     if (num_frames > 0 && index >= num_frames) continue;
     kept.pairs.push_back(std::move(listed.pairs[i]));
     kept.poses.push_back(listed.poses[i]);

@@ -157,6 +157,34 @@ Result<PinholeCamera> ReadCalibration(const fs::path& folder,
   return camera;
 }
 
+// What is said where the times of poses and images are of two clocks, or two units; empty where
+// some poses lie near.
+std::string FaultOfTimes(const std::vector<formats::TimedPose>& poses,
+                         const std::vector<std::optional<Pose3>>& at,
+                         const std::vector<dataset::ImagePair>& pairs) {
+  if (poses.empty() || pairs.empty()) return {};
+  const auto num_near =
+      std::ranges::count_if(at, [](const auto& pose) { return pose.has_value(); });
+  std::vector<double> pose_times_s, image_times_s;
+  for (const formats::TimedPose& pose : poses) pose_times_s.push_back(pose.time_s);
+  for (const dataset::ImagePair& pair : pairs) image_times_s.push_back(pair.depth.time_s);
+  const std::string_view unit = dataset::UnitOfTimes(pose_times_s);
+  // One may lie near by chance: both may begin with 0.
+  if (num_near <= 1 && pairs.size() > 1 && !unit.empty() &&
+      dataset::UnitOfTimes(image_times_s).empty()) {
+    return fmt::format("the times of poses look like {}, those of images like seconds", unit);
+  }
+  if (num_near > 0) return {};
+  return fmt::format(
+      "no pose lies within {} s of an image (poses {:.3f} to {:.3f} s, images {:.3f} "
+      "to {:.3f} s)",
+      kAssociationToleranceS,
+      pose_times_s.front(),
+      pose_times_s.back(),
+      image_times_s.front(),
+      image_times_s.back());
+}
+
 // Of each pair; its text joins `texts`. No poses where the file does not exist.
 Result<std::vector<std::optional<Pose3>>> ReadPoses(const fs::path& file,
                                                     const std::vector<dataset::ImagePair>& pairs,
@@ -174,7 +202,13 @@ Result<std::vector<std::optional<Pose3>>> ReadPoses(const fs::path& file,
                     "time stands for several moments have no pose",
                     file.string()));
   }
-  return PosesAt(*poses, pairs);
+  std::vector<std::optional<Pose3>> at = PosesAt(*poses, pairs);
+  if (const std::string fault = FaultOfTimes(*poses, at, pairs); !fault.empty()) {
+    warnings.push_back(fmt::format(
+        "{}: {}; none was taken: write both in seconds of one clock", file.string(), fault));
+    at.assign(pairs.size(), std::nullopt);
+  }
+  return at;
 }
 
 Result<OpenedLayout> OpenLists(const LayoutSource& source,
