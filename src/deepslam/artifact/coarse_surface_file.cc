@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr std::string_view kFormat = "deepslam space ";
 constexpr std::string_view kVersion = "1\n";
-constexpr double kMaxVoxel_m = 1000;
+constexpr double kMaxVoxel_m = 1000;  // a file that claims larger ones is damaged
 // A run each for what passed and what was blind: no block is shorter.
 constexpr std::size_t kMinBlockBytes = 3 * sizeof(std::int32_t) + 2 * 3;
 

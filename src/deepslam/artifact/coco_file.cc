@@ -15,7 +15,7 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr std::size_t kMaxWarnings = 10;
+constexpr std::size_t kMaxWarnings = 10;  // more are counted only
 constexpr int kMaxSidePx = 1 << 16;       // nobody's images are larger
 constexpr double kMaxScaleSpread = 0.02;  // between width and height
 

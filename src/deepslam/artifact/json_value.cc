@@ -16,9 +16,11 @@
 namespace deepslam::artifact {
 namespace {
 
+// Hostile text cannot exhaust the stack; own files nest far less.
 constexpr std::size_t kMaxDepth = 64;
-constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kLineWidth = 100;  // columns: an array that fits is written on one line
 constexpr std::size_t kSqueezable = 2 * kLineWidth;  // with line breaks and indents
+// 256 KiB: what is held of a long file while it is written.
 constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
 constexpr std::size_t kElementsAtOnce = 64;  // of a stream; enough to work on side by side
 

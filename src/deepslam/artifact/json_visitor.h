@@ -28,6 +28,7 @@
 
 namespace deepslam::artifact {
 
+// Counts and ids beyond are damage; no capture has as many items.
 inline constexpr int kMaxId = 100'000'000;
 inline constexpr Range kCount{0, kMaxId};
 inline constexpr Range kAnyNumber{-std::numeric_limits<double>::infinity(),

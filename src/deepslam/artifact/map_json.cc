@@ -11,10 +11,10 @@
 namespace deepslam::artifact {
 
 constexpr JsonFormat kFormat{"deepslam/map", 5, 4};  // 4 has no layout
-constexpr double kMinStretch = 0.01;
-constexpr double kMaxStretch = 100;
+constexpr double kMinStretch = 0.01;  // of a library model, per axis; no fit of a thing goes as far
+constexpr double kMaxStretch = 100;   // the same bound the other way round
 constexpr Range kLatent{-1e6, 1e6};
-constexpr std::size_t kMaxOutlinePoints = 100'000;
+constexpr std::size_t kMaxOutlinePoints = 100'000;  // files of more are refused
 constexpr Range kPlaceM{-1e5, 1e5};
 
 namespace {

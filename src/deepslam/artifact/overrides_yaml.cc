@@ -14,12 +14,13 @@
 namespace deepslam::artifact {
 namespace {
 
-constexpr int kVersion = 1;
-constexpr double kMaxHeightM = 10;
+constexpr int kVersion = 1;         // of the format; raised when its keys change
+constexpr double kMaxHeightM = 10;  // m, of the camera above the floor: no room is higher
 // Aliases can make a small file huge: nobody corrects as much by hand.
 constexpr std::size_t kMaxBytes = 1U << 20;
+// Corrections of all kinds; aliases cannot make more of a small file.
 constexpr int kMaxItems = 100'000;
-constexpr int kMaxFaults = 50;
+constexpr int kMaxFaults = 50;               // more are not told: nobody mends as many at a time
 constexpr std::size_t kMaxClassBytes = 256;  // of a name; aliases repeat it
 constexpr JsonFormat kAppliedFormat{"deepslam/overrides", 1};
 

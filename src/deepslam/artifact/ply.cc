@@ -21,7 +21,9 @@ constexpr std::string_view kColour =
     "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 constexpr std::string_view kLabel = "property int label\n";
 constexpr std::string_view kFaces = "property list uchar int vertex_indices\nend_header\n";
+// Number of corners, three indices.
 constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::uint32_t);
+// A header that claims more is refused before memory is taken.
 constexpr std::int64_t kMaxElements = std::int64_t{1} << 28;
 
 template <typename T>

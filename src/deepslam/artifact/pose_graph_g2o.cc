@@ -13,7 +13,9 @@
 namespace deepslam::artifact {
 namespace {
 
+// Tag and two ids, pose, upper triangle of the information.
 constexpr std::size_t kEdgeWords = 3 + 7 + 21;
+// 256 KiB: what is held of a long graph while it is written.
 constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
 
 void AppendPose(const Pose3& pose, std::string& text) {

@@ -12,7 +12,7 @@
 namespace deepslam::artifact {
 
 constexpr JsonFormat kFormat{"deepslam/candidates", 2};
-constexpr std::size_t kMaxLatents = 4096;
+constexpr std::size_t kMaxLatents = 4096;  // files of more are refused; decoders take far fewer
 constexpr Range kLatent{-1e6, 1e6};
 
 void Describe(JsonVisitor& visitor, ShapeCandidate& candidate) {

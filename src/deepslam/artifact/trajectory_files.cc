@@ -13,6 +13,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr JsonFormat kFormat{"deepslam/frames", 1};
+// Time, translation, quaternion: the TUM RGB-D benchmark's format.
 constexpr std::size_t kTumColumns = 8;
 
 Result<StampedPose> DecodeTumLine(std::span<const std::string_view> words) {

@@ -9,7 +9,7 @@ namespace deepslam::batch {
 namespace {
 
 constexpr std::string_view kFormat = "deepslam/batch_plan";
-constexpr int kVersion = 1;
+constexpr int kVersion = 1;  // of the format; raised when its fields change
 
 }  // namespace
 

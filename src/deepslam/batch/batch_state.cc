@@ -15,7 +15,7 @@ using artifact::JsonObject;
 using artifact::JsonReader;
 
 constexpr std::string_view kFormat = "deepslam/batch";
-constexpr int kVersion = 1;
+constexpr int kVersion = 1;  // of the format; raised when its fields change
 
 }  // namespace
 

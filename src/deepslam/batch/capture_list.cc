@@ -17,9 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// 64 MiB; a recording given by mistake is not read whole.
 constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;
-constexpr std::size_t kMaxNameBytes = 120;  // leaves room for the longest file in a workspace
-constexpr std::size_t kMaxCollisionsTold = 5;
+constexpr std::size_t kMaxNameBytes = 120;     // leaves room for the longest file in a workspace
+constexpr std::size_t kMaxCollisionsTold = 5;  // the rest is one line with their number
 constexpr std::string_view kWildcards = "*?[";
 
 bool IsUtf8(const std::string& text) {

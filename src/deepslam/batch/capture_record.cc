@@ -17,7 +17,8 @@ using artifact::JsonReader;
 using artifact::JsonValue;
 
 constexpr std::string_view kFormat = "deepslam/batch_record";
-constexpr int kVersion = 1;
+constexpr int kVersion = 1;  // of the format; raised when its fields change
+// Bound of counts and process ids: a record of more is damaged.
 constexpr int kManyItems = 1'000'000'000;
 constexpr double kLongAgo = 1e12;  // s
 constexpr std::array kStates = {CaptureState::kWaiting,
@@ -93,10 +94,10 @@ std::string_view NameOf(CaptureState state) {
 }
 
 int NumObjects(const CaptureRecord& record) {
-  return std::accumulate(record.objects.begin(),
-                         record.objects.end(),
-                         0,
-                         [](int sum, const auto& entry) { return sum + entry.second; });
+  return std::accumulate(
+      record.objects.begin(), record.objects.end(), 0, [](int sum, const auto& entry) {
+        return sum + entry.second;
+      });
 }
 
 JsonValue ToJson(const CaptureRecord& record) { return JsonValue(Fields(record)); }

@@ -28,7 +28,7 @@ const std::array<std::pair<const char*, double>, 15> kUsualSeconds = {{{"track",
                                                                        {"fuse", 3.0},
                                                                        {"export", 1.0},
                                                                        {"report", 2.0}}};
-constexpr double kOtherStageSeconds = 1.0;
+constexpr double kOtherStageSeconds = 1.0;  // for stages that the table above does not name
 
 // Rounded up from a handful of rendered and real rooms.
 constexpr std::uintmax_t kBytesPerCapture = 12'000'000;

@@ -10,7 +10,8 @@
 namespace deepslam::batch {
 namespace {
 
-constexpr int kMaxNameWidth = 32;
+constexpr int kMaxNameWidth = 32;  // columns: one long name must not widen them for all
+// The latest; more push the running captures off the screen.
 constexpr std::size_t kMaxFailuresShown = 5;
 
 // One line of at most `width` columns. A cut never leaves half a UTF-8 sequence.
@@ -123,8 +124,7 @@ std::vector<std::string> RenderTable(const BatchState& batch,
       lines.push_back(Fitted("  ...", options.width));
       break;
     }
-    lines.push_back(
-        Fitted(RunningLine(*record, shares, stages, now_s, name_width), options.width));
+    lines.push_back(Fitted(RunningLine(*record, shares, stages, now_s, name_width), options.width));
   }
   const std::size_t shown =
       std::min({failed.size(), kMaxFailuresShown, room > lines.size() ? room - lines.size() : 0});

@@ -8,7 +8,7 @@
 namespace deepslam::batch {
 namespace {
 
-constexpr int kDefaultMaxArraySize = 1001;
+constexpr int kDefaultMaxArraySize = 1001;  // Slurm's own, where its configuration says nothing
 
 bool IsNumber(std::string_view text) {
   return !text.empty() &&

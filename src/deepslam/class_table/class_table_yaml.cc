@@ -17,14 +17,14 @@
 namespace deepslam::class_table {
 namespace {
 
-constexpr int kVersion = 3;
+constexpr int kVersion = 3;  // of the format; older ones are read, later ones refused
 constexpr double kMaxDensityKgM3 = 25'000;  // no metal is denser than 22,600 kg/m3
-constexpr double kMaxSizeM = 20;
+constexpr double kMaxSizeM = 20;  // m: no furniture is longer; a larger number is in another unit
 // Aliases can make a small file huge.
 constexpr std::size_t kMaxBytes = 1U << 20;
-constexpr std::size_t kMaxClasses = 1000;
-constexpr std::size_t kMaxLabels = 10'000;
-constexpr int kMaxFaults = 50;
+constexpr std::size_t kMaxClasses = 1000;   // against aliases; a table made by hand has some dozens
+constexpr std::size_t kMaxLabels = 10'000;  // of all classes together, against aliases
+constexpr int kMaxFaults = 50;              // more are not told: nobody mends as many at a time
 constexpr std::string_view kHeader =
     "# Classes of objects the map may hold. `labels` are what detectors call them, `library` the "
     "classes of CAD models\n"
@@ -133,7 +133,7 @@ std::string Quoted(const std::vector<std::string>& texts) {
 
 // A value as a fault names it.
 std::string Shown(const std::string& text) {
-  constexpr std::size_t kMaxShown = 40;
+  constexpr std::size_t kMaxShown = 40;  // characters; a longer value would fill the message
   return text.size() <= kMaxShown ? text : "...";
 }
 

@@ -17,13 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// COLMAP: the top-left pixel's centre is (0.5, 0.5), here (0, 0).
 constexpr double kPixelCentre = 0.5;
 // One point a cell, so that what was seen often does not outweigh the rest.
 constexpr double kCellM = 0.03;
 // Pixels looked at, of each side; a frame gives at most a few hundred points.
 constexpr int kColumns = 40;
-constexpr int kRows = 30;
-constexpr std::size_t kMaxPoints = 500'000;
+constexpr int kRows = 30;                    // with the columns, squares of a 4:3 image
+constexpr std::size_t kMaxPoints = 500'000;  // bounds memory and file; sparse models hold no more
 
 // Of a cell of the grid; cells farther than a kilometre are one.
 std::uint64_t KeyOf(const Eigen::Vector3d& p_m) {

@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+// Nerfstudio: the top-left pixel's centre is (0.5, 0.5), here (0, 0).
 constexpr double kPixelCentre = 0.5;
 
 ordered_json MatrixOfOpenGl(const Pose3& world_from_camera) {

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUsualUnitsPerM = 1000;
+constexpr double kUsualUnitsPerM = 1000;  // millimetres, which Open3D takes without a configuration
 
 class WriterOfOpen3d final : public CaptureWriter {
  public:

@@ -63,6 +63,7 @@ class WriterOfScanNet final : public CaptureWriter {
   }
 
   [[nodiscard]] Status Finish() override {
+    // The format's count of inertial readings, of which none are written.
     constexpr std::uint64_t kNoMotions = 0;
     out_.write(reinterpret_cast<const char*>(&kNoMotions), sizeof(kNoMotions));
     out_.seekp(num_frames_at_);

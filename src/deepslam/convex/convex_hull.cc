@@ -29,7 +29,7 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 // Evenly spread over the sphere (Fibonacci's lattice), and the six axes, along which boxes end.
 std::vector<Eigen::Vector3f> Directions(std::size_t number) {
-  constexpr std::size_t kAxes = 6;
+  constexpr std::size_t kAxes = 6;  // both ways along x, y and z
   const std::size_t count = number > kAxes ? number - kAxes : 0;
   std::vector<Eigen::Vector3f> directions;
   for (int axis = 0; axis < 3; ++axis) {

@@ -10,7 +10,7 @@
 namespace deepslam::convex {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();  // not on this side yet
 
 // One side of the plane while a soup is cut: its points by their place in the soup, and the caps.
 class Half {

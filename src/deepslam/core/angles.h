@@ -5,6 +5,6 @@
 
 namespace deepslam {
 
-inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;  // degrees times this are radians
 
 }  // namespace deepslam

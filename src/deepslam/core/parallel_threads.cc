@@ -17,7 +17,7 @@ namespace {
 
 // Even where there are fewer cores.
 constexpr std::size_t kFewestThreads = 2;
-constexpr std::size_t kMostThreads = 4;
+constexpr std::size_t kMostThreads = 4;  // ThreadSanitizer keeps a shadow of each thread's work
 
 thread_local bool alone = false;
 

@@ -48,7 +48,7 @@ void AppendUtf8(std::uint32_t code, std::string& text) {
 }
 
 // Stands for what is no character.
-constexpr std::uint32_t kReplacement = 0xFFFD;
+constexpr std::uint32_t kReplacement = 0xFFFD;  // Unicode's replacement character
 
 // Units of 16 bits, the lower or the higher byte first. Halves of pairs without the other become
 // U+FFFD.

@@ -17,28 +17,29 @@ namespace deepslam::detect {
 
 struct ClusterOptions {
   bool enabled = true;
-  static constexpr double kMinHeight_m =
-      0.10;  // points lower than this above the ground belong to the ground
-  static constexpr double kMaxHeight_m =
-      2.0;  // points above belong to the room; a cluster that reaches it is none
+  // Points lower than this above the ground belong to the ground.
+  static constexpr double kMinHeight_m = 0.10;
+  // Points above belong to the room; a cluster that reaches it is none.
+  static constexpr double kMaxHeight_m = 2.0;
   static constexpr double kMaxDepth_m = 4.0;  // farther depth is too coarse to tell clusters apart
-  static constexpr double kMaxBase_m = 0.25;  // Grid on the ground in which clusters are connected:
-                                              // two to three pixels of a reduced frame at
+  // Clusters that begin higher hang on a wall or lie on something.
+  static constexpr double kMaxBase_m = 0.25;
+  // Grid on the ground in which clusters are connected: two to three pixels of a reduced frame at
   // 4 m.
   static constexpr double kCell_m = 0.04;
   // Clusters that cover less ground are no furniture: 20 cm square.
   static constexpr double kMinFootprint_m2 = 0.04;
   // Longest side of the cluster: smaller things are not mapped (select_options.h).
   static constexpr double kMinSize_m = 0.30;
-  static constexpr double kMaxSize_m =
-      2.2;  // Share of the image's pixels: 300 of a reduced frame of 320 x 240.
+  static constexpr double kMaxSize_m = 2.2;  // longer ones are walls, or several things in one
+  // Share of the image's pixels: 300 of a reduced frame of 320 x 240.
   static constexpr double kMinPointsShare = 0.004;
   // A cluster whose pixels are covered more than this by the detection that found it is its own.
   static constexpr double kMaxCoveredShare = 0.35;
-  // Floor must be seen around this much of the cluster's visible foot.
+  // Floor must be seen around this much of the cluster's visible foot ...
   static constexpr double kFreeMargin_m = 0.15;
-  static constexpr double kMinFreeShare =
-      0.5;  // ... along this share of its outline (stands free, not part of a wall)
+  // ... along this share of its outline: it stands free and is no part of a wall.
+  static constexpr double kMinFreeShare = 0.5;
 };
 void Describe(OptionsVisitor& visitor, ClusterOptions& options);
 

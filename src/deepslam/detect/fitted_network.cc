@@ -18,7 +18,7 @@ namespace {
 namespace onnx = onnx_excerpt;
 
 constexpr int kFloat = 1;  // of TensorProto.DataType
-constexpr int kInt64 = 7;
+constexpr int kInt64 = 7;  // of TensorProto.DataType
 
 bool LiesIn(Sides sides, const AnchorCell& cell) {
   return cell.u < sides.width / cell.stride && cell.v < sides.height / cell.stride;

@@ -15,7 +15,7 @@ namespace deepslam::detect {
 // Height noise of structured light: a part that does not depend on the depth, and one that grows
 // with its square.
 inline constexpr double kHeightNoise_m = 0.03;
-inline constexpr double kHeightNoisePerM2 = 0.006;
+inline constexpr double kHeightNoisePerM2 = 0.006;  // 1/m: times the depth squared
 
 // What a cell holds, as bits.
 enum : std::uint8_t { kFloor = 1, kMatter = 2 };

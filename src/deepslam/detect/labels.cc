@@ -9,7 +9,7 @@
 namespace deepslam::detect {
 namespace {
 
-constexpr std::size_t kMostLabels = 10000;
+constexpr std::size_t kMostLabels = 10000;  // networks' metadata of more is refused
 
 struct Quoted {
   std::string text;

@@ -45,6 +45,7 @@ Sides FitSides(Sides image, Sides input) {
   if (image.width <= 0 || image.height <= 0) return input;
   const double scale = Scale(image, input);
   const auto side = [&](int image_px, int input_px) {
+    // An exact multiple of the stride must not become the next one.
     constexpr double kRounding = 1e-9;
     const double strides = std::ceil(image_px * scale / kCoarsestStride - kRounding);
     return std::clamp(static_cast<int>(strides) * kCoarsestStride, kCoarsestStride, input_px);

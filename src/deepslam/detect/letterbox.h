@@ -14,8 +14,9 @@ struct Sides {
   friend bool operator==(const Sides&, const Sides&) = default;
 };
 
+// Pixels, of a YOLO network's last level: sides are its multiples.
 inline constexpr int kCoarsestStride = 32;
-inline constexpr int kLargestSide = 4096;
+inline constexpr int kLargestSide = 4096;  // px; a model that asks for more is refused
 
 // Multiples of the coarsest stride, up to the largest side.
 [[nodiscard]] bool CanBeInput(std::int64_t width, std::int64_t height);

@@ -10,9 +10,9 @@
 namespace deepslam::detect {
 namespace {
 
-constexpr double kShadowShare = 0.05;  // of the image width: the sensor's shadow beside a thing
-constexpr double kStepBehind_m = 0.10;
-constexpr double kMinEndShare = 0.6;
+constexpr double kShadowShare = 0.05;   // of the image width: the sensor's shadow beside a thing
+constexpr double kStepBehind_m = 0.10;  // what lies farther than this behind is another thing
+constexpr double kMinEndShare = 0.6;    // of the rows; beside the others depth is missing or noise
 
 struct PixelPlace {
   int u = 0;

@@ -9,6 +9,7 @@
 namespace deepslam::detect {
 namespace {
 
+// By all detections together; outlines leave a rim uncovered.
 constexpr double kWhollyCovered = 0.8;
 
 // Of a cluster's pixels, which are those of its mask.

@@ -10,6 +10,7 @@
 namespace deepslam::eval {
 namespace {
 
+// An end then varies by 0.7 % of the interval's width from seed to seed.
 constexpr int kResamples = 10'000;
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace deepslam::eval {
 
 inline constexpr std::string_view kDetectionProtocol =
     "boxes by IoU 0.5 with the visible part's box; objects that cover 0.5 % of the frame";
-inline constexpr double kDetectionIou = 0.5;
+inline constexpr double kDetectionIou = 0.5;  // as PASCAL VOC and COCO's AP50 match boxes
 
 // A box in the image; of the truth: round the visible pixels of an object.
 struct ImageBox {

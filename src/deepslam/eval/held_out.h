@@ -22,7 +22,7 @@ inline constexpr std::string_view kOtherViewsProtocol =
     "their frames, agrees within 2 cm, contradicted where the ray goes on, hidden pixels left out; "
     "depth_near is the share of their object's depth within 2 cm of the "
     "model's surface";
-inline constexpr double kHeldOutToleranceM = 0.02;
+inline constexpr double kHeldOutToleranceM = 0.02;  // m; part of the protocol above
 
 struct HeldOutAgreement {
   std::int64_t num_agree = 0;     // pixels measured within the tolerance of the model

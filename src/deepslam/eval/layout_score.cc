@@ -155,7 +155,7 @@ void ScoreWalls(const Layout& layout,
 
 // Whether a wall that ends at a corner was seen near it.
 bool SeenNear(const Eigen::Vector2d& corner, const SeenWall& wall) {
-  constexpr double kNear_m = 0.5;
+  constexpr double kNear_m = 0.5;  // a corner is seen where the last half metre of the wall is
   const Segment segment = SegmentOf(*wall.wall);
   for (int n = 0; n < segment.num_steps(); ++n) {
     if (wall.seen[static_cast<std::size_t>(n)] && (segment.Step(n) - corner).norm() < kNear_m)
@@ -168,6 +168,7 @@ void ScoreCorners(const Layout& layout,
                   const TrueLayout& truth,
                   const std::vector<SeenWall>& seen,
                   LayoutScore& score) {
+  // Walls of the truth that meet in a corner end this near to it.
   constexpr double kSamePlace_m = 0.02;
   for (const std::vector<Eigen::Vector2d>& room : truth.rooms) {
     for (const Eigen::Vector2d& corner : room) {
@@ -189,7 +190,7 @@ void ScoreCorners(const Layout& layout,
 
 // Of the area of both, counted on a raster over the first.
 double SharedArea(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
-  constexpr double kRaster_m = 0.05;
+  constexpr double kRaster_m = 0.05;  // a room of 10 m^2 has 4,000 samples
   Eigen::Vector2d low = a.front();
   Eigen::Vector2d high = a.front();
   for (const Eigen::Vector2d& p : a) {

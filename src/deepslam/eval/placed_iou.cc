@@ -8,7 +8,7 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr int kSteps = 128;
+constexpr int kSteps = 128;  // samples along the longest side; a model's grid has half as many
 
 Box3 WorldBox(const VoxelGrid& grid, const Similarity3& world_from_grid) {
   Box3 box;

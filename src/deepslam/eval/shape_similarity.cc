@@ -12,9 +12,9 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr int kPooledAbove = 100;
-constexpr int kPool = 4;
-constexpr int kMaxSize = 512;
+constexpr int kPooledAbove = 100;  // Pix3D's evaluation pools larger volumes first
+constexpr int kPool = 4;           // and by so much
+constexpr int kMaxSize = 512;      // samples a side: bounds memory, 512 MiB of floats
 
 Volume MaxPool(const Volume& in) {
   const int size = in.size[0] / kPool;

@@ -21,11 +21,11 @@ inline constexpr std::string_view kPix3dChamfer =
     "pix3d-cd: marching cubes at 0.1, 1024 points, box centred, longest side 1, mean nearest "
     "distance one way plus the other";
 
-inline constexpr float kShapeThreshold = 0.1F;
-inline constexpr int kIouSize = 32;
+inline constexpr float kShapeThreshold = 0.1F;  // Pix3D's: what reaches it is solid
+inline constexpr int kIouSize = 32;  // Pix3D's: samples a side at which shapes are compared
 // 0.01, 0.02 ... 0.49: the program's range leaves its end of 0.50 out.
 inline constexpr int kNumIouThresholds = 49;
-inline constexpr int kNumChamferPoints = 1024;
+inline constexpr int kNumChamferPoints = 1024;  // Pix3D's: drawn on either surface
 
 // The shape at 32^3: cubes larger than 100 are max-pooled by 4 first; cropped to the box of values
 // at or above 0.1; the cube round that box is sampled from its first to its last sample; zero

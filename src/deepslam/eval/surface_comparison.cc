@@ -15,8 +15,8 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr double kMaxPoints = 4e6;
-constexpr double kCapThresholds = 10;
+constexpr double kMaxPoints = 4e6;     // bounds memory: very large meshes are sampled more coarsely
+constexpr double kCapThresholds = 10;  // one stray piece far off must not make the mean
 // Voxels that a point may lie under the surface of the voxelised solid and still be on its outside:
 // half a voxel of rounding each for the surface and the point, half a voxel of margin.
 constexpr double kOuterVoxels = 1.5;

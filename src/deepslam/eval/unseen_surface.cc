@@ -12,7 +12,7 @@ namespace {
 
 // Three standard deviations of a Kinect's depth at 2 m; beyond, 2 % of the depth hold as many.
 constexpr double kSeenWithinM = 0.03;
-constexpr double kSeenWithinShare = 0.02;
+constexpr double kSeenWithinShare = 0.02;  // of the depth
 
 bool Shows(const InstanceView& view, int number, const Eigen::Vector3d& p_world) {
   const Eigen::Vector3d p_camera = view.camera_from_world * p_world;

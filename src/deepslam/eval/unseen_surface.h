@@ -21,7 +21,7 @@ inline constexpr std::string_view kUnseenProtocol =
     "unseen surface: points of the true outer surface, 1 per cm^2, that no frame shows by the "
     "instance masks and measures within 3 cm or 2 % of the depth; the share within 5 cm of the "
     "placed model's surface";
-inline constexpr double kUnseenToleranceM = 0.05;
+inline constexpr double kUnseenToleranceM = 0.05;  // m; part of the protocol above
 
 // What one frame shows. Depth, instances and camera have one size.
 struct InstanceView {

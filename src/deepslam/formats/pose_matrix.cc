@@ -7,8 +7,8 @@
 namespace deepslam::formats {
 namespace {
 
-constexpr double kMaxPositionM = 1e6;
-constexpr double kRotationTolerance = 0.01;
+constexpr double kMaxPositionM = 1e6;        // m: a pose farther off is in another unit or damaged
+constexpr double kRotationTolerance = 0.01;  // of an entry: files written with two decimals pass
 
 }  // namespace
 

@@ -16,10 +16,11 @@
 namespace deepslam::formats {
 namespace {
 
+// Version (3), type, width, height, lengths of five matrices.
 constexpr std::size_t kHeaderNumbers = 11;
-constexpr std::int32_t kMaxNumbers = 64;  // of a matrix in a calibration
-constexpr double kMaxTimeS = 1e11;
-constexpr int kMaxImageBytes = 256 << 20;
+constexpr std::int32_t kMaxNumbers = 64;   // of a matrix in a calibration
+constexpr double kMaxTimeS = 1e11;         // s since 1970: 3,000 years; what is beyond is no time
+constexpr int kMaxImageBytes = 256 << 20;  // 256 MiB; SQLite refuses longer values
 
 // A piece off the front, as it lies (little-endian); nothing where there are too few bytes.
 template <typename T>

@@ -16,9 +16,9 @@ static_assert(std::endian::native == std::endian::little, "raw values are stored
 // What a byte of a stream can stand for at most: deflate's longest match in its shortest code, and
 // a run of 36 values in 8 bits.
 constexpr std::size_t kMaxDeflateRatio = 1032;
-constexpr std::size_t kMaxOcciValuesPerByte = 36;
+constexpr std::size_t kMaxOcciValuesPerByte = 36;  // see above: 5 + 31 repeats
 
-constexpr int kMaxShift = 1104;
+constexpr int kMaxShift = 1104;  // 9.73 m: the last that the Structure Sensor's table has (header)
 
 std::size_t NumPixels(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

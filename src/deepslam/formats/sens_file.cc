@@ -14,9 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kFrameHeadBytes = 16 * 4 + 4 * 8;
+constexpr std::uint64_t kFrameHeadBytes = 16 * 4 + 4 * 8;  // pose, two times, two sizes
+// Of the sensor; a longer one means that this is no .sens file.
 constexpr std::uint64_t kMaxNameBytes = 4096;
-constexpr std::uint32_t kMaxSidePx = 16384;
+constexpr std::uint32_t kMaxSidePx = 16384;  // a header of more is refused before memory is taken
+// 1 GiB, of one compressed image; a claim of more is refused.
 constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 30;
 
 // Bytes from the front of a file, with what is left of it known.

@@ -10,7 +10,7 @@
 namespace deepslam::formats {
 namespace {
 
-constexpr std::size_t kMaxShownChars = 80;
+constexpr std::size_t kMaxShownChars = 80;  // as much of a faulty line as a message quotes
 
 }  // namespace
 

@@ -15,7 +15,7 @@ using RawDepthImage = Image<std::uint16_t>;
 inline constexpr double kMaxDepthM = 20.0;
 // Raw depth that means "nothing was measured": zero, and a saturated value.
 inline constexpr std::uint16_t kNoDepth = 0;
-inline constexpr std::uint16_t kSaturatedDepth = 65535;
+inline constexpr std::uint16_t kSaturatedDepth = 65535;  // the greatest number of 16 bits
 
 // raw / units_per_m in single precision; 0 for what is no depth: the two above and all beyond
 // kMaxDepthM.

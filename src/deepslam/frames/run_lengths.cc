@@ -81,6 +81,7 @@ struct PixelPlace {
 
 // Pixels whose value is not that of the pixel above, row by row; of all rows but the first.
 std::vector<PixelPlace> ChangesWithinColumns(const Mask& mask) {
+  // Pixels of one byte that a processor compares as one word.
   constexpr int kAtOnce = sizeof(std::uint64_t);
   std::vector<PixelPlace> changes;
   for (int v = 1; v < mask.height(); ++v) {

@@ -14,10 +14,10 @@ namespace deepslam::furniture {
 
 namespace {
 
-constexpr double kLowestSeat = 0.25;  // shares of the model's height
-constexpr double kHighestSeat = 0.67;
-constexpr double kLeastOpen = 0.25;  // share of the ground plan's voxels
-constexpr int kThickness = 3;        // voxels: cushions are not flat
+constexpr double kLowestSeat = 0.25;   // shares of the model's height
+constexpr double kHighestSeat = 0.67;  // higher layers are armrests or the top of the back
+constexpr double kLeastOpen = 0.25;    // share of the ground plan's voxels
+constexpr int kThickness = 3;          // voxels: cushions are not flat
 
 // Where the edge meets the plane; the colour of the nearer end.
 Corner CrossingAt(const Corner& a, const Corner& b, float z) {

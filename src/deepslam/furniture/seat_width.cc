@@ -9,10 +9,10 @@ namespace {
 
 // Shares of the box's sides.
 constexpr double kSide = 0.2;
-constexpr double kLowestArm = 0.06;  // above the seat: cushions are not flat
-constexpr double kHighestArm = 0.3;
-constexpr double kBack = 0.25;  // what is further behind may be the back
-constexpr double kLeastOfDepth = 0.4;
+constexpr double kLowestArm = 0.06;    // above the seat: cushions are not flat
+constexpr double kHighestArm = 0.3;    // above the seat; what is higher is the back or its wings
+constexpr double kBack = 0.25;         // what is further behind may be the back
+constexpr double kLeastOfDepth = 0.4;  // of the seat in front of the back: shorter ones are no arms
 
 struct Range {
   double from = 0;

@@ -45,7 +45,7 @@ void SeatBoard(Random& random, Seat& seat, Solids& solids) {
     const double narrow = random.Uniform(0.75, 1.0);
     const Seat s = seat;
     std::vector<Solids::Ring> rings;
-    constexpr int kSteps = 7;
+    constexpr int kSteps = 7;  // rings of the pan from front to back: its hollow bends smoothly
     for (int n = 0; n < kSteps; ++n) {
       const double t = static_cast<double>(n) / (kSteps - 1);
       const double half = 0.5 * s.width * (narrow + (1 - narrow) * t);
@@ -134,7 +134,7 @@ void Posts(Random& random, const Back& back, double from_z, double to_z, bool on
     const double width = one ? 2.2 * thickness : thickness;
     std::vector<Solids::Ring> rings;
     std::vector<Eigen::Vector3d> line;
-    constexpr int kSteps = 5;
+    constexpr int kSteps = 5;  // rings of a post: the back's curve is slight
     for (int n = 0; n < kSteps; ++n) {
       const double z = from_z + (to_z - from_z) * n / (kSteps - 1);
       const Eigen::Vector3d p = back.At(u, z);
@@ -210,7 +210,7 @@ void CrossedBack(Random& random, const Back& back, double thickness, Solids& sol
 void HoopBack(Random& random, const Back& back, Solids& solids) {
   const double r = random.Uniform(0.009, 0.02);
   std::vector<Eigen::Vector3d> line;
-  constexpr int kSteps = 11;
+  constexpr int kSteps = 11;  // points of the half circle, 18 deg apart
   for (int n = 0; n < kSteps; ++n) {
     const double angle = 3.14159265 * n / (kSteps - 1);
     const double u = std::cos(angle);

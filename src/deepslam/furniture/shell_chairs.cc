@@ -65,8 +65,8 @@ Eigen::Vector2d ProfileAt(const Shell& shell, double t) {
 }
 
 Solids::Ring RingAt(const Shell& shell, double t) {
-  constexpr int kColumns = 13;
-  constexpr double kStep = 1e-3;
+  constexpr int kColumns = 13;    // points across the shell; odd, so that one lies in the middle
+  constexpr double kStep = 1e-3;  // of the profile's length, on either side: for its direction
   const Eigen::Vector2d at = ProfileAt(shell, t);
   const Eigen::Vector2d along =
       (ProfileAt(shell, std::min(1.0, t + kStep)) - ProfileAt(shell, std::max(0.0, t - kStep)))
@@ -94,7 +94,7 @@ Solids::Ring RingAt(const Shell& shell, double t) {
 
 void BuildShellChair(Random& random, Solids& solids) {
   const Shell shell = DrawShell(random);
-  constexpr int kRings = 19;
+  constexpr int kRings = 19;  // from the front edge to the top: bends look round at 64 voxels
   std::vector<Solids::Ring> rings;
   for (int n = 0; n < kRings; ++n) rings.push_back(RingAt(shell, n / (kRings - 1.0)));
   solids.Loft(Material::kTop, rings);

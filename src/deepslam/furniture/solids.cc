@@ -14,7 +14,7 @@
 namespace deepslam::furniture {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kTurn = 2.0 * std::numbers::pi;  // rad, a full one
 
 Eigen::Vector3d Middle(const Solids::Ring& ring) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -155,8 +155,8 @@ void Solids::Cushion(Material material,
                      double side_roundness,
                      double top_roundness,
                      const Bend& bend) {
-  constexpr int kRings = 9;
-  constexpr int kSides = 20;
+  constexpr int kRings = 9;   // latitudes: a cushion is few voxels high, more would not show
+  constexpr int kSides = 20;  // corners round a cushion
   std::vector<Ring> rings;
   for (int r = 0; r < kRings; ++r) {
     // The fans at both ends close the caps that are left out.
@@ -180,7 +180,7 @@ void Solids::Plate(Material material,
                    const Eigen::Vector3d& middle,
                    const Eigen::Vector3d& size,
                    double roundness) {
-  constexpr int kSides = 32;
+  constexpr int kSides = 32;  // corners round a plate, whose rim is seen more sharply
   std::vector<Ring> rings(2);
   for (int s = 0; s < kSides; ++s) {
     const Eigen::Vector2d p = Superellipse(kTurn * (s + 0.5) / kSides, size.head<2>(), roundness);

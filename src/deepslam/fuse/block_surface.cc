@@ -18,6 +18,7 @@
 namespace deepslam::fuse {
 namespace {
 
+// Voxels; unsigned, for bits of a row.
 constexpr auto kSide = static_cast<std::uint32_t>(VoxelBlock::kSide);
 
 // A voxel of the block in work or of one beside it.

@@ -59,6 +59,7 @@ inline void AddToMeans(const ColourImage& colour,
                        std::size_t first,
                        VoxelBlock& block) {
   constexpr auto kSteps = static_cast<float>(VoxelBlock::kColourSteps);
+  // The type's greatest; from then on the mean forgets the oldest.
   constexpr std::int32_t kMaxWeight = std::numeric_limits<std::uint16_t>::max();
   std::array<Row, 3> seen_colour;
   for (std::size_t n = 0; n < kSide; ++n) {
@@ -205,6 +206,7 @@ bool VoxelBlocks::Integrate(const DepthImage& depth_m,
     touched.push_back(blocks_[found->second].get());
   }
   const View view{depth_m, colour, camera, world_from_camera.Inverse().Matrix().cast<float>()};
+  // Blocks a thread takes at a time; the result does not depend on it.
   constexpr std::size_t kChunk = 8;
   ParallelForChunks(touched.size(), kChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) Add(view, *touched[n]);

@@ -12,7 +12,7 @@
 
 namespace deepslam::fuse {
 
-inline constexpr std::size_t kRowVoxels = 16;
+inline constexpr std::size_t kRowVoxels = 16;  // a block's side
 
 // Voxels along z, one behind the other: what a processor works on side by side.
 using Row = std::array<float, kRowVoxels>;

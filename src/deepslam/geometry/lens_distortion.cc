@@ -7,6 +7,7 @@ namespace {
 
 // tan of 85 degrees, beyond any pinhole picture, and the steps in which it is looked through.
 constexpr double kFarthestRadius = 11.4;
+// Tangent of the angle: turning points are found to a few pixels.
 constexpr double kRadiusStep = 0.005;
 
 // How far from the middle the lens shows what a pinhole shows at r, over r.

@@ -53,16 +53,17 @@ class SevenEquations {
   [[nodiscard]] Vector Gradient() const { return Sums().row(7); }
 
  private:
-  static constexpr std::size_t kColumns = 7;
-  static constexpr std::size_t kRows = 8;
+  static constexpr std::size_t kColumns = 7;  // unknowns
+  static constexpr std::size_t kRows = 8;     // the unknowns, and the residual
 
   using Quad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
 
   // Columns kFirst to kFirst + 3, as far as there are, from the kQuad-th quad of rows on.
   template <std::size_t kFirst, std::size_t kQuad>
   void AddColumns(const Row* rows, const double* weights, std::size_t size) {
+    // Columns of this quad that there are.
     constexpr std::size_t kCount = kFirst + 4 < kColumns ? 4 : kColumns - kFirst;
-    constexpr std::size_t kQuads = kRows / 4 - kQuad;
+    constexpr std::size_t kQuads = kRows / 4 - kQuad;  // quads of rows from kQuad on
     Quad sums[kCount][kQuads];
     const auto total = [&](std::size_t column, std::size_t quad) -> Quad& {
       return reinterpret_cast<Quad&>(sums_[(kFirst + column) * kRows + 4 * (kQuad + quad)]);

@@ -15,6 +15,7 @@ namespace {
 // A byte of Draco holds far fewer faces than this even on a regular grid; more is a lie that would
 // cost memory.
 constexpr std::uint64_t kMaxFacesPerByte = 64;
+// Bounds memory whatever the file's size: more than any scene is drawn with.
 constexpr std::uint64_t kMaxFaces = 50'000'000;
 
 Error Unusable(const std::string& what) { return InvalidInput("Draco data: " + what); }

@@ -18,7 +18,7 @@ namespace {
 
 // Slower encoding for fewer bytes: a scene is written once. Draco's scale is 0 (smallest) to 10.
 constexpr int kEncodingSpeed = 3;
-constexpr int kDecodingSpeed = 5;
+constexpr int kDecodingSpeed = 5;  // the middle: scenes are decoded whenever a page is opened
 
 Error Unusable(const std::string& what) { return InvalidInput("Draco: " + what); }
 
@@ -159,7 +159,7 @@ Result<RenderMesh> Decoded(std::string_view bytes, const DracoPayload& payload) 
                                         .colour = payload.colour_id,
                                         .strict = true});
   if (!mesh) return mesh.error();
-  constexpr float kFull = 65535;
+  constexpr float kFull = 65535;  // colours of 16 bits, as 0 to 1
   RenderMesh decoded;
   decoded.positions = std::move(mesh->positions);
   decoded.normals = std::move(mesh->normals);

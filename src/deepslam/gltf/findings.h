@@ -7,7 +7,7 @@
 
 namespace deepslam::gltf {
 
-inline constexpr std::size_t kMaxFindings = 100;
+inline constexpr std::size_t kMaxFindings = 100;  // a broken file may have one at every vertex
 
 // The first kMaxFindings of each kind are kept.
 struct Findings {

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kRoughness = 0.8;  // furniture is matt more than it shines
 constexpr const char* kVariants = "KHR_materials_variants";
-constexpr int kAppearance = 0;  // places in the list of variants
-constexpr int kClassColour = 1;
+constexpr int kAppearance = 0;   // places in the list of variants
+constexpr int kClassColour = 1;  // flat, one for each class
 
 }  // namespace
 

@@ -14,10 +14,10 @@ namespace {
 // From where on a surface is one that a depth camera does not measure: glass, and metal that
 // mirrors.
 constexpr float kClearAlpha = 0.6F;
-constexpr float kClearTransmission = 0.4F;
-constexpr float kPolishedMetallic = 0.9F;
-constexpr float kPolishedRoughness = 0.15F;
-constexpr std::uint64_t kMaxTextureSet = 1U << 16;
+constexpr float kClearTransmission = 0.4F;  // share of light; less is milky and does reflect
+constexpr float kPolishedMetallic = 0.9F;  // 0 to 1: metal but for what a texture's noise takes off
+constexpr float kPolishedRoughness = 0.15F;         // smoother metal mirrors instead of scattering
+constexpr std::uint64_t kMaxTextureSet = 1U << 16;  // a number that no file has, which fits an int
 
 float DisplayValue(float linear) {
   const float c = std::clamp(linear, 0.0F, 1.0F);

@@ -8,8 +8,8 @@ namespace {
 
 // Exporters round; what is further off is another kind of number.
 constexpr double kUnitTolerance = 1e-3;
-constexpr double kLeastNorm = 0.5;
-constexpr double kGreatestNorm = 2;
+constexpr double kLeastNorm = 0.5;   // of four numbers that are a quaternion, if badly rounded
+constexpr double kGreatestNorm = 2;  // beyond, four numbers that are no quaternion
 
 void ReadParts(const JsonPlace& place, GltfNode& node) {
   place["translation"].Numbers({node.translation.data(), 3});

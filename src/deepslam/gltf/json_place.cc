@@ -101,6 +101,7 @@ bool JsonPlace::Numbers(std::span<double> numbers) const {
 }
 
 int JsonPlace::Index(std::size_t size) const {
+  // Stands for a field that is not there.
   constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
   const std::uint64_t value = Whole(kNone);
   if (value == kNone) return -1;

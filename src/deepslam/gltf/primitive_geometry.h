@@ -18,7 +18,9 @@ inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 
 // primitive.mode.
 inline constexpr std::uint64_t kTriangles = 4;
+// Every further corner makes a face with the two before it.
 inline constexpr std::uint64_t kTriangleStrip = 5;
+// Every further corner makes a face with the last and the first.
 inline constexpr std::uint64_t kTriangleFan = 6;
 
 struct GeometryWanted {

@@ -127,7 +127,7 @@ RenderMesh MakeRenderMesh(const TriangleMesh& mesh, double crease_angle_rad) {
   std::array<std::uint16_t, 256> linear{};
   for (std::size_t c = 0; c < linear.size(); ++c)
     linear[c] = LinearFromSrgb(static_cast<std::uint8_t>(c));
-  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // the corner has no vertex yet
   std::vector<std::uint32_t> id(corner.size(), kNone);
   std::vector<Eigen::Vector3d> normals;
   RenderMesh result;

@@ -17,7 +17,7 @@ namespace {
 
 // What a tie between keyframes without any measurement is worth: about a second of lost tracking.
 constexpr double kTieDeviation_m = 0.1;
-constexpr double kTieDeviation_rad = 5.0 * kRadPerDeg;
+constexpr double kTieDeviation_rad = 5.0 * kRadPerDeg;  // the same for the turn
 
 bool IsFinite(const Pose3& pose) {
   return pose.translation_m.allFinite() && pose.rotation.coeffs().allFinite() &&

@@ -8,6 +8,7 @@
 namespace deepslam::graph {
 namespace {
 
+// Nearer to the vertical, noise decides where a view leads on the ground.
 constexpr double kVerticalView_rad = 5.0 * std::numbers::pi / 180.0;
 
 // Unit vector across `up` along which a camera looks whose upper edge lies towards `image_up`.

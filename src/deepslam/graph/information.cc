@@ -17,7 +17,7 @@ YawFreeMeasurement WithoutYaw(const Pose3& a_from_b,
   turn_both.bottomRightCorner<3, 3>() = turn.toRotationMatrix();
   Matrix6d turned = turn_both.transpose() * information * turn_both;
 
-  constexpr int kYaw = 5;
+  constexpr int kYaw = 5;  // the turn about z, last in t2v's order
   const Vector6d column = turned.col(kYaw);
   if (column[kYaw] > 0) turned -= column * column.transpose() / column[kYaw];
   turned.row(kYaw).setZero();

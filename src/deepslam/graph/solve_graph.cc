@@ -16,11 +16,12 @@
 namespace deepslam::graph {
 namespace {
 
-constexpr int kPoseSize = 7;
-constexpr std::size_t kPlaneSize = 4;
-constexpr double kRoundFactor = 4.0;  // widths of successive rounds
+constexpr int kPoseSize = 7;           // quaternion and translation
+constexpr std::size_t kPlaneSize = 4;  // normal and d
+constexpr double kRoundFactor = 4.0;   // widths of successive rounds
+// Relative change of the cost; later rounds begin anew from there.
 constexpr double kCoarseTolerance = 1e-4;
-constexpr double kFineTolerance = 1e-9;
+constexpr double kFineTolerance = 1e-9;      // of the last round, whose result is kept
 constexpr int kMaxConjugateGradients = 500;  // steps; some twenty are usual
 
 // One contiguous block, since Ceres orders parameter blocks by address.

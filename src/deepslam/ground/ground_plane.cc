@@ -28,11 +28,12 @@
 namespace deepslam::ground {
 namespace {
 
+// Read and searched side by side; bounds what is held in memory.
 constexpr std::size_t kBatchKeyframes = 16;
 // Of each keyframe, of long paths fewer: 12 bytes each, and 24 MB are enough.
 constexpr std::size_t kMostSamplePoints = 400;
-constexpr std::size_t kLeastSamplePoints = 20;
-constexpr std::size_t kAllSamplePoints = 2'000'000;
+constexpr std::size_t kLeastSamplePoints = 20;       // fewer would not show a floor beside a table
+constexpr std::size_t kAllSamplePoints = 2'000'000;  // of all keyframes together
 // Keyframes on either side whose samples say what lies below a plane found again; tracking drifts
 // by little between them.
 constexpr std::size_t kKeyframesAbout = 10;
@@ -41,11 +42,11 @@ constexpr double kMinShareOfLargest = 0.15;
 // How far the propagated plane may be off after one more keyframe: drift of tracking, one standard
 // deviation.
 constexpr double kStepAngleRad = 0.5 * kRadPerDeg;
-constexpr double kStepDistanceM = 0.01;
+constexpr double kStepDistanceM = 0.01;  // m: the same for the height
 // Drift of tracking between an observation and the world, one standard deviation, for the common
 // plane.
 constexpr double kDriftAngleRad = 1.0 * kRadPerDeg;
-constexpr double kDriftDistanceM = 0.02;
+constexpr double kDriftDistanceM = 0.02;  // m: the same for the height
 
 constexpr std::array<std::string_view, 5> kTurnsDeg = {"auto", "0", "90", "180", "270"};
 constexpr std::array kTurns = {QuarterTurn::kNone,

@@ -16,7 +16,7 @@
 namespace deepslam::ground {
 namespace {
 
-constexpr int kGridWidth = 160;
+constexpr int kGridWidth = 160;  // columns; medians of blocks of 4 x 4 pixels of a 640 wide image
 
 // Blocks of pixels side by side in a row of the grid.
 constexpr std::size_t kLanes = 16;

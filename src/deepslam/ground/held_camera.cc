@@ -14,14 +14,16 @@ constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // Grounds of real and rendered captures have 1.0, and 52 deg and more; walls up to 1.0 within 20
 // deg, or 0.2 to 0.3 within 90 to 100.
 constexpr double kLeastHeld = 0.9;
+// Of a ground that is possible at all, with a hand's roll as well.
 constexpr double kLeastHeldAtAll = 0.5;
-constexpr double kLeastHeadingsDeg = 40;
-constexpr double kLeastSeen = 0.05;
-constexpr double kLevelDeg = 8;  // spread of a hand's roll
-constexpr double kMostRollSpreadDeg = 2 * kLevelDeg;
-constexpr double kWildestRollSpreadDeg = 4 * kLevelDeg;
+constexpr double kLeastHeadingsDeg = 40;  // between the 20 of walls and the 52 of grounds
+constexpr double kLeastSeen = 0.05;  // of the keyframes; a plane that fewer see decides nothing
+constexpr double kLevelDeg = 8;      // spread of a hand's roll
+constexpr double kMostRollSpreadDeg = 2 * kLevelDeg;     // of a ground that is sure
+constexpr double kWildestRollSpreadDeg = 4 * kLevelDeg;  // of a ground that is possible at all
 // As much as speaks for the pictures as they are.
 constexpr double kTimesAsMuch = 3;
+// Of evidence, 0 to 1: half a turn makes a floor of a ceiling.
 constexpr double kNextToNothing = 0.02;
 
 // What is left of the circle without the widest gap.

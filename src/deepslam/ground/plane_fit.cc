@@ -12,15 +12,16 @@
 namespace deepslam::ground {
 namespace {
 
-constexpr int kMaxPlanes = 4;
+constexpr int kMaxPlanes = 4;             // of a keyframe: floor, two table tops and a shelf
 constexpr double kCandidateShare = 0.03;  // smaller planes are chance
+// Enough to rank planes: a share of 3 % is known to half a per cent.
 constexpr std::size_t kJudgedPoints = 1500;
 // Floors are flat to about a centimetre; beyond that the noise of the depth decides.
 constexpr double kFlatnessM = 0.01;
 constexpr double kSearchCosine = 0.9;          // 26 deg: normals of single points are noisy
 constexpr double kReidentifyDistanceM = 0.04;  // error of a plane propagated over one keyframe step
 constexpr double kReidentifyCosine = 0.94;     // 20 deg
-constexpr int kRefinements = 8;
+constexpr int kRefinements = 8;  // the gate shrinks from 4 cm by 0.7 each: at 1 cm after four
 
 bool OnPlane(const GroundPoint& point,
              const Eigen::Vector3f& normal,

@@ -19,7 +19,7 @@ namespace deepslam::ground {
 
 // A plane refined farther from its prediction than this has gone to another surface.
 inline constexpr double kMaxTurnRad = 6 * std::numbers::pi / 180.0;
-inline constexpr double kMaxShiftM = 0.08;
+inline constexpr double kMaxShiftM = 0.08;  // m: twice what points may lie off the predicted plane
 
 struct PlaneCandidate {
   Plane plane_camera;                                         // normal up

@@ -11,12 +11,12 @@
 namespace deepslam::ground {
 namespace {
 
-constexpr double kStandardDeviations = 3;
-constexpr double kMaxReachM = 0.3;
-constexpr double kMaxReachRad = 12 * kRadPerDeg;
+constexpr double kStandardDeviations = 3;  // of the propagated plane: 99.7 % of normal errors
+constexpr double kMaxReachM = 0.3;         // m: less than the height of a seat or a table top
+constexpr double kMaxReachRad = 12 * kRadPerDeg;  // steeper ones are ramps and things that lean
 // What lies below must be this share of what lies on the plane: stray depth is less.
 constexpr double kMinShareBelow = 0.15;
-constexpr double kOnPlaneM = 0.05;
+constexpr double kOnPlaneM = 0.05;  // m: noise of depth, and drift between the keyframes about
 
 }  // namespace
 

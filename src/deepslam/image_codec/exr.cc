@@ -96,6 +96,7 @@ Result<Attribute> ReadAttribute(std::string_view bytes, std::size_t at) {
 
 // The library takes whatever memory a header asks for: it is walked through before.
 Status CheckHeader(std::string_view bytes) {
+  // Bit of the version: names up to 255 bytes, which change nothing else.
   constexpr std::uint32_t kLongNames = 0x400;
   if (bytes.size() < 9) return EndsTooEarly();
   if ((NumberAt(bytes, 4) & ~(0xFFU | kLongNames)) != 0) {

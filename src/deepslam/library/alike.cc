@@ -12,14 +12,14 @@
 namespace deepslam::library {
 namespace {
 
-constexpr double kAlike = 0.9;
+constexpr double kAlike = 0.9;  // IoU over 64^3 voxels, stretched to one size
 // Legs and boards are one or two voxels thick: a different rounding halves their overlap. So shapes
 // are alike as well when nearly all of each lies within a voxel of the other.
 constexpr double kNearlyAll = 0.97;
 constexpr float kNearSquared = 2.0F;  // diagonal neighbours in a plane
 // A look at some voxels comes first; it passes whatever the whole comparison could.
 constexpr std::size_t kSome = 400;
-constexpr double kMost = 0.88;
+constexpr double kMost = 0.88;        // of those looked at; the whole comparison asks for more
 constexpr double kRoughlyNear = 2.5;  // voxels: kNearSquared and the rounding of a stretched grid
 
 // Sides of the occupied voxels' box, object units; zero when there are none.

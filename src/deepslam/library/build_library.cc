@@ -19,8 +19,8 @@ bool IsWithheld(const Product& product, const std::vector<std::string>& withheld
 }
 
 bool SameProduct(const Product& a, const Product& b) {
-  constexpr double kSameShape = 0.95;
-  constexpr double kSameSize = 0.05;
+  constexpr double kSameShape = 0.95;  // IoU: one product in two catalogues, or in two colours
+  constexpr double kSameSize = 0.05;   // of each side; catalogues round to centimetres
   const Eigen::Array3d ratio = a.model.size_m.array() / b.model.size_m.array();
   return a.class_name == b.class_name && (ratio - 1.0).abs().maxCoeff() < kSameSize &&
          shape::GridIntersectionOverUnion(a.model.shape, b.model.shape) > kSameShape;

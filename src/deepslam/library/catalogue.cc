@@ -12,7 +12,7 @@
 namespace deepslam::library {
 namespace {
 
-constexpr double kMetresPerCentimetre = 0.01;
+constexpr double kMetresPerCentimetre = 0.01;  // catalogues of Sweet Home 3D are in centimetres
 using Fields = std::map<std::string, std::string, std::less<>>;
 
 void AppendUtf8(std::uint32_t code, std::string& text) {
@@ -103,7 +103,7 @@ std::string Text(const Fields& fields, std::string_view key) {
 // A length in centimetres as metres; sets the item's fault when it is missing or no furniture has
 // it.
 double Length_m(const Fields& fields, std::string_view key, CatalogueItem& item) {
-  constexpr double kMax_cm = 5000;
+  constexpr double kMax_cm = 5000;  // 50 m: larger numbers are in another unit
   const auto it = fields.find(key);
   const std::optional<double> value = it == fields.end() ? std::nullopt : Number(it->second);
   if (!value || !(*value > 0) || *value > kMax_cm) {

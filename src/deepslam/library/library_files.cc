@@ -25,12 +25,12 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr std::string_view kFormatName = "deepslam-furniture";
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 1;  // raised when the list's fields or the models' grid change
 constexpr std::string_view kRemedy = "; make it again with 'deepslam library build'";
 constexpr std::uintmax_t kMaxJsonBytes = 64U << 20U;
 constexpr std::uintmax_t kMaxModelBytes =
-    2U << 20U;  // run lengths of 64^3 voxels at worst, and the header
-constexpr std::size_t kMaxModels = 100000;
+    2U << 20U;                              // run lengths of 64^3 voxels at worst, and the header
+constexpr std::size_t kMaxModels = 100000;  // bounds memory; files of more are refused
 
 std::string FileOf(const LibraryModel& model) {
   std::string file = model.id;
@@ -45,7 +45,7 @@ bool IsModelId(std::string_view id) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '-' || c == '/';
   };
-  constexpr std::size_t kMaxLength = 200;
+  constexpr std::size_t kMaxLength = 200;  // characters; it becomes the name of a file
   return !id.empty() && id.size() <= kMaxLength && std::all_of(id.begin(), id.end(), is_plain) &&
          std::count(id.begin(), id.end(), '/') == 1 && id.front() != '/' && id.back() != '/';
 }
@@ -142,7 +142,7 @@ Result<LibraryModel> ReadModel(const Json& entry, const fs::path& folder) {
   } catch (const Json::exception& error) {
     return InvalidInput(place + ": bad model entry (" + error.what() + ")" + std::string(kRemedy));
   }
-  constexpr double kMaxSize_m = 50;
+  constexpr double kMaxSize_m = 50;  // as of a catalogue: larger numbers are in another unit
   const bool sized = model.size_m.allFinite() && model.size_m.minCoeff() > 0 &&
                      model.size_m.maxCoeff() < kMaxSize_m;
   if (!IsModelId(model.id) || !sized) {

@@ -19,7 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// 16 MiB of text; an archive that claims more is refused.
 constexpr std::size_t kMaxPropertiesBytes = 16U << 20U;
+// 256 MiB, of a mesh; an archive that claims more is refused.
 constexpr std::size_t kMaxObjBytes = 256U << 20U;
 
 struct OpenCatalogue {
@@ -93,7 +95,7 @@ void FillModel(const Result<std::string>& bytes, Product& product) {
 
 // Archives are read by one thread; meshes are big, so only a few are held at once.
 Status FillModels(const ZipArchive& archive, std::vector<Product>& products, Progress& progress) {
-  constexpr std::size_t kBatch = 8;
+  constexpr std::size_t kBatch = 8;  // meshes
   for (std::size_t begin = 0; begin < products.size(); begin += kBatch) {
     if (progress.StopRequested()) return Interrupted();
     const std::size_t count = std::min(kBatch, products.size() - begin);
@@ -152,6 +154,7 @@ Result<Products> ReadProducts(const fs::path& catalogues,
     if (const Status status = FillModels(open->archive, found, progress); !status) {
       return status.error();
     }
+    // 1 MiB of text; one that claims more is left out.
     constexpr std::size_t kMaxLicenceBytes = 1U << 20U;
     const Result<std::string> licence = open->archive.Read("LICENSE.TXT", kMaxLicenceBytes);
     all.licences[open->catalogue.name] =

@@ -18,8 +18,8 @@ namespace {
 constexpr int kNeighbours = 15;  // keyframes looked at about one whose loops are compared
 // What two right poses of neighbours differ by, beside drift.
 constexpr double kSame_m = 0.10;
-constexpr double kSame_deg = 4;
-constexpr double kFloors = 3;  // edge_floor that a solution may be off an edge
+constexpr double kSame_deg = 4;  // the same for the turn
+constexpr double kFloors = 3;    // edge_floor that a solution may be off an edge
 
 // A loop and where it stands on the path.
 struct Placed {

@@ -9,6 +9,7 @@ namespace deepslam::loop {
 namespace {
 
 constexpr double kUprightCosine = 0.94;  // 20 deg
+// So weak that it decides only where no point tells of a turn.
 constexpr double kNoTurnDeviation_rad = 1.0;
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace deepslam::loop {
 namespace {
 
 constexpr int kWorkWidth_px = 640;  // wider images are reduced by a whole factor
-constexpr int kCellsAcross = 8;
-constexpr int kCellsDown = 6;
+constexpr int kCellsAcross = 8;     // cells of a picture among which corners are spread
+constexpr int kCellsDown = 6;       // with 8 across they are square at 4:3
 constexpr int kCellShare = 4;       // a cell may hold this many times its even share
 constexpr int kFastThreshold = 10;  // grey levels; rooms have little contrast
 // Of blobs, as a share of the grey levels: half of what Lowe asks for, as blur leaves little.
@@ -22,11 +22,11 @@ constexpr double kBlobContrast = 0.02;
 constexpr int kOctaveLayers = 3;       // Lowe 2004
 constexpr double kMaxEdgeRatio = 10;   // Lowe 2004
 constexpr double kFirstBlur_px = 1.6;  // Lowe 2004
-constexpr int kEdge_px = 19;
-constexpr float kMaxDepth_m = 8.0F;
+constexpr int kEdge_px = 19;  // rim without corners: reach of ORB's turned pattern (ORB-SLAM's too)
+constexpr float kMaxDepth_m = 8.0F;  // beyond, structured light is off by more than a pose may be
 // Depth within the 3 x 3 pixels about a corner: farther apart, it lies on an edge of something.
-constexpr float kMaxStep = 0.04F;  // of the depth
-constexpr std::size_t kMinDepths = 5;
+constexpr float kMaxStep = 0.04F;      // of the depth
+constexpr std::size_t kMinDepths = 5;  // of nine: more than half
 
 cv::Mat Grey(const ColourImage& colour, int factor) {
   // OpenCV does not write to it.

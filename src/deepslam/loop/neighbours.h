@@ -25,6 +25,7 @@ struct NeighbourPair {
   int newer = 0;
   friend auto operator<=>(const NeighbourPair&, const NeighbourPair&) = default;
 };
+// Three keyframes before a loss and three after it, each with each.
 inline constexpr int kMostNeighbourGap = 5;
 
 // Ascending by the newer one, then by the older one.

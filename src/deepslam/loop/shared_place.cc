@@ -13,7 +13,7 @@ namespace {
 
 // Share of the host's confidence from which on it is open which of the two is there.
 constexpr double kAsSure = 0.5;
-constexpr double kPieceShare = 0.8;
+constexpr double kPieceShare = 0.8;  // of what was measured; the rest is noise at its outline
 
 double Apart_m(const MapObject& a, const MapObject& b) {
   return (a.world_from_object.translation_m - b.world_from_object.translation_m).norm();

@@ -15,8 +15,10 @@
 namespace deepslam::loop {
 namespace {
 
+// Of a node: as the vocabulary trees of Nister and Stewenius 2006.
 constexpr std::size_t kBranches = 10;
 constexpr int kDepth = 4;  // up to 10^4 words
+// A node of fewer descriptors has no clusters worth telling apart.
 constexpr std::size_t kMinToSplit = 30;
 constexpr int kRounds = 6;                  // of majority clustering
 constexpr std::size_t kChunk = 1024;        // members in work at a time

@@ -15,10 +15,11 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
+// Of the sides: what lies well inside a hollow model counts as inside.
 constexpr double kBoxShrink = 0.8;
 constexpr double kMaxRefineMove_m =
     0.30;  // farther than registration errors explain: not a refinement
-constexpr double kMaxRefineTurn_rad = 15.0 * std::numbers::pi / 180.0;
+constexpr double kMaxRefineTurn_rad = 15.0 * std::numbers::pi / 180.0;  // the same for the turn
 constexpr double kWorstPairShare = 0.5;  // of min_object_agreement, for every single pair
 
 const MapObject* Find(const ObjectMap& map, ObjectId id) {

@@ -29,7 +29,7 @@ Result<Registrations> Register(const std::vector<AppearanceLoop>& proposed,
     return alignment::Sharpened(found, older, newer, options);
   };
   alignment.without = "not measured against others that look alike";
-  constexpr std::size_t kMostPyramids = 32;
+  constexpr std::size_t kMostPyramids = 32;  // 128 MB at 4 MB each
   KeyframePyramids pyramids(frames, options.pyramid, kMostPyramids);
   return RegisterPairs(pyramids, pairs, alignment, progress);
 }

@@ -67,8 +67,8 @@ const FramePyramid& KeyframePyramids::operator[](FrameIdx keyframe) const {
 }
 
 int KeyframePyramids::Age(const Entry& entry) const {
-  constexpr int kNow = 0;
-  constexpr int kNotYet = 1;
+  constexpr int kNow = 0;     // given up last
+  constexpr int kNotYet = 1;  // given up after what was asked for before, and before what is in use
   if (entry.last_round == 0) return kNotYet;
   return entry.last_round == round_ ? kNow : kNotYet + round_ - entry.last_round;
 }

@@ -86,7 +86,7 @@ class SeenWall {
 std::optional<Plane> FittedPlane(const std::vector<Eigen::Vector3d>& points,
                                  Plane plane,
                                  const WallViewOptions& options) {
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 3;  // one with the wide bound, two within noise
   for (int round = 0; round < kRounds; ++round) {
     double weight = 0;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -181,7 +181,7 @@ class FrameWalls {
 
   // Of all but the outermost twentieths.
   static double MiddleExtent(std::vector<double>& values) {
-    constexpr std::size_t kOutermost = 20;
+    constexpr std::size_t kOutermost = 20;  // a twentieth at either end
     std::sort(values.begin(), values.end());
     const std::size_t left_out = values.size() / kOutermost;
     return values[values.size() - 1 - left_out] - values[left_out];

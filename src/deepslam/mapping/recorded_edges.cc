@@ -11,7 +11,7 @@ namespace {
 
 // The median length of a vector of three normal numbers of deviation 1 (Maxwell's distribution).
 constexpr double kMedianLength = 1.538;
-constexpr std::size_t kFewestPairs = 8;
+constexpr std::size_t kFewestPairs = 8;  // their median is then known to 20 %
 // No recorder is better from keyframe to keyframe.
 constexpr RecordedNoise kLeast{0.002, 0.1 * kRadPerDeg};
 

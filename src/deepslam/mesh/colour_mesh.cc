@@ -143,6 +143,7 @@ Colours SeenColours(const TriangleMesh& mesh,
     }
   }
   Colours colours(mesh.vertices.size());
+  // Vertices a thread takes at a time; the result does not depend on it.
   constexpr std::size_t kChunk = 256;
   ParallelForChunks(colours.size(), kChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {

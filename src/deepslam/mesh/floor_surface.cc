@@ -20,7 +20,7 @@
 namespace deepslam::mesh {
 namespace {
 
-constexpr double kMaxColourPoints = 40'000;
+constexpr double kMaxColourPoints = 40'000;       // bounds the floor's vertices: 25 m^2 at 2.5 cm
 constexpr std::size_t kMaxColourCells = 400'000;  // of the outline's box, mostly not much larger
 // Cosine of the steepest face that is floor: noise tilts faces of a few centimetres a good deal.
 constexpr double kMinLevel = 0.6;

@@ -88,11 +88,11 @@ using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
 
 // A collapse may not turn a face by more than this, deg.
 constexpr double kMaxNormalTurnDeg = 60.0;
-constexpr int kMaxAttempts = 4;
+constexpr int kMaxAttempts = 4;  // each with half the bound of the last
 // Shares of the bound: smoothing keeps to its share exactly, decimation bounds a mean, of which the
 // maximum is a multiple. On furniture these keep to the bound at the first attempt.
 constexpr double kSmoothingShare = 0.3;
-constexpr double kDecimationShare = 0.2;
+constexpr double kDecimationShare = 0.2;  // of the bound, as above
 
 // Welded by position first: OpenMesh takes indices as they are.
 std::optional<Mesh> ToOpenMesh(const TriangleMesh& source) {

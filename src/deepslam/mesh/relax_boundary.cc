@@ -24,7 +24,7 @@ constexpr double kMaxMomentum = 0.85;
 // square: the edges of a board then stay edges instead of swelling its faces. It shrinks while the
 // stairs go. Smaller at the end makes sharper edges, and keeps steps that are as sharp.
 constexpr double kFirstBend = 2.0;
-constexpr double kLastBend = 0.35;
+constexpr double kLastBend = 0.35;  // at the end of the iterations
 
 // Neighbours of vertex v are indices[starts[v]] .. indices[starts[v + 1] - 1].
 struct Adjacency {
@@ -75,8 +75,7 @@ void Project(const VoxelBoundary& boundary, double max_shift, Points& p) {
   for (const ThinPair& pair : boundary.thin_pairs) {
     double& low = p[pair.low][pair.axis];
     double& high = p[pair.high][pair.axis];
-    const double missing =
-        kKeptThinWidth[static_cast<std::size_t>(pair.width)] - (high - low);
+    const double missing = kKeptThinWidth[static_cast<std::size_t>(pair.width)] - (high - low);
     if (missing <= 0) continue;
     low -= 0.5 * missing;
     high += 0.5 * missing;

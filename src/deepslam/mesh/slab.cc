@@ -16,9 +16,10 @@
 namespace deepslam::mesh {
 namespace {
 
-constexpr double kSame_m = 1e-4;  // breaks nearer than this are one
-constexpr int kMostSteps = 400;   // along a side: walls of a hall, a vertex every decimetre
-constexpr double kSeenShare = 0.1;
+constexpr double kSame_m = 1e-4;    // breaks nearer than this are one
+constexpr int kMostSteps = 400;     // along a side: walls of a hall, a vertex every decimetre
+constexpr double kSeenShare = 0.1;  // of the cells; of less, a mean colour says nothing of the wall
+// Of a face's raster of colours; bounds memory on huge walls.
 constexpr std::size_t kMostCells = 40'000;
 
 // Where the grid of a face is cut: at its ends, at its holes, and so often that no cell is wider

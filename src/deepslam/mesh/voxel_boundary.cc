@@ -210,7 +210,7 @@ class BoundaryBuilder {
 
  private:
   using Voxel = std::array<int, 3>;
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // the corner has no vertex yet
 
   // Corner (i, j, k) is the lowest corner of voxel (i, j, k).
   std::uint32_t VertexAt(const Voxel& corner) {

@@ -28,6 +28,7 @@ struct VoxelBoundary {
   std::vector<ThinPair> thin_pairs;                 // solid or gap of at most kThinVoxels
 };
 
+// Voxels: boards and gaps between them that smoothing would close.
 inline constexpr int kThinVoxels = 2;
 
 // Fills cavities, drops parts below `min_component_share` of all solid voxels (the largest always

@@ -37,6 +37,7 @@ struct ViewInputs {
 
 class FrameViews final : public ViewSource {
  public:
+  // 96 MiB of pixels, held while they are worked on.
   static constexpr std::size_t kBatchBytes = std::size_t{96} << 20;
 
   // A batch takes further tracks while its views take less than `batch_bytes`. `progress` outlives

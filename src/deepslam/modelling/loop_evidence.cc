@@ -12,9 +12,9 @@
 namespace deepslam::modelling {
 namespace {
 
-constexpr int kEvidencePointsPerView = 300;
+constexpr int kEvidencePointsPerView = 300;  // enough for the shares that loops compare
 constexpr int kSurroundingsStridePx = 8;  // enough for a share; a view gives a few hundred points
-constexpr float kMaxSurroundingsDepthM = 5.0F;
+constexpr float kMaxSurroundingsDepthM = 5.0F;  // farther depth is too noisy to compare rooms by
 
 void AppendWorld(const Pose3& world_from_camera,
                  std::span<const Eigen::Vector3f> points_camera,

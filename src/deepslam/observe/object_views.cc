@@ -205,6 +205,7 @@ ViewPlan PlanObjectViews(const Trajectory& trajectory,
 }
 
 std::size_t NumBytes(std::span<const Segment* const> planned, const PinholeCamera& camera) {
+  // Colour, depth, mask.
   constexpr std::size_t kPixelBytes = sizeof(Rgb8) + sizeof(float) + sizeof(std::uint8_t);
   std::size_t num_bytes = 0;
   for (const Segment* segment : planned) {

@@ -11,8 +11,8 @@
 namespace deepslam::observe {
 namespace {
 
-constexpr int kPointsPerView = 500;
-constexpr std::size_t kMinPoints = 30;
+constexpr int kPointsPerView = 500;     // of one view: the lowest two in a hundred are then ten
+constexpr std::size_t kMinPoints = 30;  // of all views; of fewer, one stray would decide the foot
 // Share of points below the foot: strays at the silhouette's border.
 constexpr double kStrayShare = 0.02;
 // Of things that may stand on the floor: a foot that something hides is seen to end this high

@@ -17,7 +17,7 @@ using artifact::ShortestDecimal;
 
 // More than anyone mends at a time; aliases make thousands of a small file.
 constexpr std::size_t kMaxFaults = 50;
-constexpr std::size_t kMaxFaultBytes = 1000;
+constexpr std::size_t kMaxFaultBytes = 1000;  // a value may be a whole file
 
 std::string Bool(bool value) { return value ? "true" : "false"; }
 

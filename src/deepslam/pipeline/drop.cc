@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kDroppedFile = "dropped.json";
 constexpr std::string_view kFormat = "deepslam/dropped";
-constexpr int kVersion = 1;
+constexpr int kVersion = 1;  // of the format; raised when its fields change
 
 }  // namespace
 
@@ -24,8 +24,7 @@ Status DropOutputs(const fs::path& workspace, const std::string& stage) {
   std::error_code error;
   if (!fs::exists(folder / kManifestFile, error)) return Ok();
   // The mark comes first: a drop that is cut short is a drop.
-  const Result<std::string> text =
-      DumpJson(artifact::NewDocument(kFormat, kVersion), kDroppedFile);
+  const Result<std::string> text = DumpJson(artifact::NewDocument(kFormat, kVersion), kDroppedFile);
   if (!text.ok()) return text.error();
   if (Status status = storage::WriteFileAtomically(folder / kDroppedFile, *text); !status.ok())
     return status;

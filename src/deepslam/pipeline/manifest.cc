@@ -16,7 +16,7 @@ using artifact::JsonValue;
 
 constexpr std::string_view kManifestFormat = "deepslam/manifest";
 constexpr std::string_view kTimingFormat = "deepslam/timing";
-constexpr int kVersion = 1;
+constexpr int kVersion = 1;  // of both formats; raised when their fields change
 
 JsonValue ToJson(const std::map<std::string, std::string>& values) {
   JsonObject object;

@@ -15,7 +15,7 @@
 
 namespace deepslam::pipeline {
 
-inline constexpr int kWorkspaceVersion = 1;
+inline constexpr int kWorkspaceVersion = 1;  // raised when folders or names of files change
 
 // Refuses a folder that another version made or that is no workspace but holds files, naming the
 // remedy. A folder that does not exist is fine when `may_be_missing`.

@@ -12,8 +12,8 @@ namespace {
 
 // Aliases can make a small file huge: what no honest configuration reaches is refused.
 constexpr std::size_t kMaxBytes = 1U << 20;
-constexpr std::size_t kMaxValues = 10'000;
-constexpr int kMaxDepth = 8;
+constexpr std::size_t kMaxValues = 10'000;  // entries: far more than there are options
+constexpr int kMaxDepth = 8;                // maps in maps; options nest far less deep
 
 class Flattener {
  public:

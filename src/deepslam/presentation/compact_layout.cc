@@ -13,7 +13,7 @@ namespace {
 
 // A wall lies on an edge that it is this near to, over half of the edge's length.
 constexpr double kOnEdge_m = 0.15;
-constexpr double kOfEdge = 0.5;
+constexpr double kOfEdge = 0.5;  // share of its length
 
 bool LiesOn(const LayoutWall& wall, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const double length_m = (b - a).norm();

@@ -16,7 +16,7 @@
 namespace deepslam::presentation {
 namespace {
 
-constexpr int kMaxFramePictures = 6;
+constexpr int kMaxFramePictures = 6;  // an overview; each is a picture more to read and to load
 
 // Colours that neighbours in the list do not share; by id, so that an object keeps its colour over
 // frames.

@@ -9,9 +9,9 @@
 
 namespace deepslam::presentation {
 
-inline constexpr int kGroundLabel = -1;
-inline constexpr int kRoomLabel = -2;
-inline constexpr int kPartLabel = -3;  // a wall, a door, a ceiling
+inline constexpr int kGroundLabel = -1;  // negative, as ids of objects are not
+inline constexpr int kRoomLabel = -2;    // the measured surface of the room
+inline constexpr int kPartLabel = -3;    // a wall, a door, a ceiling
 
 struct LabelledSurface {
   TriangleMesh mesh;                 // world, z up, m; coloured (sRGB)

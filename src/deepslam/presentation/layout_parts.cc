@@ -17,14 +17,14 @@ namespace deepslam::presentation {
 namespace {
 
 constexpr double kThickness_m = 0.06;  // of slabs; walls are thicker, but this is what was seen
-constexpr double kLeastThickness_m = 0.005;
-constexpr double kDoorFrame_m = 0.06;   // width of a door's frame
-constexpr double kFrameDepth_m = 0.02;  // it stands out of the wall by so much
-constexpr double kPane_m = 0.02;
+constexpr double kLeastThickness_m = 0.005;  // thinner slabs' faces fight for pixels at a distance
+constexpr double kDoorFrame_m = 0.06;        // width of a door's frame
+constexpr double kFrameDepth_m = 0.02;       // it stands out of the wall by so much
+constexpr double kPane_m = 0.02;             // thickness of a window's glass with its sashes
 constexpr double kUnderGround_m = 0.01;   // floors lie below the measured ground: two in one plane
                                           // would fight for every pixel
 constexpr double kCeilingOpacity = 0.25;  // rooms are looked into from above
-constexpr double kGlassOpacity = 0.35;
+constexpr double kGlassOpacity = 0.35;    // seen through, and yet seen
 constexpr Rgb8 kWallColour{226, 222, 214};
 constexpr Rgb8 kFloorColour{190, 180, 166};
 constexpr Rgb8 kCeilingColour{240, 240, 238};

@@ -20,10 +20,10 @@
 namespace deepslam::presentation {
 namespace {
 
-constexpr int kSceneWidth = 900;
-constexpr int kSceneHeight = 600;
-constexpr int kThumbnailWidth = 240;
-constexpr int kMaxPhotographs = 2;
+constexpr int kSceneWidth = 900;       // px, of the report's view of the map
+constexpr int kSceneHeight = 600;      // px
+constexpr int kThumbnailWidth = 240;   // px, in lists of captures
+constexpr int kMaxPhotographs = 2;     // of keyframes, those with most objects in view
 constexpr double kElevationRad = 0.6;  // from which the map is looked down upon
 
 Box3 Bounds(std::span<const PicturedObject> objects) {
@@ -38,10 +38,10 @@ Box3 Bounds(std::span<const PicturedObject> objects) {
 
 // A floor under the objects, checkered by half metres so that sizes can be seen.
 std::array<TriangleMesh, 2> Floor(const Box3& bounds) {
-  constexpr double kTile_m = 0.5;
+  constexpr double kTile_m = 0.5;  // a side
   std::array<TriangleMesh, 2> tiles;
   const auto index = [](double x) { return static_cast<int>(std::floor(x / kTile_m)); };
-  constexpr int kMaxTiles = 200;
+  constexpr int kMaxTiles = 200;  // along a side: 100 m; a stray object must not make millions
   const int x0 = index(bounds.min.x()) - 1,
             x1 = std::min(index(bounds.max.x()) + 1, x0 + kMaxTiles);
   const int y0 = index(bounds.min.y()) - 1,
@@ -138,8 +138,8 @@ std::vector<report::Picture> ScenePictures(std::span<const PicturedObject> objec
 report::Picture SceneThumbnail(std::span<const PicturedObject> objects,
                                const TriangleMesh& room_world,
                                const OptimizedMap& map) {
-  constexpr int kDrawnWidth = 2 * kThumbnailWidth;  // drawn twice as large, for smooth edges
-  constexpr int kDrawnHeight = kDrawnWidth * 2 / 3;
+  constexpr int kDrawnWidth = 2 * kThumbnailWidth;   // drawn twice as large, for smooth edges
+  constexpr int kDrawnHeight = kDrawnWidth * 2 / 3;  // px; 3:2
   const PinholeCamera camera{kDrawnWidth,
                              kDrawnHeight,
                              1.1 * kDrawnWidth,

@@ -123,7 +123,7 @@ std::vector<Eigen::Vector3f> MeasuredPoints(const MapObject& object,
                                             const OptimizedMap& map,
                                             const FrameSource& frames,
                                             int max_points_per_view) {
-  constexpr int kMaxViews = 4;
+  constexpr int kMaxViews = 4;  // frames read for a picture's points: they spread over all sides
   std::vector<Eigen::Vector3f> points_world;
   if (max_points_per_view <= 0) return points_world;
   for (const Segment* segment : Spread(SegmentsOf(object, segments), kMaxViews)) {
@@ -140,7 +140,7 @@ std::vector<Eigen::Vector3f> MeasuredPoints(const MapObject& object,
 }
 
 report::Picture Thumbnail(const shape::ShapeModel& model, Rgb8 colour) {
-  constexpr int kSide_px = 128;
+  constexpr int kSide_px = 128;  // px: a thumbnail beside the object's numbers
   if (model.empty()) return {};
   // The unit cube just fills the picture from here.
   const PinholeCamera camera{kSide_px, kSide_px, 290, 290, 0.5 * kSide_px, 0.5 * kSide_px};

@@ -28,7 +28,7 @@ constexpr double kGap_m = 0.002;     // between things: margins of engines are 1
 constexpr double kSmallestPiece_m = 0.002;  // engines take nothing thinner
 constexpr double kFloorUnder_m =
     0.01;  // floors of rooms lie so far below their level (LayoutParts)
-constexpr double kLeastMass_kg = 0.01;
+constexpr double kLeastMass_kg = 0.01;  // engines go unstable with lighter bodies beside heavy ones
 constexpr double kPartDensity_kg_m3 = 2000;  // of masonry; parts never move
 
 TriangleMesh InFrame(TriangleMesh mesh, const Pose3& b_from_a) {
@@ -89,7 +89,7 @@ std::vector<Eigen::Vector2d> HullOf(std::vector<Eigen::Vector2d> points) {
 bool Stands(const std::vector<TriangleMesh>& pieces,
             const Eigen::Vector3d& centre,
             double floor_m) {
-  constexpr double kTouches_m = 1e-4;
+  constexpr double kTouches_m = 1e-4;  // rounding of vertices, far below what makes a thing lean
   std::vector<Eigen::Vector2d> points;
   for (const TriangleMesh& piece : pieces) {
     for (const Eigen::Vector3f& p : piece.vertices) {

@@ -13,6 +13,7 @@ namespace {
 
 // What the scene's own numbers and its Draco grid may add to the rounding of the map's.
 constexpr double kSceneSizeErrorM = 3e-4;
+// Twice what four components rounded to a step turn by at most.
 constexpr double kRotationErrorRad = 4 * kMapRotationStep;
 
 std::string Vector(const Eigen::Vector3d& v) {

@@ -15,7 +15,7 @@
 namespace deepslam::presentation {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 1;  // of the format; raised when fields change (scene_graph.schema.json)
 constexpr std::array<std::string_view, 6> kPredicates = {
     "against_wall", "hangs_on", "in_front_of", "in_room", "next_to", "stands_on"};
 

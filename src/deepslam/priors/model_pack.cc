@@ -15,11 +15,12 @@ namespace deepslam::priors {
 namespace {
 
 constexpr std::string_view kMagic = "DSMODELS";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 1;    // raised when the layout changes; older ones are read
 constexpr std::size_t kHashLength = 64;  // hexadecimal
 constexpr float kSteps = 65535;          // along each side of a mesh's box
-constexpr unsigned kBetweenArms = 1;
-constexpr unsigned kColours = 2;
+constexpr unsigned kBetweenArms = 1;     // bit of the flags: the model has a seat between arms
+constexpr unsigned kColours = 2;         // bit of the flags: colours of vertices follow
+// A bit a voxel.
 constexpr std::size_t kGridBytes = std::size_t{kGridSize} * kGridSize * kGridSize / 8;
 
 using Corner = std::array<std::uint16_t, 3>;  // a position in steps

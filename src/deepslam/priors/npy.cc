@@ -8,7 +8,7 @@ std::string NpyHeader(std::string_view dtype, std::span<const std::size_t> shape
   text += "), }";
   // Values begin at a multiple of 64 bytes.
   constexpr std::size_t kBefore = 10;
-  constexpr std::size_t kAlign = 64;
+  constexpr std::size_t kAlign = 64;  // bytes, as numpy itself aligns
   while ((kBefore + text.size() + 1) % kAlign != 0) text.push_back(' ');
   text.push_back('\n');
   std::string header("\x93NUMPY\x01\x00", 8);

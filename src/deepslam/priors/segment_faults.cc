@@ -20,7 +20,7 @@ bool Chance(Random& random, double probability) { return random.Uniform() < prob
 // Sum of four uniform numbers out of one draw: nearly normal, mean 0, deviation 1.
 float QuickNormal(Random& random) {
   const std::uint64_t bits = random.Next();
-  constexpr std::uint64_t kMask = 0xFFFF;
+  constexpr std::uint64_t kMask = 0xFFFF;  // 16 bits: four numbers of a draw
   const auto sum = static_cast<float>((bits & kMask) + (bits >> 16U & kMask) +
                                       (bits >> 32U & kMask) + (bits >> 48U & kMask));
   constexpr float kDeviation = 0.57735F;  // of the sum of four uniform numbers in [0, 1]
@@ -280,7 +280,7 @@ void ShiftRim(Random& random, Raster& raster) {
 // Axial noise of a structured-light sensor, in part shared with the neighbours.
 void AddDepthNoise(Random& random, Raster& raster) {
   const float gain = Draw(random, 0.5, 2.0);
-  constexpr int kCell = 4;
+  constexpr int kCell = 4;  // px over which noise is shared, as by a sensor's correlation window
   const int columns = raster.width() / kCell + 2;
   const int rows = raster.height() / kCell + 2;
   std::vector<float> coarse(static_cast<std::size_t>(columns * rows));
@@ -305,7 +305,7 @@ void AddDepthNoise(Random& random, Raster& raster) {
 
 // Along rows, then along columns; pixels outside the mask do not take part.
 void BlurColour(float sigma_px, Raster& raster) {
-  constexpr int kReach = 2;
+  constexpr int kReach = 2;  // px; at a deviation of 1.2 px the next would weigh 4 %
   const std::array weights = {
       1.0F, std::exp(-0.5F / (sigma_px * sigma_px)), std::exp(-2.0F / (sigma_px * sigma_px))};
   // Colour and one, or four zeros outside the mask; with a rim of zeros.

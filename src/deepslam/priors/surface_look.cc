@@ -10,7 +10,7 @@
 namespace deepslam::priors {
 namespace {
 
-constexpr std::size_t kMaterials = 4;
+constexpr std::size_t kMaterials = 4;  // frame, top, body, detail (furniture/solids.h)
 
 enum class Pattern { kPlain, kStripes, kNoise, kGrain, kChecks };
 
@@ -153,6 +153,7 @@ class GammaCurve {
   }
 
  private:
+  // Lines between so many steps are off by less than a grey level.
   static constexpr int kSteps = 128;
   std::array<float, kSteps + 1> values_{};
 };

@@ -24,10 +24,11 @@ constexpr double kFocal_px = 525;  // of a 640 x 480 camera
 // Along the longer side, more detail than the crop keeps: of the whole object, and where a part of
 // it will fill the crop.
 constexpr double kMostPixels = 128;
+// The part alone then has about as many as a whole object.
 constexpr double kMostPixelsForPart = 190;
 constexpr double kPartShare = 0.15;     // of the views with faults
 constexpr double kLeastVisible = 0.12;  // of the object, or another view is drawn
-constexpr int kMostTries = 12;
+constexpr int kMostTries = 12;  // draws of a view before it is taken as it is, without faults
 
 struct Sight {
   Pose3 object_from_camera;
@@ -75,7 +76,7 @@ PinholeCamera FrameObject(const std::vector<Eigen::Vector3f>& outline,
     high = high.cwiseMax(at);
   }
   const double focal_px = std::min(kFocal_px, most_pixels / (high - low).maxCoeff());
-  constexpr double kRim_px = 4;
+  constexpr double kRim_px = 4;  // of background round the object
   const Eigen::Vector2d size = (focal_px * (high - low)).array().ceil() + 2 * kRim_px;
   PinholeCamera camera;
   camera.width = static_cast<int>(size.x());
@@ -162,8 +163,9 @@ ObjectView ToObjectView(const Raster& raster) {
 
 // The ground as a capture tells it.
 Plane MeasuredGround(Random& random, const Plane& ground_camera) {
+  // 0.7 deg, one standard deviation: error of a measured ground.
   constexpr double kTilt_rad = 0.7 * kPi / 180.0;
-  constexpr double kHeight_m = 0.01;
+  constexpr double kHeight_m = 0.01;  // one standard deviation
   const auto off = [&random] { return std::clamp(random.Normal(), -2.5, 2.5); };
   const Eigen::Vector3d tilt = kTilt_rad * Eigen::Vector3d(off(), off(), off());
   return {(ground_camera.normal + tilt).normalized(), ground_camera.d_m + kHeight_m * off()};
@@ -249,7 +251,7 @@ Result<ViewRenderer> ViewRenderer::Make(FurnitureMesh furniture) {
   const Eigen::AlignedBox3f box = BoxOfFaces(mesh);
   impl->size_m = box.sizes().cast<double>();
   impl->bottom_m = box.min().z();
-  constexpr std::size_t kMostOutline = 4000;
+  constexpr std::size_t kMostOutline = 4000;  // vertices that frame the view; of more, every n-th
   const std::size_t step = mesh.vertices.size() / kMostOutline + 1;
   for (std::size_t n = 0; n < mesh.vertices.size(); n += step)
     impl->outline.push_back(mesh.vertices[n].cwiseMax(box.min()).cwiseMin(box.max()));
