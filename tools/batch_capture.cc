@@ -33,8 +33,8 @@ using batch::CaptureState;
 
 // Of a finished capture: what a user opens, and the final trajectory with its small tables.
 const std::set<std::string> kFinalStages = {"optimize", "export", "report"};
-constexpr auto kReportInterval = std::chrono::milliseconds(500);
-constexpr auto kRecordInterval = std::chrono::seconds(3);
+constexpr auto kReportInterval = std::chrono::milliseconds(500);  // each is a line to the batch
+constexpr auto kRecordInterval = std::chrono::seconds(3);         // the disk may be a network's
 
 // Standard error of the process goes to a file while the object lives.
 class LogFile {

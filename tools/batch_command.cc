@@ -42,7 +42,7 @@ using batch::BatchState;
 using batch::CaptureRecord;
 using batch::CaptureState;
 
-constexpr int kThreadsPerJob = 2;
+constexpr int kThreadsPerJob = 2;  // captures side by side use cores better than threads of one
 constexpr double kMemoryMibPerJob = 800;  // a room of 500 frames of 640 x 480, with networks
 
 struct BatchArguments {

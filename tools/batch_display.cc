@@ -15,7 +15,7 @@
 namespace deepslam::tools {
 namespace {
 
-constexpr auto kDrawInterval = std::chrono::milliseconds(200);
+constexpr auto kDrawInterval = std::chrono::milliseconds(200);  // looks steady, also over a network
 
 batch::TableOptions TerminalSize() {
   batch::TableOptions options;

@@ -20,7 +20,7 @@ namespace {
 using batch::CaptureRecord;
 using batch::CaptureState;
 
-constexpr auto kPollInterval = std::chrono::milliseconds(200);
+constexpr auto kPollInterval = std::chrono::milliseconds(200);  // a stop signal is seen within it
 constexpr auto kStepsInterval = std::chrono::seconds(2);  // batch.json while only steps change
 
 std::string EndOfWorker(const batch::WorkerEvent& event, const std::string& stage) {

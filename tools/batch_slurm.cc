@@ -29,12 +29,12 @@ using batch::CaptureRecord;
 using batch::CaptureState;
 
 constexpr std::string_view kJobsFormat = "deepslam/batch_jobs";
-constexpr int kJobsVersion = 1;
+constexpr int kJobsVersion = 1;  // rises with every change of the file
 constexpr auto kLookInterval = std::chrono::milliseconds(1000);  // at the records
 constexpr auto kQueueInterval = std::chrono::seconds(5);         // squeue
-constexpr auto kCancelPatience = std::chrono::seconds(60);
+constexpr auto kCancelPatience = std::chrono::seconds(60);       // twice Slurm's default KillWait
 constexpr int kMaxJobsAsked = 50;  // scontrol, for captures that ended without a word
-constexpr int kFewestTasks = 1;
+constexpr int kFewestTasks = 1;    // of an array, whatever MaxArraySize says
 
 constexpr std::string_view kSummaryScript =
     "#!/bin/sh\n"

@@ -36,10 +36,10 @@ void AddVersion(CLI::App& app, Command& chosen);
 
 // 0 done, 1 failed, 2 wrong usage or configuration, 3 input unusable, 130 interrupted.
 inline constexpr int kExitOk = 0;
-inline constexpr int kExitFailed = 1;
-inline constexpr int kExitUsage = 2;
-inline constexpr int kExitInput = 3;
-inline constexpr int kExitInterrupted = 130;
+inline constexpr int kExitFailed = 1;         // what was asked for could not be done
+inline constexpr int kExitUsage = 2;          // command line or configuration
+inline constexpr int kExitInput = 3;          // files that were given
+inline constexpr int kExitInterrupted = 130;  // 128 + SIGINT, as shells give it
 
 [[nodiscard]] int ExitCodeOf(ErrorCode code);
 // Prints the message and gives the exit code that goes with it.

@@ -15,10 +15,10 @@
 namespace deepslam::tools {
 namespace {
 
-constexpr int kMaxWarningsPerStage = 10;
-constexpr int kBarWidth = 30;
-constexpr auto kBarInterval = std::chrono::milliseconds(100);
-constexpr auto kLineInterval = std::chrono::seconds(10);
+constexpr int kMaxWarningsPerStage = 10;                       // more are only counted
+constexpr int kBarWidth = 30;                                  // characters
+constexpr auto kBarInterval = std::chrono::milliseconds(100);  // of redrawing
+constexpr auto kLineInterval = std::chrono::seconds(10);  // of lines where there is no terminal
 
 // A signal handler may touch nothing else.
 volatile std::sig_atomic_t stop_signalled = 0;

@@ -29,9 +29,9 @@ using artifact::JsonObject;
 // What a run was measured to take per frame of 640 x 480 on two cores, and what it writes; for the
 // forecast alone.
 constexpr double kSecondsPerFrame = 0.06;
-constexpr double kBaseSeconds = 10;
-constexpr double kBytesPerFrame = 20e3;
-constexpr double kMemoryMib = 600;
+constexpr double kBaseSeconds = 10;      // of any run, however short
+constexpr double kBytesPerFrame = 20e3;  // in the workspace
+constexpr double kMemoryMib = 600;       // twice of it is asked for
 
 // A finding: what was looked at, whether it is well, and what to do if not.
 struct Finding {

@@ -28,8 +28,8 @@ using artifact::JsonNode;
 using artifact::JsonObject;
 using artifact::JsonReader;
 
-constexpr double kMaxSizeM = 50;
-constexpr double kMaxPlaceM = 1000;
+constexpr double kMaxSizeM = 50;     // larger boxes are refused: not in metres
+constexpr double kMaxPlaceM = 1000;  // and so is what lies farther from the origin
 
 TriangleMesh BoxMesh(const Eigen::Vector3d& size_m) {
   TriangleMesh mesh;

@@ -31,7 +31,7 @@ using artifact::JsonObject;
 using artifact::JsonReader;
 using artifact::JsonValue;
 
-constexpr double kMaxPlace_m = 1000;
+constexpr double kMaxPlace_m = 1000;  // files with coordinates beyond are refused: not in metres
 
 // What a workspace says, in the true world.
 struct EstimatedLayout {

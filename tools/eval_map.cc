@@ -24,7 +24,7 @@ using artifact::JsonValue;
 using Points = std::vector<Eigen::Vector3d>;
 
 constexpr double kBoxMarginM = 0.05;  // the fused surface counts within this of a true box
-constexpr double kCloudVoxelM = 0.01;
+constexpr double kCloudVoxelM = 0.01;  // of the measured surface that is compared with the truth
 constexpr std::int64_t kBytesPerCloudPoint = 15;  // three floats, three bytes of colour
 
 struct EvalMapArguments {

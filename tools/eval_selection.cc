@@ -29,7 +29,7 @@ using artifact::JsonArray;
 using artifact::JsonObject;
 using artifact::JsonValue;
 
-constexpr std::uint64_t kBootstrapSeed = 1;
+constexpr std::uint64_t kBootstrapSeed = 1;  // any, always the same: intervals are repeatable
 
 struct ShapeFigures {
   std::vector<double> iou_sweep;

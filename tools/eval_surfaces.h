@@ -10,7 +10,7 @@
 
 namespace deepslam::tools {
 
-inline constexpr double kAreaPerPointM2 = 25e-6;
+inline constexpr double kAreaPerPointM2 = 25e-6;  // a point every 5 mm
 inline constexpr double kFloorBandM = 0.03;  // points this near to the true floor belong to no side
 
 void DropFloor(std::vector<Eigen::Vector3d>& points);

@@ -53,6 +53,7 @@ Result<RenderTotals> RenderShards(const RenderRequest& request,
   for (std::size_t n = 0; n < models.size(); ++n) totals.views += NumViews(request, models, n);
   Result<TrainingShards> shards = TrainingShards::Create(out, totals.models, totals.views);
   if (!shards) return shards.error();
+  // Models rendered while earlier ones are written, each held in memory.
   constexpr std::size_t kAhead = 8;
   std::array<std::optional<Result<RenderedModel>>, kAhead> ahead;
   Status status = Ok();

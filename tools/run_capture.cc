@@ -26,12 +26,12 @@ using artifact::JsonObject;
 
 constexpr std::string_view kTimingPage = "timing.html";
 constexpr std::string_view kRunFormat = "deepslam/run";
-constexpr int kRunVersion = 1;
+constexpr int kRunVersion = 1;  // rises with every change of the file
 // Decoded images that stay in memory: of 640 x 480 px 700 depth images, or 145 of colour. The
 // longer a capture, the less of it they are, and the more memory its poses and masks take: beyond
 // so many frames they are fewer.
 constexpr std::size_t kKeptFrameBytes = std::size_t{128} << 20;
-constexpr std::size_t kFramesWithAllKept = 3000;
+constexpr std::size_t kFramesWithAllKept = 3000;  // longer captures keep fewer, in proportion
 // And 60 models, of four or five objects.
 constexpr std::size_t kPreparedModelBytes = std::size_t{96} << 20;
 

@@ -88,6 +88,7 @@ std::optional<synth::CatalogueSize> AskedSize(const synth::SceneDescription& sce
 
 // Furniture files below the folders, by path: what a misspelt one may have meant.
 std::vector<std::string> FurnitureFiles(const std::vector<fs::path>& folders) {
+  // Files: bounds the time where a folder is a whole disk.
   constexpr std::size_t kMaxListed = 10'000;
   std::vector<std::string> files;
   for (const fs::path& folder : folders) {
@@ -252,7 +253,7 @@ Status WriteFrames(const fs::path& folder,
                    const synth::CaptureRenderer& renderer,
                    convert::TumWriter& writer,
                    Progress& progress) {
-  constexpr int kAtATime = 4;
+  constexpr int kAtATime = 4;  // frames in memory, and as many as wait to be written
   std::vector<synth::RenderedFrame> ready;
   int num_written = 0;
   Status status = Ok();

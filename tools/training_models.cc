@@ -196,6 +196,7 @@ Result<TrainingModel> MakeFromMesh(const TrainingModelSource& source,
     const Result<TriangleMesh> upper = source.upper->read();
     if (upper) model.furniture.mesh = priors::WithBackOf(model.furniture.mesh, *upper);
   }
+  // Above any variant's number, so that attempts have streams of their own.
   constexpr int kMaxVariants = 1000;
   Random random(
       seed, source.id, static_cast<std::uint64_t>(source.variant + attempt * kMaxVariants));

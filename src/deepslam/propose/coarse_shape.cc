@@ -10,6 +10,7 @@ namespace deepslam::propose {
 namespace {
 
 constexpr int kSize = CoarseShape::kSize;
+// Of thousands of surface points: enough to rank fits, each of which asks for all of them.
 constexpr std::size_t kSurfaceSample = 400;
 
 std::size_t Index(int i, int j, int k) {

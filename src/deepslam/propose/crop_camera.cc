@@ -12,6 +12,7 @@
 namespace deepslam::propose {
 namespace {
 
+// The square, of the extent of the silhouette, no side of which is to touch the border.
 constexpr double kMargin = 1.1;
 constexpr double kLeastLevel = 0.2;  // sine between the axis and the vertical that tells up
 

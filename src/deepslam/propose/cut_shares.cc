@@ -11,10 +11,10 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr float kLeastShare = 0.05F;
+constexpr float kLeastShare = 0.05F;  // less likely voxels are free in any layer
 // Parts of a leg may lie a voxel apart.
 constexpr int kReach = 2;
-constexpr double kCrumb = 0.003;
+constexpr double kCrumb = 0.003;  // of all solid voxels: smaller components are noise
 
 // The value above which the voxels of a layer are solid.
 float LevelOfLayer(std::span<const float> shares, int k, const SolidCut& cut) {

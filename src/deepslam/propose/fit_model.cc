@@ -173,8 +173,9 @@ DEEPSLAM_WIDE_VECTORS Placement RefinePlacement(const CoarseShape& shape,
                                                 const Eigen::Vector3d& prior_size_m,
                                                 std::span<const Eigen::Vector3f> points_level,
                                                 const FitTerms& terms) {
-  constexpr int kIterations = 6;
+  constexpr int kIterations = 6;        // of Gauss-Newton, each of 0.2 rad and 20 % of size at most
   constexpr double kPoseSigma_m = 0.3;  // keeps directions without evidence still
+  // 17 degrees: starts are up to 15 degrees off (kNumYaws of place_shape.cc).
   constexpr double kYawSigma_rad = 0.3;
   // Neighbouring points share their errors (calibration, segment's rim): they count as this many
   // independent ones.

@@ -180,7 +180,7 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
                          grid);
   }
   const auto count = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
-  constexpr int kMinVoxels = 50;
+  constexpr int kMinVoxels = 50;  // fewer are stray depth, of which no shape can be told
   if (count < kMinVoxels) {
     proposals.notes.push_back(subject + "its fused depth holds no solid");
     return proposals;

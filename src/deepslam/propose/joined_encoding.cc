@@ -11,6 +11,7 @@ namespace {
 
 using Latents = Eigen::Matrix<double, static_cast<int>(kNumLatents), 1>;
 
+// Of Weiszfeld's iteration for the geometric median, which converges linearly.
 constexpr int kSteps = 30;
 constexpr double kLeastDistance = 1e-6;  // latents are about 10 long
 

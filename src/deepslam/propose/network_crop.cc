@@ -12,9 +12,9 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr int kFewestPixels = 40;
-constexpr double kLowestHeight_m = -0.1;
-constexpr double kHeightStep_m = 0.01;
+constexpr int kFewestPixels = 40;         // of a silhouette; fewer show no shape
+constexpr double kLowestHeight_m = -0.1;  // of value 0: noise puts points of the floor below it
+constexpr double kHeightStep_m = 0.01;    // a byte then reaches up to 2.45 m
 
 struct MaskBox {
   int min_u = 0;
@@ -117,6 +117,7 @@ class PixelsOfSquare {
     const Eigen::Vector3f first =
         0.5F * along + pixel_from_place_.col(1) * ((static_cast<float>(y) + 0.5F) * step) +
         pixel_from_place_.col(2);
+    // Keeps the division finite where a ray of the square runs behind the camera.
     constexpr float kNearest = 1e-3F;
     for (int n = 0; n < count; ++n) {
       const auto x = static_cast<float>(n);
@@ -142,7 +143,7 @@ void FillColour(const ObjectView& view,
                 NetworkCrop& crop) {
   const auto step =
       static_cast<float>(crop.camera.side * std::max(view.camera.fx, view.camera.fy) / kCropSide);
-  constexpr int kMostSamples = 4;
+  constexpr int kMostSamples = 4;  // a side of a pixel: bounds the time of close-ups
   // Values between pixels need no second sample before a step leaves pixels out.
   const int samples = std::clamp(static_cast<int>(std::lround(step)), 1, kMostSamples);
   const float weight = 1.0F / static_cast<float>(samples * samples);

@@ -8,7 +8,7 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr std::size_t kFitPoints = 250;
+constexpr std::size_t kFitPoints = 250;  // for seven unknowns; time is proportional to them
 constexpr int kNumYaws = 12;           // Gauss-Newton turns by up to half a step from there
 constexpr double kTolerance_m = 0.03;  // of designs that are like the object, not the object itself
 

@@ -23,6 +23,7 @@
 namespace deepslam::propose {
 namespace {
 
+// Factors of size are rounded to it, so that objects share stretched models.
 constexpr int kStretchStep_percent = 5;
 
 // What one object's views hold, prepared for all models: its depth, or its silhouettes alone.

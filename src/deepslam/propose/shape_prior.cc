@@ -18,8 +18,8 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr std::int64_t kSketchPlanes = 5;
-constexpr std::int64_t kSketchPixels = 64;
+constexpr std::int64_t kSketchPlanes = 5;   // depth, three of normals, silhouette (docs/priors.md)
+constexpr std::int64_t kSketchPixels = 64;  // a side: half of kCropSide
 constexpr std::int64_t kBins = 24;  // of azimuth; bin n has its middle at n * 360 / 24 degrees
 constexpr int kVersion = 2;         // 1: the decoder without its derivative
 constexpr std::ptrdiff_t kFewestVoxels = 50;

@@ -17,7 +17,7 @@
 
 namespace deepslam::propose {
 
-inline constexpr std::size_t kNumLatents = 100;
+inline constexpr std::size_t kNumLatents = 100;  // as the networks are trained (docs/priors.md)
 
 struct PriorEncoding {
   std::array<float, kNumLatents> latents{};

@@ -11,7 +11,7 @@
 namespace deepslam::propose {
 namespace {
 
-constexpr float kNear_m = 0.1F;
+constexpr float kNear_m = 0.1F;   // nearer points are not projected: no furniture stands there
 constexpr int kRasterCells = 32;  // along the silhouette's longer side; a coarse model has as many
 
 struct MaskRaster {
@@ -26,7 +26,7 @@ struct MaskRaster {
 
 // Cells of which `share` lies in the mask.
 MaskRaster Reduce(const Mask& mask, int cell_px) {
-  constexpr double kShare = 0.35;
+  constexpr double kShare = 0.35;  // less than half, so that legs thinner than a cell stay
   MaskRaster raster;
   raster.width = (mask.width() + cell_px - 1) / cell_px;
   raster.height = (mask.height() + cell_px - 1) / cell_px;
@@ -101,7 +101,8 @@ Eigen::Vector3d MeetRays(std::span<const SilhouetteView> views,
                          const std::vector<Eigen::Vector2d>& offsets,
                          bool has_ground,
                          double z_m) {
-  constexpr double kDistance_m = 2.5;
+  constexpr double kDistance_m = 2.5;  // at which furniture is usually filmed
+  // Against 1 of a ray: decides only where rays are parallel, as a single one is.
   constexpr double kWeak = 1e-3;
   Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
@@ -153,7 +154,7 @@ Placement PlaceByRays(const CoarseShape& shape,
                       double yaw_rad,
                       std::span<const SilhouetteView> views,
                       bool has_ground) {
-  constexpr int kRounds = 2;
+  constexpr int kRounds = 2;  // of moving rays from the outlines' middles to the object's
   Placement placement;
   placement.size_m = size_m;
   placement.yaw_rad = yaw_rad;
@@ -169,12 +170,12 @@ Placement PlaceByRays(const CoarseShape& shape,
 
 // Moves of the search: x, y, yaw, all sides, each side, and the height where no ground holds it.
 constexpr int kNumMoves = 8;
-constexpr int kHeightMove = 7;
+constexpr int kHeightMove = 7;  // the last of kNumMoves
 
 Placement Moved(const Placement& from, int move, double step) {
-  constexpr double kStep_m = 0.08;
-  constexpr double kStep_rad = 0.26;
-  constexpr double kStepLog = 0.1;
+  constexpr double kStep_m = 0.08;    // the first; halved down to kSmallestStep
+  constexpr double kStep_rad = 0.26;  // 15 degrees; starts are up to 11 off (kNumYaws)
+  constexpr double kStepLog = 0.1;    // 10 % of a size
   Placement to = from;
   if (move < 2) {
     to.center_m[move] += step * kStep_m;
@@ -202,7 +203,7 @@ SilhouetteFit Climb(const CoarseShape& shape,
                     std::span<const SilhouetteView> views,
                     const SilhouetteFitOptions& options,
                     SilhouetteFit best) {
-  constexpr double kSmallestStep = 0.25;
+  constexpr double kSmallestStep = 0.25;  // of the first: 2 cm, 4 degrees, 2.5 % of a size
   constexpr int kMaxSweeps = 4;  // per step length
   for (double step = 1.0; step >= kSmallestStep; step *= 0.5) {
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
@@ -307,7 +308,7 @@ double ScoreSilhouettes(const CoarseShape& shape,
   // One standard deviation of the sizes a design comes in (FitTerms::catalogue_sigma) costs as much
   // as this overlap.
   constexpr double kStretchCost = 0.01;
-  constexpr double kStretchSigma = 0.15;
+  constexpr double kStretchSigma = 0.15;  // as FitTerms::catalogue_sigma
   if (views.empty() || shape.empty()) return 0;
   const std::vector<Eigen::Vector3f> points = PlacedSolid(shape, placement);
   const Eigen::Vector3f metres = placement.size_m.cast<float>().cwiseQuotient(shape.extent());
@@ -324,8 +325,8 @@ SilhouetteFit FitSilhouettes(const CoarseShape& shape,
                              const Eigen::Vector3d& real_size_m,
                              std::span<const SilhouetteView> views,
                              const SilhouetteFitOptions& options) {
-  constexpr int kNumYaws = 16;
-  constexpr std::size_t kClimbed = 2;
+  constexpr int kNumYaws = 16;         // 22.5 degrees apart
+  constexpr std::size_t kClimbed = 2;  // of the best starts: front and back often score alike
   std::vector<SilhouetteFit> starts;
   for (int n = 0; n < kNumYaws; ++n) {
     SilhouetteFit start;

@@ -19,9 +19,9 @@ constexpr int kPixelStep = 3;            // of views whose points bound the grid
 constexpr std::size_t kOutermost = 100;  // part of these points at either end that may be noise
 // Of an object's points; of an upright face a sixtieth lies in half a voxel.
 constexpr double kLevelShare = 0.2;
-constexpr int kFitRounds = 3;
+constexpr int kFitRounds = 3;  // of choosing the points near the plane and fitting it to them
 constexpr double kMostSlope = 0.035;  // 2 degrees: furniture stands plumb
-constexpr int kModelVoxels = 62;
+constexpr int kModelVoxels = 62;      // a layer at either end stays free
 static_assert(kModelVoxels * kVoxelSize == kModelExtent);
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -147,7 +147,7 @@ Similarity3 OnLayers(Similarity3 object_from_grid,
 // The model's own grid where the box fits into it; else one that holds the box.
 Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   Similarity3 object_from_grid;
-  constexpr double kHalf = 0.5 * kModelExtent;
+  constexpr double kHalf = 0.5 * kModelExtent;  // how far a model reaches from the cube's centre
   if (box.min().minCoeff() >= -kHalf && box.max().maxCoeff() <= kHalf) return object_from_grid;
   object_from_grid.scale = std::max(1.0, box.sizes().maxCoeff() / kModelExtent);
   object_from_grid.translation_m = box.center();

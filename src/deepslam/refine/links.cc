@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kUnreached = std::numeric_limits<int>::max();
 constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
-constexpr int kNoPart = -1;
+constexpr int kNoPart = -1;  // of free voxels
 
 Eigen::Array3i PlaceOf(std::size_t n) {
   const int at = static_cast<int>(n);

@@ -14,8 +14,9 @@
 namespace deepslam::refine {
 namespace {
 
+// Against Dice, which lies in [0, 1]: L(z) of the header.
 constexpr double kCrossEntropyWeight = 20;
-constexpr double kSolidWeight = 3;
+constexpr double kSolidWeight = 3;  // known free voxels are many more than solid ones
 
 bool IsSurface(Evidence evidence) {
   return evidence == Evidence::kFaint || evidence == Evidence::kSolid;

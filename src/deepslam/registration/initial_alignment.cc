@@ -8,7 +8,7 @@
 namespace deepslam::registration {
 namespace {
 
-constexpr std::size_t kMaxPoints = 150;
+constexpr std::size_t kMaxPoints = 150;  // of a view, evenly: more hardly change its moments
 
 using Points = std::vector<Eigen::Vector3d>;
 

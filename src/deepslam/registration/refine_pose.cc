@@ -19,6 +19,7 @@ constexpr std::array kRadii_m = {0.08, 0.06, 0.045, 0.035, 0.03, 0.03};
 // Residuals beyond are of a model that is not quite the object: they count by length, not square.
 constexpr double kCore_m = 0.01;
 constexpr int kMaxIterations = 10;  // of a round
+// Of the log of the scale: keeps equal bounds apart; the result is clamped.
 constexpr double kConverged = 1e-4;
 
 // (translation m; rotation vector; log scale) of a motion in the metric object frame.

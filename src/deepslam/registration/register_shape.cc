@@ -20,12 +20,13 @@ namespace {
 constexpr double kGuessedUprightSigma = 25 * kRadPerDeg;
 // Furniture of a source that names no size.
 constexpr double kMinSize = 0.1;
-constexpr double kMaxSize = 5.0;
+constexpr double kMaxSize = 5.0;  // m; no single piece of furniture is longer
 // How far the joint pose holds a single view: the drift between views that tracking leaves.
 constexpr double kHoldSigma = 0.05;
-constexpr double kHoldSigmaRad = 5 * kRadPerDeg;
+constexpr double kHoldSigmaRad = 5 * kRadPerDeg;  // and of its turn
 // A placement in the air must disagree this much less than one on the ground.
 constexpr double kClearlyBetter = 0.7;
+// Of the largest view; the coarse fit only ranks hypotheses.
 constexpr std::size_t kPointsPerCoarseView = 150;
 // A single view starts where all views together have come to.
 constexpr int kViewIterations = 8;

@@ -75,6 +75,7 @@ struct SurfaceMatch {
 };
 
 SurfaceMatch MatchSurface(float distance, const Triple& gradient, const Triple& n, float scale_m) {
+  // Of a gradient; it is 1 but at ridges of the field, which face nowhere.
   constexpr float kMinLength = 1e-3F;
   const float length = std::sqrt(Dot(gradient, gradient));
   const bool has_normal = length >= kMinLength;
@@ -206,6 +207,7 @@ struct BackBatch {
             const PlacedView& placed,
             std::size_t first,
             std::size_t stride) {
+    // Keeps the division finite; what is behind is left out below.
     constexpr float kMinDepth_m = 1e-6F;
     size = std::min(kTogether, (seen.size() - 1 - first) / stride + 1);
     const std::size_t whole = WholeLanes(size);

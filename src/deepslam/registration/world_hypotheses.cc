@@ -14,11 +14,12 @@ namespace {
 
 // Ranking needs no more than this of the measurement.
 constexpr std::size_t kMaxJudgeViews = 8;
-constexpr std::size_t kPointsPerJudgeView = 60;
+constexpr std::size_t kPointsPerJudgeView = 60;  // of each of these views
 // Hypotheses closer than all of these lead to the same optimum.
 constexpr double kSameAngleRad = 0.3;
-constexpr double kSamePlaceShare = 0.15;
-constexpr double kSameScaleShare = 0.15;
+constexpr double kSamePlaceShare = 0.15;  // of the scale
+constexpr double kSameScaleShare = 0.15;  // between logs of the scales
+// Cost of a back turned to all cameras, as furniture faces people; disagreements lie in [0, 2].
 constexpr double kBackShown = 0.1;
 
 using ViewPointers = std::vector<const MeasuredView*>;

@@ -12,7 +12,7 @@
 namespace deepslam::render {
 namespace {
 
-constexpr int kSupersampling = 2;
+constexpr int kSupersampling = 2;  // rays along a side of a pixel at an edge
 constexpr float kSky = 0.55f;   // share of light without direction
 constexpr float kLamp = 0.35f;  // share of the lamp
 constexpr float kHead =
@@ -90,7 +90,7 @@ std::vector<std::uint8_t> SeeLamp(const RayScene& scene,
                                   const Eigen::Vector3f& origin,
                                   std::span<const Eigen::Vector3f> directions,
                                   std::span<const RayHit> hits) {
-  constexpr float kFar_m = 20.0f;
+  constexpr float kFar_m = 20.0f;  // length of a ray to the lamp: what is farther casts no shadow
   std::vector<std::size_t> facing;
   std::vector<Eigen::Vector3f> from;
   std::vector<Eigen::Vector3f> to;

@@ -164,7 +164,7 @@ std::string Failures(const BatchPage& page) {
 
 // The whole of a failure stands in the list of failures.
 std::string_view FirstLine(std::string_view text) {
-  constexpr std::size_t kMaxBytes = 160;
+  constexpr std::size_t kMaxBytes = 160;  // about two lines of the table's cell
   text = text.substr(0, text.find('\n'));
   if (text.size() <= kMaxBytes) return text;
   std::size_t end = kMaxBytes;

@@ -13,7 +13,7 @@
 namespace deepslam::report {
 namespace {
 
-constexpr int kJpegQuality = 85;
+constexpr int kJpegQuality = 85;  // its loss is hardly seen; more makes pages larger
 
 // Red first, as everywhere but in OpenCV's own files.
 cv::Mat ToMat(const ColourImage& picture) {

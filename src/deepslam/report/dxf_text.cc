@@ -11,12 +11,12 @@ namespace {
 
 // Group codes of the DXF reference, release 12.
 constexpr int kEntity = 0;
-constexpr int kValue = 1;
-constexpr int kName = 2;
-constexpr int kLineType = 6;
-constexpr int kTextStyle = 7;
-constexpr int kLayer = 8;
-constexpr int kVariable = 9;
+constexpr int kValue = 1;         // text of an entity or a variable
+constexpr int kName = 2;          // of a table's entry or a section
+constexpr int kLineType = 6;      // its name in the table LTYPE
+constexpr int kTextStyle = 7;     // its name in the table STYLE
+constexpr int kLayer = 8;         // its name in the table LAYER
+constexpr int kVariable = 9;      // name of one of the header
 constexpr int kPoint = 10;        // x; y is at 20, z at 30
 constexpr int kSecondPoint = 11;  // y is at 21
 

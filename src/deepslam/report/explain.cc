@@ -122,7 +122,7 @@ Fact SizeFact(const ReportContent& content) {
 }
 
 std::string Compared(double winner, double next, std::string_view what, bool more_is_better) {
-  constexpr double kNoticeable = 0.005;
+  constexpr double kNoticeable = 0.005;  // less would be printed as equal percentages
   const double gain = more_is_better ? winner - next : next - winner;
   if (gain < kNoticeable) return {};
   return fmt::format("{} ({:.0f} % against {:.0f} %)", what, 100 * winner, 100 * next);

@@ -60,7 +60,7 @@ class PlanCanvas {
   double height_px_ = 0;
 };
 
-inline constexpr double kPlanPixelsPerMetre = 100;
+inline constexpr double kPlanPixelsPerMetre = 100;  // a pixel is a centimetre
 
 // `draw_over` draws over the furniture, below the names. Same content, same text. A layout without
 // walls is a plan of the furniture alone.

@@ -11,7 +11,7 @@ namespace deepslam::report {
 namespace {
 
 constexpr int kStretchGap = 60;  // frames: keyframes nearer than this are told of in one row
-constexpr std::size_t kMaxRows = 40;
+constexpr std::size_t kMaxRows = 40;  // the accepted ones first; the rest stands in loops.json
 
 struct Row {
   const char* kind = "";

@@ -12,17 +12,17 @@ namespace {
 
 // Shorter steps leave what is seen before and after within reach of each other.
 constexpr double kJumpM = 0.2;
-constexpr double kJumpRad = 20 * kRadPerDeg;
+constexpr double kJumpRad = 20 * kRadPerDeg;  // and smaller turns
 // A jump is longer than what all but one step in 20 reach, by what a hand's fastest steps exceed
 // those by, ...
 constexpr std::size_t kOneStepIn = 20;
-constexpr double kBeyondAll = 1.2;
+constexpr double kBeyondAll = 1.2;  // times that speed
 // ... and many times what nine in ten of its likes reach: the quarter of all steps that come
 // nearest to it in how much they turn (or move).
 constexpr std::size_t kOneLikeIn = 10;
-constexpr std::size_t kLikesOneIn = 4;
-constexpr double kBeyondLikes = 2.5;
-constexpr std::size_t kFewestLikes = 20;
+constexpr std::size_t kLikesOneIn = 4;    // of all steps that many are likes
+constexpr double kBeyondLikes = 2.5;      // times that speed
+constexpr std::size_t kFewestLikes = 20;  // of fewer, nine in ten say little
 
 struct Step {
   PathJump step;

@@ -29,7 +29,7 @@ constexpr std::array<DxfLayer, 5> kLayers = {
 
 // As high as letters are on a plan of 1:50 that has them 2.5 and 1.6 mm high.
 constexpr double kRoomText_m = 0.125;
-constexpr double kSmallText_m = 0.08;
+constexpr double kSmallText_m = 0.08;    // of things and lengths
 constexpr double kLineSpacing = 1.6;     // of texts below each other, of their height
 constexpr double kLengthBefore_m = 0.1;  // lengths stand this far before their wall
 constexpr double kLeastLength_m = 0.3;   // shorter walls go without
@@ -151,7 +151,7 @@ class PlanDrawing {
   // In (-90, 90]: texts are read from below or from the right.
   static double ReadableAngleDeg(const Eigen::Vector2d& along) {
     const double angle = std::atan2(along.y(), along.x()) * 180 / std::numbers::pi;
-    constexpr double kUpright = 90.001;
+    constexpr double kUpright = 90.001;  // rounding must not turn vertical texts round
     if (angle > kUpright) return angle - 180;
     return angle <= kUpright - 180 ? angle + 180 : angle;
   }

@@ -147,7 +147,7 @@ std::vector<PlanQuad> ObstaclesOf(const FloorPlanContent& content) {
 Eigen::Vector2d FreePlace(const LayoutRoom& room, const std::vector<PlanQuad>& obstacles) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& corner : room.polygon_m) box.extend(corner);
-  constexpr double kStep_m = 0.15;
+  constexpr double kStep_m = 0.15;    // a line of text on the plan
   constexpr double kMostPlaces = 40;  // a side
   const double step_m = std::max(kStep_m, box.sizes().maxCoeff() / kMostPlaces);
   Eigen::Vector2d best = box.center();

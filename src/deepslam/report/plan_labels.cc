@@ -19,12 +19,12 @@
 namespace deepslam::report {
 namespace {
 
-constexpr double kLeastFont_px = 6.5;
-constexpr double kLargestFont_px = 11;
+constexpr double kLeastFont_px = 6.5;   // smaller ones cannot be read: texts exceed their outline
+constexpr double kLargestFont_px = 11;  // below that of rooms' names
 constexpr double kCharacter = 0.56;  // width of one, of the size of the font
 constexpr double kLength_px = 10;    // sizes of fonts
-constexpr double kOpening_px = 7.5;
-constexpr double kRoom_px = 14;
+constexpr double kOpening_px = 7.5;  // as .fp-opening of floor_plan.cc has it
+constexpr double kRoom_px = 14;      // and .fp-room
 constexpr double kLeastLength_m = 0.3;    // shorter walls go without their length
 constexpr double kLengthBefore_m = 0.13;  // lengths stand this far before the face, or behind
 
@@ -107,6 +107,7 @@ class LabelWriter {
     for (const Eigen::Vector2d& corner : thing.corners_m) box.extend(canvas_.ToPixels(corner));
     const std::string measures = fmt::format(
         "{:.2f} x {:.2f} x {:.2f}", thing.size_m.x(), thing.size_m.y(), thing.size_m.z());
+    // Height by width of an outline from which on texts run upwards.
     constexpr double kUpright = 1.6;
     const bool upright = box.sizes().y() > kUpright * box.sizes().x();
     const double room_px = upright ? box.sizes().y() : box.sizes().x();
@@ -180,7 +181,7 @@ class LabelWriter {
       texts += fmt::format("<text class='fp-small' y='25'>h {:.2f}</text>",
                            room.ceiling_m - room.floor_m);
     }
-    constexpr double kHeight_px = 44;
+    constexpr double kHeight_px = 44;  // of lines of 14, 12 and 10 px
     taken_.push_back(
         BoxOf(place, {std::max(WidthOf(name, kRoom_px), WidthOf(area, kRoom_px)), kHeight_px}));
     Group(place, texts);

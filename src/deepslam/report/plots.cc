@@ -13,7 +13,7 @@
 namespace deepslam::report {
 namespace {
 
-constexpr double kStrip_px = 12;
+constexpr double kStrip_px = 12;  // height of the band of tracking's states
 
 std::string_view StatusColour(TrackingStatus status) {
   switch (status) {
@@ -131,8 +131,8 @@ double TickStep(double range) {
 
 // Lines over the frames of the capture; the zero line is in the picture.
 std::string LinePlot(std::span<const PlotLine> lines, int num_frames, std::string_view label) {
-  constexpr double kWidth = 720;
-  constexpr double kHeight = 130;
+  constexpr double kWidth = 720;        // units of the drawing, which is scaled to the page
+  constexpr double kHeight = 130;       // curves are read along time: wide and low
   constexpr double kLeastRange_cm = 2;  // less would make noise look like drift
   double low = 0;
   double high = kLeastRange_cm;
@@ -179,7 +179,7 @@ std::string LinePlot(std::span<const PlotLine> lines, int num_frames, std::strin
 // A band below a plot, each frame in its status' colour and at least as wide as can be seen where
 // something is amiss: drawn last.
 std::string StatusStrip(std::span<const TrackedFrame> frames, double y_px, double step_px) {
-  constexpr double kLeast_px = 0.5;
+  constexpr double kLeast_px = 0.5;  // narrower bands are not seen
   std::string as_it_should;
   std::string amiss;
   for (std::size_t begin = 0, end = 0; begin < frames.size(); begin = end) {
@@ -218,8 +218,8 @@ std::string PlanWithPath(const ReportContent& content) {
 }
 
 std::string HeightOverTime(std::span<const TrackedFrame> frames) {
-  constexpr double kWidth = 720;
-  constexpr double kHeight = 130;
+  constexpr double kWidth = 720;   // as LinePlot, since they stand below each other
+  constexpr double kHeight = 130;  // without frame of axes and strip
   if (frames.empty()) return {};
   double low = frames.front().world_from_camera.translation_m.z();
   double high = low;

@@ -16,8 +16,9 @@
 namespace deepslam::report {
 namespace {
 
-constexpr double kBadLostShare = 0.5;
-constexpr double kDoubtfulLostShare = 0.05;
+constexpr double kBadLostShare = 0.5;        // of frames: most of the capture has no map
+constexpr double kDoubtfulLostShare = 0.05;  // less is usual, as of a quick turn
+// Of frames that saw too flat a scene to fix all directions.
 constexpr double kDoubtfulDegenerateShare = 0.25;
 // Of frames whose place relative to the others was not measured. Two captures in one that are laid
 // over each other are no map; a few frames between two losses spoil what they alone saw.

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 // Beyond this browsers take long to open a page; the scene is better opened as the file it is.
 constexpr std::size_t kMaxSceneBytes = 24u << 20;
-constexpr std::size_t kMaxPathPoints = 2000;
+constexpr std::size_t kMaxPathPoints = 2000;  // more would look the same and make the page larger
 
 double Rounded(double value) {
   const double rounded = std::round(value * 1e4) / 1e4;

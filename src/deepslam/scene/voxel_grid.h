@@ -14,7 +14,7 @@
 
 namespace deepslam {
 
-inline constexpr int kGridSize = 64;
+inline constexpr int kGridSize = 64;  // voxels along an axis, as the networks give them
 inline constexpr double kVoxelSize = 1.0 / kGridSize;     // object units
 inline constexpr double kModelExtent = 62.0 / kGridSize;  // longest side of a model, object units
 

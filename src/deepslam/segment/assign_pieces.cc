@@ -98,8 +98,8 @@ struct Body {
   int num_pixels = 0;
 };
 
-constexpr int kNobody = -1;
-constexpr int kCut = -2;
+constexpr int kNobody = -1;  // no region's claim is large enough
+constexpr int kCut = -2;     // each pixel goes to its nearest region
 
 int Winner(const Piece& piece,
            std::span<const Region> regions,

@@ -5,7 +5,7 @@
 namespace deepslam::segment {
 namespace {
 
-constexpr int kAxisBits = 21;
+constexpr int kAxisBits = 21;  // three axes in 64 bits
 // Keeps the coordinates of cells positive.
 constexpr std::int64_t kMiddle = std::int64_t{1} << (kAxisBits - 1);
 
@@ -27,7 +27,7 @@ std::uint64_t KeyOf(const Eigen::Vector3f& p, double size_m) {
 // Occupied cells of a grid, numbered in the order in which they are met.
 class Cells {
  public:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // an empty slot
 
   Cells() : slots_(kFewest, kNone) {}
 

@@ -14,10 +14,10 @@
 namespace deepslam::segment {
 namespace {
 
-constexpr std::size_t kRowsPerChunk = 16;
+constexpr std::size_t kRowsPerChunk = 16;  // of one task; results are the same for any
 constexpr double kFarthest_m = 1000;  // only absurd intrinsics put points farther out
 constexpr int kCrumb = 12;            // pieces of fewer pixels are noise
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNone = -1;    // of no part, or of no piece
 
 // Where usable points lie: up to a depth, and above the ground's noise.
 struct Usable {

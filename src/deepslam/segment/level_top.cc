@@ -10,7 +10,7 @@
 namespace deepslam::segment {
 namespace {
 
-constexpr int kMinTop_px = 150;
+constexpr int kMinTop_px = 150;  // fewer pixels at one height have no certain outline
 
 // Where the rays through a row of the image, every other pixel, meet the height of a top.
 struct RowAtHeight {
@@ -56,7 +56,7 @@ double OpaqueShare(const ImagePieces& pieces,
                    const Plane& ground_camera,
                    const Region& region,
                    const LevelTop& top) {
-  constexpr int kStep_px = 2;
+  constexpr int kStep_px = 2;  // a quarter of the pixels is enough for a share
   if (ground_camera.d_m <= top.height_m) return 1.0;  // seen from below
   const GroundAxes axes(ground_camera);
   std::vector<double> rays_x;
@@ -108,7 +108,7 @@ std::optional<FoundTop> FindTop(const ImagePieces& pieces,
                                 const Plane& ground_camera,
                                 const Region& region,
                                 const Owners& owners) {
-  constexpr double kLeastOpaque = 0.5;
+  constexpr double kLeastOpaque = 0.5;  // what is seen through for the most part is no top
   const GroundAxes axes(ground_camera);
   const HeightLayers layers(pieces, heights, region, owners);
   std::optional<FoundTop> best;

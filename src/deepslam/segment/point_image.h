@@ -10,8 +10,8 @@ namespace deepslam::segment {
 // Pixels without a usable point have z = 0. Around the image lies a margin of such pixels.
 class PointImage {
  public:
-  static constexpr int kMarginRows = 12;
-  static constexpr int kMarginColumns = 16;
+  static constexpr int kMarginRows = 12;     // of the widest baseline in smooth_links.cc
+  static constexpr int kMarginColumns = 16;  // pixels that smooth_links.cc takes side by side
 
   PointImage() = default;
   PointImage(int width, int height)

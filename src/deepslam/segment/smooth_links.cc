@@ -14,11 +14,12 @@
 namespace deepslam::segment {
 namespace {
 
+// Of one task, which surveys the row above them once more.
 constexpr std::size_t kRowsPerChunk = 64;
 // Normals are taken over about this length on the surface: twice the depth noise of structured
 // light at 3 m, so that a normal is good to about 20 degrees.
 constexpr double kNormalBaseline_m = 0.04;
-constexpr int kMaxBaseline_px = 12;
+constexpr int kMaxBaseline_px = 12;       // bounds the neighbourhood of what is near
 constexpr float kSameSurfaceCos = 0.87F;  // 30 degrees: steps of normals inside one surface
 constexpr float kHorizontalCos = 0.82F;   // 35 degrees
 constexpr int kLanes = 16;                // pixels side by side

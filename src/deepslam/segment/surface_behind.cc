@@ -15,7 +15,7 @@ constexpr double kMinOnPlane = 0.9;  // of the points
 constexpr double kMinGoesOn = 0.6;   // of what is measured beside the box
 constexpr int kMinMeasured_px = 30;  // beside the box, to say anything
 constexpr double kRingShare = 0.2;   // of the box's longer side
-constexpr int kMinRing_px = 8;
+constexpr int kMinRing_px = 8;       // that share of a small box would hold too few
 
 double Tolerance_m(double depth_m) { return 0.02 + 0.006 * depth_m * depth_m; }
 

@@ -11,8 +11,8 @@ namespace {
 
 // Tops of tables and desks, from coffee tables to bars; lower ones are seats and shelves.
 constexpr double kLowest_m = 0.30;
-constexpr double kHighest_m = 1.30;
-constexpr double kBin_m = 0.02;
+constexpr double kHighest_m = 1.30;  // a bar is 1.1 m high
+constexpr double kBin_m = 0.02;      // a peak takes three: a top and its noise
 constexpr double kGap_m = 0.30;  // parts of a top hidden from each other by what stands before it
 
 constexpr int kNumBins = PieceHeights::kNumBins;

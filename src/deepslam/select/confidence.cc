@@ -11,18 +11,18 @@
 namespace deepslam::select {
 namespace {
 
-constexpr double kSamePlaceM = 0.2;
-constexpr double kSameTurnRad = 20 * std::numbers::pi / 180;
-constexpr double kSameSize = 1.2;
+constexpr double kSamePlaceM = 0.2;  // this and the next two as the header defines a right place
+constexpr double kSameTurnRad = 20 * std::numbers::pi / 180;  // 20 degrees
+constexpr double kSameSize = 1.2;                             // ratio
 // The fit, and from where on its parts tell no more.
 constexpr double kLogit = -4.85;
-constexpr double kLeadLogit = 2.1;
-constexpr double kClearLead = 0.15;
-constexpr double kSeenLogit = 3.1;
-constexpr double kWellSeenShare = 0.4;
-constexpr double kExplainedLogit = 3.35;
-constexpr double kUnexplained = 0.6;
-constexpr double kExplained = 0.9;
+constexpr double kLeadLogit = 2.1;        // added by a margin of kClearLead over other places
+constexpr double kClearLead = 0.15;       // of scores; larger margins tell no more
+constexpr double kSeenLogit = 3.1;        // added where kWellSeenShare of the surface was seen
+constexpr double kWellSeenShare = 0.4;    // more tells no more
+constexpr double kExplainedLogit = 3.35;  // added by a best score of kExplained
+constexpr double kUnexplained = 0.6;      // best scores below add nothing, ...
+constexpr double kExplained = 0.9;        // ... and above no more
 // Of objects whose place no whole model speaks for or against: about the fit's mean.
 constexpr double kUsualLead = 0.06;
 // Width of the passage from "likely wrong" to "likely right" around good_score.

@@ -6,7 +6,7 @@
 namespace deepslam::select {
 namespace {
 
-constexpr double kFullCount = 100;
+constexpr double kFullCount = 100;   // points, or pixels, from which on a view counts in full
 constexpr double kGroundFade = 0.1;  // m
 
 }  // namespace

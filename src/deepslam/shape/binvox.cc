@@ -38,7 +38,7 @@ void SetRun(std::size_t place, std::size_t run, VoxelGrid& grid) {
 
 // The header's lines up to and with "data"; the rest stays in `bytes`.
 Status SkipHeader(std::string_view& bytes) {
-  constexpr int kMaxLines = 64;
+  constexpr int kMaxLines = 64;  // of a header; longer ones are refused
   bool magic = false;
   bool dim = false;
   for (int n = 0; n < kMaxLines; ++n) {
@@ -68,7 +68,7 @@ Status SkipHeader(std::string_view& bytes) {
 
 std::string WriteBinvox(const VoxelGrid& grid) {
   std::string bytes(kHeader);
-  constexpr std::size_t kMaxRun = 255;
+  constexpr std::size_t kMaxRun = 255;  // the length is a byte
   Slab slab;
   std::uint8_t value = 0;
   std::size_t run = 0;

@@ -12,8 +12,8 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr float kMinCosine = 0.2F;
-constexpr int kMaxStep_px = 8;
+constexpr float kMinCosine = 0.2F;  // 78 degrees: beyond, depth cameras see nothing
+constexpr int kMaxStep_px = 8;      // bounds the neighbourhood of what is near
 
 // Pixels of a row whose neighbours to all four sides, `step` pixels away, lie in the image; with
 // these neighbours' depths and rays.
@@ -36,6 +36,7 @@ struct Rays {
 
 // Half the width of a pixel's neighbourhood, about 1.5 cm.
 void FindSteps(const float* depth_m, int width, float f, float near_m, std::int32_t* steps) {
+  // Wide against depth noise, narrow against parts of furniture.
   constexpr float kHalfWindow_m = 0.015F;
   for (int u = 0; u < width; ++u) {
     const float z = depth_m[u];

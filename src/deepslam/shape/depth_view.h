@@ -64,7 +64,7 @@ class DepthView {
   void PixelsAlong(const Eigen::Vector3f& first, const Eigen::Vector3f& step, Line& line) const;
 
  private:
-  static constexpr float kNear_m = 0.1F;
+  static constexpr float kNear_m = 0.1F;  // nearer than depth cameras for rooms measure
 
   const ObjectView* view_;
   Image<float> cosine_;       // empty where slopes are ignored

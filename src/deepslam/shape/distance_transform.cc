@@ -13,7 +13,7 @@ namespace deepslam::shape {
 namespace {
 
 constexpr int kSize = kGridSize;
-constexpr float kFar = 1e10F;
+constexpr float kFar = 1e10F;  // squared voxels, where the grid has none to measure to
 // Beyond any squared distance in the grid, 3 * 63^2; with the square of a step added it still fits.
 constexpr std::int16_t kNothing = 16383;
 
@@ -24,7 +24,7 @@ using Slab = std::array<Row, kSize>;
 
 // Steps to the nearest place along a row, with room for a look beyond either end.
 struct StepsRow {
-  static constexpr std::size_t kRoom = kSize / 2;
+  static constexpr std::size_t kRoom = kSize / 2;  // the longest step: 1, 2, ..., 32 add up to 63
   static constexpr std::uint8_t kFarSteps = 127;  // more than a row has; twice that still fits
   std::array<std::uint8_t, kSize + 2 * kRoom> steps;
 

@@ -124,7 +124,7 @@ bool OneFanPerVertex(const std::vector<Face>& faces,
                      std::size_t num_vertices,
                      DisjointSets& corners,
                      MeshCheck& check) {
-  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // no fan met yet
   std::vector<std::uint32_t> fan(num_vertices, kNone);
   for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
     const std::uint32_t vertex = faces[corner / 3][corner % 3];

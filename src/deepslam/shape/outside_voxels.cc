@@ -6,7 +6,8 @@ namespace deepslam::shape {
 namespace {
 
 constexpr std::size_t kRows = kGridSize;  // of one i
-constexpr std::uint64_t kAll = ~std::uint64_t{0};
+constexpr std::uint64_t kAll = ~std::uint64_t{0};  // a row's voxels, a bit each
+// First and last of a row: at the rim.
 constexpr std::uint64_t kEnds = (std::uint64_t{1} << (kGridSize - 1)) | 1U;
 
 // All of `free` that `from` reaches along the row (Kogge, Stone 1973: in steps of 1, 2, 4, ...).

@@ -10,7 +10,7 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr double kNearM = 0.01;
+constexpr double kNearM = 0.01;  // the near plane, which cuts faces that reach behind the camera
 
 // The part of a convex polygon before the near plane.
 std::vector<Eigen::Vector3d> CutAtNear(const std::array<Eigen::Vector3d, 3>& corners) {

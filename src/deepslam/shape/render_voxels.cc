@@ -159,7 +159,7 @@ void InterpolateDistances(const ShapeModel& model,
                           const std::array<Lanes, 3>& points,
                           const IntLanes& is_asked,
                           Lanes& distances) {
-  constexpr float kInside = 0.5F - 0.5F * kVoxel;
+  constexpr float kInside = 0.5F - 0.5F * kVoxel;  // to the centres of the outermost voxels
   IntLanes is_inside = is_asked;
   for (const Lanes& p : points) is_inside &= (p >= -kInside) & (p <= kInside);
   std::array<IntLanes, 3> base;

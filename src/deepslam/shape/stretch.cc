@@ -14,7 +14,7 @@ namespace {
 
 // A voxel and its 26 neighbours, a bit each: (di + 1) * 9 + (dj + 1) * 3 + (dk + 1).
 using Neighbourhood = std::uint32_t;
-constexpr int kNeighbours = 27;
+constexpr int kNeighbours = 27;  // 3 x 3 x 3
 constexpr Neighbourhood kCentre = 1U << 13;
 
 // How many coordinates of two cells differ, and by how much at most.
@@ -173,7 +173,7 @@ std::vector<float> ResampleAxis(const std::vector<float>& source,
 VoxelGrid SolidFromShares(const std::vector<float>& shares) {
   // Sums of shares of exactly one half must not depend on rounding.
   constexpr float kHalf = 0.5F - 1e-4F;
-  constexpr float kSomething = 1e-3F;
+  constexpr float kSomething = 1e-3F;  // smaller sums of shares are rounding
   VoxelGrid grid;
   std::vector<std::uint8_t> fixed(shares.size(), 0);
   std::vector<Voxel> partly;

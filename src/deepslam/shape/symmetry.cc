@@ -9,9 +9,9 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr double kNearVoxels = 1.5;
-constexpr double kNearShare = 0.98;
-constexpr int kStepDeg = 15;
+constexpr double kNearVoxels = 1.5;  // voxels of two surfaces that are one differ by this
+constexpr double kNearShare = 0.98;  // of the surface; the rest may be noise
+constexpr int kStepDeg = 15;         // a shape that stays at each of these turns is round
 
 bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
   const float angle = static_cast<float>(angle_deg) * std::numbers::pi_v<float> / 180.0F;

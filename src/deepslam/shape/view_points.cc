@@ -22,8 +22,8 @@ namespace {
 constexpr float kMaxDepth_m = 20.0F;  // no RGB-D camera of rooms measures further
 constexpr double kPatchRadius_m =
     0.02;  // normals: wide against depth noise, small against furniture edges
-constexpr int kMinPatchRadius_px = 2;
-constexpr int kMaxPatchRadius_px = 6;
+constexpr int kMinPatchRadius_px = 2;  // 5 x 5: fewer pixels do not outweigh far depth's noise
+constexpr int kMaxPatchRadius_px = 6;  // bounds the time of close-ups
 
 bool IsUsable(float depth_m) { return depth_m > 0 && depth_m < kMaxDepth_m; }
 
@@ -34,14 +34,14 @@ float SteepestPerPixel(const PinholeCamera& camera) {
   constexpr float kSteepest = 5.7F;  // tan 80 deg
   return kSteepest / static_cast<float>(camera.fx);
 }
-constexpr float kNoise_m = 0.01F;
+constexpr float kNoise_m = 0.01F;  // of depth between neighbours, near the camera
 
 // The depth of a view with so much of nothing around it that no patch leaves the image, unusable
 // depth being 0.
 class PaddedDepth {
  public:
   static constexpr int kRows = kMaxPatchRadius_px;
-  static constexpr int kColumns = 16;
+  static constexpr int kColumns = 16;  // two vectors of kLanes (below)
 
   explicit PaddedDepth(const DepthImage& depth_m)
       : padded_m_(depth_m.width() + 2 * kColumns, depth_m.height() + 2 * kRows, 0.0F) {
@@ -85,6 +85,7 @@ DEEPSLAM_WIDE_VECTORS void FindCoherent(const PaddedDepth& depth_m,
                                         int v,
                                         Span span,
                                         std::vector<std::int32_t>& is_coherent) {
+  // Of 8; a pixel at a straight edge, which may mix depths, has 5.
   constexpr std::int32_t kMinAgreeing = 6;
   const float* const above = depth_m.Row(v - 1);
   const float* const row = depth_m.Row(v);
@@ -182,7 +183,7 @@ std::optional<Eigen::Vector3f> PatchNormal(const PaddedDepth& depth_m,
                  kMinPatchRadius_px,
                  kMaxPatchRadius_px);
   const PatchSums patch = SumPatch(depth_m, camera, radius, u, v);
-  constexpr int kMinPatch = 8;
+  constexpr int kMinPatch = 8;  // pixels; the normal of fewer is noise
   if (patch.count < kMinPatch) return std::nullopt;
   const double count = patch.count;
   const Eigen::Matrix3d covariance =
@@ -275,7 +276,7 @@ class CellNumbers {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;  // an empty slot
   std::vector<std::uint32_t> slots_;
   std::vector<std::uint64_t> keys_;
   std::uint32_t count_ = 0;
@@ -367,7 +368,7 @@ std::vector<std::size_t> Thinned(const ObjectView& view,
   double area_m2 = 0;
   const double px_per_rad2 = view.camera.fx * view.camera.fy;
   for (const float z : pixels.z_m) area_m2 += z * z / px_per_rad2;
-  constexpr float kCoarser = 1.15F;
+  constexpr float kCoarser = 1.15F;  // about a quarter fewer cells a try
   auto cell_m = static_cast<float>(std::sqrt(area_m2 / static_cast<double>(max_points)));
   cell_m = std::max(cell_m, 1e-4F);
   // Cells around the origin never merge: a tiny `max_points` takes the first pixels.

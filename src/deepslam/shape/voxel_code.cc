@@ -13,22 +13,23 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr std::size_t kChecksumBytes = 4;
-constexpr int kFlushBytes = 5;
+constexpr std::size_t kChecksumBytes = 4;  // of SHA-256; one damaged code in 2^32 passes
+constexpr int kFlushBytes = 5;             // the cached one and four of `low_`
 // No grid takes more: the model never pays much over one bit a voxel.
 constexpr std::size_t kMaxBytes = 2 * kGridSize * kGridSize * kGridSize / 8;
 
 // The chance that the next voxel of a pattern is free, learnt as voxels come: fast at first.
 class Chance {
  public:
-  static constexpr int kBits = 16;
+  static constexpr int kBits = 16;  // of a chance as it is coded: the range keeps 8 more (kTop)
 
   // Of 2^kBits, never all and never nothing.
   [[nodiscard]] std::uint32_t free() const {
     return static_cast<std::uint32_t>(free_ >> (kFineBits - kBits));
   }
   void Learn(bool occupied) {
-    constexpr int kSlowest = 250;
+    constexpr int kSlowest = 250;  // voxels: then a chance moves by 1/250 of its error
+    // 12 of 2^16: no voxel costs more than 12.4 bits.
     constexpr int kSure = 12 << (kFineBits - kBits);
     const int target = occupied ? kSure : (1 << kFineBits) - kSure;
     free_ += 2 * (target - free_) / (2 * count_ + 3);
@@ -36,7 +37,7 @@ class Chance {
   }
 
  private:
-  static constexpr int kFineBits = 28;
+  static constexpr int kFineBits = 28;  // the slowest steps still count, and twice one fits an int
   int free_ = 1 << (kFineBits - 1);
   int count_ = 0;
 };
@@ -48,7 +49,7 @@ class Rows {
   [[nodiscard]] std::uint64_t At(int i, int j) const { return bits_[Index(i, j)]; }
 
  private:
-  static constexpr std::size_t kSide = kGridSize + 2;
+  static constexpr std::size_t kSide = kGridSize + 2;  // with a free row at either end
   static_assert(kGridSize == 64, "a row fits a word");
 
   static std::size_t Index(int i, int j) {
@@ -63,7 +64,7 @@ class Rows {
 // (i, j, k - 1).
 class Patterns {
  public:
-  static constexpr std::size_t kCount = 1 << 9;
+  static constexpr std::size_t kCount = 1 << 9;  // nine voxels, each solid or free
 
   Patterns(const Rows& rows, int i, int j)
       : back_(rows.At(i - 1, j)),
@@ -101,7 +102,7 @@ class Patterns {
 
 using Chances = std::array<Chance, Patterns::kCount>;
 
-constexpr std::uint32_t kTop = 1U << 24;
+constexpr std::uint32_t kTop = 1U << 24;  // below it the range is shifted by a byte
 
 class Encoder {
  public:

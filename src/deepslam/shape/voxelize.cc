@@ -27,8 +27,8 @@ constexpr Block kLowX = 0x000000000000FFFF;  // the cells at the voxel's lower s
 constexpr Block kLowY = 0x000F000F000F000F;
 constexpr Block kLowZ = 0x1111111111111111;
 constexpr int kStepX = 16;  // bits from a cell to the next along x, ...
-constexpr int kStepY = 4;
-constexpr int kStepZ = 1;
+constexpr int kStepY = 4;   // along y, ...
+constexpr int kStepZ = 1;   // and along z
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
@@ -49,7 +49,7 @@ std::vector<Triangle> UsableTriangles(const TriangleMesh& mesh) {
 
 // The box's own faces lie on the rim of the outermost voxels: the last one is theirs.
 constexpr int kLowestCell = kFine;
-constexpr int kHighestCell = kFineSize - kFine - 1;
+constexpr int kHighestCell = kFineSize - kFine - 1;  // the layer behind it stays free as well
 
 // What is below zero is below the lowest cell either way, so that cutting off does what floor
 // would.
@@ -60,7 +60,7 @@ std::uint32_t CellAt(double fine) {
 
 // The cells of `count` points along a row: begin, begin + step, ...
 void MarkRow(const Eigen::Vector3d& begin, const Eigen::Vector3d& step, int count, Blocks& shell) {
-  constexpr int kAtOnce = 16;
+  constexpr int kAtOnce = 16;  // cells found before bits are set, so that the compiler vectorises
   std::array<std::uint32_t, kAtOnce> voxels;
   std::array<std::uint32_t, kAtOnce> bits;
   for (int first = 0; first < count; first += kAtOnce) {
@@ -93,7 +93,7 @@ Triangle ShortestSideLast(const Triangle& triangle) {
 // 6-connected flood could pass.
 DEEPSLAM_WIDE_VECTORS
 void MarkTriangle(const Triangle& any, Blocks& shell) {
-  constexpr double kSpacing = 0.45;
+  constexpr double kSpacing = 0.45;  // cells, in either direction: 0.64 across
   const Triangle triangle = ShortestSideLast(any);
   const Eigen::Vector3d ab = triangle[1] - triangle[0];
   const Eigen::Vector3d ac = triangle[2] - triangle[0];
@@ -200,7 +200,7 @@ Result<VoxelGrid> Voxelize(const TriangleMesh& mesh) {
     for (const Eigen::Vector3d& corner : triangle) box.Extend(corner);
   }
   const double longest = box.Size().maxCoeff();
-  constexpr double kSmallest = 1e-9;
+  constexpr double kSmallest = 1e-9;  // units of the file: below, a point but for rounding
   if (!(longest > kSmallest) || !std::isfinite(longest)) {
     return InvalidInput("mesh has no extent");
   }

@@ -79,7 +79,7 @@ bool IsDeviceOrPipe(const fs::path& file) {
 }
 
 fs::path BehindLinks(fs::path file) {
-  constexpr int kMostLinks = 40;
+  constexpr int kMostLinks = 40;  // as Linux follows (path_resolution(7)); ends loops
   std::error_code error;
   for (int n = 0; n < kMostLinks && fs::is_symlink(file, error); ++n) {
     const fs::path target = fs::read_symlink(file, error);
@@ -122,7 +122,7 @@ Result<std::string> ReadFile(const fs::path& file) {
 }
 
 Result<TextSource> OpenText(const fs::path& file) {
-  constexpr std::size_t kPieceBytes = std::size_t{1} << 18;
+  constexpr std::size_t kPieceBytes = std::size_t{1} << 18;  // a read: few calls, little memory
   Result<FileToRead> opened = OpenToRead(file);
   if (!opened.ok()) return opened.error();
   const auto fd = std::make_shared<FileDescriptor>(std::move(opened->fd));

@@ -93,6 +93,7 @@ class Curve {
   [[nodiscard]] double length_m() const { return length_m_.back(); }
 
  private:
+  // Of the table of lengths; within a step the curve counts as straight.
   static constexpr std::size_t kStepsPerSpan = 64;
 
   [[nodiscard]] Eigen::Vector3d Point(long i) const {
@@ -132,7 +133,7 @@ Curve WayOf(const SceneWalk& walk) {
 }
 
 Look WalkAt(const SceneWalk& walk, const Curve& curve, double linear) {
-  constexpr double kAheadM = 1.5;
+  constexpr double kAheadM = 1.5;  // along the way, at which the camera looks
   double share = walk.closed ? walk.laps * linear : Eased(linear);
   if (walk.and_back) {
     const double there = 1 - std::abs(1 - 2 * linear);
@@ -203,7 +204,7 @@ std::vector<int> KeptFrames(const SceneDescription& description) {
 }
 
 double ExposureGain(const SceneDescription& description, double time_s) {
-  constexpr double kSlower = 0.15;
+  constexpr double kSlower = 0.15;  // 0.04 to 0.24 Hz, where a hand sways at 0.25 to 1.6
   const Sway drift(Random(description.seed, "exposure", 0));
   return std::exp2(description.faults.exposure_change_stops * drift.At(kSlower * time_s));
 }

@@ -11,8 +11,8 @@ namespace deepslam::synth {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kTries = 20;
-constexpr int kCupSides = 20;
+constexpr int kTries = 20;     // random places, after which a thing is left out
+constexpr int kCupSides = 20;  // faces of its wall: round in pictures
 
 Rgb8 SomeColour(Random& random) {
   const auto byte = [&] { return static_cast<std::uint8_t>(40 + random.Index(190)); };
@@ -100,8 +100,8 @@ void AddOnTable(const PlacedObject& table,
                 int count,
                 Random& random,
                 std::vector<TriangleMesh>& clutter) {
-  constexpr double kRimM = 0.12;
-  constexpr double kGapM = 0.3;
+  constexpr double kRimM = 0.12;  // of middles from the table's edge, so that things lie on it
+  constexpr double kGapM = 0.3;   // between middles; only corners of the largest things may meet
   const TableTop top(table.mesh);
   std::vector<Eigen::Vector2d> taken;
   for (int i = 0; i < count; ++i) {
@@ -124,8 +124,8 @@ void AddOnFloor(const SceneDescription& description,
                 const std::vector<PlacedObject>& objects,
                 Random& random,
                 std::vector<TriangleMesh>& clutter) {
-  constexpr double kWallM = 0.4;
-  constexpr double kBesideM = 0.25;
+  constexpr double kWallM = 0.4;     // of middles; half a box's diagonal is 0.28
+  constexpr double kBesideM = 0.25;  // of middles from furniture's box
   std::vector<Eigen::Vector2d> taken;
   for (int i = 0; i < description.clutter.num_floor_boxes; ++i) {
     TriangleMesh box =

@@ -135,6 +135,7 @@ double LateralDeviation(const DepthSensor& sensor, double theta_rad) {
 }
 
 double InfraredReflectance(double visible) {
+  // So that black at 1 to 3 m has depth (the figures in the header).
   constexpr double kOfBlack = 0.03;
   return kOfBlack + (1 - kOfBlack) * visible;
 }

@@ -16,7 +16,7 @@ constexpr double kClearance_m = 0.28;  // between the camera and what stands the
 // Where there is room, people stay so far from walls, as if the way along them were so many times
 // as long.
 constexpr double kComfort_m = 0.55;
-constexpr double kDiscomfort = 3;
+constexpr double kDiscomfort = 3;  // of a cell nearer than kComfort_m; others cost 1
 
 bool IsFree(const HomePlan& plan,
             const std::vector<FloorRectangle>& taken,

@@ -117,12 +117,12 @@ constexpr std::array<Kind, 22> kKinds = {
     kPlant,  kBed,       kNightstand,  kWardrobe, kDesk,  kCounter,  kSink,    kWallCabinet,
     kFridge, kMicrowave, kStool,       kToilet,   kBasin, kWasher};
 
-constexpr double kGapToWall_m = 0.02;
-constexpr double kGapBetween_m = 0.03;
+constexpr double kGapToWall_m = 0.02;   // skirting boards keep things off walls
+constexpr double kGapBetween_m = 0.03;  // neighbours are not to meet
 constexpr double kDoorReach_m = 0.9;  // free before a door, to both sides
 constexpr double kHigh_m = 0.9;       // what is higher does not stand before a window
 constexpr double kWalkway_m = 0.65;   // free around what stands in the middle of a room
-constexpr double kWallCabinet_m = 1.45;
+constexpr double kWallCabinet_m = 1.45;  // its bottom: half a metre above a counter
 constexpr int kTries = 40;  // for a place
 
 struct Piece {

@@ -15,7 +15,7 @@ namespace {
 
 // Texture detail on the mesh; about three pixels of a 640 px wide camera at 2 m.
 constexpr float kTexturedEdgeM = 0.012f;
-constexpr int kMaxDivisions = 7;
+constexpr int kMaxDivisions = 7;  // of a face in four, at most 16384 faces
 
 struct Corner {
   Eigen::Vector3f p = Eigen::Vector3f::Zero();

@@ -15,18 +15,18 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr double kEye_m = 1.5;
-constexpr double kTarget_m = 0.55;
-constexpr double kSpeed_m_per_s = 0.45;
+constexpr double kEye_m = 1.5;           // height of the camera, held before the face
+constexpr double kTarget_m = 0.55;       // height looked at: furniture and some floor
+constexpr double kSpeed_m_per_s = 0.45;  // half of walking, so that pictures stay sharp
 constexpr double kTurn_rad_per_s = 0.8;  // of a view that is to stay sharp
 constexpr double kTurnedAt = 0.5;        // of the way to where one looks next
-constexpr double kFramesPerS = 10;
+constexpr double kFramesPerS = 10;       // 4.5 cm apart at that speed
 // Through a door one looks where one goes: from so far before it, to so far behind it.
 constexpr double kBeforeDoor_m = 0.9;
-constexpr double kBehindDoor_m = 2;
-constexpr double kPointEvery_m = 0.5;
+constexpr double kBehindDoor_m = 2;    // far enough to look through, not at the leaf
+constexpr double kPointEvery_m = 0.5;  // along the way; the curve smooths corners within
 constexpr double kCornerShare = 0.6;  // of the way from a room's middle to its corner
-constexpr std::size_t kMaxPoints = 1000;
+constexpr std::size_t kMaxPoints = 1000;  // as a scene's file may have (scene_table.cc)
 
 struct Stop {
   int cell = 0;
@@ -119,7 +119,7 @@ double OpenBefore_m(const HomePlan& plan, const Eigen::Vector2d& at, double yaw_
 
 // The least of it in a turn.
 double OpenInTurn_m(const HomePlan& plan, const Eigen::Vector2d& at, double from_rad, double turn) {
-  constexpr int kNumLooks = 12;
+  constexpr int kNumLooks = 12;  // 30 degrees apart in a full turn
   double open_m = std::numeric_limits<double>::infinity();
   for (int k = 0; k <= kNumLooks; ++k)
     open_m = std::min(open_m, OpenBefore_m(plan, at, from_rad + k * turn / kNumLooks));
@@ -129,7 +129,7 @@ double OpenInTurn_m(const HomePlan& plan, const Eigen::Vector2d& at, double from
 // The short way round, or the long one where that shows the room and the short one a wall from
 // near.
 double OpenTurn(const HomePlan& plan, const Eigen::Vector2d& at, double from_rad, double to_rad) {
-  constexpr double kNearWall_m = 1.2;
+  constexpr double kNearWall_m = 1.2;  // a wall this near fills the picture
   const double short_rad = ShortTurn(from_rad, to_rad);
   const double long_rad = short_rad - std::copysign(2 * std::numbers::pi, short_rad);
   const double open_m = OpenInTurn_m(plan, at, from_rad, short_rad);
@@ -162,11 +162,11 @@ class Filming {
   }
 
  private:
-  static constexpr double kStep_rad = 0.4;
+  static constexpr double kStep_rad = 0.4;  // 23 degrees: pictures overlap by half and more
   // As far ahead as the wall, at what stands before it: near walls one looks down, and across a
   // room so that walls are seen to above the doors.
   static constexpr double kNearest_m = 1.8;
-  static constexpr double kFarthest_m = 4;
+  static constexpr double kFarthest_m = 4;  // farther targets would show more ceiling than floor
 
   void AddPoint() {
     walk_.points_m.emplace_back(at_.x(), at_.y(), kEye_m);

@@ -12,14 +12,14 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr float kOffSurfaceM = 2e-3f;
+constexpr float kOffSurfaceM = 2e-3f;  // of where rays begin: no surface shadows itself
 // Things further away than this do not darken a corner.
 constexpr float kAmbientReachM = 1.2f;
-constexpr int kPattern = 4;
+constexpr int kPattern = 4;  // strata a side, one a pixel
 constexpr int kStride = 2;  // px between samples
 // Fewer samples than this on one surface, as on a chair's leg: more are cast there.
 constexpr int kFewSamples = 6;
-constexpr float kSameSurfaceCosine = 0.9f;
+constexpr float kSameSurfaceCosine = 0.9f;  // 26 degrees: samples are not shared across edges
 
 // Two unit vectors that complete n.
 std::pair<Eigen::Vector3f, Eigen::Vector3f> Tangents(const Eigen::Vector3f& n) {

@@ -17,9 +17,9 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr int kMaxFrames = 100'000;
-constexpr int kMaxSidePx = 4096;
-constexpr int kMaxRungDepth = 8;
+constexpr int kMaxFrames = 100'000;  // more are refused, as a slip would fill the disk
+constexpr int kMaxSidePx = 4096;     // larger pictures are refused for their memory
+constexpr int kMaxRungDepth = 8;     // tables in tables; more hold themselves
 
 // A smaller picture of the same sensor: what the sensor does over so many of its pixels it does
 // over as much of the picture.

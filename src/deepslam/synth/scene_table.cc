@@ -11,7 +11,7 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr std::size_t kMaxPoints = 1000;
+constexpr std::size_t kMaxPoints = 1000;  // longer lists are refused
 
 std::string Shown(const YAML::Node& node) {
   return node.IsScalar() ? node.Scalar().substr(0, 60) : "a structure";

@@ -16,7 +16,7 @@ namespace {
 
 // Share of light that comes back from a face seen under a cosine; below, the pattern is lost.
 constexpr float kMinCosine = 0.12f;
-constexpr float kSureCosine = 0.25f;
+constexpr float kSureCosine = 0.25f;  // from here on slopes lose nothing
 // A polished face gives depth only when its mirror image of the projector is not far off the axis.
 constexpr float kMirrorCosine = 0.97f;
 // Neighbouring depths further apart than this are two surfaces, relative.
@@ -25,14 +25,14 @@ constexpr double kEdgeStep = 0.03;
 constexpr int kPatchPx = 16;
 constexpr float kColourNoise = 0.010f;  // of full scale
 constexpr double kVignetting = 0.18;    // darkening at the corners
-constexpr int kNumTones = 4096;
+constexpr int kNumTones = 4096;         // a step is a tenth of a display value at most
 
 std::uint64_t RowItem(std::uint64_t item, std::size_t row) { return item * 65'536 + row; }
 
 // Nearest whole number of one that is not far below zero; std::lround and std::floor are calls on
 // machines of the baseline instruction set.
 int Nearest(double x) {
-  constexpr int kBelow = 1 << 16;
+  constexpr int kBelow = 1 << 16;  // lifts the value above 0, where a cast rounds down
   return static_cast<int>(x + (kBelow + 0.5)) - kBelow;
 }
 
@@ -46,6 +46,7 @@ double QuickAcos(float cosine) {
 // Nearly normal, unit variance: the sum of eight uniform ones. Calls of logarithm and cosine for
 // every pixel would cost more than all else here.
 float QuickNormal(Random& random) {
+  // Two 16-bit numbers of a word, which add without meeting.
   constexpr std::uint64_t kHalves = 0x0000FFFF0000FFFFULL;
   const std::uint64_t a = random.Next();
   const std::uint64_t b = random.Next();
@@ -59,7 +60,7 @@ float QuickNormal(Random& random) {
 // with their distance (a first-order autoregressive filter along rows, then along columns).
 Image<float> SharedNoise(
     int width, int height, double reach_px, std::string_view name, const FrameSeed& seed) {
-  constexpr std::size_t kColumns = 64;
+  constexpr std::size_t kColumns = 64;  // of one task: 256 bytes a row, whole cache lines
   Image<float> noise(width, height);
   const auto kept = reach_px > 0 ? static_cast<float>(std::exp(-1 / reach_px)) : 0.0f;
   const float fresh = std::sqrt(1 - kept * kept);
@@ -298,8 +299,8 @@ DepthImage Interpolated(const DepthImage& cells, int cell_px, int width, int hei
 
 // Gaussian of 0.6 px, which a cheap lens and the colour filter leave. The border is repeated.
 Image<Eigen::Vector3f> Blurred(const Image<Eigen::Vector3f>& from) {
-  constexpr float kSide = 0.166f;
-  constexpr float kMiddle = 0.668f;
+  constexpr float kSide = 0.166f;    // this twice and kMiddle add up to 1
+  constexpr float kMiddle = 0.668f;  // its tail beyond one pixel is cut off
   const int last_u = from.width() - 1;
   const int last_v = from.height() - 1;
   const auto mean = [&](const Eigen::Vector3f& a,
@@ -436,8 +437,9 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
                                      const PinholeCamera& camera,
                                      const Pose3& first_from_camera,
                                      const Pose3& last_from_camera) {
-  constexpr float kStillPx = 0.3f;
+  constexpr float kStillPx = 0.3f;  // less blurs nothing that shows
   constexpr float kFarM = 10;  // where nothing is hit
+  // Bounds the time of fast turns; longer ways are sampled more coarsely.
   constexpr int kMaxTaps = 24;
   Image<Eigen::Vector3f> blurred(camera.width, camera.height, Eigen::Vector3f::Zero());
   const Pixels first(camera, first_from_camera);

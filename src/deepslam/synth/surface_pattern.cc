@@ -52,9 +52,9 @@ Eigen::Vector3f Scaled(const Eigen::Vector3f& colour, double factor) {
 }
 
 Eigen::Vector3f WoodFloor(const Eigen::Vector2d& p, std::uint64_t seed) {
-  constexpr double kBoardWidthM = 0.12;
-  constexpr double kBoardLengthM = 1.1;
-  constexpr double kGapM = 0.0025;
+  constexpr double kBoardWidthM = 0.12;  // as of common floor boards, ...
+  constexpr double kBoardLengthM = 1.1;  // ... which begin shifted from row to row
+  constexpr double kGapM = 0.0025;       // dark, about a pixel of a 640 px wide camera at 1.3 m
   const double row = std::floor(p.y() / kBoardWidthM);
   const double shifted =
       p.x() + 0.5 * kBoardLengthM * Lattice(static_cast<std::int64_t>(row), 7, 7, seed);
@@ -77,8 +77,8 @@ Eigen::Vector3f Carpet(const Eigen::Vector2d& p, std::uint64_t seed) {
 }
 
 Eigen::Vector3f Tiles(const Eigen::Vector2d& p, std::uint64_t seed) {
-  constexpr double kTileM = 0.3;
-  constexpr double kJointM = 0.006;
+  constexpr double kTileM = 0.3;     // a side, a common size of floor tiles
+  constexpr double kJointM = 0.006;  // width of the mortar between tiles
   const Eigen::Vector2d tile = (p / kTileM).array().floor();
   const Eigen::Vector2d inside = p - tile * kTileM;
   if (inside.minCoeff() < kJointM) return Eigen::Vector3f::Constant(0.18f);
@@ -116,7 +116,7 @@ Eigen::Vector3f FloorColour(std::string_view kind, const Eigen::Vector2d& p_m, s
 }
 
 Eigen::Vector3f WallColour(const Rgb8& paint, const Eigen::Vector2d& p_m, std::uint64_t seed) {
-  constexpr double kSkirtingM = 0.08;
+  constexpr double kSkirtingM = 0.08;  // height of the white board along the floor
   if (p_m.y() < kSkirtingM)
     return Scaled(Linear({236, 232, 224}), 1.0 + 0.03 * Noise2(p_m, 0.05, seed));
   return Scaled(Linear(paint),
@@ -127,7 +127,7 @@ Eigen::Vector3f PosterColour(int number,
                              const Eigen::Vector2d& p_m,
                              const Eigen::Vector2d& extent_m,
                              std::uint64_t seed) {
-  constexpr double kFrameM = 0.025;
+  constexpr double kFrameM = 0.025;  // of the dark frame around a poster
   const double to_edge = std::min(p_m.minCoeff(), (extent_m - p_m).minCoeff());
   if (to_edge < kFrameM) return Eigen::Vector3f(0.05f, 0.045f, 0.04f);
   Random random(seed, "poster", static_cast<std::uint64_t>(number));
@@ -141,14 +141,14 @@ Eigen::Vector3f PosterColour(int number,
   // Hills before a sky: bands whose upper edge is noise, the later the nearer.
   const Eigen::Vector3f sky = colour();
   paint = paint + static_cast<float>(p.y()) * (sky - paint);
-  constexpr int kNumHills = 5;
+  constexpr int kNumHills = 5;  // bands, each 0.15 of the height lower than the last
   for (int i = 0; i < kNumHills; ++i) {
     const Eigen::Vector3f hill = colour();
     const double height =
         0.75 - 0.15 * i + 0.12 * SmoothNoise({p.x() * (2 + i), i + 0.5, number + 0.5}, seed);
     if (p.y() < height) paint = hill;
   }
-  constexpr int kNumSpots = 12;
+  constexpr int kNumSpots = 12;  // discs with edges that cameras can track
   for (int i = 0; i < kNumSpots; ++i) {
     const Eigen::Vector2d centre(random.Uniform(), random.Uniform());
     const double radius = random.Uniform(0.02, 0.07);

@@ -12,12 +12,12 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr double kCellM = 0.005;
+constexpr double kCellM = 0.005;  // how well edges are known
 // Boards of a top, and its rounded rim, differ by less.
 constexpr double kTopThicknessM = 0.02;
 // Gaps between the boards of one top are no edges.
 constexpr int kGapCells = 3;
-constexpr int kMaxSide = 4000;
+constexpr int kMaxSide = 4000;  // cells, 20 m: nothing is put on larger tops
 
 // Marks cells whose middle lies in the face as seen from above.
 void Fill(const std::array<Eigen::Vector2d, 3>& p, cv::Mat& top) {

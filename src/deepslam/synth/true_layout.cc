@@ -11,9 +11,9 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr double kThreshold_m = 0.05;
-constexpr double kWidestDoor_m = 1.4;
-constexpr double kOnLine_m = 1e-6;
+constexpr double kThreshold_m = 0.05;  // what begins higher is a window
+constexpr double kWidestDoor_m = 1.4;  // a gap without leaf is a passage
+constexpr double kOnLine_m = 1e-6;     // coordinates that differ by rounding alone are one
 
 using Corner = std::pair<std::size_t, std::size_t>;  // of the grid below
 
@@ -76,8 +76,8 @@ class FloorGrid {
   }
 
  private:
-  static constexpr int kFree = -1;
-  static constexpr int kSolid = -2;
+  static constexpr int kFree = -1;   // floor of no room yet
+  static constexpr int kSolid = -2;  // within a partition
 
   [[nodiscard]] Eigen::Vector2d Place(const Corner& c) const {
     return {xs_[c.first], ys_[c.second]};

@@ -19,14 +19,14 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr double kCameraMarginM = 0.1;
-constexpr double kWallThicknessM = 0.15;
+constexpr double kCameraMarginM = 0.1;    // nearer to a surface a picture shows nothing else
+constexpr double kWallThicknessM = 0.15;  // how deep openings of outer walls are lined
 constexpr double kLeafDepth = 0.4;        // share of the wall's thickness behind its face
 constexpr std::size_t kMaxObjects = 254;  // truth/instances counts in bytes
 constexpr double kPosterGapM = 0.004;     // before its wall
 // Furniture beyond these is in another unit than metres.
 constexpr double kMinSizeM = 0.05;
-constexpr double kMaxSizeM = 20;
+constexpr double kMaxSizeM = 20;  // a chair in inches is 35
 
 RoomPart Rectangle(RoomSurface surface,
                    int number,

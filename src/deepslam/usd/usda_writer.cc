@@ -14,7 +14,7 @@
 namespace deepslam::usd {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
+constexpr double kGravity_m_s2 = 9.81;  // on Earth, to its usual digits
 
 Status CheckMesh(const TriangleMesh& mesh, const std::string& name) {
   for (const auto& face : mesh.faces) {

@@ -11,11 +11,11 @@
 namespace deepslam::usd {
 namespace {
 
-constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kLocalHeaderBytes = 30;
-constexpr std::uint32_t kLocalHeader = 0x04034b50;
-constexpr std::uint32_t kDirectoryEntry = 0x02014b50;
-constexpr std::uint32_t kEndOfDirectory = 0x06054b50;
+constexpr std::size_t kAlignment = 64;         // of every file's first byte (USDZ specification)
+constexpr std::size_t kLocalHeaderBytes = 30;  // without name and extra field (APPNOTE.TXT 4.3.7)
+constexpr std::uint32_t kLocalHeader = 0x04034b50;           // "PK" 3 4 (4.3.7)
+constexpr std::uint32_t kDirectoryEntry = 0x02014b50;        // "PK" 1 2 (4.3.12)
+constexpr std::uint32_t kEndOfDirectory = 0x06054b50;        // "PK" 5 6 (4.3.16)
 constexpr std::uint16_t kVersion = 20;                       // 2.0: folders, no compression needed
 constexpr std::uint16_t kUtf8Names = 1U << 11;               // of the flags
 constexpr std::uint16_t kDate = (0U << 9) | (1U << 5) | 1U;  // 1 January 1980: the same every time
@@ -68,7 +68,7 @@ void AppendFacts(const Entry& entry, std::size_t name_bytes, std::size_t extra, 
 
 // So many bytes of an extra field that the file begins aligned; a field takes four at least.
 std::size_t PaddingFor(std::size_t offset, std::size_t name_bytes) {
-  constexpr std::size_t kFieldHeader = 4;
+  constexpr std::size_t kFieldHeader = 4;  // its id and its length, two bytes each
   std::size_t padding =
       (kAlignment - (offset + kLocalHeaderBytes + name_bytes) % kAlignment) % kAlignment;
   if (padding != 0 && padding < kFieldHeader) padding += kAlignment;
