@@ -103,6 +103,26 @@ TEST_F(CutSilhouettesTest, ThingsWithoutASupportPlaneStayAsTheyAre) {
   EXPECT_EQ(silhouettes[1].mask, chair);
 }
 
+// A table that the surface has in two: what one of them leaves is the other's.
+TEST_F(CutSilhouettesTest, NoPixelIsOfTwoThingsAndEachHasItsOwn) {
+  const Mask top = Shown({kTable, kBox}, 0.6);
+  for (const int split_u : {SmallCamera().width / 3, SmallCamera().width / 2}) {
+    Mask left = top;
+    Mask right = top;
+    for (int v = 0; v < top.height(); ++v) {
+      for (int u = 0; u < top.width(); ++u) (u < split_u ? right : left)(u, v) = 0;
+    }
+    std::vector<Silhouette> silhouettes = {Of(0, left), Of(0, right)};
+    Cut(silhouettes);
+    for (std::size_t pixel = 0; pixel < top.size(); ++pixel) {
+      const bool both =
+          silhouettes[0].mask.data()[pixel] != 0 && silhouettes[1].mask.data()[pixel] != 0;
+      ASSERT_FALSE(both) << pixel;
+    }
+    for (const Silhouette& silhouette : silhouettes) EXPECT_GT(silhouette.box_px.area_px(), 0);
+  }
+}
+
 TEST_F(CutSilhouettesTest, WithoutDepthThereIsNothingToCut) {
   view_.frame.depth_m = DepthImage(view_.object.width(), view_.object.height());
   std::vector<Silhouette> silhouettes = {Of(0, Mask(view_.object.width(), view_.object.height()))};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -65,19 +66,32 @@ Detection AsDetection(const FrameOfThings& seen,
   return detection;
 }
 
-// Pixels of other things, which widened masks may reach, stay theirs.
-void Take(const Segment& segment, const Image<int>& owners, std::size_t n, Silhouette& silhouette) {
-  const int own = static_cast<int>(n) + 1;
+// The silhouette as the segment has it. Pixels of other things, which widened masks may reach, stay
+// theirs. `own`: its number among the owners.
+Silhouette CutBy(const Segment& segment,
+                 const DepthImage& depth_m,
+                 const Image<int>& owners,
+                 int own,
+                 Silhouette silhouette) {
   silhouette.mask = segment.mask.Unpacked();
-  silhouette.num_points = segment.num_points;
+  silhouette.num_points = 0;
   silhouette.extent_camera = segment.extent_camera;
   silhouette.box_px = Box2();
   for (int v = 0; v < owners.height(); ++v) {
     for (int u = 0; u < owners.width(); ++u) {
       std::uint8_t& is_own = silhouette.mask(u, v);
       if (owners(u, v) != 0 && owners(u, v) != own) is_own = 0;
-      if (is_own != 0) ExtendByPixel(u, v, silhouette.box_px);
+      if (is_own == 0) continue;
+      silhouette.num_points += depth_m(u, v) > 0 ? 1 : 0;
+      ExtendByPixel(u, v, silhouette.box_px);
     }
+  }
+  return silhouette;
+}
+
+void Mark(const Mask& mask, int own, Image<int>& owners) {
+  for (std::size_t pixel = 0; pixel < owners.size(); ++pixel) {
+    if (mask.data()[pixel] != 0) owners.data()[pixel] = own;
   }
 }
 
@@ -91,7 +105,7 @@ void CutSilhouettes(const FrameOfThings& seen,
         return ThingOf(seen, silhouette).has_support_plane;
       }))
     return;
-  const Image<int> owners = Owners(seen.frame.depth_m, silhouettes);
+  Image<int> owners = Owners(seen.frame.depth_m, silhouettes);
   std::vector<Detection> detections;
   std::vector<std::size_t> silhouette_of;
   for (std::size_t n = 0; n < silhouettes.size(); ++n) {
@@ -105,8 +119,13 @@ void CutSilhouettes(const FrameOfThings& seen,
   const std::vector<Segment> segments =
       segment::SegmentFrame({seen.frame, seen.camera, ground_camera, detections}, classes, options);
   for (std::size_t k = 0; k < segments.size(); ++k) {
-    if (segments[k].usable)
-      Take(segments[k], owners, silhouette_of[k], silhouettes[silhouette_of[k]]);
+    if (!segments[k].usable) continue;
+    const std::size_t n = silhouette_of[k];
+    const int own = static_cast<int>(n) + 1;
+    Silhouette cut = CutBy(segments[k], seen.frame.depth_m, owners, own, silhouettes[n]);
+    if (cut.num_points < options.min_points) continue;  // all but a rest is of other things
+    Mark(cut.mask, own, owners);
+    silhouettes[n] = std::move(cut);
   }
 }
 
