@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "deepslam/core/angles.h"
 
 namespace deepslam::report {
 namespace {
@@ -63,7 +64,7 @@ std::string Printable(std::string_view text) {
 }
 
 double AngleDeg(const Eigen::Vector2d& direction) {
-  const double angle = std::atan2(direction.y(), direction.x()) * 180 / std::numbers::pi;
+  const double angle = std::atan2(direction.y(), direction.x()) * kDegPerRad;
   return angle < 0 ? angle + 360 : angle;
 }
 

@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/report/dxf_text.h"
 #include "deepslam/report/plan_geometry.h"
 #include "deepslam/scene/wall_geometry.h"
@@ -139,7 +139,7 @@ class PlanDrawing {
                 double height_m,
                 double angle_deg,
                 const std::vector<std::string>& lines) {
-    const double angle = angle_deg * std::numbers::pi / 180;
+    const double angle = angle_deg * kRadPerDeg;
     const Eigen::Vector2d down(std::sin(angle), -std::cos(angle));
     for (std::size_t n = 0; n < lines.size(); ++n) {
       const double below = static_cast<double>(n) - 0.5 * static_cast<double>(lines.size() - 1);
@@ -150,7 +150,7 @@ class PlanDrawing {
 
   // In (-90, 90]: texts are read from below or from the right.
   static double ReadableAngleDeg(const Eigen::Vector2d& along) {
-    const double angle = std::atan2(along.y(), along.x()) * 180 / std::numbers::pi;
+    const double angle = std::atan2(along.y(), along.x()) * kDegPerRad;
     constexpr double kUpright = 90.001;  // rounding must not turn vertical texts round
     if (angle > kUpright) return angle - 180;
     return angle <= kUpright - 180 ? angle + 180 : angle;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/report/html.h"
 #include "deepslam/report/plan_geometry.h"
 #include "deepslam/scene/wall_geometry.h"
@@ -43,7 +43,7 @@ struct TextPlace {
 };
 
 Eigen::AlignedBox2d BoxOf(const TextPlace& place, const Eigen::Vector2d& size_px) {
-  const double angle = place.angle_deg * std::numbers::pi / 180;
+  const double angle = place.angle_deg * kRadPerDeg;
   const double c = std::abs(std::cos(angle));
   const double s = std::abs(std::sin(angle));
   const Eigen::Vector2d half =
@@ -53,7 +53,7 @@ Eigen::AlignedBox2d BoxOf(const TextPlace& place, const Eigen::Vector2d& size_px
 
 // Texts are read from below or from the right.
 double ReadableAngle(const Eigen::Vector2d& along_px) {
-  double angle_deg = std::atan2(along_px.y(), along_px.x()) * 180 / std::numbers::pi;
+  double angle_deg = std::atan2(along_px.y(), along_px.x()) * kDegPerRad;
   if (angle_deg > 90.5) angle_deg -= 180;
   if (angle_deg <= -89.5) angle_deg += 180;
   return angle_deg;

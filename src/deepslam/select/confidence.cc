@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/check.h"
 #include "deepslam/select/placed.h"
 #include "deepslam/shape/symmetry.h"
@@ -12,7 +12,7 @@ namespace deepslam::select {
 namespace {
 
 constexpr double kSamePlaceM = 0.2;  // this and the next two as the header defines a right place
-constexpr double kSameTurnRad = 20 * std::numbers::pi / 180;  // 20 degrees
+constexpr double kSameTurnRad = 20 * kRadPerDeg;              // but for turns of its symmetry
 constexpr double kSameSize = 1.2;                             // ratio
 // The fit, and from where on its parts tell no more.
 constexpr double kLogit = -4.85;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/geometry/pose.h"
 
 namespace deepslam::shape {
@@ -14,7 +15,7 @@ constexpr double kNearShare = 0.98;  // of the surface; the rest may be noise
 constexpr int kStepDeg = 15;         // a shape that stays at each of these turns is round
 
 bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
-  const float angle = static_cast<float>(angle_deg) * std::numbers::pi_v<float> / 180.0F;
+  const auto angle = static_cast<float>(angle_deg * kRadPerDeg);
   const float c = std::cos(angle);
   const float s = std::sin(angle);
   // The axis is the middle of the model's box, which is the cube's.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/random.h"
 
 namespace deepslam::synth {
@@ -113,7 +114,7 @@ struct Look {
 };
 
 Look OrbitAt(const SceneOrbit& orbit, double linear) {
-  const double angle_rad = (orbit.start_deg + orbit.sweep_deg * Eased(linear)) * kPi / 180.0;
+  const double angle_rad = (orbit.start_deg + orbit.sweep_deg * Eased(linear)) * kRadPerDeg;
   return {{orbit.centre_m.x() + orbit.radius_m * std::cos(angle_rad),
            orbit.centre_m.y() + orbit.radius_m * std::sin(angle_rad),
            orbit.height_m},
@@ -173,7 +174,7 @@ std::vector<Pose3> CameraPath(const SceneDescription& description) {
   std::optional<Curve> curve;
   if (walks) curve.emplace(WayOf(walk));
   const Eigen::Quaterniond held =
-      RotationFromVector(description.roll_deg * kPi / 180.0 * Eigen::Vector3d::UnitZ());
+      RotationFromVector(description.roll_deg * kRadPerDeg * Eigen::Vector3d::UnitZ());
   std::vector<Pose3> path;
   for (int i = 0; i < description.num_frames; ++i) {
     const double time_s = i / description.frames_per_s;
@@ -184,7 +185,7 @@ std::vector<Pose3> CameraPath(const SceneDescription& description) {
         shake_m * Eigen::Vector3d(sways[0].At(time_s), sways[1].At(time_s), sways[2].At(time_s));
     if (walks) sway_m.z() += walk.step_m * std::sqrt(2.0) * std::sin(2 * kPi * kStepsPerS * time_s);
     const Eigen::Vector3d sway_rad =
-        shake_deg * kPi / 180.0 *
+        shake_deg * kRadPerDeg *
         Eigen::Vector3d(sways[3].At(time_s), sways[4].At(time_s), sways[5].At(time_s));
     path.push_back(
         {(LookAt(look.place, look.target) * RotationFromVector(sway_rad) * held).normalized(),

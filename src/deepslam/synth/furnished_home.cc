@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/random.h"
 #include "deepslam/synth/home_plan.h"
 #include "deepslam/synth/home_walk.h"
@@ -235,7 +235,7 @@ class Furnisher {
     object.model = piece.model;
     object.position_m = middle;
     object.bottom_m = bottom_m;
-    object.yaw_deg = std::atan2(front.y(), front.x()) * 180.0 / std::numbers::pi;
+    object.yaw_deg = std::atan2(front.y(), front.x()) * kDegPerRad;
     scene_.objects.push_back(object);
     if (bottom_m == 0) taken_.push_back(FootprintOf(piece, middle, front));
   }

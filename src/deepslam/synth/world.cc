@@ -5,12 +5,12 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/random.h"
 #include "deepslam/synth/camera_clearance.h"
 #include "deepslam/synth/camera_path.h"
@@ -304,7 +304,7 @@ Result<World> BuildWorld(const SceneDescription& description,
                       wanted.model));
     }
     const FurnitureModel& model = found->second;
-    const double yaw_rad = wanted.yaw_deg * std::numbers::pi / 180.0;
+    const double yaw_rad = wanted.yaw_deg * kRadPerDeg;
     PlacedObject object = Sized(wanted, model);
     object.has_support_plane = classes.TraitsOf(wanted.class_name).support_plane;
     const double longest_m = object.size_m.maxCoeff();
