@@ -28,7 +28,7 @@ using artifact::JsonNode;
 using artifact::JsonObject;
 using artifact::JsonReader;
 
-constexpr double kMaxSizeM = 50;     // larger boxes are refused: not in metres
+constexpr double kMaxBoxM = 50;      // larger boxes are refused: not in metres
 constexpr double kMaxPlaceM = 1000;  // and so is what lies farther from the origin
 
 TriangleMesh BoxMesh(const Eigen::Vector3d& size_m) {
@@ -70,13 +70,13 @@ eval::PlacedBox ReadBox(const JsonNode& node) {
   eval::PlacedBox box;
   box.class_name = node["class"].String();
   if (node.Maybe("half_extent_m").exists()) {
-    box.size_m = 2 * ReadVector(node["half_extent_m"], 1e-4, kMaxSizeM);
+    box.size_m = 2 * ReadVector(node["half_extent_m"], 1e-4, kMaxBoxM);
     box.world_from_object.translation_m = ReadVector(node["center_m"], -kMaxPlaceM, kMaxPlaceM);
     box.world_from_object.rotation = Eigen::Quaterniond(
         Eigen::AngleAxisd(node["yaw_rad"].Number(-10, 10), Eigen::Vector3d::UnitZ()));
     return box;
   }
-  box.size_m = ReadVector(node["size_m"], 1e-4, kMaxSizeM);
+  box.size_m = ReadVector(node["size_m"], 1e-4, kMaxBoxM);
   box.world_from_object.translation_m = ReadVector(node["translation_m"], -kMaxPlaceM, kMaxPlaceM);
   box.world_from_object.rotation = ReadRotation(node["rotation_xyzw"]);
   return box;

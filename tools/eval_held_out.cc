@@ -136,9 +136,9 @@ Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_worksp
 // The views of the object of the same class that stands nearest, in frames that no view of the
 // scored one comes from; none where nothing stands near.
 std::vector<Judge> ViewsThere(const Bench& bench, const MapObject& object) {
-  constexpr double kSamePlaceM = 0.5;  // what is farther off is another object
+  constexpr double kSameObjectM = 0.5;  // what is farther off is another object
   const MapObject* nearest = nullptr;
-  double least_m = kSamePlaceM;
+  double least_m = kSameObjectM;
   for (const MapObject& other : bench.map.objects) {
     const double distance_m =
         (other.world_from_object.translation_m - object.world_from_object.translation_m).norm();

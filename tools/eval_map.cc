@@ -164,7 +164,7 @@ int EvalMap(const EvalMapArguments& arguments) {
                                "left out; TSDF within {} m of true boxes",
                                eval::kSurfaceProtocol,
                                arguments.threshold_m,
-                               kFloorBandM,
+                               kTrueFloorBandM,
                                kBoxMarginM));
   document.emplace("threshold_m", arguments.threshold_m);
   document.emplace("num_true", static_cast<int>(truth->objects.size()));

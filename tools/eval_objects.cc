@@ -350,7 +350,7 @@ int EvalObjects(const std::vector<std::string>& paths,
                     fmt::format("{}; floor band {} m left out; of captures all of whose true "
                                 "objects have shapes",
                                 eval::kSurfaceProtocol,
-                                kFloorBandM));
+                                kTrueFloorBandM));
   protocols.emplace("in_place_iou", "solids where they stand, 128 points along the longest side");
   protocols.emplace("symmetry", "best of the turns about the vertical that leave the true shape");
   document.emplace("protocols", std::move(protocols));

@@ -10,7 +10,7 @@
 namespace deepslam::tools {
 
 void DropFloor(std::vector<Eigen::Vector3d>& points) {
-  std::erase_if(points, [](const Eigen::Vector3d& p) { return p.z() < kFloorBandM; });
+  std::erase_if(points, [](const Eigen::Vector3d& p) { return p.z() < kTrueFloorBandM; });
 }
 
 std::vector<Eigen::Vector3d> TruePoints(const Truth& truth) {

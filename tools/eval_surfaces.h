@@ -11,7 +11,8 @@
 namespace deepslam::tools {
 
 inline constexpr double kAreaPerPointM2 = 25e-6;  // a point every 5 mm
-inline constexpr double kFloorBandM = 0.03;  // points this near to the true floor belong to no side
+inline constexpr double kTrueFloorBandM =
+    0.03;  // points this near to the true floor belong to no side
 
 void DropFloor(std::vector<Eigen::Vector3d>& points);
 // Of the outer surfaces, true world.

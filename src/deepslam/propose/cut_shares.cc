@@ -14,7 +14,7 @@ namespace {
 constexpr float kLeastShare = 0.05F;  // less likely voxels are free in any layer
 // Parts of a leg may lie a voxel apart.
 constexpr int kReach = 2;
-constexpr double kCrumb = 0.003;  // of all solid voxels: smaller components are noise
+constexpr double kNoiseShare = 0.003;  // of all solid voxels: smaller components are noise
 
 // The value above which the voxels of a layer are solid.
 float LevelOfLayer(std::span<const float> shares, int k, const SolidCut& cut) {
@@ -41,7 +41,7 @@ VoxelGrid CutShares(std::span<const float> shares, const SolidCut& cut) {
     for (std::size_t n = static_cast<std::size_t>(k); n < shares.size(); n += kGridSize)
       solid.occupied[n] = shares[n] > level ? 1 : 0;
   }
-  return shape::WithoutCrumbs(solid, kReach, kCrumb);
+  return shape::WithoutCrumbs(solid, kReach, kNoiseShare);
 }
 
 }  // namespace deepslam::propose

@@ -12,7 +12,7 @@ namespace {
 using Latents = Eigen::Matrix<double, static_cast<int>(kNumLatents), 1>;
 
 // Of Weiszfeld's iteration for the geometric median, which converges linearly.
-constexpr int kSteps = 30;
+constexpr int kWeiszfeldSteps = 30;
 constexpr double kLeastDistance = 1e-6;  // latents are about 10 long
 
 Latents LatentsOf(const PriorEncoding& view) {
@@ -44,7 +44,7 @@ Latents MeanByCloseness(std::span<const PriorEncoding> views, const Latents& to)
 PriorEncoding JoinEncodings(std::span<const PriorEncoding> views) {
   DEEPSLAM_CHECK(!views.empty(), "at least one view");
   Latents middle = MeanOf(views);
-  for (int step = 0; step < kSteps; ++step) middle = MeanByCloseness(views, middle);
+  for (int step = 0; step < kWeiszfeldSteps; ++step) middle = MeanByCloseness(views, middle);
   PriorEncoding joined;
   for (std::size_t k = 0; k < kNumLatents; ++k)
     joined.latents[k] = static_cast<float>(middle[static_cast<Eigen::Index>(k)]);

@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kPointsPerView = 3000;  // at one a cell nearly two square metres of surface
 // About the depth noise of structured light at 3 m; larger cells blur legs and boards.
-constexpr float kCell_m = 0.025F;
-constexpr std::size_t kMinPoints = 30;  // cells; fewer bound no box
+constexpr float kCloudCell_m = 0.025F;
+constexpr std::size_t kMinCells = 30;  // cells; fewer bound no box
 
 // Share of cells left out at either end of an extent: stray cells of segments that leak.
 constexpr double kOutlierShare = 0.01;
@@ -82,7 +82,7 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
     const Pose3 level_from_camera = level.level_from_world * views[v].world_from_camera;
     for (const Eigen::Vector3f& p_camera : points.points_camera) {
       const Eigen::Vector3f p_level = (level_from_camera * p_camera.cast<double>()).cast<float>();
-      const Eigen::Array3i key = (p_level.array() / kCell_m).floor().cast<int>();
+      const Eigen::Array3i key = (p_level.array() / kCloudCell_m).floor().cast<int>();
       CellSum& cell = cells[{key.x(), key.y(), key.z()}];
       cell.sum += p_level;
       cell.count += 1;
@@ -98,7 +98,7 @@ LevelCloud AccumulateLevel(std::span<const ObjectView> views) {
   for (const auto& [key, cell] : cells) {
     if (cell.num_views >= min_views) cloud.points.emplace_back(cell.sum / cell.count);
   }
-  if (cloud.points.size() < kMinPoints) cloud.points.clear();
+  if (cloud.points.size() < kMinCells) cloud.points.clear();
   if (num_points > 0) cloud.mean_distance_m = distance_sum_m / num_points;
   if (!cloud.has_ground && !cloud.points.empty()) {
     std::vector<float> heights;
@@ -132,7 +132,7 @@ LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad) {
     }
     const double high = Quantile(values, 1.0 - kOutlierShare);
     const double low = axis == 2 ? 0.0 : Quantile(values, kOutlierShare);
-    box.size_m[axis] = std::max(high - low, static_cast<double>(kCell_m));
+    box.size_m[axis] = std::max(high - low, static_cast<double>(kCloudCell_m));
     if (axis < 2) middle[axis] = 0.5 * (low + high);
   }
   box.center_m = (middle.x() * x_axis.cast<double>() + middle.y() * y_axis.cast<double>());
@@ -140,10 +140,10 @@ LevelBox MeasureBoxAt(std::span<const Eigen::Vector3f> points, double yaw_rad) {
 }
 
 LevelBox MeasureBox(std::span<const Eigen::Vector3f> points) {
-  constexpr int kSteps = 45;  // of 2 degrees: after a quarter turn boxes repeat
+  constexpr int kTurnSteps = 45;  // of 2 degrees: after a quarter turn boxes repeat
   LevelBox best;
-  for (int n = 0; n < kSteps; ++n) {
-    const LevelBox box = MeasureBoxAt(points, 0.5 * std::numbers::pi * n / kSteps);
+  for (int n = 0; n < kTurnSteps; ++n) {
+    const LevelBox box = MeasureBoxAt(points, 0.5 * std::numbers::pi * n / kTurnSteps);
     const double area = box.size_m.x() * box.size_m.y();
     if (n == 0 || area < best.size_m.x() * best.size_m.y()) best = box;
   }

@@ -127,8 +127,8 @@ void NetworkProposer::AddFitted(const ObjectObservations& object,
   const PlacedShape placed = PlaceShape(shape, believed_m, measured, kLimits);
   const Eigen::Vector3d factors = placed.placement.size_m.cwiseQuotient(believed_m);
   // Sides changed by nearly one factor: the candidate would be the last one again.
-  constexpr double kAlike = 1.05;
-  if (placed.score <= 0 || factors.maxCoeff() < kAlike * factors.minCoeff()) return;
+  constexpr double kAlikeSides = 1.05;
+  if (placed.score <= 0 || factors.maxCoeff() < kAlikeSides * factors.minCoeff()) return;
   ShapeCandidate candidate = last;
   candidate.source = CandidateSource::kMeanLatent;
   candidate.view = DetectionId();

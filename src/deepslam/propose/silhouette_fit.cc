@@ -26,7 +26,7 @@ struct MaskRaster {
 
 // Cells of which `share` lies in the mask.
 MaskRaster Reduce(const Mask& mask, int cell_px) {
-  constexpr double kShare = 0.35;  // less than half, so that legs thinner than a cell stay
+  constexpr double kCellShare = 0.35;  // less than half, so that legs thinner than a cell stay
   MaskRaster raster;
   raster.width = (mask.width() + cell_px - 1) / cell_px;
   raster.height = (mask.height() + cell_px - 1) / cell_px;
@@ -37,8 +37,7 @@ MaskRaster Reduce(const Mask& mask, int cell_px) {
         ++count[static_cast<std::size_t>((v / cell_px) * raster.width + u / cell_px)];
     }
   }
-  for (const int n : count)
-    raster.cells.push_back(n >= kShare * cell_px * cell_px ? 1 : 0);
+  for (const int n : count) raster.cells.push_back(n >= kCellShare * cell_px * cell_px ? 1 : 0);
   return raster;
 }
 
@@ -101,7 +100,7 @@ Eigen::Vector3d MeetRays(std::span<const SilhouetteView> views,
                          const std::vector<Eigen::Vector2d>& offsets,
                          bool has_ground,
                          double z_m) {
-  constexpr double kDistance_m = 2.5;  // at which furniture is usually filmed
+  constexpr double kUsualDistance_m = 2.5;  // at which furniture is usually filmed
   // Against 1 of a ray: decides only where rays are parallel, as a single one is.
   constexpr double kWeak = 1e-3;
   Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
@@ -111,7 +110,7 @@ Eigen::Vector3d MeetRays(std::span<const SilhouetteView> views,
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
     const Eigen::Vector3d eye = views[n].camera_level();
     h += across + kWeak * Eigen::Matrix3d::Identity();
-    g += across * eye + kWeak * (eye + kDistance_m * ray);
+    g += across * eye + kWeak * (eye + kUsualDistance_m * ray);
   }
   if (has_ground) {
     const auto weight = static_cast<double>(views.size());
@@ -173,20 +172,20 @@ constexpr int kNumMoves = 8;
 constexpr int kHeightMove = 7;  // the last of kNumMoves
 
 Placement Moved(const Placement& from, int move, double step) {
-  constexpr double kStep_m = 0.08;    // the first; halved down to kSmallestStep
-  constexpr double kStep_rad = 0.26;  // 15 degrees; starts are up to 11 off (kNumYaws)
-  constexpr double kStepLog = 0.1;    // 10 % of a size
+  constexpr double kMove_m = 0.08;    // the first; halved down to kSmallestStep
+  constexpr double kMove_rad = 0.26;  // 15 degrees; starts are up to 11 off (kNumYaws)
+  constexpr double kMoveLog = 0.1;    // 10 % of a size
   Placement to = from;
   if (move < 2) {
-    to.center_m[move] += step * kStep_m;
+    to.center_m[move] += step * kMove_m;
   } else if (move == 2) {
-    to.yaw_rad += step * kStep_rad;
+    to.yaw_rad += step * kMove_rad;
   } else if (move == 3) {
-    to.size_m *= std::exp(step * kStepLog);
+    to.size_m *= std::exp(step * kMoveLog);
   } else if (move < kHeightMove) {
-    to.size_m[move - 4] *= std::exp(step * kStepLog);
+    to.size_m[move - 4] *= std::exp(step * kMoveLog);
   } else {
-    to.bottom_m += step * kStep_m;
+    to.bottom_m += step * kMove_m;
   }
   return to;
 }

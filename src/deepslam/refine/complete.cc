@@ -21,14 +21,14 @@ namespace deepslam::refine {
 namespace {
 
 // Of the completed model's voxels: larger parts are tied to the largest (links.h).
-constexpr double kCrumb = 0.02;
+constexpr double kLoosePartShare = 0.02;
 constexpr double kLongestLinkM = 0.3;  // through the model
 constexpr std::uint8_t kCostOfModel = 2;    // of a voxel of a link (links.h) that the model has
 constexpr std::uint8_t kCostOfUnknown = 3;  // dearer, so that links follow the model where they can
 constexpr int kMaxInside = 5;   // voxels between two sides of a shell that nobody can see
 constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
-constexpr float kInside = 0.49F;
+constexpr float kInsideShare = 0.49F;
 
 // Of the voxels (i, 0, 0) to (i, 63, 63).
 DEEPSLAM_WIDE_VECTORS void DistancesInSlice(const shape::ShapeModel& model,
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> Within(double reach, std::span<const float> distances)
 VoxelGrid Inside(std::span<const float> distances, double voxel) {
   std::vector<float> shares(distances.size());
   std::transform(distances.begin(), distances.end(), shares.begin(), [&](float distance) {
-    return std::clamp(kInside - distance / static_cast<float>(voxel), 0.0F, 1.0F);
+    return std::clamp(kInsideShare - distance / static_cast<float>(voxel), 0.0F, 1.0F);
   });
   return shape::SolidFromShares(shares);
 }
@@ -225,7 +225,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   shape::StandOnGround(ground_k, max_gap, measured);
   const VoxelGrid filled = WithInsides(Filled(whole, claims, measured), claims);
   const VoxelGrid standing =
-      Standing(shape::WithoutCrumbs(filled, 1, kCrumb), whole, ground_k + max_gap);
+      Standing(shape::WithoutCrumbs(filled, 1, kLoosePartShare), whole, ground_k + max_gap);
   const auto most = static_cast<int>(kCostOfModel * kLongestLinkM / (scale_m * voxel));
   return WithLinks(standing, whole, CostsOfLinks(whole, claims), most);
 }

@@ -147,8 +147,10 @@ Similarity3 OnLayers(Similarity3 object_from_grid,
 // The model's own grid where the box fits into it; else one that holds the box.
 Similarity3 ObjectFromGrid(const Eigen::AlignedBox3d& box) {
   Similarity3 object_from_grid;
-  constexpr double kHalf = 0.5 * kModelExtent;  // how far a model reaches from the cube's centre
-  if (box.min().minCoeff() >= -kHalf && box.max().maxCoeff() <= kHalf) return object_from_grid;
+  constexpr double kHalfExtent =
+      0.5 * kModelExtent;  // how far a model reaches from the cube's centre
+  if (box.min().minCoeff() >= -kHalfExtent && box.max().maxCoeff() <= kHalfExtent)
+    return object_from_grid;
   object_from_grid.scale = std::max(1.0, box.sizes().maxCoeff() / kModelExtent);
   object_from_grid.translation_m = box.center();
   return object_from_grid;

@@ -6,9 +6,9 @@
 namespace deepslam::refine {
 namespace {
 
-constexpr int kMaxShift = 4;        // of the plane from the model's middle, half voxels
+constexpr int kMaxPlaneShift = 4;   // of the plane from the model's middle, half voxels
 constexpr double kLikeShare = 0.9;  // of what was measured and whose opposite was seen
-constexpr double kSeenShare = 0.3;  // of what was measured, its opposite seen
+constexpr double kOppositeSeenShare = 0.3;  // of what was measured, its opposite seen
 
 bool IsSurelyFree(const Votes& votes, std::size_t num_views) {
   return votes.IsFree() && votes.free >= (num_views > 1 ? 2 : 1);
@@ -33,7 +33,7 @@ struct Likeness {
 
   [[nodiscard]] bool IsMirror() const {
     const int seen = like + unlike;
-    return seen > 0 && like >= kLikeShare * seen && seen >= kSeenShare * measured;
+    return seen > 0 && like >= kLikeShare * seen && seen >= kOppositeSeenShare * measured;
   }
 };
 
@@ -108,7 +108,7 @@ std::optional<MirrorPlane> FindMirrorPlane(std::span<const Votes> votes,
   const int middle = model.low[axis] + model.high[axis];
   std::optional<MirrorPlane> best;
   int best_lead = 0;
-  for (int shift = 0; shift <= kMaxShift; ++shift) {  // the nearest first
+  for (int shift = 0; shift <= kMaxPlaneShift; ++shift) {  // the nearest first
     for (const int sign : {1, -1}) {
       const MirrorPlane plane = {axis, middle + sign * shift};
       const Likeness likeness = LikenessAcross(plane, sure);

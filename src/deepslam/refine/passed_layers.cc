@@ -11,7 +11,7 @@ namespace deepslam::refine {
 namespace {
 
 constexpr double kPassedShare = 0.65;  // of a part's edge that was seen
-constexpr double kSeenShare = 0.1;     // of its whole edge, passed; less may be a gap of its own
+constexpr double kSeenEdgeShare = 0.1;  // of its whole edge, passed; less may be a gap of its own
 constexpr double kSeenOfLeg = 0.5;     // likewise, of a leg
 constexpr double kLegShare = 0.1;      // of the model's box from above; what is wider is no leg
 // Rays past the outer side of a voxel, for each one that found surface in it: at an edge that
@@ -149,7 +149,8 @@ VoxelGrid WithoutPassedLayers(const VoxelGrid& model,
         const std::size_t n = VoxelGrid::Index(i, j, k);
         if (done[n] != 0 || !layers.IsHidden(n)) continue;
         const Part part = PartAround({i, j}, k, layers, done);
-        if (!part.edge.IsPassed(IsOfLeg(part, thinner, *box) ? kSeenOfLeg : kSeenShare)) continue;
+        if (!part.edge.IsPassed(IsOfLeg(part, thinner, *box) ? kSeenOfLeg : kSeenEdgeShare))
+          continue;
         for (const std::size_t voxel : part.voxels) thinner.occupied[voxel] = 0;
       }
     }

@@ -8,7 +8,7 @@
 namespace deepslam::registration {
 namespace {
 
-constexpr std::size_t kMaxPoints = 150;  // of a view, evenly: more hardly change its moments
+constexpr std::size_t kMomentPoints = 150;  // of a view, evenly: more hardly change its moments
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -30,7 +30,7 @@ Moments MomentsOf(const Points& points) {
 
 Points MeasuredPoints(const MeasuredView& view) {
   Points points;
-  const std::size_t stride = view.points_camera.size() / kMaxPoints + 1;
+  const std::size_t stride = view.points_camera.size() / kMomentPoints + 1;
   for (std::size_t i = 0; i < view.points_camera.size(); i += stride) {
     points.push_back(view.points_camera[i].cast<double>());
   }

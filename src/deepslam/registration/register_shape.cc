@@ -19,13 +19,13 @@ namespace {
 // Up taken from how cameras are held, without a ground: anything from level to looking well down.
 constexpr double kGuessedUprightSigma = 25 * kRadPerDeg;
 // Furniture of a source that names no size.
-constexpr double kMinSize = 0.1;
-constexpr double kMaxSize = 5.0;  // m; no single piece of furniture is longer
+constexpr double kMinFurniture_m = 0.1;
+constexpr double kMaxFurniture_m = 5.0;  // m; no single piece of furniture is longer
 // How far the joint pose holds a single view: the drift between views that tracking leaves.
 constexpr double kHoldSigma = 0.05;
 constexpr double kHoldSigmaRad = 5 * kRadPerDeg;  // and of its turn
 // A placement in the air must disagree this much less than one on the ground.
-constexpr double kClearlyBetter = 0.7;
+constexpr double kAirborneRatio = 0.7;
 // Of the largest view; the coarse fit only ranks hypotheses.
 constexpr std::size_t kPointsPerCoarseView = 150;
 // A single view starts where all views together have come to.
@@ -36,8 +36,8 @@ using ViewPointers = std::vector<const MeasuredView*>;
 bool IsSize(double size_m) { return std::isfinite(size_m) && size_m > 0; }
 
 PlacementPrior PriorOf(const ShapeCandidate& candidate) {
-  double min_size = IsSize(candidate.min_size_m) ? candidate.min_size_m : kMinSize;
-  double max_size = IsSize(candidate.max_size_m) ? candidate.max_size_m : kMaxSize;
+  double min_size = IsSize(candidate.min_size_m) ? candidate.min_size_m : kMinFurniture_m;
+  double max_size = IsSize(candidate.max_size_m) ? candidate.max_size_m : kMaxFurniture_m;
   if (min_size > max_size) std::swap(min_size, max_size);
   PlacementPrior prior{min_size / kModelExtent, max_size / kModelExtent, 0};
   if (IsSize(candidate.size_m)) {
@@ -144,7 +144,7 @@ std::optional<JointPlacement> PlaceJointly(const shape::ShapeModel& model,
     const Similarity3 joint = JointPose(model, visible, views, hypotheses, icp);
     const double disagreement =
         Disagreement(model, visible, views, joint, RegisterOptions::kFineRadius_m, 2);
-    if (best && disagreement > kClearlyBetter * least) continue;
+    if (best && disagreement > kAirborneRatio * least) continue;
     best = JointPlacement{joint, icp};
     least = disagreement;
   }

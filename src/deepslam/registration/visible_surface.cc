@@ -16,8 +16,9 @@ constexpr double kStepRad = std::numbers::pi / 12;
 constexpr int kAzimuths = 24;  // a full turn of kStepRad
 
 // Cells along an axis, with one beyond either end for points on the cube's very rim.
-constexpr int kCells = kGridSize / VisibleSurface::kCellVoxels + 2;
-static_assert(kCells * kCells * kCells * 3 <= std::numeric_limits<std::uint16_t>::max());
+constexpr int kCellsPerAxis = kGridSize / VisibleSurface::kCellVoxels + 2;
+static_assert(kCellsPerAxis * kCellsPerAxis * kCellsPerAxis * 3 <=
+              std::numeric_limits<std::uint16_t>::max());
 
 // A cell keeps one point per main direction of the normals in it, so that a thin plate keeps its
 // edges.
@@ -29,8 +30,9 @@ std::uint16_t CellOf(const Eigen::Vector3f& point, const Eigen::Vector3f& normal
                               1;
   Eigen::Index axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
-  return static_cast<std::uint16_t>(((cell.x() * kCells + cell.y()) * kCells + cell.z()) * 3 +
-                                    static_cast<int>(axis));
+  return static_cast<std::uint16_t>(
+      ((cell.x() * kCellsPerAxis + cell.y()) * kCellsPerAxis + cell.z()) * 3 +
+      static_cast<int>(axis));
 }
 
 // The first visible point of each cell.
@@ -38,7 +40,8 @@ std::vector<SurfacePoint> ThinnedView(const shape::ShapeModel& model,
                                       const shape::PartialView& camera,
                                       std::span<const std::uint16_t> cell_of_point) {
   std::vector<SurfacePoint> view;
-  std::vector<std::uint8_t> taken(std::size_t{kCells} * kCells * kCells * 3, 0);
+  std::vector<std::uint8_t> taken(std::size_t{kCellsPerAxis} * kCellsPerAxis * kCellsPerAxis * 3,
+                                  0);
   for (std::size_t n = 0; n < cell_of_point.size(); ++n) {
     const std::size_t cell = cell_of_point[n];
     if (taken[cell] != 0 || !camera.Shows(n)) continue;

@@ -11,7 +11,7 @@
 namespace deepslam::render {
 namespace {
 
-constexpr std::size_t kWidth = 8;  // of a packet of rays
+constexpr std::size_t kPacketRays = 8;  // of a packet of rays
 
 }  // namespace
 
@@ -130,11 +130,11 @@ void RayScene::CastFan(const Eigen::Vector3f& origin,
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  for (std::size_t first = 0; first < directions.size(); first += kWidth) {
+  for (std::size_t first = 0; first < directions.size(); first += kPacketRays) {
     RTCRayHit8 query{};
-    alignas(32) int valid[kWidth];
-    const std::size_t count = std::min(kWidth, directions.size() - first);
-    for (std::size_t i = 0; i < kWidth; ++i) {
+    alignas(32) int valid[kPacketRays];
+    const std::size_t count = std::min(kPacketRays, directions.size() - first);
+    for (std::size_t i = 0; i < kPacketRays; ++i) {
       valid[i] = i < count ? -1 : 0;
       const Eigen::Vector3f& direction = directions[first + std::min(i, count - 1)];
       query.ray.org_x[i] = origin.x();
@@ -199,11 +199,11 @@ void RayScene::AreOccluded(std::span<const Eigen::Vector3f> from,
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  for (std::size_t first = 0; first < from.size(); first += kWidth) {
+  for (std::size_t first = 0; first < from.size(); first += kPacketRays) {
     RTCRay8 rays{};
-    alignas(32) int valid[kWidth];
-    const std::size_t count = std::min(kWidth, from.size() - first);
-    for (std::size_t i = 0; i < kWidth; ++i) {
+    alignas(32) int valid[kPacketRays];
+    const std::size_t count = std::min(kPacketRays, from.size() - first);
+    for (std::size_t i = 0; i < kPacketRays; ++i) {
       const std::size_t n = first + std::min(i, count - 1);
       const Eigen::Vector3f way = to[n] - from[n];
       const float length_m = way.norm();

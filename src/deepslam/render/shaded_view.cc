@@ -52,10 +52,10 @@ PinholeCamera Supersampled(const PinholeCamera& camera) {
 }
 
 // Pixels that differ this much from one beside them, of 255, lie at an edge.
-constexpr float kEdge = 6;
+constexpr float kEdgeContrast = 6;
 
 bool Differs(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-  return (a - b).cwiseAbs().maxCoeff() > kEdge;
+  return (a - b).cwiseAbs().maxCoeff() > kEdgeContrast;
 }
 
 bool IsAtEdge(const Image<Eigen::Vector3f>& colours, int u, int v) {

@@ -164,10 +164,10 @@ std::string Failures(const BatchPage& page) {
 
 // The whole of a failure stands in the list of failures.
 std::string_view FirstLine(std::string_view text) {
-  constexpr std::size_t kMaxBytes = 160;  // about two lines of the table's cell
+  constexpr std::size_t kMaxShownBytes = 160;  // about two lines of the table's cell
   text = text.substr(0, text.find('\n'));
-  if (text.size() <= kMaxBytes) return text;
-  std::size_t end = kMaxBytes;
+  if (text.size() <= kMaxShownBytes) return text;
+  std::size_t end = kMaxShownBytes;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
   return text.substr(0, end);
 }

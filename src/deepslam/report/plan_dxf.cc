@@ -151,9 +151,9 @@ class PlanDrawing {
   // In (-90, 90]: texts are read from below or from the right.
   static double ReadableAngleDeg(const Eigen::Vector2d& along) {
     const double angle = std::atan2(along.y(), along.x()) * kDegPerRad;
-    constexpr double kUpright = 90.001;  // rounding must not turn vertical texts round
-    if (angle > kUpright) return angle - 180;
-    return angle <= kUpright - 180 ? angle + 180 : angle;
+    constexpr double kMaxReadable_deg = 90.001;  // rounding must not turn vertical texts round
+    if (angle > kMaxReadable_deg) return angle - 180;
+    return angle <= kMaxReadable_deg - 180 ? angle + 180 : angle;
   }
 
   const FloorPlanContent& content_;

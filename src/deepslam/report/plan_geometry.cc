@@ -90,7 +90,7 @@ std::vector<std::pair<double, double>> SolidSpans(const Layout& layout, const La
 }
 
 std::vector<PlanLine> UnseenSides(const Layout& layout) {
-  constexpr double kShortest_m = 0.1;  // what is left out
+  constexpr double kShortestPiece_m = 0.1;  // what is left out
   std::vector<PlanLine> unseen;
   for (std::size_t room = 0; room < layout.rooms.size(); ++room) {
     const std::vector<Eigen::Vector2d>& corners = layout.rooms[room].polygon_m;
@@ -104,7 +104,7 @@ std::vector<PlanLine> UnseenSides(const Layout& layout) {
       double begin_m = 0;
       for (const auto& [first_m, last_m] : spans) {
         const double end_m = std::min(first_m, side.length_m());
-        if (end_m - begin_m > kShortest_m)
+        if (end_m - begin_m > kShortestPiece_m)
           unseen.emplace_back(frame.At(begin_m, 0), frame.At(end_m, 0));
         begin_m = std::max(begin_m, last_m);
       }
@@ -147,9 +147,9 @@ std::vector<PlanQuad> ObstaclesOf(const FloorPlanContent& content) {
 Eigen::Vector2d FreePlace(const LayoutRoom& room, const std::vector<PlanQuad>& obstacles) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& corner : room.polygon_m) box.extend(corner);
-  constexpr double kStep_m = 0.15;    // a line of text on the plan
+  constexpr double kGridStep_m = 0.15;  // a line of text on the plan
   constexpr double kMostPlaces = 40;  // a side
-  const double step_m = std::max(kStep_m, box.sizes().maxCoeff() / kMostPlaces);
+  const double step_m = std::max(kGridStep_m, box.sizes().maxCoeff() / kMostPlaces);
   Eigen::Vector2d best = box.center();
   double best_m = -1;
   for (double x = box.min().x() + 0.5 * step_m; x < box.max().x(); x += step_m) {

@@ -108,8 +108,8 @@ class LabelWriter {
     const std::string measures = fmt::format(
         "{:.2f} x {:.2f} x {:.2f}", thing.size_m.x(), thing.size_m.y(), thing.size_m.z());
     // Height by width of an outline from which on texts run upwards.
-    constexpr double kUpright = 1.6;
-    const bool upright = box.sizes().y() > kUpright * box.sizes().x();
+    constexpr double kUprightRatio = 1.6;
+    const bool upright = box.sizes().y() > kUprightRatio * box.sizes().x();
     const double room_px = upright ? box.sizes().y() : box.sizes().x();
     const auto size_of = [&](const std::string& text, double largest_px) {
       return std::clamp(0.94 * room_px / WidthOf(text, 1), kLeastFont_px, largest_px);

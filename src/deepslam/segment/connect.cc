@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kAxisBits = 21;  // three axes in 64 bits
 // Keeps the coordinates of cells positive.
-constexpr std::int64_t kMiddle = std::int64_t{1} << (kAxisBits - 1);
+constexpr std::int64_t kCellOffset = std::int64_t{1} << (kAxisBits - 1);
 
 std::int64_t Floor(double x) {
   const auto towards_zero = static_cast<std::int64_t>(x);
@@ -18,7 +18,7 @@ std::int64_t Floor(double x) {
 std::uint64_t KeyOf(const Eigen::Vector3f& p, double size_m) {
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t cell = Floor(p[axis] / size_m) + kMiddle;
+    const std::int64_t cell = Floor(p[axis] / size_m) + kCellOffset;
     key = (key << kAxisBits) | static_cast<std::uint64_t>(cell);
   }
   return key;
@@ -29,7 +29,7 @@ class Cells {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;  // an empty slot
 
-  Cells() : slots_(kFewest, kNone) {}
+  Cells() : slots_(kFewestSlots, kNone) {}
 
   std::uint32_t Add(std::uint64_t key) {
     if (2 * keys_.size() >= slots_.size()) Grow();
@@ -44,7 +44,7 @@ class Cells {
   [[nodiscard]] const std::vector<std::uint64_t>& keys() const { return keys_; }
 
  private:
-  static constexpr std::size_t kFewest = 1024;  // a power of two, as are all sizes of `slots_`
+  static constexpr std::size_t kFewestSlots = 1024;  // a power of two, as are all sizes of `slots_`
 
   // Where the key is or would be.
   [[nodiscard]] std::size_t SlotOf(std::uint64_t key) const {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kRowsPerChunk = 16;  // of one task; results are the same for any
 constexpr double kFarthest_m = 1000;  // only absurd intrinsics put points farther out
-constexpr int kCrumb = 12;            // pieces of fewer pixels are noise
+constexpr int kMinPiece_px = 12;      // pieces of fewer pixels are noise
 constexpr std::int32_t kNone = -1;    // of no part, or of no piece
 
 // Where usable points lie: up to a depth, and above the ground's noise.
@@ -222,7 +222,7 @@ void GrowPieces(const Mask& bits, ImagePieces& pieces) {
   }
   std::vector<std::int32_t> number(num_pixels.size(), kNone);
   for (std::size_t n = 0; n < num_pixels.size(); ++n) {
-    if (num_pixels[n] < kCrumb) continue;
+    if (num_pixels[n] < kMinPiece_px) continue;
     number[n] = static_cast<std::int32_t>(pieces.num_pixels.size());
     pieces.num_pixels.push_back(num_pixels[n]);
   }
@@ -340,7 +340,7 @@ void AttachRest(ImagePieces& pieces) {
       open.assign(1, {u, v});
       GrowInDepth(0, open, pieces);
       // Specks are mixed pixels between foreground and background.
-      if (open.size() >= kCrumb) continue;
+      if (open.size() >= kMinPiece_px) continue;
       for (const Pixel& pixel : open) {
         pieces.points_camera.Clear(pixel.u, pixel.v);
         pieces.piece(pixel.u, pixel.v) = kNone;

@@ -16,7 +16,7 @@ namespace deepslam::segment {
 namespace {
 
 constexpr double kEdge_m = 0.04;      // legs may stand this far out of the visible top
-constexpr double kReach_m = 0.12;     // what carries a top is seen up to this close below it
+constexpr double kCarrierReach_m = 0.12;  // what carries a top is seen up to this close below it
 constexpr double kLeastReach = 0.01;  // share of a piece's pixels that must come close to it
 constexpr double kLeg_m = 0.15;       // parts of legs are no wider, seen from above
 
@@ -68,7 +68,7 @@ DEEPSLAM_WIDE_VECTORS void CompareRow(const ImagePieces& pieces,
     const double thickness_m = TopThicknessAt(z);
     const double from_ground_m = up.x() * x + up.y() * y + up.z() * z + ground_camera.d_m;
     const bool above = over_m > thickness_m;
-    const bool reaching = (over_m > -kReach_m) & (over_m <= thickness_m);
+    const bool reaching = (over_m > -kCarrierReach_m) & (over_m <= thickness_m);
     const bool low_enough = from_ground_m <= of_top_m + thickness_m;
     row.relation[u] = (above ? RowUnderTop::kAbove : 0) | (reaching ? RowUnderTop::kReaching : 0) |
                       (low_enough ? RowUnderTop::kLowEnough : 0);

@@ -10,23 +10,24 @@ namespace deepslam::segment {
 namespace {
 
 // Tops of tables and desks, from coffee tables to bars; lower ones are seats and shelves.
-constexpr double kLowest_m = 0.30;
-constexpr double kHighest_m = 1.30;  // a bar is 1.1 m high
+constexpr double kLowestTop_m = 0.30;
+constexpr double kHighestTop_m = 1.30;  // a bar is 1.1 m high
 constexpr double kBin_m = 0.02;      // a peak takes three: a top and its noise
-constexpr double kGap_m = 0.30;  // parts of a top hidden from each other by what stands before it
+constexpr double kTopGap_m =
+    0.30;  // parts of a top hidden from each other by what stands before it
 
 constexpr int kNumBins = PieceHeights::kNumBins;
-static_assert(kNumBins == static_cast<int>((kHighest_m - kLowest_m) / kBin_m) + 1);
+static_assert(kNumBins == static_cast<int>((kHighestTop_m - kLowestTop_m) / kBin_m) + 1);
 
 // Rounds down; below the lowest bin anything negative.
 int BinOf(double height_m) {
-  const double bin = (height_m - kLowest_m) / kBin_m;
+  const double bin = (height_m - kLowestTop_m) / kBin_m;
   return bin < 0 ? -1 : static_cast<int>(bin);
 }
 
 DEEPSLAM_WIDE_VECTORS void FindBins(const float* height_m, int count, std::int32_t* bins) {
   for (int n = 0; n < count; ++n) {
-    const double bin = (height_m[n] - kLowest_m) / kBin_m;
+    const double bin = (height_m[n] - kLowestTop_m) / kBin_m;
     bins[n] = bin < 0 ? -1 : static_cast<std::int32_t>(std::min(bin, 1.0 * kNumBins));
   }
 }
@@ -74,7 +75,7 @@ HeightLayers::HeightLayers(const ImagePieces& pieces,
     : pieces_(&pieces), heights_(heights) {
   region.ForEach([&](int u, int v) {
     const double height_m = pieces.height_m(u, v);
-    if (!(height_m >= kLowest_m && height_m < kHighest_m)) return;
+    if (!(height_m >= kLowestTop_m && height_m < kHighestTop_m)) return;
     if (pieces.piece(u, v) < 0 || owners(u, v) >= 0) return;
     pixels_.push_back({u, v});
     height_m_.push_back(pieces.height_m(u, v));
@@ -107,7 +108,7 @@ std::vector<double> HeightLayers::PeakHeights() const {
     if (i + 2 < kNumBins && window(i + 1) > window(i)) continue;
     double sum = 0;
     for (int n = i - 1; n <= i + 1; ++n)
-      sum += area[static_cast<std::size_t>(n)] * (kLowest_m + (n + 0.5) * kBin_m);
+      sum += area[static_cast<std::size_t>(n)] * (kLowestTop_m + (n + 0.5) * kBin_m);
     peaks.push_back(sum / window(i));
   }
   return peaks;
@@ -124,7 +125,7 @@ std::vector<PixelPoint> HeightLayers::At(double height_m) const {
     if (level || EndsAt(pieces_->piece(u, v), height_m, TopThicknessAt(depth_m_[n])))
       layer.push_back({u, v, pieces_->points_camera(u, v)});
   }
-  const Groups groups = ConnectPoints(layer, std::max(kGap_m, SegmentOptions::kJoin_m));
+  const Groups groups = ConnectPoints(layer, std::max(kTopGap_m, SegmentOptions::kJoin_m));
   if (groups.count == 1) return layer;
   const int main = groups.Heaviest([](std::size_t) { return 1.0; });
   std::vector<PixelPoint> largest;

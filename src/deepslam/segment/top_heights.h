@@ -21,9 +21,9 @@ inline constexpr double kMostAbove = 0.05;
 
 // Pixels this near to the top's height are the top.
 [[nodiscard]] inline double TopThicknessAt(double depth_m) {
-  constexpr double kThickness_m = 0.025;     // of boards and noise right before the camera
+  constexpr double kBoardThickness_m = 0.025;  // of boards and noise right before the camera
   constexpr double kThicknessPerM2 = 0.005;  // plus this times the squared depth
-  return kThickness_m + kThicknessPerM2 * depth_m * depth_m;
+  return kBoardThickness_m + kThicknessPerM2 * depth_m * depth_m;
 }
 
 // Where a point in camera axes lies on the ground.
@@ -39,7 +39,8 @@ struct GroundAxes {
 
 // How high the pixels of a piece lie, in steps of heights at which tops are.
 struct PieceHeights {
-  static constexpr int kNumBins = 51;  // of kBin_m from kLowest_m to kHighest_m (top_heights.cc)
+  static constexpr int kNumBins =
+      51;  // of kBin_m from kLowestTop_m to kHighestTop_m (top_heights.cc)
 
   int all = 0;                               // pixels
   std::array<int, kNumBins + 1> from_bin{};  // of them in this bin or higher

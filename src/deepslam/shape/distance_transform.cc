@@ -13,7 +13,7 @@ namespace deepslam::shape {
 namespace {
 
 constexpr int kSize = kGridSize;
-constexpr float kFar = 1e10F;  // squared voxels, where the grid has none to measure to
+constexpr float kFarSquared = 1e10F;  // squared voxels, where the grid has none to measure to
 // Beyond any squared distance in the grid, 3 * 63^2; with the square of a step added it still fits.
 constexpr std::int16_t kNothing = 16383;
 
@@ -127,7 +127,7 @@ std::vector<Row> TransformGrid(const VoxelGrid& grid, bool occupied) {
 }
 
 float SquaredVoxels(std::int16_t value) {
-  return value == kNothing ? kFar : static_cast<float>(value);
+  return value == kNothing ? kFarSquared : static_cast<float>(value);
 }
 
 }  // namespace
@@ -156,7 +156,7 @@ DEEPSLAM_WIDE_VECTORS std::vector<float> SignedDistance(const VoxelGrid& grid) {
     for (std::size_t n = 0; n < kSize; ++n) {
       const std::int32_t signed_square = inwards[n];
       const std::int32_t square = signed_square < 0 ? -signed_square : signed_square;
-      const float squared = square == kNothing ? kFar : static_cast<float>(square);
+      const float squared = square == kNothing ? kFarSquared : static_cast<float>(square);
       // The boundary lies half a voxel from the centres on its both sides.
       const float voxels = std::sqrt(squared) - 0.5F;
       distance[n] = signed_square < 0 ? -voxels : voxels;

@@ -67,7 +67,7 @@ bool IsSeen(const SolidBits& solid,
 ViewRay RayTowards(const ShapeModel& model, const Eigen::Vector3f& direction) {
   constexpr float kStep = 0.5F;    // voxels
   constexpr float kSlack = 0.01F;  // voxels, far more than rounding adds up to
-  constexpr float kLeast = 1e-12F;  // stands for a step of 0: the exit is far but finite
+  constexpr float kAlmostZero = 1e-12F;  // stands for a step of 0: the exit is far but finite
   ViewRay ray;
   ray.direction = direction;
   ray.step = kStep * direction;
@@ -77,7 +77,7 @@ ViewRay RayTowards(const ShapeModel& model, const Eigen::Vector3f& direction) {
     const float slack = is_back ? -kSlack : kSlack;
     ray.before_exit[axis] = exit - slack;
     ray.behind_exit[axis] = exit + slack;
-    ray.per_step[axis] = 1.0F / (ray.step[axis] == 0 ? kLeast : ray.step[axis]);
+    ray.per_step[axis] = 1.0F / (ray.step[axis] == 0 ? kAlmostZero : ray.step[axis]);
   }
   return ray;
 }

@@ -24,9 +24,9 @@ struct ViewRay {
 
   // 0 where `exit` is behind already.
   [[nodiscard]] int StepsTo(const Eigen::Array3f& exit, const Eigen::Vector3f& at) const {
-    constexpr float kMost = 4 * kGridSize;  // more than through the grid's diagonal
+    constexpr float kMaxSteps = 4 * kGridSize;  // more than through the grid's diagonal
     const float steps = ((exit - at.array()) * per_step).minCoeff();
-    return static_cast<int>(std::clamp(steps, 0.0F, kMost));
+    return static_cast<int>(std::clamp(steps, 0.0F, kMaxSteps));
   }
 };
 

@@ -10,7 +10,8 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr double kNearM = 0.01;  // the near plane, which cuts faces that reach behind the camera
+constexpr double kNearPlaneM =
+    0.01;  // the near plane, which cuts faces that reach behind the camera
 
 // The part of a convex polygon before the near plane.
 std::vector<Eigen::Vector3d> CutAtNear(const std::array<Eigen::Vector3d, 3>& corners) {
@@ -18,9 +19,9 @@ std::vector<Eigen::Vector3d> CutAtNear(const std::array<Eigen::Vector3d, 3>& cor
   for (std::size_t i = 0; i < 3; ++i) {
     const Eigen::Vector3d& a = corners[i];
     const Eigen::Vector3d& b = corners[(i + 1) % 3];
-    if (a.z() >= kNearM) kept.push_back(a);
-    if ((a.z() >= kNearM) != (b.z() >= kNearM))
-      kept.push_back(a + (kNearM - a.z()) / (b.z() - a.z()) * (b - a));
+    if (a.z() >= kNearPlaneM) kept.push_back(a);
+    if ((a.z() >= kNearPlaneM) != (b.z() >= kNearPlaneM))
+      kept.push_back(a + (kNearPlaneM - a.z()) / (b.z() - a.z()) * (b - a));
   }
   return kept;
 }

@@ -14,7 +14,7 @@ namespace {
 
 // A voxel and its 26 neighbours, a bit each: (di + 1) * 9 + (dj + 1) * 3 + (dk + 1).
 using Neighbourhood = std::uint32_t;
-constexpr int kNeighbours = 27;  // 3 x 3 x 3
+constexpr int kBlockCells = 27;  // 3 x 3 x 3
 constexpr Neighbourhood kCentre = 1U << 13;
 
 // How many coordinates of two cells differ, and by how much at most.
@@ -34,10 +34,10 @@ constexpr Apart ApartOf(int m, int n) {
 }
 
 // Of each cell, those that share a face with it; with `corners`, also an edge or a corner.
-constexpr std::array<Neighbourhood, kNeighbours> Touching(bool corners) {
-  std::array<Neighbourhood, kNeighbours> touching{};
-  for (int m = 0; m < kNeighbours; ++m) {
-    for (int n = 0; n < kNeighbours; ++n) {
+constexpr std::array<Neighbourhood, kBlockCells> Touching(bool corners) {
+  std::array<Neighbourhood, kBlockCells> touching{};
+  for (int m = 0; m < kBlockCells; ++m) {
+    for (int n = 0; n < kBlockCells; ++n) {
       const Apart apart = ApartOf(m, n);
       if (corners ? apart.most == 1 : apart.sum == 1)
         touching[static_cast<std::size_t>(m)] |= 1U << n;
@@ -46,12 +46,12 @@ constexpr std::array<Neighbourhood, kNeighbours> Touching(bool corners) {
   return touching;
 }
 
-constexpr std::array<Neighbourhood, kNeighbours> kTouching26 = Touching(true);
-constexpr std::array<Neighbourhood, kNeighbours> kTouching6 = Touching(false);
+constexpr std::array<Neighbourhood, kBlockCells> kTouching26 = Touching(true);
+constexpr std::array<Neighbourhood, kBlockCells> kTouching6 = Touching(false);
 constexpr Neighbourhood kFaceNeighbours = kTouching6[13];
 constexpr Neighbourhood kEdgeNeighbours = [] {
   Neighbourhood near = 0;
-  for (int n = 0; n < kNeighbours; ++n) near |= ApartOf(n, 13).sum <= 2 ? 1U << n : 0U;
+  for (int n = 0; n < kBlockCells; ++n) near |= ApartOf(n, 13).sum <= 2 ? 1U << n : 0U;
   return near & ~kCentre;
 }();
 
@@ -72,7 +72,7 @@ Neighbourhood Around(const VoxelGrid& grid, int i, int j, int k) {
 // Connected components of `cells` that hold one of `seeds`.
 int NumComponents(Neighbourhood cells,
                   Neighbourhood seeds,
-                  const std::array<Neighbourhood, kNeighbours>& touching) {
+                  const std::array<Neighbourhood, kBlockCells>& touching) {
   int count = 0;
   for (seeds &= cells; seeds != 0; seeds &= cells) {
     ++count;

@@ -11,7 +11,7 @@ namespace deepslam::shape {
 namespace {
 
 constexpr double kNearVoxels = 1.5;  // voxels of two surfaces that are one differ by this
-constexpr double kNearShare = 0.98;  // of the surface; the rest may be noise
+constexpr double kStayingShare = 0.98;  // of the surface; the rest may be noise
 constexpr int kStepDeg = 15;         // a shape that stays at each of these turns is round
 
 bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
@@ -26,7 +26,7 @@ bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
         std::abs(model.Distance(turned)) <= static_cast<float>(kNearVoxels * kVoxelSize) ? 1 : 0;
   }
   return static_cast<double>(near) >=
-         kNearShare * static_cast<double>(model.surface_points().size());
+         kStayingShare * static_cast<double>(model.surface_points().size());
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ bool IsUsable(float depth_m) { return depth_m > 0 && depth_m < kMaxDepth_m; }
 // pixel between them, and beyond that: slopes up to 80 degrees against the image plane, and 1 cm of
 // noise.
 float SteepestPerPixel(const PinholeCamera& camera) {
-  constexpr float kSteepest = 5.7F;  // tan 80 deg
-  return kSteepest / static_cast<float>(camera.fx);
+  constexpr float kSteepestSlope = 5.7F;  // tan 80 deg
+  return kSteepestSlope / static_cast<float>(camera.fx);
 }
 constexpr float kNoise_m = 0.01F;  // of depth between neighbours, near the camera
 
@@ -40,23 +40,25 @@ constexpr float kNoise_m = 0.01F;  // of depth between neighbours, near the came
 // depth being 0.
 class PaddedDepth {
  public:
-  static constexpr int kRows = kMaxPatchRadius_px;
-  static constexpr int kColumns = 16;  // two vectors of kLanes (below)
+  static constexpr int kMarginRows = kMaxPatchRadius_px;
+  static constexpr int kMarginColumns = 16;  // two vectors of kLanes (below)
 
   explicit PaddedDepth(const DepthImage& depth_m)
-      : padded_m_(depth_m.width() + 2 * kColumns, depth_m.height() + 2 * kRows, 0.0F) {
+      : padded_m_(depth_m.width() + 2 * kMarginColumns, depth_m.height() + 2 * kMarginRows, 0.0F) {
     for (int v = 0; v < depth_m.height(); ++v) {
       std::transform(depth_m.row(v),
                      depth_m.row(v) + depth_m.width(),
-                     padded_m_.row(v + kRows) + kColumns,
+                     padded_m_.row(v + kMarginRows) + kMarginColumns,
                      [](float depth) { return IsUsable(depth) ? depth : 0.0F; });
     }
   }
 
-  // Of the image: pixel 0 of the row, with kColumns before it and behind its last.
-  [[nodiscard]] const float* Row(int v) const { return padded_m_.row(v + kRows) + kColumns; }
-  [[nodiscard]] int width() const { return padded_m_.width() - 2 * kColumns; }
-  [[nodiscard]] int height() const { return padded_m_.height() - 2 * kRows; }
+  // Of the image: pixel 0 of the row, with kMarginColumns before it and behind its last.
+  [[nodiscard]] const float* Row(int v) const {
+    return padded_m_.row(v + kMarginRows) + kMarginColumns;
+  }
+  [[nodiscard]] int width() const { return padded_m_.width() - 2 * kMarginColumns; }
+  [[nodiscard]] int height() const { return padded_m_.height() - 2 * kMarginRows; }
 
  private:
   DepthImage padded_m_;
@@ -117,7 +119,7 @@ struct PatchSums {
 constexpr int kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 using LaneBits = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
-static_assert(2 * kLanes > 2 * kMaxPatchRadius_px && 2 * kLanes <= PaddedDepth::kColumns);
+static_assert(2 * kLanes > 2 * kMaxPatchRadius_px && 2 * kLanes <= PaddedDepth::kMarginColumns);
 
 // Offsets are taken from differences of depth and pixels, which single precision holds well.
 DEEPSLAM_WIDE_VECTORS PatchSums
@@ -261,13 +263,13 @@ Pixels CoherentPixels(const ObjectView& view, const PaddedDepth& depth_m) {
 class CellNumbers {
  public:
   explicit CellNumbers(std::size_t max_cells)
-      : slots_(std::bit_ceil(2 * max_cells + 1), kFree), keys_(slots_.size()) {}
+      : slots_(std::bit_ceil(2 * max_cells + 1), kEmptySlot), keys_(slots_.size()) {}
 
   std::uint32_t NumberOf(std::uint64_t key) {
     const std::size_t last = slots_.size() - 1;
     std::size_t at = (key * 0x9E3779B97F4A7C15ULL >> 32U) & last;
-    while (slots_[at] != kFree && keys_[at] != key) at = (at + 1) & last;
-    if (slots_[at] == kFree) {
+    while (slots_[at] != kEmptySlot && keys_[at] != key) at = (at + 1) & last;
+    if (slots_[at] == kEmptySlot) {
       slots_[at] = count_++;
       keys_[at] = key;
     }
@@ -276,7 +278,7 @@ class CellNumbers {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  static constexpr std::uint32_t kFree = 0xFFFFFFFFU;  // an empty slot
+  static constexpr std::uint32_t kEmptySlot = 0xFFFFFFFFU;  // an empty slot
   std::vector<std::uint32_t> slots_;
   std::vector<std::uint64_t> keys_;
   std::uint32_t count_ = 0;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kChecksumBytes = 4;  // of SHA-256; one damaged code in 2^32 passes
 constexpr int kFlushBytes = 5;             // the cached one and four of `low_`
 // No grid takes more: the model never pays much over one bit a voxel.
-constexpr std::size_t kMaxBytes = 2 * kGridSize * kGridSize * kGridSize / 8;
+constexpr std::size_t kMaxCodeBytes = 2 * kGridSize * kGridSize * kGridSize / 8;
 
 // The chance that the next voxel of a pattern is free, learnt as voxels come: fast at first.
 class Chance {
@@ -243,9 +243,9 @@ std::string EncodeVoxels(const VoxelGrid& grid) {
 }
 
 Result<VoxelGrid> DecodeVoxels(std::string_view bytes) {
-  if (bytes.size() < kChecksumBytes || bytes.size() > kMaxBytes) {
+  if (bytes.size() < kChecksumBytes || bytes.size() > kMaxCodeBytes) {
     return InvalidInput("voxel code: " + std::to_string(bytes.size()) + " bytes, must be " +
-                        std::to_string(kChecksumBytes) + " to " + std::to_string(kMaxBytes));
+                        std::to_string(kChecksumBytes) + " to " + std::to_string(kMaxCodeBytes));
   }
   Decoder decoder(bytes.substr(kChecksumBytes));
   VoxelGrid grid = DecodeGrid(decoder);

@@ -22,7 +22,7 @@ constexpr int kFineSize = kGridSize * kFine;
 using Block = std::uint64_t;
 using Blocks = std::vector<Block>;  // a block for each voxel
 
-constexpr std::size_t kVoxels = std::size_t{kGridSize} * kGridSize * kGridSize;
+constexpr std::size_t kGridVoxels = std::size_t{kGridSize} * kGridSize * kGridSize;
 constexpr Block kLowX = 0x000000000000FFFF;  // the cells at the voxel's lower side along x, ...
 constexpr Block kLowY = 0x000F000F000F000F;
 constexpr Block kLowZ = 0x1111111111111111;
@@ -60,11 +60,12 @@ std::uint32_t CellAt(double fine) {
 
 // The cells of `count` points along a row: begin, begin + step, ...
 void MarkRow(const Eigen::Vector3d& begin, const Eigen::Vector3d& step, int count, Blocks& shell) {
-  constexpr int kAtOnce = 16;  // cells found before bits are set, so that the compiler vectorises
-  std::array<std::uint32_t, kAtOnce> voxels;
-  std::array<std::uint32_t, kAtOnce> bits;
-  for (int first = 0; first < count; first += kAtOnce) {
-    for (int n = 0; n < kAtOnce; ++n) {
+  constexpr int kCellsAtOnce =
+      16;  // cells found before bits are set, so that the compiler vectorises
+  std::array<std::uint32_t, kCellsAtOnce> voxels;
+  std::array<std::uint32_t, kCellsAtOnce> bits;
+  for (int first = 0; first < count; first += kCellsAtOnce) {
+    for (int n = 0; n < kCellsAtOnce; ++n) {
       const double at = first + n;
       const std::uint32_t i = CellAt(begin.x() + at * step.x());
       const std::uint32_t j = CellAt(begin.y() + at * step.y());
@@ -74,7 +75,7 @@ void MarkRow(const Eigen::Vector3d& begin, const Eigen::Vector3d& step, int coun
       bits[static_cast<std::size_t>(n)] =
           i % kFine * kStepX + j % kFine * kStepY + k % kFine * kStepZ;
     }
-    const auto used = static_cast<std::size_t>(std::min(kAtOnce, count - first));
+    const auto used = static_cast<std::size_t>(std::min(kCellsAtOnce, count - first));
     for (std::size_t n = 0; n < used; ++n) shell[voxels[n]] |= Block{1} << bits[n];
   }
 }
@@ -113,7 +114,7 @@ void MarkTriangle(const Triangle& any, Blocks& shell) {
 // voxel let nothing in.
 VoxelRows OutsideOf(const Blocks& shell) {
   VoxelRows free(kNumVoxelRows, 0);
-  for (std::size_t n = 0; n < kVoxels; ++n) {
+  for (std::size_t n = 0; n < kGridVoxels; ++n) {
     if (shell[n] == 0) free[n / kGridSize] |= std::uint64_t{1} << n % kGridSize;
   }
   return OutsideVoxels(free);
@@ -146,7 +147,7 @@ constexpr std::array<Side, 3> kAxes = {{{std::ptrdiff_t{kGridSize} * kGridSize, 
 
 // Of each shell voxel, the cells that the outside reaches through the free ones.
 Blocks ReachedCells(const Blocks& shell, const VoxelRows& outside) {
-  Blocks reached(kVoxels, 0);
+  Blocks reached(kGridVoxels, 0);
   std::vector<std::size_t> waiting;
   const auto is_outside = [&](std::size_t n) {
     return (outside[n / kGridSize] >> n % kGridSize & 1) != 0;
@@ -157,7 +158,7 @@ Blocks ReachedCells(const Blocks& shell, const VoxelRows& outside) {
     waiting.push_back(n);
   };
   // The rim of the cube holds no shell, so neighbours are within it.
-  for (std::size_t n = 0; n < kVoxels; ++n) {
+  for (std::size_t n = 0; n < kGridVoxels; ++n) {
     if (shell[n] == 0) continue;
     Block seeds = 0;
     for (const Side& side : kAxes) {
@@ -180,8 +181,8 @@ Blocks ReachedCells(const Blocks& shell, const VoxelRows& outside) {
 VoxelGrid SolidWithin(const Blocks& shell) {
   const VoxelRows outside = OutsideOf(shell);
   const Blocks reached = ReachedCells(shell, outside);
-  std::vector<float> shares(kVoxels, 1.0F);
-  for (std::size_t n = 0; n < kVoxels; ++n) {
+  std::vector<float> shares(kGridVoxels, 1.0F);
+  for (std::size_t n = 0; n < kGridVoxels; ++n) {
     if (shell[n] != 0)
       shares[n] = static_cast<float>(std::popcount(~reached[n])) / (kFine * kFine * kFine);
     else if ((outside[n / kGridSize] >> n % kGridSize & 1) != 0)
@@ -205,7 +206,7 @@ Result<VoxelGrid> Voxelize(const TriangleMesh& mesh) {
     return InvalidInput("mesh has no extent");
   }
   const double scale = kModelExtent * kFineSize / longest;
-  Blocks shell(kVoxels, 0);
+  Blocks shell(kGridVoxels, 0);
   for (Triangle& triangle : triangles) {
     for (Eigen::Vector3d& corner : triangle) {
       corner = (scale * (corner - box.Center())).array() + 0.5 * kFineSize;

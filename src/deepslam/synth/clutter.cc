@@ -101,7 +101,7 @@ void AddOnTable(const PlacedObject& table,
                 Random& random,
                 std::vector<TriangleMesh>& clutter) {
   constexpr double kRimM = 0.12;  // of middles from the table's edge, so that things lie on it
-  constexpr double kGapM = 0.3;   // between middles; only corners of the largest things may meet
+  constexpr double kBetweenM = 0.3;  // between middles; only corners of the largest things may meet
   const TableTop top(table.mesh);
   std::vector<Eigen::Vector2d> taken;
   for (int i = 0; i < count; ++i) {
@@ -111,7 +111,7 @@ void AddOnTable(const PlacedObject& table,
       const Eigen::Vector3d p(random.Uniform(-0.5, 0.5) * table.size_m.x(),
                               random.Uniform(-0.5, 0.5) * table.size_m.y(),
                               table.size_m.z() / 2);
-      if (!top.Inside(p, kRimM) || !Apart(p.head<2>(), taken, kGapM)) continue;
+      if (!top.Inside(p, kRimM) || !Apart(p.head<2>(), taken, kBetweenM)) continue;
       taken.push_back(p.head<2>());
       Place(thing, table.world_from_object * Upright(p, yaw_rad));
       clutter.push_back(std::move(thing));

@@ -153,7 +153,8 @@ class Filming {
 
   void GoOn(const Eigen::Vector2d& at, double yaw_rad) {
     const double turn_rad = yaw_rad - yaw_rad_;
-    const int num_steps = std::max(1, static_cast<int>(std::ceil(std::abs(turn_rad) / kStep_rad)));
+    const int num_steps =
+        std::max(1, static_cast<int>(std::ceil(std::abs(turn_rad) / kTurnStep_rad)));
     for (int k = 1; k < num_steps; ++k) {
       yaw_rad_ += turn_rad / num_steps;
       AddPoint();
@@ -162,15 +163,17 @@ class Filming {
   }
 
  private:
-  static constexpr double kStep_rad = 0.4;  // 23 degrees: pictures overlap by half and more
+  static constexpr double kTurnStep_rad = 0.4;  // 23 degrees: pictures overlap by half and more
   // As far ahead as the wall, at what stands before it: near walls one looks down, and across a
   // room so that walls are seen to above the doors.
-  static constexpr double kNearest_m = 1.8;
-  static constexpr double kFarthest_m = 4;  // farther targets would show more ceiling than floor
+  static constexpr double kNearestTarget_m = 1.8;
+  static constexpr double kFarthestTarget_m =
+      4;  // farther targets would show more ceiling than floor
 
   void AddPoint() {
     walk_.points_m.emplace_back(at_.x(), at_.y(), kEye_m);
-    const double ahead_m = std::clamp(OpenBefore_m(plan_, at_, yaw_rad_), kNearest_m, kFarthest_m);
+    const double ahead_m =
+        std::clamp(OpenBefore_m(plan_, at_, yaw_rad_), kNearestTarget_m, kFarthestTarget_m);
     walk_.look_at_m.emplace_back(
         at_.x() + ahead_m * std::cos(yaw_rad_), at_.y() + ahead_m * std::sin(yaw_rad_), kTarget_m);
   }

@@ -68,13 +68,13 @@ std::size_t CountFaceLines(std::string_view obj) {
 // Exporters give nearly everything a highlight; a polished surface has a strong and narrow one and
 // little colour of its own, glass lets light through.
 bool IsShiny(const tinyobj::material_t& from) {
-  constexpr float kClear = 0.6f;     // opacity `d` below which light goes through
+  constexpr float kClearOpacity = 0.6f;  // opacity `d` below which light goes through
   constexpr float kStrong = 0.8f;    // `Ks`, of 1
   constexpr float kNarrow = 100.0f;  // exponent `Ns`, up to 1000
   constexpr float kPale = 0.35f;     // `Kd`, of 1
   const float specular = std::min({from.specular[0], from.specular[1], from.specular[2]});
   const float diffuse = std::max({from.diffuse[0], from.diffuse[1], from.diffuse[2]});
-  return from.dissolve < kClear ||
+  return from.dissolve < kClearOpacity ||
          (specular > kStrong && from.shininess > kNarrow && diffuse < kPale);
 }
 

@@ -17,8 +17,8 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr int kMaxFrames = 100'000;  // more are refused, as a slip would fill the disk
-constexpr int kMaxSidePx = 4096;     // larger pictures are refused for their memory
+constexpr int kMaxSceneFrames = 100'000;  // more are refused, as a slip would fill the disk
+constexpr int kMaxRenderedSidePx = 4096;  // larger pictures are refused for their memory
 constexpr int kMaxRungDepth = 8;     // tables in tables; more hold themselves
 
 // A smaller picture of the same sensor: what the sensor does over so many of its pixels it does
@@ -48,8 +48,8 @@ void ReadCamera(SceneTable camera, SceneDescription& scene) {
   }
   PinholeCamera& value = scene.camera;
   value = scene.sensor.camera;
-  camera.Number("width", value.width, 16, kMaxSidePx);
-  camera.Number("height", value.height, 16, kMaxSidePx);
+  camera.Number("width", value.width, 16, kMaxRenderedSidePx);
+  camera.Number("height", value.height, 16, kMaxRenderedSidePx);
   camera.Number("fx", value.fx, 0.05 * value.width, 50.0 * value.width);
   camera.Number("fy", value.fy, 0.05 * value.height, 50.0 * value.height);
   camera.Number("cx", value.cx, 0, value.width - 1);
@@ -227,7 +227,7 @@ SceneDescription ReadScene(SceneTable root) {
   int seed = 1;
   root.Number("seed", seed, 0, 2'000'000'000);
   scene.seed = static_cast<std::uint64_t>(seed);
-  root.Number("frames", scene.num_frames, 1, kMaxFrames);
+  root.Number("frames", scene.num_frames, 1, kMaxSceneFrames);
   root.Number("frames_per_s", scene.frames_per_s, 0.1, 1000);
   root.Number("depth_units_per_m", scene.depth_units_per_m, 1, 10'000);
   ReadCamera(root.Sub("camera"), scene);

@@ -15,14 +15,14 @@ namespace deepslam::synth {
 namespace {
 
 // Share of light that comes back from a face seen under a cosine; below, the pattern is lost.
-constexpr float kMinCosine = 0.12f;
+constexpr float kLostCosine = 0.12f;
 constexpr float kSureCosine = 0.25f;  // from here on slopes lose nothing
 // A polished face gives depth only when its mirror image of the projector is not far off the axis.
 constexpr float kMirrorCosine = 0.97f;
 // Neighbouring depths further apart than this are two surfaces, relative.
 constexpr double kEdgeStep = 0.03;
 // Patches of missing depth, px.
-constexpr int kPatchPx = 16;
+constexpr int kHolePatchPx = 16;
 constexpr float kColourNoise = 0.010f;  // of full scale
 constexpr double kVignetting = 0.18;    // darkening at the corners
 constexpr int kNumTones = 4096;         // a step is a tenth of a display value at most
@@ -60,7 +60,7 @@ float QuickNormal(Random& random) {
 // with their distance (a first-order autoregressive filter along rows, then along columns).
 Image<float> SharedNoise(
     int width, int height, double reach_px, std::string_view name, const FrameSeed& seed) {
-  constexpr std::size_t kColumns = 64;  // of one task: 256 bytes a row, whole cache lines
+  constexpr std::size_t kColumnsPerTask = 64;  // of one task: 256 bytes a row, whole cache lines
   Image<float> noise(width, height);
   const auto kept = reach_px > 0 ? static_cast<float>(std::exp(-1 / reach_px)) : 0.0f;
   const float fresh = std::sqrt(1 - kept * kept);
@@ -76,7 +76,7 @@ Image<float> SharedNoise(
   });
   if (!(kept > 0)) return noise;
   ParallelForChunks(
-      static_cast<std::size_t>(width), kColumns, [&](std::size_t begin, std::size_t end) {
+      static_cast<std::size_t>(width), kColumnsPerTask, [&](std::size_t begin, std::size_t end) {
         for (int v = 1; v < height; ++v) {
           const float* const above = noise.row(v - 1);
           float* const values = noise.row(v);
@@ -120,18 +120,18 @@ std::vector<std::uint8_t> ShadowOfRow(const DepthImage& depth_m,
 // exact.
 Mask MissingPatches(int width, int height, double share, const FrameSeed& seed) {
   if (!(share > 0)) return {};
-  const int cells_x = width / kPatchPx + 2;
-  const int cells_y = height / kPatchPx + 2;
+  const int cells_x = width / kHolePatchPx + 2;
+  const int cells_y = height / kHolePatchPx + 2;
   Image<float> lattice(cells_x, cells_y);
   Random random(seed.seed, "missing", seed.frame);
   for (float& value : lattice) value = static_cast<float>(random.Uniform());
   Image<float> noise(width, height);
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      const int x = u / kPatchPx;
-      const int y = v / kPatchPx;
-      const float s = static_cast<float>(u % kPatchPx) / kPatchPx;
-      const float t = static_cast<float>(v % kPatchPx) / kPatchPx;
+      const int x = u / kHolePatchPx;
+      const int y = v / kHolePatchPx;
+      const float s = static_cast<float>(u % kHolePatchPx) / kHolePatchPx;
+      const float t = static_cast<float>(v % kHolePatchPx) / kHolePatchPx;
       noise(u, v) = (1 - t) * ((1 - s) * lattice(x, y) + s * lattice(x + 1, y)) +
                     t * ((1 - s) * lattice(x, y + 1) + s * lattice(x + 1, y + 1));
     }
@@ -239,7 +239,7 @@ class Reading {
       return true;
     double lost = 0;  // how likely
     if (faults_.grazing_holes)
-      lost = static_cast<double>((kSureCosine - cosine) / (kSureCosine - kMinCosine));
+      lost = static_cast<double>((kSureCosine - cosine) / (kSureCosine - kLostCosine));
     if (faults_.dark_holes && !truth_.reflectance.empty()) {
       const double signal = InfraredReflectance(static_cast<double>(truth_.reflectance(u, v))) *
                             static_cast<double>(cosine) / (depth * depth);
@@ -299,14 +299,14 @@ DepthImage Interpolated(const DepthImage& cells, int cell_px, int width, int hei
 
 // Gaussian of 0.6 px, which a cheap lens and the colour filter leave. The border is repeated.
 Image<Eigen::Vector3f> Blurred(const Image<Eigen::Vector3f>& from) {
-  constexpr float kSide = 0.166f;    // this twice and kMiddle add up to 1
-  constexpr float kMiddle = 0.668f;  // its tail beyond one pixel is cut off
+  constexpr float kKernelSide = 0.166f;    // this twice and kKernelMiddle add up to 1
+  constexpr float kKernelMiddle = 0.668f;  // its tail beyond one pixel is cut off
   const int last_u = from.width() - 1;
   const int last_v = from.height() - 1;
   const auto mean = [&](const Eigen::Vector3f& a,
                         const Eigen::Vector3f& middle,
                         const Eigen::Vector3f& b) -> Eigen::Vector3f {
-    return kMiddle * middle + kSide * (a + b);
+    return kKernelMiddle * middle + kKernelSide * (a + b);
   };
   Image<Eigen::Vector3f> out(from.width(), from.height(), Eigen::Vector3f::Zero());
   ParallelFor(static_cast<std::size_t>(from.height()), [&](std::size_t row) {
@@ -438,7 +438,7 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
                                      const Pose3& first_from_camera,
                                      const Pose3& last_from_camera) {
   constexpr float kStillPx = 0.3f;  // less blurs nothing that shows
-  constexpr float kFarM = 10;  // where nothing is hit
+  constexpr float kOpenDepthM = 10;  // where nothing is hit
   // Bounds the time of fast turns; longer ways are sampled more coarsely.
   constexpr int kMaxTaps = 24;
   Image<Eigen::Vector3f> blurred(camera.width, camera.height, Eigen::Vector3f::Zero());
@@ -447,7 +447,7 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
   ParallelFor(static_cast<std::size_t>(camera.height), [&](std::size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < camera.width; ++u) {
-      const float depth = depth_m(u, v) > 0 ? depth_m(u, v) : kFarM;
+      const float depth = depth_m(u, v) > 0 ? depth_m(u, v) : kOpenDepthM;
       const Eigen::Vector2f way = last.Of(u, v, depth) - first.Of(u, v, depth);
       const float length_px = way.norm();
       // Not finite where the point is behind a camera.

@@ -54,7 +54,7 @@ Eigen::Vector3f Scaled(const Eigen::Vector3f& colour, double factor) {
 Eigen::Vector3f WoodFloor(const Eigen::Vector2d& p, std::uint64_t seed) {
   constexpr double kBoardWidthM = 0.12;  // as of common floor boards, ...
   constexpr double kBoardLengthM = 1.1;  // ... which begin shifted from row to row
-  constexpr double kGapM = 0.0025;       // dark, about a pixel of a 640 px wide camera at 1.3 m
+  constexpr double kBoardGapM = 0.0025;  // dark, about a pixel of a 640 px wide camera at 1.3 m
   const double row = std::floor(p.y() / kBoardWidthM);
   const double shifted =
       p.x() + 0.5 * kBoardLengthM * Lattice(static_cast<std::int64_t>(row), 7, 7, seed);
@@ -65,7 +65,7 @@ Eigen::Vector3f WoodFloor(const Eigen::Vector2d& p, std::uint64_t seed) {
       Lattice(static_cast<std::int64_t>(row), static_cast<std::int64_t>(column), 1, seed);
   const double grain = Noise2({p.x() / 6, p.y() + 0.01 * board}, 0.006, seed + 1) +
                        0.6 * Noise2({p.x() / 4, p.y() + 3 * board}, 0.025, seed + 2);
-  const bool gap = across < kGapM || along < kGapM;
+  const bool gap = across < kBoardGapM || along < kBoardGapM;
   const Eigen::Vector3f oak(0.36f, 0.21f, 0.11f);
   return Scaled(oak, (1.0 + 0.28 * board + 0.16 * grain) * (gap ? 0.45 : 1.0));
 }

@@ -12,7 +12,7 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr double kCellM = 0.005;  // how well edges are known
+constexpr double kTopCellM = 0.005;  // how well edges are known
 // Boards of a top, and its rounded rim, differ by less.
 constexpr double kTopThicknessM = 0.02;
 // Gaps between the boards of one top are no edges.
@@ -50,10 +50,10 @@ TableTop::TableTop(const TriangleMesh& mesh_object) {
   for (const Eigen::Vector3f& v : mesh_object.vertices) box.Extend(v.cast<double>());
   if (box.empty()) return;
   top_m_ = box.max.z();
-  const double border_m = 2 * kCellM;
+  const double border_m = 2 * kTopCellM;
   origin_m_ = box.min.head<2>().array() - border_m;
   const Eigen::Vector2i size =
-      ((box.Size().head<2>().array() + 2 * border_m) / kCellM).ceil().cast<int>();
+      ((box.Size().head<2>().array() + 2 * border_m) / kTopCellM).ceil().cast<int>();
   if (size.maxCoeff() > kMaxSide) return;
   cv::Mat top = cv::Mat::zeros(size.y(), size.x(), CV_8UC1);
   for (const std::array<std::uint32_t, 3>& face : mesh_object.faces) {
@@ -61,7 +61,7 @@ TableTop::TableTop(const TriangleMesh& mesh_object) {
     double lowest = top_m_;
     for (std::size_t c = 0; c < 3; ++c) {
       const Eigen::Vector3d p = mesh_object.vertices[face[c]].cast<double>();
-      corners[c] = (p.head<2>() - origin_m_) / kCellM;
+      corners[c] = (p.head<2>() - origin_m_) / kTopCellM;
       lowest = std::min(lowest, p.z());
     }
     if (lowest >= top_m_ - kTopThicknessM) Fill(corners, top);
@@ -73,13 +73,13 @@ TableTop::TableTop(const TriangleMesh& mesh_object) {
   to_edge_m_ = Image<float>(size.x(), size.y());
   for (int y = 0; y < size.y(); ++y) {
     for (int x = 0; x < size.x(); ++x)
-      to_edge_m_(x, y) = static_cast<float>(kCellM) * cells.at<float>(y, x);
+      to_edge_m_(x, y) = static_cast<float>(kTopCellM) * cells.at<float>(y, x);
   }
 }
 
 bool TableTop::Inside(const Eigen::Vector3d& p_object, double margin_m) const {
   if (p_object.z() < top_m_ - kTopThicknessM) return false;
-  const Eigen::Vector2d cell = (p_object.head<2>() - origin_m_) / kCellM;
+  const Eigen::Vector2d cell = (p_object.head<2>() - origin_m_) / kTopCellM;
   const int x = static_cast<int>(std::floor(cell.x()));
   const int y = static_cast<int>(std::floor(cell.y()));
   return to_edge_m_.Contains(x, y) && static_cast<double>(to_edge_m_(x, y)) > margin_m;

@@ -11,7 +11,7 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr double kThreshold_m = 0.05;  // what begins higher is a window
+constexpr double kHighestSill_m = 0.05;  // what begins higher is a window
 constexpr double kWidestDoor_m = 1.4;  // a gap without leaf is a passage
 constexpr double kOnLine_m = 1e-6;     // coordinates that differ by rounding alone are one
 
@@ -124,7 +124,7 @@ class FloorGrid {
 };
 
 OpeningKind KindOf(const SceneOpening& opening) {
-  if (opening.bottom_m > kThreshold_m) return OpeningKind::kWindow;
+  if (opening.bottom_m > kHighestSill_m) return OpeningKind::kWindow;
   return opening.width_m > kWidestDoor_m ? OpeningKind::kPassage : OpeningKind::kDoor;
 }
 
