@@ -12,7 +12,7 @@
 namespace deepslam::propose {
 namespace {
 
-// The square, of the extent of the silhouette, no side of which is to touch the border.
+// Side of the square by the silhouette's extent: 5 % stay free at either border.
 constexpr double kMargin = 1.1;
 constexpr double kLeastLevel = 0.2;  // sine between the axis and the vertical that tells up
 

@@ -17,7 +17,7 @@ enum class CandidateSource {
   kRefined,     // a network's shape that followed all depth of its object
   kCompleted,   // a whole model, or a refined shape, that took over what was measured
 };
-inline constexpr std::size_t kNumCandidateSources = 6;  // of the enumeration
+inline constexpr std::size_t kNumCandidateSources = 6;  // values of CandidateSource
 
 // By how much a candidate's score has to lead to win; the figures are options of selection.
 enum class WinningMargin {

@@ -13,7 +13,7 @@ constexpr double kPartition_m = 0.1;     // as plasterboard partitions have it
 constexpr double kSmallestSide_m = 2.1;  // of a room
 constexpr double kDoor_m = 0.9;          // clear width, common in homes
 constexpr double kDoorFromCorner_m = 0.12;   // room for its frame
-constexpr double kWindowFromCorner_m = 0.4;  // and of the closed outer door
+constexpr double kWindowFromCorner_m = 0.4;  // of windows and the home's closed door
 constexpr double kWindowReach_m = 0.5;  // where nothing high stands; doors: twice, nothing at all
 constexpr double kDoorHeight_m = 2.05;  // of the gap, common in homes
 
