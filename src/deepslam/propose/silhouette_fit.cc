@@ -26,7 +26,7 @@ struct MaskRaster {
 
 // Cells of which `share` lies in the mask.
 MaskRaster Reduce(const Mask& mask, int cell_px) {
-  constexpr double kCellShare = 0.35;  // less than half, so that legs thinner than a cell stay
+  constexpr double kFilledShare = 0.35;  // less than half, so that legs thinner than a cell stay
   MaskRaster raster;
   raster.width = (mask.width() + cell_px - 1) / cell_px;
   raster.height = (mask.height() + cell_px - 1) / cell_px;
@@ -37,7 +37,7 @@ MaskRaster Reduce(const Mask& mask, int cell_px) {
         ++count[static_cast<std::size_t>((v / cell_px) * raster.width + u / cell_px)];
     }
   }
-  for (const int n : count) raster.cells.push_back(n >= kCellShare * cell_px * cell_px ? 1 : 0);
+  for (const int n : count) raster.cells.push_back(n >= kFilledShare * cell_px * cell_px ? 1 : 0);
   return raster;
 }
 
