@@ -17,7 +17,7 @@ LIMITS = {
     "options that nobody sets": 39,
     "constants without a comment": 157,
     "words of documents": 25900,
-    "lines of tracking and alignment": 6821,
+    "lines of tracking and alignment": 7132,
     "coined terms": 1001,
 }
 

@@ -45,6 +45,7 @@ struct BoxWorld {
   double texture_fineness = 1;          // how many times smaller than in other worlds
   double texture_phase = 0;             // another world's texture
   double floor_darker = 0;              // grey levels, of the floor against everything else
+  double grain_greys = 0;               // of paint, in grains of 2 cm
   double tile_m =
       0;  // above 0: everything is tiled, tiles a little lighter or darker than each other
 
@@ -88,10 +89,21 @@ struct BoxWorld {
                      std::sin(2.3 * q.x() - 7.9 * q.y() + 5.1 * q.z() + 2 * texture_phase);
     const double b = std::sin(3.1 * q.x() + 4.3 * q.y() - 8.7 * q.z() + 0.5);
     const double shade = p.z() < room.min.z() + 1e-6 ? floor_darker : 0;
-    return std::clamp(128 - shade + texture * (60 * a + 40 * b), 0.0, 255.0);
+    return std::clamp(128 - shade + texture * (60 * a + 40 * b) + Grain(p), 0.0, 255.0);
   }
 
  private:
+  [[nodiscard]] double Grain(const Eigen::Vector3d& p) const {
+    if (!(grain_greys > 0)) return 0;
+    std::uint64_t hash = 1;
+    for (int k = 0; k < 3; ++k) {
+      hash ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[k] / 0.02 + 0.37)));
+      hash *= 0x9E3779B97F4A7C15ULL;
+      hash ^= hash >> 29;
+    }
+    return grain_greys * (static_cast<double>(hash >> 40) / (1 << 23) - 1);
+  }
+
   [[nodiscard]] bool OnWalker(const Eigen::Vector3d& p) const {
     const Eigen::Array3d q = p - walked_m;
     return std::ranges::any_of(walker, [&](const Box3& part) {

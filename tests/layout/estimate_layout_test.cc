@@ -117,6 +117,32 @@ TEST(EstimateLayout, TellsTwoRoomsWithADoorBetweenThem) {
   }));
 }
 
+// Through the door alone: what is told of the second room lies within it, and says that nobody was
+// there.
+TEST(EstimateLayout, ARoomThatNobodyEnteredIsToldAsSuch) {
+  std::vector<Pose3> poses = InTheMiddle();
+  LookAround(1.0, 0.05, poses);
+  const Layout layout = LayoutOf(TwoRooms(), poses);
+  ASSERT_FALSE(layout.rooms.empty());
+  EXPECT_NEAR(AreaOf(layout.rooms[0].polygon_m), 4 * 3, 0.36);
+  EXPECT_TRUE(layout.rooms[0].note.empty());
+  for (std::size_t room = 1; room < layout.rooms.size(); ++room) {
+    EXPECT_FALSE(layout.rooms[room].note.empty());
+    EXPECT_LE(layout.rooms[room].confidence, 0.5);
+    for (const Eigen::Vector2d& p : layout.rooms[room].polygon_m) {
+      EXPECT_GT(p.x(), 1.9);
+      EXPECT_LT(p.x(), 6.2);
+      EXPECT_LT(std::abs(p.y()), 1.7);
+    }
+  }
+  const auto door = std::ranges::find(layout.openings, OpeningKind::kDoor, &LayoutOpening::kind);
+  ASSERT_NE(door, layout.openings.end());
+  if (door->rooms.size() == 1) {
+    EXPECT_FALSE(door->note.empty());
+    EXPECT_FALSE(layout.notes.empty());
+  }
+}
+
 // However the home lies in its world, it is the same home.
 TEST(EstimateLayout, TurnedRoomsHaveTheSameWallsAndOpenings) {
   std::vector<Cuboid> world = TwoRooms();

@@ -89,5 +89,24 @@ TEST(WallWithAPicture, IsFollowedAlongItself) {
   ExpectTrue(Track(std::move(frames)), truth, 0, truth.size(), 0.02, 0.6);
 }
 
+// The grain of its paint is followed as well, a grey level or two, on turns that speed up and slow
+// down.
+TEST(GrainedWall, IsFollowedAlongItself) {
+  constexpr PinholeCamera kCamera{640, 480, 524, 524, 319.5, 239.5};
+  BoxWorld hall = Hall(0);
+  hall.grain_greys = 2;
+  hall.boxes.clear();
+  std::vector<Pose3> truth;
+  std::vector<Frame> frames;
+  double x = -1.2;
+  for (int k = 0; k < 25; ++k) {
+    x += 0.03 + 0.03 * std::sin(0.8 * k);
+    truth.push_back(LookAt({x, 0.8, 1.4}, {x + 0.4 * std::sin(0.3 * k), 2.2, 1.4}));
+    frames.push_back(RenderFrame(hall, truth.back(), 1.0, frames.size(), kCamera));
+    frames.back().time_s = 0.1 * k;
+  }
+  ExpectTrue(Track(std::move(frames), {}, kCamera), truth, 0, truth.size(), 0.02, 1.0);
+}
+
 }  // namespace
 }  // namespace deepslam::tracking

@@ -25,8 +25,10 @@ using testing_support::PoseNear;
 using testing_support::Render;
 using testing_support::RenderFrame;
 
-inline Odometry Track(std::vector<Frame> frames, const OdometryOptions& options = {}) {
-  const MemoryFrameSource source(kSmallCamera, std::move(frames));
+inline Odometry Track(std::vector<Frame> frames,
+                      const OdometryOptions& options = {},
+                      const PinholeCamera& camera = kSmallCamera) {
+  const MemoryFrameSource source(camera, std::move(frames));
   SilentProgress progress;
   Result<Odometry> odometry = EstimateOdometry(source, options, progress);
   EXPECT_TRUE(odometry.ok());

@@ -40,6 +40,13 @@ DegenerateDirections::DegenerateDirections(const Matrix6d& hessian)
   while (num_ < 6 && spectrum_->values[num_] < kDegenerateRatio * spectrum_->values[5]) ++num_;
 }
 
+std::vector<Vector6d> DegenerateDirections::Directions() const {
+  std::vector<Vector6d> directions;
+  for (int k = 0; k < num_; ++k)
+    directions.push_back(spectrum_->Perturbation(spectrum_->directions.col(k)));
+  return directions;
+}
+
 Vector6d DegenerateDirections::Component(const Vector6d& motion) const {
   if (empty()) return Vector6d::Zero();
   const auto basis = spectrum_->directions.leftCols(num_);

@@ -40,6 +40,8 @@ class DegenerateDirections {
   explicit DegenerateDirections(const Matrix6d& hessian);
 
   [[nodiscard]] bool empty() const { return num_ == 0; }
+  // Perturbations of one metre.
+  [[nodiscard]] std::vector<Vector6d> Directions() const;
   // The part of a perturbation that lies along them.
   [[nodiscard]] Vector6d Component(const Vector6d& motion) const;
 

@@ -50,11 +50,13 @@ ClampedHessian Clamped(const GaussNewtonState& state,
   const Matrix6d& directions = spectrum->directions;
   const Vector6d& scale = spectrum->scale;
   Vector6d values = spectrum->values.cwiseMax(0.0);
-  const double ratio = values[5] > 0 ? values[0] / values[5] : 0;
   const bool by_depth_alone = !ComparesImages(system.num_photometric);
   const double least = by_depth_alone || !state.fixed.empty() ? kDegenerateRatio * values[5] : 0;
+  double ratio = values[5] > 0 ? values[0] / values[5] : 0;
+  const StartSigma& sigma = state.fixed_sigma ? *state.fixed_sigma : start_sigma;
   for (int k = 0; k < 6 && values[k] < least; ++k)
-    values[k] = InformationOfStart(directions.col(k), scale, start_sigma);
+    values[k] = InformationOfStart(directions.col(k), scale, sigma);
+  if (state.fixed_sigma && values[5] > 0) ratio = values.minCoeff() / values[5];
   const Matrix6d clamped = directions * values.asDiagonal() * directions.transpose();
   return {scale.asDiagonal() * clamped * scale.asDiagonal(), ratio};
 }

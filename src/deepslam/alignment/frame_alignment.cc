@@ -89,7 +89,8 @@ void IterateToFinest(const FramePair& pair,
   const PyramidLevel& source = pair.j.levels.front();
   const SourcePoints points = num_levels > 0 ? NearPoints(source, FinestStride(source), options)
                                              : FarPoints(source, 1, options);
-  const FinestLevel finest{pair.i.levels.front(), points, end.batch_stride, options};
+  const FinestLevel finest{
+      pair.i, pair.j, pair.i.levels.front(), points, end.batch_stride, options};
   if (num_levels > 0) {
     TakeGates(options, coarsest, state);
     state.converged_px = end.converged_px;
@@ -123,7 +124,7 @@ FrameAlignment Conclude(const GaussNewtonState& state,
   result.overlap_ratio = system.num_overlap / num_source;
   result.inside_ratio = system.num_inside / num_source;
   result.constraint_ratio = edge.constraint_ratio;
-  result.remapped = !state.fixed.empty();
+  result.remapped = !state.fixed.empty() && !state.fixed_sigma;
   result.degenerate = result.remapped || edge.constraint_ratio < options.degenerate_ratio;
   result.inlier_ratio = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
   const bool has_colour = ComparesImages(system.num_photometric);
@@ -180,7 +181,7 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   if (options.photometric && (others.always || !IsConclusive(state.system)))
     state = SearchWeakDirections(coarsest_i, coarsest_j, options, state);
   IterateToFinest(
-      {i, j, options}, coarsest, {initial_i_from_j.front(), start_sigma}, kPlaced, state);
+      {i, j, options}, coarsest, {initial_i_from_j.front(), start_sigma, false}, kPlaced, state);
   return Conclude(state, j.levels.front(), start_sigma, options);
 }
 
@@ -196,7 +197,7 @@ FrameAlignment RefineAlignment(const FramePyramid& i,
   state.gates.geometric_scale = kNearScale;
   state.gates.photometric_scale = kNearPhotometricScale;
   const std::size_t num_levels = std::min(kNearLevels, NumAlignmentLevels(i));
-  IterateToFinest({i, j, options}, num_levels, {i_from_j, {}}, kMeasured, state);
+  IterateToFinest({i, j, options}, num_levels, {i_from_j, {}, true}, kMeasured, state);
   return Conclude(state, j.levels.front(), {}, options);
 }
 

@@ -27,11 +27,12 @@ inline constexpr double kConvergedCoarsestPx = 0.04;
 // Iterations from one start, through the levels.
 struct GaussNewtonState {
   Pose3 i_from_j;
-  Pose3 start_i_from_j;        // a weak prior keeps unconstrained directions there
-  AlignmentGates gates;        // of the next step
-  AlignmentSystem system;      // at i_from_j, of the last level visited
-  int stride = 1;              // ... of every stride-th row and column
-  DegenerateDirections fixed;  // no steps along these
+  Pose3 start_i_from_j;                   // a weak prior keeps unconstrained directions there
+  AlignmentGates gates;                   // of the next step
+  AlignmentSystem system;                 // at i_from_j, of the last level visited
+  int stride = 1;                         // ... of every stride-th row and column
+  DegenerateDirections fixed;             // no steps along these
+  std::optional<StartSigma> fixed_sigma;  // how well the place along them is known, if measured
   // Converged when what is left to go moves points at kConvergedDistanceM by less.
   double converged_px = kConvergedCoarsestPx;
   std::optional<Matrix6d> structural;  // StructuralShare at the level's first step, for all of them

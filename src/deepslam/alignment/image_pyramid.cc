@@ -129,6 +129,7 @@ DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const StoredDepth& depth,
   if (depth.empty() || depth.width() != camera.width || depth.height() != camera.height) return {};
   FramePyramid pyramid;
   pyramid.one_depth = HasOneDepth(depth);
+  pyramid.reduction = WorkReduction(camera, options);
   pyramid.levels.push_back(FinestLevel(depth, camera, options));
   // Beyond the window, so that what smoothing shared between neighbours is seen.
   pyramid.noise_scale = LevelNoiseScale(pyramid.levels.front(), kFarLag, options.noise);

@@ -60,6 +60,7 @@ struct FramePyramid {
   double valid_share = 0;            // pixels of the finest level with a normal, of all; from some
   // Deviation of the smoothed depth in units of DepthNoise, measured across this frame; 1 to 8.
   double noise_scale = 1;
+  int reduction = 1;       // of the finest level against the capture
   bool one_depth = false;  // the same at every pixel: a sensor that hangs; even a wall has noise
 
   [[nodiscard]] bool empty() const { return levels.empty(); }

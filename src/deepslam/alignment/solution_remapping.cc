@@ -31,19 +31,28 @@ DegenerateDirections Unseen(const AlignmentSystem& system) {
   return DegenerateDirections(system.hessian - system.photometric_hessian);
 }
 
-// The end brought to a share of its way from the start along the directions, and held there.
-GaussNewtonState HeldAt(double share,
+// Iterated on from a place, but not along the directions.
+GaussNewtonState HeldAt(const Pose3& i_from_j,
                         const FinestLevel& finest,
-                        const FirstStart& start,
                         const DegenerateDirections& unseen,
                         const GaussNewtonState& end) {
-  const Vector6d moved = T2v(end.i_from_j * start.i_from_j.Inverse());
   GaussNewtonState state = end;
   state.fixed = unseen;
-  state.i_from_j = V2t(moved - (1 - share) * unseen.Component(moved)) * start.i_from_j;
+  state.i_from_j = i_from_j;
   Iterate(finest.i, finest.j, finest.options, state);
   MeasureEnd(finest, state);
   return state;
+}
+
+// The end brought to a share of its way from the start along the directions, and held there.
+GaussNewtonState HeldBetween(double share,
+                             const FinestLevel& finest,
+                             const FirstStart& start,
+                             const DegenerateDirections& unseen,
+                             const GaussNewtonState& end) {
+  const Vector6d moved = T2v(end.i_from_j * start.i_from_j.Inverse());
+  const Pose3 place = V2t(moved - (1 - share) * unseen.Component(moved)) * start.i_from_j;
+  return HeldAt(place, finest, unseen, end);
 }
 
 }  // namespace
@@ -62,7 +71,16 @@ GaussNewtonState Remapped(const FinestLevel& finest,
                           const GaussNewtonState& end) {
   const DegenerateDirections unseen = Unseen(end.system);
   if (unseen.empty()) return end;
-  if (!ComparesImages(end.system.num_photometric)) return HeldAt(0, finest, start, unseen, end);
+  const auto texture =
+      SearchTexture(finest.frame_i, finest.frame_j, unseen, start, end.i_from_j, finest.options);
+  if (texture && texture->is_end) return end;
+  if (texture) {
+    GaussNewtonState state = HeldAt(texture->i_from_j, finest, unseen, end);
+    state.fixed_sigma = texture->sigma;
+    return state;
+  }
+  if (!ComparesImages(end.system.num_photometric))
+    return HeldBetween(0, finest, start, unseen, end);
   const Vector6d moved = unseen.Component(T2v(end.i_from_j * start.i_from_j.Inverse()));
   const double sigmas = SigmasOf(moved, start.sigma);
   if (sigmas < kNearSigmas) return end;
@@ -76,7 +94,7 @@ GaussNewtonState Remapped(const FinestLevel& finest,
   std::vector<double> values;
   for (int n = 0; n < kNumPlaces; ++n) {
     const double share = static_cast<double>(n) / kNumPlaces;
-    held.push_back(HeldAt(share, finest, start, unseen, end));
+    held.push_back(HeldBetween(share, finest, start, unseen, end));
     values.push_back(log_posterior(held.back(), share));
   }
   const double most = std::max(log_posterior(end, 1), std::ranges::max(values));

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "deepslam/layout/build_rooms.h"
 #include "deepslam/layout/wall_openings.h"
 
@@ -44,6 +46,22 @@ bool AreOne(const Layout& layout, const LayoutOpening& a, const LayoutOpening& b
   const double shift_m = std::abs(along_a.dot(between));
   const double thickness_m = std::abs(along_a.x() * between.y() - along_a.y() * between.x());
   return thickness_m < apart_m && 2 * shift_m < (a.to_m - a.from_m).norm();
+}
+
+// Doors and passages behind which no room is told say so, once for all in the notes.
+void TellWhatWasNotEntered(Layout& layout) {
+  int count = 0;
+  for (LayoutOpening& opening : layout.openings) {
+    if (opening.kind == OpeningKind::kWindow || opening.rooms.size() != 1) continue;
+    ++count;
+    if (opening.note.empty()) opening.note = "behind it no room is told: nobody went there";
+  }
+  if (count > 0) {
+    layout.notes.push_back(fmt::format(
+        "{} of {} openings lead out of the rooms that were entered; what lies behind is not told",
+        count,
+        layout.openings.size()));
+  }
 }
 
 }  // namespace
@@ -89,6 +107,7 @@ void AddOpenings(const CellComplex& complex, BuiltLayout& built) {
       *other = std::move(opening);
     }
   }
+  TellWhatWasNotEntered(layout);
 }
 
 }  // namespace deepslam::layout

@@ -272,6 +272,20 @@ std::string WhyNot(const CoarseSurface& surface,
   return {};
 }
 
+std::string LittleSeen(double area_m2, double seen_share) {
+  return fmt::format("of a place of {:.1f} m^2 {:.0f} % were seen: no room is told there",
+                     area_m2,
+                     100 * seen_share);
+}
+
+std::string NotEntered(double area_m2) {
+  return fmt::format(
+      "a place of {:.1f} m^2 was not entered, and less than {:.0f} m^2 of its floor was seen: no "
+      "room is told there",
+      area_m2,
+      kOutsideFloor_m2);
+}
+
 }  // namespace
 
 void AddRooms(const CoarseSurface& surface,
@@ -289,11 +303,18 @@ void AddRooms(const CoarseSurface& surface,
     room.polygon_m = CornersOf(*outer);
     const double area_m2 = AreaOf(room.polygon_m);
     room.seen_share = InsideShareOf(complex, rooms, number);
-    if (area_m2 < options.min_room_m2 || room.seen_share < options.min_room_seen) continue;
+    if (area_m2 < options.min_room_m2) continue;
+    if (room.seen_share < options.min_room_seen) {
+      built.layout.notes.push_back(LittleSeen(area_m2, room.seen_share));
+      continue;
+    }
     const RoomSurface over = SurfaceOver(surface, areas_m2, room.polygon_m);
     const bool was_entered = ViewpointsIn(surface, room.polygon_m) > 0;
     if (!was_entered) {
-      if (FloorSeenIn(columns, room.polygon_m) < kOutsideFloor_m2) continue;
+      if (FloorSeenIn(columns, room.polygon_m) < kOutsideFloor_m2) {
+        built.layout.notes.push_back(NotEntered(area_m2));
+        continue;
+      }
       if (std::string reason = WhyNot(surface, complex, *outer, over); !reason.empty()) {
         built.layout.notes.push_back(std::move(reason));
         continue;

@@ -27,7 +27,8 @@ void AddRooms(const CoarseSurface& surface,
 // there already.
 void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, BuiltLayout& built);
 
-// Adds what opens the walls, each opening once, and says which rooms it joins.
+// Adds what opens the walls, each opening once, and says which rooms it joins; doors and passages
+// out of them have a note.
 void AddOpenings(const CellComplex& complex, BuiltLayout& built);
 
 }  // namespace deepslam::layout

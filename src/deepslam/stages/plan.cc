@@ -28,9 +28,9 @@ struct PlannedStage {
 };
 
 constexpr std::array<PlannedStage, 15> kChain = {{
-    {"track", 19, "", "track track.covisible track.join", kFrames, RunTrack},
+    {"track", 20, "", "track track.covisible track.join", kFrames, RunTrack},
     {"ground", 6, "track", "ground", kFrames | kGroundHint, RunGround},
-    {"layout", 6, "track ground", "layout layout.surface", kFrames, RunLayout},
+    {"layout", 7, "track ground", "layout layout.surface", kFrames, RunLayout},
     {"detect",
      7,
      "track ground",
