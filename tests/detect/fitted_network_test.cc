@@ -27,8 +27,8 @@ TEST(FitSides, KeepsTheImagesScaleInMultiplesOfTheStride) {
                               Sides{641, 479},
                               Sides{1, 1}}) {
       const Sides fitted = FitSides(image, input);
-      EXPECT_EQ(fitted.width % kCoarsestStride, 0);
-      EXPECT_EQ(fitted.height % kCoarsestStride, 0);
+      EXPECT_EQ(fitted.width % kCoarsestStride_px, 0);
+      EXPECT_EQ(fitted.height % kCoarsestStride_px, 0);
       EXPECT_THAT(input.width - fitted.width, Ge(0));
       EXPECT_THAT(input.height - fitted.height, Ge(0));
       EXPECT_TRUE(fitted.width == input.width || fitted.height == input.height);
@@ -38,8 +38,8 @@ TEST(FitSides, KeepsTheImagesScaleInMultiplesOfTheStride) {
       };
       EXPECT_NEAR(scale(fitted), scale(input), 1e-9);
       // One stride less on either side would not hold it.
-      EXPECT_LT(fitted.width - kCoarsestStride, image.width * scale(input));
-      EXPECT_LT(fitted.height - kCoarsestStride, image.height * scale(input));
+      EXPECT_LT(fitted.width - kCoarsestStride_px, image.width * scale(input));
+      EXPECT_LT(fitted.height - kCoarsestStride_px, image.height * scale(input));
       EXPECT_EQ(FitSides(image, fitted), fitted);
     }
   }

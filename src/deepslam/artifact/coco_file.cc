@@ -16,7 +16,7 @@ namespace deepslam::artifact {
 namespace {
 
 constexpr std::size_t kMaxWarnings = 10;  // more are counted only
-constexpr int kMaxSidePx = 1 << 16;       // nobody's images are larger
+constexpr int kMaxCocoSidePx = 1 << 16;   // nobody's images are larger
 constexpr double kMaxScaleSpread = 0.02;  // between width and height
 
 // COCO's category ids of indoor things; the table of classes decides which of them mean something.
@@ -47,7 +47,7 @@ std::string IdText(const JsonNode& node) {
 // 0 for what is no image's side.
 int SidePx(const JsonNode& node) {
   const double side = node.is_number() ? node.Number() : 0;
-  const bool fits = side >= 1 && side <= kMaxSidePx && side == std::floor(side);
+  const bool fits = side >= 1 && side <= kMaxCocoSidePx && side == std::floor(side);
   return fits ? static_cast<int>(side) : 0;
 }
 

@@ -17,7 +17,7 @@ namespace deepslam::artifact {
 namespace {
 
 // Hostile text cannot exhaust the stack; own files nest far less.
-constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxNesting = 64;
 constexpr std::size_t kLineWidth = 100;  // columns: an array that fits is written on one line
 constexpr std::size_t kSqueezable = 2 * kLineWidth;  // with line breaks and indents
 // 256 KiB: what is held of a long file while it is written.
@@ -136,7 +136,7 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
   };
 
   bool Open(bool is_object) {
-    too_deep_ = open_.size() > kMaxDepth;
+    too_deep_ = open_.size() > kMaxNesting;
     const JsonStream* const stream = is_object ? nullptr : StreamOfNext();
     if (stream != nullptr && !open_.empty() && open_[0].object.contains(stream->key)) {
       twice_ = stream->key;
@@ -168,7 +168,7 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
       root_ = std::move(value);
       return true;
     }
-    too_deep_ = open_.size() > kMaxDepth;
+    too_deep_ = open_.size() > kMaxNesting;
     OpenValue& into = open_.back();
     if (into.is_object) {
       // Of our own files, whose keys are sorted, the next one comes last.
@@ -378,7 +378,7 @@ Result<JsonValue> ParseJson(TextSource text,
   if (!cursor.status().ok()) return cursor.status().error();
   if (is_sound) return builder.Take();
   if (builder.too_deep())
-    return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxDepth));
+    return InvalidInput(fmt::format("{}: nested deeper than {} levels", name, kMaxNesting));
   if (!builder.twice().empty())
     return InvalidInput(fmt::format("{}: holds \"{}\" twice", name, builder.twice()));
   // "[json.exception.parse_error.101] parse error at line 3, column 4: ..." -> from "parse error"

@@ -30,7 +30,7 @@ namespace deepslam::artifact {
 
 // Counts and ids beyond are damage; no capture has as many items.
 inline constexpr int kMaxId = 100'000'000;
-inline constexpr Range kCount{0, kMaxId};
+inline constexpr Range kAnyCount{0, kMaxId};
 inline constexpr Range kAnyNumber{-std::numeric_limits<double>::infinity(),
                                   std::numeric_limits<double>::infinity()};  // that is finite
 
@@ -103,7 +103,7 @@ class JsonVisitor {
 inline void Describe(JsonVisitor& visitor, double& value, Range range = kAnyNumber) {
   visitor.Value(value, range);
 }
-inline void Describe(JsonVisitor& visitor, int& value, Range range = kCount) {
+inline void Describe(JsonVisitor& visitor, int& value, Range range = kAnyCount) {
   visitor.Value(value, range);
 }
 inline void Describe(JsonVisitor& visitor, bool& value) { visitor.Value(value); }
@@ -113,7 +113,7 @@ void Describe(JsonVisitor& visitor, std::uint8_t& value);
 // null: none.
 template <typename Tag>
 void Describe(JsonVisitor& visitor, StrongId<Tag>& id) {
-  if (!visitor.Null(!id.valid())) visitor.Value(id.value, kCount);
+  if (!visitor.Null(!id.valid())) visitor.Value(id.value, kAnyCount);
 }
 template <typename T>
 void Describe(JsonVisitor& visitor, std::optional<T>& value) {

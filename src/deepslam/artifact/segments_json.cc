@@ -8,7 +8,7 @@
 namespace deepslam::artifact {
 
 constexpr JsonFormat kFormat{"deepslam/segments", 1};
-constexpr std::string_view kRows = "segments";
+constexpr std::string_view kSegmentsKey = "segments";
 
 namespace {
 
@@ -45,7 +45,8 @@ Result<std::vector<Segment>> DecodeRows(
   const auto read = [&](std::span<const JsonNode> rows) {
     for (const JsonNode& row : rows) take(row, segments);
   };
-  const JsonReader reader(std::move(text), name, kFormat.name, kFormat.version, {{kRows, read}});
+  const JsonReader reader(
+      std::move(text), name, kFormat.name, kFormat.version, {{kSegmentsKey, read}});
   return reader.Finish(std::move(segments));
 }
 
@@ -55,7 +56,8 @@ Status EncodeSegments(std::span<const Segment> segments,
                       std::string_view name,
                       const TextSink& sink) {
   JsonObject document = NewDocument(kFormat.name, kFormat.version);
-  document.emplace(kRows, RowsOf(segments, [](const Segment& segment) { return ToJson(segment); }));
+  document.emplace(kSegmentsKey,
+                   RowsOf(segments, [](const Segment& segment) { return ToJson(segment); }));
   return DumpJson(std::move(document), name, sink);
 }
 

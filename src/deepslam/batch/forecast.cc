@@ -113,8 +113,8 @@ std::optional<double> SecondsLeft(const CaptureRecord& running,
     }
     share += of_stage;
   }
-  constexpr double kLeast = 0.02;  // less says nothing about the rest
-  if (!found || share < kLeast || elapsed_s <= 0) return std::nullopt;
+  constexpr double kLeastDone = 0.02;  // less says nothing about the rest
+  if (!found || share < kLeastDone || elapsed_s <= 0) return std::nullopt;
   return elapsed_s * (1 - share) / share;
 }
 

@@ -45,7 +45,7 @@ std::vector<ObjectClass> Furniture() {
 // What furnishes a home besides, by COCO's names. There are no models of these: they are as they
 // were measured.
 std::vector<ObjectClass> HouseholdThings() {
-  constexpr ClassTraits kOnFloor = {.fused_only = true};
+  constexpr ClassTraits kFusedOnFloor = {.fused_only = true};
   constexpr ClassTraits kClosedOnFloor = {.solid_inside = true, .fused_only = true};
   constexpr ClassTraits kClosedAnywhere = {
       .supports = kFloorOrFurniture, .solid_inside = true, .fused_only = true};
@@ -67,9 +67,9 @@ std::vector<ObjectClass> HouseholdThings() {
       {"sink", {"sink"}, {}, 0.25, 1.5, 0.1, 1.1, {127, 179, 213}, kBasin},
       {"toilet", {"toilet"}, {}, 0.4, 1.1, 0.3, 1.1, {214, 234, 248}, kClosedOnFloor},
       {"plant", {"potted plant"}, {}, 0.15, 2.7, 0.1, 2.7, {100, 160, 60}, kRoundAnywhere},
-      {"bench", {"bench"}, {}, 0.5, 3.0, 0.3, 1.3, {186, 74, 0}, kOnFloor},
+      {"bench", {"bench"}, {}, 0.5, 3.0, 0.3, 1.3, {186, 74, 0}, kFusedOnFloor},
       {"suitcase", {"suitcase"}, {}, 0.3, 1.1, 0.2, 1.1, {110, 44, 0}, kClosedAnywhere},
-      {"bicycle", {"bicycle"}, {}, 0.8, 2.1, 0.5, 1.4, {241, 196, 15}, kOnFloor},
+      {"bicycle", {"bicycle"}, {}, 0.8, 2.1, 0.5, 1.4, {241, 196, 15}, kFusedOnFloor},
       {"clock", {"clock"}, {}, 0.1, 2.4, 0.1, 2.4, {212, 172, 13}, kClock},
       {"vase", {"vase"}, {}, 0.1, 1.3, 0.1, 1.3, {187, 143, 206}, kRoundAnywhere},
       {"lamp", {"lamp"}, {}, 0.2, 2.3, 0.2, 2.3, {249, 231, 159}, kRoundAnywhere},

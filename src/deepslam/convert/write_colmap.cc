@@ -20,17 +20,18 @@ namespace fs = std::filesystem;
 // COLMAP: the top-left pixel's centre is (0.5, 0.5), here (0, 0).
 constexpr double kPixelCentre = 0.5;
 // One point a cell, so that what was seen often does not outweigh the rest.
-constexpr double kCellM = 0.03;
+constexpr double kSparseCellM = 0.03;
 // Pixels looked at, of each side; a frame gives at most a few hundred points.
-constexpr int kColumns = 40;
-constexpr int kRows = 30;                    // with the columns, squares of a 4:3 image
-constexpr std::size_t kMaxPoints = 500'000;  // bounds memory and file; sparse models hold no more
+constexpr int kSampledColumns = 40;
+constexpr int kSampledRows = 30;  // with the columns, squares of a 4:3 image
+// Bounds memory and file; sparse models hold no more.
+constexpr std::size_t kMaxSparsePoints = 500'000;
 
 // Of a cell of the grid; cells farther than a kilometre are one.
 std::uint64_t KeyOf(const Eigen::Vector3d& p_m) {
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double cell = std::floor(std::clamp(p_m[axis], -1000.0, 1000.0) / kCellM);
+    const double cell = std::floor(std::clamp(p_m[axis], -1000.0, 1000.0) / kSparseCellM);
     key = key << 21U | (static_cast<std::uint64_t>(static_cast<std::int64_t>(cell) + (1 << 20)) &
                         ((std::uint64_t{1} << 21U) - 1));
   }
@@ -92,12 +93,12 @@ class WriterOfColmap final : public CaptureWriter {
  private:
   void AddPoints(const WriteFrame& frame, const ColourImage& pixels) {
     const PinholeCamera& camera = settings_.cameras.colour;
-    for (int row = 0; row < kRows; ++row) {
-      const int v = (2 * row + 1) * camera.height / (2 * kRows);
-      for (int column = 0; column < kColumns; ++column) {
-        const int u = (2 * column + 1) * camera.width / (2 * kColumns);
+    for (int row = 0; row < kSampledRows; ++row) {
+      const int v = (2 * row + 1) * camera.height / (2 * kSampledRows);
+      for (int column = 0; column < kSampledColumns; ++column) {
+        const int u = (2 * column + 1) * camera.width / (2 * kSampledColumns);
         const auto depth_m = static_cast<double>(metres_[frame.depth(u, v)]);
-        if (!(depth_m > 0) || filled_.size() >= kMaxPoints) continue;
+        if (!(depth_m > 0) || filled_.size() >= kMaxSparsePoints) continue;
         const Eigen::Vector3d p_m = *frame.world_from_colour * camera.Unproject(u, v, depth_m);
         if (!filled_.insert(KeyOf(p_m)).second) continue;
         const Rgb8 colour = pixels(u, v);

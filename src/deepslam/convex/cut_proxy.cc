@@ -12,7 +12,7 @@
 namespace deepslam::convex {
 namespace {
 
-constexpr std::size_t kPlaces = 64;  // along a direction: a grid has hardly more cells
+constexpr std::size_t kCutPlaces = 64;  // along a direction: a grid has hardly more cells
 
 struct Moments {
   double count = 0;
@@ -76,15 +76,15 @@ Cut BestAlong(const Eigen::Vector3d& direction,
     high = std::max(high, normal.dot(p));
   }
   if (!(high - low > 0.5F * cell_m)) return best;
-  const float step = std::max((high - low) / static_cast<float>(kPlaces), cell_m);
-  std::array<Moments, kPlaces + 1> bins;
+  const float step = std::max((high - low) / static_cast<float>(kCutPlaces), cell_m);
+  std::array<Moments, kCutPlaces + 1> bins;
   const Eigen::Vector3d origin = centres.front().cast<double>();
   for (const Eigen::Vector3f& p : centres) {
     const auto bin = static_cast<std::size_t>((normal.dot(p) - low) / step);
-    bins[std::min(bin, kPlaces)].Add(p.cast<double>() - origin);
+    bins[std::min(bin, kCutPlaces)].Add(p.cast<double>() - origin);
   }
   Moments below;
-  for (std::size_t n = 0; n < kPlaces; ++n) {
+  for (std::size_t n = 0; n < kCutPlaces; ++n) {
     below.Add(bins[n], 1);
     Moments above = all;
     above.Add(below, -1);

@@ -14,7 +14,7 @@
 namespace deepslam::convex {
 namespace {
 
-constexpr int kCells = 60;                // along the longest side: a chair's leg of 4 cm has two
+constexpr int kCellsAlong = 60;           // along the longest side: a chair's leg of 4 cm has two
 constexpr std::size_t kTried = 4;         // cuts whose hulls are made: moments only guess these
 constexpr std::size_t kMaxVertices = 64;  // PhysX takes no more
 constexpr double kSmallestShare = 1e-4;   // of the mesh's volume: what is less is no piece
@@ -41,7 +41,7 @@ class Decomposition {
  public:
   Decomposition(const TriangleMesh& mesh, const DecomposeOptions& options)
       : options_(options), volume_m3_(VolumeOf(mesh)) {
-    SolidVoxels voxels = SolidVoxelsOf(mesh, kCells);
+    SolidVoxels voxels = SolidVoxelsOf(mesh, kCellsAlong);
     cell_m_ = voxels.cell_m;
     if (voxels.centres.empty()) return;
     parts_.push_back(MakePart(WholeOf(mesh), std::move(voxels.centres)));

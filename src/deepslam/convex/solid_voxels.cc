@@ -9,7 +9,7 @@ namespace {
 
 // Lines run beside the middles of cells by shares that no coordinate is likely to have: through an
 // edge a line would be counted twice or not at all.
-constexpr double kAside = 0.00137;
+constexpr double kRayAside = 0.00137;
 
 struct Crossing {
   double z = 0;
@@ -48,7 +48,7 @@ class Columns {
 
  private:
   [[nodiscard]] double Middle(int axis, int n) const {
-    return origin_[axis] + (n + 0.5 + kAside * (axis + 1)) * cell_m_;
+    return origin_[axis] + (n + 0.5 + kRayAside * (axis + 1)) * cell_m_;
   }
 
   void Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {

@@ -9,7 +9,7 @@
 
 namespace deepslam::detect {
 
-inline constexpr std::array<int, 3> kStrides = {8, 16, kCoarsestStride};  // px
+inline constexpr std::array<int, 3> kStrides = {8, 16, kCoarsestStride_px};  // px
 
 struct AnchorCell {
   int u = 0;  // column and row in its grid

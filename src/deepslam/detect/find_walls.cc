@@ -20,13 +20,14 @@ constexpr int kMostWalls = 4;  // a view of a room shows its corner and a wall o
 // 4 deg apart: 1 m from a wall's middle its points are off by 3.5 cm at most.
 constexpr int kNumAngles = 90;
 // Bins of the vote: wide enough for the noise of depth, so that votes meet.
-constexpr double kStep_m = 0.06;
-constexpr double kReach_m = 8;  // from the camera's foot; as bins of kStep_m it still fits a byte
-constexpr double kMinHeight_m = 1.5;  // what is lower is furniture, unless the picture cuts it
-constexpr double kMinLength_m = 1.0;  // shorter upright faces are sides of furniture
-constexpr double kMinShare = 0.1;     // of the area of all upright points
-constexpr double kMaxBeyond = 0.15;   // of the wall's own area
-constexpr double kTopShare = 0.02;    // of the wall's points that lie at the picture's top
+constexpr double kDistanceStep_m = 0.06;
+// From the camera's foot; as bins of kDistanceStep_m it still fits a byte.
+constexpr double kWallReach_m = 8;
+constexpr double kMinWallHeight_m = 1.5;  // what is lower is furniture, unless the picture cuts it
+constexpr double kMinWallLength_m = 1.0;  // shorter upright faces are sides of furniture
+constexpr double kMinWallShare = 0.1;     // of the area of all upright points
+constexpr double kMaxBeyond = 0.15;       // of the wall's own area
+constexpr double kTopShare = 0.02;        // of the wall's points that lie at the picture's top
 constexpr std::size_t kWallOutermost = 50;  // part of the points at either end that may be noise
 
 double AreaOf(const UprightPoint& point) { return point.depth_m * point.depth_m; }
@@ -45,11 +46,11 @@ Directions AllDirections() {
   return directions;
 }
 
-constexpr std::size_t kNumSteps = static_cast<std::size_t>(kReach_m / kStep_m);
+constexpr std::size_t kNumDistances = static_cast<std::size_t>(kWallReach_m / kDistanceStep_m);
 // Where points out of reach vote; in turn, so that a vote need not wait for the last.
 constexpr std::size_t kNumNowhere = 8;
-constexpr std::size_t kNumBins = kNumSteps + kNumNowhere;
-static_assert(kNumBins <= 256);
+constexpr std::size_t kNumVoteBins = kNumDistances + kNumNowhere;
+static_assert(kNumVoteBins <= 256);
 
 // The bin of each point's distance along a direction.
 DEEPSLAM_WIDE_VECTORS void FindBins(const std::vector<double>& x_m,
@@ -57,7 +58,7 @@ DEEPSLAM_WIDE_VECTORS void FindBins(const std::vector<double>& x_m,
                                     const Eigen::Vector2d& direction,
                                     std::uint8_t* bins) {
   // Steps are clamped to it: rounding may exceed it by one.
-  constexpr std::int32_t kLastStep = static_cast<std::int32_t>(kNumSteps) - 1;
+  constexpr std::int32_t kLastDistance = static_cast<std::int32_t>(kNumDistances) - 1;
   const double* const x = x_m.data();
   const double* const y = y_m.data();
   const double direction_x = direction.x();
@@ -66,10 +67,11 @@ DEEPSLAM_WIDE_VECTORS void FindBins(const std::vector<double>& x_m,
 #pragma GCC ivdep
   for (std::int32_t n = 0; n < count; ++n) {
     const double distance_m = direction_x * x[n] + direction_y * y[n];
-    const bool in_reach = (distance_m > 0) & (distance_m < kReach_m);
-    const auto step = static_cast<std::int32_t>(in_reach ? distance_m / kStep_m : 0.0);
-    const std::int32_t nowhere = kLastStep + 1 + (n & (static_cast<std::int32_t>(kNumNowhere) - 1));
-    bins[n] = static_cast<std::uint8_t>(in_reach ? std::min(step, kLastStep) : nowhere);
+    const bool in_reach = (distance_m > 0) & (distance_m < kWallReach_m);
+    const auto step = static_cast<std::int32_t>(in_reach ? distance_m / kDistanceStep_m : 0.0);
+    const std::int32_t nowhere =
+        kLastDistance + 1 + (n & (static_cast<std::int32_t>(kNumNowhere) - 1));
+    bins[n] = static_cast<std::uint8_t>(in_reach ? std::min(step, kLastDistance) : nowhere);
   }
 }
 
@@ -97,14 +99,14 @@ class LineVotes {
     }
     Wall wall;
     double most = 0;
-    for (std::size_t angle = 0; angle < kNumAngles; angle += kAtOnce) {
+    for (std::size_t angle = 0; angle < kNumAngles; angle += kAnglesAtOnce) {
       const Votes votes = Count(voters, angle);
-      for (std::size_t k = 0; k < kAtOnce; ++k) {
-        const auto best = std::max_element(votes[k].begin(), votes[k].begin() + kNumSteps);
+      for (std::size_t k = 0; k < kAnglesAtOnce; ++k) {
+        const auto best = std::max_element(votes[k].begin(), votes[k].begin() + kNumDistances);
         if (*best <= most) continue;
         most = *best;
         wall = {directions_[angle + k],
-                (static_cast<double>(best - votes[k].begin()) + 0.5) * kStep_m};
+                (static_cast<double>(best - votes[k].begin()) + 0.5) * kDistanceStep_m};
       }
     }
     if (!(most > 0)) return std::nullopt;
@@ -113,14 +115,14 @@ class LineVotes {
 
  private:
   // Angles counted side by side, since votes of neighbours in one bin wait for each other.
-  static constexpr std::size_t kAtOnce = 10;
-  static_assert(kNumAngles % kAtOnce == 0);
-  using Votes = std::array<std::array<double, kNumBins>, kAtOnce>;
+  static constexpr std::size_t kAnglesAtOnce = 10;
+  static_assert(kNumAngles % kAnglesAtOnce == 0);
+  using Votes = std::array<std::array<double, kNumVoteBins>, kAnglesAtOnce>;
 
   [[nodiscard]] Votes Count(std::span<const std::uint32_t> voters, std::size_t first) const {
     Votes votes{};
     for (const std::uint32_t n : voters) {
-      for (std::size_t k = 0; k < kAtOnce; ++k) {
+      for (std::size_t k = 0; k < kAnglesAtOnce; ++k) {
         votes[k][bins_[(first + k) * areas_.size() + n]] += areas_[n];
       }
     }
@@ -176,11 +178,11 @@ bool IsWall(std::span<const UprightPoint> points, const Wall& wall) {
     heights_m.push_back(point.height_m);
     places_m.push_back(along.dot(point.on_ground_m));
   }
-  if (heights_m.empty() || area < kMinShare * area_all || area_beyond > kMaxBeyond * area)
+  if (heights_m.empty() || area < kMinWallShare * area_all || area_beyond > kMaxBeyond * area)
     return false;
   const auto [first_m, last_m] = InnerRange(places_m, kWallOutermost);
-  if (last_m - first_m < kMinLength_m) return false;
-  return InnerRange(heights_m, kWallOutermost).second > kMinHeight_m ||
+  if (last_m - first_m < kMinWallLength_m) return false;
+  return InnerRange(heights_m, kWallOutermost).second > kMinWallHeight_m ||
          static_cast<double>(num_at_top) > kTopShare * static_cast<double>(heights_m.size());
 }
 

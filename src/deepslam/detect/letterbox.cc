@@ -18,7 +18,7 @@ double Scale(Sides image, Sides input) {
 
 bool CanBeInput(std::int64_t width, std::int64_t height) {
   const auto can_be = [](std::int64_t side) {
-    return side > 0 && side <= kLargestSide && side % kCoarsestStride == 0;
+    return side > 0 && side <= kLargestSide && side % kCoarsestStride_px == 0;
   };
   return can_be(width) && can_be(height);
 }
@@ -46,9 +46,9 @@ Sides FitSides(Sides image, Sides input) {
   const double scale = Scale(image, input);
   const auto side = [&](int image_px, int input_px) {
     // An exact multiple of the stride must not become the next one.
-    constexpr double kRounding = 1e-9;
-    const double strides = std::ceil(image_px * scale / kCoarsestStride - kRounding);
-    return std::clamp(static_cast<int>(strides) * kCoarsestStride, kCoarsestStride, input_px);
+    constexpr double kStrideRounding = 1e-9;
+    const double strides = std::ceil(image_px * scale / kCoarsestStride_px - kStrideRounding);
+    return std::clamp(static_cast<int>(strides) * kCoarsestStride_px, kCoarsestStride_px, input_px);
   };
   return {side(image.width, input.width), side(image.height, input.height)};
 }

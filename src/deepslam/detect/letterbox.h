@@ -15,7 +15,7 @@ struct Sides {
 };
 
 // Pixels, of a YOLO network's last level: sides are its multiples.
-inline constexpr int kCoarsestStride = 32;
+inline constexpr int kCoarsestStride_px = 32;
 inline constexpr int kLargestSide = 4096;  // px; a model that asks for more is refused
 
 // Multiples of the coarsest stride, up to the largest side.

@@ -114,9 +114,9 @@ Status NetworkDetector::PrepareInput() {
       if (!text.empty()) text += 'x';
       text += std::to_string(s);
     }
-    return InvalidInput("the network's input is " + text +
-                        "; expected 1x3xHxW with sides that are multiples of " +
-                        std::to_string(kCoarsestStride) + " up to " + std::to_string(kLargestSide));
+    return InvalidInput(
+        "the network's input is " + text + "; expected 1x3xHxW with sides that are multiples of " +
+        std::to_string(kCoarsestStride_px) + " up to " + std::to_string(kLargestSide));
   }
   const Sides largest = {static_cast<int>(side(shape[3])), static_cast<int>(side(shape[2]))};
   const Sides fitted = FitSides(options_.images, largest);

@@ -12,7 +12,7 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr double kStep_m = 0.05;       // lengths are counted in steps of this
+constexpr double kScoreStep_m = 0.05;  // lengths are counted in steps of this
 constexpr double kSeenHeight_m = 0.3;  // of a step of wall, to call it seen
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -28,7 +28,7 @@ struct Segment {
   Segment(const Eigen::Vector2d& from, const Eigen::Vector2d& to)
       : from_m(from), along((to - from).normalized()), length_m((to - from).norm()) {}
   [[nodiscard]] int num_steps() const {
-    return std::max(1, static_cast<int>(std::lround(length_m / kStep_m)));
+    return std::max(1, static_cast<int>(std::lround(length_m / kScoreStep_m)));
   }
   [[nodiscard]] Eigen::Vector2d Step(int n) const {
     return from_m + (n + 0.5) * length_m / num_steps() * along;
@@ -68,7 +68,7 @@ std::vector<bool> SeenSteps(const TrueWall& wall,
                             const LayoutScoreOptions& options) {
   const Segment segment = SegmentOf(wall);
   const int num_steps = segment.num_steps();
-  constexpr int kRows = 64;  // of kStep_m: 3.2 m
+  constexpr int kHeightRows = 64;  // of kScoreStep_m: 3.2 m
   std::vector<std::uint64_t> rows(static_cast<std::size_t>(num_steps), 0);
   for (const Eigen::Vector3d& p : points) {
     const double at_m = segment.Position(p.head<2>());
@@ -77,12 +77,12 @@ std::vector<bool> SeenSteps(const TrueWall& wall,
       continue;
     const auto step = static_cast<std::size_t>(
         std::min(num_steps - 1, static_cast<int>(at_m / segment.length_m * num_steps)));
-    const int row = static_cast<int>((p.z() - wall.bottom_m) / kStep_m);
-    if (row < kRows) rows[step] |= std::uint64_t{1} << static_cast<unsigned>(row);
+    const int row = static_cast<int>((p.z() - wall.bottom_m) / kScoreStep_m);
+    if (row < kHeightRows) rows[step] |= std::uint64_t{1} << static_cast<unsigned>(row);
   }
   std::vector<bool> seen;
   for (const std::uint64_t bits : rows)
-    seen.push_back(std::popcount(bits) * kStep_m >= kSeenHeight_m);
+    seen.push_back(std::popcount(bits) * kScoreStep_m >= kSeenHeight_m);
   return seen;
 }
 
@@ -155,10 +155,11 @@ void ScoreWalls(const Layout& layout,
 
 // Whether a wall that ends at a corner was seen near it.
 bool SeenNear(const Eigen::Vector2d& corner, const SeenWall& wall) {
-  constexpr double kNear_m = 0.5;  // a corner is seen where the last half metre of the wall is
+  // A corner is seen where the last half metre of the wall is.
+  constexpr double kNearCorner_m = 0.5;
   const Segment segment = SegmentOf(*wall.wall);
   for (int n = 0; n < segment.num_steps(); ++n) {
-    if (wall.seen[static_cast<std::size_t>(n)] && (segment.Step(n) - corner).norm() < kNear_m)
+    if (wall.seen[static_cast<std::size_t>(n)] && (segment.Step(n) - corner).norm() < kNearCorner_m)
       return true;
   }
   return false;
@@ -169,12 +170,12 @@ void ScoreCorners(const Layout& layout,
                   const std::vector<SeenWall>& seen,
                   LayoutScore& score) {
   // Walls of the truth that meet in a corner end this near to it.
-  constexpr double kSamePlace_m = 0.02;
+  constexpr double kSameCorner_m = 0.02;
   for (const std::vector<Eigen::Vector2d>& room : truth.rooms) {
     for (const Eigen::Vector2d& corner : room) {
       const auto num_seen = std::count_if(seen.begin(), seen.end(), [&](const SeenWall& wall) {
-        const bool ends_here = (wall.wall->from_m - corner).norm() < kSamePlace_m ||
-                               (wall.wall->to_m - corner).norm() < kSamePlace_m;
+        const bool ends_here = (wall.wall->from_m - corner).norm() < kSameCorner_m ||
+                               (wall.wall->to_m - corner).norm() < kSameCorner_m;
         return ends_here && SeenNear(corner, wall);
       });
       if (num_seen < 2) continue;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLeafSize = 12;  // points: nanoflann's advice is 10 to 50
 // Points a thread takes at a time; the result does not depend on it.
-constexpr std::size_t kChunk = 1024;
+constexpr std::size_t kPointsPerChunk = 1024;
 
 struct PointList {
   std::span<const Eigen::Vector3d> points;
@@ -39,7 +39,7 @@ std::vector<double> NearestDistances(std::span<const Eigen::Vector3d> from,
   const PointList list{to};
   Tree tree(3, list, kLeafSize);
   tree.buildIndex();
-  ParallelForChunks(from.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+  ParallelForChunks(from.size(), kPointsPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::size_t index = 0;
       double squared = 0;

@@ -8,7 +8,7 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr int kSteps = 128;  // samples along the longest side; a model's grid has half as many
+constexpr int kStepsAlong = 128;  // samples along the longest side; a model's grid has half as many
 
 Box3 WorldBox(const VoxelGrid& grid, const Similarity3& world_from_grid) {
   Box3 box;
@@ -46,7 +46,7 @@ double PlacedIou(const VoxelGrid& a,
   if (box.empty()) return 0;
   const Similarity3 a_from_world = world_from_a.Inverse();
   const Similarity3 b_from_world = world_from_b.Inverse();
-  const double step = box.Size().maxCoeff() / kSteps;
+  const double step = box.Size().maxCoeff() / kStepsAlong;
   const Eigen::Vector3i count = (box.Size() / step).array().ceil().cast<int>();
   std::int64_t both = 0;
   std::int64_t either = 0;

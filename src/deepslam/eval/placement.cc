@@ -7,12 +7,9 @@
 #include <numbers>
 #include <tuple>
 
+#include "deepslam/core/angles.h"
+
 namespace deepslam::eval {
-namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-
-}  // namespace
 
 void Describe(OptionsVisitor& visitor, PlacementOptions& options) {
   visitor.Field("max_match_m",

@@ -12,9 +12,9 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr int kPooledAbove = 100;  // Pix3D's evaluation pools larger volumes first
-constexpr int kPool = 4;           // and by so much
-constexpr int kMaxSize = 512;      // samples a side: bounds memory, 512 MiB of floats
+constexpr int kPooledAbove = 100;    // Pix3D's evaluation pools larger volumes first
+constexpr int kPool = 4;             // and by so much
+constexpr int kMaxVolumeSide = 512;  // samples a side: bounds memory, 512 MiB of floats
 
 Volume MaxPool(const Volume& in) {
   const int size = in.size[0] / kPool;
@@ -31,7 +31,7 @@ Volume MaxPool(const Volume& in) {
 }
 
 struct IndexBox {
-  std::array<int, 3> min = {kMaxSize, kMaxSize, kMaxSize};
+  std::array<int, 3> min = {kMaxVolumeSide, kMaxVolumeSide, kMaxVolumeSide};
   std::array<int, 3> max = {-1, -1, -1};
 };
 
@@ -81,7 +81,7 @@ double Interpolate(const Volume& volume, const IndexBox& box, const Eigen::Vecto
 
 Status CheckCube(const Volume& volume) {
   const auto& [x, y, z] = volume.size;
-  if (x != y || x != z || x < 2 || x > kMaxSize) {
+  if (x != y || x != z || x < 2 || x > kMaxVolumeSide) {
     return InvalidInput("shape: the volume must be a cube of 2 to 512 samples a side");
   }
   if (volume.values.size() !=

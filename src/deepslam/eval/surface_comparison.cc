@@ -15,7 +15,8 @@
 namespace deepslam::eval {
 namespace {
 
-constexpr double kMaxPoints = 4e6;     // bounds memory: very large meshes are sampled more coarsely
+// Bounds memory: very large meshes are sampled more coarsely.
+constexpr double kMaxSurfaceSamples = 4e6;
 constexpr double kCapThresholds = 10;  // one stray piece far off must not make the mean
 // Voxels that a point may lie under the surface of the voxelised solid and still be on its outside:
 // half a voxel of rounding each for the surface and the point, half a voxel of margin.
@@ -76,7 +77,7 @@ std::vector<Eigen::Vector3d> SampleSurface(const TriangleMesh& mesh,
                                            std::uint64_t seed) {
   double total = 0;
   for (const auto& face : mesh.faces) total += FaceArea(mesh, face);
-  const double per_point = std::max(area_m2, total / kMaxPoints);
+  const double per_point = std::max(area_m2, total / kMaxSurfaceSamples);
   std::vector<Eigen::Vector3d> points;
   if (!(per_point > 0)) return points;
   Random random(seed, "surface", 0);

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kHeaderNumbers = 11;
 constexpr std::int32_t kMaxNumbers = 64;   // of a matrix in a calibration
 constexpr double kMaxTimeS = 1e11;         // s since 1970: 3,000 years; what is beyond is no time
-constexpr int kMaxImageBytes = 256 << 20;  // 256 MiB; SQLite refuses longer values
+constexpr int kMaxValueBytes = 256 << 20;  // 256 MiB; SQLite refuses longer values
 
 // A piece off the front, as it lies (little-endian); nothing where there are too few bytes.
 template <typename T>
@@ -157,7 +157,7 @@ Result<std::unique_ptr<RtabMapDatabase>> RtabMapDatabase::Open(const std::filesy
   impl->file = file;
   if (sqlite3_open_v2(file.c_str(), &impl->connection, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK)
     return impl->Fault();
-  sqlite3_limit(impl->connection, SQLITE_LIMIT_LENGTH, kMaxImageBytes);
+  sqlite3_limit(impl->connection, SQLITE_LIMIT_LENGTH, kMaxValueBytes);
   return std::unique_ptr<RtabMapDatabase>(new RtabMapDatabase(std::move(impl)));
 }
 

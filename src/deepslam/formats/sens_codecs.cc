@@ -18,7 +18,8 @@ static_assert(std::endian::native == std::endian::little, "raw values are stored
 constexpr std::size_t kMaxDeflateRatio = 1032;
 constexpr std::size_t kMaxOcciValuesPerByte = 36;  // see above: 5 + 31 repeats
 
-constexpr int kMaxShift = 1104;  // 9.73 m: the last that the Structure Sensor's table has (header)
+// 9.73 m: the last that the Structure Sensor's table has (header).
+constexpr int kMaxSensorShift = 1104;
 
 std::size_t NumPixels(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -139,7 +140,7 @@ Result<std::string> PackDepthZlib(const RawDepthImage& depth) {
 }
 
 std::uint16_t ShiftToMillimetres(int shift) {
-  if (shift < 1 || shift > kMaxShift) return 0;
+  if (shift < 1 || shift > kMaxSensorShift) return 0;
   return static_cast<std::uint16_t>(6 * 300000 / (6809 - 6 * shift));
 }
 

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kFrameHeadBytes = 16 * 4 + 4 * 8;  // pose, two times, two sizes
 // Of the sensor; a longer one means that this is no .sens file.
-constexpr std::uint64_t kMaxNameBytes = 4096;
+constexpr std::uint64_t kMaxSensorNameBytes = 4096;
 constexpr std::uint32_t kMaxSidePx = 16384;  // a header of more is refused before memory is taken
 // 1 GiB, of one compressed image; a claim of more is refused.
 constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 30;
@@ -103,7 +103,7 @@ Status ReadHeader(const fs::path& file, Input& input, SensHeader& header) {
   }
   std::uint64_t length = 0;
   if (!input.Take(length)) return ends();
-  if (length > std::min(kMaxNameBytes, input.left())) {
+  if (length > std::min(kMaxSensorNameBytes, input.left())) {
     return FileError(
         file, fmt::format("field 'length of the sensor's name' is {}: no .sens file?", length));
   }

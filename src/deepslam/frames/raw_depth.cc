@@ -35,13 +35,13 @@ DepthImage MetresOfRaw::Of(const RawDepthImage& raw) const {
 }
 
 std::optional<RawDepthImage> MetresOfRaw::RawOf(const DepthImage& depth_m) const {
-  constexpr auto kMost = static_cast<float>(kSaturatedDepth);
+  constexpr auto kMostRaw = static_cast<float>(kSaturatedDepth);
   RawDepthImage raw(depth_m.width(), depth_m.height());
   std::uint32_t differences = 0;
   std::uint16_t* next = raw.data();
   for (const float depth : depth_m) {
     const float scaled = depth * units_per_m_ + 0.5F;
-    const float nearest = scaled > 0 ? (scaled < kMost ? scaled : kMost) : 0;  // NaN: 0
+    const float nearest = scaled > 0 ? (scaled < kMostRaw ? scaled : kMostRaw) : 0;  // NaN: 0
     *next = static_cast<std::uint16_t>(nearest);
     differences |=
         std::bit_cast<std::uint32_t>((*this)[*next++]) ^ std::bit_cast<std::uint32_t>(depth);

@@ -82,18 +82,19 @@ struct PixelPlace {
 // Pixels whose value is not that of the pixel above, row by row; of all rows but the first.
 std::vector<PixelPlace> ChangesWithinColumns(const Mask& mask) {
   // Pixels of one byte that a processor compares as one word.
-  constexpr int kAtOnce = sizeof(std::uint64_t);
+  constexpr int kPixelsAtOnce = sizeof(std::uint64_t);
   std::vector<PixelPlace> changes;
   for (int v = 1; v < mask.height(); ++v) {
     const std::uint8_t* const above = mask.row(v - 1);
     const std::uint8_t* const row = mask.row(v);
     int u = 0;
     while (u < mask.width()) {
-      if (u + kAtOnce <= mask.width() && std::memcmp(row + u, above + u, kAtOnce) == 0) {
-        u += kAtOnce;
+      if (u + kPixelsAtOnce <= mask.width() &&
+          std::memcmp(row + u, above + u, kPixelsAtOnce) == 0) {
+        u += kPixelsAtOnce;
         continue;
       }
-      const int end = std::min(u + kAtOnce, mask.width());
+      const int end = std::min(u + kPixelsAtOnce, mask.width());
       for (; u < end; ++u) {
         if ((row[u] != 0) != (above[u] != 0)) changes.push_back({u, v});
       }

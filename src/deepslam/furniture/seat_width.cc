@@ -8,7 +8,7 @@ namespace deepslam::furniture {
 namespace {
 
 // Shares of the box's sides.
-constexpr double kSide = 0.2;
+constexpr double kSideStrip = 0.2;
 constexpr double kLowestArm = 0.06;    // above the seat: cushions are not flat
 constexpr double kHighestArm = 0.3;    // above the seat; what is higher is the back or its wings
 constexpr double kBack = 0.25;         // what is further behind may be the back
@@ -19,8 +19,8 @@ struct Range {
   double to = 1;
 };
 
-constexpr Range kRight = {0, kSide};
-constexpr Range kLeft = {1 - kSide, 1};
+constexpr Range kRightStrip = {0, kSideStrip};
+constexpr Range kLeftStrip = {1 - kSideStrip, 1};
 
 // The share of the slices across x, from `depth` on, in which anything lies within both ranges.
 double ShareFilled(const VoxelGrid& shape,
@@ -60,8 +60,8 @@ bool HasArms(const VoxelGrid& shape, float seat_height) {
   const std::optional<VoxelBox> box = OccupiedBox(shape);
   if (!box) return false;
   const Range arms = {seat_height + kLowestArm, seat_height + kHighestArm};
-  return ShareFilled(shape, *box, kBack, kRight, arms) >= kLeastOfDepth &&
-         ShareFilled(shape, *box, kBack, kLeft, arms) >= kLeastOfDepth;
+  return ShareFilled(shape, *box, kBack, kRightStrip, arms) >= kLeastOfDepth &&
+         ShareFilled(shape, *box, kBack, kLeftStrip, arms) >= kLeastOfDepth;
 }
 
 bool StandsBelowBothSides(const VoxelGrid& shape, float seat_height) {
@@ -70,8 +70,8 @@ bool StandsBelowBothSides(const VoxelGrid& shape, float seat_height) {
   // Above what lies on the floor, as stars do, and below the seat's own thickness.
   const double height = 0.4 * seat_height;
   const Range below = {height, height};
-  return ShareFilled(shape, *box, 0, kRight, below) > 0 &&
-         ShareFilled(shape, *box, 0, kLeft, below) > 0;
+  return ShareFilled(shape, *box, 0, kRightStrip, below) > 0 &&
+         ShareFilled(shape, *box, 0, kLeftStrip, below) > 0;
 }
 
 Proportions DrawWidened(Random& random) {

@@ -45,9 +45,9 @@ void SeatBoard(Random& random, Seat& seat, Solids& solids) {
     const double narrow = random.Uniform(0.75, 1.0);
     const Seat s = seat;
     std::vector<Solids::Ring> rings;
-    constexpr int kSteps = 7;  // rings of the pan from front to back: its hollow bends smoothly
-    for (int n = 0; n < kSteps; ++n) {
-      const double t = static_cast<double>(n) / (kSteps - 1);
+    constexpr int kPanRings = 7;  // rings of the pan from front to back: its hollow bends smoothly
+    for (int n = 0; n < kPanRings; ++n) {
+      const double t = static_cast<double>(n) / (kPanRings - 1);
       const double half = 0.5 * s.width * (narrow + (1 - narrow) * t);
       const double x = (t - 0.5) * s.depth;
       const double drop = sink * std::sin(3.1416 * t) + (t > 0.85 ? 0.4 * sink : 0);
@@ -134,9 +134,9 @@ void Posts(Random& random, const Back& back, double from_z, double to_z, bool on
     const double width = one ? 2.2 * thickness : thickness;
     std::vector<Solids::Ring> rings;
     std::vector<Eigen::Vector3d> line;
-    constexpr int kSteps = 5;  // rings of a post: the back's curve is slight
-    for (int n = 0; n < kSteps; ++n) {
-      const double z = from_z + (to_z - from_z) * n / (kSteps - 1);
+    constexpr int kPostRings = 5;  // rings of a post: the back's curve is slight
+    for (int n = 0; n < kPostRings; ++n) {
+      const double z = from_z + (to_z - from_z) * n / (kPostRings - 1);
       const Eigen::Vector3d p = back.At(u, z);
       line.push_back(p);
       rings.push_back({p + Eigen::Vector3d(-0.5 * thickness, -0.5 * width, 0),
@@ -210,9 +210,9 @@ void CrossedBack(Random& random, const Back& back, double thickness, Solids& sol
 void HoopBack(Random& random, const Back& back, Solids& solids) {
   const double r = random.Uniform(0.009, 0.02);
   std::vector<Eigen::Vector3d> line;
-  constexpr int kSteps = 11;  // points of the half circle, 18 deg apart
-  for (int n = 0; n < kSteps; ++n) {
-    const double angle = 3.14159265 * n / (kSteps - 1);
+  constexpr int kHoopPoints = 11;  // points of the half circle, 18 deg apart
+  for (int n = 0; n < kHoopPoints; ++n) {
+    const double angle = 3.14159265 * n / (kHoopPoints - 1);
     const double u = std::cos(angle);
     const double z = back.seat - 0.01 + (back.high - back.seat) * std::pow(std::sin(angle), 0.6);
     line.push_back(back.At(u, z));

@@ -65,12 +65,13 @@ Eigen::Vector2d ProfileAt(const Shell& shell, double t) {
 }
 
 Solids::Ring RingAt(const Shell& shell, double t) {
-  constexpr int kColumns = 13;    // points across the shell; odd, so that one lies in the middle
-  constexpr double kStep = 1e-3;  // of the profile's length, on either side: for its direction
+  constexpr int kPointsAcross = 13;  // points across the shell; odd, so that one lies in the middle
+  // Of the profile's length, on either side: for its direction.
+  constexpr double kProfileStep = 1e-3;
   const Eigen::Vector2d at = ProfileAt(shell, t);
-  const Eigen::Vector2d along =
-      (ProfileAt(shell, std::min(1.0, t + kStep)) - ProfileAt(shell, std::max(0.0, t - kStep)))
-          .normalized();
+  const Eigen::Vector2d along = (ProfileAt(shell, std::min(1.0, t + kProfileStep)) -
+                                 ProfileAt(shell, std::max(0.0, t - kProfileStep)))
+                                    .normalized();
   const Eigen::Vector2d inward(along.y(), -along.x());  // up from the seat, forward from the back
   const double share = std::clamp((t - shell.wing_from) / (1 - shell.wing_from), 0.0, 1.0);
   const double rise = shell.wing * std::pow(std::sin(std::numbers::pi * share), 0.7);
@@ -78,8 +79,8 @@ Solids::Ring RingAt(const Shell& shell, double t) {
                       (t < 0.5 ? 0.85 + 0.3 * t : 1 + (shell.narrow - 1) * (2 * t - 1)) *
                       (t < 0.06 || t > 0.94 ? 0.9 : 1.0);
   Solids::Ring inner, outer;
-  for (int n = 0; n < kColumns; ++n) {
-    const double u = 2.0 * n / (kColumns - 1) - 1;
+  for (int n = 0; n < kPointsAcross; ++n) {
+    const double u = 2.0 * n / (kPointsAcross - 1) - 1;
     const double lift = rise * std::pow(std::abs(u), 2.5);
     const Eigen::Vector2d in = at + (lift + 0.5 * shell.thickness) * inward;
     const Eigen::Vector2d out = at + (lift - 0.5 * shell.thickness) * inward;
@@ -94,9 +95,9 @@ Solids::Ring RingAt(const Shell& shell, double t) {
 
 void BuildShellChair(Random& random, Solids& solids) {
   const Shell shell = DrawShell(random);
-  constexpr int kRings = 19;  // from the front edge to the top: bends look round at 64 voxels
+  constexpr int kShellRings = 19;  // from the front edge to the top: bends look round at 64 voxels
   std::vector<Solids::Ring> rings;
-  for (int n = 0; n < kRings; ++n) rings.push_back(RingAt(shell, n / (kRings - 1.0)));
+  for (int n = 0; n < kShellRings; ++n) rings.push_back(RingAt(shell, n / (kShellRings - 1.0)));
   solids.Loft(Material::kTop, rings);
   // A plate below the seat carries it.
   const Eigen::Vector2d middle = ProfileAt(shell, 0.25);

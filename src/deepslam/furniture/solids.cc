@@ -155,17 +155,18 @@ void Solids::Cushion(Material material,
                      double side_roundness,
                      double top_roundness,
                      const Bend& bend) {
-  constexpr int kRings = 9;   // latitudes: a cushion is few voxels high, more would not show
-  constexpr int kSides = 20;  // corners round a cushion
+  constexpr int kCushionRings = 9;   // latitudes: a cushion is few voxels high, more would not show
+  constexpr int kCushionSides = 20;  // corners round a cushion
   std::vector<Ring> rings;
-  for (int r = 0; r < kRings; ++r) {
+  for (int r = 0; r < kCushionRings; ++r) {
     // The fans at both ends close the caps that are left out.
-    const double latitude = std::numbers::pi * (static_cast<double>(r + 1) / (kRings + 1) - 0.5);
+    const double latitude =
+        std::numbers::pi * (static_cast<double>(r + 1) / (kCushionRings + 1) - 0.5);
     const double width = SignedPower(std::cos(latitude), side_roundness);
     Ring ring;
-    for (int s = 0; s < kSides; ++s) {
+    for (int s = 0; s < kCushionSides; ++s) {
       const Eigen::Vector2d p =
-          Superellipse(kTurn * (s + 0.5) / kSides, size.head<2>(), top_roundness);
+          Superellipse(kTurn * (s + 0.5) / kCushionSides, size.head<2>(), top_roundness);
       Eigen::Vector3d corner(width * p.x(),
                              width * p.y(),
                              0.5 * size.z() * SignedPower(std::sin(latitude), side_roundness));
@@ -180,10 +181,11 @@ void Solids::Plate(Material material,
                    const Eigen::Vector3d& middle,
                    const Eigen::Vector3d& size,
                    double roundness) {
-  constexpr int kSides = 32;  // corners round a plate, whose rim is seen more sharply
+  constexpr int kPlateSides = 32;  // corners round a plate, whose rim is seen more sharply
   std::vector<Ring> rings(2);
-  for (int s = 0; s < kSides; ++s) {
-    const Eigen::Vector2d p = Superellipse(kTurn * (s + 0.5) / kSides, size.head<2>(), roundness);
+  for (int s = 0; s < kPlateSides; ++s) {
+    const Eigen::Vector2d p =
+        Superellipse(kTurn * (s + 0.5) / kPlateSides, size.head<2>(), roundness);
     rings[0].emplace_back(middle + Eigen::Vector3d(p.x(), p.y(), -0.5 * size.z()));
     rings[1].emplace_back(middle + Eigen::Vector3d(p.x(), p.y(), 0.5 * size.z()));
   }

@@ -31,18 +31,18 @@ struct Corner {
   [[nodiscard]] double distance() const { return static_cast<double>(block->distance[voxel]); }
 };
 
-constexpr std::size_t kRows = std::size_t{kSide} * kSide;
+constexpr std::size_t kBlockRows = std::size_t{kSide} * kSide;
 
 // Of the voxels of a block, row by row along z.
 struct BlockBits {
-  std::array<std::uint16_t, kRows> measured{};
-  std::array<std::uint16_t, kRows> inside{};
+  std::array<std::uint16_t, kBlockRows> measured{};
+  std::array<std::uint16_t, kBlockRows> inside{};
 };
 
 DEEPSLAM_WIDE_VECTORS
 BlockBits BitsOf(const VoxelBlock& block) {
   BlockBits bits;
-  for (std::size_t row = 0; row < kRows; ++row) {
+  for (std::size_t row = 0; row < kBlockRows; ++row) {
     const std::uint16_t* weights = block.weight.data() + row * kSide;
     const float* distances = block.distance.data() + row * kSide;
     unsigned measured = 0;

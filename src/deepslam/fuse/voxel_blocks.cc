@@ -207,8 +207,8 @@ bool VoxelBlocks::Integrate(const DepthImage& depth_m,
   }
   const View view{depth_m, colour, camera, world_from_camera.Inverse().Matrix().cast<float>()};
   // Blocks a thread takes at a time; the result does not depend on it.
-  constexpr std::size_t kChunk = 8;
-  ParallelForChunks(touched.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+  constexpr std::size_t kBlocksPerChunk = 8;
+  ParallelForChunks(touched.size(), kBlocksPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) Add(view, *touched[n]);
   });
   return true;

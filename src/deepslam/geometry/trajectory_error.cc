@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 
 #include <Eigen/SVD>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/clock_stretches.h"
 
 namespace deepslam {
@@ -209,7 +209,7 @@ Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
     const Pose3 difference = relative(truth, pairs[i].truth, pairs[i + delta].truth).Inverse() *
                              relative(estimate, pairs[i].estimate, pairs[i + delta].estimate);
     relative_m.push_back(difference.translation_m.norm());
-    relative_deg.push_back(RotationAngle(difference.rotation) * 180.0 / std::numbers::pi);
+    relative_deg.push_back(RotationAngle(difference.rotation) * kDegPerRad);
   }
   error.num_relative = static_cast<int>(relative_m.size());
   error.rpe_m = Statistics(std::move(relative_m));

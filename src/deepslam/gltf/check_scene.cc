@@ -56,14 +56,15 @@ std::string UniqueName(const std::string& name, std::set<std::string>& taken) {
 }
 
 bool IsScaledCopy(const TriangleMesh& mesh, const TriangleMesh& first, double ratio) {
-  constexpr float kRounding = 1e-5F;  // of coordinates; Draco's grid is five times coarser
+  // Of coordinates; Draco's grid is five times coarser.
+  constexpr float kCoordinateRounding = 1e-5F;
   if (mesh.faces != first.faces || mesh.vertices.size() != first.vertices.size()) return false;
   float extent = 0;
   for (const Eigen::Vector3f& p : mesh.vertices) extent = std::max(extent, p.cwiseAbs().maxCoeff());
   const auto factor = static_cast<float>(ratio);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Eigen::Vector3f error = mesh.vertices[v] - factor * first.vertices[v];
-    if (!(error.cwiseAbs().maxCoeff() <= kRounding * extent)) return false;
+    if (!(error.cwiseAbs().maxCoeff() <= kCoordinateRounding * extent)) return false;
   }
   return true;
 }

@@ -14,7 +14,7 @@ namespace deepslam::gltf {
 namespace {
 
 // Of all buffers and textures together.
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxBufferBytes = std::uint64_t{1} << 30;
 constexpr std::size_t kMaxToldBytes = 80;  // of a URI
 
 struct ElementType {
@@ -228,8 +228,9 @@ std::optional<std::string> GltfBuffers::Resource(const std::string& uri) {
 
 bool GltfBuffers::Afford(std::uint64_t num_bytes) {
   num_bytes_ += num_bytes;
-  if (num_bytes_ > kMaxBytes) root_["buffers"].Error("hold more than 1 GiB, textures included");
-  return num_bytes_ <= kMaxBytes;
+  if (num_bytes_ > kMaxBufferBytes)
+    root_["buffers"].Error("hold more than 1 GiB, textures included");
+  return num_bytes_ <= kMaxBufferBytes;
 }
 
 std::optional<std::string_view> GltfBuffers::BufferAt(std::size_t number) {

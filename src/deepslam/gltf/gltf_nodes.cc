@@ -7,7 +7,7 @@ namespace deepslam::gltf {
 namespace {
 
 // Exporters round; what is further off is another kind of number.
-constexpr double kUnitTolerance = 1e-3;
+constexpr double kRotationNormTolerance = 1e-3;
 constexpr double kLeastNorm = 0.5;   // of four numbers that are a quaternion, if badly rounded
 constexpr double kGreatestNorm = 2;  // beyond, four numbers that are no quaternion
 
@@ -19,7 +19,7 @@ void ReadParts(const JsonPlace& place, GltfNode& node) {
   const double norm = node.rotation.norm();
   if (!(norm > kLeastNorm && norm < kGreatestNorm)) {
     place["rotation"].Error("is no unit quaternion");
-  } else if (!(std::abs(norm - 1) < kUnitTolerance)) {
+  } else if (!(std::abs(norm - 1) < kRotationNormTolerance)) {
     place["rotation"].Breach("is no unit quaternion");
   }
 }

@@ -1,15 +1,15 @@
 #include "deepslam/graph/gravity_world.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/geometry/upright.h"
 
 namespace deepslam::graph {
 namespace {
 
 // Nearer to the vertical, noise decides where a view leads on the ground.
-constexpr double kVerticalView_rad = 5.0 * std::numbers::pi / 180.0;
+constexpr double kVerticalView_rad = 5.0 * kRadPerDeg;
 
 // Unit vector across `up` along which a camera looks whose upper edge lies towards `image_up`.
 Eigen::Vector3d ForwardOnGround(const Eigen::Vector3d& view,

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <string_view>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/graph/g2o.h"
 #include "deepslam/graph/graph_model.h"
 #include "deepslam/graph/gravity_world.h"
@@ -14,7 +14,6 @@
 namespace deepslam::graph {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // More than registration is off by: furniture stands upright.
 constexpr double kNotedTilt_deg = 5.0;
 

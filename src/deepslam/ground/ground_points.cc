@@ -19,15 +19,15 @@ namespace {
 constexpr int kGridWidth = 160;  // columns; medians of blocks of 4 x 4 pixels of a 640 wide image
 
 // Blocks of pixels side by side in a row of the grid.
-constexpr std::size_t kLanes = 16;
+constexpr std::size_t kSortedColumns = 16;
 
-// Sorts each of kLanes columns of `count` values: Batcher's odd-even merge sort.
+// Sorts each of kSortedColumns columns of `count` values: Batcher's odd-even merge sort.
 DEEPSLAM_WIDE_VECTORS void SortColumns(std::size_t count, std::vector<float>& values) {
   const auto exchange = [&](std::size_t a, std::size_t b) {
-    float* const lower = values.data() + a * kLanes;
-    float* const upper = values.data() + b * kLanes;
+    float* const lower = values.data() + a * kSortedColumns;
+    float* const upper = values.data() + b * kSortedColumns;
 #pragma GCC ivdep
-    for (std::size_t n = 0; n < kLanes; ++n) {
+    for (std::size_t n = 0; n < kSortedColumns; ++n) {
       const float x = lower[n];
       const float y = upper[n];
       lower[n] = std::min(x, y);
@@ -83,14 +83,14 @@ class Grid {
   // lie at edges.
   void FindMedians(const DepthImage& depth_m, int v, float max_depth) {
     const auto block_px = static_cast<std::size_t>(step_) * static_cast<std::size_t>(step_);
-    std::vector<float> values(block_px * kLanes);
-    for (int first = 0; first < depth_m_.width(); first += static_cast<int>(kLanes)) {
-      const int end = std::min(depth_m_.width(), first + static_cast<int>(kLanes));
-      std::array<std::size_t, kLanes> num_usable{};
+    std::vector<float> values(block_px * kSortedColumns);
+    for (int first = 0; first < depth_m_.width(); first += static_cast<int>(kSortedColumns)) {
+      const int end = std::min(depth_m_.width(), first + static_cast<int>(kSortedColumns));
+      std::array<std::size_t, kSortedColumns> num_usable{};
       auto value = values.begin();
       for (int dv = 0; dv < step_; ++dv) {
         const float* const row = depth_m.row(v * step_ + dv);
-        for (int du = 0; du < step_; ++du, value += kLanes) {
+        for (int du = 0; du < step_; ++du, value += kSortedColumns) {
           for (int u = first; u < end; ++u) {
             const float z = row[u * step_ + du];
             const bool usable = z > 0.1F && z <= max_depth;
@@ -104,7 +104,7 @@ class Grid {
       for (int u = first; u < end; ++u) {
         const auto lane = static_cast<std::size_t>(u - first);
         const std::size_t count = num_usable[lane];
-        depth_m_(u, v) = 2 * count < block_px ? 0.0F : values[count / 2 * kLanes + lane];
+        depth_m_(u, v) = 2 * count < block_px ? 0.0F : values[count / 2 * kSortedColumns + lane];
       }
     }
   }

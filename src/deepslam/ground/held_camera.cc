@@ -5,12 +5,12 @@
 #include <numbers>
 #include <vector>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/ground/plane_fit.h"
 
 namespace deepslam::ground {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // Grounds of real and rendered captures have 1.0, and 52 deg and more; walls up to 1.0 within 20
 // deg, or 0.2 to 0.3 within 90 to 100.
 constexpr double kLeastHeld = 0.9;

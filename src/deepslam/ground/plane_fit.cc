@@ -21,7 +21,7 @@ constexpr double kFlatnessM = 0.01;
 constexpr double kSearchCosine = 0.9;          // 26 deg: normals of single points are noisy
 constexpr double kReidentifyDistanceM = 0.04;  // error of a plane propagated over one keyframe step
 constexpr double kReidentifyCosine = 0.94;     // 20 deg
-constexpr int kRefinements = 8;  // the gate shrinks from 4 cm by 0.7 each: at 1 cm after four
+constexpr int kPlaneSteps = 8;  // the gate shrinks from 4 cm by 0.7 each: at 1 cm after four
 
 bool OnPlane(const GroundPoint& point,
              const Eigen::Vector3f& normal,
@@ -190,7 +190,7 @@ std::optional<PlaneRefinement> RefinePlane(const GroundPoints& points,
                                            const Plane& predicted_camera) {
   Plane plane = predicted_camera;
   double gate_m = kReidentifyDistanceM;
-  for (int n = 0; n < kRefinements; ++n) {
+  for (int n = 0; n < kPlaneSteps; ++n) {
     const std::optional<Plane> next = FitStep(BuildFit(points.points, plane, gate_m), plane);
     if (!next) return std::nullopt;
     plane = *next;

@@ -2,13 +2,13 @@
 // information.
 #pragma once
 
-#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/quarter_turn.h"
 #include "deepslam/core/random.h"
 #include "deepslam/geometry/plane.h"
@@ -18,7 +18,7 @@
 namespace deepslam::ground {
 
 // A plane refined farther from its prediction than this has gone to another surface.
-inline constexpr double kMaxTurnRad = 6 * std::numbers::pi / 180.0;
+inline constexpr double kMaxTurnRad = 6 * kRadPerDeg;
 inline constexpr double kMaxShiftM = 0.08;  // m: twice what points may lie off the predicted plane
 
 struct PlaneCandidate {

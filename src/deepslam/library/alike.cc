@@ -12,14 +12,14 @@
 namespace deepslam::library {
 namespace {
 
-constexpr double kAlike = 0.9;  // IoU over 64^3 voxels, stretched to one size
+constexpr double kAlikeIou = 0.9;  // IoU over 64^3 voxels, stretched to one size
 // Legs and boards are one or two voxels thick: a different rounding halves their overlap. So shapes
 // are alike as well when nearly all of each lies within a voxel of the other.
-constexpr double kNearlyAll = 0.97;
+constexpr double kNearlyAllNear = 0.97;
 constexpr float kNearSquared = 2.0F;  // diagonal neighbours in a plane
 // A look at some voxels comes first; it passes whatever the whole comparison could.
 constexpr std::size_t kSome = 400;
-constexpr double kMost = 0.88;        // of those looked at; the whole comparison asks for more
+constexpr double kMostlyNear = 0.88;  // of those looked at; the whole comparison asks for more
 constexpr double kRoughlyNear = 2.5;  // voxels: kNearSquared and the rounding of a stretched grid
 
 // Sides of the occupied voxels' box, object units; zero when there are none.
@@ -77,7 +77,7 @@ bool ComparableShape::LiesNear(const ComparableShape& b,
     const float squared = a.squared_distance_[VoxelGrid::Index(at.x(), at.y(), at.z())];
     near += squared <= reach * reach ? 1U : 0U;
   }
-  return static_cast<double>(near) >= kMost * static_cast<double>(b.some_.size());
+  return static_cast<double>(near) >= kMostlyNear * static_cast<double>(b.some_.size());
 }
 
 bool Alike(const ComparableShape& a, const ComparableShape& b) {
@@ -95,9 +95,9 @@ bool Alike(const ComparableShape& a, const ComparableShape& b) {
     if (turns % 2 != 0) std::swap(extent_turned.x(), extent_turned.y());
     const VoxelGrid fitted = shape::StretchGrid(shape::TurnGrid(*b.grid_, turns),
                                                 a.extent_.cwiseQuotient(extent_turned));
-    if (shape::GridIntersectionOverUnion(*a.grid_, fitted) > kAlike) return true;
-    if (ShareNear(fitted, a.squared_distance_) > kNearlyAll &&
-        ShareNear(*a.grid_, shape::SquaredDistanceTo(fitted, true)) > kNearlyAll) {
+    if (shape::GridIntersectionOverUnion(*a.grid_, fitted) > kAlikeIou) return true;
+    if (ShareNear(fitted, a.squared_distance_) > kNearlyAllNear &&
+        ShareNear(*a.grid_, shape::SquaredDistanceTo(fitted, true)) > kNearlyAllNear) {
       return true;
     }
   }

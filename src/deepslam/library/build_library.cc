@@ -19,11 +19,11 @@ bool IsWithheld(const Product& product, const std::vector<std::string>& withheld
 }
 
 bool SameProduct(const Product& a, const Product& b) {
-  constexpr double kSameShape = 0.95;  // IoU: one product in two catalogues, or in two colours
-  constexpr double kSameSize = 0.05;   // of each side; catalogues round to centimetres
+  constexpr double kSameShapeIou = 0.95;   // IoU: one product in two catalogues, or in two colours
+  constexpr double kSameSizeShare = 0.05;  // of each side; catalogues round to centimetres
   const Eigen::Array3d ratio = a.model.size_m.array() / b.model.size_m.array();
-  return a.class_name == b.class_name && (ratio - 1.0).abs().maxCoeff() < kSameSize &&
-         shape::GridIntersectionOverUnion(a.model.shape, b.model.shape) > kSameShape;
+  return a.class_name == b.class_name && (ratio - 1.0).abs().maxCoeff() < kSameSizeShare &&
+         shape::GridIntersectionOverUnion(a.model.shape, b.model.shape) > kSameShapeIou;
 }
 
 void DropLikeWithheld(const std::vector<std::string>& withheld, std::vector<Product>& products) {

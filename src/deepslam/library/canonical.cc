@@ -64,8 +64,8 @@ Result<CanonicalModel> MakeCanonical(const TriangleMesh& mesh_file,
     for (const std::uint32_t n : face) box.Extend(turned[n]);
   }
   const Eigen::Vector3d extent = box.Size();
-  constexpr double kSmallest = 1e-9;  // in the mesh's unit: nothing is divided by less
-  if (!extent.allFinite() || extent.minCoeff() < kSmallest) return InvalidInput("mesh is flat");
+  constexpr double kFlatExtent = 1e-9;  // in the mesh's unit: nothing is divided by less
+  if (!extent.allFinite() || extent.minCoeff() < kFlatExtent) return InvalidInput("mesh is flat");
   const Eigen::Vector3d size_file(item.width_m, item.height_m, item.depth_m);
   // A catalogue size of other proportions than the mesh means a wrong axis, not a stretched design.
   const Eigen::Array3d factors = size_file.array() / extent.array();

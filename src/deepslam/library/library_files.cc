@@ -142,9 +142,9 @@ Result<LibraryModel> ReadModel(const Json& entry, const fs::path& folder) {
   } catch (const Json::exception& error) {
     return InvalidInput(place + ": bad model entry (" + error.what() + ")" + std::string(kRemedy));
   }
-  constexpr double kMaxSize_m = 50;  // as of a catalogue: larger numbers are in another unit
+  constexpr double kMaxModelSize_m = 50;  // as of a catalogue: larger numbers are in another unit
   const bool sized = model.size_m.allFinite() && model.size_m.minCoeff() > 0 &&
-                     model.size_m.maxCoeff() < kMaxSize_m;
+                     model.size_m.maxCoeff() < kMaxModelSize_m;
   if (!IsModelId(model.id) || !sized) {
     return InvalidInput(place + ": model '" + model.id + "' has a bad id or size" +
                         std::string(kRemedy));

@@ -95,10 +95,10 @@ void FillModel(const Result<std::string>& bytes, Product& product) {
 
 // Archives are read by one thread; meshes are big, so only a few are held at once.
 Status FillModels(const ZipArchive& archive, std::vector<Product>& products, Progress& progress) {
-  constexpr std::size_t kBatch = 8;  // meshes
-  for (std::size_t begin = 0; begin < products.size(); begin += kBatch) {
+  constexpr std::size_t kMeshesAtOnce = 8;  // a balance of memory and threads at work
+  for (std::size_t begin = 0; begin < products.size(); begin += kMeshesAtOnce) {
     if (progress.StopRequested()) return Interrupted();
-    const std::size_t count = std::min(kBatch, products.size() - begin);
+    const std::size_t count = std::min(kMeshesAtOnce, products.size() - begin);
     std::vector<Result<std::string>> meshes;
     for (std::size_t n = 0; n < count; ++n) {
       meshes.push_back(archive.Read(products[begin + n].item.model, kMaxObjBytes));

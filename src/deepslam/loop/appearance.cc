@@ -15,11 +15,11 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr int kNeighbours = 15;  // keyframes looked at about one whose loops are compared
+constexpr int kComparedNeighbours = 15;  // keyframes looked at about one whose loops are compared
 // What two right poses of neighbours differ by, beside drift.
-constexpr double kSame_m = 0.10;
-constexpr double kSame_deg = 4;  // the same for the turn
-constexpr double kFloors = 3;    // edge_floor that a solution may be off an edge
+constexpr double kSameLoop_m = 0.10;
+constexpr double kSameLoop_deg = 4;  // the same for the turn
+constexpr double kFloors = 3;        // edge_floor that a solution may be off an edge
 
 // A loop and where it stands on the path.
 struct Placed {
@@ -32,7 +32,7 @@ class Consistency {
  public:
   Consistency(const Odometry& odometry, const AppearanceOptions& options)
       : path_(odometry, options.drift_share),
-        reach_(kNeighbours * KeyframeStep(odometry.keyframes.size(), options)),
+        reach_(kComparedNeighbours * KeyframeStep(odometry.keyframes.size(), options)),
         options_(options) {}
 
   [[nodiscard]] Placed Place(const AppearanceLoop& loop) const {
@@ -59,9 +59,9 @@ class Consistency {
     const Pose3 off = b.i_from_j.Inverse() * expected;
     const double length_m = path_.Length_m(a.i, b.i) + path_.Length_m(a.j, b.j);
     return off.translation_m.norm() <=
-               kSame_m + path_.Drift_m(a.i, b.i) + path_.Drift_m(a.j, b.j) &&
+               kSameLoop_m + path_.Drift_m(a.i, b.i) + path_.Drift_m(a.j, b.j) &&
            RotationAngle(off.rotation) <=
-               kRadPerDeg * (kSame_deg + AppearanceOptions::kDrift_deg_per_m * length_m);
+               kRadPerDeg * (kSameLoop_deg + AppearanceOptions::kDrift_deg_per_m * length_m);
   }
 
   [[nodiscard]] bool Near(int a, int b) const { return std::abs(a - b) <= reach_; }

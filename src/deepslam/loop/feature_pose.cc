@@ -30,11 +30,11 @@ constexpr float kDepthBase_m = 0.03F;
 constexpr float kDepthGrowth = 0.015F;  // 1 / m
 constexpr int kMaxTrials = 500;        // with a quarter of the matches right, 99.9 % sure after 439
 constexpr double kSureOfPose = 0.999;  // that the best sample was drawn
-constexpr int kRefinements = 4;        // fits to all inliers; few change after two
+constexpr int kPoseRefits = 4;         // fits to all inliers; few change after two
 constexpr float kMinSide_m = 0.15F;    // of a sample's triangle
 // A rival pose that is nearly the same is no rival.
 constexpr double kSamePose_m = 0.15;
-constexpr double kSame_rad = 0.1;  // the same for the turn
+constexpr double kSamePose_rad = 0.1;  // the same for the turn
 
 struct Match {
   Eigen::Vector3f old_m;
@@ -186,7 +186,7 @@ Consensus Ransac(const Matches& matches, Random& random) {
     best = {*fitted, std::move(inliers)};
     trials = std::min(trials, trial + 1 + TrialsFor(best.inliers.size(), matches.size()));
   }
-  for (int k = 0; k < kRefinements && best.inliers.size() >= 3; ++k) {
+  for (int k = 0; k < kPoseRefits && best.inliers.size() >= 3; ++k) {
     const std::optional<Eigen::Isometry3f> fitted = Fit(matches, best.inliers);
     if (!fitted) break;
     std::vector<std::size_t> inliers = Inliers(*fitted, matches);
@@ -234,7 +234,7 @@ int Rivals(const Matches& matches, const Consensus& winner, const Pose3& pose, R
   if (rival.inliers.empty()) return 0;
   const Pose3 between = pose.Inverse() * ToPose(rival.old_from_new);
   const bool same =
-      between.translation_m.norm() < kSamePose_m && RotationAngle(between.rotation) < kSame_rad;
+      between.translation_m.norm() < kSamePose_m && RotationAngle(between.rotation) < kSamePose_rad;
   return same ? 0 : static_cast<int>(rival.inliers.size());
 }
 

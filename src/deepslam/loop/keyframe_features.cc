@@ -23,7 +23,8 @@ constexpr int kOctaveLayers = 3;       // Lowe 2004
 constexpr double kMaxEdgeRatio = 10;   // Lowe 2004
 constexpr double kFirstBlur_px = 1.6;  // Lowe 2004
 constexpr int kEdge_px = 19;  // rim without corners: reach of ORB's turned pattern (ORB-SLAM's too)
-constexpr float kMaxDepth_m = 8.0F;  // beyond, structured light is off by more than a pose may be
+// Beyond, structured light is off by more than a pose may be.
+constexpr float kMaxCornerDepth_m = 8.0F;
 // Depth within the 3 x 3 pixels about a corner: farther apart, it lies on an edge of something.
 constexpr float kMaxStep = 0.04F;      // of the depth
 constexpr std::size_t kMinDepths = 5;  // of nine: more than half
@@ -50,7 +51,7 @@ std::optional<float> DepthAt(const DepthImage& depth_m, int u, int v) {
     for (int du = -1; du <= 1; ++du) {
       if (!depth_m.Contains(u + du, v + dv)) continue;
       const float z = depth_m(u + du, v + dv);
-      if (z > 0 && z < kMaxDepth_m) near[count++] = z;
+      if (z > 0 && z < kMaxCornerDepth_m) near[count++] = z;
     }
   }
   if (count < kMinDepths) return std::nullopt;

@@ -8,7 +8,7 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr int kSteps = 20;  // ten until the radius is at its last, ten more to converge
+constexpr int kIcpSteps = 20;  // ten until the radius is at its last, ten more to converge
 constexpr double kFirstRadius_m = 0.30;  // as far as constellations may be off
 constexpr double kShrink = 0.85;  // of the radius, a step: ten from 30 cm to the 6 cm of loops
 
@@ -37,12 +37,12 @@ std::optional<Pose3> AlignLevel(std::span<const Belonging> clouds,
                                 double last_radius_m) {
   Pose3 b_from_a = start;
   double radius_m = kFirstRadius_m;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kIcpSteps; ++step) {
     CorrectionFit fit;
     std::size_t count = 0;
     for (const Belonging& cloud : clouds)
       count += AddNeighbours(cloud, b_from_a, level_from_world, radius_m, fit);
-    if (count < kMinPoints) return std::nullopt;
+    if (count < kMinComparedPoints) return std::nullopt;
     b_from_a = fit.Solve(radius_m, 1.0).InWorld(level_from_world);
     radius_m = std::max(last_radius_m, kShrink * radius_m);
   }

@@ -13,8 +13,9 @@
 namespace deepslam::loop {
 namespace {
 
-constexpr double kFeet_m = 0.1;      // above an object's lowest points
-constexpr float kFarthest_m = 1e5F;  // beyond, cell numbers would overflow; no room is that large
+constexpr double kFeet_m = 0.1;  // above an object's lowest points
+// Beyond, cell numbers would overflow; no room is that large.
+constexpr float kFarthestPoint_m = 1e5F;
 
 struct Cloud {
   const std::vector<Eigen::Vector3f>* points;
@@ -72,7 +73,7 @@ std::vector<Eigen::Vector3f> Thinned(std::span<const Eigen::Vector3f> points, do
   std::set<std::array<std::int32_t, 3>> taken;
   std::vector<Eigen::Vector3f> thinned;
   for (const Eigen::Vector3f& p : points) {
-    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest_m) continue;
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthestPoint_m) continue;
     std::array<std::int32_t, 3> cell{};
     for (std::size_t k = 0; k < 3; ++k) {
       const double value = p[static_cast<Eigen::Index>(k)];

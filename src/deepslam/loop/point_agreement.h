@@ -13,9 +13,9 @@
 namespace deepslam::loop {
 
 // What clouds are thinned to before they are compared.
-inline constexpr double kCell_m = 0.03;
+inline constexpr double kThinnedCell_m = 0.03;
 // Fewer say nothing.
-inline constexpr std::size_t kMinPoints = 30;
+inline constexpr std::size_t kMinComparedPoints = 30;
 
 class PointIndex {
  public:

@@ -1,6 +1,6 @@
 #include "deepslam/loop/registered_pair.h"
 
-#include <numbers>
+#include "deepslam/core/angles.h"
 
 namespace deepslam::loop {
 
@@ -17,8 +17,7 @@ std::string Verdict(const KeyframeRegistration& registration,
 }
 
 bool Within(const Pose3& pose, double max_m, double max_deg) {
-  return pose.translation_m.norm() <= max_m &&
-         RotationAngle(pose.rotation) <= std::numbers::pi / 180 * max_deg;
+  return pose.translation_m.norm() <= max_m && RotationAngle(pose.rotation) <= kRadPerDeg * max_deg;
 }
 
 bool Agrees(const Trajectory& solved,

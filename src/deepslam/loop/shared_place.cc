@@ -27,11 +27,12 @@ bool IsPieceOf(ObjectId piece, ObjectId whole, const LoopEvidence& evidence, dou
   const auto own = evidence.find(piece);
   const auto other = evidence.find(whole);
   if (own == evidence.end() || other == evidence.end()) return false;
-  const std::vector<Eigen::Vector3f> points = Thinned(own->second.depth_points_world, kCell_m);
-  std::vector<Eigen::Vector3f> surface = Thinned(other->second.model_points_world, kCell_m);
-  std::ranges::copy(Thinned(other->second.depth_points_world, kCell_m),
+  const std::vector<Eigen::Vector3f> points =
+      Thinned(own->second.depth_points_world, kThinnedCell_m);
+  std::vector<Eigen::Vector3f> surface = Thinned(other->second.model_points_world, kThinnedCell_m);
+  std::ranges::copy(Thinned(other->second.depth_points_world, kThinnedCell_m),
                     std::back_inserter(surface));
-  return points.size() >= kMinPoints &&
+  return points.size() >= kMinComparedPoints &&
          AgreeingShare(points, {}, PointIndex(std::move(surface)), radius_m) >= kPieceShare;
 }
 

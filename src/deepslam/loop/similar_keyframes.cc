@@ -20,12 +20,12 @@ constexpr std::size_t kBranches = 10;
 constexpr int kDepth = 4;  // up to 10^4 words
 // A node of fewer descriptors has no clusters worth telling apart.
 constexpr std::size_t kMinToSplit = 30;
-constexpr int kRounds = 6;                  // of majority clustering
-constexpr std::size_t kChunk = 1024;        // members in work at a time
-constexpr std::size_t kMaxSamples = 50000;  // descriptors the tree is made of
-constexpr double kCommonWord = 0.2;         // share of the keyframes
-constexpr std::size_t kAlwaysKept = 50;     // keyframes: below, no word is too common
-constexpr std::size_t kNeighbourhood = 3;   // entries: of these only the best is a candidate
+constexpr int kClusterRounds = 6;               // of majority clustering
+constexpr std::size_t kMembersPerChunk = 1024;  // members in work at a time
+constexpr std::size_t kMaxSamples = 50000;      // descriptors the tree is made of
+constexpr double kCommonWord = 0.2;             // share of the keyframes
+constexpr std::size_t kAlwaysKept = 50;         // keyframes: below, no word is too common
+constexpr std::size_t kNeighbourhood = 3;       // entries: of these only the best is a candidate
 
 // Whether more than half of the members have a bit, for all bits at once: `planes[p]` holds the
 // p-th binary digit of the 256 counts.
@@ -147,7 +147,7 @@ class WordTree {
   [[nodiscard]] Clusters Cluster(const Members& members, std::size_t node) const {
     Clusters found;
     found.centres = DrawCentres(members, node);
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kClusterRounds; ++round) {
       std::vector<Members> clusters = Assign(members, found.centres);
       if (clusters == found.members) break;  // and so they would stay
       found.members = std::move(clusters);
@@ -175,10 +175,10 @@ class WordTree {
   [[nodiscard]] std::vector<Members> Assign(const Members& members,
                                             const std::vector<BinaryDescriptor>& centres) const {
     std::vector<std::size_t> nearest(members.size());
-    const std::size_t num_chunks = (members.size() + kChunk - 1) / kChunk;
+    const std::size_t num_chunks = (members.size() + kMembersPerChunk - 1) / kMembersPerChunk;
     ForEach(members.size(), num_chunks, [&](std::size_t chunk) {
-      const std::size_t begin = chunk * kChunk;
-      const std::size_t count = std::min(kChunk, members.size() - begin);
+      const std::size_t begin = chunk * kMembersPerChunk;
+      const std::size_t count = std::min(kMembersPerChunk, members.size() - begin);
       FindNearest(samples_,
                   std::span(members).subspan(begin, count),
                   centres,
@@ -193,7 +193,7 @@ class WordTree {
   // Side by side where there are members enough to be worth it.
   template <typename Body>
   static void ForEach(std::size_t num_members, std::size_t count, const Body& body) {
-    if (num_members > kChunk) return ParallelFor(count, body);
+    if (num_members > kMembersPerChunk) return ParallelFor(count, body);
     for (std::size_t k = 0; k < count; ++k) body(k);
   }
 

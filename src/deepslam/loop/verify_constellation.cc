@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <optional>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/geometry/box.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/correction.h"
@@ -19,7 +19,7 @@ using Points = std::vector<Eigen::Vector3f>;
 constexpr double kBoxShrink = 0.8;
 constexpr double kMaxRefineMove_m =
     0.30;  // farther than registration errors explain: not a refinement
-constexpr double kMaxRefineTurn_rad = 15.0 * std::numbers::pi / 180.0;  // the same for the turn
+constexpr double kMaxRefineTurn_rad = 15.0 * kRadPerDeg;  // the same for the turn
 constexpr double kWorstPairShare = 0.5;  // of min_object_agreement, for every single pair
 
 const MapObject* Find(const ObjectMap& map, ObjectId id) {
@@ -38,8 +38,8 @@ VisitedObject Visited(const LoopEvidence& evidence, ObjectId id) {
   const auto it = evidence.find(id);
   if (it == evidence.end()) return {};
   VisitedObject object;
-  object.depth = Thinned(it->second.depth_points_world, kCell_m);
-  Points surface = Thinned(it->second.model_points_world, kCell_m);
+  object.depth = Thinned(it->second.depth_points_world, kThinnedCell_m);
+  Points surface = Thinned(it->second.model_points_world, kThinnedCell_m);
   surface.insert(surface.end(), object.depth.begin(), object.depth.end());
   object.surface = PointIndex(std::move(surface));
   return object;
@@ -78,7 +78,7 @@ Visit MakeVisit(const ObjectMap& map,
         around.end(), it->second.surroundings_world.begin(), it->second.surroundings_world.end());
   }
   const double ground_top_m = GroundTopOf(evidence, ids, up);
-  for (const Eigen::Vector3f& p : Thinned(around, kCell_m)) {
+  for (const Eigen::Vector3f& p : Thinned(around, kThinnedCell_m)) {
     if (up.dot(p.cast<double>()) < ground_top_m) continue;
     const bool near = std::any_of(ids.begin(), ids.end(), [&](ObjectId id) {
       const MapObject* object = Find(map, id);
@@ -115,7 +115,7 @@ std::optional<double> ObjectAgreement(const VisitedObject& old_object,
                                       const Pose3& old_from_new) {
   std::optional<double> worse;
   const auto add = [&](const VisitedObject& a, const VisitedObject& b, const Pose3& b_from_a) {
-    if (a.depth.size() < kMinPoints || b.surface.size() < kMinPoints) return;
+    if (a.depth.size() < kMinComparedPoints || b.surface.size() < kMinComparedPoints) return;
     const double share =
         AgreeingShare(a.depth, b_from_a, b.surface, LoopOptions::kVerifyDistance_m);
     worse = worse ? std::min(*worse, share) : share;
@@ -133,9 +133,9 @@ std::string Percent(double share) {
 
 // Share of model a's points on or well inside model b.
 double ShareInside(const ObjectEvidence& a, const ObjectEvidence& b, const Pose3& world_from_b) {
-  const Points points = Thinned(a.model_points_world, kCell_m);
-  const Points surface = Thinned(b.model_points_world, kCell_m);
-  if (points.size() < kMinPoints || surface.size() < kMinPoints) return 0;
+  const Points points = Thinned(a.model_points_world, kThinnedCell_m);
+  const Points surface = Thinned(b.model_points_world, kThinnedCell_m);
+  if (points.size() < kMinComparedPoints || surface.size() < kMinComparedPoints) return 0;
   const Pose3 b_from_world = world_from_b.Inverse();
   Box3 box;
   for (const Eigen::Vector3f& p : surface) box.Extend(b_from_world * p.cast<double>());

@@ -16,7 +16,7 @@ namespace {
 using Points = std::vector<Eigen::Vector3f>;
 
 // By this share of the points: support planes slide far on each other for less.
-constexpr double kClearlyBetter = 0.1;
+constexpr double kClearlyBetterSplit = 0.1;
 
 Eigen::Vector3d Mean(const Points& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -29,7 +29,7 @@ Points Surroundings(const ObjectEvidence& visit,
                     const Points& object,
                     const Eigen::Vector3d& up_world) {
   const double ground_top_m = GroundTop_m(object, up_world);
-  Points around = Thinned(visit.surroundings_world, kCell_m);
+  Points around = Thinned(visit.surroundings_world, kThinnedCell_m);
   std::erase_if(around, [&](const Eigen::Vector3f& p) {
     return up_world.dot(p.cast<double>()) < ground_top_m;
   });
@@ -43,7 +43,7 @@ Points Together(Points points, const Points& more) {
 
 struct Seen {
   Seen(const ObjectEvidence& visit, const Eigen::Vector3d& up_world)
-      : object(Thinned(visit.depth_points_world, kCell_m)),
+      : object(Thinned(visit.depth_points_world, kThinnedCell_m)),
         all(Together(object, Surroundings(visit, object, up_world))),
         object_index(object) {}
 
@@ -99,7 +99,7 @@ bool StandApart(const ObjectEvidence& old_visit,
                 const LoopOptions& options) {
   const Seen older(old_visit, up_world);
   const Seen newer(new_visit, up_world);
-  if (std::min(older.object.size(), newer.object.size()) < kMinPoints) return false;
+  if (std::min(older.object.size(), newer.object.size()) < kMinComparedPoints) return false;
   const Eigen::Quaterniond level_from_world = LevelFromWorld(up_world);
   const double radius_m = LoopOptions::kVerifyDistance_m;
   // The object first: around it walls may hold on to where they are.
@@ -114,7 +114,7 @@ bool StandApart(const ObjectEvidence& old_visit,
   if ((*aligned * middle - middle).norm() <= kApart_m) return false;
   const double moved = Agreement(older, newer, *aligned, radius_m);
   const double as_they_stand = Agreement(older, newer, {}, radius_m);
-  return moved >= options.min_object_agreement && moved >= as_they_stand + kClearlyBetter;
+  return moved >= options.min_object_agreement && moved >= as_they_stand + kClearlyBetterSplit;
 }
 
 PartedObjects PartVisits(const Association& association,

@@ -67,11 +67,11 @@ class SeenWall {
   }
   // Whether a surface with this normal at this place may be the wall's.
   [[nodiscard]] bool Holds(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const {
-    constexpr double kFloorBand_m = 0.1;  // where walls meet the ground
+    constexpr double kWallFoot_m = 0.1;  // where walls meet the ground
     const double at_m = Along(p);
     return std::abs(plane().SignedDistance(p)) < options_.max_distance_m && at_m > 0 &&
-           at_m < wall_.length_m() && p.z() > wall_.bottom_m + kFloorBand_m &&
-           p.z() < wall_.top_m && normal.dot(normal_) > min_cosine_;
+           at_m < wall_.length_m() && p.z() > wall_.bottom_m + kWallFoot_m && p.z() < wall_.top_m &&
+           normal.dot(normal_) > min_cosine_;
   }
 
  private:
@@ -86,8 +86,8 @@ class SeenWall {
 std::optional<Plane> FittedPlane(const std::vector<Eigen::Vector3d>& points,
                                  Plane plane,
                                  const WallViewOptions& options) {
-  constexpr int kRounds = 3;  // one with the wide bound, two within noise
-  for (int round = 0; round < kRounds; ++round) {
+  constexpr int kFitRounds = 3;  // one with the wide bound, two within noise
+  for (int round = 0; round < kFitRounds; ++round) {
     double weight = 0;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
@@ -181,9 +181,9 @@ class FrameWalls {
 
   // Of all but the outermost twentieths.
   static double MiddleExtent(std::vector<double>& values) {
-    constexpr std::size_t kOutermost = 20;  // a twentieth at either end
+    constexpr std::size_t kTwentieths = 20;  // a twentieth at either end
     std::sort(values.begin(), values.end());
-    const std::size_t left_out = values.size() / kOutermost;
+    const std::size_t left_out = values.size() / kTwentieths;
     return values[values.size() - 1 - left_out] - values[left_out];
   }
 

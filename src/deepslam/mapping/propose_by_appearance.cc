@@ -16,7 +16,7 @@
 namespace deepslam::mapping {
 namespace {
 
-constexpr std::size_t kBatch = 32;  // keyframes looked at side by side
+constexpr std::size_t kKeyframesAtOnce = 32;  // keyframes looked at side by side
 
 // Which keyframes are looked at, by their place along the path.
 struct Look {
@@ -69,10 +69,10 @@ class PathLook {
 
   Result<AppearanceProposals> Run() {
     const std::size_t num_keyframes = odometry_.keyframes.size();
-    for (std::size_t begin = 0; begin < num_keyframes; begin += kBatch) {
+    for (std::size_t begin = 0; begin < num_keyframes; begin += kKeyframesAtOnce) {
       if (progress_.StopRequested()) return Interrupted();
-      LookAt(begin, std::min(kBatch, num_keyframes - begin));
-      progress_.Report(std::min(begin + kBatch, num_keyframes), num_keyframes);
+      LookAt(begin, std::min(kKeyframesAtOnce, num_keyframes - begin));
+      progress_.Report(std::min(begin + kKeyframesAtOnce, num_keyframes), num_keyframes);
     }
     std::ranges::stable_sort(adjacent_, {}, [](const AppearanceLoop& pair) {
       return std::pair(pair.old_keyframe, pair.new_keyframe);

@@ -11,9 +11,9 @@ namespace {
 
 // The median length of a vector of three normal numbers of deviation 1 (Maxwell's distribution).
 constexpr double kMedianLength = 1.538;
-constexpr std::size_t kFewestPairs = 8;  // their median is then known to 20 %
+constexpr std::size_t kFewestMotions = 8;  // their median is then known to 20 %
 // No recorder is better from keyframe to keyframe.
-constexpr RecordedNoise kLeast{0.002, 0.1 * kRadPerDeg};
+constexpr RecordedNoise kLeastNoise{0.002, 0.1 * kRadPerDeg};
 
 struct Pair {
   const TrackedFrame* before = nullptr;
@@ -50,9 +50,9 @@ RecordedNoise EstimateRecordedNoise(const Odometry& tracked,
     off_m.push_back(off.translation_m.norm());
     off_rad.push_back(RotationAngle(off.rotation));
   }
-  if (off_m.size() < kFewestPairs) return fallback;
-  return {std::max(kLeast.translation_m, Median(off_m) / kMedianLength),
-          std::max(kLeast.rotation_rad, Median(off_rad) / kMedianLength)};
+  if (off_m.size() < kFewestMotions) return fallback;
+  return {std::max(kLeastNoise.translation_m, Median(off_m) / kMedianLength),
+          std::max(kLeastNoise.rotation_rad, Median(off_rad) / kMedianLength)};
 }
 
 std::vector<RelativePose> RecordedEdges(const Odometry& tracked,

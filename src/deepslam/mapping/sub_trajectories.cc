@@ -25,11 +25,11 @@ class EdgeWindow {
 
   // All that join keyframes from `first` to `last`, and some more; both never go back.
   [[nodiscard]] const std::vector<RelativePose>& Around(FrameIdx first, FrameIdx last) {
-    constexpr std::size_t kAtOnce = 256;  // 64 KB
+    constexpr std::size_t kEdgesAtOnce = 256;  // 64 KB
     std::erase_if(edges_, [&](const RelativePose& edge) { return edge.i < first; });
     while (store_ != nullptr && next_ < store_->size() &&
            (edges_.empty() || edges_.back().j <= last)) {
-      const std::size_t count = std::min(kAtOnce, store_->size() - next_);
+      const std::size_t count = std::min(kEdgesAtOnce, store_->size() - next_);
       edges_.resize(edges_.size() + count);
       store_->Read(next_, std::span(edges_).last(count));
       next_ += count;

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::mesh {
@@ -67,8 +67,7 @@ std::optional<Sample> SampleView(const ObjectView& view,
   const std::optional<Eigen::Vector2d> pixel = view.camera.Project(p_camera);
   if (!pixel || !pixel->allFinite() || pixel->cwiseAbs().maxCoeff() > 1e6) return std::nullopt;
   const double cosine = -n_camera.dot(p_camera) / distance;
-  if (cosine < std::cos(ColourOptions::kMaxViewAngle_deg * std::numbers::pi / 180.0))
-    return std::nullopt;
+  if (cosine < std::cos(ColourOptions::kMaxViewAngle_deg * kRadPerDeg)) return std::nullopt;
   const int u = static_cast<int>(std::lround(pixel->x()));
   const int v = static_cast<int>(std::lround(pixel->y()));
   if (!view.depth_crop_m.Contains(u, v)) return std::nullopt;
@@ -144,8 +143,8 @@ Colours SeenColours(const TriangleMesh& mesh,
   }
   Colours colours(mesh.vertices.size());
   // Vertices a thread takes at a time; the result does not depend on it.
-  constexpr std::size_t kChunk = 256;
-  ParallelForChunks(colours.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+  constexpr std::size_t kVerticesPerChunk = 256;
+  ParallelForChunks(colours.size(), kVerticesPerChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       std::vector<Sample> samples;
       for (const auto& [view, camera_from_object] : usable) {

@@ -26,7 +26,7 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
 // Halvings of the permitted shift before the bare voxel boundary, which cannot pierce itself, is
 // taken.
-constexpr int kMaxAttempts = 3;
+constexpr int kExtractAttempts = 3;
 
 Eigen::Vector3f ToObjectUnits(const Eigen::Vector3d& p_voxels) {
   return ((p_voxels.array() * kVoxelSize) - 0.5).matrix().cast<float>();
@@ -77,8 +77,8 @@ TriangleMesh ToTriangleMesh(const SurfaceMesh& mesh) {
 
 Result<TriangleMesh> RelaxUntilClean(const VoxelBoundary& boundary, const SurfaceOptions& options) {
   double shift = SurfaceOptions::kMaxShiftVoxels;
-  for (int attempt = 0; attempt <= kMaxAttempts; ++attempt, shift *= 0.5) {
-    const bool last = attempt == kMaxAttempts;
+  for (int attempt = 0; attempt <= kExtractAttempts; ++attempt, shift *= 0.5) {
+    const bool last = attempt == kExtractAttempts;
     const std::vector<Eigen::Vector3d> points =
         last ? boundary.vertices : RelaxBoundary(boundary, options.iterations, shift);
     const Result<SurfaceMesh> mesh = Triangulated(points, boundary);

@@ -17,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
 #include "deepslam/mesh/check_mesh.h"
 #include "deepslam/mesh/surface_distance.h"
@@ -88,7 +89,7 @@ using Decimater = OpenMesh::Decimater::DecimaterT<Mesh>;
 
 // A collapse may not turn a face by more than this, deg.
 constexpr double kMaxNormalTurnDeg = 60.0;
-constexpr int kMaxAttempts = 4;  // each with half the bound of the last
+constexpr int kRefineAttempts = 4;  // each with half the bound of the last
 // Shares of the bound: smoothing keeps to its share exactly, decimation bounds a mean, of which the
 // maximum is a multiple. On furniture these keep to the bound at the first attempt.
 constexpr double kSmoothingShare = 0.3;
@@ -236,7 +237,7 @@ void Decimate(Mesh& mesh, double max_distance, const RefineOptions& options) {
   decimater.add(distance);
   decimater.module(distance).set_max_distance(max_distance);
   decimater.module(distance).set_max_edge(options.max_edge);
-  decimater.module(distance).set_max_normal_turn(kMaxNormalTurnDeg / 180.0 * M_PI);
+  decimater.module(distance).set_max_normal_turn(kMaxNormalTurnDeg * kRadPerDeg);
   if (!decimater.initialize()) return;
   decimater.decimate_to_faces(0, static_cast<std::size_t>(options.target_faces));
   mesh.garbage_collection();
@@ -259,7 +260,7 @@ Result<TriangleMesh> RefineMesh(const TriangleMesh& source, const RefineOptions&
   const MeshCheck before = CheckMesh(source);
   if (!before.ok()) return InvalidInput("mesh to refine: " + before.fault);
   double bound = options.max_error;
-  for (int attempt = 0; attempt < kMaxAttempts; ++attempt, bound *= 0.5) {
+  for (int attempt = 0; attempt < kRefineAttempts; ++attempt, bound *= 0.5) {
     std::optional<Mesh> mesh = ToOpenMesh(source);
     if (!mesh) return InvalidInput("mesh to refine: vertices at one place must be one vertex");
     mesh->request_face_status();

@@ -16,9 +16,10 @@
 namespace deepslam::mesh {
 namespace {
 
-constexpr double kSame_m = 1e-4;    // breaks nearer than this are one
-constexpr int kMostSteps = 400;     // along a side: walls of a hall, a vertex every decimetre
-constexpr double kSeenShare = 0.1;  // of the cells; of less, a mean colour says nothing of the wall
+constexpr double kSameBreak_m = 1e-4;  // breaks nearer than this are one
+constexpr int kMostSlabSteps = 400;    // along a side: walls of a hall, a vertex every decimetre
+// Of the cells; of less, a mean colour says nothing of the wall.
+constexpr double kColouredShare = 0.1;
 // Of a face's raster of colours; bounds memory on huge walls.
 constexpr std::size_t kMostCells = 40'000;
 
@@ -31,9 +32,9 @@ std::vector<double> BreaksOf(double low, double high, std::vector<double> cuts, 
   std::vector<double> coarse;
   for (const double cut : cuts) {
     if (cut < low || cut > high) continue;
-    if (coarse.empty() || cut - coarse.back() > kSame_m) coarse.push_back(cut);
+    if (coarse.empty() || cut - coarse.back() > kSameBreak_m) coarse.push_back(cut);
   }
-  const double step = std::max(step_m, (high - low) / kMostSteps);
+  const double step = std::max(step_m, (high - low) / kMostSlabSteps);
   std::vector<double> breaks;
   for (std::size_t n = 0; n + 1 < coarse.size(); ++n) {
     const double width = coarse[n + 1] - coarse[n];
@@ -169,7 +170,7 @@ Rgb8 MeanOf(const Image<Rgb8>& image) {
 }  // namespace
 
 TriangleMesh MakeSlab(const Slab& slab) {
-  const auto positive = [](double size) { return std::isfinite(size) && size > kSame_m; };
+  const auto positive = [](double size) { return std::isfinite(size) && size > kSameBreak_m; };
   if (!positive(slab.right_m - slab.left_m) || !positive(slab.top_m - slab.bottom_m) ||
       !positive(slab.thickness_m) || !positive(slab.step_m))
     return {};
@@ -199,7 +200,7 @@ void ColourSlab(const TriangleMesh& surface_world,
   if (raster.empty()) return;
   const Image<Rgb8> colours = raster.Filled();
   const double num_cells = static_cast<double>(colours.width()) * colours.height();
-  if (static_cast<double>(seen.size()) < kSeenShare * num_cells) return;
+  if (static_cast<double>(seen.size()) < kColouredShare * num_cells) return;
   const Rgb8 mean = MeanOf(colours);
   mesh.colours.clear();
   for (const Eigen::Vector3f& p : mesh.vertices) {

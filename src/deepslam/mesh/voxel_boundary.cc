@@ -11,10 +11,11 @@ namespace {
 
 // One free voxel all round, so that no neighbour lookup leaves the array and a full grid is closed
 // off.
-constexpr int kSide = kGridSize + 2;
-constexpr std::size_t kCount = static_cast<std::size_t>(kSide) * kSide * kSide;
+constexpr int kPaddedSide = kGridSize + 2;
+constexpr std::size_t kNumPaddedVoxels =
+    static_cast<std::size_t>(kPaddedSide) * kPaddedSide * kPaddedSide;
 constexpr std::array<std::ptrdiff_t, 3> kStep = {
-    static_cast<std::ptrdiff_t>(kSide) * kSide, kSide, 1};
+    static_cast<std::ptrdiff_t>(kPaddedSide) * kPaddedSide, kPaddedSide, 1};
 
 using Solid = std::vector<std::uint8_t>;
 
@@ -28,7 +29,7 @@ std::uint8_t At(const Solid& solid, std::ptrdiff_t offset) {
 }
 
 Solid Padded(const VoxelGrid& grid) {
-  Solid solid(kCount, 0);
+  Solid solid(kNumPaddedVoxels, 0);
   for (int i = 0; i < kGridSize; ++i) {
     for (int j = 0; j < kGridSize; ++j) {
       for (int k = 0; k < kGridSize; ++k) {
@@ -40,7 +41,7 @@ Solid Padded(const VoxelGrid& grid) {
 }
 
 bool Inside(std::ptrdiff_t offset) {
-  return offset >= 0 && offset < static_cast<std::ptrdiff_t>(kCount);
+  return offset >= 0 && offset < static_cast<std::ptrdiff_t>(kNumPaddedVoxels);
 }
 
 // Marks the 6-connected piece of equal occupancy around `seed` with `label`; returns its size. The
@@ -89,9 +90,9 @@ bool FillCavities(Solid& solid) {
 }
 
 void DropSmallParts(Solid& solid, double min_share) {
-  std::vector<int> labels(kCount, 0);
+  std::vector<int> labels(kNumPaddedVoxels, 0);
   std::vector<std::size_t> sizes = {0};
-  for (std::size_t n = 0; n < kCount; ++n) {
+  for (std::size_t n = 0; n < kNumPaddedVoxels; ++n) {
     if (solid[n] == 0 || labels[n] != 0) continue;
     sizes.push_back(
         Flood(solid, static_cast<std::ptrdiff_t>(n), static_cast<int>(sizes.size()), labels));
@@ -101,7 +102,7 @@ void DropSmallParts(Solid& solid, double min_share) {
   const std::size_t largest = *std::max_element(sizes.begin(), sizes.end());
   const double bound =
       std::min(static_cast<double>(largest), min_share * static_cast<double>(total));
-  for (std::size_t n = 0; n < kCount; ++n) {
+  for (std::size_t n = 0; n < kNumPaddedVoxels; ++n) {
     if (solid[n] != 0 && static_cast<double>(sizes[static_cast<std::size_t>(labels[n])]) < bound) {
       solid[n] = 0;
     }
@@ -163,9 +164,9 @@ void MakeWellComposed(Solid& solid) {
   bool changed = true;
   while (changed) {
     changed = false;
-    for (int i = 0; i + 1 < kSide; ++i) {
-      for (int j = 0; j + 1 < kSide; ++j) {
-        for (int k = 0; k + 1 < kSide; ++k) {
+    for (int i = 0; i + 1 < kPaddedSide; ++i) {
+      for (int j = 0; j + 1 < kPaddedSide; ++j) {
+        for (int k = 0; k + 1 < kPaddedSide; ++k) {
           const std::ptrdiff_t at = Offset(i, j, k);
           changed |= FixSquare(solid, at, kStep[0], kStep[1]);
           changed |= FixSquare(solid, at, kStep[0], kStep[2]);
@@ -190,12 +191,12 @@ int RunLength(const Solid& solid, std::ptrdiff_t offset, std::ptrdiff_t step, in
 
 class BoundaryBuilder {
  public:
-  explicit BoundaryBuilder(const Solid& solid) : solid_(solid), ids_(kCount, kNone) {}
+  explicit BoundaryBuilder(const Solid& solid) : solid_(solid), ids_(kNumPaddedVoxels, kNone) {}
 
   VoxelBoundary Build() && {
-    for (int i = 1; i + 1 < kSide; ++i) {
-      for (int j = 1; j + 1 < kSide; ++j) {
-        for (int k = 1; k + 1 < kSide; ++k) {
+    for (int i = 1; i + 1 < kPaddedSide; ++i) {
+      for (int j = 1; j + 1 < kPaddedSide; ++j) {
+        for (int k = 1; k + 1 < kPaddedSide; ++k) {
           if (At(solid_, Offset(i, j, k)) == 0) continue;
           for (int axis = 0; axis < 3; ++axis) {
             AddFace({i, j, k}, axis, false);

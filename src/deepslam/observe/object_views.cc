@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/parallel.h"
 
 namespace deepslam::observe {
@@ -65,7 +66,7 @@ void ChooseViews(std::vector<Candidate>& candidates, const ViewOptions& options)
   for (const Candidate& c : candidates) {
     middle += c.place_world / static_cast<double>(candidates.size());
   }
-  const double spread_rad = options.spread_deg * std::numbers::pi / 180.0;
+  const double spread_rad = options.spread_deg * kRadPerDeg;
   std::vector<double> nearest_rad(candidates.size(), std::numbers::pi);
   for (int k = 0; k < options.max_views; ++k) {
     std::size_t best = candidates.size();

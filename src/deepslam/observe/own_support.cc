@@ -11,8 +11,9 @@
 namespace deepslam::observe {
 namespace {
 
-constexpr int kPointsPerView = 500;     // of one view: the lowest two in a hundred are then ten
-constexpr std::size_t kMinPoints = 30;  // of all views; of fewer, one stray would decide the foot
+constexpr int kFootPointsPerView = 500;  // of one view: the lowest two in a hundred are then ten
+// Of all views; of fewer, one stray would decide the foot.
+constexpr std::size_t kMinFootPoints = 30;
 // Share of points below the foot: strays at the silhouette's border.
 constexpr double kStrayShare = 0.02;
 // Of things that may stand on the floor: a foot that something hides is seen to end this high
@@ -25,10 +26,10 @@ std::optional<double> FootOf(std::span<const ObjectView> views) {
   for (const ObjectView& view : views) {
     if (!view.ground_camera) continue;
     for (const Eigen::Vector3f& p_camera :
-         shape::ExtractViewPoints(view, kPointsPerView).points_camera)
+         shape::ExtractViewPoints(view, kFootPointsPerView).points_camera)
       heights_m.push_back(view.ground_camera->SignedDistance(p_camera.cast<double>()));
   }
-  if (heights_m.size() < kMinPoints) return std::nullopt;
+  if (heights_m.size() < kMinFootPoints) return std::nullopt;
   const auto n = static_cast<std::size_t>(kStrayShare * static_cast<double>(heights_m.size()));
   return OrderStatistic(heights_m, n);
 }

@@ -13,7 +13,7 @@ namespace {
 // Aliases can make a small file huge: what no honest configuration reaches is refused.
 constexpr std::size_t kMaxBytes = 1U << 20;
 constexpr std::size_t kMaxValues = 10'000;  // entries: far more than there are options
-constexpr int kMaxDepth = 8;                // maps in maps; options nest far less deep
+constexpr int kMaxNesting = 8;              // maps in maps; options nest far less deep
 
 class Flattener {
  public:
@@ -23,7 +23,7 @@ class Flattener {
   void Flatten(const YAML::Node& node, const std::string& prefix, int depth) {
     for (const auto& item : node) {
       // Whatever an entry is: aliases repeat faulty ones as well.
-      if (++num_entries_ > kMaxValues || depth > kMaxDepth) {
+      if (++num_entries_ > kMaxValues || depth > kMaxNesting) {
         if (!overflow_) Fault(node, "holds more or deeper entries than any configuration");
         overflow_ = true;
       }

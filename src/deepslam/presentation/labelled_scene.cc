@@ -23,12 +23,12 @@ std::optional<TriangleMesh> GroundMesh(const FinishedMap& finished,
   if (!finished.map.has_ground) return std::nullopt;
   std::vector<Eigen::Vector2d> points;
   for (const Eigen::Vector3f& vertex : finished.room_world.vertices) {
-    if (std::abs(vertex.z()) < kFloorBandM) points.emplace_back(vertex.x(), vertex.y());
+    if (std::abs(vertex.z()) < kRoomFloorBandM) points.emplace_back(vertex.x(), vertex.y());
   }
   const Result<TriangleMesh> polygon = mesh::GroundPolygon(points);
   if (!polygon.ok()) return std::nullopt;  // floor never seen: the scene goes without
   return mesh::ColouredGround(
-      RoundedGround(*polygon), finished.room_world, kFloorBandM, options.colour_step_m);
+      RoundedGround(*polygon), finished.room_world, kRoomFloorBandM, options.colour_step_m);
 }
 
 // A mesh in its class colour alone has no colours of its own: objects of one model can share it

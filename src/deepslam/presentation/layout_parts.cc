@@ -16,7 +16,7 @@
 namespace deepslam::presentation {
 namespace {
 
-constexpr double kThickness_m = 0.06;  // of slabs; walls are thicker, but this is what was seen
+constexpr double kSlabThickness_m = 0.06;  // of slabs; walls are thicker, but this is what was seen
 constexpr double kLeastThickness_m = 0.005;  // thinner slabs' faces fight for pixels at a distance
 constexpr double kDoorFrame_m = 0.06;        // width of a door's frame
 constexpr double kFrameDepth_m = 0.02;       // it stands out of the wall by so much
@@ -39,11 +39,11 @@ Pose3 WorldFromWall(const LayoutWall& wall) {
           {wall.from_m.x(), wall.from_m.y(), 0}};
 }
 
-// Half of what lies between this face and the one behind it, at most kThickness_m.
+// Half of what lies between this face and the one behind it, at most kSlabThickness_m.
 double SlabThickness(const Layout& layout, const LayoutWall& wall) {
   constexpr double kLessThanHalf = 0.48;  // two slabs that touched would be one mesh to no one
   const double wall_m = ThicknessOf(layout, wall).value_or(kThickestWall_m);
-  return std::max(kLeastThickness_m, std::min(kThickness_m, kLessThanHalf * wall_m));
+  return std::max(kLeastThickness_m, std::min(kSlabThickness_m, kLessThanHalf * wall_m));
 }
 
 TriangleMesh Placed(TriangleMesh mesh, const Pose3& world_from_mesh) {
@@ -142,7 +142,7 @@ class PartMaker {
                 const std::vector<Eigen::Vector2d>& polygon_m,
                 double bottom_m) {
     // An outline that crosses itself has no inside: the room then goes without.
-    Result<TriangleMesh> prism = mesh::MakePrism(polygon_m, kThickness_m);
+    Result<TriangleMesh> prism = mesh::MakePrism(polygon_m, kSlabThickness_m);
     if (!prism.ok()) return;
     part.mesh_world =
         Placed(std::move(prism).value(), {Eigen::Quaterniond::Identity(), {0, 0, bottom_m}});
@@ -155,7 +155,7 @@ class PartMaker {
     floor.rooms = {static_cast<int>(number)};
     floor.figures = {{"area_m2", AreaOf(room.polygon_m)}, {"height_m", room.floor_m}};
     floor.colour = kFloorColour;
-    AddPrism(std::move(floor), room.polygon_m, room.floor_m - kUnderGround_m - kThickness_m);
+    AddPrism(std::move(floor), room.polygon_m, room.floor_m - kUnderGround_m - kSlabThickness_m);
     if (!HasCeiling(room)) return;
     gltf::GltfPart ceiling = PartOf("ceiling", number);
     ceiling.rooms = {static_cast<int>(number)};

@@ -123,10 +123,11 @@ std::vector<Eigen::Vector3f> MeasuredPoints(const MapObject& object,
                                             const OptimizedMap& map,
                                             const FrameSource& frames,
                                             int max_points_per_view) {
-  constexpr int kMaxViews = 4;  // frames read for a picture's points: they spread over all sides
+  // Frames read for a picture's points: they spread over all sides.
+  constexpr int kMaxPicturedViews = 4;
   std::vector<Eigen::Vector3f> points_world;
   if (max_points_per_view <= 0) return points_world;
-  for (const Segment* segment : Spread(SegmentsOf(object, segments), kMaxViews)) {
+  for (const Segment* segment : Spread(SegmentsOf(object, segments), kMaxPicturedViews)) {
     const Result<Frame> frame = frames.Read(segment->frame);
     if (!frame.ok()) continue;
     AppendPoints(*segment,

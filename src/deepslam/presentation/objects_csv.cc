@@ -1,10 +1,10 @@
 #include "deepslam/presentation/objects_csv.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/check.h"
 
 namespace deepslam::presentation {
@@ -44,7 +44,7 @@ std::string EncodeObjectsCsv(std::span<const CompactObject> objects,
         t.x(),
         t.y(),
         t.z(),
-        std::atan2(front.y(), front.x()) * 180.0 / std::numbers::pi,
+        std::atan2(front.y(), front.x()) * kDegPerRad,
         entry.confidence,
         NameOf(entry.source),
         Quoted(entry.credit),

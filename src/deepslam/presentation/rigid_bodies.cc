@@ -23,8 +23,8 @@ namespace {
 
 // Feet end unevenly by what voxels and depth leave; a foot that was not seen ends higher.
 constexpr std::array kFootBands_m = {0.01, 0.025, 0.05, 0.1};
-constexpr double kFooting_m = 0.02;  // the centre of mass lies so far within what it stands on
-constexpr double kGap_m = 0.002;     // between things: margins of engines are 1 mm
+constexpr double kFooting_m = 0.02;   // the centre of mass lies so far within what it stands on
+constexpr double kBodyGap_m = 0.002;  // between things: margins of engines are 1 mm
 constexpr double kSmallestPiece_m = 0.002;  // engines take nothing thinner
 constexpr double kFloorUnder_m =
     0.01;  // floors of rooms lie so far below their level (LayoutParts)
@@ -170,7 +170,7 @@ class BodyMaker {
       // Things rest on floors: cut along them they would no longer touch.
       if (parts_[n].kind != "floor") things.push_back({bodies_.parts[n].pieces, true});
     }
-    convex::Separate(things, kGap_m);
+    convex::Separate(things, kBodyGap_m);
     for (std::size_t n = 0; n < bodies_.objects.size(); ++n) TakeBack(n, things[n].pieces);
     return std::move(bodies_);
   }

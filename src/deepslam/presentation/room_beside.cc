@@ -25,9 +25,10 @@ TriangleMesh RoomBeside(const TriangleMesh& room_world,
     for (Eigen::Vector3f& p : placed[i].vertices)
       p = (objects[i].world_from_object * p.cast<double>()).cast<float>();
   }
-  TriangleMesh room = mesh::WithoutObjects(room_world, placed, kObjectRimM, kFloorBandM);
-  if (!parts_world.empty()) room = mesh::WithoutObjects(room, parts_world, kWallRimM, kFloorBandM);
-  if (ground) room = mesh::WithoutFloor(room, *ground, kFloorBandM);
+  TriangleMesh room = mesh::WithoutObjects(room_world, placed, kObjectRimM, kRoomFloorBandM);
+  if (!parts_world.empty())
+    room = mesh::WithoutObjects(room, parts_world, kWallRimM, kRoomFloorBandM);
+  if (ground) room = mesh::WithoutFloor(room, *ground, kRoomFloorBandM);
   return fuse::CanonicalMesh(fuse::WithoutSmallComponents(room, kMinPieceFaces));
 }
 

@@ -9,7 +9,7 @@
 
 namespace deepslam::presentation {
 
-inline constexpr double kFloorBandM = 0.04;  // measured points this near to z = 0 are floor
+inline constexpr double kRoomFloorBandM = 0.04;  // measured points this near to z = 0 are floor
 inline constexpr double kObjectRimM = 0.05;  // depth this near to an object's mesh is the object's
 
 inline constexpr double kWallRimM = 0.07;  // and this near to a part of the room itself, the part's

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -11,6 +10,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "deepslam/core/angles.h"
 
 namespace deepslam::presentation {
 namespace {
@@ -115,7 +116,7 @@ Json ObjectJson(const GraphObject& object) {
             {"rotation_xyzw", Numbers(pose.rotation)}}},
       {"axis_aligned_box",
        Json{{"min_m", Numbers(object.box_world.min)}, {"max_m", Numbers(object.box_world.max)}}},
-      {"heading_deg", std::atan2(front.y(), front.x()) * 180 / std::numbers::pi},
+      {"heading_deg", std::atan2(front.y(), front.x()) * kDegPerRad},
       {"has_front", object.has_front},
       {"has_mesh", object.has_mesh},
       {"volume_m3", object.volume_m3},

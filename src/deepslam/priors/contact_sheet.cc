@@ -7,7 +7,7 @@
 namespace deepslam::priors {
 namespace {
 
-constexpr int kPlaces = 7;  // tiles of a row beside the crops
+constexpr int kTilesInRow = 7;  // tiles of a row beside the crops
 
 Image<std::uint8_t> Shadow(const VoxelGrid& shape, bool from_front) {
   Image<std::uint8_t> image(kGridSize, kGridSize, 255);
@@ -32,8 +32,9 @@ ColourImage DrawContactSheet(std::span<const SheetRow> rows) {
   std::size_t most_views = 1;
   for (const SheetRow& row : rows) most_views = std::max(most_views, row.views.size());
   const int views = static_cast<int>(most_views);
-  ColourImage sheet(
-      (views + kPlaces) * kTileSide, static_cast<int>(rows.size()) * kTileSide, {255, 255, 255});
+  ColourImage sheet((views + kTilesInRow) * kTileSide,
+                    static_cast<int>(rows.size()) * kTileSide,
+                    {255, 255, 255});
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = static_cast<int>(n);
     for (std::size_t k = 0; k < rows[n].views.size(); ++k)

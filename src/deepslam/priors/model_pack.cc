@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view kMagic = "DSMODELS";
 constexpr std::uint32_t kVersion = 1;    // raised when the layout changes; older ones are read
 constexpr std::size_t kHashLength = 64;  // hexadecimal
-constexpr float kSteps = 65535;          // along each side of a mesh's box
+constexpr float kCornerSteps = 65535;    // along each side of a mesh's box
 constexpr unsigned kBetweenArms = 1;     // bit of the flags: the model has a seat between arms
 constexpr unsigned kColours = 2;         // bit of the flags: colours of vertices follow
 // A bit a voxel.
@@ -70,7 +70,7 @@ RoundedMesh RoundMesh(const TriangleMesh& mesh) {
           const float share =
               (mesh.vertices[vertex][axis] - rounded.low[axis]) / rounded.size[axis];
           corner[static_cast<std::size_t>(axis)] =
-              static_cast<std::uint16_t>(std::lround(share * kSteps));
+              static_cast<std::uint16_t>(std::lround(share * kCornerSteps));
         }
       }
       Rgb8 colour = mesh.colours.empty() ? Rgb8{} : mesh.colours[vertex];
@@ -229,7 +229,7 @@ void ReadVertices(const Eigen::Vector3f& low,
     unsigned step = 0;
     for (std::size_t n = 0; n < vertices.size(); ++n) {
       step = (step + (At(high_bytes, n) << 8U) + At(low_bytes, n)) & 0xFFFFU;
-      vertices[n][axis] = low[axis] + size[axis] * (static_cast<float>(step) / kSteps);
+      vertices[n][axis] = low[axis] + size[axis] * (static_cast<float>(step) / kCornerSteps);
     }
   }
 }

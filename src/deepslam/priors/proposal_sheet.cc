@@ -27,9 +27,9 @@ Eigen::Matrix3d CameraAxes(const SeenShape& seen) {
 }  // namespace
 
 Image<std::uint8_t> DrawShape(const SeenShape& seen) {
-  constexpr int kSide = propose::kCropSide;
-  Image<std::uint8_t> image(kSide, kSide, 255);
-  Image<float> nearest(kSide, kSide, -1e9F);
+  constexpr int kSheetSide = propose::kCropSide;
+  Image<std::uint8_t> image(kSheetSide, kSheetSide, 255);
+  Image<float> nearest(kSheetSide, kSheetSide, -1e9F);
   const Eigen::Matrix3d axes = CameraAxes(seen);
   for (int x = 0; x < kGridSize; ++x) {
     for (int y = 0; y < kGridSize; ++y) {
@@ -37,12 +37,12 @@ Image<std::uint8_t> DrawShape(const SeenShape& seen) {
         if (seen.shape.occupied[VoxelGrid::Index(x, y, z)] == 0) continue;
         const Eigen::Vector3d p =
             axes * (Eigen::Vector3d(x, y, z) + Eigen::Vector3d::Constant(0.5 - kHalfGrid));
-        const int u0 = static_cast<int>(std::floor(0.5 * kSide + kPxPerVoxel * p.x() - 1));
-        const int v0 = static_cast<int>(std::floor(0.5 * kSide - kPxPerVoxel * p.y() - 1));
+        const int u0 = static_cast<int>(std::floor(0.5 * kSheetSide + kPxPerVoxel * p.x() - 1));
+        const int v0 = static_cast<int>(std::floor(0.5 * kSheetSide - kPxPerVoxel * p.y() - 1));
         const float towards = static_cast<float>(p.z());
         const double grey = 120 + 110 * p.z() / kHalfGrid;
-        for (int v = std::max(0, v0); v < std::min(kSide, v0 + 3); ++v) {
-          for (int u = std::max(0, u0); u < std::min(kSide, u0 + 3); ++u) {
+        for (int v = std::max(0, v0); v < std::min(kSheetSide, v0 + 3); ++v) {
+          for (int u = std::max(0, u0); u < std::min(kSheetSide, u0 + 3); ++u) {
             if (nearest(u, v) >= towards) continue;
             nearest(u, v) = towards;
             image(u, v) = static_cast<std::uint8_t>(std::clamp(grey, 10.0, 235.0));

@@ -305,24 +305,25 @@ void AddDepthNoise(Random& random, Raster& raster) {
 
 // Along rows, then along columns; pixels outside the mask do not take part.
 void BlurColour(float sigma_px, Raster& raster) {
-  constexpr int kReach = 2;  // px; at a deviation of 1.2 px the next would weigh 4 %
+  constexpr int kBlurReach_px = 2;  // px; at a deviation of 1.2 px the next would weigh 4 %
   const std::array weights = {
       1.0F, std::exp(-0.5F / (sigma_px * sigma_px)), std::exp(-2.0F / (sigma_px * sigma_px))};
   // Colour and one, or four zeros outside the mask; with a rim of zeros.
-  Image<Eigen::Vector4f> before(
-      raster.width() + 2 * kReach, raster.height() + 2 * kReach, Eigen::Vector4f::Zero());
+  Image<Eigen::Vector4f> before(raster.width() + 2 * kBlurReach_px,
+                                raster.height() + 2 * kBlurReach_px,
+                                Eigen::Vector4f::Zero());
   for (const bool along_rows : {true, false}) {
     for (int v = 0; v < raster.height(); ++v) {
       for (int u = 0; u < raster.width(); ++u) {
         if (raster.mask(u, v) == 0) continue;
-        before(u + kReach, v + kReach) << raster.colour(u, v), 1.0F;
+        before(u + kBlurReach_px, v + kBlurReach_px) << raster.colour(u, v), 1.0F;
       }
     }
     const std::ptrdiff_t next = along_rows ? 1 : before.width();
     for (int v = 0; v < raster.height(); ++v) {
       for (int u = 0; u < raster.width(); ++u) {
         if (raster.mask(u, v) == 0) continue;
-        const Eigen::Vector4f* const at = &before(u + kReach, v + kReach);
+        const Eigen::Vector4f* const at = &before(u + kBlurReach_px, v + kBlurReach_px);
         const Eigen::Vector4f sum = at[0] + weights[2] * at[-2 * next] + weights[1] * at[-next] +
                                     weights[1] * at[next] + weights[2] * at[2 * next];
         raster.colour(u, v) = sum.head<3>() / sum.w();

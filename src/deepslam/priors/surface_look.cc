@@ -144,18 +144,18 @@ class GammaCurve {
  public:
   explicit GammaCurve(float gamma) {
     for (std::size_t n = 0; n < values_.size(); ++n)
-      values_[n] = std::pow(static_cast<float>(n) / kSteps, 2 * gamma);
+      values_[n] = std::pow(static_cast<float>(n) / kTableSteps, 2 * gamma);
   }
   float operator()(float x) const {
-    const float at = kSteps * std::sqrt(x);
+    const float at = kTableSteps * std::sqrt(x);
     const auto n = std::min(static_cast<std::size_t>(at), values_.size() - 2);
     return values_[n] + (at - static_cast<float>(n)) * (values_[n + 1] - values_[n]);
   }
 
  private:
   // Lines between so many steps are off by less than a grey level.
-  static constexpr int kSteps = 128;
-  std::array<float, kSteps + 1> values_{};
+  static constexpr int kTableSteps = 128;
+  std::array<float, kTableSteps + 1> values_{};
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/priors/raster.h"
 #include "deepslam/priors/segment_faults.h"
@@ -26,8 +27,8 @@ constexpr double kFocal_px = 525;  // of a 640 x 480 camera
 constexpr double kMostPixels = 128;
 // The part alone then has about as many as a whole object.
 constexpr double kMostPixelsForPart = 190;
-constexpr double kPartShare = 0.15;     // of the views with faults
-constexpr double kLeastVisible = 0.12;  // of the object, or another view is drawn
+constexpr double kPartViewShare = 0.15;  // of the views with faults
+constexpr double kLeastVisible = 0.12;   // of the object, or another view is drawn
 constexpr int kMostTries = 12;  // draws of a view before it is taken as it is, without faults
 
 struct Sight {
@@ -55,7 +56,7 @@ Sight DrawSight(Random& random, const Eigen::Vector3d& size_m, bool faults) {
   const auto aside = [&] { return 0.2 * random.Uniform(-1, 1); };
   const Eigen::Vector3d target = Eigen::Vector3d(aside(), aside(), aside()).cwiseProduct(size_m);
   sight.object_from_camera = render::LookAt(position, target);
-  const double roll_rad = faults ? 5.0 * kPi / 180.0 * std::clamp(random.Normal(), -2.5, 2.5) : 0.0;
+  const double roll_rad = faults ? 5.0 * kRadPerDeg * std::clamp(random.Normal(), -2.5, 2.5) : 0.0;
   sight.object_from_camera.rotation =
       sight.object_from_camera.rotation *
       Eigen::Quaterniond(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()));
@@ -164,7 +165,7 @@ ObjectView ToObjectView(const Raster& raster) {
 // The ground as a capture tells it.
 Plane MeasuredGround(Random& random, const Plane& ground_camera) {
   // 0.7 deg, one standard deviation: error of a measured ground.
-  constexpr double kTilt_rad = 0.7 * kPi / 180.0;
+  constexpr double kTilt_rad = 0.7 * kRadPerDeg;
   constexpr double kHeight_m = 0.01;  // one standard deviation
   const auto off = [&random] { return std::clamp(random.Normal(), -2.5, 2.5); };
   const Eigen::Vector3d tilt = kTilt_rad * Eigen::Vector3d(off(), off(), off());
@@ -207,7 +208,7 @@ Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
 
 Left DrawLeft(Random& random, const ViewOptions& options) {
   if (options.top_share > 0 && random.Uniform() < options.top_share) return Left::kTop;
-  return random.Uniform() < kPartShare ? Left::kPart : Left::kWhole;
+  return random.Uniform() < kPartViewShare ? Left::kPart : Left::kWhole;
 }
 
 double VisibleShare(const Raster& raster) {
