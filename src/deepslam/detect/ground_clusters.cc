@@ -16,8 +16,8 @@ namespace {
 constexpr double kThin_m = 0.08;     // a flat thing this thin ...
 constexpr double kThinTall_m = 1.2;  // ... and this tall is a piece of wall or a door
 constexpr int kBorder_px = 4;        // depth often ends a few pixels before the picture does
-constexpr double kBorderShare =
-    0.25;  // of the cluster's height in the image that may run along one border
+// Of the cluster's height in the image that may run along one border.
+constexpr double kBorderShare = 0.25;
 constexpr std::size_t kOutermost = 100;  // part of the points at either end that may be noise
 
 std::array<int, 8> Neighbours(int cell, int side) {

@@ -15,8 +15,8 @@
 namespace deepslam::detect {
 namespace {
 
-constexpr int kDynamicSide =
-    640;  // input side where the network leaves it open; what the family is trained at
+// Input side where the network leaves it open; what the family is trained at.
+constexpr int kDynamicSide = 640;
 constexpr float kPadValue = 114.0F;  // grey the family is trained with
 
 std::vector<std::int64_t> FirstInputShape(const Ort::Session& session) {

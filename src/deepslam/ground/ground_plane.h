@@ -41,8 +41,8 @@ struct GroundOptions {
   // Planes closer than this in height are one level: drift of tracking in a room stays below, a
   // step or a low table above.
   static constexpr double kLevelSeparation_m = 0.15;
-  // Draws of three points per plane: with a fifth of the points on it, none fails more often than
-  // in one of ten.
+  // Draws per plane of a point, whose normal gives the plane: nine of them lie on one of the
+  // smallest planes looked for, 3 % of the points, and the best of nine normals is little off.
   static constexpr int kNumRansacDraws = 300;
   // Length over which depth errors are shared, pixels of a 640 pixel wide image, as in tracking
   // (alignment_options.h); it scales the information.

@@ -17,8 +17,8 @@ using Points = std::vector<Eigen::Vector3f>;
 
 // Of the sides: what lies well inside a hollow model counts as inside.
 constexpr double kBoxShrink = 0.8;
-constexpr double kMaxRefineMove_m =
-    0.30;  // farther than registration errors explain: not a refinement
+// Farther than registration errors explain: not a refinement.
+constexpr double kMaxRefineMove_m = 0.30;
 constexpr double kMaxRefineTurn_rad = 15.0 * kRadPerDeg;  // the same for the turn
 constexpr double kWorstPairShare = 0.5;  // of min_object_agreement, for every single pair
 
