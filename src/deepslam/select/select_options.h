@@ -44,7 +44,7 @@ struct SelectOptions {
   // Things whose longest side is smaller are left out of the map.
   double min_size_m = 0.25;
   // What no detection names is left out of the map where its confidence is below this.
-  double min_unnamed_confidence = 0.1;
+  double min_unnamed_confidence = 0.25;
   // Score at which an object is as likely right as wrong, in the rule that lowers the confidence
   // of objects with a low score.
   static constexpr double kGoodScore = 0.6;
