@@ -57,7 +57,8 @@ class CompleteModelTest : public testing::Test {
       staged.push_back(testing_support::LookAt(seen, azimuth_rad, elevation_rad));
     std::vector<PlacedView> placed;
     for (const auto& view : staged) placed.push_back({&view.view, view.camera_from_grid});
-    return CompleteModel(shape::ShapeModel(testing_support::FillGrid(model)), placed, options_);
+    return CompleteModel(
+        shape::ShapeModel(testing_support::FillGrid(model)), placed, options_, walls_);
   }
 
   static bool At(const CompletedModel& model, int x, int y, int z) {
@@ -67,7 +68,9 @@ class CompleteModelTest : public testing::Test {
     return shape::GridIntersectionOverUnion(model.grid, testing_support::FillGrid(thing));
   }
 
-  RefineOptions options_;
+  // The grid follows the floor, so that voxels can be compared with those of the things.
+  RefineOptions options_{.follow_level_face = false};
+  std::vector<Plane> walls_;
 };
 
 TEST_F(CompleteModelTest, TheThingItselfStaysAsItIs) {
@@ -97,6 +100,46 @@ TEST_F(CompleteModelTest, SidesThatNobodySawAreTheModels) {
   EXPECT_TRUE(At(*completed, 12, 0, 0)) << "measured";
   EXPECT_TRUE(At(*completed, -9, 0, 0)) << "the model's";
   EXPECT_FALSE(At(*completed, -14, 0, 0)) << "neither";
+}
+
+// A cupboard at a wall, seen from the front: the model is deeper than the room behind it.
+TEST_F(CompleteModelTest, NothingReachesThroughAWall) {
+  const Shape model = [](double x, double y, double z) {
+    return std::abs(x) < 28 && std::abs(y) < 10 && std::abs(z) < 31;
+  };
+  const std::vector<double> front = {-0.4, 0.0, 0.4};
+  const auto without = CompleteFrom(model, model, front, 0);
+  ASSERT_TRUE(without);
+  EXPECT_TRUE(At(*without, -20, 0, 0)) << "the model's";
+  walls_ = {{Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
+  const auto completed = CompleteFrom(model, model, front, 0);
+  ASSERT_TRUE(completed);
+  // Centred anew: 38 of 56 voxels are left.
+  EXPECT_NEAR(OccupiedBox(completed->grid)->sides().x() / 62.0, 38.0 / 62.0, 0.05);
+  EXPECT_NEAR(completed->extent, without->extent, 0.03) << "it is as high as it was";
+}
+
+TEST_F(CompleteModelTest, AWallThatTheThingWasMeasuredBehindIsNoneOfIts) {
+  const Shape thing = [](double x, double y, double z) {
+    return std::abs(x) < 28 && std::abs(y) < 10 && std::abs(z) < 31;
+  };
+  const auto without = Complete(thing, thing, 12);
+  walls_ = {{Eigen::Vector3d::UnitX(), 10 * kVoxelSize}};
+  const auto completed = Complete(thing, thing, 12);
+  ASSERT_TRUE(without && completed);
+  EXPECT_EQ(completed->grid.occupied, without->grid.occupied);
+}
+
+TEST_F(CompleteModelTest, AWallThatMostOfTheModelIsBehindIsNoneOfIts) {
+  const Shape thing = [](double x, double y, double z) {
+    return std::abs(x) < 28 && std::abs(y) < 10 && std::abs(z) < 31;
+  };
+  const std::vector<double> front = {-0.4, 0.0, 0.4};
+  const auto without = CompleteFrom(thing, thing, front, 0);
+  walls_ = {{Eigen::Vector3d::UnitX(), -10 * kVoxelSize}};
+  const auto completed = CompleteFrom(thing, thing, front, 0);
+  ASSERT_TRUE(without && completed);
+  EXPECT_EQ(completed->grid.occupied, without->grid.occupied);
 }
 
 TEST_F(CompleteModelTest, LegsTooThinToBeMeasuredAreTheModels) {

@@ -14,6 +14,7 @@
 #include "deepslam/modelling/view_source.h"
 #include "deepslam/refine/refine_options.h"
 #include "deepslam/registration/register_shape.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/select/select_options.h"
 
@@ -32,6 +33,9 @@ struct ObjectOptions {
   refine::RefineOptions refinement;
   bool use_depth = true;  // of the views, where networks proposed
   HandChoice choice;
+  // The room, along the path of the views: no completed model reaches through its walls. None where
+  // it is not known.
+  const Layout* layout = nullptr;
 };
 
 // Views and models of the objects, where models are kept that several steps prepare, and who is

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/modelling/walls_behind.h"
 #include "deepslam/refine/complete.h"
 #include "deepslam/refine/refine_latents.h"
 #include "deepslam/registration/register_shape.h"
@@ -194,8 +195,15 @@ Proposals CompleteBest(const CandidateSet& set,
   };
   const auto placed =
       PlacedViews(views, static_cast<std::size_t>(refine::RefineOptions::kMaxViews), place);
+  const shape::ShapeModel& whole = *set.models.at(start.model);
+  std::vector<Plane> walls;
+  if (options.layout != nullptr) {
+    const auto world_from_object =
+        Similarity3::From(registration.world_from_object, registration.scale_m);
+    walls = WallsBehind(*options.layout, whole, world_from_object, views);
+  }
   std::optional<refine::CompletedModel> model =
-      refine::CompleteModel(*set.models.at(start.model), placed, options.refinement);
+      refine::CompleteModel(whole, placed, options.refinement, walls);
   if (!model) return completed;
   Add(start, CandidateSource::kCompleted, change, {}, std::move(model->grid), completed);
   ShapeCandidate& candidate = completed.candidates.back();

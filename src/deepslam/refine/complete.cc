@@ -25,7 +25,11 @@ constexpr double kLoosePartShare = 0.02;
 constexpr double kLongestLinkM = 0.3;  // through the model
 constexpr std::uint8_t kCostOfModel = 2;    // of a voxel of a link (links.h) that the model has
 constexpr std::uint8_t kCostOfUnknown = 3;  // dearer, so that links follow the model where they can
-constexpr int kMaxInside = 5;   // voxels between two sides of a shell that nobody can see
+constexpr int kMaxInside = 5;  // voxels between two sides of a shell that nobody can see
+// Of a thing's measured voxels: more of them behind a wall are no noise, and the wall is not its.
+constexpr double kMaxBehindWall = 0.02;
+// Of the model: what is for the most part behind a wall stands elsewhere, and is not too deep.
+constexpr double kMaxModelBehindWall = 0.5;
 constexpr int kMaxRegrids = 2;  // for a longest side of kModelExtent
 // Share of a voxel on the surface; a half would make boards thicker.
 constexpr float kInsideShare = 0.49F;
@@ -198,11 +202,69 @@ std::vector<PlacedView> InGrid(std::span<const PlacedView> views,
   return placed;
 }
 
+// One entry per voxel, index order of VoxelGrid: whether it lies behind the wall.
+std::vector<std::uint8_t> Behind(const Plane& wall, const Similarity3& object_from_grid) {
+  std::vector<std::uint8_t> behind(VoxelGrid().occupied.size());
+  for (int i = 0; i < kGridSize; ++i) {
+    for (int j = 0; j < kGridSize; ++j) {
+      for (int k = 0; k < kGridSize; ++k) {
+        const Eigen::Vector3d p = object_from_grid * VoxelGrid::Center(i, j, k);
+        behind[VoxelGrid::Index(i, j, k)] = wall.SignedDistance(p) < 0 ? 1 : 0;
+      }
+    }
+  }
+  return behind;
+}
+
+bool IsMeasuredBehind(std::span<const std::uint8_t> behind, const Claims& claims) {
+  std::size_t num_measured = 0;
+  std::size_t num_behind = 0;
+  for (std::size_t n = 0; n < behind.size(); ++n) {
+    if (!claims.seen[n].IsMeasured(claims.num_views)) continue;
+    ++num_measured;
+    num_behind += behind[n];
+  }
+  return static_cast<double>(num_behind) > kMaxBehindWall * static_cast<double>(num_measured);
+}
+
+bool IsMostlyBehind(std::span<const std::uint8_t> behind, const VoxelGrid& model) {
+  std::size_t num_voxels = 0;
+  std::size_t num_behind = 0;
+  for (std::size_t n = 0; n < behind.size(); ++n) {
+    if (model.occupied[n] == 0) continue;
+    ++num_voxels;
+    num_behind += behind[n];
+  }
+  return static_cast<double>(num_behind) > kMaxModelBehindWall * static_cast<double>(num_voxels);
+}
+
+// Claims that nothing is behind the walls.
+void EndAtWalls(std::span<const Plane> walls,
+                const Similarity3& object_from_grid,
+                const VoxelGrid& model,
+                Claims& claims) {
+  constexpr Votes kFreeByWall{.free = 1};
+  for (const Plane& wall : walls) {
+    const std::vector<std::uint8_t> behind = Behind(wall, object_from_grid);
+    if (IsMeasuredBehind(behind, claims) || IsMostlyBehind(behind, model)) continue;
+    for (std::size_t n = 0; n < behind.size(); ++n) {
+      if (behind[n] != 0) claims.seen[n] = claims.votes[n] = kFreeByWall;
+    }
+  }
+}
+
+// What is known of the object beside the model.
+struct Knowledge {
+  std::span<const PlacedView> views;
+  std::span<const Plane> walls;
+};
+
 // The completed model in a grid; empty where the model is.
 VoxelGrid CompleteIn(const Similarity3& object_from_grid,
                      const shape::ShapeModel& model,
-                     std::span<const PlacedView> views,
+                     const Knowledge& known,
                      const RefineOptions& options) {
+  const std::span<const PlacedView> views = known.views;
   const double scale_m = views.front().camera_from_grid.scale;
   const double voxel = object_from_grid.scale * kVoxelSize;
   Claims claims;
@@ -219,6 +281,7 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   if (!stands_in) return {};
   const VoxelGrid whole = WithoutPassedLayers(inside, claims.seen, claims.num_views);
   claims.votes = WithMirrorImages(whole, *stands_in, claims.seen, claims.num_views);
+  EndAtWalls(known.walls, object_from_grid, whole, claims);
   const int ground_k = stands_in->low.z();
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
   VoxelGrid measured = Measured(claims);
@@ -234,18 +297,20 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
 
 std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                             std::span<const PlacedView> all_views,
-                                            const RefineOptions& options) {
+                                            const RefineOptions& options,
+                                            std::span<const Plane> walls) {
   const std::vector<PlacedView> views = UsableViews(all_views);
   if (model.empty() || views.empty()) return std::nullopt;
   const double reach = options.reach_m / views.front().camera_from_grid.scale;
   const ThingInViews thing{model, views, reach, options.follow_level_face};
   Similarity3 object_from_grid = GridAround(thing);
-  VoxelGrid grid = CompleteIn(object_from_grid, model, views, options);
+  const Knowledge known{views, walls};
+  VoxelGrid grid = CompleteIn(object_from_grid, model, known, options);
   std::optional<VoxelBox> box = OccupiedBox(grid);
   // A grid that fits is made by the views: resampled, one layer in sixty would fall out of boards.
   for (int n = 0; n < kMaxRegrids && box && !IsOfModelSize(*box); ++n) {
     object_from_grid = GridOver(*box, object_from_grid, thing);
-    grid = CompleteIn(object_from_grid, model, views, options);
+    grid = CompleteIn(object_from_grid, model, known, options);
     box = OccupiedBox(grid);
   }
   if (!box) return std::nullopt;

@@ -57,7 +57,10 @@ Result<ClosedMap> CloseByObjects(const StageContext& context,
   if (!views.ok()) return views.error();
   const StageModels models(context);
   const modelling::ObjectSources sources{*views, models, *inputs.prepared, context.progress()};
-  const modelling::ObjectOptions objects = ObjectOptionsOf(config, inputs.overrides);
+  const Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
+  modelling::ObjectOptions objects = ObjectOptionsOf(config, inputs.overrides);
+  objects.layout = &*layout;
   return modelling::CloseLoops(std::move(map),
                                {sources, inputs.classes, objects, config.loops, config.optimize});
 }

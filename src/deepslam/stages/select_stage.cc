@@ -14,6 +14,7 @@
 #include "deepslam/core/side_by_side.h"
 #include "deepslam/modelling/select_objects.h"
 #include "deepslam/overrides/choices.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/object_map.h"
 #include "deepslam/stages/model_cache.h"
 #include "deepslam/stages/object_sources.h"
@@ -30,6 +31,7 @@ using pipeline::StageSummary;
 struct Sources {
   Trajectory trajectory;
   Ground ground;
+  Layout layout;
   Association association;
   Proposals proposals;
   std::vector<CandidateRegistration> registrations;
@@ -37,12 +39,13 @@ struct Sources {
 
 Result<Sources> ReadSources(const StageContext& context) {
   Sources sources;
-  const std::array<std::function<Status()>, 5> readers = {
+  const std::array<std::function<Status()>, 6> readers = {
       [&] { return Take(ReadRegistrations(context), sources.registrations); },
       [&] { return Take(ReadTrajectory(context), sources.trajectory); },
       [&] { return Take(ReadProposals(context), sources.proposals); },
       [&] { return Take(ReadAssociation(context, "associate"), sources.association); },
-      [&] { return Take(ReadGround(context, "ground"), sources.ground); }};
+      [&] { return Take(ReadGround(context, "ground"), sources.ground); },
+      [&] { return Take(ReadLayout(context), sources.layout); }};
   if (Status status = RunSideBySide(readers); !status.ok()) return status.error();
   return sources;
 }
@@ -84,11 +87,13 @@ Result<Selection> Select(const StageContext& context,
   const auto views =
       OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();
+  modelling::ObjectOptions options = ObjectOptionsOf(inputs.config, inputs.overrides);
+  options.layout = &sources.layout;
   return modelling::SelectObjects(
       {sources.association.tracks, sources.trajectory, sources.ground},
       {sources.proposals, sources.registrations, priors->get()},
       {*views, StageModels(context), *inputs.prepared, context.progress()},
-      ObjectOptionsOf(inputs.config, inputs.overrides));
+      options);
 }
 
 // overrides.json, objects.json, candidates.json, registrations.json and models/.
