@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -198,6 +199,30 @@ TEST(EstimateLayout, FurnitureIsNoWall) {
   ASSERT_EQ(layout.rooms.size(), 1U);
   EXPECT_NEAR(AreaOf(layout.rooms[0].polygon_m), 12.0, 0.36);
   EXPECT_EQ(layout.walls.size(), 4U);
+}
+
+// No ceiling is seen. The camera looks down at the end with the wardrobe, whose sides are seen less
+// high than the walls elsewhere.
+TEST(EstimateLayout, SidesOfAWardrobeAreNoWallsWhereNoCeilingWasSeen) {
+  std::vector<Cuboid> world;
+  AddRoomWalls(-3, -1.5, 3, 1.5, world);
+  AddBox({-3, -1.5, 0}, {-2, -0.5, 1.9}, world);
+  std::vector<Pose3> poses;
+  for (int n = 0; n < 24; ++n) {
+    const double angle = 2 * std::numbers::pi * n / 24;
+    const bool at_wardrobe = std::cos(angle) < 0;
+    const Eigen::Vector3d from(at_wardrobe ? -1.2 : 0.6, 0.5, 1.5);
+    const double down_m = at_wardrobe ? 1.1 : 0.2;
+    poses.push_back(testing_support::LookAt(
+        from, from + Eigen::Vector3d(2 * std::cos(angle), 2 * std::sin(angle), -down_m)));
+  }
+  const Layout layout = LayoutOf(world, poses);
+  for (const LayoutWall& wall : layout.walls) {
+    const Eigen::Vector2d middle = 0.5 * (wall.from_m + wall.to_m);
+    EXPECT_GT(std::max(std::abs(middle.x()) / 3, std::abs(middle.y()) / 1.5), 0.95)
+        << "at " << middle.transpose() << ", seen up to " << wall.top_m << " m";
+  }
+  EXPECT_GE(layout.walls.size(), 3U);
 }
 
 TEST(EstimateLayout, WithoutWallsThereIsNoRoom) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <utility>
 
 #include "deepslam/core/angles.h"
@@ -16,8 +18,11 @@ constexpr double kSameWall_m = 0.16;  // windows stand back, pictures and radiat
 constexpr double kSameWall_deg = 8;
 constexpr double kBridged_m = 0.3;  // gaps between runs of wall that count as wall for that
 constexpr double kMostOfIt = 0.6;
-constexpr double kHighShare = 0.25;  // of a line's slots that reach as high as a wall has to
+constexpr double kHighShare = 0.25;  // of a line's slots, which reach as high as a wall has to
 constexpr double kMinSolid_m2 = 0.3;
+// Of the height to which most of the capture's wall was seen: what ends lower is furniture, the
+// side of a wardrobe; how high walls are seen depends on where the camera looks.
+constexpr double kLowShare = 0.75;
 
 struct Reach {
   double bottom_m = 0;
@@ -53,23 +58,66 @@ double WallLength(const WallProfile& profile) {
          static_cast<double>(std::count(profile.is_wall.begin(), profile.is_wall.end(), 1));
 }
 
-bool HasWall(const WallProfile& profile, double floor_m, const LayoutOptions& options) {
-  int num_slots = 0;
-  int num_high = 0;
-  int num_solid = 0;
+// What was measured of a line's wall.
+struct SeenWall {
+  double length_m = 0;
+  double area_m2 = 0;
+  double top_m = 0;  // that a quarter of its length reaches
+};
+
+SeenWall SeenOf(const WallProfile& profile) {
+  SeenWall seen;
+  std::vector<double> tops_m;
   for (int slot = 0; slot < profile.num_slots; ++slot) {
     if (profile.is_wall[static_cast<std::size_t>(slot)] == 0) continue;
-    ++num_slots;
-    bool high = false;
+    tops_m.push_back(profile.bottom_m);
     for (int row = 0; row < profile.num_rows; ++row) {
       if ((profile.at(slot, row) & kSolid) == 0) continue;
-      ++num_solid;
-      high = high || profile.HeightOf(row + 1) > floor_m + options.min_wall_top_m;
+      seen.area_m2 += kCell_m * kCell_m;
+      tops_m.back() = profile.HeightOf(row + 1);
     }
-    num_high += high ? 1 : 0;
   }
-  return num_slots * kCell_m >= options.min_wall_m &&
-         num_solid * kCell_m * kCell_m >= kMinSolid_m2 && num_high > kHighShare * num_slots;
+  if (tops_m.empty()) return seen;
+  seen.length_m = kCell_m * static_cast<double>(tops_m.size());
+  std::ranges::sort(tops_m, std::greater());
+  seen.top_m = tops_m[static_cast<std::size_t>(kHighShare * static_cast<double>(tops_m.size()))];
+  return seen;
+}
+
+bool IsWall(const SeenWall& seen, double lowest_top_m, const LayoutOptions& options) {
+  return seen.length_m >= options.min_wall_m && seen.area_m2 >= kMinSolid_m2 &&
+         seen.top_m > lowest_top_m;
+}
+
+// Half of all wall, by its area, was seen at least that high.
+double UsualTop(std::vector<SeenWall> walls) {
+  std::ranges::sort(walls, std::greater(), &SeenWall::top_m);
+  double whole_m2 = 0;
+  for (const SeenWall& wall : walls) whole_m2 += wall.area_m2;
+  double higher_m2 = 0;
+  for (const SeenWall& wall : walls) {
+    higher_m2 += wall.area_m2;
+    if (higher_m2 >= 0.5 * whole_m2) return wall.top_m;
+  }
+  return 0;
+}
+
+// For each of the lines, whether it carries a wall that was seen high enough.
+std::vector<std::uint8_t> AreWalls(const std::vector<WallProfile>& profiles,
+                                   double floor_m,
+                                   const LayoutOptions& options) {
+  std::vector<SeenWall> seen;
+  std::vector<SeenWall> high_enough;
+  for (const WallProfile& profile : profiles) {
+    seen.push_back(SeenOf(profile));
+    if (IsWall(seen.back(), floor_m + options.min_wall_top_m, options))
+      high_enough.push_back(seen.back());
+  }
+  const double usual_m = UsualTop(std::move(high_enough)) - floor_m;
+  const double lowest_m = floor_m + std::max(options.min_wall_top_m, kLowShare * usual_m);
+  std::vector<std::uint8_t> are_walls;
+  for (const SeenWall& wall : seen) are_walls.push_back(IsWall(wall, lowest_m, options) ? 1 : 0);
+  return are_walls;
 }
 
 // Whether wall of the line stands before or behind a place.
@@ -120,9 +168,10 @@ WallLines SelectLines(const CoarseSurface& surface,
   const Reach heights = HeightsOf(surface);
   const std::vector<WallProfile> profiles =
       ProfilesOf(surface, candidates, heights, options.profiles);
+  const std::vector<std::uint8_t> are_walls = AreWalls(profiles, floor_m, options);
   WallLines walls;
   for (std::size_t n = 0; n < candidates.size(); ++n) {
-    if (!HasWall(profiles[n], floor_m, options)) continue;
+    if (are_walls[n] == 0) continue;
     if (IsSameWall(candidates[n], profiles[n], walls)) continue;
     walls.lines.push_back(candidates[n]);
     walls.profiles.push_back(profiles[n]);

@@ -14,7 +14,8 @@ struct WallLines {
   std::vector<WallProfile> profiles;  // one each
 };
 
-// Of lines that planes were found on, those with a wall of some length and height; of two that face
+// Of lines that planes were found on, those with a wall of some length, seen about as high as most
+// wall of the capture (the side of a wardrobe ends lower); of two that face
 // the same way within 0.16 m (a wall and what hangs on it, or the recess of its windows), the
 // larger one. Turned to common directions where that is asked for and most agree. `floor_m`: the
 // ground, or the lowest surface where none is known.
