@@ -20,6 +20,7 @@ import time
 import seeded
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+MIN_IOU = 0.25  # of boxes of what counts as found
 
 
 def call(args, log, *command):
@@ -89,9 +90,8 @@ def main():
             confusions[one["true_class"], one["mapped_class"]] += one["count"]
         for one in figures["classes"]:
             missed[one["class"]] += one["num_true"]
+        missed.subtract(match["true_class"] for match in figures["boxes"]["matches"] if match["iou"] >= MIN_IOU)
     print(row("all", total, worst_m, total_s))
-    for (true, _), count in confusions.items():
-        missed[true] -= count
     print("taken for another:", ", ".join(f"{t} for {m} {n}" for (t, m), n in sorted(confusions.items()) if t != m) or "none")
     print("missed:", ", ".join(f"{name} {n}" for name, n in sorted(missed.items()) if n > 0) or "none")
 
