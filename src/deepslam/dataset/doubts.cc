@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "deepslam/core/angles.h"
 #include "deepslam/core/order_statistics.h"
 
 namespace deepslam::dataset {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // Of the image's side, from its middle: lenses sit within a few hundredths.
 constexpr double kFarthestFromMiddle = 0.2;
 constexpr double kNarrowestDeg = 25;
