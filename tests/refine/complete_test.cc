@@ -97,7 +97,7 @@ TEST_F(CompleteModelTest, SidesThatNobodySawAreTheModels) {
   };
   const auto completed = Complete(model, thing, 1);
   ASSERT_TRUE(completed);
-  EXPECT_TRUE(At(*completed, 12, 0, 0)) << "measured";
+  EXPECT_TRUE(At(*completed, 11, 0, 0)) << "measured";
   EXPECT_TRUE(At(*completed, -9, 0, 0)) << "the model's";
   EXPECT_FALSE(At(*completed, -14, 0, 0)) << "neither";
 }

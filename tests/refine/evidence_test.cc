@@ -78,6 +78,31 @@ TEST_F(EvidenceTest, OneViewOutOfPlaceIsOutvoted) {
   EXPECT_LT(CountBeyond(disturbed, Evidence::kSolid, 3, false), 20) << "no ghost beside it";
 }
 
+// Noise of depth lies along the ray; at low angles little of it is across the surface: here the
+// middle of the top layer is a voxel before what was measured, and a third of one above it.
+TEST_F(EvidenceTest, RaysThatGrazeATopMakeNoPitsInIt) {
+  constexpr double kElevation_rad = 0.4;
+  for (int n = 0; n < 4; ++n) staged_.push_back(LookAt(model_, 0.3 + n, kElevation_rad));
+  std::vector<PlacedView> placed;
+  for (Staged& staged : staged_) {
+    const auto too_far_m = static_cast<float>(2.2 * kVoxelSize * staged.camera_from_grid.scale);
+    DepthImage& depth_m = staged.view.depth_crop_m;
+    for (std::size_t p = 0; p < depth_m.size(); ++p) depth_m.data()[p] += too_far_m;
+    placed.push_back({&staged.view, staged.camera_from_grid});
+  }
+  const std::vector<Votes> votes =
+      CountVotes(placed, std::vector<std::uint8_t>(VoxelGrid().occupied.size(), 1));
+  const int top = OccupiedBox(Box(14, 18, 22))->high.z();
+  int num_grazed = 0;
+  for (int i = -8; i <= 8; ++i) {
+    const Votes& in_top = votes[VoxelGrid::Index(kGridSize / 2 + i, kGridSize / 2, top)];
+    EXPECT_FALSE(in_top.IsFree()) << i;
+    num_grazed += in_top.grazed > 0 ? 1 : 0;
+    EXPECT_TRUE(votes[VoxelGrid::Index(kGridSize / 2 + i, kGridSize / 2, top + 3)].IsFree()) << i;
+  }
+  EXPECT_GT(num_grazed, 8) << "most rays pass the middle of the layer that they measure";
+}
+
 TEST_F(EvidenceTest, WhatOneOfSeveralSawIsFaint) {
   Stage(2);
   const std::vector<Evidence> of_two = Carve();

@@ -24,6 +24,7 @@ constexpr double kMaxShell_m = 0.025;  // boards of large things are no thicker 
 // Of a column of voxels.
 struct ColumnVotes {
   std::array<std::int32_t, kGridSize> free = {};
+  std::array<std::int32_t, kGridSize> grazed = {};
   std::array<std::int32_t, kGridSize> object = {};
   std::array<std::int32_t, kGridSize> other = {};
 };
@@ -34,7 +35,7 @@ class CarvingView {
   CarvingView(const PlacedView& placed)
       : view_(placed.view),
         camera_from_grid_(placed.camera_from_grid),
-        depth_(*placed.view, camera_from_grid_.RigidPart(), shape::DepthView::Slopes::kIgnored),
+        depth_(*placed.view, camera_from_grid_.RigidPart()),
         upward_m_((camera_from_grid_.rotation * Eigen::Vector3d(0, 0, VoxelM())).cast<float>()),
         before_m_(static_cast<float>(kBeforeSurface * VoxelM())),
         behind_m_(
@@ -47,20 +48,26 @@ class CarvingView {
     depth_.PixelsAlong(lowest, upward_m_, column);
     const float* const depths_m = view_->depth_crop_m.data();
     const std::uint8_t* const in_mask = view_->mask_crop.data();
+    const float* const cosines = depth_.cosines().data();
     std::array<float, kGridSize> depth_m;
+    std::array<float, kGridSize> cosine;
     std::array<std::int32_t, kGridSize> is_object;
     for (std::size_t k = 0; k < kGridSize; ++k) {  // without branches
       const auto pixel =
           static_cast<std::size_t>(column.pixel[k] == kNowhere ? 0 : column.pixel[k]);
       depth_m[k] = depths_m[pixel];
+      cosine[k] = cosines[pixel];
       is_object[k] = in_mask[pixel];
     }
     for (std::size_t k = 0; k < kGridSize; ++k) {
       const bool is_known = (column.pixel[k] != kNowhere) & (depth_m[k] > 0) &
                             (depth_m[k] <= std::numeric_limits<float>::max()) &
                             (column.z_m[k] <= depth_m[k] + behind_m_);
-      const bool is_before = column.z_m[k] < depth_m[k] - before_m_;
-      votes.free[k] += (is_known & is_before) ? 1 : 0;
+      const float before_m = depth_m[k] - column.z_m[k];
+      const bool is_before = before_m > before_m_;
+      const bool is_clear = cosine[k] * before_m > before_m_;
+      votes.free[k] += (is_known & is_clear) ? 1 : 0;
+      votes.grazed[k] += (is_known & is_before & !is_clear) ? 1 : 0;
       votes.object[k] += (is_known & !is_before & (is_object[k] != 0)) ? 1 : 0;
       votes.other[k] += (is_known & !is_before & (is_object[k] == 0)) ? 1 : 0;
     }
@@ -109,7 +116,8 @@ DEEPSLAM_WIDE_VECTORS void VoteInSlice(std::span<const CarvingView> views,
   for (std::size_t n = 0; n < votes.size(); ++n) {
     const ColumnVotes& column = columns[n / kGridSize];
     const std::size_t k = n % kGridSize;
-    if (asked[n] != 0) votes[n] = {column.free[k], column.object[k], column.other[k]};
+    if (asked[n] == 0) continue;
+    votes[n] = {column.free[k], column.grazed[k], column.object[k], column.other[k]};
   }
 }
 

@@ -30,9 +30,11 @@ struct PlacedView {
 [[nodiscard]] std::vector<PlacedView> UsableViews(std::span<const PlacedView> views);
 
 // How many views say what of a voxel. A measured surface is solid from half a voxel before it to
-// surface_voxels (2.5 cm at most) behind it.
+// surface_voxels (2.5 cm at most) behind it, along the ray. Further before it a ray passed the
+// voxel, but grazed it within half a voxel of the surface's plane, where noise decides.
 struct Votes {
   int free = 0;
+  int grazed = 0;
   int object = 0;  // surface of the object's segment
   int other = 0;   // surface outside it: of something else, or of what segmentation has missed
 
@@ -44,10 +46,11 @@ struct Votes {
   }
   // The object's: likewise, and by no fewer than went through.
   [[nodiscard]] bool IsMeasured(std::size_t num_views) const {
-    return object >= (num_views > 1 ? 2 : 1) && object >= free;
+    return object >= (num_views > 1 ? 2 : 1) && object >= free + grazed;
   }
   Votes& operator+=(const Votes& others) {
     free += others.free;
+    grazed += others.grazed;
     object += others.object;
     other += others.other;
     return *this;

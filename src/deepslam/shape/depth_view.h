@@ -63,6 +63,9 @@ class DepthView {
   // The pixels AtCamera looks at for first + n * step.
   void PixelsAlong(const Eigen::Vector3f& first, const Eigen::Vector3f& step, Line& line) const;
 
+  // As in Reading, a pixel of the crop each; empty where slopes are ignored.
+  [[nodiscard]] const Image<float>& cosines() const { return cosine_; }
+
  private:
   static constexpr float kNear_m = 0.1F;  // nearer than depth cameras for rooms measure
 
