@@ -3,8 +3,10 @@
 # our programs nor a network: first packed here, then run there, on a copy of the working tree with out/gpu in it.
 #   scripts/train/gpu.sh pack CLASS [--meshes FOLDER] [--limit-mib N]       writes out/gpu/CLASS.tar.xz
 #   scripts/train/gpu.sh CLASS [--minutes M] [--out FOLDER] [--seed N] [--start-from FOLDER] [--credit TEXT] [--cpu]
+#   scripts/train/gpu.sh CLASS --score [--out FOLDER]                       networks and scores of what was trained, without a GPU
 # Run again it goes on from the last checkpoint in --out (out/gpu/CLASS); --minutes counts all runs together. results.tar there has
-# networks, card, scores and curves; no file is larger than 16 MiB. --cpu tries everything without a GPU.
+# weights and curves as soon as training ends, and networks, card, scores and curves once those are made, for which it takes
+# --score-minutes; no file is larger than 16 MiB. --cpu tries everything without a GPU.
 # Environment: DEEPSLAM_PROGRAM (the built program, to pack), DEEPSLAM_TRAIN (folder of views), PYTHON (one with PyTorch).
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -29,17 +31,19 @@ shift
 work="${DEEPSLAM_TRAIN:-${TMPDIR:-/tmp}/deepslam-train}/$class"
 out="$root/out/gpu/$class"
 cpu=()
+without_gpu=()
 rest=()
 while [ $# -gt 0 ]; do
   case "$1" in
     --out) out="$2"; shift 2 ;;
-    --cpu) cpu=(--cpu); shift ;;
+    --cpu) cpu=(--cpu); without_gpu=(--cpu); shift ;;
+    --score) rest+=("$1"); without_gpu=(--cpu); shift ;;
     --no-scores) rest+=("$1"); shift ;;
-    --minutes|--seed|--start-from|--credit|--threads|--save-every) rest+=("$1" "$2"); shift 2 ;;
+    --minutes|--score-minutes|--seed|--start-from|--credit|--threads|--save-every) rest+=("$1" "$2"); shift 2 ;;
     *) echo "unknown option $1" >&2; exit 2 ;;
   esac
 done
-"$python" "$here/gpu_kit.py" check "${cpu[@]}"
+"$python" "$here/gpu_kit.py" check "${without_gpu[@]}"
 mkdir -p "$work"
 archive="$root/out/gpu/$class.tar.xz"
 [ "$work/kit" -nt "$archive" ] || "$python" "$here/gpu_kit.py" unpack "$archive" --class "$class" --out "$work/kit"

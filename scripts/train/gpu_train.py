@@ -4,19 +4,19 @@
     gpu_train.py CLASS.yaml --kit FOLDER --work FOLDER --out FOLDER [--minutes M] [--seed N] [--cpu]
 
 Run again on the same --out it goes on from its last checkpoint; --minutes counts all runs together, and where that time is
-spent already only scores and networks are made.
+spent already only scores and networks are made. These are bounded by --score-minutes; weights and curves are packed before them.
 """
 import argparse
 import copy
 import csv
 import json
+import math
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
 import sys
-import tarfile
 import time
 
 import numpy as np
@@ -32,10 +32,11 @@ import plots
 import restart
 import stream
 import train
+from results import Steps, pack
 
 HERE = pathlib.Path(__file__).resolve().parent
 SEED_STEP = 1000003  # between the seeds of shards: no two trainings meet
-RESULT_BYTES = 16 * 2**20  # of one file that comes back
+SCORE_MINUTES = 1.5  # with the eight of training it is done in ten
 
 
 class Stopped:
@@ -141,41 +142,59 @@ def write_curve(curve, out):
         plots.draw_curves(curve, out / f"curves.{suffix}")
 
 
-def finish(training, arguments, config_file, base, test, stopped):
-    """Scores and networks of what was trained, as train.sh makes them, and all of it as one file."""
-    made, threads = arguments.work / "made", arguments.threads
-    shutil.rmtree(made, ignore_errors=True)
-    (made / "networks").mkdir(parents=True)
-    torch.save({name: value.float().cpu().contiguous() if value.dtype.is_floating_point else value.cpu()
-                for name, value in training.mean.state_dict().items()}, made / "weights.pt")
+def keep_made(made, training):
+    """Weights and curves in `made`. What was made of these very weights stays there; what is of others goes."""
+    weights, file = checkpoint.half_of(training.mean.cpu()), made / "weights.pt"
+    if not is_of(file, weights):
+        shutil.rmtree(made, ignore_errors=True)
+        made.mkdir(parents=True)
+        torch.save(weights, file.with_suffix(".partial"))
+        file.with_suffix(".partial").replace(file)
     (made / "curve.json").write_text(json.dumps(training.state, indent=1), encoding="utf-8")
     write_curve(training.state["curve"], made)
+
+
+def is_of(file, weights):
+    if not file.exists():
+        return False
+    saved = torch.load(file, map_location="cpu", weights_only=True)
+    return saved.keys() == weights.keys() and all(torch.equal(saved[name], value) for name, value in weights.items())
+
+
+def score(steps, arguments, config_file, base, test):
+    """Networks, card and scores as train.sh makes them; whether all of it is there."""
     common = ["--config", str(config_file)]
     credits = [part for line in arguments.credit for part in ("--credit", line)]
-    for command in (
-            ["twin.py", *common, "--weights", "weights.pt", "--data", str(base), "--out", "twin.pt"],
-            ["scores.py", *common, "--weights", "twin.pt", "--train", str(base), "--test", str(test), "--out", ".",
-             "--threads", str(threads)],
-            ["export.py", *common, "--weights", "twin.pt", "--scores", "scores.json", "--curve", "curve.json", "--data", str(base),
-             *credits, "--out", "networks"]):
-        start = time.monotonic()
-        outcome = subprocess.run([sys.executable, str(HERE / command[0]), *command[1:]], cwd=made, capture_output=True, text=True,
-                                 env=dict(os.environ, OMP_NUM_THREADS=str(threads)), check=False)
-        if stopped.asked:
-            print("stopped; the checkpoint stands: run again for scores and networks", flush=True)
-            sys.exit(130)
-        if outcome.returncode:
-            raise SystemExit(f"{command[0]}: {(outcome.stderr or outcome.stdout).strip()[-1500:]}\n"
-                             f"the checkpoint stands in {arguments.out}; run again to try once more")
-        print(f"{command[0]}: {time.monotonic() - start:.0f} s", flush=True)
-    results = arguments.out / "results.tar"
-    with tarfile.open(results, "w") as tar:
-        for file in sorted([*(made / "networks").iterdir(), *made.glob("*.csv"), *made.glob("*.png"), *made.glob("*.svg")]):
-            tar.add(file, f"{training.config['class']}/{file.name}")
-    if results.stat().st_size > RESULT_BYTES:
-        raise SystemExit(f"{results}: {results.stat().st_size / 2**20:.1f} MiB; a file that comes back has at most 16")
-    shutil.copy(made / "scores.json", arguments.out / "scores.json")
-    print(f"{results}: {results.stat().st_size / 2**20:.1f} MiB", flush=True)
+    for name, command in (
+            ("twin.pt", ["twin.py", *common, "--weights", "weights.pt", "--data", str(base)]),
+            ("scores", ["scores.py", *common, "--weights", "twin.pt", "--train", str(base), "--test", str(test),
+                        "--threads", str(arguments.threads)]),
+            ("networks", ["export.py", *common, "--weights", "twin.pt", "--scores", "scores/scores.json", "--curve", "curve.json",
+                          "--data", str(base), *credits])):
+        made = steps.make(name, lambda place: [sys.executable, str(HERE / command[0]), *command[1:], "--out", str(place)])
+        if not made:
+            return False
+    return True
+
+
+def finish(training, arguments, config_file, base, test, stopped):
+    """What was trained as one file: weights and curves at once, networks and scores in their place once they are made."""
+    made, results = arguments.work / "made", arguments.out / "results.tar"
+    keep_made(made, training)
+    curves = sorted(file for suffix in ("csv", "png", "svg") for file in made.glob(f"*.{suffix}"))
+    results_of = training.config["class"]
+    if not (made / "networks").exists():
+        pack(results, results_of, [made / "weights.pt", made / "curve.json", *curves])
+    if arguments.no_scores:
+        return
+    steps = Steps(made, 60 * arguments.score_minutes, lambda: stopped.asked, {"OMP_NUM_THREADS": str(arguments.threads)},
+                  stream.end_with_parent)
+    if score(steps, arguments, config_file, base, test):
+        pack(results, results_of, [*sorted((made / "networks").iterdir()), *curves, made / "scores/scores.png"])
+        shutil.copy(made / "scores/scores.json", arguments.out / "scores.json")
+        return
+    print(f"{'stopped' if stopped.asked else 'time is spent'} before networks and scores were made; weights and curves lie in "
+          f"{results}. `scripts/train/gpu.sh {results_of} --score` goes on, without a GPU too", flush=True)
 
 
 def parse():
@@ -183,15 +202,19 @@ def parse():
     parser.add_argument("config", type=pathlib.Path)
     for name in ("kit", "work", "out"):
         parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
-    parser.add_argument("--minutes", type=float, default=8, help="of training in all; scores and networks take longer still")
+    parser.add_argument("--minutes", type=float, default=8, help="of training in all, the first views included")
+    parser.add_argument("--score-minutes", type=float, help=f"for scores and networks, after training ({SCORE_MINUTES}; --score: no end)")
+    parser.add_argument("--score", action="store_true", help="make scores and networks of what a GPU trained, without one; no training")
     parser.add_argument("--seed", type=int, help="in place of the configuration's")
     parser.add_argument("--start-from", help="networks to begin with: configs/priors/CLASS, or a weights.pt")
     parser.add_argument("--cpu", action="store_true", help="a trial without a GPU: small batches, small pool")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--save-every", type=float, default=60, help="seconds between checkpoints")
-    parser.add_argument("--no-scores", action="store_true", help="train and keep checkpoints only")
+    parser.add_argument("--no-scores", action="store_true", help="weights, curves and checkpoints only")
     parser.add_argument("--credit", action="append", default=[], help="of meshes of yours: makers and licence, for the card")
     arguments = parser.parse_args()
+    if arguments.score_minutes is None:
+        arguments.score_minutes = math.inf if arguments.score else SCORE_MINUTES
     for name in ("kit", "work", "out"):
         setattr(arguments, name, getattr(arguments, name).resolve())
         getattr(arguments, name).mkdir(parents=True, exist_ok=True)
@@ -206,11 +229,12 @@ def main():
     config["batch"] = settings["batch"]
     config_file = arguments.work / "config.yaml"
     config_file.write_text(yaml.safe_dump(config), encoding="utf-8")
-    if not arguments.cpu and not torch.cuda.is_available():
+    on_cpu = arguments.cpu or arguments.score
+    if not on_cpu and not torch.cuda.is_available():
         raise SystemExit(gpu_kit.NO_GPU.format(torch.__version__))
-    device = torch.device("cpu" if arguments.cpu else "cuda")
+    device = torch.device("cpu" if on_cpu else "cuda")
     torch.manual_seed(config["seed"])
-    torch.set_num_threads(max(1, arguments.threads // 2) if arguments.cpu else arguments.threads)
+    torch.set_num_threads(max(1, arguments.threads // 2) if on_cpu else arguments.threads)
     torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
 
     program = gpu_kit.program_of(arguments.kit)
@@ -224,12 +248,14 @@ def main():
     check_views = data.Views([base], "validate")
     some = (check_views.crops(np.arange(min(256, len(check_views)))), check_views.sight(np.arange(min(256, len(check_views)))))
     training = Training(config, settings, device, arguments.out, arguments.start_from, some)
+    if arguments.score and not training.state["step"]:
+        raise SystemExit(f"--score: {arguments.out} holds no checkpoint of a training; train first, or name its folder by --out")
     # What was spent on the first views counts as training: the minutes are those of the clock.
     before_s = training.state["seconds"] + (time.monotonic() - begun if not training.state["step"] else 0)
     clock = budget.Budget(60 * arguments.minutes, before_s)
     print(f"step {training.state['step']}, {clock.spent_s():.0f} of {clock.total_s:.0f} s spent, batches of {settings['batch']}, "
           f"{device}, {arguments.threads} threads, validated on {len(check_views)} views", flush=True)
-    if not clock.is_spent():
+    if not clock.is_spent() and not arguments.score:
         pool = stream.Pool(settings["pool"], config["product_share"], device)
         pool.add(base)
         processes = 2 if arguments.threads >= 4 else 1
@@ -242,9 +268,9 @@ def main():
             renderers.stop()
     if stopped.asked:
         print(f"stopped at step {training.state['step']}; run again to go on", flush=True)
+    finish(training, arguments, config_file, base, test, stopped)
+    if stopped.asked:
         sys.exit(130)
-    if not arguments.no_scores:
-        finish(training, arguments, config_file, base, test, stopped)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import time
 import unittest
 
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -19,6 +20,7 @@ sys.path.insert(0, str(TRAIN))
 import budget  # noqa: E402
 import gpu_kit  # noqa: E402
 import pieces  # noqa: E402
+import results  # noqa: E402
 
 HAS_TORCH = all(importlib.util.find_spec(name) for name in ("torch", "numpy", "matplotlib", "yaml", "onnx", "scipy"))
 needs_torch = unittest.skipUnless(HAS_TORCH, "PyTorch and what goes with it (scripts/train/requirements.txt) is not installed")
@@ -110,6 +112,60 @@ class PiecesTest(unittest.TestCase):
         self.assertIsNone(pieces.read(self.folder, "checkpoint"))
 
 
+class ResultsTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.tar = self.folder / "results.tar"
+
+    def part(self, name, content):
+        file = self.folder / name
+        file.write_bytes(content)
+        return file
+
+    def packed(self):
+        with tarfile.open(self.tar) as tar:
+            return {entry.name: tar.extractfile(entry).read() for entry in tar}
+
+    def shell(self, command):
+        return lambda place: ["sh", "-c", command, "sh", str(place)]
+
+    def test_what_is_packed_stays_until_something_better_is_whole(self):
+        results.pack(self.tar, "bed", [self.part("weights.pt", b"early")])
+        self.assertEqual(self.packed(), {"bed/weights.pt": b"early"})
+        with self.assertRaises(SystemExit) as ended:
+            results.pack(self.tar, "bed", [self.part("large", b"x" * 2**20)], most=2**19)
+        self.assertIn("at most", str(ended.exception))
+        with self.assertRaises(OSError):
+            results.pack(self.tar, "bed", [self.folder / "missing"])
+        self.assertEqual(self.packed(), {"bed/weights.pt": b"early"})
+        results.pack(self.tar, "bed", [self.part("a", b"1"), self.part("b", b"2")])
+        self.assertEqual(self.packed(), {"bed/a": b"1", "bed/b": b"2"})
+
+    def test_steps_end_with_their_time_and_go_on_where_they_were(self):
+        first = self.shell("echo . >>runs; mkdir $1; echo done >$1/file")
+        begun = time.monotonic()
+        steps = results.Steps(self.folder, 1.0, lambda: False)
+        self.assertTrue(steps.make("first", first))
+        self.assertFalse(steps.make("second", self.shell("echo half >$1; exec sleep 60")))
+        self.assertFalse(steps.make("third", self.shell("echo >$1")), "nothing begins after the end")
+        self.assertLess(time.monotonic() - begun, 20)
+        self.assertFalse((self.folder / "second").exists() or (self.folder / "third").exists())
+        again = results.Steps(self.folder, 60, lambda: False, {"WORD": "whole"})
+        self.assertTrue(again.make("first", first))
+        self.assertTrue(again.make("second", self.shell("test ! -e $1 && echo $WORD >$1")))
+        self.assertEqual((self.folder / "second").read_text(), "whole\n")
+        self.assertEqual((self.folder / "runs").read_text(), ".\n", "what was made is not made again")
+
+    def test_steps_end_when_asked_and_say_why_they_fail(self):
+        asked = results.Steps(self.folder, 60, lambda: True)
+        self.assertFalse(asked.make("scores", self.shell("echo >$1")))
+        steps = results.Steps(self.folder, 60, lambda: False)
+        with self.assertRaises(SystemExit) as ended:
+            steps.make("scores", self.shell("echo >$1; echo out of memory >&2; exit 3"))
+        self.assertIn("scores: out of memory", str(ended.exception))
+        self.assertFalse((self.folder / "scores").exists())
+
+
 class PackTest(unittest.TestCase):
     """A kit of one mesh, packed, unpacked elsewhere, and its renderer run there."""
 
@@ -168,6 +224,44 @@ class PackTest(unittest.TestCase):
         models = json.loads(here["training_views.json"])["models"]
         self.assertEqual({model["source"] for model in models}, {"generated", "catalogue"})
         self.assertNotIn("withheld", {model["split"] for model in models})
+
+    @needs_torch
+    def test_a_training_is_packed_before_it_is_scored(self):
+        """The time for scores is nothing, as where a time limit ends the command right after the training."""
+        import torch
+        import yaml
+        import nets
+        import restart
+        kit = self.folder / "unpacked_to_train"
+        self.assertEqual(self.run_kit("unpack", self.archive(), "--out", kit).returncode, 0)
+        config, out = TRAIN / "classes/shelf.yaml", self.folder / "trained"
+        command = [sys.executable, str(TRAIN / "gpu_train.py"), str(config), "--kit", str(kit), "--work", str(self.folder / "work"),
+                   "--out", str(out), "--cpu"]
+
+        def packed(*arguments):
+            outcome = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+            self.assertEqual(outcome.returncode, 0, outcome.stderr)
+            with tarfile.open(out / "results.tar") as tar:
+                return outcome.stdout, {pathlib.Path(entry.name).name: tar.extractfile(entry).read() for entry in tar}
+
+        outcome = subprocess.run([*command, "--score"], capture_output=True, text=True, check=False)
+        self.assertNotEqual(outcome.returncode, 0)
+        self.assertIn("holds no checkpoint", outcome.stderr)
+        said, files = packed("--minutes", "1", "--score-minutes", "0")
+        self.assertIn("gpu.sh shelf --score", said)
+        self.assertEqual(set(files), {"weights.pt", "curve.json", "curve.csv", "curves.png", "curves.svg"})
+        self.assertLess(max(file.stat().st_size for file in out.iterdir()), results.MOST_BYTES + 1)
+        steps = json.loads(files["curve.json"])["step"]
+        self.assertGreater(steps, 0)
+        (self.folder / "weights.pt").write_bytes(files["weights.pt"])
+        model = nets.Prior(yaml.safe_load(config.read_text(encoding="utf-8"))["width"])
+        restart.read(model, self.folder / "weights.pt")
+        self.assertTrue(all(bool(torch.isfinite(value).all()) for value in model.state_dict().values()))
+        # The checkpoint has these very weights, so that what was made of them holds.
+        (self.folder / "work/made/scores").mkdir()
+        _, again = packed("--score", "--score-minutes", "0")
+        self.assertEqual(json.loads(again["curve.json"])["step"], steps)
+        self.assertTrue((self.folder / "work/made/scores").exists())
 
     def test_withheld_products_are_only_for_tests(self):
         out = self.folder / "withheld"
