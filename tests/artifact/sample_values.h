@@ -169,7 +169,8 @@ inline Association SampleAssociation() {
                          "no object near",
                          {{"chair", 1.3}, {"table", 0.4}}}};
   association.rejections = {{DetectionId{7}, FrameIdx{2}, "touches border"}};
-  association.not_mapped = {"shelf at 1.00, 2.00: only 0.04 m deep"};
+  association.not_mapped = {
+      {"shelf at 1.00, 2.00: only 0.04 m deep", {FrameIdx{4}, {10, 20, 110, 60}}}};
   return association;
 }
 

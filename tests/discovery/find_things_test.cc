@@ -104,9 +104,8 @@ class FindThingsTest : public testing::Test {
                              looked_at_,
                              detections_,
                              static_cast<int>(detections_.size())};
-    ThingOptions options;
-    options.silhouettes.min_points = 150;
-    return FindThings(inputs, options, progress_);
+    options_.silhouettes.min_points = 150;
+    return FindThings(inputs, options_, progress_);
   }
 
   BoxWorldSource source_;
@@ -117,6 +116,7 @@ class FindThingsTest : public testing::Test {
   Odometry odometry_;
   std::vector<FrameIdx> looked_at_;
   CountingProgress progress_;
+  ThingOptions options_;
 };
 
 TEST_F(FindThingsTest, EveryThingIsATrackOfItsOwn) {
@@ -197,14 +197,37 @@ TEST_F(FindThingsTest, StopsWhenAskedTo) {
   EXPECT_EQ(found.error().code, ErrorCode::kInterrupted);
 }
 
+// The cabinet, too small to be mapped now, is shown where the truth has it.
+TEST_F(FindThingsTest, WhatIsNotMappedIsShownInTheFrameThatShowsMostOfIt) {
+  constexpr int kCabinet = 3;
+  options_.instances.min_unnamed_size_m = 2;
+  const Result<FoundThings> found = Find();
+  ASSERT_TRUE(found.ok());
+  const auto cabinet = std::ranges::find_if(found->association.not_mapped, [](const NotMapped& n) {
+    return n.what.starts_with("cabinet at 1.8");
+  });
+  ASSERT_NE(cabinet, found->association.not_mapped.end());
+  const SeenIn& best = cabinet->best;
+  const auto area_px = [&](FrameIdx frame) {
+    return std::ranges::count(source_.View(frame).object, kCabinet);
+  };
+  const auto most = *std::ranges::max_element(looked_at_, {}, area_px);
+  ASSERT_GE(best.frame.value, 0);
+  EXPECT_GT(static_cast<double>(area_px(best.frame)), 0.7 * static_cast<double>(area_px(most)));
+  const auto truth = DetectTruth(source_.View(best.frame), kCabinet, "cabinet");
+  ASSERT_TRUE(truth);
+  EXPECT_GT(IntersectionOverUnion(best.box_px, truth->box_px), 0.7);
+}
+
 TEST_F(FindThingsTest, WithoutFramesOrSurfaceThereIsNothing) {
   looked_at_.clear();
   detections_.clear();
   Result<FoundThings> found = Find();
   ASSERT_TRUE(found.ok());
   EXPECT_THAT(found->association.tracks, IsEmpty());
-  EXPECT_THAT(found->association.not_mapped,
+  ASSERT_THAT(found->association.not_mapped,
               testing::Not(IsEmpty()));  // the cabinet, which no frame shows
+  EXPECT_LT(found->association.not_mapped[0].best.frame.value, 0);
   surface_ = {};
   surface_.voxel_m = 0.04;
   found = Find();

@@ -163,6 +163,26 @@ TEST_F(ReportOfABox, NeverShowsAFrameWithAPersonInIt) {
   EXPECT_THAT(none->content.photographs, IsEmpty());
 }
 
+TEST_F(ReportOfABox, ShowsWhatIsNotMappedOutsideFramesWithPeople) {
+  sources_.association.not_mapped = {
+      {"shelf <1>: only 0.04 m deep", {FrameIdx{1}, {9, 9, 50, 40}}},
+      {"bench: small", {FrameIdx{4}, {9, 9, 50, 40}}},
+      {"tv: flush in a wall", {FrameIdx{-1}, {}}},
+      {"bed: far out", {FrameIdx{0}, {-1e9, -5, 1e9, 3}}},
+      {"sofa: of another capture", {FrameIdx{1000}, {9, 9, 50, 40}}}};
+  const report::ReportContent content = Page()->content;
+  ASSERT_EQ(content.not_mapped.size(), 5U);
+  EXPECT_FALSE(content.not_mapped[0].bytes.empty());
+  EXPECT_TRUE(content.not_mapped[1].bytes.empty()) << "a person is in frame 4";
+  EXPECT_TRUE(content.not_mapped[2].bytes.empty());
+  EXPECT_FALSE(content.not_mapped[3].bytes.empty());
+  EXPECT_TRUE(content.not_mapped[4].bytes.empty());
+  const std::string html = report::RenderReport(content);
+  EXPECT_THAT(html, HasSubstr("Seen and not mapped"));
+  for (const char* const what : {"shelf &lt;1&gt;: only", "bench: small", "tv: flush", "sofa: of"})
+    EXPECT_THAT(html, HasSubstr(what));
+}
+
 TEST_F(ReportOfABox, SaysWhereNobodyLookedForPeople) {
   for (DetectedFrame& frame : sources_.detected) frame.contains_person.reset();
   const Result<ReportPage> page = Page();

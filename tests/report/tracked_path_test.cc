@@ -73,7 +73,6 @@ TEST(Warnings, CountDetectionsWithoutAnObjectByReason) {
   association.rejections = {{DetectionId{1}, FrameIdx{0}, "too small"},
                             {DetectionId{2}, FrameIdx{0}, "cut off"},
                             {DetectionId{3}, FrameIdx{1}, "too small"}};
-  association.not_mapped = {"shelf at 1.00, 2.00: only 0.04 m deep"};
   Proposals proposals;
   proposals.notes = {"no prior"};
   ObjectMap map;
@@ -83,7 +82,6 @@ TEST(Warnings, CountDetectionsWithoutAnObjectByReason) {
               testing::ElementsAre("no times",
                                    "no prior",
                                    "object 4 fits nowhere",
-                                   "seen and not mapped: shelf at 1.00, 2.00: only 0.04 m deep",
                                    "1 detection belongs to no object: cut off",
                                    "2 detections belong to no object: too small"));
   EXPECT_THAT(Warnings({}, {}, {}, {}), IsEmpty());

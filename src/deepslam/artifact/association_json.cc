@@ -28,10 +28,31 @@ void Describe(JsonVisitor& visitor, Rejection& rejection) {
   visitor.Field("reason", rejection.reason);
 }
 
+void Describe(JsonVisitor& visitor, SeenIn& seen) {
+  visitor.Field("frame", seen.frame);
+  visitor.Field("bbox", seen.box_px);
+}
+
+// Two lists, as files without the second are read as well.
+void DescribeNotMapped(JsonVisitor& visitor, std::vector<NotMapped>& not_mapped) {
+  std::vector<std::string> texts;
+  std::vector<SeenIn> seen;
+  for (const NotMapped& thing : not_mapped) {
+    texts.push_back(thing.what);
+    seen.push_back(thing.best);
+  }
+  visitor.Maybe("not_mapped", texts);
+  visitor.Maybe("not_mapped_seen", seen);
+  if (!visitor.reading()) return;
+  seen.resize(texts.size());
+  not_mapped.clear();
+  for (std::size_t n = 0; n < texts.size(); ++n) not_mapped.push_back({texts[n], seen[n]});
+}
+
 void Describe(JsonVisitor& visitor, Association& association) {
   visitor.Table("tracks", association.tracks);
   visitor.Table("rejections", association.rejections);
-  visitor.Maybe("not_mapped", association.not_mapped);
+  DescribeNotMapped(visitor, association.not_mapped);
 }
 
 Result<std::string> EncodeAssociation(const Association& association, std::string_view name) {

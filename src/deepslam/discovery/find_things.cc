@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/discovery/best_views.h"
 #include "deepslam/discovery/cut_silhouettes.h"
 #include "deepslam/discovery/frame_claims.h"
 
@@ -123,7 +124,8 @@ class Tracks {
     }
   }
 
-  [[nodiscard]] FoundThings Take() && {
+  // `best`: where each thing shows best.
+  [[nodiscard]] FoundThings Take(std::span<const Look> best) && {
     FoundThings found;
     found.segments = std::move(segments_);
     found.association.rejections = std::move(rejections_);
@@ -142,12 +144,13 @@ class Tracks {
       if (!why.empty()) {
         if (IsWorthTelling(instance, surface_m2))
           found.association.not_mapped.push_back(
-              fmt::format("{} at {:.2f}, {:.2f} ({}): {}",
-                          instance.class_name.empty() ? "thing" : instance.class_name,
-                          box.centre_m.x(),
-                          box.centre_m.y(),
-                          what,
-                          why));
+              {fmt::format("{} at {:.2f}, {:.2f} ({}): {}",
+                           instance.class_name.empty() ? "thing" : instance.class_name,
+                           box.centre_m.x(),
+                           box.centre_m.y(),
+                           what,
+                           why),
+               thing < best.size() ? best[thing].seen : SeenIn()});
         continue;
       }
       ObjectTrack track;
@@ -212,6 +215,12 @@ class Tracks {
   std::vector<Rejection> rejections_;
 };
 
+// What a frame shows.
+struct Looked {
+  std::vector<Silhouette> silhouettes;
+  std::vector<Look> looks;
+};
+
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, ThingOptions& options) {
@@ -241,6 +250,7 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   const instances::NearestElements nearest(elements);
   const instances::DividedSurface divided{elements, nearest, found};
   Tracks tracks(inputs, found);
+  std::vector<Look> best;
   const auto look = [&](std::size_t, const Frame& frame) {
     const Pose3 level_from_camera = LevelFromCamera(inputs, frame.idx);
     std::vector<Silhouette> silhouettes = instances::FindSilhouettes(
@@ -249,18 +259,22 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
                    inputs.classes,
                    options.cut,
                    silhouettes);
-    return silhouettes;
+    const instances::VotingView view{
+        &frame.depth_m, inputs.frames.camera(), level_from_camera.Inverse(), {}};
+    return Looked{std::move(silhouettes),
+                  LooksIn(frame.idx, view, elements, found, options.instances.votes)};
   };
-  const auto add = [&](std::size_t n, std::vector<Silhouette> silhouettes) {
+  const auto add = [&](std::size_t n, Looked looked) {
+    KeepBest(looked.looks, best);
     tracks.Add(n,
-               silhouettes,
+               looked.silhouettes,
                ThingsOfDetections(
                    claims->frames[n], DetectionsOf(inputs, n), superpoints, thing_of_superpoint));
     progress.Report(n + 1, inputs.looked_at.size());
   };
-  const Status status = ForDepthFrames<std::vector<Silhouette>>(inputs, false, progress, look, add);
+  const Status status = ForDepthFrames<Looked>(inputs, false, progress, look, add);
   if (!status.ok()) return status.error();
-  return std::move(tracks).Take();
+  return std::move(tracks).Take(best);
 }
 
 }  // namespace deepslam::discovery

@@ -64,6 +64,17 @@ bool LiesInWall(const ObjectTrack& track,
                                         kMostShare * static_cast<double>(measured.num_points);
 }
 
+SeenIn LargestIn(const ObjectTrack& track,
+                 const std::map<DetectionId, const Segment*>& segment_of) {
+  SeenIn largest;
+  for (const TrackMember& member : track.members) {
+    const auto found = segment_of.find(member.detection);
+    if (found != segment_of.end() && found->second->box_px.area_px() > largest.box_px.area_px())
+      largest = {found->second->frame, found->second->box_px};
+  }
+  return largest;
+}
+
 }  // namespace
 
 void LeaveOutFlush(const HungThings& things, Association& association) {
@@ -75,9 +86,10 @@ void LeaveOutFlush(const HungThings& things, Association& association) {
     for (const TrackMember& member : track.members)
       association.rejections.push_back({member.detection, member.frame, "lies flush in a wall"});
     association.not_mapped.push_back(
-        fmt::format("{} seen in {} frames: flush in a wall, as a picture is",
-                    track.class_name,
-                    track.members.size()));
+        {fmt::format("{} seen in {} frames: flush in a wall, as a picture is",
+                     track.class_name,
+                     track.members.size()),
+         LargestIn(track, segment_of)});
     return true;
   });
 }

@@ -12,6 +12,7 @@
 #include "deepslam/fuse/tsdf.h"
 #include "deepslam/presentation/frame_pictures.h"
 #include "deepslam/presentation/map_pictures.h"
+#include "deepslam/presentation/not_mapped_pictures.h"
 #include "deepslam/presentation/object_pictures.h"
 #include "deepslam/presentation/room_beside.h"
 #include "deepslam/report/object_rows.h"
@@ -172,11 +173,15 @@ Result<ReportPage> MakeReportPage(const ReportSources& sources,
         RoomBeside(finished.room_world, map.map.objects, finished.meshes, std::nullopt);
     content.photographs = Photographs(pictures.objects, room, map, access.frames, pictures.shown);
   };
-  const std::array<std::function<void()>, 4> draw = {
+  const std::array<std::function<void()>, 5> draw = {
       photograph,
       [&] {
         content.frame_pictures = FramePictures(
             with_segments, pictures.segments, sources.association.tracks, map, access.frames);
+      },
+      [&] {
+        content.not_mapped =
+            NotMappedPictures(sources.association.not_mapped, map, access.frames, pictures.shown);
       },
       [&] { content.scene_pictures = ScenePictures(pictures.objects, map); },
       [&] { page.thumbnail = SceneThumbnail(pictures.objects, finished.room_world, map); }};

@@ -250,6 +250,23 @@ std::string WarningSection(const std::vector<std::string>& warnings) {
   return html + "</ul>";
 }
 
+// Pictures first, then what there is none of.
+std::string NotMappedSection(const std::vector<Picture>& not_mapped) {
+  if (not_mapped.empty()) return {};
+  std::vector<Picture> pictures;
+  std::string rest;
+  for (const Picture& thing : not_mapped) {
+    if (thing.bytes.empty())
+      rest += "<li>" + EscapeHtml(thing.caption) + "</li>";
+    else
+      pictures.push_back(thing);
+  }
+  return "<h2>Seen and not mapped</h2><p class=quiet>What has some surface in the capture and is "
+         "no "
+         "object of the map, each in the frame that shows most of it, with the reason.</p>" +
+         Gallery(pictures, "frames") + (rest.empty() ? "" : "<ul class=note>" + rest + "</ul>");
+}
+
 }  // namespace
 
 std::string RenderReport(const ReportContent& content) {
@@ -270,6 +287,7 @@ std::string RenderReport(const ReportContent& content) {
   html += Gallery(content.scene_pictures, "large");
   html += WarningSection(content.warnings);
   html += ObjectSection(content);
+  html += NotMappedSection(content.not_mapped);
   html += CameraSection(content);
   if (!content.frame_pictures.empty()) {
     html +=

@@ -91,6 +91,8 @@ struct ReportContent {
   std::string verdict;  // "good", "doubtful" or "bad"
   std::vector<std::string> verdict_reasons;
   std::vector<std::string> warnings;
+  // What was seen and is no object, with the reason; `bytes` is empty where no frame may be shown.
+  std::vector<Picture> not_mapped;
   std::vector<std::string> corrections;  // what a person overrode, one sentence each
   OptimizedMap map;     // trajectory, ground and energy; the objects are in `objects`
   Layout layout_world;  // the room itself

@@ -13,8 +13,6 @@ std::vector<std::string> Warnings(std::span<const std::string> capture_warnings,
   std::vector<std::string> warnings(capture_warnings.begin(), capture_warnings.end());
   warnings.insert(warnings.end(), proposals.notes.begin(), proposals.notes.end());
   warnings.insert(warnings.end(), map.dropped.begin(), map.dropped.end());
-  for (const std::string& thing : association.not_mapped)
-    warnings.push_back("seen and not mapped: " + thing);
   std::map<std::string, int> reasons;
   for (const Rejection& rejection : association.rejections) ++reasons[rejection.reason];
   for (const auto& [reason, count] : reasons) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/geometry/box.h"
 
 namespace deepslam {
 
@@ -37,12 +38,23 @@ struct Rejection {
   std::string reason;  // "touches border", "ambiguous", "too few points" ...
 };
 
+// A place in a frame.
+struct SeenIn {
+  FrameIdx frame{-1};  // below 0: none
+  Box2 box_px;
+};
+
+// What was seen and is no object of the map.
+struct NotMapped {
+  std::string what;  // a sentence, with the reason
+  SeenIn best;       // where it shows best
+};
+
 struct Association {
   std::vector<ObjectTrack> tracks;    // ascending id
   std::vector<Rejection> rejections;  // detections that belong to no object
-  // What was seen and is no object, a sentence for each with the reason; of objects found in the
-  // surface of the capture alone.
-  std::vector<std::string> not_mapped = {};
+  // Of objects found in the surface of the capture alone.
+  std::vector<NotMapped> not_mapped = {};
 };
 
 }  // namespace deepslam

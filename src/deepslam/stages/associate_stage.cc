@@ -86,8 +86,8 @@ StageSummary Summarise(const discovery::FoundThings& found) {
     summary.line +=
         fmt::format(", {}_{:02d} ({})", track.class_name, track.id.value, track.members.size());
   }
-  for (const std::string& thing : found.association.not_mapped)
-    summary.line += "; not mapped: " + thing;
+  for (const NotMapped& thing : found.association.not_mapped)
+    summary.line += "; not mapped: " + thing.what;
   return summary;
 }
 
