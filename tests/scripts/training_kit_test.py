@@ -404,6 +404,33 @@ class CheckpointTest(unittest.TestCase):
 
 
 @needs_torch
+class CutTest(unittest.TestCase):
+    def test_voxels_within_reach_belong_together(self):
+        """Against every pair of voxels; sparse grids have many components, one of them large enough to stay or none."""
+        import numpy as np
+        import torch
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import connected_components
+        import cut
+        random = np.random.default_rng(4)
+        for share in (0.0002, 0.001, 0.005):
+            solid = random.random((64, 64, 64)) < share
+            solid[20:29, 30:36, 10:40] |= random.random((9, 6, 30)) < 0.5
+            places = np.argwhere(solid)
+            near = np.argwhere(np.abs(places[:, None] - places[None]).max(2) <= cut.REACH)
+            links = coo_matrix((np.ones(len(near)), near.T), shape=(len(places),) * 2)
+            expected = connected_components(links, directed=False)[1]
+            found = cut.components(solid)
+            self.assertTrue(((found > 0) == solid).all())
+            pairs = np.unique(np.stack([expected, found[tuple(places.T)]], 1), axis=0)
+            self.assertEqual([len(pairs)] * 2, [len(np.unique(column)) for column in pairs.T], share)
+            large = np.bincount(expected) >= cut.CRUMB * len(places)
+            kept = torch.zeros(64, 64, 64, dtype=torch.bool)
+            kept[tuple(torch.from_numpy(places[large[expected]].T))] = True
+            self.assertTrue(torch.equal(cut.without_crumbs(torch.from_numpy(solid)), kept), share)
+
+
+@needs_torch
 class LossTest(unittest.TestCase):
     def test_the_derivative_is_that_of_the_value(self):
         import torch
