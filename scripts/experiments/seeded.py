@@ -10,8 +10,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("captures", "workspaces", "results", "logs", "scenes")
 
 
-def arguments(description, work, seeds, option, choices):
-    """Arguments with `seeds` as a range and args.<option> as a list of some of `choices`; the folders are made."""
+def arguments(description, work, seeds, option, choices, more=None):
+    """Arguments with `seeds` as a range and args.<option> as a list of some of `choices`; the folders are made. `more` adds arguments."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--deepslam", type=pathlib.Path, default=ROOT / "build/release/tools/deepslam")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / work)
@@ -19,6 +19,8 @@ def arguments(description, work, seeds, option, choices):
     parser.add_argument(f"--{option}", default=",".join(choices))
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
+    if more:
+        more(parser)
     args = parser.parse_args()
     args.deepslam, args.work = args.deepslam.absolute(), args.work.absolute()
     if not os.access(args.deepslam, os.X_OK):
@@ -27,7 +29,7 @@ def arguments(description, work, seeds, option, choices):
     if unknown := set(chosen) - set(choices):
         sys.exit(f"--{option}: {', '.join(sorted(unknown))} unknown; known are {', '.join(choices)}")
     setattr(args, option, chosen)
-    args.seeds = seeds_of(args.seeds)
+    args.seeds, args.seeds_text = seeds_of(args.seeds), args.seeds
     for folder in FOLDERS:
         (args.work / folder).mkdir(parents=True, exist_ok=True)
     return args

@@ -1,26 +1,30 @@
 #!/usr/bin/env python3
 """The paper's Table 1 over many objects: first candidate against the selected one, networks alone and all sources.
 
-    scripts/experiments/table1.py [--seeds 0-3] [--work out/table1] [--variants networks,all,measured] [-- RUN OPTIONS]
+    scripts/experiments/table1.py [--seeds 0-3] [--work out/table1] [--variants networks,all,measured] [--page FILE] [-- RUN OPTIONS]
 
 Every seed is a room of its own: twelve chairs and four tables out of the products that neither the library nor training
 may hold (configs/withheld_models.yaml), turned at random, seen on a walk round them with a Kinect-like sensor (640 x 480,
 120 frames). Each capture is reconstructed three times up to `mesh`, the front end once: `networks` has the shape networks'
-candidates alone, `all` those of the library, the networks and the own measurement, `measured` those
-without networks, as by default. All rooms are scored as one set by
-`deepslam eval selection`; `closed` is the share of the way from the initial to the oracle that selection goes. Captures,
-workspaces and JSON lie in --work and are used again; tables go to stdout. Needs nothing beyond Python 3.
+candidates alone, `all` those of the library, the networks and the own measurement, as by default, `measured` those
+without networks. All rooms are scored as one set by
+`deepslam eval selection` and `eval objects`; `closed` is the share of the way from the initial to the oracle that selection goes.
+Captures, workspaces and JSON lie in --work and are used again; tables go to stdout. --page FILE writes what came out of all
+variants, with the command and the commit, between the lines `<!-- table1 -->` and `<!-- /table1 -->` of that document. Needs nothing
+beyond Python 3.
 """
 import json
 import math
+import pathlib
 import random
 import re
 import shutil
+import subprocess
 import sys
 
 import seeded
 from seeded import ROOT
-from tables import selection_table
+from tables import num_found, selection_table, table
 
 WITHHELD = ROOT / "configs/withheld_models.yaml"
 NUM_CHAIRS, NUM_TABLES = 12, 4
@@ -30,6 +34,9 @@ FRONT_END = ("track", "ground", "layout", "detect", "segment", "associate")
 VARIANTS = {"networks": ["--set", "propose.network=true", "--set", "propose.retrieval=false", "--set", "propose.fused=false"],
             "all": ["--set", "propose.network=true"],
             "measured": ["--set", "propose.network=false"]}
+NAMES = {"networks": "networks alone", "all": "all sources, the default", "measured": "without networks"}
+ROWS = ("initial", "selected", "oracle", "with refinement")  # those that a page shows
+BEGIN, END = "<!-- table1 -->\n", "<!-- /table1 -->\n"
 
 
 def withheld(class_name):
@@ -117,10 +124,10 @@ class Driver:
         return self.call(f"{seed:03d}.{variant}", "run", self.capture(seed), "-o", workspace, "--progress", "none",
                          "--threads", self.args.threads, *self.variants[variant], *self.args.run_options, "--until", "mesh")
 
-    def score(self, variant, seeds):
-        result = self.args.work / "results" / f"{variant}.json"
+    def score(self, variant, seeds, kind="selection"):
+        result = self.args.work / "results" / f"{variant}{'' if kind == 'selection' else '.' + kind}.json"
         pairs = [path for seed in seeds for path in (self.workspace(seed, variant), self.capture(seed))]
-        if not pairs or not self.call(variant, "eval", "selection", *pairs, "--json", result):
+        if not pairs or not self.call(variant, "eval", kind, *pairs, "--json", result):
             return None
         return json.loads(result.read_text())
 
@@ -132,11 +139,52 @@ def way_closed(selection, row_name):
     return (iou[row_name] - iou["initial"]) / way if way > 0 else float("nan")
 
 
+def less_initial(value):
+    return "{mean:+.3f} [{low:.3f}, {high:.3f}]".format(**value)
+
+
+def page_part(scored, command, commit):
+    """`scored`: variant -> (selection, objects), as `deepslam eval` writes them."""
+    rows, found = [], []
+    for variant, (selection, objects) in scored.items():
+        by_name = {row["row"]: row for row in selection["rows"] if row["num_objects"] > 0}
+        for name in ROWS:
+            if row := by_name.get(name):
+                rows.append([f"{NAMES[variant]}: {name}", row["num_objects"], f'{row["iou"]:.3f}', less_initial(row["iou_minus_initial"]),
+                             f'{row["chamfer"]:.3f}', less_initial(row["chamfer_minus_initial"])])
+        summary = objects["summary"]
+        found.append([NAMES[variant], summary["num_true"], num_found(objects), summary["num_mapped"], summary["num_placed"]])
+    return "\n".join([f"`{command}`, commit {commit}:", "",
+                      table(["", "objects", "IoU", "less initial, 95 %", "CD", "less initial, 95 %"], rows), "",
+                      table(["", "true", "found", "mapped", "within 20 cm, 20 deg, 20 %"], found), ""])
+
+
+def write_page(page, part):
+    text = page.read_text(encoding="utf-8")
+    if text.count(BEGIN) != 1 or text.count(END) != 1 or text.index(END) < text.index(BEGIN):
+        sys.exit(f"{page}: the lines {BEGIN.strip()} and {END.strip()} have to stand there once, in this order")
+    page.write_text(text[:text.index(BEGIN) + len(BEGIN)] + part + text[text.index(END):], encoding="utf-8")
+
+
+def add_page(parser):
+    parser.add_argument("--page", type=pathlib.Path, help="a document whose part between <!-- table1 --> and <!-- /table1 --> is written")
+
+
+def command_of(args, variants):
+    return (f"scripts/experiments/table1.py --seeds {args.seeds_text} --variants {','.join(variants)}"
+            + (" -- " + " ".join(args.run_options) if args.run_options else ""))
+
+
+def commit():
+    return subprocess.run(["git", "-C", str(ROOT), "rev-parse", "--short=8", "HEAD"], capture_output=True, text=True,
+                          check=True).stdout.strip()
+
+
 def main():
-    args = seeded.arguments(__doc__, "out/table1", "0-3", "variants", VARIANTS)
+    args = seeded.arguments(__doc__, "out/table1", "0-3", "variants", VARIANTS, add_page)
     driver = Driver(args)
     rendered = [seed for seed in args.seeds if driver.render(seed)]
-    complete = len(rendered) == len(args.seeds)
+    complete, scored = len(rendered) == len(args.seeds), {}
     for variant in args.variants:
         done = [seed for seed in rendered if driver.reconstruct(seed, variant, args.variants[0])]
         selection = driver.score(variant, done)
@@ -145,6 +193,12 @@ def main():
             continue
         print(f"{variant}: seeds {', '.join(map(str, done))}; closed {100 * way_closed(selection, 'selected'):.0f} %\n")
         print(selection_table(selection) + "\n", flush=True)
+        objects = driver.score(variant, done, "objects")
+        complete = complete and objects is not None
+        if objects is not None:
+            scored[variant] = selection, objects
+            if args.page:
+                write_page(args.page, page_part(scored, command_of(args, scored), commit()))
     return 0 if complete else 1
 
 
