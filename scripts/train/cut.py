@@ -36,7 +36,7 @@ def components(solid):
     return np.where(labels > 0, 1 + connected_components(graph, directed=False)[1][labels], 0)
 
 
-def without_crumbs(solid):
+def without_small_components(solid):
     part = components(solid.numpy())
     count = np.bincount(part.reshape(-1))
     large = count >= CRUMB * count[1:].sum()
@@ -47,4 +47,4 @@ def without_crumbs(solid):
 def cut(shares, threshold, kept_of_expected):
     """[N, 64, 64, 64] values in [0, 1] -> bool."""
     solid = shares > levels(shares, threshold, kept_of_expected)[:, None, None, :]
-    return torch.stack([without_crumbs(one) if bool(one.any()) else one for one in solid])
+    return torch.stack([without_small_components(one) if bool(one.any()) else one for one in solid])

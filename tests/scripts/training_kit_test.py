@@ -427,7 +427,7 @@ class CutTest(unittest.TestCase):
             large = np.bincount(expected) >= cut.CRUMB * len(places)
             kept = torch.zeros(64, 64, 64, dtype=torch.bool)
             kept[tuple(torch.from_numpy(places[large[expected]].T))] = True
-            self.assertTrue(torch.equal(cut.without_crumbs(torch.from_numpy(solid)), kept), share)
+            self.assertTrue(torch.equal(cut.without_small_components(torch.from_numpy(solid)), kept), share)
 
 
 @needs_torch
