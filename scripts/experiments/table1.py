@@ -6,7 +6,7 @@
 Every seed is a room of its own: twelve chairs and four tables out of the products that neither the library nor training
 may hold (configs/withheld_models.yaml), turned at random, seen on a walk round them with a Kinect-like sensor (640 x 480,
 120 frames). Each capture is reconstructed three times up to `mesh`, the front end once: `networks` has the shape networks'
-candidates alone, `all` those of the library, the networks and the own measurement, as by default, `measured` those
+candidates alone, of eight views each, `all` those of the library, the networks and the own measurement, as by default, `measured` those
 without networks. All rooms are scored as one set by
 `deepslam eval selection` and `eval objects`; `closed` is the share of the way from the initial to the oracle that selection goes.
 Captures, workspaces and JSON lie in --work and are used again; tables go to stdout. --page FILE writes what came out of all
@@ -31,7 +31,8 @@ NUM_CHAIRS, NUM_TABLES = 12, 4
 RINGS = ((5, 0.9), (11, 2.2))  # pieces of furniture, and metres from the middle
 REACH_M = 3.7
 FRONT_END = ("track", "ground", "layout", "detect", "segment", "associate")
-VARIANTS = {"networks": ["--set", "propose.network=true", "--set", "propose.retrieval=false", "--set", "propose.fused=false"],
+VARIANTS = {"networks": ["--set", "propose.network=true", "--set", "propose.networks.max_views=8", "--set", "propose.retrieval=false",
+                         "--set", "propose.fused=false"],
             "all": ["--set", "propose.network=true"],
             "measured": ["--set", "propose.network=false"]}
 NAMES = {"networks": "networks alone", "all": "all sources, the default", "measured": "without networks"}

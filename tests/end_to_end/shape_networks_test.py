@@ -71,7 +71,8 @@ def write_networks(folder, class_name, least=None, version=1):
     """Networks that answer every view with a box. The latents are the mean of the crop; below `least` they are NaN."""
     (folder / class_name).mkdir(parents=True, exist_ok=True)
     sketch, sketch_is = fixed("sketch", SKETCH, [0.1] * math.prod(SKETCH))
-    azimuth, azimuth_is = fixed("azimuth", (24,), [9.0] + [0.0] * 23)
+    # The higher the mean, the surer of the azimuth.
+    azimuth, azimuth_is = node("Mul", ["azimuth_is", "row"], "azimuth"), constant("azimuth_is", (1, 24), [9.0] + [0.0] * 23)
     elevation, elevation_is = fixed("elevation", (1,), [0.3])
     inner = range(SIDE // 4, 3 * SIDE // 4)
     logits, logits_is = fixed("logits", (SIDE,) * 3, [4.0 if x in inner and y in inner and z in inner else -4.0
@@ -101,19 +102,29 @@ class ShapeNetworks(unittest.TestCase):
         for name in ("chair", "table"):
             write_networks(self.priors, name, **faults)
 
-    def run_until(self, stage):
+    def run_until(self, stage, max_views=8):
         boxes = DIR / "boxes.json"
         boxes.write_text(json.dumps(captures.true_boxes(ROOM)))
         return captures.deepslam(PROGRAM, "run", ROOM, "-o", self.workspace, "--progress", "none", *captures.BARE, "--set",
                                  "detect.source=file", "--set", f"detect.file={boxes}", "--set", f"propose.priors={self.priors}",
-                                 "--set", "propose.network=true", "--until", stage)
+                                 "--set", "propose.network=true", "--set", f"propose.networks.max_views={max_views}", "--until", stage)
 
-    def proposed(self, stage="propose"):
-        result = self.run_until(stage)
+    def proposed(self, stage="propose", **options):
+        result = self.run_until(stage, **options)
         self.assertEqual(result.returncode, 0, result.stderr)
         document = json.loads((self.workspace / "propose/candidates.json").read_text())
         of_views = {(one["object"], one["view"]): one["latents"][0] for one in document["candidates"] if one["source"] == "network"}
         return of_views, document
+
+    def test_the_surest_views_are_offered(self):
+        self.write()
+        of_all, _ = self.proposed()
+        of_two, _ = self.proposed(max_views=2)
+        surest = set()
+        for thing in {number for number, _ in of_all}:
+            surest |= set(sorted((key for key in of_all if key[0] == thing), key=of_all.get, reverse=True)[:2])
+        self.assertLess(len(surest), len(of_all))
+        self.assertEqual(set(of_two), surest)
 
     def test_a_view_answered_with_nan_loses_its_candidate_and_the_run_goes_on(self):
         self.write()

@@ -91,7 +91,9 @@ TEST(NetworkProposerTest, EveryViewProposesAndSoDoesTheirMean) {
   ASSERT_TRUE(prior) << prior.error().message;
   ShapePriors priors;
   priors.emplace("chair", std::move(*prior));
-  const auto proposer = MakeNetworkProposer(std::move(priors), Classes(), {});
+  NetworkOptions options;
+  options.max_views = 8;
+  const auto proposer = MakeNetworkProposer(priors, Classes(), options);
   const std::vector<ObjectView> views = StagedViews(chair, {});
   const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, "chair", views});
   ASSERT_TRUE(proposals) << proposals.error().message;
@@ -109,6 +111,19 @@ TEST(NetworkProposerTest, EveryViewProposesAndSoDoesTheirMean) {
     EXPECT_GT(candidate.proposal_score, 0.9);
   }
   EXPECT_EQ(means, 1U);
+
+  // Of fewer views offered, the shape of all together is what it was.
+  options.max_views = 2;
+  const Result<Proposals> fewer =
+      MakeNetworkProposer(priors, Classes(), options)->Propose({ObjectId{3}, "chair", views});
+  ASSERT_TRUE(fewer);
+  ASSERT_EQ(fewer->candidates.size(), 3U);
+  const auto of_all = [](const Proposals& p) {
+    return std::ranges::find(p.candidates, CandidateSource::kMeanLatent, &ShapeCandidate::source);
+  };
+  ASSERT_NE(of_all(*fewer), fewer->candidates.end());
+  EXPECT_EQ(of_all(*fewer)->latents, of_all(*proposals)->latents);
+  EXPECT_EQ(of_all(*fewer)->size_m, of_all(*proposals)->size_m);
 
   const Result<Proposals> other = proposer->Propose({ObjectId{4}, "lamp", views});
   ASSERT_TRUE(other);

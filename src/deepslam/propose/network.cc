@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdio>
 #include <map>
+#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -143,6 +145,17 @@ void NetworkProposer::AddFitted(const ObjectObservations& object,
   proposals.candidates.push_back(std::move(candidate));
 }
 
+// Numbers of the surest, at most so many; equally sure ones in their order.
+std::vector<std::size_t> SurestFirst(std::span<const PriorEncoding> encodings, std::size_t most) {
+  std::vector<std::size_t> order(encodings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return encodings[a].confidence > encodings[b].confidence;
+  });
+  order.resize(std::min(order.size(), most));
+  return order;
+}
+
 Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) const {
   Proposals proposals;
   const auto found = priors_.find(object.class_name);
@@ -152,11 +165,12 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
   }
   const ShapePrior& prior = *found->second;
   const bool by_depth = sight_ == Sight::kColourAndDepth;
-  const MeasuredDepth measured =
-      by_depth ? MeasureDepth(object, options_.max_views) : MeasuredDepth();
+  const int num_read = std::max(NetworkOptions::kReadViews, options_.max_views);
+  const MeasuredDepth measured = by_depth ? MeasureDepth(object, num_read) : MeasuredDepth();
   const Extent extent = MeasureExtent(measured.cloud);
   std::vector<PriorEncoding> encodings;
-  for (const std::size_t n : ChooseViews(object.views, extent.center_world, options_.max_views)) {
+  std::vector<const ObjectView*> encoded;
+  for (const std::size_t n : ChooseViews(object.views, extent.center_world, num_read)) {
     const ObjectView& view = object.views[n];
     const Result<NetworkCrop> crop = MakeNetworkCrop(view, by_depth);
     if (!crop.ok()) {
@@ -169,8 +183,10 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
       continue;
     }
     encodings.push_back(*encoding);
-    Add(object, prior, *encoding, &view, extent.size_m, proposals);
+    encoded.push_back(&view);
   }
+  for (const std::size_t n : SurestFirst(encodings, static_cast<std::size_t>(options_.max_views)))
+    Add(object, prior, encodings[n], encoded[n], extent.size_m, proposals);
   if (options_.mean_latent && encodings.size() > 1)
     Add(object, prior, JoinEncodings(encodings), nullptr, extent.size_m, proposals);
   if (options_.fit_proportions) AddFitted(object, measured, proposals);
@@ -187,7 +203,7 @@ void Describe(OptionsVisitor& visitor, NetworkOptions& options) {
                 options.max_views,
                 {1, 1000},
                 "1",
-                "views of an object that propose a shape each");
+                "views of an object whose own shape is offered, of those that are read the surest");
   visitor.Field("mean_latent",
                 options.mean_latent,
                 "also offer the shape of the views' latents together, their geometric median");

@@ -79,7 +79,11 @@ void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
 [[nodiscard]] std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes);
 
 struct NetworkOptions {
-  int max_views = 8;            // views that propose, best supported and spread first
+  // Views whose own shape is offered, the surest of those that are read. Each costs a registration.
+  int max_views = 2;
+  // Views that are read, or max_views if that is more, best supported and spread first: the shape
+  // of all together gains by each.
+  static constexpr int kReadViews = 8;
   bool mean_latent = true;      // and what their latents say together (joined_encoding.h)
   bool fit_proportions = true;  // and that in the proportions that all depth has
   // Candidates' size range, measured size +- this share: wider than of designs, since a network's

@@ -45,7 +45,7 @@ constexpr std::array<PlannedStage, 15> kChain = {{
      kFrames | kClasses | kTrackOverrides,
      RunAssociate},
     {"propose",
-     9,
+     10,
      "track ground associate",
      "views propose propose.retrieval propose.measured propose.networks",
      kFrames | kClasses | kLibrary | kPriors,
