@@ -64,7 +64,8 @@ def card(config, scores, curve, heads, given, worst, weights):
              "|---|---|---|---|---|---|---|"]
     for key, name in names.items():
         s = scores[key]
-        lines.append(f"| {name} | {s['iou64']:.3f} | {s['iou32']:.3f} | {s['chamfer']:.3f} | {s['mean_latent_of_10']:.3f} | "
+        chamfer = "-" if s["chamfer"] is None else f"{s['chamfer']:.3f}"
+        lines.append(f"| {name} | {s['iou64']:.3f} | {s['iou32']:.3f} | {chamfer} | {s['mean_latent_of_10']:.3f} | "
                      f"{s['best_of_10']:.3f} | {s['spread_over_views']:.3f} |")
     both = scores["colour_and_depth"]
     lines += [f"| mean training shape | {scores['mean_shape']['iou64']:.3f} | {scores['mean_shape']['iou32']:.3f} | | | | |",

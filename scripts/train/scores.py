@@ -101,6 +101,12 @@ def chamfer(a, b, random):
     return float(apart.min(1).values.mean() + apart.min(0).values.mean())
 
 
+def mean_of_known(values):
+    """Nothing where no view gave a solid: JSON has no word for what is not a number."""
+    known = [value for value in values if np.isfinite(value)]
+    return float(np.mean(known)) if known else None
+
+
 @torch.no_grad()
 def run(model, views, use_depth, numbers=None, decode=True):
     shares, latents, azimuths = [], [], []
@@ -217,7 +223,7 @@ def score_input(model, train, check, test, use_depth, latent_bank, random):
     result = {"threshold": threshold, "kept_of_expected": kept, "iou64": float(each.mean()), "iou64_by_threshold": float(iou(shares > threshold, truth).mean()),
               "iou64_canonical": float(iou(canonical(solid), truth).mean()),
               "iou32": mean_32, "threshold32": level_32, "iou32_of_values": set_iou_32(shares, truth.float())[0],
-              "chamfer": float(np.nanmean([chamfer(s, t, random) for s, t in zip(solid, truth)]))}
+              "chamfer": mean_of_known([chamfer(s, t, random) for s, t in zip(solid, truth)])}
     result["azimuth"], result["azimuth_residual_deg"] = azimuth_figures(azimuth, test)
     per_model, ten, median_ten, best_ten, spread = {}, [], [], [], []
     for m, entry in enumerate(test.models):

@@ -431,6 +431,14 @@ class CutTest(unittest.TestCase):
 
 
 @needs_torch
+class ScoresTest(unittest.TestCase):
+    def test_networks_that_give_no_solid_have_no_distance(self):
+        import scores
+        self.assertIsNone(scores.mean_of_known([float("nan")] * 3))
+        self.assertAlmostEqual(scores.mean_of_known([0.1, float("nan"), 0.3]), 0.2)
+
+
+@needs_torch
 class LossTest(unittest.TestCase):
     def test_the_derivative_is_that_of_the_value(self):
         import torch
