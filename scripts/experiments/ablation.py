@@ -98,7 +98,7 @@ class Program:
             scores["mapped"] = boxes["num_mapped"]
             if found["summary"]["num_with_shape"]:
                 scores["IoU"] = found["summary"]["in_place_iou"]
-        else:
+        elif (workspace / "select/objects.json").is_file():  # else the run options end before
             scores["mapped"] = len(json.loads((workspace / "select/objects.json").read_text())["objects"])
         if not capture.rendered and (found := self.eval(log, "selection", workspace, capture, "--held-out")):
             scores["held-out"] = found["selected"]["mean"]

@@ -263,6 +263,57 @@ TEST(FindInstances, WhatNobodyNamesAndHangsIsNoThingOfTheFloor) {
   EXPECT_THAT(names, testing::ElementsAre("cabinet", "furniture"));
 }
 
+// The classes of things that nobody names, over a floor that is seen wherever none of them stands.
+std::multiset<std::string> NamesOverFloor(const std::vector<Cuboid>& things, double table_m) {
+  SampledWorld sampled = Sample(things);
+  for (double x = -2; x < 2; x += kSampleM) {
+    for (double y = -2; y < 2; y += kSampleM) {
+      if (IsInside(things, {x, y, 0.01})) continue;
+      sampled.points.emplace_back(x, y, 0);
+      sampled.normals.emplace_back(0, 0, 1);
+    }
+  }
+  const SurfaceElements elements(sampled.points, sampled.normals, kVoxelM);
+  std::vector<char> is_floor(elements.size());
+  std::ranges::transform(elements.points(), is_floor.begin(), [](const Eigen::Vector3f& p) {
+    return p.z() < 0.03F ? 1 : 0;
+  });
+  ClassTable classes = Classes();
+  classes.classes[1].traits.support_plane = true;
+  classes.classes[1].min_size_m = table_m;
+  const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
+  const Superpoints superpoints = MakeSuperpoints(elements, is_floor, pairs, {});
+  std::multiset<std::string> names;
+  for (const Instance& instance :
+       FindInstances(elements, superpoints, pairs, {}, classes, {}).instances) {
+    if (instance.rejection.empty()) names.insert(instance.class_name);
+  }
+  return names;
+}
+
+// A top on legs at its corners.
+std::vector<Cuboid> OnLegs(double length_m, double width_m, double height_m) {
+  const double x = 0.5 * length_m;
+  const double y = 0.5 * width_m;
+  std::vector<Cuboid> world = {{0, {-x, -y, height_m - 0.04}, {x, y, height_m}}};
+  for (const double leg_x : {-x, x - 0.06}) {
+    for (const double leg_y : {-y, y - 0.06})
+      world.push_back({0, {leg_x, leg_y, 0}, {leg_x + 0.06, leg_y + 0.06, height_m - 0.04}});
+  }
+  return world;
+}
+
+TEST(FindInstances, ATopOnLegsIsATableThoughNobodyNamesIt) {
+  EXPECT_THAT(NamesOverFloor(OnLegs(1.2, 0.7, 0.5), 0.4), testing::ElementsAre("table"));
+  EXPECT_THAT(NamesOverFloor({{0, {-0.6, -0.35, 0}, {0.6, 0.35, 0.5}}}, 0.4),
+              testing::ElementsAre("cabinet"))
+      << "of its size, closed";
+  EXPECT_THAT(NamesOverFloor(OnLegs(0.5, 0.4, 0.5), 0.4), testing::ElementsAre("cabinet"))
+      << "a nightstand on legs";
+  EXPECT_THAT(NamesOverFloor(OnLegs(1.2, 0.7, 0.5), 3), testing::ElementsAre("furniture"))
+      << "no table is as small";
+}
+
 TEST(FindInstances, AShortThingIsNoBedHoweverHigh) {
   // A wardrobe's end that a detector takes for a bed: half a bed long only in height.
   const std::vector<Cuboid> world = {{0, {0, 0, 0}, {0.5, 0.4, 1.1}}};

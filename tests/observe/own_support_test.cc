@@ -12,6 +12,7 @@ using namespace testing_support;  // NOLINT
 constexpr Supports kFloorOnly = {};
 constexpr Supports kFurniture = {.floor = false, .furniture = true};
 constexpr Supports kEither = {.furniture = true};
+constexpr Supports kFloorOrWall = {.wall = true};
 constexpr Supports kWall = {.floor = false, .wall = true};
 
 // Whole images of a box whose foot is so high above the floor.
@@ -70,6 +71,8 @@ TEST(PutOnOwnSupport, WhatStandsOnTheFloorStaysThere) {
   EXPECT_TRUE(stays(kEither, 0));
   EXPECT_TRUE(stays(kEither, 0.15)) << "something low stands before it";
   EXPECT_FALSE(stays(kEither, 0.45));
+  EXPECT_TRUE(stays(kFloorOrWall, 0.45)) << "a bed stands before the cabinet";
+  EXPECT_FALSE(stays(kFloorOrWall, 1.4)) << "a wall cabinet";
 }
 
 TEST(PutOnOwnSupport, BearsViewsThatSayNothing) {

@@ -10,6 +10,7 @@ namespace {
 
 constexpr Supports kFloor = {};
 constexpr Supports kFloorOrFurniture = {.furniture = true};
+constexpr Supports kFloorOrWall = {.wall = true};
 constexpr Supports kFurniture = {.floor = false, .furniture = true};
 constexpr Supports kFurnitureOrWall = {.floor = false, .furniture = true, .wall = true};
 constexpr Supports kAnything = {.furniture = true, .wall = true};
@@ -20,6 +21,7 @@ using Strings = std::vector<std::string>;
 std::vector<ObjectClass> Furniture() {
   constexpr ClassTraits kTable = {.support_plane = true, .yaw_free = true};
   constexpr ClassTraits kClosed = {.solid_inside = true};
+  constexpr ClassTraits kClosedOnFloorOrWall = {.supports = kFloorOrWall, .solid_inside = true};
   constexpr ClassTraits kRest = {
       .supports = kAnything, .solid_inside = true, .yaw_free = true, .fallback = true};
   const Strings table_labels = {"dining table", "table", "desk"};
@@ -28,7 +30,7 @@ std::vector<ObjectClass> Furniture() {
       {"table", table_labels, {"table", "desk"}, 0.4, 4.0, 0.3, 1.2, {52, 152, 219}, kTable},
       {"sofa", {"couch", "sofa"}, {"sofa"}, 0.7, 3.6, 0.5, 1.3, {155, 89, 182}, kClosed},
       {"bed", {"bed"}, {"bed"}, 1.2, 2.7, 0.25, 2.0, {231, 76, 60}, kClosed},
-      {"cabinet", {}, {"cabinet"}, 0.3, 2.6, 0.3, 2.5, {39, 174, 96}, kClosed},
+      {"cabinet", {}, {"cabinet"}, 0.3, 2.6, 0.3, 2.5, {39, 174, 96}, kClosedOnFloorOrWall},
       {"shelf", {}, {"shelf"}, 0.5, 3.0, 0.5, 2.7, {26, 188, 156}, kClosed},
       {"furniture",
        {},

@@ -184,7 +184,7 @@ class Tracks {
     if (thing >= 0) {
       const std::string& why = found_.instances[static_cast<std::size_t>(thing)].rejection;
       reason = why.empty() ? "another detection of the frame is of the same thing, or it is "
-                             "hardly in sight"
+                             "hardly visible"
                            : why;
     }
     rejections_.push_back({detection.id, detection.frame, reason});

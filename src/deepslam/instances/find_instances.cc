@@ -9,6 +9,7 @@
 
 #include "deepslam/instances/carried.h"
 #include "deepslam/instances/join_instances.h"
+#include "deepslam/instances/open_below.h"
 
 namespace deepslam::instances {
 namespace {
@@ -29,6 +30,14 @@ constexpr double kMinSeenShare = 0.5;
 // The longest side of things of a class is level where the least is this many times as long as the
 // least height: beds, not chairs.
 constexpr double kLies = 2;
+
+struct Context {
+  const SurfaceElements& elements;
+  const Superpoints& superpoints;
+  const ViewVotes& votes;
+  const ClassTable& classes;
+  const InstanceOptions& options;
+};
 
 std::vector<Instance> Gather(const Superpoints& superpoints,
                              const std::vector<int>& thing_of_superpoint) {
@@ -76,15 +85,16 @@ bool MayBe(const ObjectClass& object_class, const UprightBox& box) {
          longest_m <= object_class.max_size_m && box.height_m() <= object_class.max_height_m;
 }
 
-// The class without detector labels whose sizes hold the box, the most central one; where none does
-// the one that takes what fits no other. What begins high above the floor is of a class that may
-// rest on something else.
-std::string ClassBySize(const UprightBox& box, const ClassTable& classes) {
+// The class whose sizes hold the box, the most central one, of those without detector labels or,
+// for a top on legs, of those with a support plane; where none does the one that takes what fits no
+// other. What begins high above the floor is of a class that may rest on something else.
+std::string ClassBySize(const UprightBox& box, bool is_open_below, const ClassTable& classes) {
   const double longest_m = std::max(box.long_side_m(), box.height_m());
   const ObjectClass* best = classes.Fallback();
   double least = 1;
   for (const ObjectClass& c : classes.classes) {
-    if (!c.detector_labels.empty() || c.traits.fallback) continue;
+    const bool is_asked = is_open_below ? c.traits.support_plane : c.detector_labels.empty();
+    if (!is_asked || c.traits.fallback) continue;
     const Supports& supports = c.traits.supports;
     if (box.bottom_m > kHungBaseM && !supports.furniture && !supports.wall) continue;
     const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
@@ -96,8 +106,9 @@ std::string ClassBySize(const UprightBox& box, const ClassTable& classes) {
   return best != nullptr ? best->name : std::string();
 }
 
-void Name(const ClassTable& classes, const InstanceOptions& options, Instance& instance) {
-  double most = options.min_class_share;
+void Name(const Context& context, Instance& instance) {
+  const ClassTable& classes = context.classes;
+  double most = context.options.min_class_share;
   for (const auto& [name, share] : instance.class_shares) {
     const ObjectClass* object_class = classes.Find(name);
     if (share < most || object_class == nullptr || !MayBe(*object_class, instance.box_level))
@@ -107,7 +118,11 @@ void Name(const ClassTable& classes, const InstanceOptions& options, Instance& i
     instance.class_name = name;
     instance.is_named = true;
   }
-  if (!instance.is_named) instance.class_name = ClassBySize(instance.box_level, classes);
+  if (!instance.is_named) {
+    const bool is_open_below =
+        IsOpenBelow(instance.elements, instance.box_level, context.elements, context.superpoints);
+    instance.class_name = ClassBySize(instance.box_level, is_open_below, classes);
+  }
   instance.has_support_plane = classes.TraitsOf(instance.class_name).support_plane;
 }
 
@@ -153,14 +168,6 @@ UprightBox BoxOfElements(const SurfaceElements& elements, const std::vector<int>
   return box;
 }
 
-struct Context {
-  const SurfaceElements& elements;
-  const Superpoints& superpoints;
-  const ViewVotes& votes;
-  const ClassTable& classes;
-  const InstanceOptions& options;
-};
-
 // Instances out of superpoints, each with its box, its name, and why it is no object.
 std::vector<Instance> Assemble(const Context& context,
                                const std::vector<int>& thing_of_superpoint) {
@@ -169,7 +176,7 @@ std::vector<Instance> Assemble(const Context& context,
   CountClasses(context.superpoints, thing_of_superpoint, context.votes, instances);
   for (Instance& instance : instances) {
     instance.box_level = BoxOfElements(context.elements, instance.elements);
-    Name(context.classes, options, instance);
+    Name(context, instance);
     instance.rejection = TooLittle(instance, context.elements.voxel_m(), options);
     if (instance.rejection.empty() && !instance.is_named)
       instance.rejection = NoThing(instance.box_level, options);

@@ -1,0 +1,104 @@
+#include "deepslam/instances/open_below.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace deepslam::instances {
+namespace {
+
+constexpr double kRightAngle_rad = 0.5 * std::numbers::pi;  // from a box's x axis to its y axis
+// Shorter ones may be nightstands on legs.
+constexpr double kMinLongSideM = 0.6;
+constexpr float kLevelNormal = 0.8F;    // z of a normal that faces up, within 37 degrees
+constexpr float kUprightNormal = 0.5F;  // and of one that faces aside, at most
+// Thickness of a layer of the histogram: two voxels, so that a level face lies in one or two.
+constexpr double kLayerM = 0.08;
+// Of the box seen from above. Of tables with things on them less is seen than of bare ones (1).
+constexpr double kMinTopShare = 0.4;
+// Of the floor in the box, this far from its sides. Cabinets on legs let some be seen.
+constexpr double kMinFloorShare = 0.5;
+constexpr double kInsetM = 0.06;  // a voxel and a half: the sides scatter by as much
+constexpr double kFloorM = 0.12;  // elements of the floor scatter by three voxels
+// Of the long side below the top: aprons and legs cover up to a third, fronts of cabinets, if half
+// hidden, more.
+constexpr double kMaxCoveredShare = 0.35;
+
+// The height of the layer with the most surface that faces up, if that is enough for a top.
+std::optional<double> TopOf(std::span<const int> own,
+                            const UprightBox& box,
+                            const SurfaceElements& elements) {
+  std::map<int, int> num_level;  // by layer below the box's top
+  for (const int i : own) {
+    const auto n = static_cast<std::size_t>(i);
+    if (elements.normals()[n].z() < kLevelNormal) continue;
+    const double below_m = box.top_m - static_cast<double>(elements.points()[n].z());
+    ++num_level[static_cast<int>(std::floor(below_m / kLayerM))];
+  }
+  const auto most = std::ranges::max_element(num_level, {}, &std::pair<const int, int>::second);
+  if (most == num_level.end()) return std::nullopt;
+  const double area_m2 = most->second * elements.voxel_m() * elements.voxel_m();
+  if (area_m2 < kMinTopShare * box.length_m * box.width_m) return std::nullopt;
+  return box.top_m - most->first * kLayerM;
+}
+
+// Of the thing's long side below a height that some upright surface of it covers, seen from before.
+double CoveredShare(std::span<const int> own,
+                    const UprightBox& box,
+                    double top_m,
+                    const SurfaceElements& elements) {
+  const double height_m = top_m - kLayerM - box.bottom_m;
+  if (height_m <= 0) return 1;
+  const double yaw_rad = box.length_m > box.width_m ? box.yaw_rad : box.yaw_rad + kRightAngle_rad;
+  const Eigen::Vector2d along(std::cos(yaw_rad), std::sin(yaw_rad));
+  std::set<std::pair<int, int>> covered;  // voxels along the side and upwards
+  for (const int i : own) {
+    const auto n = static_cast<std::size_t>(i);
+    const Eigen::Vector3d p = elements.points()[n].cast<double>();
+    if (std::abs(elements.normals()[n].z()) >= kUprightNormal || p.z() >= top_m - kLayerM) continue;
+    covered.emplace(static_cast<int>(std::floor(along.dot(p.head<2>()) / elements.voxel_m())),
+                    static_cast<int>(std::floor(p.z() / elements.voxel_m())));
+  }
+  return static_cast<double>(covered.size()) * elements.voxel_m() * elements.voxel_m() /
+         (box.long_side_m() * height_m);
+}
+
+// Of the floor within the box.
+double FloorShare(const UprightBox& box,
+                  const SurfaceElements& elements,
+                  const Superpoints& superpoints) {
+  const double half_length_m = 0.5 * box.length_m - kInsetM;
+  const double half_width_m = 0.5 * box.width_m - kInsetM;
+  if (half_length_m <= 0 || half_width_m <= 0) return 0;
+  const Eigen::Rotation2Dd box_from_level(-box.yaw_rad);
+  std::size_t num_floor = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const Eigen::Vector3d p = elements.points()[i].cast<double>();
+    if (superpoints.of_element[i] >= 0 || std::abs(p.z()) > kFloorM) continue;
+    const Eigen::Vector2d p_box = box_from_level * (p.head<2>() - box.centre_m);
+    if (std::abs(p_box.x()) < half_length_m && std::abs(p_box.y()) < half_width_m) ++num_floor;
+  }
+  return static_cast<double>(num_floor) * elements.voxel_m() * elements.voxel_m() /
+         (4 * half_length_m * half_width_m);
+}
+
+}  // namespace
+
+bool IsOpenBelow(std::span<const int> own,
+                 const UprightBox& box_level,
+                 const SurfaceElements& elements,
+                 const Superpoints& superpoints) {
+  if (box_level.long_side_m() < kMinLongSideM) return false;
+  const std::optional<double> top_m = TopOf(own, box_level, elements);
+  return top_m && CoveredShare(own, box_level, *top_m, elements) <= kMaxCoveredShare &&
+         FloorShare(box_level, elements, superpoints) >= kMinFloorShare;
+}
+
+}  // namespace deepslam::instances
