@@ -17,8 +17,8 @@ LIMITS = {
     "options that nobody sets": 39,
     "constants without a comment": 154,
     "words of documents": 25900,
-    "lines of tracking and alignment": 7132,
-    "coined terms": 1001,
+    "lines of tracking and alignment": 7053,
+    "coined terms": 998,
 }
 
 # Coined here -> what the field says. A pattern is matched against words of code (also within names) and of documents.

@@ -208,21 +208,6 @@ TEST(RefineAlignment, SaysWhenTheFramesDoNotAgreeOrAreNotThere) {
   EXPECT_FALSE(RefineAlignment(i, {}, kIFromJ, {}).ok);
 }
 
-TEST(Support, IsGreatestWhereTheFramesBelong) {
-  const Pair pair = RenderPair(BoxWorld::Furnished(), kWorldFromI, kIFromJ, 1.0);
-  const FramePyramid i = AsReference(BuildPyramid(pair.i, kSmallCamera, {}));
-  const FramePyramid j = BuildPyramid(pair.j, kSmallCamera, {});
-  const double there = Support(i, j, kIFromJ, {});
-  for (int axis = 0; axis < 6; ++axis) {
-    Vector6d off = Vector6d::Zero();
-    off[axis] = 0.08;
-    EXPECT_LT(Support(i, j, V2t(off) * kIFromJ, {}), there) << axis;
-  }
-  const Pose3 behind = V2t((Vector6d() << 0, 0, 0, 0, 3, 0).finished());
-  EXPECT_EQ(Support(i, j, behind * kIFromJ, {}), 0);
-  EXPECT_EQ(Support({}, j, kIFromJ, {}), 0);
-}
-
 TEST(AlignFrames, MoreStructureMeansMoreInformation) {
   const Pose3 facing_wall;
   const Pair wall = RenderPair(BoxWorld::Wall(), facing_wall, Pose3{}, 1.0);

@@ -103,7 +103,6 @@ TEST(EstimateOdometry, PlainFrameToFrameIcpIsAConfiguration) {
   options.reference = "previous";
   options.alignment.photometric = false;
   options.rotation_search = false;
-  options.wide_search = false;
   options.skip_edges = false;
   const std::vector<Pose3> truth = Arc(15);
   const Odometry odometry = Track(Render(BoxWorld::Furnished(), truth), options);

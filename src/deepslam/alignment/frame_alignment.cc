@@ -169,7 +169,7 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
                              std::span<const Pose3> initial_i_from_j,
                              const AlignmentOptions& user_options,
                              const StartSigma& start_sigma,
-                             const OtherStarts& others) {
+                             const StartSearch& search) {
   DEEPSLAM_CHECK(!initial_i_from_j.empty(), "alignment needs a start");
   if (!Comparable(i, j)) return Failed(initial_i_from_j.front());
   DEEPSLAM_CHECK(IsReference(i), "frames are aligned to references");
@@ -177,8 +177,8 @@ FrameAlignment AlignPyramids(const FramePyramid& i,
   const std::size_t coarsest = NumAlignmentLevels(i) - 1;
   const PyramidLevel& coarsest_i = i.levels[coarsest];
   CoarsePoints coarsest_j(j.levels[coarsest], options);
-  GaussNewtonState state = SearchStarts(coarsest_i, coarsest_j, initial_i_from_j, others, options);
-  if (options.photometric && (others.always || !IsConclusive(state.system)))
+  GaussNewtonState state = SearchStarts(coarsest_i, coarsest_j, initial_i_from_j, search, options);
+  if (options.photometric && !IsConclusive(state.system))
     state = SearchWeakDirections(coarsest_i, coarsest_j, options, state);
   IterateToFinest(
       {i, j, options}, coarsest, {initial_i_from_j.front(), start_sigma, false}, kPlaced, state);
@@ -208,17 +208,6 @@ FrameAlignment Sharpened(const FrameAlignment& found,
   if (!found.ok || found.remapped) return found;
   const FrameAlignment sharpened = RefineAlignment(i, j, found.i_from_j, options);
   return sharpened.ok ? sharpened : found;
-}
-
-double Support(const FramePyramid& i,
-               const FramePyramid& j,
-               const Pose3& i_from_j,
-               const AlignmentOptions& user_options) {
-  if (!Comparable(i, j)) return 0;
-  const AlignmentOptions options = WithNoiseOf(i, j, user_options);
-  const std::size_t coarsest = NumAlignmentLevels(i) - 1;
-  const SourcePoints points = FarPoints(j.levels[coarsest], 1, options);
-  return SupportAt(i_from_j, i.levels[coarsest], points, options);
 }
 
 }  // namespace deepslam::alignment

@@ -45,7 +45,7 @@ struct FrameAlignment {
 };
 
 // Aligns j to i, a reference (reference_pixels.h), from the best of the given starts (at least one)
-// and the one that `others` may find, which are tried at the coarsest level. Directions that
+// and the one that `search` may find, which are tried at the coarsest level. Directions that
 // nothing measures (a bare wall without colour) stay as the first start has them, and the
 // information says no more of them than `start_sigma`.
 [[nodiscard]] FrameAlignment AlignPyramids(const FramePyramid& i,
@@ -53,7 +53,7 @@ struct FrameAlignment {
                                            std::span<const Pose3> initial_i_from_j,
                                            const AlignmentOptions& options,
                                            const StartSigma& start_sigma = {},
-                                           const OtherStarts& others = {});
+                                           const StartSearch& search = {});
 
 // The same from one start that is near, within a few centimetres and degrees: the finest levels
 // alone, and nothing else is tried; not ok without a look where the start leaves too little
@@ -71,12 +71,5 @@ struct FrameAlignment {
                                        const FramePyramid& i,
                                        const FramePyramid& j,
                                        const AlignmentOptions& options);
-
-// How well j fits i, a reference, where an alignment has laid it: robustly, per source point and at
-// common scales, so that outcomes can be compared. Larger is better; 0 where they share nothing.
-[[nodiscard]] double Support(const FramePyramid& i,
-                             const FramePyramid& j,
-                             const Pose3& i_from_j,
-                             const AlignmentOptions& options);
 
 }  // namespace deepslam::alignment

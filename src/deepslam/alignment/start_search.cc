@@ -27,7 +27,7 @@ int CoarsestStride(const PyramidLevel& level) {
 
 // Where iterations from the starts end, each place once; the first one alone where that is enough.
 std::vector<GaussNewtonState> IterateFromAll(std::span<const Pose3> starts,
-                                             const OtherStarts& others,
+                                             const StartSearch& search,
                                              const PyramidLevel& i,
                                              const SourcePoints& j,
                                              const AlignmentOptions& options) {
@@ -46,10 +46,10 @@ std::vector<GaussNewtonState> IterateFromAll(std::span<const Pose3> starts,
     states.push_back(state);
   };
   iterate_from(starts.front());
-  if (!others.always && IsConclusive(states.front().system)) return states;
+  if (IsConclusive(states.front().system)) return states;
   for (const Pose3& start : starts.subspan(1)) iterate_from(start);
-  if (!others.search) return states;
-  if (const std::optional<Pose3> found = others.search()) iterate_from(*found);
+  if (!search) return states;
+  if (const std::optional<Pose3> found = search()) iterate_from(*found);
   return states;
 }
 
@@ -96,9 +96,9 @@ bool IsConclusive(const AlignmentSystem& system) {
 GaussNewtonState SearchStarts(const PyramidLevel& i,
                               CoarsePoints& j,
                               std::span<const Pose3> starts,
-                              const OtherStarts& others,
+                              const StartSearch& search,
                               const AlignmentOptions& options) {
-  const std::vector<GaussNewtonState> states = IterateFromAll(starts, others, i, j.some(), options);
+  const std::vector<GaussNewtonState> states = IterateFromAll(starts, search, i, j.some(), options);
   if (states.size() == 1) return states.front();
   std::vector<double> support;
   for (const GaussNewtonState& state : states)

@@ -13,11 +13,8 @@
 
 namespace deepslam::alignment {
 
-// Beside the first start, which is enough where it ends conclusively.
-struct OtherStarts {
-  std::function<std::optional<Pose3>()> search;  // another i_from_j, if one is found
-  bool always = false;                           // however conclusively the first one ends
-};
+// Finds another start, if there is one, where the first one does not end conclusively.
+using StartSearch = std::function<std::optional<Pose3>()>;
 
 // Points of frame j's coarsest level: iterations that compete go by some of its rows and columns;
 // which of several ends is right, all of them decide.
@@ -61,11 +58,12 @@ class CoarsePoints {
 // 22 captures, two of them real.
 [[nodiscard]] bool IsConclusive(const AlignmentSystem& system);
 
-// The best of where iterations from `starts` (at least one) and from what `others` may find end.
+// The best of where iterations from `starts` (at least one) and from what `search` may find end; of
+// the first start alone where it ends conclusively.
 [[nodiscard]] GaussNewtonState SearchStarts(const PyramidLevel& i,
                                             CoarsePoints& j,
                                             std::span<const Pose3> starts,
-                                            const OtherStarts& others,
+                                            const StartSearch& search,
                                             const AlignmentOptions& options);
 
 }  // namespace deepslam::alignment

@@ -12,8 +12,7 @@ void Describe(OptionsVisitor& visitor, OdometryOptions& options) {
   visitor.Field("motion_prediction", options.motion_prediction, "start from constant velocity too");
   visitor.Field(
       "rotation_search", options.rotation_search, "start from an image-based rotation too");
-  visitor.Field(
-      "wide_search", options.wide_search, "more starts, turns about the scene, where doubtful");
+  visitor.Retired("wide_search", "doubtful alignments are not searched for again; remove it");
   visitor.Field(
       "skip_edges", options.skip_edges, "join each keyframe to the one before the last as well");
   visitor.Field("keyframe_distance_m",

@@ -46,20 +46,20 @@ struct Starts {
 [[nodiscard]] bool IsConfident(const alignment::FrameAlignment& alignment);
 
 // `frame` aligned to `reference` from starts in the world, and from another one in the world that
-// `others` may find.
+// `search` may find.
 [[nodiscard]] alignment::FrameAlignment AlignTo(const PathSoFar& path,
                                                 const PosedFrame& reference,
                                                 const PosedFrame& frame,
                                                 const std::vector<Pose3>& starts_world,
-                                                const alignment::OtherStarts& others = {});
+                                                const alignment::StartSearch& search = {});
 
-// AlignTo, and once more from turns about the scene where that is not confident. Not ok where it is
-// not to be accepted (placement_acceptance.h) of a camera that was at `last` before.
+// AlignTo. Not ok where it is not to be accepted (placement_acceptance.h) of a camera that was at
+// `last` before.
 [[nodiscard]] alignment::FrameAlignment Place(const PathSoFar& path,
                                               const PosedFrame& reference,
                                               const PosedFrame& last,
                                               const PosedFrame& frame,
-                                              Starts starts);
+                                              const Starts& starts);
 
 // Place, from where points that the frame shares with the reference have it. Not ok where they are
 // too few, and where it would join sub-trajectories: things look alike in other rooms.
