@@ -82,6 +82,16 @@ eval::PlacedBox ReadBox(const JsonNode& node) {
   return box;
 }
 
+// A round thing's turn says nothing. Of other turns none is forgiven by its mean distance: of the
+// surface of a cabinet half round a door's handles are little.
+shape::Symmetry SymmetryOf(const TrueObject& object) {
+  constexpr double kRound_m = 0.01;  // mean distance of surfaces that count as one
+  const shape::ShapeModel model(object.grid);
+  const double scale_m = object.box.size_m.maxCoeff() / kModelExtent;
+  return shape::IsRound(model, scale_m, kRound_m) ? shape::Symmetry::kAny
+                                                  : shape::SymmetryOf(model);
+}
+
 Status FillShape(const fs::path& mesh_file, TrueObject& object) {
   object.mesh = BoxMesh(object.box.size_m);
   if (!mesh_file.empty()) {
@@ -95,7 +105,7 @@ Status FillShape(const fs::path& mesh_file, TrueObject& object) {
   Result<VoxelGrid> grid = shape::Voxelize(object.mesh);
   if (!grid.ok()) return InvalidInput(mesh_file.string() + ": " + grid.error().message);
   object.grid = std::move(grid).value();
-  object.symmetry = shape::SymmetryOf(object.grid);
+  object.symmetry = SymmetryOf(object);
   return Ok();
 }
 

@@ -1,5 +1,6 @@
 #include "deepslam/shape/symmetry.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -7,6 +8,7 @@
 #include "deepslam/shape/stretch.h"
 #include "deepslam/shape/voxelize.h"
 #include "support/box_meshes.h"
+#include "support/voxel_shapes.h"
 
 namespace deepslam::shape {
 namespace {
@@ -32,6 +34,24 @@ TEST(Symmetry, IsReadFromTheShape) {
   EXPECT_EQ(SymmetryOf(Table(0.9F, 0.9F)), Symmetry::kQuarter);
   EXPECT_EQ(SymmetryOf(RoundTable()), Symmetry::kAny);
   EXPECT_EQ(SymmetryOf(VoxelGrid()), Symmetry::kNone);
+}
+
+TEST(IsRound, ARoughRimIsAndABoxWithAHandleIsNot) {
+  // A column of 1 m with 16 shallow grooves; a square box; the column with a shelf on one side.
+  const auto grooved = [](double x, double y, double z) {
+    return std::hypot(x, y) < 12 + std::cos(16 * std::atan2(y, x)) && std::abs(z) < 31;
+  };
+  const VoxelGrid column = testing_support::FillGrid(grooved);
+  const VoxelGrid with_shelf = testing_support::FillGrid([&](double x, double y, double z) {
+    return grooved(x, y, z) || (x > 0 && x < 25 && std::abs(y) < 10 && std::abs(z) < 20);
+  });
+  constexpr double kLimit_m = 0.01;
+  const double scale_m = 1 / kModelExtent;
+  EXPECT_TRUE(IsRound(ShapeModel(column), scale_m, kLimit_m));
+  EXPECT_FALSE(IsRound(ShapeModel(column), 10 * scale_m, kLimit_m)) << "ten times as large";
+  EXPECT_FALSE(IsRound(ShapeModel(with_shelf), scale_m, kLimit_m));
+  EXPECT_FALSE(IsRound(ShapeModel(testing_support::Box(20, 20, 31)), scale_m, kLimit_m));
+  EXPECT_FALSE(IsRound(ShapeModel(VoxelGrid()), scale_m, kLimit_m));
 }
 
 TEST(Symmetry, FourQuartersAreNoTurn) {

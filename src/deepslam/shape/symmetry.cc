@@ -10,21 +10,29 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr double kNearVoxels = 1.5;  // voxels of two surfaces that are one differ by this
+constexpr double kNearVoxels = 1.5;     // voxels of two surfaces that are one differ by this
 constexpr double kStayingShare = 0.98;  // of the surface; the rest may be noise
-constexpr int kStepDeg = 15;         // a shape that stays at each of these turns is round
+constexpr int kStepDeg = 15;            // a shape that stays at each of these turns is round
 
-bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
+// Calls use(distance) with the distance from the surface, object units, of each of its points when
+// turned.
+template <typename Use>
+void ForTurnedSurface(const ShapeModel& model, int angle_deg, const Use& use) {
   const auto angle = static_cast<float>(angle_deg * kRadPerDeg);
   const float c = std::cos(angle);
   const float s = std::sin(angle);
   // The axis is the middle of the model's box, which is the cube's.
-  std::size_t near = 0;
   for (const Eigen::Vector3f& p : model.surface_points()) {
     const Eigen::Vector3f turned(c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z());
-    near +=
-        std::abs(model.Distance(turned)) <= static_cast<float>(kNearVoxels * kVoxelSize) ? 1 : 0;
+    use(std::abs(model.Distance(turned)));
   }
+}
+
+bool StaysWhenTurned(const ShapeModel& model, int angle_deg) {
+  std::size_t near = 0;
+  ForTurnedSurface(model, angle_deg, [&](float distance) {
+    near += distance <= static_cast<float>(kNearVoxels * kVoxelSize) ? 1 : 0;
+  });
   return static_cast<double>(near) >=
          kStayingShare * static_cast<double>(model.surface_points().size());
 }
@@ -41,6 +49,17 @@ Symmetry SymmetryOf(const ShapeModel& model) {
 }
 
 Symmetry SymmetryOf(const VoxelGrid& grid) { return SymmetryOf(ShapeModel(grid)); }
+
+bool IsRound(const ShapeModel& model, double scale_m, double max_mean_m) {
+  if (model.empty()) return false;
+  for (int angle = kStepDeg; angle < 360; angle += kStepDeg) {
+    double sum = 0;
+    ForTurnedSurface(model, angle, [&](float distance) { sum += distance; });
+    const double mean_m = scale_m * sum / static_cast<double>(model.surface_points().size());
+    if (!(mean_m <= max_mean_m)) return false;
+  }
+  return true;
+}
 
 std::vector<int> QuarterTurns(Symmetry symmetry) {
   switch (symmetry) {

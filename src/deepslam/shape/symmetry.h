@@ -22,6 +22,10 @@ enum class Symmetry {
 [[nodiscard]] Symmetry SymmetryOf(const ShapeModel& model);
 [[nodiscard]] Symmetry SymmetryOf(const VoxelGrid& grid);
 
+// Whether every turn by 15 deg leaves the surface the same within this mean distance (metres, of a
+// model that is `scale_m` large): round things whose rim is rough, and leaves round a stem.
+[[nodiscard]] bool IsRound(const ShapeModel& model, double scale_m, double max_mean_m);
+
 // Turns in quarters of a circle that belong to the symmetry: {0}, {0, 2} or {0, 1, 2, 3}.
 [[nodiscard]] std::vector<int> QuarterTurns(Symmetry symmetry);
 
