@@ -45,6 +45,17 @@ TEST(WholesOf, ABackOnTheEdgeOfASeatIsOfThatChair) {
   EXPECT_THAT(WholesOf(std::vector{seat, behind, above}), ElementsAre(0, 1, 2));
 }
 
+// The stem between them is thinner than a voxel, so that nothing of it is on the surface.
+TEST(WholesOf, APotAndTheLeavesOverItAreOnePlant) {
+  const Instance pot = Thing("plant", true, {0, 0, 0, 0.31}, {0.25, 0.25});
+  const Instance leaves = Thing("plant", true, {0.05, 0, 0.57, 1.15}, {0.6, 0.5});
+  EXPECT_THAT(WholesOf(std::vector{pot, leaves}), ElementsAre(0, 0));
+  EXPECT_THAT(WholesOf(std::vector{leaves, pot}), ElementsAre(0, 0));
+  const Instance beside = Thing("plant", true, {0.5, 0, 0.57, 1.15}, {0.6, 0.5});
+  const Instance hanging = Thing("plant", true, {0.05, 0, 0.9, 1.5}, {0.6, 0.5});
+  EXPECT_THAT(WholesOf(std::vector{pot, beside, hanging}), ElementsAre(0, 1, 2));
+}
+
 TEST(WholesOf, LegsAreOfTheTopThatTheyCarry) {
   Instance table = Thing("table", true, {0, 0, 0, 0.75}, {1.6, 0.9});
   table.has_support_plane = true;

@@ -18,8 +18,10 @@ constexpr double kBoardDepthM = 0.1;  // pictures are flatter, racks for anythin
 // A chair's back stands on the edge of its seat or leans out over it.
 constexpr double kEdgeM = 0.05;
 constexpr double kMinSharedOutline = 0.5;  // of the smaller outline
-constexpr double kMaxGapOfNamedM = 0.2;    // between a seat and what is seen of a back
-constexpr double kFlatM = 0.02;            // boxes are no thinner, so that a board has a volume
+// Between a seat and what is seen of a back, and between a pot and the leaves on a stem that is
+// thinner than a voxel of the surface.
+constexpr double kMaxGapOfNamedM = 0.3;
+constexpr double kFlatM = 0.02;  // boxes are no thinner, so that a board has a volume
 // Legs of tables are no wider than this, of what is seen of them, two voxels of the surface more
 // than the widest that segmentation by frames takes for one (segment/top_carriers.h).
 constexpr double kSlimM = 0.2;
