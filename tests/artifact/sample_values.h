@@ -250,6 +250,7 @@ inline ObjectMap SampleObjects() {
   score.score = 0.7;
   score.surface_share = 0.8;
   score.reached_share = 0.9;
+  score.front_blocked = 0.5;
   score.coverage_share = 0.6;
   score.free_violation = 0.1;
   score.num_views = 3;

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/wall_geometry.h"
 #include "deepslam/select/placed.h"
 #include "deepslam/select/select.h"
 #include "support/furniture_world.h"
@@ -90,7 +93,7 @@ class RefineTheWinner : public testing::Test {
   // Refines; whatever the input, nothing gets worse or stops being a number, and what is told to
   // have stayed is what it was.
   std::optional<std::size_t> Refine(const ObjectOptions& options = WithPose()) {
-    ScoreAll(views_, options.select, set_);
+    ScoreAll(views_, options, set_);
     const CandidateSet before = set_;
     const CandidateId chosen = Selected().chosen;
     const double score = ScoreOfSelected();
@@ -298,6 +301,60 @@ TEST(CompleteBest, IsAsLargeAsItWasMeasured) {
   EXPECT_NEAR(set.registrations[1].scale_m * kModelExtent / true_size_m, 1.0, 0.1);
   EXPECT_GT(set.scores[1].score, set.scores[0].score);
   EXPECT_GT(set.scores[1].score, 0.9);
+}
+
+// A wall stands right before the chair's front: its front is the other side, and it stays in place.
+TEST(AddCandidates, TurnsWhatFacesTheWallItStandsAt) {
+  const FurnitureWorld world(ChairGrid(), kSize_m);
+  const Similarity3 truth = world.world_from_object();
+  const std::vector<ObjectView> views = world.Views({0.2, 1.1, 2.0, 2.9, 3.8, 4.7, 5.6});
+  const Eigen::Vector2d front = (truth.rotation * Eigen::Vector3d::UnitX()).head<2>();
+  const Eigen::Vector2d foot =
+      truth.translation_m.head<2>() + (truth.scale * world.model().box_max().x() + 0.05) * front;
+  LayoutWall wall;
+  wall.from_m = foot + 2 * Eigen::Vector2d(front.y(), -front.x());
+  wall.to_m = foot - 2 * Eigen::Vector2d(front.y(), -front.x());
+  if (DistanceBefore(wall, truth.translation_m.head<2>()) < 0) std::swap(wall.from_m, wall.to_m);
+  wall.top_m = 2.5;
+  Layout layout;
+  layout.walls.push_back(wall);
+  ObjectOptions options;
+  const auto added = [&] {
+    CandidateSet set = {ObjectId{3}, "chair", {}, {}, {}, {}, {}};
+    set.candidates.push_back(CandidateFor(0.8 * kSize_m, 1.2 * kSize_m));
+    PreparedModels prepared(0);
+    set.models = PrepareModels({{"model", ChairGrid()}}, prepared);
+    set.registrations.push_back(PlacedAt(truth, views));
+    ScoreAll(views, options, set);
+    Proposals completed = CompleteBest(set, views, "filled", options);
+    NumberFrom(1, completed);
+    AddCandidates(completed, views, options, prepared, set);
+    EXPECT_EQ(completed.models.begin()->second.occupied,
+              set.models.at(completed.candidates[0].model)->grid().occupied);
+    return set;
+  };
+  const CandidateSet free = added();
+  options.layout = &layout;
+  const CandidateSet blocked = added();
+  EXPECT_EQ(free.scores[0].front_blocked, 0);
+  EXPECT_EQ(blocked.scores[0].front_blocked, 1);
+  EXPECT_EQ(blocked.scores[1].front_blocked, 0);
+  EXPECT_EQ(blocked.scores[1].score, free.scores[1].score);
+  const Pose3 turn = free.registrations[1].world_from_object.Inverse() *
+                     blocked.registrations[1].world_from_object;
+  EXPECT_NEAR(turn.translation_m.norm(), 0, 1e-9);
+  EXPECT_NEAR(RotationAngle(turn.rotation), std::numbers::pi, 1e-6);
+  // The same surface in the world, in every view.
+  const std::string& name = free.candidates[1].model;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Pose3 other_from_one = blocked.registrations[1].views[v].camera_from_object.Inverse() *
+                                 free.registrations[1].views[v].camera_from_object;
+    for (const Eigen::Vector3f& p : free.models.at(name)->surface_points()) {
+      const Eigen::Vector3f moved = (other_from_one * p.cast<double>()).cast<float>();
+      ASSERT_NEAR(
+          blocked.models.at(name)->Distance(moved), free.models.at(name)->Distance(p), 1e-3);
+    }
+  }
 }
 
 }  // namespace

@@ -230,6 +230,18 @@ TEST_F(SelectAChair, AFusedShapeSeenAllRoundMayWinByLess) {
   EXPECT_FALSE(fused_wins(all_round, 0.02));
 }
 
+TEST_F(SelectAChair, OfEqualScoresAFreeFrontDecidesAndNoWallAgainstTheDepth) {
+  const auto winner = [&](double lead) {
+    scores_[0].score = 0.9 + lead;
+    scores_[1].score = 0.9;
+    scores_[0].front_blocked = 1;
+    return Select().chosen;
+  };
+  EXPECT_EQ(winner(0), CandidateId{1});
+  EXPECT_EQ(winner(0.01), CandidateId{1});
+  EXPECT_EQ(winner(0.09), CandidateId{0});
+}
+
 // Two chairs cut out as one: the fused shape explains both, the right model of the one all that is
 // near it.
 TEST_F(SelectAChair, DepthOutOfAWholeModelsReachDoesNotSpeakForAFusedShape) {

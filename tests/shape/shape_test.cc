@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -402,6 +403,28 @@ TEST(QuarterTurnsToFront, BringTheBackOfAChairBehind) {
   }
   EXPECT_EQ(QuarterTurnsToFront(BoxGrid({0.9, 0.5, 0.5})), 0);
   EXPECT_EQ(QuarterTurnsToFront(VoxelGrid()), 0);
+}
+
+TEST(QuarterTurnsFromHighBack, OfAChairAndOfNoFaceThatWasSeenAlone) {
+  const Result<VoxelGrid> chair = Voxelize(ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.04F));
+  ASSERT_TRUE(chair.ok());
+  for (int turns = 0; turns < 4; ++turns) {
+    const VoxelGrid turned = TurnGrid(*chair, turns);
+    const std::optional<int> back = QuarterTurnsFromHighBack(turned);
+    ASSERT_TRUE(back.has_value());
+    EXPECT_EQ(TurnGrid(turned, *back), *chair) << turns;
+  }
+  // Two upright faces of a box: they are as high as what is below them.
+  VoxelGrid faces;
+  for (int n = 2; n < 62; ++n) {
+    for (int k = 2; k < 62; ++k) {
+      faces.occupied[VoxelGrid::Index(61, n, k)] = 1;
+      faces.occupied[VoxelGrid::Index(n, 61, k)] = 1;
+    }
+  }
+  EXPECT_FALSE(QuarterTurnsFromHighBack(faces).has_value());
+  EXPECT_FALSE(QuarterTurnsFromHighBack(BoxGrid({0.9, 0.5, 0.5})).has_value());
+  EXPECT_FALSE(QuarterTurnsFromHighBack(VoxelGrid()).has_value());
 }
 
 TEST(Binvox, RoundTrip) {

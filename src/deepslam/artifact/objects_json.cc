@@ -29,6 +29,7 @@ void Describe(JsonVisitor& visitor, CandidateScore& score) {
   visitor.Field("num_views", score.num_views);
   visitor.Field("seen_share", score.seen_share);
   visitor.Maybe("reached_share", score.reached_share);
+  visitor.Maybe("front_blocked", score.front_blocked);
   visitor.Field("note", score.note);
   visitor.Field("views", score.views);
 }

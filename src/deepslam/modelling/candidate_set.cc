@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "deepslam/core/parallel.h"
 #include "deepslam/registration/register_shape.h"
+#include "deepslam/scene/sides_at_walls.h"
 #include "deepslam/select/agreement.h"
 #include "deepslam/select/confidence.h"
 #include "deepslam/select/select.h"
+#include "deepslam/shape/stretch.h"
 
 namespace deepslam::modelling {
 namespace {
@@ -36,6 +39,42 @@ MapObject WithConfidence(const CandidateSet& set, MapObject object) {
   object.confidence = select::Confidence(
       object, *set.models.at(object.model), set.candidates, set.registrations, set.scores);
   return object;
+}
+
+// By the walls that the placed model's box stands at.
+double FrontBlockedOf(const shape::ShapeModel& model,
+                      const CandidateRegistration& registration,
+                      const Layout& layout) {
+  if (!registration.ok || model.empty()) return 0;
+  const Eigen::Vector3d low = model.box_min().cast<double>();
+  const Eigen::Vector3d high = model.box_max().cast<double>();
+  Pose3 world_from_box = registration.world_from_object;
+  world_from_box.translation_m =
+      world_from_box * Eigen::Vector3d(0.5 * registration.scale_m * (low + high));
+  return FrontBlocked(
+      FindSidesAtWalls(
+          layout, layout.level_from_tracking * world_from_box, registration.scale_m * (high - low)),
+      0);
+}
+
+// The candidate's model, which no other candidate has, turned in its own frame; the surface stays
+// where it is in the world, so that its score does too.
+void TurnHalfRound(std::size_t i, Proposals& made, PreparedModels& prepared, CandidateSet& set) {
+  constexpr int kHalfTurn = 2;  // quarters
+  const std::string& name = set.candidates[i].model;
+  VoxelGrid& grid = made.models.at(name);
+  grid = shape::TurnGrid(grid, kHalfTurn);
+  set.models[name] = prepared.Prepare(name, grid);
+  CandidateRegistration& registration = set.registrations[i];
+  const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+  registration.world_from_object.rotation = registration.world_from_object.rotation * half_turn;
+  Eigen::Vector<double, 6> signs;  // of (translation; rotation) in the turned frame
+  signs << -1, -1, 1, -1, -1, 1;
+  for (ViewRegistration& view : registration.views) {
+    view.camera_from_object.rotation = view.camera_from_object.rotation * half_turn;
+    view.information = (signs.asDiagonal() * view.information * signs.asDiagonal()).eval();
+  }
+  set.scores[i].front_blocked = 0;
 }
 
 Error FitsNowhere(const CandidateSet& set, std::size_t n, const HandChoice& choice) {
@@ -118,23 +157,27 @@ std::vector<CandidateRegistration> RegisterAll(std::span<const ShapeCandidate> c
   return registrations;
 }
 
-void ScoreAll(std::span<const ObjectView> views,
-              const select::SelectOptions& options,
-              CandidateSet& set) {
+void ScoreAll(std::span<const ObjectView> views, const ObjectOptions& options, CandidateSet& set) {
   if (set.scored_views.empty()) set.scored_views = select::PrepareForScoring(views);
+  const bool asks_for_front =
+      options.layout != nullptr &&
+      (options.classes == nullptr || !options.classes->TraitsOf(set.class_name).yaw_free);
   const std::size_t first = set.scores.size();
   set.scores.resize(set.candidates.size());
   ParallelFor(set.candidates.size() - first, [&](std::size_t n) {
     const std::size_t i = first + n;
+    const shape::ShapeModel& model = *set.models.at(set.candidates[i].model);
     set.scores[i] = select::ScoreCandidate(set.candidates[i],
-                                           *set.models.at(set.candidates[i].model),
+                                           model,
                                            set.registrations[i],
                                            std::span(std::as_const(set.scored_views)),
-                                           options);
+                                           options.select);
+    if (asks_for_front)
+      set.scores[i].front_blocked = FrontBlockedOf(model, set.registrations[i], *options.layout);
   });
 }
 
-void AddCandidates(const Proposals& made,
+void AddCandidates(Proposals& made,
                    std::span<const ObjectView> views,
                    const ObjectOptions& options,
                    PreparedModels& prepared,
@@ -146,7 +189,12 @@ void AddCandidates(const Proposals& made,
     set.candidates.push_back(made.candidates[n]);
     set.registrations.push_back(std::move(registrations[n]));
   }
-  ScoreAll(views, options.select, set);
+  const std::size_t first = set.scores.size();
+  ScoreAll(views, options, set);
+  for (std::size_t i = first; i < set.candidates.size(); ++i) {
+    if (TraitsOf(set.candidates[i].source).follows_depth && set.scores[i].front_blocked >= 1)
+      TurnHalfRound(i, made, prepared, set);
+  }
 }
 
 Result<MapObject> SelectOrChoose(const CandidateSet& set,

@@ -55,12 +55,12 @@ struct CandidateSet {
 };
 
 // Scores the candidates that have no score yet, in parallel.
-void ScoreAll(std::span<const ObjectView> views,
-              const select::SelectOptions& options,
-              CandidateSet& set);
+void ScoreAll(std::span<const ObjectView> views, const ObjectOptions& options, CandidateSet& set);
 
-// Candidates made of those of the set, numbered already, join it: registered and scored.
-void AddCandidates(const Proposals& made,
+// Candidates made of those of the set, numbered already, join it: registered and scored. What
+// followed the depth so far that its front has come to stand at a wall, and its back free, has its
+// front on the other side: its model is turned half round, in `made` as well, and stays in place.
+void AddCandidates(Proposals& made,
                    std::span<const ObjectView> views,
                    const ObjectOptions& options,
                    PreparedModels& prepared,

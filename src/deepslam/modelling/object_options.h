@@ -15,6 +15,7 @@
 #include "deepslam/refine/refine_options.h"
 #include "deepslam/registration/register_shape.h"
 #include "deepslam/scene/layout.h"
+#include "deepslam/scene/object_class.h"
 #include "deepslam/scene/shape_candidate.h"
 #include "deepslam/select/select_options.h"
 
@@ -33,9 +34,10 @@ struct ObjectOptions {
   refine::RefineOptions refinement;
   bool use_depth = true;  // of the views, where networks proposed
   HandChoice choice;
-  // The room, along the path of the views: no completed model reaches through its walls. None where
-  // it is not known.
+  // The room, along the path of the views: no completed model reaches through its walls, and
+  // furniture stands with its back to them. None where it is not known.
   const Layout* layout = nullptr;
+  const ClassTable* classes = nullptr;  // none: things of every class have a front
 };
 
 // Views and models of the objects, where models are kept that several steps prepare, and who is

@@ -26,6 +26,7 @@ Result<Proposals> ProposeOne(const CandidateSources& sources, const TrackViews& 
   }
   propose::ObjectObservations object{track.id, track.class_name, of_track.views};
   object.is_named = track.is_named();
+  object.layout = sources.layout;
   std::optional<propose::LevelCloud> cloud;
   if (sources.use_depth) {
     cloud = propose::AccumulateLevel(object.views);

@@ -14,7 +14,8 @@ namespace deepslam::modelling {
 
 struct CandidateSources {
   std::vector<std::unique_ptr<propose::Proposer>> proposers;
-  bool use_depth = true;  // false: they see colour and silhouettes alone
+  bool use_depth = true;           // false: they see colour and silhouettes alone
+  const Layout* layout = nullptr;  // the room, along the path of the views, where it is known
 };
 
 // The candidates of one object after the other, of each in the order of the sources, numbered from

@@ -235,6 +235,7 @@ std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
                                                       other_registration,
                                                       std::span(std::as_const(set.scored_views)),
                                                       options.select);
+  other_score.front_blocked = score.front_blocked;  // it stands where it stood but for centimetres
   if (!other_registration.ok || other_score.score <= score.score) return std::nullopt;
   std::swap(registration, other_registration);
   std::swap(score, other_score);

@@ -42,7 +42,7 @@ Result<CandidateSet> ScoredBy(const NewViews& now,
   if (!models.ok()) return models.error();
   set.models = std::move(models).value();
   set.registrations = RegisterAll(set.candidates, set.models, now.views, options.registration);
-  ScoreAll(now.views, options.select, set);
+  ScoreAll(now.views, options, set);
   if (options.refinement.complete) {
     Proposals completed =
         CompleteBest(set, now.views, NextName(now.change, object.id, world), options);

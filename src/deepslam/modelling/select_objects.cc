@@ -153,7 +153,7 @@ class ObjectSelection {
     Result<ModelMap> models = LoadModels(set.candidates, sources_.models, sources_.prepared);
     if (!models.ok()) return models.error();
     set.models = std::move(models).value();
-    ScoreAll(of_track.views, options_.select, set);
+    ScoreAll(of_track.views, options_, set);
     scored.num_proposed = set.candidates.size();
     return scored;
   }

@@ -12,6 +12,7 @@
 #include "deepslam/geometry/point_columns.h"
 #include "deepslam/propose/candidate_size.h"
 #include "deepslam/propose/depth_evidence.h"
+#include "deepslam/propose/front_of_box.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
 #include "deepslam/shape/crumbs.h"
@@ -187,7 +188,9 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   }
   const double size_m = OccupiedBox(grid)->sides().maxCoeff() * raster.voxel_m();
   grid = shape::StretchGrid(grid, Eigen::Vector3d::Ones());
-  grid = shape::TurnGrid(grid, shape::QuarterTurnsToFront(grid));
+  const FrontEvidence evidence = {
+      object.views, object.layout, shape::QuarterTurnsFromHighBack(grid)};
+  grid = shape::TurnGrid(grid, QuarterTurnsToFront(box, cloud.level_from_world, evidence));
   std::array<char, 32> key{};
   std::snprintf(key.data(), key.size(), "fused_%03d", object.id.value);
   ShapeCandidate candidate;

@@ -40,7 +40,10 @@ struct LevelCloud {
 // The cloud that came with the object, else made now.
 [[nodiscard]] LevelCloud CloudOf(const ObjectObservations& object);
 
-// Upright box round the points, outliers left out: yaw by the smallest footprint.
+// Upright box round the points, outliers left out. Of the yaws with nearly the smallest footprint
+// the one whose sides the points are closest to (Zhang et al. 2017): two faces of a box that meet
+// in an edge, all that is seen of many, fill half of the rectangle along them and half of that
+// along the diagonal too.
 struct LevelBox {
   double yaw_rad = 0;                                  // of the box's x axis about z
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  // footprint's centre, level frame

@@ -14,6 +14,7 @@
 #include "deepslam/core/ids.h"
 #include "deepslam/core/options.h"
 #include "deepslam/core/result.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/model_library.h"
 #include "deepslam/scene/object_class.h"
 #include "deepslam/scene/object_view.h"
@@ -34,6 +35,9 @@ struct ObjectObservations {
   // A detector or a person gave it its class. Of what was named by its size alone models have to be
   // of that size.
   bool is_named = true;
+  // The room, along the path of the views: furniture stands with its back to its walls. None where
+  // it is not known.
+  const Layout* layout = nullptr;
 };
 
 class Proposer {

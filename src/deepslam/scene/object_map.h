@@ -36,6 +36,7 @@ struct CandidateScore {
   int num_views = 0;          // views registered
   double seen_share = 0;      // of the whole model's surface, what some view confirmed
   double reached_share = 1;   // object's depth points that are not far off the model's surface
+  double front_blocked = 0;   // [0, 1], by the walls that it stands at (sides_at_walls.h)
   std::string note;           // why it could not be scored, or what was unsure
   std::vector<ViewAgreement> views;  // in the order of the object's views
 };

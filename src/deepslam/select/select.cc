@@ -131,7 +131,8 @@ std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
     if (traits.is_partial) continue;  // has no front of its own
     const Pose3& placed = registrations[i].world_from_object;
     handicaps[i] = SelectOptions::kBackPenalty *
-                   BackShown(placed.rotation, placed.translation_m, cameras_world);
+                       BackShown(placed.rotation, placed.translation_m, cameras_world) +
+                   SelectOptions::kBlockedPenalty * scores[i].front_blocked;
     handicaps[i] += FixedMargin(traits.margin);
   }
   const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));

@@ -61,6 +61,7 @@ Result<ClosedMap> CloseByObjects(const StageContext& context,
   if (!layout.ok()) return layout.error();
   modelling::ObjectOptions objects = ObjectOptionsOf(config, inputs.overrides);
   objects.layout = &*layout;
+  objects.classes = &inputs.classes;
   return modelling::CloseLoops(std::move(map),
                                {sources, inputs.classes, objects, config.loops, config.optimize});
 }

@@ -97,8 +97,11 @@ Result<StageSummary> RunPropose(StageContext& context, const RunInputs& inputs) 
   if (!ground.ok()) return ground.error();
   const Result<Association> association = ReadAssociation(context, "associate");
   if (!association.ok()) return association.error();
-  const Result<Sources> sources = MakeSources(inputs, association->tracks, context.progress());
+  const Result<Layout> layout = ReadLayout(context);
+  if (!layout.ok()) return layout.error();
+  Result<Sources> sources = MakeSources(inputs, association->tracks, context.progress());
   if (!sources.ok()) return sources.error();
+  sources->of_candidates.layout = &*layout;
   const auto views =
       OpenViews(context, *inputs.capture->frames, inputs.classes, inputs.config.views);
   if (!views.ok()) return views.error();

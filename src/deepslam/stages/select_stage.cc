@@ -89,6 +89,7 @@ Result<Selection> Select(const StageContext& context,
   if (!views.ok()) return views.error();
   modelling::ObjectOptions options = ObjectOptionsOf(inputs.config, inputs.overrides);
   options.layout = &sources.layout;
+  options.classes = &inputs.classes;
   return modelling::SelectObjects(
       {sources.association.tracks, sources.trajectory, sources.ground},
       {sources.proposals, sources.registrations, priors->get()},

@@ -1,0 +1,29 @@
+// Which sides of an upright box stand at walls, and what that says of its front.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "deepslam/geometry/pose.h"
+#include "deepslam/scene/layout.h"
+
+namespace deepslam {
+
+// By the side's outward normal in the box's frame: +x, +y, -x, -y. Side q is the front of the box
+// once it is turned by -q quarters.
+using SidesAtWalls = std::array<bool, 4>;
+
+// Of the box of these sides round the origin of a frame whose z is up in the layout's level world.
+// A side stands at a wall's face that it is parallel to within 20 deg and near to within 15 cm,
+// over half of its length, with the box before the face.
+[[nodiscard]] SidesAtWalls FindSidesAtWalls(const Layout& layout,
+                                            const Pose3& level_from_box,
+                                            const Eigen::Vector3d& size_m);
+
+// How unlikely the side's being the front is, by the walls: furniture stands with its back to a
+// wall. 0: its back stands at one, or no side does; 0.5: others do and its back does not; 1: it
+// stands at one itself.
+[[nodiscard]] double FrontBlocked(const SidesAtWalls& at_walls, int side);
+
+}  // namespace deepslam
