@@ -15,7 +15,7 @@ import sys
 LIMITS = {
     "options": 147,
     "options that nobody sets": 39,
-    "constants without a comment": 154,
+    "constants without a comment": 0,
     "words of documents": 25900,
     "lines of tracking and alignment": 7053,
     "coined terms": 998,

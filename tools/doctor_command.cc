@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <thread>
 
@@ -12,6 +13,7 @@
 #include "console.h"
 #include "deepslam/artifact/json_reader.h"
 #include "deepslam/artifact/json_value.h"
+#include "deepslam/batch/forecast.h"
 #include "deepslam/layouts/open_capture.h"
 #include "deepslam/layouts/suggest_settings.h"
 #include "deepslam/library/furniture_library.h"
@@ -26,12 +28,10 @@ namespace fs = std::filesystem;
 using artifact::JsonArray;
 using artifact::JsonObject;
 
-// What a run was measured to take per frame of 640 x 480 on two cores, and what it writes; for the
-// forecast alone.
+// What a run was measured to take per frame of 640 x 480 on two cores; for the forecast alone.
 constexpr double kSecondsPerFrame = 0.06;
-constexpr double kBaseSeconds = 10;      // of any run, however short
-constexpr double kBytesPerFrame = 20e3;  // in the workspace
-constexpr double kMemoryMib = 600;       // twice of it is asked for
+constexpr double kBaseSeconds = 10;  // of any run, however short
+constexpr double kMemoryMib = 600;   // twice of it is asked for
 
 // A finding: what was looked at, whether it is well, and what to do if not.
 struct Finding {
@@ -160,7 +160,7 @@ Finding CheckCapture(const std::string& folder) {
       Registration(*capture),
       capture->has_poses ? ", with poses" : "",
       kBaseSeconds + kSecondsPerFrame * frames,
-      5 + kBytesPerFrame * frames / 1e6);
+      static_cast<double>(batch::DiskNeedOf(static_cast<std::uintmax_t>(frames)).whole) / 1e6);
   detail += PosesThatFit(*capture);
   for (const std::string& warning : capture->warnings) detail += "; " + warning;
   return {"capture", true, detail};

@@ -58,7 +58,7 @@ struct AlignmentSystem {
 
 // Whether so many photometric residuals say something about how alike the images are.
 [[nodiscard]] inline bool ComparesImages(int num_photometric) {
-  constexpr int kMinPhotometricResiduals = 75;
+  constexpr int kMinPhotometricResiduals = 75;  // chance makes so many correlate by 0.12
   return num_photometric >= kMinPhotometricResiduals;
 }
 

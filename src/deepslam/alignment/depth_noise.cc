@@ -117,7 +117,7 @@ DEEPSLAM_WIDE_VECTORS double NoiseScaleOf(std::span<const float> depth_m,
 DEEPSLAM_WIDE_VECTORS double RawNoiseScale(const StoredDepth& depth,
                                            int stride,
                                            const DepthNoise& noise) {
-  constexpr int kLag = 1;
+  constexpr int kLag = 1;  // px: raw depth has not been smoothed here
   const int width = depth.width();
   std::vector<float> room;
   const auto rows_about = [&](int v) { return depth.Rows(v - kLag, 2 * kLag + 1, room) + width; };

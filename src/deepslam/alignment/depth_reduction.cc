@@ -96,7 +96,7 @@ class DepthReduction {
 
   // `size` blocks of the `factor` rows of pixels of which `depth` is the first one.
   void Reduce(const float* depth, int width, int size, float* out) {
-    constexpr int kRun = 32;
+    constexpr int kRun = 32;  // results a run, over which few of them need the slower median
     for (int begin = 0; begin < size; begin += kRun) {
       const int end = std::min(size, begin + kRun);
       if (factor_ == 2) {

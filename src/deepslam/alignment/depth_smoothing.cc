@@ -38,7 +38,7 @@ void SmoothAcross(const float* const* taps,
                   std::index_sequence<kTaps...> /*taps*/) {
   const std::array<const float*, sizeof...(kTaps)> rows = {taps[kTaps]...};
   const std::array<float, sizeof...(kTaps)> weights = {tap_weights[kTaps]...};
-  constexpr std::size_t kMiddle = sizeof...(kTaps) / 2;
+  constexpr std::size_t kMiddle = sizeof...(kTaps) / 2;  // the tap of the pixel itself
 #pragma GCC ivdep
   for (int u = 0; u < width; ++u) {
     const float middle = rows[kMiddle][u];
@@ -73,7 +73,7 @@ void SmoothAcross(std::span<const float* const> taps,
                   float* out) {
   // What depth noise up to kMaxNoiseScale asks for.
   constexpr int kMostRadius = 6;
-  constexpr std::size_t kNumTaps = 2 * kRadius + 1;
+  constexpr std::size_t kNumTaps = 2 * kRadius + 1;  // of a window: both sides and the middle
   if constexpr (kRadius < kMostRadius) {
     if (taps.size() != kNumTaps)
       return SmoothAcross<kRadius + 1>(taps, tap_weights, noise, width, out);

@@ -16,9 +16,9 @@ namespace {
 // Scale of the first step where the start is near, standard deviations of the noise and grey
 // levels: within a few pixels of the levels that are left.
 constexpr float kNearScale = 6.0F;
-constexpr float kNearPhotometricScale = 12.0F;
-constexpr std::size_t kNearLevels = 2;
-// ... and the overlap there is what it will be, but for this share.
+constexpr float kNearPhotometricScale = 12.0F;  // grey levels
+constexpr std::size_t kNearLevels = 2;          // finest ones, gone through from there
+// Such a start has at least this share of the overlap that is asked of the end.
 constexpr double kNearOverlap = 0.75;
 // Of the finest level: when iterations end, and by every how many batches of points their end is
 // measured.
@@ -35,12 +35,12 @@ constexpr double kConvergedMiddlePx = 0.08;  // at levels that a finer one follo
 // level of this width nothing is lost by taking every third row and column, and little at levels of
 // that width that a finer one follows.
 constexpr int kWideStride = 3;
-constexpr int kWideLevel = 240;
-constexpr int kWideMiddleLevel = 120;
+constexpr int kWideLevel = 240;        // px
+constexpr int kWideMiddleLevel = 120;  // px
 // Images that are as like as this are of the same place; then depth may be this much worse than
 // asked, since the sensor's noise is known roughly only.
 constexpr double kLikeImages = 0.9;
-constexpr double kInlierRatioOfLikeImages = 0.6;
+constexpr double kInlierRatioOfLikeImages = 0.6;  // of the ratio that is asked
 
 int FinestStride(const PyramidLevel& level) {
   return level.camera.width >= kWideLevel ? kWideStride : 1;

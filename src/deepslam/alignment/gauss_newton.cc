@@ -13,8 +13,8 @@ namespace {
 
 constexpr float kMinPhotometricScale = 3.0F;  // grey levels: the noise of the camera itself
 // Ends closer together than this are one place: iterations from either converge to it.
-constexpr double kSamePlaceM = 0.005;
-constexpr double kSamePlaceRad = 0.005;
+constexpr double kSameEndM = 0.005;
+constexpr double kSameEndRad = 0.005;  // moves what is a metre away as far as kSameEndM
 
 void TakeScales(const AlignmentSystem& system, bool near, AlignmentGates& gates) {
   // Scales only shrink: a step that makes things worse must not open the gates again.
@@ -118,8 +118,8 @@ bool Iterate(const PyramidLevel& i,
 
 bool IsSamePlace(const Pose3& a, const Pose3& b) {
   const Pose3 difference = a.Inverse() * b;
-  return difference.translation_m.norm() < kSamePlaceM &&
-         RotationAngle(difference.rotation) < kSamePlaceRad;
+  return difference.translation_m.norm() < kSameEndM &&
+         RotationAngle(difference.rotation) < kSameEndRad;
 }
 
 bool IsAmong(std::span<const Pose3> places, const Pose3& place) {
@@ -139,7 +139,7 @@ Vector6d AndersonMixing::Move(const Vector6d& step) {
   // Steps that shrink by the same share each time are taken further at once, by at most so many
   // times the last one; steps that swing, back by at most half.
   constexpr double kMostFurther = 2;
-  constexpr double kMostBack = 0.5;
+  constexpr double kMostBack = 0.5;  // of the last move
   Vector6d move = step;
   if (is_under_way_) {
     const Vector6d change = step - last_step_;
@@ -155,10 +155,10 @@ Vector6d AndersonMixing::Move(const Vector6d& step) {
 }
 
 double ConvergenceEstimate::RemainingPx(const Vector6d& step, double focal_px) {
-  constexpr double kMostShare = 0.5;  // by which steps are taken to shrink
+  constexpr double kMostShrinking = 0.5;  // by which steps are taken to shrink
   const double step_px =
       focal_px * std::max(step.head<3>().norm() / kConvergedDistanceM, step.tail<3>().norm());
-  const double share = last_px_ > 0 ? std::min(step_px / last_px_, kMostShare) : kMostShare;
+  const double share = last_px_ > 0 ? std::min(step_px / last_px_, kMostShrinking) : kMostShrinking;
   last_px_ = step_px;
   return step_px * share / (1 - share);
 }

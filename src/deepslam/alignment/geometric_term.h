@@ -90,8 +90,8 @@ class GeometricTerm {
   }
 
  private:
-  static constexpr float kInlierSigmas = 3.0F;
-  static constexpr float kBinsPerSigma = 16.0F;
+  static constexpr float kInlierSigmas = 3.0F;   // 99.7 % of normally distributed ones
+  static constexpr float kBinsPerSigma = 16.0F;  // the median is known to a 32nd of one
 
   [[nodiscard]] auto NormalsOf() const {
     return [rotation = match_of_.i_from_j(), &pairs = pairs_](std::size_t k) {

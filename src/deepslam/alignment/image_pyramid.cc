@@ -17,7 +17,7 @@ namespace {
 // Beyond the window of the last smoothing; noise that matching shares between neighbours is seen at
 // this lag. Up to the second value it may as well be the scene's own relief.
 constexpr int kFarLag = 2 * kSmoothingRadius + 1;
-constexpr double kSureNoiseScale = 1.5;
+constexpr double kSureNoiseScale = 1.5;  // of the noise that the options state
 // Levels smaller than this hold too little to align.
 constexpr int kMinLevelWidth = 16;
 constexpr int kMaxReduction = 32;  // of captures 10,000 pixels wide
@@ -25,7 +25,7 @@ constexpr int kValidStride = 12;   // every so many rows show the share of pixel
 // Columns looked at for whether there is but one depth; one part in so many may stray at either
 // end.
 constexpr int kOneDepthColumns = 40;
-constexpr std::size_t kOneDepthStrays = 50;
+constexpr std::size_t kOneDepthStrays = 50;  // part of the samples
 
 BrightnessImage Halved(const BrightnessImage& fine, const PinholeCamera& reduced) {
   BrightnessImage result(reduced.width, reduced.height);

@@ -69,7 +69,7 @@ struct FramePyramid {
 // Levels that hold enough to align by, at least one. Coarser ones hold too few points for all six
 // directions; they serve the rotation search.
 [[nodiscard]] inline std::size_t NumAlignmentLevels(const FramePyramid& pyramid) {
-  constexpr int kMinWidth = 60;
+  constexpr int kMinWidth = 60;  // px: narrower ones of 4 : 3 have less than 2,700 pixels
   std::size_t count = 1;
   while (count < pyramid.levels.size() && pyramid.levels[count].camera.width >= kMinWidth) ++count;
   return count;

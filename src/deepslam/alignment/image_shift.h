@@ -81,7 +81,7 @@ class CentredImage {
 
 // In eight partial sums: one order whatever the vector width.
 inline float DotOfRows(const float* a, const float* b, int size) {
-  constexpr int kLanes = 8;
+  constexpr int kLanes = 8;  // floats of 256 bits
   std::array<float, kLanes> lanes{};
   int k = 0;
   for (; k + kLanes <= size; k += kLanes) {

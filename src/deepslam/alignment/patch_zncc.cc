@@ -8,14 +8,14 @@
 namespace deepslam::alignment {
 namespace {
 
-constexpr int kPatchPx = 8;     // a tenth of the width of the level that is looked at
-constexpr int kMinPoints = 16;  // of a patch
+constexpr int kPatchPx = 8;          // a tenth of the width of the level that is looked at
+constexpr int kMinPatchPoints = 16;  // of a patch
 // Standard deviation of intensity within patches, grey levels, that a camera's noise may leave.
 constexpr double kNoise = 2;
 constexpr double kLeastContrast = 0.5;  // over contrast and noise: as much as the noise
 // On the same surface: so near along the ray, beside five standard deviations of the noise.
 constexpr double kMarginM = 0.05;
-constexpr double kMarginSigmas = 5;
+constexpr double kMarginSigmas = 5;  // chance takes 1 in 2 million farther off
 
 struct Sums {
   int count = 0;
@@ -101,7 +101,7 @@ double ZnccOver(const FramePyramid& i,
   for (int v0 = 0; v0 < from.camera.height; v0 += kPatchPx) {
     for (int u0 = 0; u0 < from.camera.width; u0 += kPatchPx) {
       const Sums patch = SumsOf(from, to, i_from_j, u0, v0, noise);
-      if (patch.count >= kMinPoints) details.AddPatch(patch);
+      if (patch.count >= kMinPatchPoints) details.AddPatch(patch);
     }
   }
   if (std::max(details.aa, details.bb) <= kLeastContrast * details.count) return 1;

@@ -10,17 +10,17 @@
 
 namespace deepslam::alignment {
 
-inline constexpr float kMiddleGrey = 128.0F;
+inline constexpr float kMiddleGrey = 128.0F;  // of 8 bits
 // Holds the falloff near 0, give or take 1, where the frames see alike: squared grey levels, those
 // of a residual of 5 that some 20 pixels share.
 inline constexpr double kFalloffPrior = 500;
 // Fewer pairs (a sum of weights), or less contrast (standard deviation, grey levels), give no fit.
 inline constexpr double kMinFittedPairs = 50;
-inline constexpr double kMinFittedContrast = 5;
+inline constexpr double kMinFittedContrast = 5;  // grey levels: a camera's noise leaves 2
 // Exposure changes within a factor of two between aligned frames; a fit beyond that is a wrong
 // alignment.
 inline constexpr double kMinGain = 0.5;
-inline constexpr double kMaxGain = 2.0;
+inline constexpr double kMaxGain = 2.0;  // and its inverse, whichever of the two is the reference
 
 // Weighted I_i = gain * I_j + bias + falloff * darker, `darker` being I_j * (rho_i^2 - rho_j^2).
 class PhotometricFit {

@@ -134,7 +134,7 @@ class PhotometricTerm {
   }
 
  private:
-  static constexpr float kBinsPerGrey = 4.0F;
+  static constexpr float kBinsPerGrey = 4.0F;  // the median is known to an eighth of a grey level
 
   [[nodiscard]] auto GradientsOf() const {
     const Rotation i_from_j(projector_.rotation()), j_from_i(projector_.rotation().transpose());

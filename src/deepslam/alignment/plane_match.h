@@ -18,7 +18,7 @@ struct CorrespondenceGates {
 // Of a residual in standard deviations: Student's t with five degrees of freedom (Kerl et al.
 // 2013).
 inline float StudentWeight(float normalised) {
-  constexpr float kNu = 5.0F;
+  constexpr float kNu = 5.0F;  // degrees of freedom
   return (kNu + 1) / (kNu + normalised * normalised);
 }
 
@@ -55,7 +55,7 @@ class PlaneMatcher {
   [[nodiscard]] const Rotation& i_from_j() const { return i_from_j_; }
 
  private:
-  static constexpr float kSqrt2 = 1.41421356F;
+  static constexpr float kSqrt2 = 1.41421356F;  // a residual has the noise of two depths
 
   Rotation i_from_j_;
   float base_m_, growth_per_m_, min_cosine_;

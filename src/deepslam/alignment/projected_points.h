@@ -12,7 +12,7 @@
 
 namespace deepslam::alignment {
 
-inline constexpr float kMinPointZM = 0.05F;
+inline constexpr float kMinPointZM = 0.05F;  // no depth camera measures nearer
 
 struct ProjectedPoints {
   std::size_t begin = 0;  // in SourcePoints

@@ -79,7 +79,7 @@ using IntensityRow = PixelRow<IntensityPixel>;
 inline void ReadSurface(const PyramidLevel& level, int v, SurfaceRow& row) {
   // Cosine between normal and viewing ray below which a surface is too oblique for projective
   // association.
-  constexpr float kMinCosine = 0.12F;
+  constexpr float kMinReferenceCosine = 0.12F;
   const PinholeCamera& camera = level.camera;
   // The first row has no neighbour above, the last none below.
   if (v == 0 || v + 1 == camera.height) return row.Clear();
@@ -115,7 +115,7 @@ inline void ReadSurface(const PyramidLevel& level, int v, SurfaceRow& row) {
     const bool has_normal = (z > 0) & (left > 0) & (right > 0) & (up > 0) & (down > 0) &
                             (norm > 0) & (std::abs(left + right - 2 * z) <= tolerance) &
                             (std::abs(up + down - 2 * z) <= tolerance) &
-                            (-along >= kMinCosine * norm * ray);
+                            (-along >= kMinReferenceCosine * norm * ray);
     const float inverse_norm = has_normal ? 1.0F / norm : 0.0F;
     nx[u] = cross_x * inverse_norm;
     ny[u] = cross_y * inverse_norm;

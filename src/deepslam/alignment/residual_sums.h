@@ -19,7 +19,7 @@ inline constexpr float kMadToSigma = 1.4826F;  // of normally distributed residu
 // Median of absolute residuals, by a histogram.
 class MedianHistogram {
  public:
-  static constexpr int kNumBins = 512;
+  static constexpr int kNumBins = 512;  // larger residuals fall into the last
 
   // Where a residual falls; one bin past the last for what does not count (0).
   static std::int32_t Bin(float absolute, float bins_per_unit, float counts) {
@@ -96,7 +96,7 @@ class NormalSums {
                       std::size_t size,
                       double* sums) {
     const Column* const first = &rows.column[kFirst];
-    constexpr std::size_t kCount = 7 - kFirst;
+    constexpr std::size_t kCount = 7 - kFirst;  // products with itself and those behind it
     AddDots<kCount>(weight, *first, first, size, sums);
     if constexpr (kFirst < 5) AddFrom<kFirst + 1>(rows, weight, size, sums + kCount);
   }

@@ -16,9 +16,9 @@
 namespace deepslam::alignment {
 namespace {
 
-constexpr double kMinCorrelation = 0.3;  // of a shift that is accepted
-constexpr int kMaxRefinements = 10;
-constexpr int kMinPixels = 30;  // fewer say nothing of three angles
+constexpr double kMinShiftCorrelation = 0.3;  // of a shift that is accepted
+constexpr int kMaxRefinements = 10;  // steps at most; they end where the error no longer falls
+constexpr int kMinPixels = 30;       // fewer say nothing of three angles
 // Share of the Hessian's trace on its diagonal: what no texture shows stays where the shift put it.
 constexpr double kDamping = 1e-3;
 constexpr double kMaxStepRad = 0.3;  // a longer one leads away from a shift that correlates
@@ -186,7 +186,7 @@ DEEPSLAM_WIDE_VECTORS std::optional<Eigen::Quaterniond> SearchRotation(const Fra
   if (coarse_i.intensity.empty() || coarse_i.intensity.size() != coarse_j.intensity.size())
     return std::nullopt;
   const ImageShift shift = BestShift(coarse_i, coarse_j);
-  if (shift.correlation < kMinCorrelation) return std::nullopt;
+  if (shift.correlation < kMinShiftCorrelation) return std::nullopt;
   Eigen::Quaterniond best = RotationOfShift(coarse_i.camera, shift);
   Eigen::Quaterniond rotation = best;
   double best_error = -1;

@@ -15,7 +15,7 @@ namespace {
 // Grey levels per pixel: below, the intensity says nothing about motion.
 constexpr float kMinGradient = 1.5F;
 // What is nearer by less than this share of the depth is the same surface.
-constexpr float kSameSurface = 0.03F;
+constexpr float kSameSurfaceShare = 0.03F;
 
 std::size_t MostPoints(const PyramidLevel& level, int stride) {
   const std::size_t per_row = static_cast<std::size_t>(level.camera.width / stride + 1);
@@ -105,7 +105,7 @@ bool ShowsItself(const PyramidLevel& level, std::int32_t pixel) {
   const std::int32_t width = level.camera.width, height = level.camera.height;
   const std::int32_t u = pixel % width, v = pixel / width;
   const std::int32_t left = u > 0 ? -1 : 0, right = u + 1 < width ? 1 : 0;
-  const float nearest_m = (1 - kSameSurface) * level.depth_m[static_cast<std::size_t>(pixel)];
+  const float nearest_m = (1 - kSameSurfaceShare) * level.depth_m[static_cast<std::size_t>(pixel)];
   for (std::int32_t y = std::max(0, v - 1); y <= std::min(height - 1, v + 1); ++y) {
     const float* const row_m = level.depth_m.data() + static_cast<std::ptrdiff_t>(y) * width + u;
     for (std::int32_t x = left; x <= right; ++x) {

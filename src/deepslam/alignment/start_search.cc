@@ -13,13 +13,13 @@ constexpr float kFirstScale = 12.0F;
 constexpr float kFirstPhotometricScale = 25.0F;  // grey levels
 // Places that compete at a coarsest level of this width go by every second row and column.
 constexpr int kCoarsestStride = 2;
-constexpr int kWideCoarsestLevel = 60;
+constexpr int kWideCoarsestLevel = 60;  // px: every pixel of narrower ones is needed
 // Scale at which competing starts are compared, standard deviations of the noise.
 constexpr float kCommonScale = 3.0F;
 // At the coarsest level most frames that are laid right have images as like as this and depth that
 // fits so well; wrong places along a tiled wall do not reach 0.8 of both.
 constexpr double kConclusiveCorrelation = 0.988;
-constexpr double kConclusiveInlierRatio = 0.95;
+constexpr double kConclusiveInlierRatio = 0.95;  // of the points that overlap
 
 int CoarsestStride(const PyramidLevel& level) {
   return level.camera.width >= kWideCoarsestLevel ? kCoarsestStride : 1;

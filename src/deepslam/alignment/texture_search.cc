@@ -29,7 +29,7 @@ constexpr double kRivalShare = 0.5;
 // The peak at a place is no wider than this, in steps.
 constexpr double kPeakSteps = 3;
 // The end of iterations that is nearer, in pixels of the coarsest level, is the place.
-constexpr double kSamePx = 0.5;
+constexpr double kSameEndPx = 0.5;
 // Where images move by less, pixels of the coarsest level, what they have in common may be the
 // camera's own: blocks of JPEG files along shading that moves with the lens, dirt.
 constexpr double kStillPx = 0.25;
@@ -41,7 +41,7 @@ constexpr int kRounds = 2;  // over all directions, at each level
 constexpr double kPlaceSigmaPx = 0.5;
 constexpr double kProbeM = 1e-3;  // of a direction, to see how far images move
 // Places between pixels lose more than a tenth of their correlation by interpolation.
-constexpr double kFullCorrelation = 0.9;
+constexpr double kInterpolatedCorrelation = 0.9;
 // Of the image's patches, to be sure that all of it is there: who walks by takes a part along.
 constexpr double kMinAlike = 0.9;
 
@@ -139,7 +139,7 @@ class TextureSearch {
   // variables.
   static double Information(const TextureMatch& level, double num, const Pose3& i_from_j) {
     const double correlation =
-        std::clamp(level.Compare(i_from_j).correlation, 0.0, kFullCorrelation);
+        std::clamp(level.Compare(i_from_j).correlation, 0.0, kInterpolatedCorrelation);
     return -0.5 * num * std::log(1 - correlation * correlation);
   }
 
@@ -201,7 +201,7 @@ class TextureSearch {
       place.i_from_j = PeakAbout(place.i_from_j, level);
       if (n == 0) place.sigma = SigmaAt(level);
     }
-    place.is_end = coarsest.DistancePx(place.i_from_j, end) < kSamePx;
+    place.is_end = coarsest.DistancePx(place.i_from_j, end) < kSameEndPx;
     if (place.is_end) place.i_from_j = end;
     if (!place.is_end && coarsest.DistancePx(place.i_from_j, Pose3()) < kStillPx)
       return std::nullopt;

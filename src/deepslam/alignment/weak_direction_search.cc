@@ -8,7 +8,7 @@ namespace {
 
 // Steps along a weak direction, pixels of the coarsest level, to each side.
 constexpr double kStepPx = 0.75;
-constexpr int kNumSteps = 10;
+constexpr int kNumSteps = 10;  // 7.5 px to each side: an eighth of a level that is 60 wide
 // Images share no more than this of their variance, the camera's noise being what it is.
 constexpr double kFullCorrelation = 0.999;
 

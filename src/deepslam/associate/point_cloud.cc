@@ -16,7 +16,7 @@
 namespace deepslam::associate {
 namespace {
 
-constexpr std::size_t kLeafSize = 12;
+constexpr std::size_t kLeafSize = 12;  // points: nanoflann's advice is 10 to 50
 constexpr float kLargest = std::numeric_limits<float>::max();
 
 struct PointList {

@@ -16,6 +16,7 @@ constexpr double kHides_m = 0.15;
 // A box of which the other covers this share lies in it.
 constexpr double kContainedShare = 0.9;
 constexpr double kSeenShare = 0.5;  // share of an object's points that must be in sight
+// So many points of an object are looked at: shares are then good to 5 %.
 constexpr std::size_t kNumProbes = 100;
 
 void Dissolve(const ObjectHypothesis& object,

@@ -141,10 +141,11 @@ std::optional<double> SecondsLeft(const BatchState& batch, double now_s) {
   return std::max(0.0, left_s / at_a_time);
 }
 
-DiskNeed EstimateDiskNeed(const fs::path& capture) {
-  const std::uintmax_t frames = EstimateFrames(capture);
-  return {kBytesPerCapture + kBytesPerFrame * frames,
-          kKeptBytesPerCapture + kKeptBytesPerFrame * frames};
+DiskNeed DiskNeedOf(std::uintmax_t num_frames) {
+  return {kBytesPerCapture + kBytesPerFrame * num_frames,
+          kKeptBytesPerCapture + kKeptBytesPerFrame * num_frames};
 }
+
+DiskNeed EstimateDiskNeed(const fs::path& capture) { return DiskNeedOf(EstimateFrames(capture)); }
 
 }  // namespace deepslam::batch

@@ -29,12 +29,13 @@ namespace deepslam::batch {
 // Captures that were done before this call do not count.
 [[nodiscard]] std::optional<double> SecondsLeft(const BatchState& batch, double now_s);
 
-// Bytes that the workspace of a capture will take: from the number of its images or the size of its
-// file, which are looked at from outside. Rather too much than too little.
+// Bytes that the workspace of a capture will take: by its frames, or where it was not opened by the
+// number of its images or the size of its file. Rather too much than too little.
 struct DiskNeed {
   std::uintmax_t whole = 0;  // while the capture is worked on
   std::uintmax_t kept = 0;   // with --keep final
 };
+[[nodiscard]] DiskNeed DiskNeedOf(std::uintmax_t num_frames);
 [[nodiscard]] DiskNeed EstimateDiskNeed(const std::filesystem::path& capture);
 
 }  // namespace deepslam::batch

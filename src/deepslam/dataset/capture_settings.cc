@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -11,12 +10,16 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "deepslam/core/angles.h"
+
 namespace deepslam::dataset {
 namespace {
 
+// No camera for rooms has larger images: files of more are refused.
 constexpr int kMaxSidePx = 16384;
+// A focal length of 57 widths: no lens for rooms is so long.
 constexpr double kMinFieldOfViewDeg = 1;
-constexpr double kMaxFieldOfViewDeg = 170;
+constexpr double kMaxFieldOfViewDeg = 170;  // a pinhole's image of 180 deg is infinite
 // One unit per metre up to one per micrometre.
 constexpr double kMaxUnitsPerM = 1e6;
 // Of a lens: those of a rational model reach some hundreds.
@@ -318,7 +321,7 @@ Status CheckCamera(const PinholeCamera& camera,
       return fault(axis.size_name, axis.size_px, fmt::format("1 .. {}", kMaxSidePx));
     }
     const auto focal_px = [&](double field_of_view_deg) {
-      return 0.5 * axis.size_px / std::tan(0.5 * field_of_view_deg * std::numbers::pi / 180.0);
+      return 0.5 * axis.size_px / std::tan(0.5 * field_of_view_deg * kRadPerDeg);
     };
     const double min_px = focal_px(kMaxFieldOfViewDeg);
     const double max_px = focal_px(kMinFieldOfViewDeg);

@@ -10,8 +10,8 @@
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kMinFrameWidth = 640;  // px; detectors work at this size
-constexpr double kNearPlaneM = 1e-3;
+constexpr int kMinFrameWidth = 640;    // px; detectors work at this size
+constexpr double kLeastDepthM = 1e-3;  // divisions by less would throw points far off the image
 
 // Where a target's column or row lies among those of the source.
 struct Sample {
@@ -86,7 +86,7 @@ std::vector<Vertex> Transform(const DepthImage& depth_m,
       if (z <= 0) continue;
       const Eigen::Vector3d p =
           rotation * source.Unproject(u, v, z) + target_from_source.translation_m;
-      if (p.z() < kNearPlaneM) continue;
+      if (p.z() < kLeastDepthM) continue;
       const double inverse_z = 1.0 / p.z();
       vertices[i] = {target.fx * p.x() * inverse_z + target.cx,
                      target.fy * p.y() * inverse_z + target.cy,

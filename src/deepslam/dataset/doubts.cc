@@ -16,15 +16,12 @@ namespace {
 
 // Of the image's side, from its middle: lenses sit within a few hundredths.
 constexpr double kFarthestFromMiddle = 0.2;
-constexpr double kNarrowestDeg = 25;
-constexpr double kWidestDeg = 130;
+constexpr double kNarrowestDeg = 25;  // cameras for rooms see 40 and more
+constexpr double kWidestDeg = 130;    // Azure Kinect's wide depth camera sees 120
 // Between frames that somebody recorded to be tracked.
 constexpr double kShortestIntervalS = 0.0005;
-constexpr double kLongestIntervalS = 5;
-// Of half of what a camera sees in a room.
-constexpr double kNearestMedianM = 0.5;
-constexpr double kFarthestMedianM = 6;
-constexpr std::size_t kDepthStep = 17;  // every which pixel is looked at
+constexpr double kLongestIntervalS = 5;  // milliseconds taken for seconds are 33 apart
+constexpr std::size_t kDepthStep = 17;   // every which pixel is looked at
 
 double ViewDeg(int side_px, double focal_px) {
   return 2 * kDegPerRad * std::atan(0.5 * side_px / focal_px);

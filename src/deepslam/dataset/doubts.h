@@ -14,6 +14,10 @@
 
 namespace deepslam::dataset {
 
+// Half of what a camera sees in a room, mostly 1 to 4 m, lies between these.
+inline constexpr double kNearestMedianM = 0.5;  // of who films a table
+inline constexpr double kFarthestMedianM = 6;   // of halls
+
 // Principal point and angle of view.
 [[nodiscard]] std::vector<std::string> CameraDoubts(const PinholeCamera& camera);
 

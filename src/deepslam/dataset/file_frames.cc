@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Digests of so many take 0.5 MB, whatever the capture's length.
 constexpr std::size_t kPairsHashedAtOnce = 4096;
 
 // Of the contents of colour and depth of each pair, in turn.

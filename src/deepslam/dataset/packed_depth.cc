@@ -11,9 +11,9 @@
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kLevel = 5;  // beyond it smaller by little
-constexpr int kOneThread = 1;
-constexpr std::size_t kBlocksAsItLikes = 0;
+constexpr int kLevel = 5;      // beyond it smaller by little
+constexpr int kOneThread = 1;  // frames are packed and unpacked by threads of the caller
+constexpr std::size_t kBlocksAsItLikes = 0;  // Blosc chooses a size of blocks that fits the cache
 
 template <typename T>
 std::string Pack(const Image<T>& image) {

@@ -17,15 +17,15 @@ namespace {
 constexpr float kJump = 0.06F;
 // Fewer edges tell nothing of a picture, and fewer pictures nothing of a capture.
 constexpr int kFewestEdges = 60;
-constexpr std::size_t kFewestSamples = 4;
+constexpr std::size_t kFewestSamples = 4;  // pictures with edges
 // How many deviations of ranks something else has to be ahead. Of real captures as they are, the
 // pictures as they are score 0.7 to 1.4, mirrored ones 0.6 less and more, moved ones less.
 constexpr double kAheadTurned = 0.3;
-constexpr double kAheadMoved = 0.1;
+constexpr double kAheadMoved = 0.1;        // less than of turned ones, as a shift changes less
 constexpr double kAheadMovedShare = 0.12;  // of the score
 // Of the samples that have to agree.
 constexpr double kAgreeing = 0.8;
-constexpr std::size_t kRankLevels = 2048;
+constexpr std::size_t kRankLevels = 2048;  // finer than the 255 steps of 8 bits
 
 struct Pixel {
   int u = 0;

@@ -14,22 +14,22 @@ namespace deepslam::dataset {
 namespace {
 
 // Points looked at, of a frame.
-constexpr int kColumns = 24;
-constexpr int kRows = 18;  // as 4 : 3
+constexpr int kSampledColumns = 24;
+constexpr int kSampledRows = 18;  // as 4 : 3
 // A point lies on the other frame's surface within noise of depth, poses and moments.
-constexpr double kNearM = 0.02;
-constexpr double kNearShare = 0.01;  // of depth
+constexpr double kOnSurfaceM = 0.02;
+constexpr double kOnSurfaceShare = 0.01;  // of depth
 // A pair of which so few points fall into the other picture, or onto depth, says nothing.
 constexpr double kLeastInside = 0.25;
-constexpr int kFewestMet = 20;
-constexpr double kNearestM = 0.1;
+constexpr int kFewestMet = 20;     // a share of fewer points is off by 11 % and more
+constexpr double kNearestM = 0.1;  // depth cameras measure nothing nearer
 // A pair that fits this well under no reading shows too little in common, or noise.
 constexpr double kUsableShare = 0.6;
-constexpr int kFewestPairs = 3;
+constexpr int kFewestPairs = 3;  // one or two may fit another reading by chance
 // Real captures with right poses have 0.8 to 1.0 and no other reading above it; those of other
 // conventions less than 0.6, at pairs of equal distance.
 constexpr double kGoodShare = 0.7;
-constexpr double kClearlyBetter = 0.15;
+constexpr double kClearlyBetter = 0.15;  // than the share of the reading that is stated
 // Of 270 readings, one that changes several things fits better by chance: each more has to add
 // this.
 constexpr double kSharePerChange = 0.06;
@@ -160,10 +160,10 @@ Placed Place(const Pose3& read, const Reading& reading) {
 
 std::vector<Eigen::Vector3d> PointsOf(const PinholeCamera& camera, const DepthImage& depth_m) {
   std::vector<Eigen::Vector3d> points;
-  for (int row = 0; row < kRows; ++row) {
-    const int v = row * (depth_m.height() - 1) / (kRows - 1);
-    for (int column = 0; column < kColumns; ++column) {
-      const int u = column * (depth_m.width() - 1) / (kColumns - 1);
+  for (int row = 0; row < kSampledRows; ++row) {
+    const int v = row * (depth_m.height() - 1) / (kSampledRows - 1);
+    for (int column = 0; column < kSampledColumns; ++column) {
+      const int u = column * (depth_m.width() - 1) / (kSampledColumns - 1);
       const float z_m = depth_m(u, v);
       if (z_m > 0) points.push_back(camera.Unproject(u, v, static_cast<double>(z_m)));
     }
@@ -193,7 +193,7 @@ std::optional<double> SharePlaced(const PinholeCamera& camera,
         b_m(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))));
     if (!(seen_m > 0)) continue;
     ++num_met;
-    if (std::abs(seen_m - p_b.z()) < kNearM + kNearShare * p_b.z()) ++num_near;
+    if (std::abs(seen_m - p_b.z()) < kOnSurfaceM + kOnSurfaceShare * p_b.z()) ++num_near;
   }
   if (num_inside < kLeastInside * static_cast<double>(points_a.size()) || num_met < kFewestMet)
     return std::nullopt;

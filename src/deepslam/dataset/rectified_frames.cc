@@ -12,8 +12,8 @@ namespace {
 
 // Cameras that differ by less anywhere in the image are one: a tenth of a pixel is what detection
 // of corners resolves.
-constexpr double kSamePx = 0.1;
-constexpr float kNowhere = -1;
+constexpr double kSameCameraPx = 0.1;
+constexpr float kNowhere = -1;  // no column or row is negative
 
 // Where each pixel of a pinhole's image lies in the image that was taken, px; kNowhere outside it.
 struct SourcePixel {
@@ -34,8 +34,8 @@ Map MakeMap(const PinholeCamera& target,
       if (lens) at = lens->Distort(at);
       const double taken_u = taken.fx * at.x() + taken.cx;
       const double taken_v = taken.fy * at.y() + taken.cy;
-      if (!(taken_u >= -kSamePx && taken_u <= taken.width - 1 + kSamePx && taken_v >= -kSamePx &&
-            taken_v <= taken.height - 1 + kSamePx)) {
+      if (!(taken_u >= -kSameCameraPx && taken_u <= taken.width - 1 + kSameCameraPx &&
+            taken_v >= -kSameCameraPx && taken_v <= taken.height - 1 + kSameCameraPx)) {
         continue;
       }
       map(u, v) = {static_cast<float>(std::clamp(taken_u, 0.0, taken.width - 1.0)),
@@ -105,7 +105,7 @@ bool Alike(const PinholeCamera& a, const PinholeCamera& b) {
   for (const double u : {0.0, a.width - 1.0}) {
     for (const double v : {0.0, a.height - 1.0}) {
       const auto moved = b.Project(a.Ray(u, v));
-      if (!moved || (*moved - Eigen::Vector2d(u, v)).norm() > kSamePx) return false;
+      if (!moved || (*moved - Eigen::Vector2d(u, v)).norm() > kSameCameraPx) return false;
     }
   }
   return true;

@@ -13,7 +13,8 @@
 namespace deepslam::dataset {
 namespace {
 
-constexpr int kMaxVideoSidePx = 16384;
+constexpr int kMaxVideoSidePx = 16384;  // files of more are refused before memory is taken
+// A hundred decoded frames of 640 x 480, in case they are asked for again.
 constexpr std::size_t kMaxKeptBytes = std::size_t{96} << 20;
 
 struct CloseDecoder {

@@ -30,8 +30,8 @@ constexpr std::size_t kMinViewsOfUnnamed = 4;
 // Rejected things of so much surface are told of, and long ones of less: of a chair that is seen
 // from behind alone there is little more than the upper rail of its back.
 constexpr double kLargeM2 = 0.15;
-constexpr double kLongM = 0.4;
-constexpr double kLargeOfLongM2 = 0.06;
+constexpr double kLongM = 0.4;           // the longest side, or the height, of a long one
+constexpr double kLargeOfLongM2 = 0.06;  // a rail of 0.4 m that is 0.15 m high
 
 // Which thing each detection of a frame is of: the one that most of what it claims belongs to.
 std::vector<int> ThingsOfDetections(const instances::FrameClaims& claims,

@@ -14,9 +14,9 @@ namespace {
 
 // What hangs on a wall and is a thing stands out of it by more: the flattest televisions by 4 cm.
 constexpr double kFlush_m = 0.02;
-constexpr double kNumSigmas = 2;    // and by more than its depth's noise
-constexpr double kMostShare = 0.7;  // of the points measured
-constexpr int kStep_px = 3;         // a ninth of the pixels is enough to tell
+constexpr double kNumSigmas = 2;     // and by more than its depth's noise
+constexpr double kFlushShare = 0.7;  // of the points measured
+constexpr int kStep_px = 3;          // a ninth of the pixels is enough to tell
 
 struct Measured {
   std::size_t num_points = 0;
@@ -61,7 +61,7 @@ bool LiesInWall(const ObjectTrack& track,
     if (found != segment_of.end()) Measure(*found->second, things, measured);
   }
   return measured.num_points > 0 && static_cast<double>(measured.num_flush) >
-                                        kMostShare * static_cast<double>(measured.num_points);
+                                        kFlushShare * static_cast<double>(measured.num_points);
 }
 
 SeenIn LargestIn(const ObjectTrack& track,

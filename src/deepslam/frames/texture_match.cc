@@ -10,10 +10,10 @@
 namespace deepslam {
 namespace {
 
-constexpr double kMinShare = 0.3;     // of the points, inside the other image
-constexpr int kPatches = 4;           // across and down
-constexpr double kAlike = 0.3;        // twice what chance leaves over a patch
-constexpr float kMinPointZM = 0.05F;  // nearer points fall nowhere
+constexpr double kMinShareInside = 0.3;  // of the points, inside the other image
+constexpr int kPatches = 4;              // across and down
+constexpr double kAlike = 0.3;           // twice what chance leaves over a patch
+constexpr float kMinPointZM = 0.05F;     // nearer points fall nowhere
 
 }  // namespace
 
@@ -73,7 +73,8 @@ DEEPSLAM_WIDE_VECTORS TextureMatch::Comparison TextureMatch::Compare(const Pose3
     ab += own * value;
   }
   const double num_patches = patch == kAllPatches ? 1 : kPatches * kPatches;
-  if (n < std::max(1.0, kMinShare * static_cast<double>(points_.size()) / num_patches)) return {};
+  if (n < std::max(1.0, kMinShareInside * static_cast<double>(points_.size()) / num_patches))
+    return {};
   const double squared = (aa - a * a / n) * (bb - b * b / n);
   return {n, squared > 0 ? (ab - a * b / n) / std::sqrt(squared) : 0};
 }

@@ -16,12 +16,13 @@ constexpr double kMinShareOver = 0.5;  // of the outline of what rests on someth
 // Between what carries and what rests on it: the surface has gaps where things touch, and the top
 // of the one and the foot of the other are told to two voxels or so.
 constexpr double kMaxGapBelowM = 0.12;
+// Things stand deeper than a box's top where that is its highest point only.
 constexpr double kMaxSinkM = 0.15;
 // Between the lowest tables and the highest counters on which things stand; wall cabinets begin
 // half a metre above counters.
 constexpr double kLowestTopM = 0.75;
-constexpr double kHighestTopM = 1.2;
-constexpr double kLongestLoadM = 1;  // longer ones are tops themselves
+constexpr double kHighestTopM = 1.2;  // bar counters are 1.1 m high
+constexpr double kLongestLoadM = 1;   // longer ones are tops themselves
 
 LevelRectangle FootprintOf(const UprightBox& box) {
   return {box.centre_m, box.yaw_rad, box.length_m, box.width_m};

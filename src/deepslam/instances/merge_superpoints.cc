@@ -14,10 +14,10 @@ namespace {
 // Fewer pairs of elements that touch are no contact for a consensus, a convex edge, or a small
 // part.
 constexpr int kMinPairsOfConsensus = 3;
-constexpr int kMinPairsOfConvexEdge = 4;
-constexpr int kMinPairsOfSmallPart = 2;
+constexpr int kMinPairsOfConvexEdge = 4;  // of fewer the share that is convex says nothing
+constexpr int kMinPairsOfSmallPart = 2;   // fewer, as a small part has a short rim
 // Slats, arms and what hides them leave gaps of this width between parts of one thing.
-constexpr float kNearM = 0.12F;
+constexpr float kGapM = 0.12F;
 // More consensus votes than this make a merge no more urgent.
 constexpr double kManyVotes = 10;
 
@@ -220,7 +220,7 @@ void AddNear(const SurfaceElements& elements, const Superpoints& superpoints, Co
   }
   for (std::size_t a = 0; a < boxes.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes.size(); ++b) {
-      if (boxes[a].squaredExteriorDistance(boxes[b]) < kNearM * kNearM)
+      if (boxes[a].squaredExteriorDistance(boxes[b]) < kGapM * kGapM)
         contacts.try_emplace({static_cast<int>(a), static_cast<int>(b)});
     }
   }

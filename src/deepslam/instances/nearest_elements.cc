@@ -5,9 +5,8 @@
 namespace deepslam::instances {
 namespace {
 
+// Depth within noise of the surface lies no farther from an element.
 constexpr float kReachVoxels = 1.5F;
-// Farther from the origin a cell's index would not fit an int at any sensible voxel size.
-constexpr float kMaxCoordinateM = 1e5F;
 
 int CellInBlock(const Eigen::Vector3i& cell, int bits) {
   const int mask = (1 << bits) - 1;

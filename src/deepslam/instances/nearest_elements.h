@@ -33,8 +33,9 @@ class NearestElements {
   };
 
  private:
-  static constexpr int kBlockBits = 3;
-  static constexpr int kBlockSide = 1 << kBlockBits;
+  static constexpr int kBlockBits = 3;  // cells of a block along an axis, as a power of two
+  static constexpr int kBlockSide = 1 << kBlockBits;  // cells
+  // No block of cells has such an index.
   static constexpr int kNoBlock = 1 << 30;
   struct Hash {
     std::size_t operator()(const Eigen::Vector3i& block) const;

@@ -10,8 +10,9 @@
 namespace deepslam::instances {
 namespace {
 
-constexpr float kUpward = 0.9F;      // z of a normal that faces up: within 26 degrees
-constexpr double kAlike = 0.7;       // cosine: within 45 degrees, as fused normals of walls scatter
+constexpr float kUpward = 0.9F;  // z of a normal that faces up: within 26 degrees
+constexpr double kAlikeNormals =
+    0.7;                             // cosine: within 45 degrees, as fused normals of walls scatter
 constexpr double kEndSlackM = 0.08;  // walls go on to their corners, two voxels or so
 constexpr double kSlantedM = 0.08;   // a slanted plane is found within this, two voxels
 
@@ -41,7 +42,7 @@ bool IsOfWall(const LayoutWall& wall,
   if (place->before_m > options.wall_m || place->before_m < -options.behind_wall_m) return false;
   if (place->before_m < 0) return true;
   const Eigen::Vector2d along = (wall.to_m - wall.from_m) / wall.length_m();
-  return Eigen::Vector2d(-along.y(), along.x()).dot(normal.head<2>()) > kAlike;
+  return Eigen::Vector2d(-along.y(), along.x()).dot(normal.head<2>()) > kAlikeNormals;
 }
 
 bool IsOfOpening(const LayoutOpening& opening,
@@ -68,7 +69,7 @@ bool IsOfLevels(const Layout& layout,
   return std::ranges::any_of(layout.levels, [&](const LayoutLevel& level) {
     if (level.kind == LevelKind::kCeiling) return p.z() > level.height_m - options.ceiling_m;
     const double above_m = p.z() - level.height_m;
-    return above_m > -options.floor_m && is_floor(above_m) && up > kAlike;
+    return above_m > -options.floor_m && is_floor(above_m) && up > kAlikeNormals;
   });
 }
 

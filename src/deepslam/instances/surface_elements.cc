@@ -11,9 +11,6 @@
 namespace deepslam::instances {
 namespace {
 
-// Farther from the origin a voxel's index would not fit an int at any sensible voxel size.
-constexpr float kMaxCoordinateM = 1e5F;
-
 bool IsUsable(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
   return point.allFinite() && normal.allFinite() && point.cwiseAbs().maxCoeff() < kMaxCoordinateM;
 }

@@ -13,6 +13,10 @@
 
 namespace deepslam::instances {
 
+// Points farther from the origin are none: the index of their voxel would not fit an int at any
+// sensible size of voxels.
+inline constexpr float kMaxCoordinateM = 1e5F;
+
 using ElementPair = std::pair<int, int>;  // first below second
 
 // One per voxel that holds vertices of the surface, in ascending order of the voxels' x, y, z.

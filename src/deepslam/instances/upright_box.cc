@@ -14,7 +14,7 @@ namespace {
 constexpr int kNumYaws = 30;            // of a quarter turn: 3 degrees apart
 constexpr double kLeftOutShare = 0.01;  // of the points, at either end of a side
 // A flat set of points has a least rectangle as well.
-constexpr double kFlatM = 0.02;
+constexpr double kAddedToSidesM = 0.02;
 
 std::pair<double, double> Extent(std::vector<double>& values) {
   const auto left_out =
@@ -45,7 +45,7 @@ UprightBox BoxOf(std::span<const Eigen::Vector3f> points) {
     };
     const auto [x_low, x_high] = extent(x_axis);
     const auto [y_low, y_high] = extent(y_axis);
-    const double area_m2 = (x_high - x_low + kFlatM) * (y_high - y_low + kFlatM);
+    const double area_m2 = (x_high - x_low + kAddedToSidesM) * (y_high - y_low + kAddedToSidesM);
     if (area_m2 >= least_m2) continue;
     least_m2 = area_m2;
     best.yaw_rad = yaw_rad;

@@ -10,7 +10,7 @@
 namespace deepslam::instances {
 namespace {
 
-constexpr double kMinDepthM = 0.2;
+constexpr double kMinDepthM = 0.2;  // depth cameras for rooms measure nothing nearer
 // Fewer visible elements say nothing about a superpoint, however small it is.
 constexpr int kMinVisible = 4;
 // Boxes end where the network thinks the thing ends, give or take a pixel or two.

@@ -11,17 +11,17 @@
 namespace deepslam::layout {
 namespace {
 
-constexpr double kThickest_m = 0.5;  // wall between two faces of one opening
-constexpr double kSameFace_m = 0.2;  // between lines that one face was told on
-constexpr double kBeyond_m = 0.25;   // steps in which the room behind an opening is looked for
-constexpr int kMostSteps = 4;
+constexpr double kThickest_m = 0.5;     // wall between two faces of one opening
+constexpr double kSameFace_m = 0.2;     // between lines that one face was told on
+constexpr double kBehindStep_m = 0.25;  // steps in which the room behind an opening is looked for
+constexpr int kMostBehindSteps = 4;  // up to 1 m: rooms that begin later are not behind that wall
 
 // The room behind an opening in a wall; -1 where there is none.
 int RoomBehind(const Layout& layout, const LayoutWall& wall, const Eigen::Vector2d& middle) {
   const Eigen::Vector2d along = (wall.to_m - wall.from_m).normalized();
   const Eigen::Vector2d behind(along.y(), -along.x());
-  for (int step = 1; step <= kMostSteps; ++step) {
-    const Eigen::Vector2d p = middle + step * kBeyond_m * behind;
+  for (int step = 1; step <= kMostBehindSteps; ++step) {
+    const Eigen::Vector2d p = middle + step * kBehindStep_m * behind;
     for (std::size_t room = 0; room < layout.rooms.size(); ++room) {
       const bool is_own = std::find(wall.rooms.begin(), wall.rooms.end(), static_cast<int>(room)) !=
                           wall.rooms.end();
@@ -38,9 +38,9 @@ bool AreOne(const Layout& layout, const LayoutOpening& a, const LayoutOpening& b
   const LayoutWall& wall_b = layout.walls[static_cast<std::size_t>(b.wall)];
   const Eigen::Vector2d along_a = (wall_a.to_m - wall_a.from_m).normalized();
   const Eigen::Vector2d along_b = (wall_b.to_m - wall_b.from_m).normalized();
-  constexpr double kParallel = 0.95;
+  constexpr double kParallelFaces = 0.95;  // cosine: 18 deg
   const double turned = along_a.dot(along_b);
-  if (std::abs(turned) < kParallel) return false;
+  if (std::abs(turned) < kParallelFaces) return false;
   const double apart_m = turned < 0 ? kThickest_m : kSameFace_m;
   const Eigen::Vector2d between = 0.5 * (b.from_m + b.to_m) - 0.5 * (a.from_m + a.to_m);
   const double shift_m = std::abs(along_a.dot(between));

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "deepslam/layout/levels.h"
 #include "deepslam/layout/mirror.h"
 #include "deepslam/layout/room_outline.h"
 
@@ -18,13 +19,12 @@ namespace {
 constexpr double kGuessedShare = 0.25;  // of a side where a wall was seen: less is a guess
 // Of a room's outline that was seen as wall: less is a place outdoors, or a corner of a hall.
 constexpr double kWalledShare = 0.2;
-constexpr double kSeen_m = 0.3;        // of wall that makes a wall
-constexpr double kNearCorner_m = 0.5;  // a wall seen up to here reaches the corner
-constexpr double kUpright = 0.9;       // least vertical part of a normal of floors and ceilings
-constexpr double kLowestCeiling_m = 1.8;
+constexpr double kSeen_m = 0.3;           // of wall that makes a wall
+constexpr double kNearCorner_m = 0.5;     // a wall seen up to here reaches the corner
+constexpr double kLevelNormal = 0.9;      // least vertical part of a normal of floors and ceilings
 constexpr double kCeilingShare = 0.03;    // of a room's area that has to be seen of its ceiling
 constexpr double kOutsideFloor_m2 = 1.0;  // of the floor of a room that no camera was in
-constexpr double kFloorBand_m = 0.15;
+constexpr double kNearLevel_m = 0.15;     // of a vertex from its level: noise, carpets, thresholds
 
 // What of the surface lies over a room.
 struct RoomSurface {
@@ -52,7 +52,7 @@ RoomSurface SurfaceOver(const CoarseSurface& surface,
     const Eigen::Vector3d p = surface.mesh.vertices[v].cast<double>();
     if (!IsInside(polygon_m, p.head<2>())) continue;
     over.vertices.push_back(v);
-    if (static_cast<double>(surface.normals[v].z()) < -kUpright && p.z() > kLowestCeiling_m)
+    if (static_cast<double>(surface.normals[v].z()) < -kLevelNormal && p.z() > kLowestCeiling_m)
       over.ceiling.emplace_back(p.z(), areas_m2[v]);
   }
   return over;
@@ -70,8 +70,8 @@ double FloorOf(const CoarseSurface& surface,
     double area_m2 = 0;
     for (const std::uint32_t v : over.vertices) {
       const auto height_m = static_cast<double>(surface.mesh.vertices[v].z());
-      if (static_cast<double>(surface.normals[v].z()) > kUpright &&
-          std::abs(height_m - level.height_m) < kFloorBand_m)
+      if (static_cast<double>(surface.normals[v].z()) > kLevelNormal &&
+          std::abs(height_m - level.height_m) < kNearLevel_m)
         area_m2 += areas_m2[v];
     }
     if (area_m2 <= most_m2) continue;
@@ -238,10 +238,10 @@ std::optional<Outline> OuterOf(const std::vector<Outline>& outlines) {
 
 // Of the wall's length the share that stands at one of these.
 double KnownShareOf(const LayoutWall& wall, const std::vector<LayoutWall>& others) {
-  constexpr double kBehind_m = 0.3;
-  constexpr double kBefore_m = 0.6;  // what stands this near before a wall stands at it
-  constexpr double kParallel = 0.9;  // cosine: 26 deg
-  constexpr int kPlaces = 20;
+  constexpr double kBehind_m = 0.3;        // a wall's thickness: its other face is the same wall
+  constexpr double kStandsBefore_m = 0.6;  // what stands this near before a wall stands at it
+  constexpr double kAlongWall = 0.9;       // cosine: 26 deg
+  constexpr int kPlaces = 20;              // along the wall: the share is known to 5 %
   int num_known = 0;
   for (int n = 0; n < kPlaces; ++n) {
     const Eigen::Vector2d p = wall.from_m + (n + 0.5) / kPlaces * (wall.to_m - wall.from_m);
@@ -250,8 +250,9 @@ double KnownShareOf(const LayoutWall& wall, const std::vector<LayoutWall>& other
       const Eigen::Vector2d off = p - other.from_m;
       const double before_m = along.x() * off.y() - along.y() * off.x();
       const double at_m = along.dot(off);
-      return std::abs(along.dot((wall.to_m - wall.from_m).normalized())) > kParallel &&
-             before_m > -kBehind_m && before_m < kBefore_m && at_m > 0 && at_m < other.length_m();
+      return std::abs(along.dot((wall.to_m - wall.from_m).normalized())) > kAlongWall &&
+             before_m > -kBehind_m && before_m < kStandsBefore_m && at_m > 0 &&
+             at_m < other.length_m();
     });
     num_known += known ? 1 : 0;
   }
@@ -346,24 +347,24 @@ void AddRooms(const CoarseSurface& surface,
 }
 
 void AddLooseWalls(const CoarseSurface& surface, const CellComplex& complex, BuiltLayout& built) {
-  constexpr double kLeast_m = 1.0;
-  constexpr double kBridged_m = 1.5;  // windows and doors in it
+  constexpr double kShortestLooseWall_m = 1.0;  // shorter ones are sides of wardrobes and pillars
+  constexpr double kBridgedOpening_m = 1.5;     // windows and doors in it
   // What stands alone and is lower than people is a fence, a hedge, a car.
-  constexpr double kLowest_m = 1.8;
+  constexpr double kLowestLooseWall_m = 1.8;
   constexpr double kKnown = 0.5;  // of its length that stands at walls which are there already
   for (std::size_t line = 0; line < complex.num_wall_lines(); ++line) {
     const WallProfile& profile = complex.profiles[line];
     std::vector<std::pair<double, double>> ranges;
     for (const auto& [first, end] : profile.WallRuns()) {
       const double begin_m = profile.PositionOf(first);
-      if (ranges.empty() || begin_m - ranges.back().second > kBridged_m)
+      if (ranges.empty() || begin_m - ranges.back().second > kBridgedOpening_m)
         ranges.emplace_back(begin_m, begin_m);
       ranges.back().second = profile.PositionOf(end);
     }
     for (const auto& range : ranges) {
       const LayoutWall wall = WallOn(complex, line, range);
-      if (wall.length_m() < kLeast_m || wall.seen_share < 0.5) continue;
-      if (surface.has_ground && wall.top_m < kLowest_m) continue;
+      if (wall.length_m() < kShortestLooseWall_m || wall.seen_share < 0.5) continue;
+      if (surface.has_ground && wall.top_m < kLowestLooseWall_m) continue;
       if (KnownShareOf(wall, built.layout.walls) > kKnown) continue;
       built.layout.walls.push_back(wall);
       built.layout.walls.back().confidence *= surface.has_ground ? 0.7 : 0.4;

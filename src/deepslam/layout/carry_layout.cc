@@ -9,7 +9,7 @@ namespace deepslam::layout {
 namespace {
 
 // How far a camera's word reaches: rooms are seen from a few metres.
-constexpr double kReach_m = 2.0;
+constexpr double kCameraReach_m = 2.0;
 constexpr double kFarthest =
     4.0;  // of it; all cameras count a little, so that something always does
 
@@ -24,7 +24,8 @@ class Carrier {
     double whole = 0;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t n = 0; n < cameras_.size(); ++n) {
-      const double off = (cameras_[n].level_from_camera.translation_m - p_level).norm() / kReach_m;
+      const double off =
+          (cameras_[n].level_from_camera.translation_m - p_level).norm() / kCameraReach_m;
       const double weight = std::exp(-std::min(off, kFarthest) * std::min(off, kFarthest) / 2);
       whole += weight;
       sum += weight * (world_from_level_[n] * p_level);
@@ -33,7 +34,7 @@ class Carrier {
   }
   // Along the ground, at eye level; and up, at a place.
   [[nodiscard]] Eigen::Vector2d OnGround(const Eigen::Vector2d& p) const {
-    constexpr double kEyes_m = 1.5;
+    constexpr double kEyes_m = 1.5;  // about where cameras are carried
     return Moved({p.x(), p.y(), kEyes_m}).head<2>();
   }
   [[nodiscard]] double Height(const Eigen::Vector2d& p, double height_m) const {

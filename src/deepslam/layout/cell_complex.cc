@@ -101,8 +101,8 @@ std::vector<double> CrossingsOf(const CellComplex& complex, std::size_t number) 
   for (std::size_t n = 0; n < complex.lines.size(); ++n) {
     const WallLine& other = complex.lines[n];
     const double across = other.normal.dot(line.along());
-    constexpr double kParallel = 1e-9;
-    if (n == number || std::abs(across) < kParallel) continue;
+    constexpr double kLeastSine = 1e-9;  // sine: lines that cross beyond any room, or nowhere
+    if (n == number || std::abs(across) < kLeastSine) continue;
     crossings_m.push_back((other.offset_m - other.normal.dot(line.offset_m * line.normal)) /
                           across);
   }

@@ -4,19 +4,20 @@
 #include <array>
 #include <cmath>
 
+#include "deepslam/layout/levels.h"
+
 namespace deepslam::layout {
 namespace {
 
 // Free space in which people move; what is higher belongs to lamps, what is lower to feet.
 constexpr double kFreeFrom_m = 0.2;
-constexpr double kFreeTo_m = 2.0;
-constexpr double kSomeFree_m = 0.3;  // of a column: something was looked through,
-constexpr double kMuchFree_m = 0.8;  // and enough for a person's upper body
-constexpr float kOfMuchFree = 0.6F;
-constexpr float kOfSomeFree = 0.3F;
-constexpr float kUpright = 0.8F;       // least vertical part of the normal of a floor or ceiling
+constexpr double kFreeTo_m = 2.0;      // heads of doors
+constexpr double kSomeFree_m = 0.3;    // of a column: something was looked through,
+constexpr double kMuchFree_m = 0.8;    // and enough for a person's upper body
+constexpr float kOfMuchFree = 0.6F;    // of what a column says whose floor or ceiling was seen
+constexpr float kOfSomeFree = 0.3F;    // half of that: windows are looked through too
+constexpr float kNearlyLevel = 0.8F;   // least vertical part of a normal of floors and ceilings
 constexpr double kFloorBand_m = 0.12;  // noise, carpets, thresholds
-constexpr double kLowestCeiling_m = 1.8;
 
 // The least rectangle of blocks; nothing where there are none.
 ColumnMap EmptyMap(const ObservedSpace& space) {
@@ -82,9 +83,9 @@ ColumnMap MapColumns(const CoarseSurface& surface, const std::vector<double>& fl
   for (std::size_t v = 0; v < surface.mesh.vertices.size(); ++v) {
     const Eigen::Vector3f& p = surface.mesh.vertices[v];
     const auto height_m = static_cast<double>(p.z());
-    if (surface.normals[v].z() < -kUpright && height_m > kLowestCeiling_m)
+    if (surface.normals[v].z() < -kNearlyLevel && height_m > kLowestCeiling_m)
       MarkAround(p, map, has_ceiling);
-    if (surface.normals[v].z() < kUpright) continue;
+    if (surface.normals[v].z() < kNearlyLevel) continue;
     const bool is_floor = std::any_of(floors_m.begin(), floors_m.end(), [&](double floor_m) {
       return std::abs(height_m - floor_m) < kFloorBand_m;
     });

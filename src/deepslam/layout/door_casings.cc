@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "deepslam/layout/door_sizes.h"
+#include "deepslam/scene/door_sizes.h"
 
 namespace deepslam::layout {
 namespace {
@@ -16,12 +16,12 @@ constexpr double kLeastRelief_m = 0.006;
 // fused surface, so that the difference between two has a deviation of a third of a cell's; three
 // of these.
 constexpr double kOfCellSigma = 1.0;
-constexpr double kLowest_m = 0.3;    // skirting and what stands on the floor end below
-constexpr double kSeen = 0.6;        // of a strip, at least
-constexpr double kUniform = 0.7;     // of a jamb's rows that stand out by themselves
-constexpr int kStrip = 2;            // cells across a casing: 7 to 10 cm
-constexpr double kConfidence = 0.6;  // where it was seen all around
-constexpr double kOneSideLess = 0.15;
+constexpr double kJambFrom_m = 0.3;    // skirting and what stands on the floor end below
+constexpr double kSeen = 0.6;          // of a strip, at least
+constexpr double kUniform = 0.7;       // of a jamb's rows that stand out by themselves
+constexpr int kStrip = 2;              // cells across a casing: 7 to 10 cm
+constexpr double kConfidence = 0.6;    // where it was seen all around
+constexpr double kOneSideLess = 0.15;  // below 0.5, doubtful, where a side was not seen
 
 // Slots and rows [first, end).
 struct Strip {
@@ -115,7 +115,7 @@ class CasingSearch {
         first_slot_(std::max(0, SlotAt(face.from_m))),
         end_slot_(std::min(profile.num_slots, SlotAt(face.to_m))),
         floor_row_(RowAt(face.floor_m)),
-        low_row_(RowAt(face.floor_m + kLowest_m)) {}
+        low_row_(RowAt(face.floor_m + kJambFrom_m)) {}
 
   [[nodiscard]] std::vector<Leaf> Find() const {
     std::vector<Leaf> found;
@@ -189,6 +189,7 @@ class CasingSearch {
     const auto beam = [&](int first) {
       return Strip{leaf.first_slot, leaf.end_slot, first, first + kStrip};
     };
+    // Cells from a casing to the plain wall beside it: one is left out.
     constexpr int kApart = kStrip + 1;
     const Strip left = column(leaf.first_slot - kStrip);
     const Strip left_inside = column(leaf.first_slot + 1);

@@ -18,8 +18,8 @@ constexpr double kOpenBorder_m = 0.35;    // per m of border where rays went thr
 constexpr double kUnseenBorder_m = 0.16;  // per m of border where nothing tells of a wall
 constexpr double kFace_m =
     0.5;  // per m of wall that has the outside before it, or a room behind it
-constexpr double kSmallest = 1e-3;  // keeps cells of which nothing is known with their neighbours
-constexpr double kParts = 0.5;      // a wall this long between two cells parts rooms
+constexpr double kLeastCost = 1e-3;  // keeps cells of which nothing is known with their neighbours
+constexpr double kParts = 0.5;       // a wall this long between two cells parts rooms
 
 using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
 using FlowGraph = boost::adjacency_list<
@@ -92,7 +92,7 @@ std::vector<bool> InsideCells(const CellComplex& complex) {
         is_bound
             ? 0
             : edge.length_m() * (kOpenBorder_m * edge.open_share + kUnseenBorder_m * unseen_share);
-    AddArc(edge.front, edge.back, border + kSmallest, border + kSmallest, graph);
+    AddArc(edge.front, edge.back, border + kLeastCost, border + kLeastCost, graph);
   }
   boost::boykov_kolmogorov_max_flow(graph, source, sink);
   const auto colours = boost::get(boost::vertex_color, graph);

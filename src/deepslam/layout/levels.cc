@@ -7,21 +7,20 @@
 namespace deepslam::layout {
 namespace {
 
-constexpr double kUpright = 0.98;      // least vertical part of a level's normal: 11 deg
-constexpr double kSteepest = 0.98;     // what is slanted is 11 deg from lying
-constexpr double kLeastSteep = 0.2;    // and 12 deg from standing
-constexpr double kSlanted_m2 = 1.5;    // smaller slopes are of furniture
-constexpr double kGround_m = 0.10;     // the ground, with carpets and noise
-constexpr double kSameLevel_m = 0.08;  // steps are twice as high
-constexpr double kFloorBelow_m2 = 0.5;
-constexpr double kCeiling_m2 = 0.5;
-constexpr double kLowestCeiling_m = 1.8;
+constexpr double kLevelPlane = 0.98;     // least vertical part of a level's normal: 11 deg
+constexpr double kSteepest = 0.98;       // what is slanted is 11 deg from lying
+constexpr double kLeastSteep = 0.2;      // and 12 deg from standing
+constexpr double kSlanted_m2 = 1.5;      // smaller slopes are of furniture
+constexpr double kGround_m = 0.10;       // the ground, with carpets and noise
+constexpr double kSameLevel_m = 0.08;    // steps are twice as high
+constexpr double kFloorBelow_m2 = 0.5;   // smaller planes off the ground are steps and furniture
+constexpr double kCeiling_m2 = 0.5;      // smaller ones are undersides of lamps and lintels
 constexpr double kHighestFloor_m = 2.0;  // above the ground
 // How high a camera is carried, and how many of the fused frames were taken over a floor.
 constexpr double kCarriedFrom_m = 0.9;
-constexpr double kCarriedTo_m = 2.2;
-constexpr double kUnderFoot_m = 0.3;
-constexpr int kFewestFrames = 2;
+constexpr double kCarriedTo_m = 2.2;  // overhead, at the end of an arm
+constexpr double kUnderFoot_m = 0.3;  // along the ground: cameras are held before the body
+constexpr int kFewestFrames = 2;      // one may be a pose that is wrong
 
 // Whether cameras were carried over the plane.
 bool WasWalkedOn(const CoarseSurface& surface, const SurfacePlane& plane) {
@@ -29,10 +28,11 @@ bool WasWalkedOn(const CoarseSurface& surface, const SurfacePlane& plane) {
   for (const Eigen::Vector3f& viewpoint : surface.viewpoints) {
     const auto above_m = static_cast<double>(viewpoint.z()) - plane.centre_m.z();
     if (above_m < kCarriedFrom_m || above_m > kCarriedTo_m) continue;
-    const bool over = std::any_of(plane.vertices.begin(), plane.vertices.end(), [&](std::uint32_t v) {
-      return static_cast<double>((surface.mesh.vertices[v] - viewpoint).head<2>().norm()) <
-             kUnderFoot_m;
-    });
+    const bool over =
+        std::any_of(plane.vertices.begin(), plane.vertices.end(), [&](std::uint32_t v) {
+          return static_cast<double>((surface.mesh.vertices[v] - viewpoint).head<2>().norm()) <
+                 kUnderFoot_m;
+        });
     num_frames += over ? 1 : 0;
   }
   return num_frames >= kFewestFrames;
@@ -65,8 +65,8 @@ std::vector<LayoutLevel> FindLevels(const CoarseSurface& surface,
   std::vector<LayoutLevel> levels;
   for (const SurfacePlane& plane : planes) {
     const double up = plane.plane.normal.z();
-    if (up > kUpright && IsFloor(surface, plane)) AddLevel(LevelKind::kFloor, plane, levels);
-    if (up < -kUpright && plane.centre_m.z() > kLowestCeiling_m)
+    if (up > kLevelPlane && IsFloor(surface, plane)) AddLevel(LevelKind::kFloor, plane, levels);
+    if (up < -kLevelPlane && plane.centre_m.z() > kLowestCeiling_m)
       AddLevel(LevelKind::kCeiling, plane, levels);
   }
   std::erase_if(levels, [](const LayoutLevel& level) {

@@ -8,6 +8,9 @@
 
 namespace deepslam::layout {
 
+// Above the ground: what faces down lower is the underside of furniture or of a sloped roof.
+inline constexpr double kLowestCeiling_m = 1.8;
+
 // Floors, ascending, then ceilings, ascending. The ground is a floor where it was seen; what lies
 // below it is one from half a square metre on; what lies above only where a camera was carried over
 // it as people carry one, for tables and beds are flat too.

@@ -9,8 +9,9 @@ namespace {
 
 // Cubes of this size, a mirrored vertex's or one beside it, hold a vertex of the surface.
 constexpr float kCube_m = 0.08F;
-constexpr double kMost = 0.7;
-constexpr std::size_t kFewest = 100;  // vertices that say anything
+// Share of the vertices: a mirror shows some that the room's own views do not.
+constexpr double kMirroredShare = 0.7;
+constexpr std::size_t kFewestVertices = 100;  // vertices that say anything
 
 using Cube = std::array<int, 3>;
 
@@ -24,7 +25,7 @@ Cube CubeOf(const Eigen::Vector3f& p) {
 bool IsMirrored(const CoarseSurface& surface,
                 const std::vector<std::uint32_t>& vertices,
                 const WallLine& line) {
-  if (vertices.size() < kFewest) return false;
+  if (vertices.size() < kFewestVertices) return false;
   std::vector<Cube> cubes;
   cubes.reserve(surface.mesh.vertices.size());
   for (const Eigen::Vector3f& p : surface.mesh.vertices) cubes.push_back(CubeOf(p));
@@ -45,7 +46,7 @@ bool IsMirrored(const CoarseSurface& surface,
     p.head<2>() -= (2 * distance_m * line.normal).cast<float>();
     num_on += occupied(p) ? 1 : 0;
   }
-  return static_cast<double>(num_on) > kMost * static_cast<double>(vertices.size());
+  return static_cast<double>(num_on) > kMirroredShare * static_cast<double>(vertices.size());
 }
 
 }  // namespace deepslam::layout

@@ -9,7 +9,7 @@ namespace deepslam::layout {
 namespace {
 
 constexpr double kBeside_m = 0.5;      // an arm's length less: nobody walks between the two
-constexpr double kBefore_m = 1.5;      // room that people use before a thing
+constexpr double kUsedBefore_m = 1.5;  // room that people use before a thing
 constexpr double kSharedHeight = 0.5;  // of the lower one, which is beside the other
 
 using Corners = std::array<Eigen::Vector2d, 4>;
@@ -69,7 +69,7 @@ bool LiesBefore(const PlacedThing& thing, const PlacedThing& front) {
   const Eigen::Vector3d p =
       front.box.world_from_object.Inverse() * thing.box.world_from_object.translation_m;
   const Eigen::Vector3d half = front.box.size_m / 2;
-  return p.x() > half.x() && p.x() <= half.x() + kBefore_m && std::abs(p.y()) <= half.y();
+  return p.x() > half.x() && p.x() <= half.x() + kUsedBefore_m && std::abs(p.y()) <= half.y();
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ std::vector<Neighbours> NeighboursOf(std::span<const PlacedThing> things) {
                               things[b].box.world_from_object.translation_m)
                                  .head<2>()
                                  .norm();
-      if (apart_m > reach_m[a] + reach_m[b] + kBefore_m) continue;
+      if (apart_m > reach_m[a] + reach_m[b] + kUsedBefore_m) continue;
       Neighbours pair{a, b, DistanceBetween(corners[a], corners[b])};
       pair.beside = a < b && pair.distance_m <= kBeside_m &&
                     SharedHeight(things[a].box, things[b].box) >= kSharedHeight;

@@ -9,7 +9,8 @@
 namespace deepslam::layout {
 namespace {
 
-constexpr double kSamePlace_m = 1e-5;
+constexpr double kSamePlace_m = 1e-5;  // crossings of the same lines, but for rounding
+// Inner walls are as thick: shorter sides are noise between two lines.
 constexpr double kShortSide_m = 0.15;
 constexpr double kMaxStretch_m = 0.4;  // a corner moves this far at most when a side is taken out
 

@@ -15,11 +15,12 @@ namespace {
 
 constexpr double kBeyond_m = 0.5;     // a line is looked at this far beyond what is on it
 constexpr double kSameWall_m = 0.16;  // windows stand back, pictures and radiators stand out
-constexpr double kSameWall_deg = 8;
-constexpr double kBridged_m = 0.3;  // gaps between runs of wall that count as wall for that
+constexpr double kSameWall_deg = 8;   // walls of homes that are not parallel differ by more
+constexpr double kBridged_m = 0.3;    // gaps between runs of wall that count as wall for that
+// Share of a line's wall: the rest may be noise at the ends of other lines.
 constexpr double kMostOfIt = 0.6;
-constexpr double kHighShare = 0.25;  // of a line's slots, which reach as high as a wall has to
-constexpr double kMinSolid_m2 = 0.3;
+constexpr double kHighShare = 0.25;   // of a line's slots, which reach as high as a wall has to
+constexpr double kMinSolid_m2 = 0.3;  // of surface: a metre of wall, seen 0.3 m high
 // Of the height to which most of the capture's wall was seen: what ends lower is furniture, the
 // side of a wardrobe; how high walls are seen depends on where the camera looks.
 constexpr double kLowShare = 0.75;

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <numbers>
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
+
+#include "deepslam/core/angles.h"
 
 namespace deepslam::layout {
 namespace {
@@ -44,7 +45,7 @@ Neighbours NeighboursOf(const TriangleMesh& mesh) {
 // Means over the vertices around, twice: marching cubes turn normals by the noise of each voxel.
 std::vector<Eigen::Vector3f> Smoothed(const std::vector<Eigen::Vector3f>& normals,
                                       const Neighbours& neighbours) {
-  constexpr int kRounds = 2;
+  constexpr int kRounds = 2;  // each takes in what is a vertex further off
   std::vector<Eigen::Vector3f> smooth = normals;
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Eigen::Vector3f> before = smooth;
@@ -108,7 +109,7 @@ class FlatRegion {
         normals_(normals),
         areas_m2_(areas_m2),
         options_(options),
-        min_cosine_(std::cos(options.max_angle_deg * std::numbers::pi / 180.0)) {}
+        min_cosine_(std::cos(options.max_angle_deg * kRadPerDeg)) {}
 
   [[nodiscard]] bool is_part_of_region(std::size_t /*from*/,
                                        std::size_t vertex,
@@ -131,9 +132,11 @@ class FlatRegion {
       const std::size_t vertex = region[num_added_];
       sums_.Add(Point(vertex), Normal(vertex), areas_m2_[vertex]);
     }
+    // A plane is fitted each time its area has grown by a fifth, not at each vertex.
     constexpr double kGrown = 1.2;
-    constexpr std::size_t kFewest = 12;  // vertices whose plane says more than the seed's normal
-    if (region.size() < kFewest || !(sums_.weight > kGrown * fitted_m2_)) return;
+    constexpr std::size_t kFewestFitted =
+        12;  // vertices whose plane says more than the seed's normal
+    if (region.size() < kFewestFitted || !(sums_.weight > kGrown * fitted_m2_)) return;
     fitted_m2_ = sums_.weight;
     plane_ = sums_.Fit();
   }

@@ -11,7 +11,6 @@
 namespace deepslam::layout {
 namespace {
 
-
 // Weighted points on the ground, from which a line follows.
 struct GroundSums {
   double weight = 0;
@@ -61,6 +60,7 @@ bool LiesOn(const CoarseSurface& surface,
     const double off_m = line.Distance(surface.mesh.vertices[v].head<2>().cast<double>());
     num_near += std::abs(off_m) < same_offset_m ? 1 : 0;
   }
+  // Share of its vertices: the rest may be noise, or a frame that stands out.
   constexpr double kNearlyAll = 0.85;
   return static_cast<double>(num_near) > kNearlyAll * static_cast<double>(plane.vertices.size());
 }
@@ -88,7 +88,7 @@ void SetReach(const CoarseSurface& surface,
 
 // In (-45, 45] deg: how far a direction is from the nearest of four at right angles.
 double FromAxes(double angle_rad, double axes_rad) {
-  constexpr double kQuarter = std::numbers::pi / 2;
+  constexpr double kQuarter = std::numbers::pi / 2;  // turn
   const double turns = (angle_rad - axes_rad) / kQuarter;
   return (turns - std::round(turns)) * kQuarter;
 }
@@ -129,8 +129,8 @@ std::vector<WallLine> FindWallLines(const CoarseSurface& surface,
 }
 
 bool AlignLines(std::vector<WallLine>& lines) {
-  constexpr double kNear_rad = 3 * kRadPerDeg;
-  constexpr double kMost = 0.7;  // of the area
+  constexpr double kNear_rad = 3 * kRadPerDeg;  // walls that are off by more were built so
+  constexpr double kMostOfArea = 0.7;           // of the area
   double whole_m2 = 0;
   for (const WallLine& line : lines) whole_m2 += line.area_m2;
   // Each line proposes its own direction; the one that most of the area is near to wins.
@@ -149,15 +149,15 @@ bool AlignLines(std::vector<WallLine>& lines) {
     best_m2 = near_m2;
     axes_rad = AngleOf(proposal) + off / near_m2;
   }
-  if (lines.size() < 2 || best_m2 < kMost * whole_m2) return false;
+  if (lines.size() < 2 || best_m2 < kMostOfArea * whole_m2) return false;
   for (WallLine& line : lines) {
     const double from_rad = FromAxes(AngleOf(line), axes_rad);
     if (std::abs(from_rad) > kNear_rad) continue;
     const Eigen::Vector2d middle = line.At(0.5 * (line.begin_m + line.end_m));
     // A line that is known better than this says that it is not parallel.
     const double half_length_m = 0.5 * (line.end_m - line.begin_m);
-    constexpr double kMaxMove_m = 0.03;  // at its ends
-    if (std::abs(from_rad) * half_length_m > kMaxMove_m) continue;
+    constexpr double kMaxEndMove_m = 0.03;  // at its ends
+    if (std::abs(from_rad) * half_length_m > kMaxEndMove_m) continue;
     const double angle_rad = AngleOf(line) - from_rad;
     const double length_m = line.end_m - line.begin_m;
     line.normal = {std::cos(angle_rad), std::sin(angle_rad)};

@@ -8,35 +8,36 @@
 #include <utility>
 
 #include "deepslam/layout/door_casings.h"
-#include "deepslam/layout/door_sizes.h"
 #include "deepslam/layout/face_rectangles.h"
+#include "deepslam/scene/door_sizes.h"
 
 namespace deepslam::layout {
 namespace {
 
-constexpr double kMinWidth_m = 0.4;
-constexpr double kMinHeight_m = 0.4;
+constexpr double kMinOpeningWidth_m = 0.4;  // narrower ones are vents and gaps between shelves
+// Windows under ceilings of bathrooms and cellars are as low.
+constexpr double kMinOpeningHeight_m = 0.4;
 constexpr double kMinFill = 0.5;      // of the rectangle that is gap
 constexpr double kMinFrame = 0.4;     // of a side that is wall
 constexpr double kThreshold_m = 0.3;  // what begins lower reaches the floor
 // Of an opening's width that has to be seen down to the floor, where furniture hides the rest.
 constexpr double kFootShare = 0.25;
-constexpr int kSillCells = 2;       // of wall below an opening, in a column: one may be noise
-constexpr double kRecess_m = 0.02;  // a leaf lies this much deeper than its wall, or more
-constexpr double kBeside_m = 0.2;   // where the frame of an opening is looked for
+constexpr int kSillCells = 2;           // of wall below an opening, in a column: one may be noise
+constexpr double kRecess_m = 0.02;      // a leaf lies this much deeper than its wall, or more
+constexpr double kFrameWithin_m = 0.2;  // where the frame of an opening is looked for
 
 constexpr double kThingShare = 0.1;    // before a gap without depth: then it is a thing's
 constexpr double kBoardShare = 0.5;    // of its height where a side board is seen,
 constexpr double kBeyondShare = 0.05;  // and of what is beyond it, things: the board is not theirs
 constexpr double kPaneFill = 0.7;      // of a window's rectangle that is set back
-constexpr double kPaneConfidence = 0.6;
+constexpr double kPaneConfidence = 0.6;  // above 0.5, doubtful, by little: niches look like it
 // Sills of living rooms are 0.8 to 0.9 m high and heads 2.0 m and more; narrow sashes are 0.6 m
 // wide.
-constexpr std::size_t kMostPanes = 4;  // looked at in what hangs together
-constexpr double kUsualWidth_m = 0.6;
-constexpr double kUsualHeight_m = 0.9;
-constexpr double kMullion_m = 0.2;  // wall between the sashes of one window
-constexpr double kLevel_m = 0.12;   // their ends differ by less: two cells and a little
+constexpr std::size_t kMostPanes = 4;   // looked at in what hangs together
+constexpr double kUsualWidth_m = 0.6;   // a narrow sash
+constexpr double kUsualHeight_m = 0.9;  // less than from sill to head
+constexpr double kMullion_m = 0.2;      // wall between the sashes of one window
+constexpr double kLevel_m = 0.12;       // their ends differ by less: two cells and a little
 
 // Which sides of an opening are wall.
 struct Frame {
@@ -72,7 +73,7 @@ class FaceSearch {
     };
     const CellTest wall = [this](int slot, int row) { return IsSolid(slot, row); };
     for (const CellBox& box : RectanglesOf(box_, gap, wall)) {
-      if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
+      if (box.width_m() < kMinOpeningWidth_m || box.height_m() < kMinOpeningHeight_m) continue;
       if (ShareOf(box, box_, gap) < kMinFill) continue;
       if (const auto opening = Classified(box, ReachesFloor(box, gap))) {
         found.push_back(*opening);
@@ -113,7 +114,7 @@ class FaceSearch {
       return IsSolid(slot, row) && !set_back(slot, row);
     };
     for (const CellBox& box : RectanglesOf(box_, set_back, flush)) {
-      if (box.width_m() < kMinWidth_m || box.height_m() < kMinHeight_m) continue;
+      if (box.width_m() < kMinOpeningWidth_m || box.height_m() < kMinOpeningHeight_m) continue;
       if (ShareOf(box, box_, set_back) < kPaneFill) continue;
       if (ReachesFloor(box, set_back)) continue;
       const Frame frame = FrameOf(box, flush);
@@ -138,7 +139,7 @@ class FaceSearch {
   }
 
   [[nodiscard]] Frame FrameOf(const CellBox& box, const CellTest& wall) const {
-    const int beside = static_cast<int>(kBeside_m / kCell_m);
+    const int beside = static_cast<int>(kFrameWithin_m / kCell_m);
     Frame frame;
     // The corner of the room is a side as well.
     const bool left_corner = box.first_slot - box_.first_slot < beside / 2;

@@ -9,12 +9,12 @@ namespace {
 // Before and behind the face, in voxels: rays end a voxel and the noise before a surface, and a
 // wall is thicker than two voxels.
 constexpr double kBefore = 2.5;
-constexpr double kWithin = 1.5;
-constexpr double kBehindFace = 4;
-constexpr double kMinFacing = 0.6;      // cosine between a vertex's normal and the face's
+constexpr double kWithin = 1.5;         // voxels
+constexpr double kBehindFace = 4;       // voxels
+constexpr double kMinWallFacing = 0.6;  // cosine between a vertex's normal and the face's
 constexpr double kMaxVertical = 0.5;    // of a vertex's normal
 constexpr double kThingDepth_m = 0.65;  // wardrobes and desks are 60 cm deep, shelves less
-constexpr double kFloorBand_m = 0.1;    // nothing is told of the wall where it meets the ground
+constexpr double kFootOfWall_m = 0.1;   // nothing is told of the wall where it meets the ground
 
 std::size_t IndexOf(const WallProfile& profile, int slot, int row) {
   return static_cast<std::size_t>(slot) * static_cast<std::size_t>(profile.num_rows) +
@@ -46,7 +46,7 @@ void MarkSurface(const CoarseSurface& surface,
     }
     const Eigen::Vector3f& facing = surface.normals[v];
     if (std::abs(static_cast<double>(facing.z())) > kMaxVertical ||
-        static_cast<double>(facing.head<2>().dot(normal)) < kMinFacing)
+        static_cast<double>(facing.head<2>().dot(normal)) < kMinWallFacing)
       continue;
     profile.cells[at] |= kSolid | kFront;
     ++counts[at];
@@ -63,7 +63,7 @@ std::uint8_t SpaceBits(const ObservedSpace& space,
   const bool open = space.Passed(p) > 0 && space.Passed(p - kWithin * voxel_m * normal) > 0;
   if (open) bits |= kOpen;
   if (open && space.Passed(p - kBehindFace * voxel_m * normal) > 0) bits |= kBehind;
-  constexpr int kFewestBlind = 2;
+  constexpr int kFewestBlind = 2;  // rays without a measurement: a single one may be a stray
   if (!open && space.Blind(p) >= kFewestBlind) bits |= kBlind;
   return bits;
 }
@@ -94,7 +94,7 @@ bool IsWall(const WallProfile& profile, int slot, const ProfileOptions& options)
   int num_solid = 0;
   int top = -1;
   int top_seen = -1;
-  const int first = std::max(0, static_cast<int>(kFloorBand_m / kCell_m));
+  const int first = std::max(0, static_cast<int>(kFootOfWall_m / kCell_m));
   for (int row = first; row < profile.num_rows; ++row) {
     const std::uint8_t cell = profile.at(slot, row);
     if ((cell & kSolid) != 0) {

@@ -23,12 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
-constexpr int kMinConfidence = 1;
+constexpr double kUnitsPerM = 1000;  // millimetres, by the data set's documentation
+constexpr int kMinConfidence = 1;    // of 0, 1 and 2 (ARKit's ARConfidenceLevel): medium
 // Half a frame at 30 Hz; frames of the streams have equal times but for their last digit.
 constexpr double kMaxTimeDifferenceS = 0.02;
 // Poses come ten times a second.
 constexpr double kMaxPoseGapS = 0.25;
+// Beyond it a number is damaged, and later arithmetic not finite.
 constexpr double kMaxPositionM = 1e6;
 constexpr std::string_view kPosesName = "lowres_wide.traj";
 

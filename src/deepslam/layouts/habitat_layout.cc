@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPosesName = "GT_Pose.txt";
-constexpr double kUnitsPerM = 6553.5;
+constexpr double kUnitsPerM = 6553.5;  // 10 m in 16 bits
 
 std::string ColourFolder(const fs::path& path) { return FirstFolder(path, {"rgb", "color"}); }
 

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr PinholeCamera kCamera{640, 480, 481.20, 480.00, 319.50, 239.50};
-constexpr double kUnitsPerM = 5000;
+constexpr double kUnitsPerM = 5000;  // its files are made compatible with the TUM benchmark's
 constexpr std::string_view kPosesEnd = ".gt.freiburg";
 
 bool IsNumber(std::string_view field) {

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMaxTimeDifferenceS = 0.02;
+constexpr double kMaxTimeDifferenceS = 0.02;  // half a frame at 30 Hz, rounded up
 
 bool EndsIn(std::string_view name, std::initializer_list<std::string_view> ends) {
   std::string end = fs::path(name).extension().string();

@@ -87,7 +87,7 @@ static_assert(kLayouts.size() == dataset::kFormats.size());
 
 // Folders looked into for a capture that lies deeper, and how deep.
 constexpr int kMaxFolders = 200;
-constexpr int kMaxDepth = 4;
+constexpr int kMaxDepth = 4;  // archive, data set, scene, capture
 
 const Layout* FirstMatch(const fs::path& path) {
   const auto found = std::ranges::find_if(

@@ -17,13 +17,14 @@
 namespace deepslam::layouts {
 namespace {
 
-constexpr int kNumDoubtedFrames = 5;
+constexpr int kNumDoubtedFrames = 5;  // whose depth is looked at: one may show but a wall
+// More than the four that picture_alignment.cc asks for, as some have no edges.
 constexpr int kNumAlignedFrames = 6;
 // Pictures are looked at this wide: finer ones show texture, and take longer.
 constexpr int kAlignedWidthPx = 320;
 // Frames of a video are decoded from its beginning: only its first seconds are looked at.
 constexpr int kFramesOfVideo = 60;
-constexpr int kNumPosedFrames = 6;
+constexpr int kNumPosedFrames = 6;  // pairs for each of the gaps below
 // Frames apart, of pairs that poses are held against: neighbours, and some that moved.
 constexpr std::array<int, 5> kPoseGaps = {1, 2, 4, 10, 30};
 

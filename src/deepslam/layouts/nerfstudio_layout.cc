@@ -22,7 +22,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::string_view kName = "transforms.json";
+// Millimetres, the format's default (depth_unit_scale_factor 0.001).
 constexpr double kUnitsPerM = 1000;
+// The format's first pixel reaches from 0 to 1, as OpenGL has it; its centre here is 0.
 constexpr double kPixelCentre = 0.5;
 
 // Of a frame, or of the whole file where the frame has none; nothing where neither has.

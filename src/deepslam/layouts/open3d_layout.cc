@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres: Open3D's default depth_scale
 // PrimeSense's, which Open3D takes when nothing is stated.
 constexpr PinholeCamera kDefaultCamera{640, 480, 525, 525, 319.5, 239.5};
 constexpr std::array kIntrinsicNames = {"camera_intrinsic.json", "intrinsic.json"};

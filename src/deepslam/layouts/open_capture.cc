@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNumProbedFrames = 8;
+constexpr int kNumProbedFrames = 8;  // spread over the capture: all being empty is no chance
 
 // Refuses captures of which no looked-at frame can be used: wrong camera, wrong units, wrong files.
 Status Probe(const FrameSource& frames, const fs::path& folder) {

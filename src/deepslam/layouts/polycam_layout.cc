@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kUnitsPerM = 1000;
-constexpr int kMinConfidence = 54;  // medium
+constexpr double kUnitsPerM = 1000;  // millimetres, as the app exports them
+constexpr int kMinConfidence = 54;   // medium
 
 bool IsJson(std::string_view name) { return name.ends_with(".json"); }
 

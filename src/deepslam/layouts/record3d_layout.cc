@@ -22,9 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+// Beyond it a number is damaged, and later arithmetic not finite.
 constexpr double kMaxPositionM = 1e6;
-constexpr double kMaxTimeS = 1e11;
-constexpr int kMinConfidence = 1;  // medium
+constexpr double kMaxTimeS = 1e11;  // s since 1970: 3,000 years; what is beyond is no time
+constexpr int kMinConfidence = 1;   // medium
 
 std::optional<fs::path> FindMetadata(const fs::path& folder) {
   std::error_code ignored;

@@ -22,7 +22,7 @@ constexpr std::string_view kPosesName = "traj.txt";
 constexpr std::string_view kCameraName = "cam_params.json";
 // Of all captures of that rendering.
 constexpr PinholeCamera kRendered{1200, 680, 600, 600, 599.5, 339.5};
-constexpr double kRenderedUnitsPerM = 6553.5;
+constexpr double kRenderedUnitsPerM = 6553.5;  // 'scale' of its cam_params.json: 10 m in 16 bits
 
 bool IsNamed(std::string_view name, std::string_view begin) {
   return name.starts_with(begin) && name.size() > begin.size() && name[begin.size()] >= '0' &&

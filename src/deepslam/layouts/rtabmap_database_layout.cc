@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres: RTAB-Map's 16-bit depth
 
 // Raw depth in millimetres, however the node has it.
 Result<RawDepthImage> DecodeNodeDepth(std::string_view bytes) {

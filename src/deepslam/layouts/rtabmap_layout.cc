@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres: RTAB-Map's 16-bit depth
 
 // "scan_" of scan_rgb/, scan_depth/ and scan_calib/; empty for rgb/, depth/, calib/; nothing where
 // they are not there.

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres, 'depthShift' of the recordings
 // A principal point farther from the middle, of the side, is one of images of another size.
 constexpr double kFarFromMiddle = 0.2;
 

@@ -22,10 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres, by the data set's documentation
 constexpr std::string_view kName = "pose_intrinsic_imu.json";
 constexpr std::array<std::string_view, 3> kVideos = {"rgb.mkv", "rgb.mp4", "rgb.mov"};
-constexpr double kMaxTimeS = 1e11;
+constexpr double kMaxTimeS = 1e11;  // s since 1970: 3,000 years; what is beyond is no time
 
 struct ParsedFrame {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px of the colour image

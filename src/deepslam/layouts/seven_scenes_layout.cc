@@ -14,12 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres, by the data set's page
 // What the data set's page says of the depth camera.
 constexpr PinholeCamera kKinectDepth{640, 480, 585, 585, 320, 240};
 // It says nothing of the colour camera: a Kinect's usual values. It sits 25 mm to the right.
 constexpr PinholeCamera kKinectColour{640, 480, 525, 525, 320, 240};
-constexpr double kKinectBaselineM = 0.025;
+constexpr double kKinectBaselineM = 0.025;  // of the depth and colour cameras of a Kinect
 
 Status CheckKinect(const fs::path& folder, const std::vector<dataset::ImagePair>& pairs) {
   for (const dataset::ImagePair& pair : pairs) {

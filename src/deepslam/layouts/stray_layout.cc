@@ -23,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
-constexpr int kMinConfidence = 1;
+constexpr double kUnitsPerM = 1000;  // millimetres, as the app writes them
+constexpr int kMinConfidence = 1;    // of 0, 1 and 2 (ARKit's ARConfidenceLevel): medium
+// Beyond it a number is damaged, and later arithmetic not finite.
 constexpr double kMaxPositionM = 1e6;
 constexpr std::array<std::string_view, 3> kVideos = {"rgb.mp4", "rgb.mov", "rgb.m4v"};
 constexpr std::string_view kOdometryName = "odometry.csv";

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres, once the file's bits are turned back
 constexpr std::string_view kMatrixName = "intrinsics.txt";
 constexpr std::string_view kPosesFolder = "extrinsics";
 

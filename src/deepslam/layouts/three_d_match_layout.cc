@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnitsPerM = 1000;
+constexpr double kUnitsPerM = 1000;  // millimetres, by the benchmark's page
 constexpr std::string_view kMatrixName = "camera-intrinsics.txt";
 
 std::optional<fs::path> FindMatrix(const fs::path& folder) {

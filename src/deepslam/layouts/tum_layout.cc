@@ -24,8 +24,9 @@ namespace fs = std::filesystem;
 // Half a frame of a 30 Hz camera, rounded up: further apart, colour and depth show different
 // moments.
 constexpr double kAssociationToleranceS = 0.02;
+// Three frames at 30 Hz: hands do not move evenly over longer gaps.
 constexpr double kMaxPoseGapS = 0.1;
-constexpr double kEth3dUnitsPerM = 5000;
+constexpr double kEth3dUnitsPerM = 5000;  // as TUM's, by the benchmark's documentation
 // As TUM's own script and others' name the list of pairs.
 constexpr std::array<std::string_view, 5> kAssociationNames = {
     "associations.txt", "associated.txt", "associate.txt", "association.txt", "assoc.txt"};

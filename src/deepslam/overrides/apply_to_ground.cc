@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "deepslam/core/angles.h"
 
 namespace deepslam::overrides {
 namespace {
 
-constexpr double kHintAngleRad = 10 * std::numbers::pi / 180;  // a person's guess of upright
-constexpr double kHintHeightM = 0.15;                          // levels closer than this are one
+constexpr double kHintAngleRad = 10 * kRadPerDeg;  // a person's guess of upright
+constexpr double kHintHeightM = 0.15;              // levels closer than this are one
 
 }  // namespace
 

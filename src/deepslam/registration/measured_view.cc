@@ -18,7 +18,7 @@ namespace {
 constexpr double kJumpShare = 0.03;
 // Two views that measure a point within this along the ray mean the same surface, drift and noise
 // included.
-constexpr double kSameSurface = 0.05;
+constexpr double kSameSurfaceM = 0.05;
 
 bool IsUsable(const ObjectView& view) {
   const int width = view.depth_crop_m.width();
@@ -189,7 +189,7 @@ int VoteOn(const Eigen::Vector3d& p_world, const MeasuredView& other) {
   const int u = static_cast<int>(std::lround(pixel->x()));
   const int v = static_cast<int>(std::lround(pixel->y()));
   if (!other.depth_m.Contains(u, v) || other.depth_m(u, v) <= 0) return 0;
-  if (std::abs(other.depth_m(u, v) - p.z()) > kSameSurface) return 0;
+  if (std::abs(other.depth_m(u, v) - p.z()) > kSameSurfaceM) return 0;
   return other.mask(u, v) != 0 ? 1 : -1;
 }
 

@@ -27,8 +27,9 @@ struct RegisterOptions {
   static constexpr int kMaxCrop_px = 96;
   // Views with fewer points are no measurement: a tenth of what is drawn.
   static constexpr int kMinPoints = 40;
-  static constexpr int kNumAzimuths = 8;  // Views whose own alignments become hypotheses in the
-                                          // world: more of them repeat what these say.
+  // Azimuths of the model's partial views, as many as the paper has.
+  static constexpr int kNumAzimuths = 8;
+  // Views whose own alignments become hypotheses in the world: more of them repeat what these say.
   static constexpr int kNumSeedViews = 4;
   // Hypotheses that get a joint refinement, the costly step.
   static constexpr int kNumRefinedHypotheses = 6;

@@ -227,8 +227,9 @@ PlanCanvas::PlanCanvas(const FloorPlanContent& content) {
   turn_ = Eigen::Rotation2Dd(-MainDirection(content.layout_world)).toRotationMatrix();
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& p : AllPlaces(content)) box.extend(Eigen::Vector2d(turn_ * p));
-  constexpr double kLeast_m = 1.0;  // of either side: a plan of next to nothing has a picture still
-  box.extend(Eigen::Vector2d(box.min() + Eigen::Vector2d::Constant(kLeast_m)));
+  constexpr double kLeastPlanSide_m =
+      1.0;  // of either side: a plan of next to nothing has a picture still
+  box.extend(Eigen::Vector2d(box.min() + Eigen::Vector2d::Constant(kLeastPlanSide_m)));
   low_m_ = box.min();
   high_m_ = box.max();
   const Eigen::Vector2d size_px = kPlanPixelsPerMetre * (high_m_ - low_m_);

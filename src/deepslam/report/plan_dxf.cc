@@ -29,10 +29,10 @@ constexpr std::array<DxfLayer, 5> kLayers = {
 
 // As high as letters are on a plan of 1:50 that has them 2.5 and 1.6 mm high.
 constexpr double kRoomText_m = 0.125;
-constexpr double kSmallText_m = 0.08;    // of things and lengths
-constexpr double kLineSpacing = 1.6;     // of texts below each other, of their height
-constexpr double kLengthBefore_m = 0.1;  // lengths stand this far before their wall
-constexpr double kLeastLength_m = 0.3;   // shorter walls go without
+constexpr double kSmallText_m = 0.08;      // of things and lengths
+constexpr double kLineSpacing = 1.6;       // of texts below each other, of their height
+constexpr double kTextBeforeWall_m = 0.1;  // lengths stand this far before their wall
+constexpr double kLeastLength_m = 0.3;     // shorter walls go without
 
 class PlanDrawing {
  public:
@@ -65,7 +65,7 @@ class PlanDrawing {
     }
     if (wall.length_m() < kLeastLength_m) return;
     dxf_.AddText(kText,
-                 frame.At(0.5 * wall.length_m(), kLengthBefore_m),
+                 frame.At(0.5 * wall.length_m(), kTextBeforeWall_m),
                  kSmallText_m,
                  ReadableAngleDeg(frame.along()),
                  fmt::format("{:.2f}", wall.length_m()));

@@ -34,11 +34,9 @@ struct SegmentOptions {
   double min_piece_share =
       0.6;  // a surface belongs to a box that holds at least this share of its pixels
   double mask_dilation_px = 4;  // an instance mask is widened by this before it cuts
-  // an instance mask is widened by this before it cuts
   static constexpr double kBorderMargin_px = 8;  // a box nearer to the image border touches it
   int min_points = 400;                          // fewer pixels: not usable
-  // fewer pixels: not usable
-  static constexpr double kMinSupport = 0.04;  // smaller share of the box: not usable
+  static constexpr double kMinSupport = 0.04;    // smaller share of the box: not usable
 };
 void Describe(OptionsVisitor& visitor, SegmentOptions& options);
 

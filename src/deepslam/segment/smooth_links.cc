@@ -22,9 +22,9 @@ constexpr double kNormalBaseline_m = 0.04;
 constexpr int kMaxBaseline_px = 12;       // bounds the neighbourhood of what is near
 constexpr float kSameSurfaceCos = 0.87F;  // 30 degrees: steps of normals inside one surface
 constexpr float kHorizontalCos = 0.82F;   // 35 degrees
-constexpr int kLanes = 16;                // pixels side by side
+constexpr int kPixelLanes = 16;           // pixels side by side
 static_assert(kMaxBaseline_px <= PointImage::kMarginRows);
-static_assert(kLanes <= PointImage::kMarginColumns &&
+static_assert(kPixelLanes <= PointImage::kMarginColumns &&
               kMaxBaseline_px <= PointImage::kMarginColumns);
 
 // What is known of the pixels of a row, with a pixel of nothing before the first and some behind
@@ -39,7 +39,7 @@ struct Row {
         radius(Size(width)),
         level(Size(width)),
         link(Size(width)) {}
-  static std::size_t Size(int width) { return static_cast<std::size_t>(width) + kLanes + 1; }
+  static std::size_t Size(int width) { return static_cast<std::size_t>(width) + kPixelLanes + 1; }
 
   std::vector<float> x, y, z;        // unit normal towards the camera; zero where there is none
   std::vector<float> step_m;         // smaller steps of depth join neighbours
@@ -85,7 +85,7 @@ inline float Either(std::int32_t which, float a, float b) {
                               (std::bit_cast<std::int32_t>(b) & ~which));
 }
 
-// kLanes pixels of a row side by side, from `u` on.
+// kPixelLanes pixels of a row side by side, from `u` on.
 struct Lanes {
   const float* x_m;
   const float* y_m;
@@ -95,7 +95,7 @@ inline Lanes LanesAt(const PointImage& points, int u, int v) {
   return {points.x_row(v) + u, points.y_row(v) + u, points.z_row(v) + u};
 }
 
-// From the cross of central differences over `radius` pixels, for kLanes pixels from `u` on.
+// From the cross of central differences over `radius` pixels, for kPixelLanes pixels from `u` on.
 inline void FindNormals(const PointImage& points, int u, int v, int radius, Row& row) {
   const Lanes middle = LanesAt(points, u, v);
   const Lanes right = LanesAt(points, u + radius, v);
@@ -108,10 +108,10 @@ inline void FindNormals(const PointImage& points, int u, int v, int radius, Row&
   float* const old_y = row.y.data() + 1 + u;
   float* const old_z = row.z.data() + 1 + u;
   // Written apart from the row, so that the compiler need not fear for what it reads.
-  std::array<float, kLanes> normal_x;
-  std::array<float, kLanes> normal_y;
-  std::array<float, kLanes> normal_z;
-  for (int n = 0; n < kLanes; ++n) {
+  std::array<float, kPixelLanes> normal_x;
+  std::array<float, kPixelLanes> normal_y;
+  std::array<float, kPixelLanes> normal_z;
+  for (int n = 0; n < kPixelLanes; ++n) {
     const float x = middle.x_m[n];
     const float y = middle.y_m[n];
     const float z = middle.z_m[n];
@@ -158,9 +158,9 @@ DEEPSLAM_WIDE_VECTORS void FindNormalsOfRow(const PointImage& points, int v, Row
   std::fill(row.x.begin(), row.x.end(), 0.0F);
   std::fill(row.y.begin(), row.y.end(), 0.0F);
   std::fill(row.z.begin(), row.z.end(), 0.0F);
-  for (int u = 0; u < points.width(); u += kLanes) {
+  for (int u = 0; u < points.width(); u += kPixelLanes) {
     std::uint32_t radii = 0;  // bit r: some pixel's
-    for (int n = 1; n <= kLanes; ++n) {
+    for (int n = 1; n <= kPixelLanes; ++n) {
       radii |= 1U << static_cast<std::uint32_t>(row.radius[static_cast<std::size_t>(u + n)]);
     }
     for (radii &= ~1U; radii != 0; radii &= radii - 1) {

@@ -11,9 +11,9 @@
 namespace deepslam::select {
 namespace {
 
-constexpr double kSamePlaceM = 0.2;  // this and the next two as the header defines a right place
-constexpr double kSameTurnRad = 20 * kRadPerDeg;              // but for turns of its symmetry
-constexpr double kSameSizeRatio = 1.2;                        // ratio
+constexpr double kRightPlaceM = 0.2;  // this and the next two as the header defines a right place
+constexpr double kSameTurnRad = 20 * kRadPerDeg;  // but for turns of its symmetry
+constexpr double kSameSizeRatio = 1.2;            // ratio
 // The fit, and from where on its parts tell no more.
 constexpr double kLogit = -4.85;
 constexpr double kLeadLogit = 2.1;        // added by a margin of kClearLead over other places
@@ -33,7 +33,7 @@ bool StandsThere(const CandidateRegistration& other,
                  shape::Symmetry symmetry) {
   const Pose3 winner_from_other = winner.world_from_object.Inverse() * other.world_from_object;
   const double size = other.scale_m / winner.scale_m;
-  return winner_from_other.translation_m.norm() <= kSamePlaceM && size <= kSameSizeRatio &&
+  return winner_from_other.translation_m.norm() <= kRightPlaceM && size <= kSameSizeRatio &&
          size >= 1 / kSameSizeRatio &&
          shape::RotationApart(winner_from_other.rotation, symmetry) <= kSameTurnRad;
 }

@@ -5,7 +5,7 @@
 namespace deepslam::shape {
 namespace {
 
-constexpr std::size_t kRows = kGridSize;  // of one i
+constexpr std::size_t kRowsPerSlice = kGridSize;   // of one i
 constexpr std::uint64_t kAll = ~std::uint64_t{0};  // a row's voxels, a bit each
 // First and last of a row: at the rim.
 constexpr std::uint64_t kEnds = (std::uint64_t{1} << (kGridSize - 1)) | 1U;
@@ -26,9 +26,9 @@ std::uint64_t ReachAlong(std::uint64_t from, std::uint64_t free) {
 }
 
 bool IsAtRim(std::size_t row) {
-  const std::size_t i = row / kRows;
-  const std::size_t j = row % kRows;
-  return i == 0 || i == kRows - 1 || j == 0 || j == kRows - 1;
+  const std::size_t i = row / kRowsPerSlice;
+  const std::size_t j = row % kRowsPerSlice;
+  return i == 0 || i == kRowsPerSlice - 1 || j == 0 || j == kRowsPerSlice - 1;
 }
 
 class Flood {
@@ -53,10 +53,10 @@ class Flood {
   }
   void Spread(std::size_t row) {
     const std::uint64_t reached = reached_[row];
-    if (row >= kRows) Enter(row - kRows, reached);
-    if (row + kRows < kNumVoxelRows) Enter(row + kRows, reached);
-    if (row % kRows != 0) Enter(row - 1, reached);
-    if (row % kRows != kRows - 1) Enter(row + 1, reached);
+    if (row >= kRowsPerSlice) Enter(row - kRowsPerSlice, reached);
+    if (row + kRowsPerSlice < kNumVoxelRows) Enter(row + kRowsPerSlice, reached);
+    if (row % kRowsPerSlice != 0) Enter(row - 1, reached);
+    if (row % kRowsPerSlice != kRowsPerSlice - 1) Enter(row + 1, reached);
   }
 
   const VoxelRows& free_;

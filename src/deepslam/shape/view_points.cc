@@ -130,12 +130,12 @@ SumPatch(const PaddedDepth& depth_m, const PinholeCamera& camera, int radius, in
   const auto ray_v = static_cast<float>(v - camera.cy);
   const auto per_fx = static_cast<float>(1.0 / camera.fx);
   const auto per_fy = static_cast<float>(1.0 / camera.fy);
-  constexpr Lanes kColumns = {0, 1, 2, 3, 4, 5, 6, 7};
+  constexpr Lanes kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7};
   constexpr LaneBits kNoSign = LaneBits{} + 0x7FFFFFFF;
   constexpr Lanes kOne = Lanes{} + 1.0F;
   std::array<double, 10> total{};
   for (int first = -radius; first <= radius; first += kLanes) {
-    const Lanes du = kColumns + static_cast<float>(first);
+    const Lanes du = kLaneNumbers + static_cast<float>(first);
     const Lanes du_steps = reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(du) & kNoSign);
     const LaneBits in_patch = du <= static_cast<float>(radius);
     std::array<Lanes, 10> sums{};

@@ -48,8 +48,8 @@ std::string WxyzOf(const Eigen::Quaterniond& rotation) {
 Eigen::Vector3d RollPitchYaw(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d m = rotation.normalized().toRotationMatrix();
   const double pitch = std::asin(std::clamp(-m(2, 0), -1.0, 1.0));
-  constexpr double kUpright = 0.999999;  // roll and yaw turn about one axis
-  if (std::abs(m(2, 0)) > kUpright) return {0, pitch, std::atan2(-m(0, 1), m(1, 1))};
+  constexpr double kGimbalLock = 0.999999;  // roll and yaw turn about one axis
+  if (std::abs(m(2, 0)) > kGimbalLock) return {0, pitch, std::atan2(-m(0, 1), m(1, 1))};
   return {std::atan2(m(2, 1), m(2, 2)), pitch, std::atan2(m(1, 0), m(0, 0))};
 }
 

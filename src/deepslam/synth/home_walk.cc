@@ -23,10 +23,10 @@ constexpr double kTurnedAt = 0.5;        // of the way to where one looks next
 constexpr double kFramesPerS = 10;       // 4.5 cm apart at that speed
 // Through a door one looks where one goes: from so far before it, to so far behind it.
 constexpr double kBeforeDoor_m = 0.9;
-constexpr double kBehindDoor_m = 2;    // far enough to look through, not at the leaf
-constexpr double kPointEvery_m = 0.5;  // along the way; the curve smooths corners within
-constexpr double kCornerShare = 0.6;  // of the way from a room's middle to its corner
-constexpr std::size_t kMaxPoints = 1000;  // as a scene's file may have (scene_table.cc)
+constexpr double kBehindDoor_m = 2;          // far enough to look through, not at the leaf
+constexpr double kPointEvery_m = 0.5;        // along the way; the curve smooths corners within
+constexpr double kCornerShare = 0.6;         // of the way from a room's middle to its corner
+constexpr std::size_t kMaxWayPoints = 1000;  // as a scene's file may have (scene_table.cc)
 
 struct Stop {
   int cell = 0;
@@ -211,7 +211,7 @@ void AddWalk(const HomePlan& plan,
     const Eigen::Vector2d before = floor.PlaceOf(*last);
     double turn_rad = OpenTurn(plan, before, before_rad, YawTo(before, stop.look_at_m));
     const std::vector<int> way = floor.Way(*last, stop.cell);
-    if (way.empty() || walk.points_m.size() + way.size() > kMaxPoints) continue;
+    if (way.empty() || walk.points_m.size() + way.size() > kMaxWayPoints) continue;
     for (std::size_t k = 1; k < way.size(); ++k) {
       const bool is_last = k + 1 == way.size();
       if (!is_last && k % static_cast<std::size_t>(stride) != 0) continue;

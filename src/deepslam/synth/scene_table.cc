@@ -11,7 +11,7 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr std::size_t kMaxPoints = 1000;  // longer lists are refused
+constexpr std::size_t kMaxListedPoints = 1000;  // longer lists are refused
 
 std::string Shown(const YAML::Node& node) {
   return node.IsScalar() ? node.Scalar().substr(0, 60) : "a structure";
@@ -84,8 +84,8 @@ void SceneTable::Text(const std::string& name, std::string& value, bool required
 void SceneTable::Points(const std::string& name, std::vector<Eigen::Vector3d>& value) {
   const YAML::Node node = Find(name);
   if (!node) return;
-  if (!node.IsSequence() || node.size() > kMaxPoints) {
-    Fail(node, Path(name), fmt::format("is not a list of at most {} points", kMaxPoints));
+  if (!node.IsSequence() || node.size() > kMaxListedPoints) {
+    Fail(node, Path(name), fmt::format("is not a list of at most {} points", kMaxListedPoints));
     return;
   }
   for (std::size_t i = 0; i < node.size(); ++i) {

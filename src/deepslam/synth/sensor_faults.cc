@@ -437,8 +437,8 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
                                      const PinholeCamera& camera,
                                      const Pose3& first_from_camera,
                                      const Pose3& last_from_camera) {
-  constexpr float kStillPx = 0.3f;  // less blurs nothing that shows
-  constexpr float kOpenDepthM = 10;  // where nothing is hit
+  constexpr float kLeastBlurPx = 0.3f;  // less blurs nothing that shows
+  constexpr float kOpenDepthM = 10;     // where nothing is hit
   // Bounds the time of fast turns; longer ways are sampled more coarsely.
   constexpr int kMaxTaps = 24;
   Image<Eigen::Vector3f> blurred(camera.width, camera.height, Eigen::Vector3f::Zero());
@@ -451,7 +451,7 @@ Image<Eigen::Vector3f> MotionBlurred(const Image<Eigen::Vector3f>& radiance,
       const Eigen::Vector2f way = last.Of(u, v, depth) - first.Of(u, v, depth);
       const float length_px = way.norm();
       // Not finite where the point is behind a camera.
-      if (!(length_px > kStillPx) || !(length_px < 1e4f)) {
+      if (!(length_px > kLeastBlurPx) || !(length_px < 1e4f)) {
         blurred(u, v) = radiance(u, v);
         continue;
       }

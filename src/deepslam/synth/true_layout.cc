@@ -8,12 +8,13 @@
 #include <optional>
 #include <utility>
 
+#include "deepslam/scene/door_sizes.h"
+
 namespace deepslam::synth {
 namespace {
 
 constexpr double kHighestSill_m = 0.05;  // what begins higher is a window
-constexpr double kWidestDoor_m = 1.4;  // a gap without leaf is a passage
-constexpr double kOnLine_m = 1e-6;     // coordinates that differ by rounding alone are one
+constexpr double kOnLine_m = 1e-6;       // coordinates that differ by rounding alone are one
 
 using Corner = std::pair<std::size_t, std::size_t>;  // of the grid below
 

@@ -19,7 +19,7 @@ constexpr float kOneSurfaceM = 0.1F;
 // What is hidden is hidden with its outlines, this many pixels around.
 constexpr int kOutline = 2;
 // Share of the frame's depth that is worth a change.
-constexpr double kMinShare = 0.02;
+constexpr double kMinShareMoved = 0.02;
 
 int CountAround(const Mask& mask, int u, int v, int radius) {
   int count = 0;
@@ -97,7 +97,7 @@ std::shared_ptr<const FramePyramid> WithoutDynamic(const PlacedPyramid& frame,
   const UnfilledVector<float>& depth_m = FreeSpaceLevel(*frame.pyramid).depth_m;
   const auto num_valid = std::ranges::count_if(depth_m, [](float z) { return z > 0; });
   const auto num_moved = std::ranges::count(moved, std::uint8_t{1});
-  if (static_cast<double>(num_moved) <= kMinShare * static_cast<double>(num_valid))
+  if (static_cast<double>(num_moved) <= kMinShareMoved * static_cast<double>(num_valid))
     return frame.pyramid;
   auto hidden = std::make_shared<FramePyramid>(*frame.pyramid);
   const Mask outlined = Where(moved, kOutline, 1, false);

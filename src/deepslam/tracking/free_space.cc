@@ -14,7 +14,7 @@ namespace {
 
 // Seen through: this far behind, beside five standard deviations of the noise of the two.
 constexpr float kMarginM = 0.05F;
-constexpr float kMarginSigmas = 5.0F;
+constexpr float kMarginSigmas = 5.0F;  // chance alone takes 1 point in 2 million farther off
 
 // The nearest depth about the pixel where the point falls; nothing where the frame has none of it.
 std::optional<float> NearestAround(const PyramidLevel& level, const Eigen::Vector3d& p_camera) {

@@ -22,7 +22,7 @@ namespace {
 
 // Frames decoded ahead of the alignment; bounds the memory.
 constexpr std::size_t kFramesAhead = 8;
-constexpr int kMaxWarnings = 10;
+constexpr int kMaxWarnings = 10;  // one a frame: more tell nothing new
 
 struct PreparedFrame {
   std::shared_ptr<const FramePyramid> pyramid;  // null: unreadable

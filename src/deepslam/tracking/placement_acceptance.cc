@@ -41,7 +41,7 @@ MotionLikelihood LikelihoodOfMotion(const PathSoFar& path,
 constexpr int kManyPoints = 40;
 // What alignment and points, each right, differ by where depth is poor.
 constexpr double kSamePlaceM = 0.03;
-constexpr double kSamePlaceRad = 0.035;
+constexpr double kSamePlaceRad = 0.035;  // 2 deg: at a metre what kSamePlaceM is
 // Of what is asked of an alignment by itself.
 constexpr double kOverlapBesideFeatures = 0.25;
 // Share of free space that smeared depth violates. Who walks by so near that most points are theirs
