@@ -13,8 +13,8 @@ import re
 import sys
 
 LIMITS = {
-    "options": 147,
-    "options that nobody sets": 39,
+    "options": 127,
+    "options that nobody sets": 21,
     "constants without a comment": 0,
     "words of documents": 25900,
     "lines of tracking and alignment": 7053,
@@ -143,8 +143,8 @@ def main():
         "options that nobody sets": unset_options(root, names),
         "constants without a comment": uncommented_constants(root),
         "words of documents": [f"{page}: {count}" for page, count in pages.items()],
-        "lines of tracking and alignment": lines,
-        "coined terms": coined_terms(root),
+        "lines of tracking and alignment": 7132lines,
+        "coined terms": 1001coined_terms(root),
     }
     sums = {"words of documents", "lines of tracking and alignment"}
     faults = []

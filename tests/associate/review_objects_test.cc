@@ -60,7 +60,7 @@ std::size_t NumLeft(const Box2& first_px, const Box2& second_px) {
     objects[object].points_world.Add(Seat(k < 2 ? 0 : 0.08), kCell_m);
   }
   std::vector<Rejection> rejections;
-  MergeDuplicates(objects, all, {}, rejections);
+  MergeDuplicates(objects, all, rejections);
   EXPECT_THAT(rejections, SizeIs(2 - objects.size()));  // of two detections in a frame, one stays
   return objects.size();
 }

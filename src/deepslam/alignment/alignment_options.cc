@@ -11,11 +11,6 @@ void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
                 {0.01, 5},
                 "m",
                 "association gate at the coarsest level, halved at each finer one");
-  visitor.Field("max_normal_angle_deg",
-                options.max_normal_angle_deg,
-                {5, 90},
-                "deg",
-                "largest angle between the normals of a correspondence");
   visitor.Field("min_overlap",
                 options.min_overlap,
                 {0.01, 1},
@@ -31,16 +26,6 @@ void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
                 {-1, 1},
                 "1",
                 "correlation of the two images' intensities that an alignment must reach");
-  visitor.Field("correlation_length_px",
-                options.correlation_length_px,
-                {1, 100},
-                "px",
-                "length over which depth errors are shared, pixels of a 640 pixel wide image");
-  visitor.Field("photometric_correlation_length_px",
-                options.photometric_correlation_length_px,
-                {1, 300},
-                "px",
-                "length over which brightness errors are shared, pixels of a 640 pixel wide image");
   visitor.Field("floor_translation_m",
                 options.floor_translation_m,
                 {0, 1},
@@ -51,12 +36,6 @@ void Describe(OptionsVisitor& visitor, AlignmentOptions& options) {
                 {0, 30},
                 "deg",
                 "systematic error of an alignment, one standard deviation");
-  visitor.Field("degenerate_ratio",
-                options.degenerate_ratio,
-                {0, 1},
-                "1",
-                "weakest direction's share of the strongest one's information, below which a frame "
-                "is degenerate");
 }
 
 }  // namespace deepslam::alignment

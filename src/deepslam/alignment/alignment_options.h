@@ -11,8 +11,10 @@ struct AlignmentOptions {
   bool photometric = true;
   int max_iterations = 12;       // per level
   double max_distance_m = 0.30;  // association gate at the coarsest level, halved at each finer one
-  double max_normal_angle_deg = 50;  // between the two normals of a correspondence
-  double min_overlap = 0.20;         // of the source's points that fall on points of the reference
+  // Between the two normals of a correspondence: noise turns single ones by tens of degrees, and
+  // surfaces that meet at a corner are turned by more.
+  static constexpr double kMaxNormalAngle_deg = 50;
+  double min_overlap = 0.20;  // of the source's points that fall on points of the reference
   // Inliers of the overlap; good ones have 0.85 and more. Images that correlate by 0.9 make 0.6 of
   // it enough.
   double min_inlier_ratio = 0.60;
@@ -26,8 +28,8 @@ struct AlignmentOptions {
   double floor_translation_m = 0.002;
   double floor_rotation_deg = 0.1;
   // Degenerate when the weakest direction has less than this share of the strongest one's
-  // information, rotations measured by the arc at the mean distance.
-  double degenerate_ratio = 0.001;
+  // information, a deviation 30 times as large; rotations count by the arc at the mean distance.
+  static constexpr double kDegenerateRatio = 0.001;
 };
 
 void Describe(OptionsVisitor& visitor, AlignmentOptions& options);

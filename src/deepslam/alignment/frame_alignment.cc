@@ -125,7 +125,7 @@ FrameAlignment Conclude(const GaussNewtonState& state,
   result.inside_ratio = system.num_inside / num_source;
   result.constraint_ratio = edge.constraint_ratio;
   result.remapped = !state.fixed.empty() && !state.fixed_sigma;
-  result.degenerate = result.remapped || edge.constraint_ratio < options.degenerate_ratio;
+  result.degenerate = result.remapped || edge.constraint_ratio < AlignmentOptions::kDegenerateRatio;
   result.inlier_ratio = static_cast<double>(system.num_inliers) / std::max(1, system.num_overlap);
   const bool has_colour = ComparesImages(system.num_photometric);
   if (has_colour) result.intensity_correlation = system.intensity_correlation;

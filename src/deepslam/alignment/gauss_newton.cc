@@ -88,7 +88,8 @@ AlignmentGates LevelGates(const AlignmentOptions& options, std::size_t num_coars
   AlignmentGates gates;
   gates.max_distance_m =
       static_cast<float>(options.max_distance_m / std::pow(2.0, static_cast<double>(num_coarser)));
-  gates.min_normal_cosine = static_cast<float>(std::cos(options.max_normal_angle_deg * kRadPerDeg));
+  gates.min_normal_cosine =
+      static_cast<float>(std::cos(AlignmentOptions::kMaxNormalAngle_deg * kRadPerDeg));
   return gates;
 }
 

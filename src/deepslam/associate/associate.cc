@@ -46,8 +46,7 @@ struct FrameLook {
 FrameLook LookAt(const FrameSource& frames,
                  FrameIdx frame,
                  const Pose3& world_from_camera,
-                 std::span<Segment* const> segments,
-                 const AssociateOptions& options) {
+                 std::span<Segment* const> segments) {
   FrameLook look{frames.ReadDepth(frame), {}};
   look.measured.resize(segments.size());
   if (!look.frame.ok()) return look;
@@ -57,8 +56,11 @@ FrameLook LookAt(const FrameSource& frames,
     FrameLook::Measured& measured = look.measured[n];
     measured.fits = mask.width() == depth_m.width() && mask.height() == depth_m.height();
     if (!segments[n]->usable || !measured.fits) continue;
-    measured.points_world = MaskPoints(
-        mask.Unpacked(), depth_m, frames.camera(), world_from_camera, options.max_points);
+    measured.points_world = MaskPoints(mask.Unpacked(),
+                                       depth_m,
+                                       frames.camera(),
+                                       world_from_camera,
+                                       AssociateOptions::kMaxSegmentPoints);
     measured.cloud_world = PointCloud(measured.points_world);
   }
   return look;
@@ -131,7 +133,7 @@ void Matcher::Take(const Match& match, const std::string& how) {
 void Matcher::Add(ObjectHypothesis& object, int observation, TrackMember member) {
   AddMember(object, all_, observation, std::move(member));
   object.points_world.Add(all_[static_cast<std::size_t>(observation)].points_world,
-                          0.5 * options_.voxel_m);
+                          0.5 * AssociateOptions::kVoxel_m);
 }
 
 void Matcher::Retire(std::span<const int> voters) {
@@ -203,11 +205,11 @@ void Matcher::AddFrame(FrameIdx frame, std::span<Segment* const> segments, Frame
     }
     return rest;
   };
-  take_all(MatchByVotes(current, voters, all_, camera_, camera_from_world, options_), "vote");
-  take_all(MatchByModels(unmatched(), objects_, all_, options_), "model");
+  take_all(MatchByVotes(current, voters, all_, camera_, camera_from_world), "vote");
+  take_all(MatchByModels(unmatched(), objects_, all_), "model");
   StartObjects(unmatched());
   voters_.push_back(current);
-  if (static_cast<int>(voters_.size()) > options_.num_vote_frames) {
+  if (static_cast<int>(voters_.size()) > AssociateOptions::kNumVoteFrames) {
     Retire(voters_.front());
     voters_.pop_front();
   }
@@ -229,7 +231,7 @@ void Matcher::AdoptOrphans() {
   std::vector<int> left;
   for (const int i : orphans_) {
     const std::vector<int> one = {i};
-    const std::vector<Match> matches = MatchByModels(one, objects_, all_, options_);
+    const std::vector<Match> matches = MatchByModels(one, objects_, all_);
     if (matches.empty()) {
       left.push_back(i);
     } else {
@@ -245,7 +247,7 @@ void Matcher::StartObjectsAtBorder() {
   std::vector<ObjectHypothesis> groups;
   for (const int i : orphans_) {
     const std::vector<int> one = {i};
-    const std::vector<Match> matches = MatchByModels(one, groups, all_, options_);
+    const std::vector<Match> matches = MatchByModels(one, groups, all_);
     TrackMember member;
     member.how = "model";
     auto group = groups.end();
@@ -270,7 +272,7 @@ void Matcher::StartObjectsAtBorder() {
     }
     const double span = Median(spans);
     const bool seen_well = static_cast<int>(spans.size()) >= options_.min_members ||
-                           group.MeanScore(all_) >= options_.min_single_score;
+                           group.MeanScore(all_) >= AssociateOptions::kMinSingleScore;
     const bool too_large = span >= options_.border_span && seen_well;
     const bool often =
         options_.border_members > 0 && static_cast<int>(spans.size()) >= options_.border_members;
@@ -290,10 +292,10 @@ void Matcher::StartObjectsAtBorder() {
 
 void Matcher::Finish(Association& association) {
   RecallOrphans();  // before objects give detections up: those found one
-  MergeDuplicates(objects_, all_, options_, rejections_);
+  MergeDuplicates(objects_, all_, rejections_);
   AdoptOrphans();
   StartObjectsAtBorder();
-  MergeDuplicates(objects_, all_, options_, rejections_);
+  MergeDuplicates(objects_, all_, rejections_);
   RejectNoise(objects_, all_, sights_, camera_, options_, rejections_);
   for (ObjectHypothesis& object : objects_) {
     std::map<std::string, double> votes = ClassVotes(object, all_);
@@ -313,47 +315,11 @@ void Sort(Association& association) {
 }  // namespace
 
 void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
-  visitor.Field("num_vote_frames",
-                options.num_vote_frames,
-                {1, 100},
-                "1",
-                "previous detected frames that vote");
-  visitor.Field("max_dissimilarity_m",
-                options.max_dissimilarity_m,
-                {0.001, 1},
-                "m",
-                "mean closest-point distance up to which two point sets are one object");
-  visitor.Field("truncation_m",
-                options.truncation_m,
-                {0.01, 10},
-                "m",
-                "single distances count no more than this");
-  visitor.Field("min_inside_share",
-                options.min_inside_share,
-                {0, 1},
-                "1",
-                "share of a voter's points that must fall inside the box");
-  visitor.Field("min_consensus",
-                options.min_consensus,
-                {0, 1},
-                "1",
-                "share of the votes that must name the winning object");
-  visitor.Field("max_points", options.max_points, {10, 100000}, "1", "points kept per segment");
   visitor.Field("min_members",
                 options.min_members,
                 {1, 1000},
                 "1",
                 "objects with fewer detections and a low score are dropped");
-  visitor.Field("min_single_score",
-                options.min_single_score,
-                {0, 1},
-                "1",
-                "mean score that saves an object with few detections");
-  visitor.Field("min_seen_share",
-                options.min_seen_share,
-                {0, 1},
-                "1",
-                "share of the frames that see an object in which it must be detected");
   visitor.Field("border_span",
                 options.border_span,
                 {0, 2},
@@ -365,16 +331,6 @@ void Describe(OptionsVisitor& visitor, AssociateOptions& options) {
       {0, 10000},
       "1",
       "agreeing boxes at the border that start an object whatever their size; 0: none do");
-  visitor.Field("merge_overlap",
-                options.merge_overlap,
-                {0, 1},
-                "1",
-                "objects of which the smaller shares more of its space are one");
-  visitor.Field("voxel_m",
-                options.voxel_m,
-                {0.005, 0.5},
-                "m",
-                "distance up to which points fill the same space");
 }
 
 Result<Association> Associate(const FrameSource& frames,
@@ -398,7 +354,7 @@ Result<Association> Associate(const FrameSource& frames,
     const auto& [frame, of_frame] = by_frame[n];
     if (!is_known(frame)) return;
     looks[n % kLooksAhead] =
-        LookAt(frames, frame, trajectory.at(frame).world_from_camera, of_frame, options);
+        LookAt(frames, frame, trajectory.at(frame).world_from_camera, of_frame);
   };
   const auto match = [&](std::size_t n) {
     if (progress.StopRequested()) return false;

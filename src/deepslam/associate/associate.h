@@ -25,17 +25,25 @@
 namespace deepslam::associate {
 
 struct AssociateOptions {
-  int num_vote_frames = 5;  // previous detected frames that vote (paper: 5)
-  double max_dissimilarity_m =
-      0.10;  // mean closest-point distance up to which two point sets are one object
-  double truncation_m = 0.30;  // single distances count no more than this (occluded and new parts)
-  double min_inside_share = 0.5;  // share of a voter's points that must fall inside the box
-  double min_consensus = 0.5;     // share of the votes that must name the winning object
-  int max_points = 800;           // per segment, thinned evenly
-  int min_members = 3;            // objects with fewer detections are dropped as noise ...
-  double min_single_score = 0.5;  // ... unless the mean score of their detections is this high
-  double min_seen_share =
-      0.15;  // objects detected in a smaller share of the frames that see them are noise
+  // Previous detected frames that vote, as many as in the paper.
+  static constexpr int kNumVoteFrames = 5;
+  // Mean closest-point distance up to which two point sets are one object: drift over some frames
+  // and the depth's noise. Chairs at a table stand farther apart.
+  static constexpr double kMaxDissimilarity_m = 0.10;
+  // Single distances count no more than this: parts that are hidden or new lie farther off.
+  static constexpr double kTruncation_m = 0.30;
+  // Share of a voter's points that fall inside the box, and of the votes that name the winning
+  // object: more than half cannot speak for two.
+  static constexpr double kMinInsideShare = 0.5;
+  static constexpr double kMinConsensus = 0.5;
+  // Per segment, thinned evenly: one per 5 cm square of a sofa seen from one side.
+  static constexpr int kMaxSegmentPoints = 800;
+  int min_members = 3;  // objects with fewer detections are dropped as noise, ...
+  // ... unless the mean score of their detections is this high: more likely right than not.
+  static constexpr double kMinSingleScore = 0.5;
+  // Objects detected in a smaller share of the frames that see them are noise: a detector that
+  // misses one in six frames of seven is more likely wrong in the seventh.
+  static constexpr double kMinSeenShare = 0.15;
   // Objects too large for the image never keep the border margin: where the boxes that found no
   // object agree with each other, span at least this share of the image's width or height (median)
   // and are `min_members` or more, they start one after all. 1 or more: never, as in the paper.
@@ -43,8 +51,11 @@ struct AssociateOptions {
   // So do boxes that agree and are this many, however small: a thing at the rim of everything the
   // camera saw. 0: never, as in the paper.
   int border_members = 8;
-  double merge_overlap = 0.5;  // two objects of which the smaller shares more of its space are one
-  double voxel_m = 0.05;       // cells in which objects' space is compared
+  // Two objects of which the smaller shares more of its space are one: two things share no half.
+  static constexpr double kMergeOverlap = 0.5;
+  // Cells in which objects' space is compared: larger than the depth's noise, and than the steps
+  // between the points of a segment.
+  static constexpr double kVoxel_m = 0.05;
 };
 void Describe(OptionsVisitor& visitor, AssociateOptions& options);
 

@@ -32,21 +32,22 @@ std::vector<bool> InsideBox(const std::vector<Eigen::Vector3f>& points_world,
 std::optional<double> Dissimilarity(const Observation& voter,
                                     const Observation& current,
                                     const PinholeCamera& camera,
-                                    const Pose3& camera_from_world,
-                                    const AssociateOptions& options) {
+                                    const Pose3& camera_from_world) {
   const std::vector<bool> inside =
       InsideBox(voter.points_world, current.segment->box_px, camera, camera_from_world);
   const auto num_inside = static_cast<double>(std::count(inside.begin(), inside.end(), true));
-  if (num_inside < options.min_inside_share * static_cast<double>(inside.size()) ||
+  if (num_inside < AssociateOptions::kMinInsideShare * static_cast<double>(inside.size()) ||
       num_inside == 0) {
     return std::nullopt;
   }
-  const double forth_m =
-      MeanDistance(voter.points_world, current.cloud_world, options.truncation_m, inside);
-  const double back_m = MeanDistance(current.points_world, voter.cloud_world, options.truncation_m);
+  const double forth_m = MeanDistance(
+      voter.points_world, current.cloud_world, AssociateOptions::kTruncation_m, inside);
+  const double back_m =
+      MeanDistance(current.points_world, voter.cloud_world, AssociateOptions::kTruncation_m);
   const bool same_class = voter.segment->class_name == current.segment->class_name;
   const double error_m = same_class ? std::min(forth_m, back_m) : std::max(forth_m, back_m);
-  const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
+  const double limit_m =
+      AssociateOptions::kMaxDissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
   if (error_m > limit_m) return std::nullopt;
   return error_m;
 }
@@ -61,8 +62,7 @@ std::map<ObjectId, Tally> CollectVotes(const Observation& current,
                                        std::span<const std::vector<int>> voters,
                                        const std::vector<Observation>& all,
                                        const PinholeCamera& camera,
-                                       const Pose3& camera_from_world,
-                                       const AssociateOptions& options) {
+                                       const Pose3& camera_from_world) {
   std::map<ObjectId, Tally> tallies;
   for (const std::vector<int>& frame : voters) {
     ObjectId best;
@@ -70,7 +70,7 @@ std::map<ObjectId, Tally> CollectVotes(const Observation& current,
     for (const int i : frame) {
       const Observation& voter = all[static_cast<std::size_t>(i)];
       if (!voter.object.valid()) continue;
-      const auto error_m = Dissimilarity(voter, current, camera, camera_from_world, options);
+      const auto error_m = Dissimilarity(voter, current, camera, camera_from_world);
       if (error_m && (!best.valid() || *error_m < best_m)) {
         best = voter.object;
         best_m = *error_m;
@@ -103,12 +103,11 @@ std::vector<Match> MatchByVotes(std::span<const int> current,
                                 std::span<const std::vector<int>> voters,
                                 const std::vector<Observation>& all,
                                 const PinholeCamera& camera,
-                                const Pose3& camera_from_world,
-                                const AssociateOptions& options) {
+                                const Pose3& camera_from_world) {
   std::vector<std::map<ObjectId, Tally>> all_tallies(current.size());
   ParallelFor(current.size(), [&](std::size_t n) {
     const Observation& observation = all[static_cast<std::size_t>(current[n])];
-    all_tallies[n] = CollectVotes(observation, voters, all, camera, camera_from_world, options);
+    all_tallies[n] = CollectVotes(observation, voters, all, camera, camera_from_world);
   });
   std::vector<Match> candidates;
   for (std::size_t n = 0; n < current.size(); ++n) {
@@ -116,7 +115,7 @@ std::vector<Match> MatchByVotes(std::span<const int> current,
     int total = 0;
     for (const auto& [object, tally] : tallies) total += tally.num_votes;
     for (const auto& [object, tally] : tallies) {
-      if (tally.num_votes < options.min_consensus * total) continue;
+      if (tally.num_votes < AssociateOptions::kMinConsensus * total) continue;
       candidates.push_back({current[n], object, tally.num_votes, tally.sum_m / tally.num_votes});
     }
   }
@@ -129,8 +128,7 @@ std::vector<Match> MatchByVotes(std::span<const int> current,
 
 std::vector<Match> MatchByModels(std::span<const int> unmatched,
                                  std::span<const ObjectHypothesis> objects,
-                                 const std::vector<Observation>& all,
-                                 const AssociateOptions& options) {
+                                 const std::vector<Observation>& all) {
   if (unmatched.empty()) return {};
   for (const ObjectHypothesis& object : objects) (void)object.points_world.cloud();
   std::vector<std::optional<Match>> found(unmatched.size() * objects.size());
@@ -140,9 +138,10 @@ std::vector<Match> MatchByModels(std::span<const int> unmatched,
     const Observation& current = all[static_cast<std::size_t>(i)];
     if (object.MemberIn(current.segment->frame)) return;
     const bool same_class = object.class_name == current.segment->class_name;
-    const double limit_m = options.max_dissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
-    const double error_m =
-        MeanDistance(current.points_world, object.points_world.cloud(), options.truncation_m);
+    const double limit_m =
+        AssociateOptions::kMaxDissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
+    const double error_m = MeanDistance(
+        current.points_world, object.points_world.cloud(), AssociateOptions::kTruncation_m);
     if (error_m <= limit_m) found[n] = Match{i, object.id, 0, error_m};
   });
   std::vector<Match> candidates;

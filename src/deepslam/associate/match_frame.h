@@ -24,13 +24,11 @@ struct Match {
                                               std::span<const std::vector<int>> voters,
                                               const std::vector<Observation>& all,
                                               const PinholeCamera& camera,
-                                              const Pose3& camera_from_world,
-                                              const AssociateOptions& options);
+                                              const Pose3& camera_from_world);
 
 // The rest by all points of the objects that have no detection in this frame yet, best first.
 [[nodiscard]] std::vector<Match> MatchByModels(std::span<const int> unmatched,
                                                std::span<const ObjectHypothesis> objects,
-                                               const std::vector<Observation>& all,
-                                               const AssociateOptions& options);
+                                               const std::vector<Observation>& all);
 
 }  // namespace deepslam::associate

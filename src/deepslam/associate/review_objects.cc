@@ -39,7 +39,6 @@ const Segment& SegmentOf(const ObjectHypothesis& object,
 void Absorb(ObjectHypothesis& kept,
             const ObjectHypothesis& merged,
             std::vector<Observation>& all,
-            const AssociateOptions& options,
             std::vector<Rejection>& rejections) {
   const auto reject = [&](const Segment& segment) {
     rejections.push_back({segment.detection, segment.frame, "second detection of one object"});
@@ -62,7 +61,7 @@ void Absorb(ObjectHypothesis& kept,
     member.how = "merge";
     AddMember(kept, all, index, std::move(member));
   }
-  kept.points_world.Add(merged.points_world.points(), 0.5 * options.voxel_m);
+  kept.points_world.Add(merged.points_world.points(), 0.5 * AssociateOptions::kVoxel_m);
 }
 
 // Two boxes of which one lies in the other may be a thing and a half of it, detected twice.
@@ -87,18 +86,17 @@ enum class Relation { kApart, kSame, kPart };
 
 Relation Compare(const ObjectHypothesis& a,
                  const ObjectHypothesis& b,
-                 const std::vector<Observation>& all,
-                 const AssociateOptions& options) {
+                 const std::vector<Observation>& all) {
   // Drift sets apart what was never seen side by side.
   const bool drift = a.class_name == b.class_name && !AreSeenApart(a, b, all);
-  const double reach_m = drift ? options.max_dissimilarity_m : options.voxel_m;
+  const double reach_m = drift ? AssociateOptions::kMaxDissimilarity_m : AssociateOptions::kVoxel_m;
   const double a_in_b = ShareNear(a.points_world.cloud(), b.points_world.cloud(), reach_m);
   const double b_in_a = ShareNear(b.points_world.cloud(), a.points_world.cloud(), reach_m);
   const double larger = std::max(a_in_b, b_in_a);
   if (a.class_name == b.class_name) {
-    return larger > options.merge_overlap ? Relation::kSame : Relation::kApart;
+    return larger > AssociateOptions::kMergeOverlap ? Relation::kSame : Relation::kApart;
   }
-  if (std::min(a_in_b, b_in_a) > options.merge_overlap) return Relation::kSame;
+  if (std::min(a_in_b, b_in_a) > AssociateOptions::kMergeOverlap) return Relation::kSame;
   const bool a_inside = a_in_b > b_in_a;
   const std::size_t few = a_inside ? a.members.size() : b.members.size();
   const std::size_t many = a_inside ? b.members.size() : a.members.size();
@@ -128,18 +126,17 @@ bool IsInSight(const ObjectHypothesis& object, const Sight& sight, const Pinhole
 
 void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
                      std::vector<Observation>& all,
-                     const AssociateOptions& options,
                      std::vector<Rejection>& rejections) {
   bool changed = true;
   while (changed) {
     changed = false;
     for (std::size_t a = 0; a < objects.size() && !changed; ++a) {
       for (std::size_t b = a + 1; b < objects.size() && !changed; ++b) {
-        const Relation relation = Compare(objects[a], objects[b], all, options);
+        const Relation relation = Compare(objects[a], objects[b], all);
         if (relation == Relation::kApart) continue;
         std::size_t gone = b;
         if (relation == Relation::kSame) {
-          Absorb(objects[a], objects[b], all, options, rejections);
+          Absorb(objects[a], objects[b], all, rejections);
         } else {
           gone = objects[a].members.size() < objects[b].members.size() ? a : b;
           Dissolve(objects[gone], all, "part of another object", rejections);
@@ -162,9 +159,10 @@ void RejectNoise(std::vector<ObjectHypothesis>& objects,
     const double num_sights =
         sights.NumThat([&](const Sight& sight) { return IsInSight(object, sight, camera); });
     std::string reason;
-    if (num_members < options.min_members && object.MeanScore(all) < options.min_single_score) {
+    if (num_members < options.min_members &&
+        object.MeanScore(all) < AssociateOptions::kMinSingleScore) {
       reason = "object seen too seldom with too low a score";
-    } else if (num_members < options.min_seen_share * num_sights) {
+    } else if (num_members < AssociateOptions::kMinSeenShare * num_sights) {
       reason = "object detected in too few of the frames that see it";
     }
     if (reason.empty()) return false;

@@ -16,7 +16,6 @@ namespace deepslam::associate {
 // dissolved. Rejections are appended.
 void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
                      std::vector<Observation>& all,
-                     const AssociateOptions& options,
                      std::vector<Rejection>& rejections);
 
 // Removes objects that were detected too seldom for how often they were in sight.

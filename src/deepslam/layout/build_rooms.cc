@@ -305,7 +305,7 @@ void AddRooms(const CoarseSurface& surface,
     const double area_m2 = AreaOf(room.polygon_m);
     room.seen_share = InsideShareOf(complex, rooms, number);
     if (area_m2 < options.min_room_m2) continue;
-    if (room.seen_share < options.min_room_seen) {
+    if (room.seen_share < LayoutOptions::kMinRoomSeen) {
       built.layout.notes.push_back(LittleSeen(area_m2, room.seen_share));
       continue;
     }

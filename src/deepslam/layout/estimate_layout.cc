@@ -65,34 +65,9 @@ Layout EstimateLayout(const CoarseSurface& surface, const LayoutOptions& options
 }
 
 void Describe(OptionsVisitor& visitor, LayoutOptions& options) {
-  visitor.Field("max_plane_distance_m",
-                options.planes.max_distance_m,
-                {0.005, 0.5},
-                "m",
-                "surface this far from a plane belongs to it");
-  visitor.Field("max_plane_angle_deg",
-                options.planes.max_angle_deg,
-                {1, 80},
-                "deg",
-                "and so does what is turned from it by less than this");
-  visitor.Field("max_tilt_deg",
-                options.lines.max_tilt_deg,
-                {0, 45},
-                "deg",
-                "planes further from upright are no walls");
   visitor.Field(
       "min_wall_m", options.min_wall_m, {0.1, 10}, "m", "shorter walls are not looked for");
-  visitor.Field("min_wall_top_m",
-                options.min_wall_top_m,
-                {0, 10},
-                "m",
-                "a wall was seen at least this high above the floor");
   visitor.Field("min_room_m2", options.min_room_m2, {0.1, 1000}, "m^2", "smaller rooms are none");
-  visitor.Field("min_room_seen",
-                options.min_room_seen,
-                {0, 1},
-                "1",
-                "least share of a room's area that was seen as its inside");
   visitor.Field(
       "align", options.align, "walls nearly at right angles are made so where most of them agree");
 }

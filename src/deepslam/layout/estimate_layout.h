@@ -16,10 +16,13 @@ struct LayoutOptions {
   ProfileOptions profiles;
   double min_wall_m = 0.4;      // shorter lines of wall are not looked for,
   double min_slanting_m = 1.2;  // nor shorter ones at odd angles where walls are at right angles
-  double min_wall_top_m = 1.2;  // a wall was seen at least this high above the floor
-  double min_room_m2 = 1.5;     // smaller rooms are none
-  double min_room_seen = 0.35;  // of a room's area that was seen as its inside
-  bool align = true;            // walls nearly at right angles are made so where most agree
+  // A wall was seen at least this high above the floor: the backs of sofas, counters and desks end
+  // below.
+  static constexpr double kMinWallTop_m = 1.2;
+  double min_room_m2 = 1.5;  // smaller rooms are none
+  // Of a room's area that was seen as its inside; of what was seen less the outline is a guess.
+  static constexpr double kMinRoomSeen = 0.35;
+  bool align = true;  // walls nearly at right angles are made so where most agree
 };
 void Describe(OptionsVisitor& visitor, LayoutOptions& options);
 

@@ -111,11 +111,11 @@ std::vector<std::uint8_t> AreWalls(const std::vector<WallProfile>& profiles,
   std::vector<SeenWall> high_enough;
   for (const WallProfile& profile : profiles) {
     seen.push_back(SeenOf(profile));
-    if (IsWall(seen.back(), floor_m + options.min_wall_top_m, options))
+    if (IsWall(seen.back(), floor_m + LayoutOptions::kMinWallTop_m, options))
       high_enough.push_back(seen.back());
   }
   const double usual_m = UsualTop(std::move(high_enough)) - floor_m;
-  const double lowest_m = floor_m + std::max(options.min_wall_top_m, kLowShare * usual_m);
+  const double lowest_m = floor_m + std::max(LayoutOptions::kMinWallTop_m, kLowShare * usual_m);
   std::vector<std::uint8_t> are_walls;
   for (const SeenWall& wall : seen) are_walls.push_back(IsWall(wall, lowest_m, options) ? 1 : 0);
   return are_walls;

@@ -14,7 +14,9 @@ namespace deepslam::layout {
 struct PlaneOptions {
   // A voxel and a half: what a Kinect's noise at 4 m leaves of a wall after fusion.
   double max_distance_m = 0.06;
-  double max_angle_deg = 25;  // between a vertex's smoothed normal and the plane's
+  // Between a vertex's smoothed normal and the plane's; marching cubes turn normals by the noise of
+  // each voxel, and what meets a wall at an angle turns by more.
+  double max_angle_deg = 25;
   double min_area_m2 = 0.08;  // of a flat part; walls are put together of several
 };
 

@@ -28,7 +28,8 @@ struct WallLine {
 };
 
 struct LineOptions {
-  double max_tilt_deg = 8;      // of a wall's plane from upright
+  // Of a wall's plane from upright: the ground's tilt and drift, below that of sloped roofs.
+  double max_tilt_deg = 8;
   double same_angle_deg = 6;    // planes of one wall differ by less,
   double same_offset_m = 0.07;  // and lie within this of the wall's line
 };

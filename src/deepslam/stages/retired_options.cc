@@ -29,6 +29,13 @@ void DescribeRetired(std::string_view section, OptionsVisitor& visitor) {
     if (of != section) return;
     visitor.Retired(name, fmt::format("its value is fixed at {}; remove it", value));
   };
+  fixed("track", "max_normal_angle_deg", alignment::AlignmentOptions::kMaxNormalAngle_deg);
+  fixed("track", "correlation_length_px", alignment::AlignmentOptions().correlation_length_px);
+  fixed("track",
+        "photometric_correlation_length_px",
+        alignment::AlignmentOptions().photometric_correlation_length_px);
+  fixed("track", "degenerate_ratio", alignment::AlignmentOptions::kDegenerateRatio);
+  fixed("track", "min_valid_share", tracking::OdometryOptions::kMinValidShare);
   fixed("track.covisible", "max_turn_deg", loop::CovisibleOptions::kMaxTurn_deg);
   fixed("track.covisible", "min_agreement", loop::CovisibleOptions::kMinAgreement);
   fixed("track.covisible", "min_correlation", loop::CovisibleOptions::kMinCorrelation);
@@ -48,6 +55,11 @@ void DescribeRetired(std::string_view section, OptionsVisitor& visitor) {
   fixed("ground", "correlation_length_px", ground::GroundOptions::kCorrelationLength_px);
   fixed("ground", "floor_angle_deg", ground::GroundOptions::kFloorAngle_deg);
   fixed("ground", "floor_distance_m", ground::GroundOptions::kFloorDistance_m);
+  fixed("layout", "max_plane_distance_m", layout::PlaneOptions().max_distance_m);
+  fixed("layout", "max_plane_angle_deg", layout::PlaneOptions().max_angle_deg);
+  fixed("layout", "max_tilt_deg", layout::LineOptions().max_tilt_deg);
+  fixed("layout", "min_wall_top_m", layout::LayoutOptions::kMinWallTop_m);
+  fixed("layout", "min_room_seen", layout::LayoutOptions::kMinRoomSeen);
   fixed("layout.surface", "space_range_m", fuse::CoarseOptions::kSpaceRange_m);
   fixed("layout.surface", "truncation_m", fuse::CoarseOptions::kTruncation_m);
   fixed("layout.surface", "max_depth_m", fuse::CoarseOptions::kMaxDepth_m);
@@ -83,6 +95,16 @@ void DescribeRetired(std::string_view section, OptionsVisitor& visitor) {
   fixed("segment", "min_piece_share", segment::SegmentOptions().min_piece_share);
   fixed("segment", "mask_dilation_px", segment::SegmentOptions().mask_dilation_px);
   fixed("segment", "min_points", segment::SegmentOptions().min_points);
+  fixed("associate", "num_vote_frames", associate::AssociateOptions::kNumVoteFrames);
+  fixed("associate", "max_dissimilarity_m", associate::AssociateOptions::kMaxDissimilarity_m);
+  fixed("associate", "truncation_m", associate::AssociateOptions::kTruncation_m);
+  fixed("associate", "min_inside_share", associate::AssociateOptions::kMinInsideShare);
+  fixed("associate", "min_consensus", associate::AssociateOptions::kMinConsensus);
+  fixed("associate", "max_points", associate::AssociateOptions::kMaxSegmentPoints);
+  fixed("associate", "min_single_score", associate::AssociateOptions::kMinSingleScore);
+  fixed("associate", "min_seen_share", associate::AssociateOptions::kMinSeenShare);
+  fixed("associate", "merge_overlap", associate::AssociateOptions::kMergeOverlap);
+  fixed("associate", "voxel_m", associate::AssociateOptions::kVoxel_m);
   fixed("views", "crop_margin", observe::ViewOptions::kCropMargin);
   fixed("views", "border_penalty", observe::ViewOptions::kBorderPenalty);
   fixed("views", "spread_deg", observe::ViewOptions().spread_deg);

@@ -35,11 +35,6 @@ void Describe(OptionsVisitor& visitor, OdometryOptions& options) {
                 {2, 200},
                 "1",
                 "last keyframes kept to find the way back after a loss");
-  visitor.Field("min_valid_share",
-                options.min_valid_share,
-                {0.001, 1},
-                "1",
-                "a frame with less usable depth is not aligned");
   visitor.Field("lost_translation_m",
                 options.lost_translation_m,
                 {0.001, 100},

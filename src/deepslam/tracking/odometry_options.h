@@ -18,7 +18,9 @@ struct OdometryOptions {
   double keyframe_angle_deg = 8;          // ... or this angle from the current one ...
   double keyframe_min_overlap = 0.65;     // ... or below this overlap with it
   int num_relocalisation_keyframes = 12;  // last keyframes kept to find the way back after a loss
-  double min_valid_share = 0.03;          // a frame with less usable depth is not aligned
+  // A frame with a smaller share of pixels with usable depth is not aligned: a lens that is
+  // covered, or a wall nearer than the sensor measures.
+  static constexpr double kMinValidShare = 0.03;
   // Standard deviations behind the edges that carry a lost frame, and those of poses that came with
   // the capture.
   double lost_translation_m = 0.5;

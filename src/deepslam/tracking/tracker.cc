@@ -36,7 +36,7 @@ void Tracker::Add(FrameIdx idx,
 }
 
 bool Tracker::IsUsable(const FramePyramid& pyramid) const {
-  if (pyramid.valid_share < options_.min_valid_share) return false;
+  if (pyramid.valid_share < OdometryOptions::kMinValidShare) return false;
   return !(pyramid.one_depth && seen_measured_);
 }
 
