@@ -13,12 +13,12 @@ import re
 import sys
 
 LIMITS = {
-    "options": 127,
+    "options": 126,
     "options that nobody sets": 21,
     "constants without a comment": 0,
     "words of documents": 25900,
-    "lines of tracking and alignment": 7053,
-    "coined terms": 998,
+    "lines of tracking and alignment": 7033,
+    "coined terms": 714,
 }
 
 # Coined here -> what the field says. A pattern is matched against words of code (also within names) and of documents.
@@ -143,8 +143,8 @@ def main():
         "options that nobody sets": unset_options(root, names),
         "constants without a comment": uncommented_constants(root),
         "words of documents": [f"{page}: {count}" for page, count in pages.items()],
-        "lines of tracking and alignment": 7132lines,
-        "coined terms": 1001coined_terms(root),
+        "lines of tracking and alignment": lines,
+        "coined terms": coined_terms(root),
     }
     sums = {"words of documents", "lines of tracking and alignment"}
     faults = []

@@ -85,20 +85,20 @@ Result<Inputs> ReadInputs(const fs::path& workspace, const fs::path& capture_fol
 }
 
 // A frame that scores, and what it shows of the object, where that is known.
-struct Judge {
+struct ScoringView {
   FrameIdx frame;
   const PixelMask* mask = nullptr;
 };
 
 // Tracked frames that no view of the object comes from, spread over the capture.
-std::vector<Judge> HeldOutFrames(const Inputs& inputs, const MapObject& object) {
+std::vector<ScoringView> HeldOutFrames(const Inputs& inputs, const MapObject& object) {
   const std::set<FrameIdx> used = FramesOf(object);
   std::vector<FrameIdx> all;
   for (const TrackedFrame& frame : inputs.frames) {
     if (frame.status == TrackingStatus::kTracked && !used.contains(frame.frame))
       all.push_back(frame.frame);
   }
-  std::vector<Judge> spread;
+  std::vector<ScoringView> spread;
   const std::size_t count = std::min(all.size(), kMaxHeldOutFrames);
   for (std::size_t n = 0; n < count; ++n) spread.push_back({all[n * all.size() / count]});
   return spread;
@@ -135,7 +135,7 @@ Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_worksp
 
 // The views of the object of the same class that stands nearest, in frames that no view of the
 // scored one comes from; none where nothing stands near.
-std::vector<Judge> ViewsThere(const Bench& bench, const MapObject& object) {
+std::vector<ScoringView> ViewsThere(const Bench& bench, const MapObject& object) {
   constexpr double kSameObjectM = 0.5;  // what is farther off is another object
   const MapObject* nearest = nullptr;
   double least_m = kSameObjectM;
@@ -146,7 +146,7 @@ std::vector<Judge> ViewsThere(const Bench& bench, const MapObject& object) {
     nearest = &other;
     least_m = distance_m;
   }
-  std::vector<Judge> views;
+  std::vector<ScoringView> views;
   if (nearest == nullptr) return views;
   const std::set<FrameIdx> used = FramesOf(object);
   for (const ViewRegistration& view : nearest->views) {
@@ -207,10 +207,10 @@ struct Verdict {
   eval::MeasuredShare measured;      // of the object's depth, where views judge
 };
 
-Result<Verdict> JudgeCandidate(const fs::path& workspace,
+Result<Verdict> ScoreCandidate(const fs::path& workspace,
                                const Inputs& inputs,
                                CandidateId candidate,
-                               const std::vector<Judge>& judges) {
+                               const std::vector<ScoringView>& scoring_views) {
   const auto proposed = inputs.files.candidates.find(candidate);
   const auto registration = inputs.files.registrations.find(candidate);
   Verdict verdict;
@@ -224,19 +224,19 @@ Result<Verdict> JudgeCandidate(const fs::path& workspace,
   for (Eigen::Vector3f& vertex : mesh->vertices) vertex *= static_cast<float>(scale_m);
   const shape::ShapeModel model(*grid);
   const PinholeCamera& camera = inputs.capture.frames->camera();
-  for (const Judge& judge : judges) {
-    const Result<Frame> frame = inputs.capture.frames->ReadDepth(judge.frame);
+  for (const ScoringView& view : scoring_views) {
+    const Result<Frame> frame = inputs.capture.frames->ReadDepth(view.frame);
     if (!frame.ok()) continue;  // unusable for the run as well
     const Pose3 camera_from_object =
-        inputs.frames[static_cast<std::size_t>(judge.frame.value)].world_from_camera.Inverse() *
+        inputs.frames[static_cast<std::size_t>(view.frame.value)].world_from_camera.Inverse() *
         registration->second.world_from_object;
-    verdict.agreement += eval::JudgeHeldOut(*mesh, camera_from_object, camera, frame->depth_m);
-    if (judge.mask == nullptr) continue;
-    verdict.measured += eval::JudgeMeasured(model,
+    verdict.agreement += eval::ScoreHeldOut(*mesh, camera_from_object, camera, frame->depth_m);
+    if (view.mask == nullptr) continue;
+    verdict.measured += eval::ScoreMeasured(model,
                                             Similarity3::From(camera_from_object, scale_m),
                                             camera,
                                             frame->depth_m,
-                                            judge.mask->Unpacked());
+                                            view.mask->Unpacked());
   }
   return verdict;
 }
@@ -295,13 +295,14 @@ int EvalHeldOut(const std::vector<std::string>& paths,
     const Result<Inputs> inputs = ReadInputs(pair.workspace, pair.truth);
     if (!inputs.ok()) return ReportError(inputs.error());
     for (const MapObject& object : inputs->map.objects) {
-      const std::vector<Judge> judges =
+      const std::vector<ScoringView> scoring_views =
           bench ? ViewsThere(*bench, object) : HeldOutFrames(*inputs, object);
       JsonObject row;
       row.emplace("mapped", ObjectName(object));
-      row.emplace("num_frames", static_cast<int>(judges.size()));
+      row.emplace("num_frames", static_cast<int>(scoring_views.size()));
       for (const Choice& choice : ChoicesOf(object, *inputs)) {
-        const auto verdict = JudgeCandidate(pair.workspace, *inputs, choice.candidate, judges);
+        const auto verdict =
+            ScoreCandidate(pair.workspace, *inputs, choice.candidate, scoring_views);
         if (!verdict.ok()) return ReportError(verdict.error());
         row.emplace(choice.row, VerdictJson(*verdict));
         if (verdict->agreement.num_judged() > 0)

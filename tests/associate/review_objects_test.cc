@@ -122,15 +122,15 @@ TEST(ObjectHypothesis, WhatIsRecognisedOutvotesGuessesBySize) {
   EXPECT_FALSE(object.MemberIn(FrameIdx{0}));
 }
 
-TEST(Sights, OfLongCapturesAnEvenShareIsHeldAndSpeaksForAll) {
+TEST(CoarseViews, OfLongCapturesAnEvenShareIsHeldAndSpeaksForAll) {
   for (const int num_frames : {0, 1, 7, 8, 9, 100, 1000}) {
-    Sights sights(8);
-    for (int k = 0; k < num_frames; ++k) sights.Add({k}, Pose3(), DepthImage(16, 16));
-    EXPECT_LE(sights.num_held(), 8U);
-    const double all = sights.NumThat([](const Sight&) { return true; });
+    CoarseViews views(8);
+    for (int k = 0; k < num_frames; ++k) views.Add({k}, Pose3(), DepthImage(16, 16));
+    EXPECT_LE(views.num_held(), 8U);
+    const double all = views.NumThat([](const CoarseView&) { return true; });
     EXPECT_NEAR(all, num_frames, num_frames <= 8 ? 0 : 0.25 * num_frames);
     const double half =
-        sights.NumThat([&](const Sight& sight) { return 2 * sight.frame.value < num_frames; });
+        views.NumThat([&](const CoarseView& view) { return 2 * view.frame.value < num_frames; });
     EXPECT_NEAR(half, 0.5 * all, 0.13 * all + 0.5);
   }
 }

@@ -122,15 +122,15 @@ TEST(ParallelAhead, UsesNothingAfterAStop) {
 TEST(ParallelInOrder, BeginsEveryIndexOnceAndInOrder) {
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
-    std::vector<std::atomic<int>> visits(300);
+    std::vector<std::atomic<int>> num_calls(300);
     std::atomic<std::size_t> num_begun = 0;
     std::atomic<bool> far_ahead = false;
-    ParallelInOrder(visits.size(), [&](std::size_t i) {
+    ParallelInOrder(num_calls.size(), [&](std::size_t i) {
       // Others may have begun between this body's number and its first line.
       if (i > num_begun++ + static_cast<std::size_t>(threads)) far_ahead = true;
-      ++visits[i];
+      ++num_calls[i];
     });
-    for (const auto& v : visits) EXPECT_EQ(v, 1);
+    for (const auto& v : num_calls) EXPECT_EQ(v, 1);
     EXPECT_FALSE(far_ahead);
   }
 }
@@ -138,32 +138,32 @@ TEST(ParallelInOrder, BeginsEveryIndexOnceAndInOrder) {
 TEST(ParallelFor, VisitsEveryIndexOnceForAnyThreadCount) {
   for (const int threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
-    std::vector<std::atomic<int>> visits(1000);
-    ParallelFor(visits.size(), [&](std::size_t i) { ++visits[i]; });
-    for (const auto& v : visits) EXPECT_EQ(v, 1);
+    std::vector<std::atomic<int>> num_calls(1000);
+    ParallelFor(num_calls.size(), [&](std::size_t i) { ++num_calls[i]; });
+    for (const auto& v : num_calls) EXPECT_EQ(v, 1);
   }
 }
 
 TEST(OnOneThread, KeepsParallelLoopsOnTheCallersThread) {
   std::set<std::thread::id> threads;
-  int visits = 0;
+  int num_calls = 0;
   OnOneThread([&] {
     ParallelFor(1000, [&](std::size_t) {
       threads.insert(std::this_thread::get_id());
-      ++visits;
+      ++num_calls;
     });
   });
   EXPECT_EQ(threads, std::set<std::thread::id>{std::this_thread::get_id()});
-  EXPECT_EQ(visits, 1000);
+  EXPECT_EQ(num_calls, 1000);
 }
 
 TEST(ParallelForChunks, CoversTheRangeWithoutOverlap) {
-  std::vector<int> visits(103, 0);
-  ParallelForChunks(visits.size(), 10, [&](std::size_t begin, std::size_t end) {
+  std::vector<int> num_calls(103, 0);
+  ParallelForChunks(num_calls.size(), 10, [&](std::size_t begin, std::size_t end) {
     EXPECT_LE(end - begin, 10U);
-    for (std::size_t i = begin; i < end; ++i) ++visits[i];
+    for (std::size_t i = begin; i < end; ++i) ++num_calls[i];
   });
-  EXPECT_EQ(visits, std::vector<int>(103, 1));
+  EXPECT_EQ(num_calls, std::vector<int>(103, 1));
 }
 
 TEST(Random, RepeatsForEqualSeedsAndDiffersBetweenWorks) {

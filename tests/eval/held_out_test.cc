@@ -10,7 +10,7 @@ namespace {
 // A box of 1 m, its front 2 m before the camera, and a depth image of one value.
 HeldOutAgreement Judge(float depth_m) {
   const PinholeCamera camera{80, 60, 60, 60, 39.5, 29.5};
-  return JudgeHeldOut(testing_support::BoxMesh({1, 1, 1}),
+  return ScoreHeldOut(testing_support::BoxMesh({1, 1, 1}),
                       {Eigen::Quaterniond::Identity(), {0, 0, 2.5}},
                       camera,
                       DepthImage(80, 60, depth_m));
@@ -57,7 +57,7 @@ MeasuredShare Measure(const DepthImage& depth_m) {
     for (int u = 35; u <= 45; ++u) mask(u, v) = 1;
   }
   const Similarity3 camera_from_object{1.0, Eigen::Quaterniond::Identity(), {0, 0, 2.25}};
-  return JudgeMeasured(model, camera_from_object, camera, depth_m, mask);
+  return ScoreMeasured(model, camera_from_object, camera, depth_m, mask);
 }
 
 TEST(HeldOut, DepthOfTheObjectIsNearTheModelOrNot) {

@@ -169,7 +169,8 @@ TEST(NetworkProposerTest, ViewsWithoutASilhouetteGiveAReason) {
   const VoxelGrid chair = Chair();
   ShapePriors priors;
   priors.emplace("chair", std::move(*PriorOf(chair).Load()));
-  const auto proposer = MakeNetworkProposer(std::move(priors), Classes(), {}, Sight::kColour);
+  const auto proposer =
+      MakeNetworkProposer(std::move(priors), Classes(), {}, InputChannels::kColour);
   std::vector<ObjectView> views = StagedViews(chair, {});
   for (ObjectView& view : views) std::fill(view.mask_crop.begin(), view.mask_crop.end(), 0);
   const Result<Proposals> proposals = proposer->Propose({ObjectId{1}, "chair", views});

@@ -96,12 +96,12 @@ const ModelLibrary& Library() {
 
 Proposals Retrieve(const std::string& class_name,
                    std::span<const ObjectView> views,
-                   Sight sight = Sight::kColourAndDepth) {
+                   InputChannels channels = InputChannels::kColourAndDepth) {
   const std::unique_ptr<Proposer> proposer = MakeRetrievalProposer(
       std::shared_ptr<const ModelLibrary>(&Library(), [](const ModelLibrary*) {}),
       Classes(),
       {},
-      sight);
+      channels);
   const Result<Proposals> proposals = proposer->Propose({ObjectId{3}, class_name, views});
   EXPECT_TRUE(proposals.ok());
   return *proposals;
@@ -131,7 +131,7 @@ TEST_P(RetrievesItself, ByItsOutlinesAlone) {
   Stage stage;
   stage.size_m = model.size_m.maxCoeff();
   std::vector<ObjectView> views = StagedViews(model.shape, stage);
-  const Proposals proposals = Retrieve(model.class_name, views, Sight::kColour);
+  const Proposals proposals = Retrieve(model.class_name, views, InputChannels::kColour);
   ASSERT_FALSE(proposals.candidates.empty());
   const ShapeCandidate& best = proposals.candidates.front();
   EXPECT_EQ(best.library_id, model.id);
@@ -140,7 +140,7 @@ TEST_P(RetrievesItself, ByItsOutlinesAlone) {
   // No depth value has a part in it.
   for (ObjectView& view : views)
     view.depth_crop_m = DepthImage(view.camera.width, view.camera.height, 7.0F);
-  const Proposals blind = Retrieve(model.class_name, views, Sight::kColour);
+  const Proposals blind = Retrieve(model.class_name, views, InputChannels::kColour);
   ASSERT_EQ(blind.candidates.size(), proposals.candidates.size());
   for (std::size_t n = 0; n < blind.candidates.size(); ++n) {
     EXPECT_EQ(blind.candidates[n].model, proposals.candidates[n].model);
@@ -272,25 +272,25 @@ TEST(Retrieval, OutlinesStandWithoutAGroundAndOfUnknownFurniture) {
   stage.has_ground = false;
   stage.size_m = 0.9;
   const Proposals proposals =
-      Retrieve("chair", StagedViews(Library().models[0].shape, stage), Sight::kColour);
+      Retrieve("chair", StagedViews(Library().models[0].shape, stage), InputChannels::kColour);
   ASSERT_FALSE(proposals.candidates.empty());
   EXPECT_EQ(proposals.candidates.front().library_id, Library().models[0].id);
   stage = Stage();
   stage.size_m = 1.4;
   stage.distance_m = 2.4;
   const Proposals furniture =
-      Retrieve("furniture", StagedViews(Library().models[4].shape, stage), Sight::kColour);
+      Retrieve("furniture", StagedViews(Library().models[4].shape, stage), InputChannels::kColour);
   ASSERT_FALSE(furniture.candidates.empty());
   EXPECT_EQ(furniture.candidates.front().library_id, Library().models[4].id);
 }
 
 TEST(Retrieval, NoOutlineGivesANote) {
-  EXPECT_THAT(Retrieve("chair", {}, Sight::kColour).notes, testing::SizeIs(1));
+  EXPECT_THAT(Retrieve("chair", {}, InputChannels::kColour).notes, testing::SizeIs(1));
   std::vector<ObjectView> views = StagedViews(Library().models[0].shape, Stage());
   for (ObjectView& view : views) view.mask_crop = Mask(view.camera.width, view.camera.height, 0);
-  EXPECT_TRUE(Retrieve("chair", views, Sight::kColour).candidates.empty());
+  EXPECT_TRUE(Retrieve("chair", views, InputChannels::kColour).candidates.empty());
   for (ObjectView& view : views) view.mask_crop = Mask();
-  EXPECT_TRUE(Retrieve("chair", views, Sight::kColour).candidates.empty());
+  EXPECT_TRUE(Retrieve("chair", views, InputChannels::kColour).candidates.empty());
 }
 
 TEST(Retrieval, NothingSeenGivesANote) {

@@ -22,7 +22,7 @@ using testing_support::ViewSettings;
 // The chair seen from all round, as it should be: what the others are compared with.
 const std::vector<double> kAround = {0.0, 0.8, 1.6, 2.4, 3.2, 4.0, 4.8, 5.6};
 
-class JudgeAChair : public testing::Test {
+class ScoreAChair : public testing::Test {
  protected:
   [[nodiscard]] MapObject Judge(const VoxelGrid& grid, const std::vector<ObjectView>& views) const {
     const ShapeCandidate candidate = CandidateFor(0.6, 1.3, 0.95);
@@ -63,42 +63,42 @@ void ExpectDoubtful(const MapObject& object) {
   EXPECT_FALSE(object.note.empty());
 }
 
-TEST_F(JudgeAChair, TheTrueModelSeenAllRoundIsTrusted) {
+TEST_F(ScoreAChair, TheTrueModelSeenAllRoundIsTrusted) {
   const MapObject object = Judge(ChairGrid(), views_);
   EXPECT_TRUE(object.chosen.valid());
   EXPECT_GT(object.confidence, 0.8);
   EXPECT_THAT(object.note, testing::IsEmpty());
 }
 
-TEST_F(JudgeAChair, OneViewIsTrustedLess) {
+TEST_F(ScoreAChair, OneViewIsTrustedLess) {
   const MapObject one = Judge(ChairGrid(), {views_[1]});
   EXPECT_LT(one.confidence, 0.6);
   EXPECT_THAT(one.note, testing::HasSubstr("one view"));
 }
 
-TEST_F(JudgeAChair, NoViewOrNothingInThem) {
+TEST_F(ScoreAChair, NoViewOrNothingInThem) {
   ExpectDoubtful(Judge(ChairGrid(), {}));
   ExpectDoubtful(Judge(ChairGrid(), {ObjectView()}));
   ExpectDoubtful(Judge(ChairGrid(), Masked([](int, int) { return false; })));
 }
 
-TEST_F(JudgeAChair, TenPoints) {
+TEST_F(ScoreAChair, TenPoints) {
   ExpectDoubtful(Judge(
       ChairGrid(), Masked([](int u, int v) { return u >= 78 && u < 83 && v >= 60 && v < 62; })));
 }
 
-TEST_F(JudgeAChair, PointsOnALine) {
+TEST_F(ScoreAChair, PointsOnALine) {
   ExpectDoubtful(Judge(ChairGrid(), Masked([](int, int v) { return v == 60; })));
   ExpectDoubtful(Judge(ChairGrid(), Masked([](int u, int) { return u == 80; })));
 }
 
-TEST_F(JudgeAChair, EmptyAndFullModels) {
+TEST_F(ScoreAChair, EmptyAndFullModels) {
   ExpectDoubtful(Judge(VoxelGrid(), views_));
   ExpectDoubtful(Judge(testing_support::FullGrid(), views_));
 }
 
 // The masks of a picture show what is beside the chair: floor to its left.
-TEST_F(JudgeAChair, MasksThatShowSomethingElse) {
+TEST_F(ScoreAChair, MasksThatShowSomethingElse) {
   std::vector<ObjectView> views = views_;
   for (ObjectView& view : views) {
     for (int v = 0; v < view.mask_crop.height(); ++v) {
@@ -110,7 +110,7 @@ TEST_F(JudgeAChair, MasksThatShowSomethingElse) {
   ExpectDoubtful(Judge(ChairGrid(), views));
 }
 
-TEST_F(JudgeAChair, EveryPixelIsTheChairs) {
+TEST_F(ScoreAChair, EveryPixelIsTheChairs) {
   std::vector<ObjectView> views = views_;
   for (ObjectView& view : views) {
     for (std::uint8_t& pixel : view.mask_crop) pixel = 1;

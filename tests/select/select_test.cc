@@ -264,22 +264,22 @@ TEST_F(SelectAChair, DepthOutOfAWholeModelsReachDoesNotSpeakForAFusedShape) {
 
 TEST_F(ScoreOnAChair, DepthFarFromTheModelIsOutOfItsReach) {
   const shape::ShapeModel chair{testing_support::ChairGrid()};
-  const auto judged = [&](double shift_m) {
+  const auto scored = [&](double shift_m) {
     Similarity3 placed = truth_;
     placed.translation_m.x() += shift_m;
     return ScoreCandidate(
         CandidateFor(0.5, 1.5), chair, PlacedAt(placed, views_), views_, options_);
   };
-  const CandidateScore there = judged(0);
+  const CandidateScore there = scored(0);
   EXPECT_GT(there.reached_share, 0.99);
   EXPECT_NEAR(ScoreWithinReach(there), there.score, 0.01);
-  const CandidateScore beside = judged(0.4);
+  const CandidateScore beside = scored(0.4);
   EXPECT_LT(beside.reached_share, 0.8);
   EXPECT_GT(beside.reached_share, beside.surface_share);
   EXPECT_GT(ScoreWithinReach(beside), beside.score);
   EXPECT_LT(ScoreWithinReach(beside), there.score);
-  EXPECT_LT(judged(3.0).reached_share, 0.01);
-  EXPECT_EQ(ScoreWithinReach(judged(3.0)), judged(3.0).score);
+  EXPECT_LT(scored(3.0).reached_share, 0.01);
+  EXPECT_EQ(ScoreWithinReach(scored(3.0)), scored(3.0).score);
 }
 
 TEST_F(SelectAChair, WhatMostViewsPullAwayLosesToWhatTheyConfirm) {

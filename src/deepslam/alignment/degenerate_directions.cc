@@ -37,7 +37,7 @@ std::optional<DirectionSpectrum> SpectrumByArc(const Matrix6d& hessian) {
 DegenerateDirections::DegenerateDirections(const Matrix6d& hessian)
     : spectrum_(SpectrumByArc(hessian)) {
   if (!spectrum_) return;
-  while (num_ < 6 && spectrum_->values[num_] < kDegenerateRatio * spectrum_->values[5]) ++num_;
+  while (num_ < 6 && spectrum_->values[num_] < kUnconstrainedRatio * spectrum_->values[5]) ++num_;
 }
 
 std::vector<Vector6d> DegenerateDirections::Directions() const {

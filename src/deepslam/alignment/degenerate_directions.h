@@ -16,7 +16,7 @@ namespace deepslam::alignment {
 // direction at all (rendered rooms, frame to frame: 8 cm off below 0.002, 0.1 cm above 0.004). On a
 // bare wall what looks like structure are the steps of the sensor's disparity, which stay with the
 // camera as it moves.
-inline constexpr double kDegenerateRatio = 0.003;
+inline constexpr double kUnconstrainedRatio = 0.003;
 
 // A Hessian of a perturbation in metres.
 struct DirectionSpectrum {
@@ -33,7 +33,7 @@ struct DirectionSpectrum {
 // Nothing where the Hessian says nothing of translation or of rotation.
 [[nodiscard]] std::optional<DirectionSpectrum> SpectrumByArc(const Matrix6d& hessian);
 
-// The directions that depth alone does not constrain at all (kDegenerateRatio).
+// The directions that depth alone does not constrain at all (kUnconstrainedRatio).
 class DegenerateDirections {
  public:
   DegenerateDirections() = default;

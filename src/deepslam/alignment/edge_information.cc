@@ -51,7 +51,7 @@ ClampedHessian Clamped(const GaussNewtonState& state,
   const Vector6d& scale = spectrum->scale;
   Vector6d values = spectrum->values.cwiseMax(0.0);
   const bool by_depth_alone = !ComparesImages(system.num_photometric);
-  const double least = by_depth_alone || !state.fixed.empty() ? kDegenerateRatio * values[5] : 0;
+  const double least = by_depth_alone || !state.fixed.empty() ? kUnconstrainedRatio * values[5] : 0;
   double ratio = values[5] > 0 ? values[0] / values[5] : 0;
   const StartSigma& sigma = state.fixed_sigma ? *state.fixed_sigma : start_sigma;
   for (int k = 0; k < 6 && values[k] < least; ++k)

@@ -83,8 +83,8 @@ double SupportAt(const Pose3& i_from_j,
   const PlaceScore place = ScoreCoarsely(i, j, i_from_j, options);
   if (place.num_overlap == 0) return 0;
   const double images = place.num_photometric * std::max(0.0, place.intensity_correlation);
-  const double likeness = (place.support + images) / place.num_overlap;
-  return likeness * std::sqrt(static_cast<double>(place.num_overlap) / place.num_source);
+  const double per_point = (place.support + images) / place.num_overlap;
+  return per_point * std::sqrt(static_cast<double>(place.num_overlap) / place.num_source);
 }
 
 bool IsConclusive(const AlignmentSystem& system) {

@@ -48,7 +48,8 @@ class CoarsePoints {
 // What competing starts are compared by: over the common points, geometric inliers at a common
 // scale and correlation of the images. Of a pattern's pixels most fit anywhere to within a robust
 // scale; the correlation lives by the few strong ones. Larger overlap counts for more, but less
-// than likeness: a wrong place may well show more of the other frame. 0 where nothing overlaps.
+// than how alike these are: a wrong place may well show more of the other frame. 0 where nothing
+// overlaps.
 [[nodiscard]] double SupportAt(const Pose3& i_from_j,
                                const PyramidLevel& i,
                                const SourcePoints& j,

@@ -34,15 +34,15 @@ double SharedInformation(const PlaceScore& place) {
 
 // What places along a weak direction are compared by: the common points alone, since how many there
 // are is least where the camera moved most.
-struct Likeness {
+struct Agreement {
   double value = 0;       // of geometry and images, per point
   double resolution = 0;  // differences below this are chance
 };
 
-Likeness LikenessAt(const PyramidLevel& i,
-                    const SourcePoints& j,
-                    const Pose3& i_from_j,
-                    const AlignmentOptions& options) {
+Agreement AgreementAt(const PyramidLevel& i,
+                      const SourcePoints& j,
+                      const Pose3& i_from_j,
+                      const AlignmentOptions& options) {
   const PlaceScore place = ScoreCoarsely(i, j, i_from_j, options);
   if (place.num_overlap == 0) return {};
   const double independent =
@@ -52,12 +52,12 @@ Likeness LikenessAt(const PyramidLevel& i,
 }
 
 // Of steps to both sides the one that is surely more like than none; 0 where none is. Every second
-// one is looked at, and those between where the likeness might rise to the best one as steeply as
+// one is looked at, and those between where the score might rise to the best one as steeply as
 // it falls from none.
-template <typename LikenessOfStep>
-int BestStep(const LikenessOfStep& likeness_of) {
-  const Likeness here = likeness_of(0);
-  const double before = likeness_of(-1).value, behind = likeness_of(1).value;
+template <typename ScoreOfStep>
+int BestStep(const ScoreOfStep& score_of) {
+  const Agreement here = score_of(0);
+  const double before = score_of(-1).value, behind = score_of(1).value;
   const double rise = std::max(0.0, here.value - std::min(before, behind));
   int best = 0;
   double best_value = here.value + here.resolution;
@@ -71,11 +71,11 @@ int BestStep(const LikenessOfStep& likeness_of) {
   for (const int side : {-1, 1}) {
     double last = side < 0 ? before : behind;
     for (int n = 2; n <= kNumSteps; n += 2) {
-      const double value = likeness_of(side * n).value;
+      const double value = score_of(side * n).value;
       take(side * n, value);
       const bool skipped = n > 2;
       if (skipped && std::max(last, value) + rise > best_value)
-        take(side * (n - 1), likeness_of(side * (n - 1)).value);
+        take(side * (n - 1), score_of(side * (n - 1)).value);
       last = value;
     }
   }
@@ -106,15 +106,15 @@ GaussNewtonState SearchWeakDirections(const PyramidLevel& i,
     GaussNewtonState tried = centre;
     const auto place_at = [&](int n) { return V2t(n * step_m * direction) * centre.i_from_j; };
     const int best_step = BestStep([&](int n) {
-      return LikenessAt(i, j.some(), n == 0 ? centre.i_from_j : place_at(n), options);
+      return AgreementAt(i, j.some(), n == 0 ? centre.i_from_j : place_at(n), options);
     });
     if (best_step == 0) continue;
     tried.i_from_j = place_at(best_step);
     if (IsSamePlace(tried.i_from_j, centre.i_from_j)) continue;
     tried.start_i_from_j = tried.i_from_j;
     Iterate(i, j.all(), options, tried);
-    const Likeness before = LikenessAt(i, j.all(), centre.i_from_j, options);
-    const Likeness after = LikenessAt(i, j.all(), tried.i_from_j, options);
+    const Agreement before = AgreementAt(i, j.all(), centre.i_from_j, options);
+    const Agreement after = AgreementAt(i, j.all(), tried.i_from_j, options);
     if (after.value > before.value + before.resolution) best = tried;
   }
   return best;

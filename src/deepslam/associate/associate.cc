@@ -113,7 +113,7 @@ class Matcher {
   std::deque<std::vector<int>> voters_;
   std::vector<Orphan> waiting_;  // without their points, until all objects are known
   std::vector<int> orphans_;     // with their points, afterwards
-  Sights sights_;
+  CoarseViews coarse_views_;
   std::vector<Rejection> rejections_;
 };
 
@@ -191,7 +191,7 @@ void Matcher::AddFrame(FrameIdx frame, std::span<Segment* const> segments, Frame
     return;
   }
   const Pose3 camera_from_world = trajectory_.at(frame).world_from_camera.Inverse();
-  sights_.Add(frame, camera_from_world, look.frame->depth_m);
+  coarse_views_.Add(frame, camera_from_world, look.frame->depth_m);
   const std::vector<int> current = MakeObservations(segments, std::move(look.measured));
   if (current.empty()) return;
   const std::vector<std::vector<int>> voters(voters_.begin(), voters_.end());
@@ -296,7 +296,7 @@ void Matcher::Finish(Association& association) {
   AdoptOrphans();
   StartObjectsAtBorder();
   MergeDuplicates(objects_, all_, rejections_);
-  RejectNoise(objects_, all_, sights_, camera_, options_, rejections_);
+  RejectNoise(objects_, all_, coarse_views_, camera_, options_, rejections_);
   for (ObjectHypothesis& object : objects_) {
     std::map<std::string, double> votes = ClassVotes(object, all_);
     association.tracks.push_back(

@@ -31,11 +31,10 @@ struct AssociateOptions {
   // and the depth's noise. Chairs at a table stand farther apart.
   static constexpr double kMaxDissimilarity_m = 0.10;
   // Single distances count no more than this: parts that are hidden or new lie farther off.
-  static constexpr double kTruncation_m = 0.30;
-  // Share of a voter's points that fall inside the box, and of the votes that name the winning
-  // object: more than half cannot speak for two.
+  static constexpr double kMaxCounted_m = 0.30;
+  // Share of a voter's points that fall inside the box: more than half cannot be of two things.
   static constexpr double kMinInsideShare = 0.5;
-  static constexpr double kMinConsensus = 0.5;
+  static constexpr double kMinConsensus = 0.5;  // of the votes name the winner, for the same reason
   // Per segment, thinned evenly: one per 5 cm square of a sofa seen from one side.
   static constexpr int kMaxSegmentPoints = 800;
   int min_members = 3;  // objects with fewer detections are dropped as noise, ...
@@ -43,7 +42,7 @@ struct AssociateOptions {
   static constexpr double kMinSingleScore = 0.5;
   // Objects detected in a smaller share of the frames that see them are noise: a detector that
   // misses one in six frames of seven is more likely wrong in the seventh.
-  static constexpr double kMinSeenShare = 0.15;
+  static constexpr double kMinDetectedShare = 0.15;
   // Objects too large for the image never keep the border margin: where the boxes that found no
   // object agree with each other, span at least this share of the image's width or height (median)
   // and are `min_members` or more, they start one after all. 1 or more: never, as in the paper.

@@ -41,9 +41,9 @@ std::optional<double> Dissimilarity(const Observation& voter,
     return std::nullopt;
   }
   const double forth_m = MeanDistance(
-      voter.points_world, current.cloud_world, AssociateOptions::kTruncation_m, inside);
+      voter.points_world, current.cloud_world, AssociateOptions::kMaxCounted_m, inside);
   const double back_m =
-      MeanDistance(current.points_world, voter.cloud_world, AssociateOptions::kTruncation_m);
+      MeanDistance(current.points_world, voter.cloud_world, AssociateOptions::kMaxCounted_m);
   const bool same_class = voter.segment->class_name == current.segment->class_name;
   const double error_m = same_class ? std::min(forth_m, back_m) : std::max(forth_m, back_m);
   const double limit_m =
@@ -141,7 +141,7 @@ std::vector<Match> MatchByModels(std::span<const int> unmatched,
     const double limit_m =
         AssociateOptions::kMaxDissimilarity_m * (same_class ? 1.0 : kOtherClassFactor);
     const double error_m = MeanDistance(
-        current.points_world, object.points_world.cloud(), AssociateOptions::kTruncation_m);
+        current.points_world, object.points_world.cloud(), AssociateOptions::kMaxCounted_m);
     if (error_m <= limit_m) found[n] = Match{i, object.id, 0, error_m};
   });
   std::vector<Match> candidates;

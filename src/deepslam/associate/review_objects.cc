@@ -15,7 +15,7 @@ constexpr double kPartShare = 0.7;
 constexpr double kHides_m = 0.15;
 // A box of which the other covers this share lies in it.
 constexpr double kContainedShare = 0.9;
-constexpr double kSeenShare = 0.5;  // share of an object's points that must be in sight
+constexpr double kSeenShare = 0.5;  // share of an object's points that must be visible
 // So many points of an object are looked at: shares are then good to 5 %.
 constexpr std::size_t kNumProbes = 100;
 
@@ -103,20 +103,22 @@ Relation Compare(const ObjectHypothesis& a,
   return larger > kPartShare && 2 * few <= many ? Relation::kPart : Relation::kApart;
 }
 
-bool IsInSight(const ObjectHypothesis& object, const Sight& sight, const PinholeCamera& camera) {
+bool IsVisible(const ObjectHypothesis& object,
+               const CoarseView& view,
+               const PinholeCamera& camera) {
   const std::vector<Eigen::Vector3f>& points = object.points_world.points();
   const std::size_t step = std::max<std::size_t>(1, points.size() / kNumProbes);
   int count = 0;
   int seen = 0;
   for (std::size_t i = 0; i < points.size(); i += step) {
     ++count;
-    const Eigen::Vector3d p = sight.camera_from_world * points[i].cast<double>();
+    const Eigen::Vector3d p = view.camera_from_world * points[i].cast<double>();
     const auto pixel = camera.Project(p);
     if (!pixel || !(std::abs(pixel->x()) < 1e6) || !(std::abs(pixel->y()) < 1e6)) continue;
-    const int u = static_cast<int>(pixel->x()) / kSightStep;
-    const int v = static_cast<int>(pixel->y()) / kSightStep;
-    if (pixel->x() < 0 || pixel->y() < 0 || !sight.coarse_depth_m.Contains(u, v)) continue;
-    const double depth_m = sight.coarse_depth_m(u, v);
+    const int u = static_cast<int>(pixel->x()) / kCoarseStep;
+    const int v = static_cast<int>(pixel->y()) / kCoarseStep;
+    if (pixel->x() < 0 || pixel->y() < 0 || !view.coarse_depth_m.Contains(u, v)) continue;
+    const double depth_m = view.coarse_depth_m(u, v);
     seen += depth_m > 0 && depth_m > p.z() - kHides_m ? 1 : 0;
   }
   return seen > kSeenShare * count;
@@ -150,19 +152,19 @@ void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
 
 void RejectNoise(std::vector<ObjectHypothesis>& objects,
                  std::vector<Observation>& all,
-                 const Sights& sights,
+                 const CoarseViews& views,
                  const PinholeCamera& camera,
                  const AssociateOptions& options,
                  std::vector<Rejection>& rejections) {
   std::erase_if(objects, [&](const ObjectHypothesis& object) {
     const auto num_members = static_cast<int>(object.members.size());
-    const double num_sights =
-        sights.NumThat([&](const Sight& sight) { return IsInSight(object, sight, camera); });
+    const double num_views =
+        views.NumThat([&](const CoarseView& view) { return IsVisible(object, view, camera); });
     std::string reason;
     if (num_members < options.min_members &&
         object.MeanScore(all) < AssociateOptions::kMinSingleScore) {
       reason = "object seen too seldom with too low a score";
-    } else if (num_members < AssociateOptions::kMinSeenShare * num_sights) {
+    } else if (num_members < AssociateOptions::kMinDetectedShare * num_views) {
       reason = "object detected in too few of the frames that see it";
     }
     if (reason.empty()) return false;

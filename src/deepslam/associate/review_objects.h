@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "deepslam/associate/associate.h"
+#include "deepslam/associate/coarse_views.h"
 #include "deepslam/associate/object_hypothesis.h"
-#include "deepslam/associate/sights.h"
 #include "deepslam/geometry/camera.h"
 
 namespace deepslam::associate {
@@ -18,10 +18,10 @@ void MergeDuplicates(std::vector<ObjectHypothesis>& objects,
                      std::vector<Observation>& all,
                      std::vector<Rejection>& rejections);
 
-// Removes objects that were detected too seldom for how often they were in sight.
+// Removes objects that were detected too seldom for how often they were in view.
 void RejectNoise(std::vector<ObjectHypothesis>& objects,
                  std::vector<Observation>& all,
-                 const Sights& sights,
+                 const CoarseViews& views,
                  const PinholeCamera& camera,
                  const AssociateOptions& options,
                  std::vector<Rejection>& rejections);

@@ -14,8 +14,8 @@ namespace deepslam::dataset {
 namespace {
 
 // Points looked at, of a frame.
-constexpr int kSampledColumns = 24;
-constexpr int kSampledRows = 18;  // as 4 : 3
+constexpr int kGridColumns = 24;
+constexpr int kGridRows = 18;  // as 4 : 3
 // A point lies on the other frame's surface within noise of depth, poses and moments.
 constexpr double kOnSurfaceM = 0.02;
 constexpr double kOnSurfaceShare = 0.01;  // of depth
@@ -160,10 +160,10 @@ Placed Place(const Pose3& read, const Reading& reading) {
 
 std::vector<Eigen::Vector3d> PointsOf(const PinholeCamera& camera, const DepthImage& depth_m) {
   std::vector<Eigen::Vector3d> points;
-  for (int row = 0; row < kSampledRows; ++row) {
-    const int v = row * (depth_m.height() - 1) / (kSampledRows - 1);
-    for (int column = 0; column < kSampledColumns; ++column) {
-      const int u = column * (depth_m.width() - 1) / (kSampledColumns - 1);
+  for (int row = 0; row < kGridRows; ++row) {
+    const int v = row * (depth_m.height() - 1) / (kGridRows - 1);
+    for (int column = 0; column < kGridColumns; ++column) {
+      const int u = column * (depth_m.width() - 1) / (kGridColumns - 1);
       const float z_m = depth_m(u, v);
       if (z_m > 0) points.push_back(camera.Unproject(u, v, static_cast<double>(z_m)));
     }

@@ -18,7 +18,7 @@ using instances::Instance;
 using instances::Silhouette;
 
 // A thing goes on this far beyond what the surface of the capture holds of it, two voxels of it.
-constexpr double kBoxMarginM = 0.08;
+constexpr double kBeyondSurfaceM = 0.08;
 
 const Instance& ThingOf(const FrameOfThings& seen, const Silhouette& silhouette) {
   return seen.things[static_cast<std::size_t>(silhouette.instance)];
@@ -45,8 +45,10 @@ Detection AsDetection(const FrameOfThings& seen,
                       std::size_t n) {
   const DepthImage& depth_m = seen.frame.depth_m;
   const instances::UprightBox& box = thing.box_level;
-  const LevelRectangle outline{
-      box.centre_m, box.yaw_rad, box.length_m + 2 * kBoxMarginM, box.width_m + 2 * kBoxMarginM};
+  const LevelRectangle outline{box.centre_m,
+                               box.yaw_rad,
+                               box.length_m + 2 * kBeyondSurfaceM,
+                               box.width_m + 2 * kBeyondSurfaceM};
   const int own = static_cast<int>(n) + 1;
   Detection detection;
   detection.class_name = thing.class_name;
@@ -57,7 +59,8 @@ Detection AsDetection(const FrameOfThings& seen,
       const double z_m = depth_m(u, v);
       if (!(z_m > 0) || (owners(u, v) != 0 && owners(u, v) != own)) continue;
       const Eigen::Vector3d p_level = seen.level_from_camera * seen.camera.Unproject(u, v, z_m);
-      if (p_level.z() > box.top_m + kBoxMarginM || !outline.Contains(p_level.head<2>())) continue;
+      if (p_level.z() > box.top_m + kBeyondSurfaceM || !outline.Contains(p_level.head<2>()))
+        continue;
       mask(u, v) = 1;
       ExtendByPixel(u, v, detection.box_px);
     }

@@ -18,7 +18,7 @@ HeldOutAgreement& HeldOutAgreement::operator+=(const HeldOutAgreement& other) {
   return *this;
 }
 
-HeldOutAgreement JudgeHeldOut(const TriangleMesh& mesh,
+HeldOutAgreement ScoreHeldOut(const TriangleMesh& mesh,
                               const Pose3& camera_from_mesh,
                               const PinholeCamera& camera,
                               const DepthImage& depth_m) {
@@ -53,7 +53,7 @@ MeasuredShare& MeasuredShare::operator+=(const MeasuredShare& other) {
   return *this;
 }
 
-MeasuredShare JudgeMeasured(const shape::ShapeModel& model,
+MeasuredShare ScoreMeasured(const shape::ShapeModel& model,
                             const Similarity3& camera_from_object,
                             const PinholeCamera& camera,
                             const DepthImage& depth_m,

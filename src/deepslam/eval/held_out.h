@@ -36,7 +36,7 @@ struct HeldOutAgreement {
 };
 
 // Depth and camera have one size.
-[[nodiscard]] HeldOutAgreement JudgeHeldOut(const TriangleMesh& mesh,
+[[nodiscard]] HeldOutAgreement ScoreHeldOut(const TriangleMesh& mesh,
                                             const Pose3& camera_from_mesh,
                                             const PinholeCamera& camera,
                                             const DepthImage& depth_m);
@@ -51,7 +51,7 @@ struct MeasuredShare {
 };
 
 // `mask` is the object's part of the image; it, depth and camera have one size.
-[[nodiscard]] MeasuredShare JudgeMeasured(const shape::ShapeModel& model,
+[[nodiscard]] MeasuredShare ScoreMeasured(const shape::ShapeModel& model,
                                           const Similarity3& camera_from_object,
                                           const PinholeCamera& camera,
                                           const DepthImage& depth_m,

@@ -38,7 +38,7 @@
 // Determinism: residuals are evaluated and summed on one thread (Ceres sums per-thread parts in an
 // order that depends on scheduling), linear systems are solved by Eigen's sparse Cholesky
 // (single-threaded, unlike BLAS-backed ones), those of large graphs by conjugate gradients that the
-// Cholesky factor of some of the edges preconditions (carrying_edges.h).
+// Cholesky factor of some of the edges preconditions (subgraph_edges.h).
 #pragma once
 
 #include <map>

@@ -8,10 +8,10 @@
 
 #include <ceres/ceres.h>
 
-#include "deepslam/graph/carrying_edges.h"
 #include "deepslam/graph/graph_model.h"
 #include "deepslam/graph/information.h"
 #include "deepslam/graph/residuals.h"
+#include "deepslam/graph/subgraph_edges.h"
 
 namespace deepslam::graph {
 namespace {
@@ -208,11 +208,11 @@ void UseConjugateGradients(const GraphModel& model,
                            const Residuals& of_pose_edges,
                            const Residuals& of_planes,
                            ceres::Solver::Options& solver) {
-  std::unordered_set<ceres::ResidualBlockId> carrying(of_planes.begin(), of_planes.end());
-  for (const std::size_t edge : CarryingEdges(model)) carrying.insert(of_pose_edges[edge]);
+  std::unordered_set<ceres::ResidualBlockId> subgraph(of_planes.begin(), of_planes.end());
+  for (const std::size_t edge : SubgraphEdges(model)) subgraph.insert(of_pose_edges[edge]);
   solver.linear_solver_type = ceres::CGNR;
   solver.preconditioner_type = ceres::SUBSET;
-  solver.residual_blocks_for_subset_preconditioner = std::move(carrying);
+  solver.residual_blocks_for_subset_preconditioner = std::move(subgraph);
   solver.max_linear_solver_iterations = kMaxConjugateGradients;
 }
 

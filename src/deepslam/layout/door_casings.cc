@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "deepslam/scene/door_sizes.h"
+#include "deepslam/scene/layout.h"
 
 namespace deepslam::layout {
 namespace {

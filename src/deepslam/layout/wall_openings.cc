@@ -9,7 +9,7 @@
 
 #include "deepslam/layout/door_casings.h"
 #include "deepslam/layout/face_rectangles.h"
-#include "deepslam/scene/door_sizes.h"
+#include "deepslam/scene/layout.h"
 
 namespace deepslam::layout {
 namespace {

@@ -29,15 +29,15 @@ const MapObject* Find(const ObjectMap& map, ObjectId id) {
 }
 
 // One observation's knowledge of one object.
-struct VisitedObject {
+struct ObservedObject {
   Points depth;
   PointIndex surface{{}};  // model and depth together
 };
 
-VisitedObject Visited(const LoopEvidence& evidence, ObjectId id) {
+ObservedObject Observed(const LoopEvidence& evidence, ObjectId id) {
   const auto it = evidence.find(id);
   if (it == evidence.end()) return {};
-  VisitedObject object;
+  ObservedObject object;
   object.depth = Thinned(it->second.depth_points_world, kThinnedCell_m);
   Points surface = Thinned(it->second.model_points_world, kThinnedCell_m);
   surface.insert(surface.end(), object.depth.begin(), object.depth.end());
@@ -45,9 +45,9 @@ VisitedObject Visited(const LoopEvidence& evidence, ObjectId id) {
   return object;
 }
 
-struct Visit {
-  std::vector<VisitedObject> objects;  // one per pair
-  Points room;                         // without ground, without the pairs' objects
+struct ObservedSide {
+  std::vector<ObservedObject> objects;  // one per pair
+  Points room;                          // without ground, without the pairs' objects
   PointIndex room_index{{}};
 };
 
@@ -64,14 +64,14 @@ double GroundTopOf(const LoopEvidence& evidence,
   return GroundTop_m(objects, up);
 }
 
-Visit MakeVisit(const ObjectMap& map,
-                const LoopEvidence& evidence,
-                const std::vector<ObjectId>& ids,
-                const Eigen::Vector3d& up) {
-  Visit visit;
+ObservedSide GatherSide(const ObjectMap& map,
+                        const LoopEvidence& evidence,
+                        const std::vector<ObjectId>& ids,
+                        const Eigen::Vector3d& up) {
+  ObservedSide side;
   Points around;
   for (const ObjectId id : ids) {
-    visit.objects.push_back(Visited(evidence, id));
+    side.objects.push_back(Observed(evidence, id));
     const auto it = evidence.find(id);
     if (it == evidence.end()) continue;
     around.insert(
@@ -87,34 +87,34 @@ Visit MakeVisit(const ObjectMap& map,
                  LoopOptions::kRoomRadius_m;
     });
     const bool own =
-        std::any_of(visit.objects.begin(), visit.objects.end(), [&](const VisitedObject& object) {
+        std::any_of(side.objects.begin(), side.objects.end(), [&](const ObservedObject& object) {
           return object.surface.Nearest(p, 1.5 * LoopOptions::kVerifyDistance_m) != nullptr;
         });
-    if (near && !own) visit.room.push_back(p);
+    if (near && !own) side.room.push_back(p);
   }
-  visit.room_index = PointIndex(visit.room);
-  return visit;
+  side.room_index = PointIndex(side.room);
+  return side;
 }
 
 // ICP of four degrees of freedom over objects and surroundings.
-Pose3 Refined(const Visit& old_visit,
-              const Visit& new_visit,
+Pose3 Refined(const ObservedSide& old_side,
+              const ObservedSide& new_side,
               const Pose3& start,
               const Eigen::Quaterniond& level_from_world) {
   std::vector<Belonging> clouds;
-  for (std::size_t k = 0; k < new_visit.objects.size(); ++k)
-    clouds.push_back({new_visit.objects[k].depth, &old_visit.objects[k].surface});
-  clouds.push_back({new_visit.room, &old_visit.room_index});
+  for (std::size_t k = 0; k < new_side.objects.size(); ++k)
+    clouds.push_back({new_side.objects[k].depth, &old_side.objects[k].surface});
+  clouds.push_back({new_side.room, &old_side.room_index});
   return AlignLevel(clouds, start, level_from_world, LoopOptions::kVerifyDistance_m)
       .value_or(start);
 }
 
 // The worse of both directions; nothing where neither side has points. `b_from_a` moves a onto b.
-std::optional<double> ObjectAgreement(const VisitedObject& old_object,
-                                      const VisitedObject& new_object,
+std::optional<double> ObjectAgreement(const ObservedObject& old_object,
+                                      const ObservedObject& new_object,
                                       const Pose3& old_from_new) {
   std::optional<double> worse;
-  const auto add = [&](const VisitedObject& a, const VisitedObject& b, const Pose3& b_from_a) {
+  const auto add = [&](const ObservedObject& a, const ObservedObject& b, const Pose3& b_from_a) {
     if (a.depth.size() < kMinComparedPoints || b.surface.size() < kMinComparedPoints) return;
     const double share =
         AgreeingShare(a.depth, b_from_a, b.surface, LoopOptions::kVerifyDistance_m);
@@ -186,8 +186,8 @@ double LargestMove(const Constellation& constellation, const ObjectMap& map) {
 
 // Takes out pairs whose own depth contradicts; returns the mean agreement of those that stay,
 // nothing without evidence.
-std::optional<double> KeepAgreeingPairs(const Visit& old_visit,
-                                        const Visit& new_visit,
+std::optional<double> KeepAgreeingPairs(const ObservedSide& old_side,
+                                        const ObservedSide& new_side,
                                         const LoopOptions& options,
                                         Constellation& constellation) {
   std::vector<ObjectMerge> kept;
@@ -195,7 +195,7 @@ std::optional<double> KeepAgreeingPairs(const Visit& old_visit,
   int count = 0;
   for (std::size_t k = 0; k < constellation.pairs.size(); ++k) {
     const std::optional<double> agreement = ObjectAgreement(
-        old_visit.objects[k], new_visit.objects[k], constellation.old_world_from_new_world);
+        old_side.objects[k], new_side.objects[k], constellation.old_world_from_new_world);
     if (!agreement || *agreement < kWorstPairShare * options.min_object_agreement) continue;
     kept.push_back(constellation.pairs[k]);
     sum += *agreement;
@@ -229,11 +229,13 @@ void TakeRefinement(const Pose3& refined, const ObjectMap& map, Constellation& c
 }
 
 // The better of both directions.
-double RoomAgreement(const Visit& old_visit, const Visit& new_visit, const Pose3& old_from_new) {
+double RoomAgreement(const ObservedSide& old_side,
+                     const ObservedSide& new_side,
+                     const Pose3& old_from_new) {
   const double radius_m = 1.5 * LoopOptions::kVerifyDistance_m;
   return std::max(
-      AgreeingShare(new_visit.room, old_from_new, old_visit.room_index, radius_m),
-      AgreeingShare(old_visit.room, old_from_new.Inverse(), new_visit.room_index, radius_m));
+      AgreeingShare(new_side.room, old_from_new, old_side.room_index, radius_m),
+      AgreeingShare(old_side.room, old_from_new.Inverse(), new_side.room_index, radius_m));
 }
 
 // By the depth of both observations: objects, then surroundings. Where too little is known of
@@ -253,13 +255,13 @@ Constellation VerifyDepth(const Constellation& constellation,
     new_ids.push_back(pair.merged);
   }
   const Eigen::Vector3d up = UpDirection(map);
-  const Visit old_visit = MakeVisit(map, evidence, old_ids, up);
-  const Visit new_visit = MakeVisit(map, evidence, new_ids, up);
-  TakeRefinement(Refined(old_visit, new_visit, result.old_world_from_new_world, LevelFromWorld(up)),
+  const ObservedSide old_side = GatherSide(map, evidence, old_ids, up);
+  const ObservedSide new_side = GatherSide(map, evidence, new_ids, up);
+  TakeRefinement(Refined(old_side, new_side, result.old_world_from_new_world, LevelFromWorld(up)),
                  map,
                  result);
 
-  const std::optional<double> objects = KeepAgreeingPairs(old_visit, new_visit, options, result);
+  const std::optional<double> objects = KeepAgreeingPairs(old_side, new_side, options, result);
   if (result.pairs.size() < min_pairs || !objects) {
     result.pairs = constellation.pairs;
     result.reason = "the objects' depth does not agree";
@@ -268,17 +270,17 @@ Constellation VerifyDepth(const Constellation& constellation,
   result.reason = "objects agree by " + Percent(*objects);
   result.accepted = *objects >= options.min_object_agreement;
   const auto min_points = static_cast<std::size_t>(std::max(1, options.min_room_points));
-  if (old_visit.room.size() < min_points || new_visit.room.size() < min_points) {
+  if (old_side.room.size() < min_points || new_side.room.size() < min_points) {
     const bool near = LargestMove(result, map) <= believed_m;
     result.reason += near ? ", surroundings unknown" : ", surroundings unknown and too far apart";
     result.accepted = result.accepted && near;
     return result;
   }
-  const double room = RoomAgreement(old_visit, new_visit, result.old_world_from_new_world);
+  const double room = RoomAgreement(old_side, new_side, result.old_world_from_new_world);
   result.reason += ", surroundings by " + Percent(room);
   result.accepted = result.accepted && room >= LoopOptions::kMinRoomAgreement;
   if (LargestMove(result, map) <= options.drift_base_m) return result;
-  const double room_as_is = RoomAgreement(old_visit, new_visit, {});
+  const double room_as_is = RoomAgreement(old_side, new_side, {});
   if (room_as_is > room) {
     result.reason += ", as they stand by " + Percent(room_as_is);
     result.accepted = false;

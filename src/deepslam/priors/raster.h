@@ -18,9 +18,9 @@ struct Raster {
   PinholeCamera camera;
   Pose3 object_from_camera;
   Plane ground_camera;
-  Image<Eigen::Vector3f> sights;  // through each pixel, unit, object frame
-  Image<render::RayHit> hits;     // instance -1: nothing
-  DepthImage true_depth_m;        // along the axis, 0 where nothing is hit
+  Image<Eigen::Vector3f> rays;  // through each pixel, unit, object frame
+  Image<render::RayHit> hits;   // instance -1: nothing
+  DepthImage true_depth_m;      // along the axis, 0 where nothing is hit
 
   // What camera and segmentation make of it.
   Image<Eigen::Vector3f> colour;  // display values in [0, 1]; any outside the mask

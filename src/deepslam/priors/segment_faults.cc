@@ -186,7 +186,7 @@ void LoseDepth(Random& random, Raster& raster) {
       const render::RayHit& hit = raster.hits(u, v);
       if (raster.mask(u, v) == 0 || hit.instance < 0) continue;
       const bool lost =
-          -hit.normal_world.dot(raster.sights(u, v)) < grazing * Draw(random, 0.3, 1.2) ||
+          -hit.normal_world.dot(raster.rays(u, v)) < grazing * Draw(random, 0.3, 1.2) ||
           (spots < 1 && ValueNoise({static_cast<float>(u) * frequency,
                                     static_cast<float>(v) * frequency,
                                     phase}) > spots);

@@ -177,8 +177,8 @@ void PaintSurfaces(const FurnitureMesh& furniture,
     for (int u = 0; u < raster.width(); ++u) {
       const render::RayHit& hit = raster.hits(u, v);
       if (hit.instance < 0) continue;
-      const Eigen::Vector3f& sight = raster.sights(u, v);
-      const Eigen::Vector3f p = camera + static_cast<float>(hit.distance_m) * sight;
+      const Eigen::Vector3f& ray = raster.rays(u, v);
+      const Eigen::Vector3f p = camera + static_cast<float>(hit.distance_m) * ray;
       const Eigen::Vector3f& normal = hit.normal_world;
       const std::size_t material =
           furniture.material_of_face.empty() ? 0 : furniture.material_of_face[hit.face];
@@ -198,7 +198,7 @@ void PaintSurfaces(const FurnitureMesh& furniture,
           (light.sky * (0.75F + 0.25F * normal.z()) + light.lamp * lamp) * light.exposure;
       const float gloss =
           lamp > 0.3F * facing && look.gloss > 0 && facing > 0
-              ? look.gloss * Gloss(std::max(0.0F, normal.dot((light.towards - sight).normalized())))
+              ? look.gloss * Gloss(std::max(0.0F, normal.dot((light.towards - ray).normalized())))
               : 0.0F;
       Eigen::Vector3f& colour = raster.colour(u, v);
       colour = surface.cwiseProduct(light.tint) * bright + Eigen::Vector3f::Constant(gloss);

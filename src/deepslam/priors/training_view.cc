@@ -31,7 +31,7 @@ constexpr double kPartViewShare = 0.15;  // of the views with faults
 constexpr double kLeastVisible = 0.12;   // of the object, or another view is drawn
 constexpr int kMostTries = 12;  // draws of a view before it is taken as it is, without faults
 
-struct Sight {
+struct Viewpoint {
   Pose3 object_from_camera;
   double azimuth_rad = 0;
   double elevation_rad = 0;
@@ -40,27 +40,27 @@ struct Sight {
 
 // A person or a robot with a camera: distance by the object's size, lens between knee and raised
 // arm.
-Sight DrawSight(Random& random, const Eigen::Vector3d& size_m, bool faults) {
+Viewpoint DrawViewpoint(Random& random, const Eigen::Vector3d& size_m, bool faults) {
   const double longest_m = size_m.maxCoeff();
-  Sight sight;
-  sight.azimuth_rad = random.Uniform(-kPi, kPi);
-  sight.distance_m = random.Uniform(0.7 + 0.6 * longest_m, 2.4 + 0.8 * longest_m);
+  Viewpoint viewpoint;
+  viewpoint.azimuth_rad = random.Uniform(-kPi, kPi);
+  viewpoint.distance_m = random.Uniform(0.7 + 0.6 * longest_m, 2.4 + 0.8 * longest_m);
   const double lens_m = random.Uniform(0.5, 1.9);
-  const double rise = std::clamp((lens_m - 0.5 * size_m.z()) / sight.distance_m, -0.35, 0.8);
-  sight.elevation_rad = std::asin(rise);
-  const double level = std::cos(sight.elevation_rad);
+  const double rise = std::clamp((lens_m - 0.5 * size_m.z()) / viewpoint.distance_m, -0.35, 0.8);
+  viewpoint.elevation_rad = std::asin(rise);
+  const double level = std::cos(viewpoint.elevation_rad);
   const Eigen::Vector3d position =
-      sight.distance_m * Eigen::Vector3d(level * std::cos(sight.azimuth_rad),
-                                         level * std::sin(sight.azimuth_rad),
-                                         std::sin(sight.elevation_rad));
+      viewpoint.distance_m * Eigen::Vector3d(level * std::cos(viewpoint.azimuth_rad),
+                                             level * std::sin(viewpoint.azimuth_rad),
+                                             std::sin(viewpoint.elevation_rad));
   const auto aside = [&] { return 0.2 * random.Uniform(-1, 1); };
   const Eigen::Vector3d target = Eigen::Vector3d(aside(), aside(), aside()).cwiseProduct(size_m);
-  sight.object_from_camera = render::LookAt(position, target);
+  viewpoint.object_from_camera = render::LookAt(position, target);
   const double roll_rad = faults ? 5.0 * kRadPerDeg * std::clamp(random.Normal(), -2.5, 2.5) : 0.0;
-  sight.object_from_camera.rotation =
-      sight.object_from_camera.rotation *
+  viewpoint.object_from_camera.rotation =
+      viewpoint.object_from_camera.rotation *
       Eigen::Quaterniond(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()));
-  return sight;
+  return viewpoint;
 }
 
 // The camera cut to the object's box on the image, and made coarser where that holds more pixels
@@ -90,19 +90,19 @@ PinholeCamera FrameObject(const std::vector<Eigen::Vector3f>& outline,
 
 // Unit, object frame.
 DEEPSLAM_WIDE_VECTORS
-void FillSights(const PinholeCamera& camera,
-                const Eigen::Matrix3f& object_from_camera,
-                Image<Eigen::Vector3f>& sights) {
+void FillRays(const PinholeCamera& camera,
+              const Eigen::Matrix3f& object_from_camera,
+              Image<Eigen::Vector3f>& rays) {
   const auto per_u = static_cast<float>(1 / camera.fx);
   const auto cx = static_cast<float>(camera.cx);
   const Eigen::Vector3f across = object_from_camera.col(0);
-  for (int v = 0; v < sights.height(); ++v) {
+  for (int v = 0; v < rays.height(); ++v) {
     const auto y = static_cast<float>((v - camera.cy) / camera.fy);
     const Eigen::Vector3f row = object_from_camera.col(2) + y * object_from_camera.col(1);
-    for (int u = 0; u < sights.width(); ++u) {
+    for (int u = 0; u < rays.width(); ++u) {
       const float x = (static_cast<float>(u) - cx) * per_u;
       const float scale = 1 / std::sqrt(1 + x * x + y * y);
-      sights(u, v) = scale * (row + x * across);
+      rays(u, v) = scale * (row + x * across);
     }
   }
 }
@@ -110,33 +110,32 @@ void FillSights(const PinholeCamera& camera,
 void CastRays(const render::RayScene& scene, Raster& raster) {
   const Eigen::Vector3f origin = raster.object_from_camera.translation_m.cast<float>();
   const Eigen::Matrix3f turn = raster.object_from_camera.rotation.toRotationMatrix().cast<float>();
-  FillSights(raster.camera, turn, raster.sights);
+  FillRays(raster.camera, turn, raster.rays);
   const Eigen::Vector3f axis = turn.col(2);
   const auto width = static_cast<std::size_t>(raster.width());
   for (int v = 0; v < raster.height(); ++v) {
-    scene.CastFan(origin, {raster.sights.row(v), width}, {raster.hits.row(v), width});
+    scene.CastFan(origin, {raster.rays.row(v), width}, {raster.hits.row(v), width});
     for (int u = 0; u < raster.width(); ++u) {
       const render::RayHit& hit = raster.hits(u, v);
       if (hit.instance < 0) continue;
-      raster.true_depth_m(u, v) =
-          static_cast<float>(hit.distance_m) * axis.dot(raster.sights(u, v));
+      raster.true_depth_m(u, v) = static_cast<float>(hit.distance_m) * axis.dot(raster.rays(u, v));
     }
   }
 }
 
 Raster MakeRaster(const render::RayScene& scene,
                   const std::vector<Eigen::Vector3f>& outline,
-                  const Sight& sight,
+                  const Viewpoint& viewpoint,
                   double bottom_m,
                   double most_pixels) {
   Raster raster;
-  raster.object_from_camera = sight.object_from_camera;
-  const Pose3 camera_from_object = sight.object_from_camera.Inverse();
+  raster.object_from_camera = viewpoint.object_from_camera;
+  const Pose3 camera_from_object = viewpoint.object_from_camera.Inverse();
   raster.camera = FrameObject(outline, camera_from_object, most_pixels);
   raster.ground_camera = Transformed(camera_from_object, {Eigen::Vector3d::UnitZ(), -bottom_m});
   const int w = raster.camera.width;
   const int h = raster.camera.height;
-  raster.sights = Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Zero());
+  raster.rays = Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Zero());
   raster.hits = Image<render::RayHit>(w, h);
   raster.true_depth_m = DepthImage(w, h);
   raster.colour = Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Ones());
@@ -265,11 +264,11 @@ TrainingView ViewRenderer::Render(Random random, const ViewOptions& options) con
   for (int attempt = 0;; ++attempt) {
     // The last attempt always shows something.
     const bool faults = options.faults && attempt + 1 < kMostTries;
-    const Sight sight = DrawSight(random, impl_->size_m, options.faults);
+    const Viewpoint viewpoint = DrawViewpoint(random, impl_->size_m, options.faults);
     const Left left = faults ? DrawLeft(random, options) : Left::kWhole;
     Raster raster = MakeRaster(impl_->scene,
                                impl_->outline,
-                               sight,
+                               viewpoint,
                                impl_->bottom_m,
                                left == Left::kWhole ? kMostPixels : kMostPixelsForPart);
     PaintSurfaces(impl_->furniture, impl_->scene, random, raster);
@@ -282,9 +281,9 @@ TrainingView ViewRenderer::Render(Random random, const ViewOptions& options) con
     DEEPSLAM_CHECK(crop.ok(), "a whole object cannot be cut out");
     view.sketch = MakeSketch(raster, *crop);
     view.crop = std::move(*crop);
-    view.azimuth_rad = sight.azimuth_rad;
-    view.elevation_rad = sight.elevation_rad;
-    view.distance_m = sight.distance_m;
+    view.azimuth_rad = viewpoint.azimuth_rad;
+    view.elevation_rad = viewpoint.elevation_rad;
+    view.distance_m = viewpoint.distance_m;
     view.longest_side_m = impl_->size_m.maxCoeff();
     view.visible = visible;
     return view;

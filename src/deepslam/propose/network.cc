@@ -26,11 +26,11 @@ class NetworkProposer final : public Proposer {
   NetworkProposer(ShapePriors priors,
                   ClassTable classes,
                   const NetworkOptions& options,
-                  Sight sight)
+                  InputChannels channels)
       : priors_(std::move(priors)),
         classes_(std::move(classes)),
         options_(options),
-        sight_(sight) {}
+        channels_(channels) {}
 
   [[nodiscard]] std::string name() const override { return "network"; }
   [[nodiscard]] Result<Proposals> Propose(const ObjectObservations& object) const override;
@@ -49,7 +49,7 @@ class NetworkProposer final : public Proposer {
   ShapePriors priors_;
   ClassTable classes_;
   NetworkOptions options_;
-  Sight sight_;
+  InputChannels channels_;
 };
 
 // Longest side of what was measured, and its middle in the world; size 0: nothing was.
@@ -82,7 +82,7 @@ void NetworkProposer::Add(const ObjectObservations& object,
                           const ObjectView* view,
                           double size_m,
                           Proposals& proposals) const {
-  const bool by_depth = sight_ == Sight::kColourAndDepth;
+  const bool by_depth = channels_ == InputChannels::kColourAndDepth;
   Result<VoxelGrid> shape = prior.Decode(encoding.latents, by_depth);
   if (!shape.ok()) {
     proposals.notes.push_back(NoteStart(object) + shape.error().message);
@@ -164,7 +164,7 @@ Result<Proposals> NetworkProposer::Propose(const ObjectObservations& object) con
     return proposals;
   }
   const ShapePrior& prior = *found->second;
-  const bool by_depth = sight_ == Sight::kColourAndDepth;
+  const bool by_depth = channels_ == InputChannels::kColourAndDepth;
   const int num_read = std::max(NetworkOptions::kReadViews, options_.max_views);
   const MeasuredDepth measured = by_depth ? MeasureDepth(object, num_read) : MeasuredDepth();
   const Extent extent = MeasureExtent(measured.cloud);
@@ -215,8 +215,8 @@ void Describe(OptionsVisitor& visitor, NetworkOptions& options) {
 std::unique_ptr<Proposer> MakeNetworkProposer(ShapePriors priors,
                                               const ClassTable& classes,
                                               const NetworkOptions& options,
-                                              Sight sight) {
-  return std::make_unique<NetworkProposer>(std::move(priors), classes, options, sight);
+                                              InputChannels channels) {
+  return std::make_unique<NetworkProposer>(std::move(priors), classes, options, channels);
 }
 
 }  // namespace deepslam::propose

@@ -51,7 +51,7 @@ class Proposer {
 };
 
 // What a source may look at. Poses, ground and segmentation are known in either case.
-enum class Sight {
+enum class InputChannels {
   kColourAndDepth,
   kColour,  // the colour image and the object's silhouette in it, no depth values
 };
@@ -78,7 +78,7 @@ void Describe(OptionsVisitor& visitor, RetrievalOptions& options);
     std::shared_ptr<const ModelLibrary> library,
     const ClassTable& classes,
     const RetrievalOptions& options,
-    Sight sight = Sight::kColourAndDepth);
+    InputChannels channels = InputChannels::kColourAndDepth);
 
 [[nodiscard]] std::unique_ptr<Proposer> MakeFusedProposer(const ClassTable& classes);
 
@@ -100,9 +100,10 @@ void Describe(OptionsVisitor& visitor, NetworkOptions& options);
 using ShapePriors = std::map<std::string, std::shared_ptr<const ShapePrior>, std::less<>>;
 
 // By colour alone the depth planes of the crops stay empty, and sizes are the class's.
-[[nodiscard]] std::unique_ptr<Proposer> MakeNetworkProposer(ShapePriors priors,
-                                                            const ClassTable& classes,
-                                                            const NetworkOptions& options,
-                                                            Sight sight = Sight::kColourAndDepth);
+[[nodiscard]] std::unique_ptr<Proposer> MakeNetworkProposer(
+    ShapePriors priors,
+    const ClassTable& classes,
+    const NetworkOptions& options,
+    InputChannels channels = InputChannels::kColourAndDepth);
 
 }  // namespace deepslam::propose

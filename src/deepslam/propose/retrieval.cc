@@ -89,11 +89,11 @@ class RetrievalProposer final : public Proposer {
   RetrievalProposer(std::shared_ptr<const ModelLibrary> library,
                     ClassTable classes,
                     const RetrievalOptions& options,
-                    Sight sight)
+                    InputChannels channels)
       : library_(std::move(library)),
         classes_(std::move(classes)),
         options_(options),
-        sight_(sight),
+        channels_(channels),
         made_(library_->models.size()) {}
 
   [[nodiscard]] std::string name() const override { return "retrieval"; }
@@ -118,7 +118,7 @@ class RetrievalProposer final : public Proposer {
   std::shared_ptr<const ModelLibrary> library_;
   ClassTable classes_;
   RetrievalOptions options_;
-  Sight sight_;
+  InputChannels channels_;
   // Made on first use: most runs need a few classes only.
   struct Made {
     std::mutex mutex;
@@ -275,7 +275,7 @@ Result<Proposals> RetrievalProposer::Propose(const ObjectObservations& object) c
     proposals.notes.push_back(subject + "no model stands for its class");
     return proposals;
   }
-  const bool by_depth = sight_ == Sight::kColourAndDepth;
+  const bool by_depth = channels_ == InputChannels::kColourAndDepth;
   Measured measured;
   if (by_depth) {
     measured.depth = MeasureDepth(object, RetrievalOptions::kMaxViews);
@@ -322,9 +322,9 @@ void Describe(OptionsVisitor& visitor, RetrievalOptions& options) {
 std::unique_ptr<Proposer> MakeRetrievalProposer(std::shared_ptr<const ModelLibrary> library,
                                                 const ClassTable& classes,
                                                 const RetrievalOptions& options,
-                                                Sight sight) {
+                                                InputChannels channels) {
   DEEPSLAM_CHECK(library != nullptr, "retrieval without a library");
-  return std::make_unique<RetrievalProposer>(std::move(library), classes, options, sight);
+  return std::make_unique<RetrievalProposer>(std::move(library), classes, options, channels);
 }
 
 }  // namespace deepslam::propose

@@ -13,8 +13,8 @@ namespace deepslam::registration {
 namespace {
 
 // Ranking needs no more than this of the measurement.
-constexpr std::size_t kMaxJudgeViews = 8;
-constexpr std::size_t kPointsPerJudgeView = 60;  // of each of these views
+constexpr std::size_t kMaxScoringViews = 8;
+constexpr std::size_t kPointsPerScoringView = 60;  // of each of these views
 // Hypotheses closer than all of these lead to the same optimum.
 constexpr double kSameAngleRad = 0.3;
 constexpr double kSamePlaceShare = 0.15;  // of the scale
@@ -96,32 +96,32 @@ std::vector<WorldHypothesis> FindHypotheses(const shape::ShapeModel& model,
                                             VisibleSurface& visible,
                                             std::span<const MeasuredView* const> views,
                                             const PlacementPrior& prior) {
-  const ViewPointers judges = EvenlySpaced(views, kMaxJudgeViews);
+  const ViewPointers scoring_views = EvenlySpaced(views, kMaxScoringViews);
   std::vector<double> scales_m;
   if (prior.expected_m > 0) scales_m.push_back(prior.expected_m);
   const double top_m = TopHeight(views);
   if (prior.stands && top_m > 0)
     scales_m.push_back(std::clamp(top_m / model.extent().z(), prior.min_m, prior.max_m));
   std::vector<WorldHypothesis> all;
-  const auto judge = [&](const MeasuredView& view, const Similarity3& camera_from_object) {
+  const auto add_scored = [&](const MeasuredView& view, const Similarity3& camera_from_object) {
     WorldHypothesis hypothesis{view.world_from_camera * camera_from_object, 0.0};
     if (prior.stands) StandOnGround(model, view, hypothesis.world_from_object);
-    const int stride = static_cast<int>(view.points_camera.size() / kPointsPerJudgeView) + 1;
+    const int stride = static_cast<int>(view.points_camera.size() / kPointsPerScoringView) + 1;
     hypothesis.disagreement = Disagreement(model,
                                            visible,
-                                           judges,
+                                           scoring_views,
                                            hypothesis.world_from_object,
                                            RegisterOptions::kCoarseRadius_m,
                                            stride) +
-                              BackShownCost(hypothesis.world_from_object, judges);
+                              BackShownCost(hypothesis.world_from_object, scoring_views);
     all.push_back(hypothesis);
   };
   for (const MeasuredView* view : BestViews(views, RegisterOptions::kNumSeedViews)) {
     for (const Similarity3& camera_from_object :
          AlignByMoments(visible, *view, RegisterOptions::kNumAzimuths, prior.min_m, prior.max_m)) {
-      judge(*view, camera_from_object);
+      add_scored(*view, camera_from_object);
       for (const double scale_m : scales_m)
-        judge(*view, Rescaled(camera_from_object, view->centroid_camera, scale_m));
+        add_scored(*view, Rescaled(camera_from_object, view->centroid_camera, scale_m));
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {

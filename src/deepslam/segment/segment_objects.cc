@@ -10,8 +10,8 @@
 #include "deepslam/segment/connect.h"
 #include "deepslam/segment/fill_unmeasured.h"
 #include "deepslam/segment/image_pieces.h"
-#include "deepslam/segment/level_top.h"
 #include "deepslam/segment/region.h"
+#include "deepslam/segment/support_plane.h"
 #include "deepslam/segment/surface_behind.h"
 #include "deepslam/segment/top_carriers.h"
 
@@ -80,8 +80,8 @@ std::vector<OwnedTop> ClaimTops(const FrameToSegment& seen,
     if (!classes.TraitsOf(seen.detections[d].class_name).support_plane) continue;
     if (heights.empty()) heights = HeightsOf(pieces);
     const int owner = static_cast<int>(d);
-    std::optional<LevelTop> top =
-        ClaimLevelTop(pieces, heights, seen.camera, *seen.ground_camera, regions[d], owner, owners);
+    std::optional<SupportPlane> top = ClaimSupportPlane(
+        pieces, heights, seen.camera, *seen.ground_camera, regions[d], owner, owners);
     if (top) tops.push_back({owner, std::move(*top)});
   }
   return tops;
@@ -135,7 +135,7 @@ Segment Describe(const Detection& detection,
   segment.touches_border = region.empty() || region.u_min < margin || region.v_min < margin ||
                            region.u_max > width - 1 - margin || region.v_max > height - 1 - margin;
   segment.usable = segment.num_points >= options.min_points &&
-                   segment.depth_support >= SegmentOptions::kMinSupport;
+                   segment.depth_support >= SegmentOptions::kMinBoxShare;
   if (region.empty()) {
     segment.reason = "box outside the image";
   } else if (segment.num_points < options.min_points) {

@@ -36,7 +36,7 @@ struct SegmentOptions {
   double mask_dilation_px = 4;  // an instance mask is widened by this before it cuts
   static constexpr double kBorderMargin_px = 8;  // a box nearer to the image border touches it
   int min_points = 400;                          // fewer pixels: not usable
-  static constexpr double kMinSupport = 0.04;    // smaller share of the box: not usable
+  static constexpr double kMinBoxShare = 0.04;   // smaller share of the box: not usable
 };
 void Describe(OptionsVisitor& visitor, SegmentOptions& options);
 

@@ -15,10 +15,10 @@
 namespace deepslam::segment {
 namespace {
 
-constexpr double kEdge_m = 0.04;      // legs may stand this far out of the visible top
+constexpr double kEdge_m = 0.04;          // legs may stand this far out of the visible top
 constexpr double kCarrierReach_m = 0.12;  // what carries a top is seen up to this close below it
-constexpr double kLeastReach = 0.01;  // share of a piece's pixels that must come close to it
-constexpr double kLeg_m = 0.15;       // parts of legs are no wider, seen from above
+constexpr double kLeastReach = 0.01;      // share of a piece's pixels that must come close to it
+constexpr double kLeg_m = 0.15;           // parts of legs are no wider, seen from above
 
 // A piece of the image beside a top above it.
 struct Support {
@@ -79,7 +79,7 @@ DEEPSLAM_WIDE_VECTORS void CompareRow(const ImagePieces& pieces,
 
 std::vector<Support> SurveySupports(const ImagePieces& pieces,
                                     const Plane& ground_camera,
-                                    const LevelTop& top,
+                                    const SupportPlane& top,
                                     const Owners& owners,
                                     Mask& under) {
   const GroundAxes axes(ground_camera);

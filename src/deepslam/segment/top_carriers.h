@@ -5,14 +5,14 @@
 
 #include "deepslam/geometry/plane.h"
 #include "deepslam/segment/image_pieces.h"
-#include "deepslam/segment/level_top.h"
 #include "deepslam/segment/region.h"
+#include "deepslam/segment/support_plane.h"
 
 namespace deepslam::segment {
 
 struct OwnedTop {
   int owner = 0;
-  LevelTop top;
+  SupportPlane top;
 };
 
 // Gives unowned pixels of what carries each top to its owner, also outside its box: pieces under

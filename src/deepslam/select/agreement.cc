@@ -224,23 +224,24 @@ bool IsConfirmed(const shape::ShapeModel& model,
 }  // namespace
 
 std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views) {
-  std::vector<JudgedView> judged(views.size());
+  std::vector<JudgedView> prepared(views.size());
   ParallelFor(views.size(), [&](std::size_t i) {
     const ObjectView& view = views[i];
-    judged[i].view = view.detection;
-    judged[i].frame = view.frame;
+    prepared[i].view = view.detection;
+    prepared[i].frame = view.frame;
     if (!IsUsable(view)) return;
     for (const Eigen::Vector3f& point :
          shape::ExtractViewPoints(view, SelectOptions::kMaxPoints).points_camera) {
-      if (point.allFinite() && point.z() > 0) judged[i].points_camera.push_back(point);
+      if (point.allFinite() && point.z() > 0) prepared[i].points_camera.push_back(point);
     }
-    judged[i].world_from_camera = view.world_from_camera;
-    judged[i].ground_camera = view.ground_camera;
+    prepared[i].world_from_camera = view.world_from_camera;
+    prepared[i].ground_camera = view.ground_camera;
     const int side = std::max(view.depth_crop_m.width(), view.depth_crop_m.height());
-    AddReducedCrop(
-        view, (side + SelectOptions::kMaxRender_px - 1) / SelectOptions::kMaxRender_px, judged[i]);
+    AddReducedCrop(view,
+                   (side + SelectOptions::kMaxRender_px - 1) / SelectOptions::kMaxRender_px,
+                   prepared[i]);
   });
-  return judged;
+  return prepared;
 }
 
 DEEPSLAM_WIDE_VECTORS ViewAgreement MeasureAgreement(const shape::ShapeModel& model,

@@ -100,14 +100,14 @@ struct WholeModels {
 
 WholeModels BestWhole(std::span<const ShapeCandidate> candidates,
                       std::span<const CandidateScore> scores,
-                      std::span<const double> handicaps,
+                      std::span<const double> penalties,
                       const std::vector<bool>& placed) {
   WholeModels best;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (TraitsOf(candidates[i].source).is_partial || !placed[i]) continue;
-    best.score = std::max(best.score, scores[i].score - handicaps[i]);
+    best.score = std::max(best.score, scores[i].score - penalties[i]);
     best.score_within_reach =
-        std::max(best.score_within_reach, ScoreWithinReach(scores[i]) - handicaps[i]);
+        std::max(best.score_within_reach, ScoreWithinReach(scores[i]) - penalties[i]);
   }
   return best;
 }
@@ -120,44 +120,44 @@ double FixedMargin(WinningMargin margin) {
 }
 
 // What each candidate's score is compared with less.
-std::vector<double> Handicaps(std::span<const ShapeCandidate> candidates,
+std::vector<double> Penalties(std::span<const ShapeCandidate> candidates,
                               std::span<const CandidateRegistration> registrations,
                               std::span<const CandidateScore> scores,
                               std::span<const ObjectView> views) {
   const std::vector<Eigen::Vector3d> cameras_world = CamerasOf(views);
-  std::vector<double> handicaps(candidates.size(), 0.0);
+  std::vector<double> penalties(candidates.size(), 0.0);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const SourceTraits& traits = TraitsOf(candidates[i].source);
     if (traits.is_partial) continue;  // has no front of its own
     const Pose3& placed = registrations[i].world_from_object;
-    handicaps[i] = SelectOptions::kBackPenalty *
+    penalties[i] = SelectOptions::kBackPenalty *
                        BackShown(placed.rotation, placed.translation_m, cameras_world) +
                    SelectOptions::kBlockedPenalty * scores[i].front_blocked;
-    handicaps[i] += FixedMargin(traits.margin);
+    penalties[i] += FixedMargin(traits.margin);
   }
-  const WholeModels whole = BestWhole(candidates, scores, handicaps, Placed(registrations));
+  const WholeModels whole = BestWhole(candidates, scores, penalties, Placed(registrations));
   const double out_of_reach = std::max(0.0, whole.score_within_reach - whole.score);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (TraitsOf(candidates[i].source).margin != WinningMargin::kUnseenSides) continue;
     const double unseen =
         UnseenShare(GapsBetweenCameras(registrations[i].world_from_object, cameras_world));
-    handicaps[i] = std::min(
+    penalties[i] = std::min(
         SelectOptions::kSufficientMargin,
         SelectOptions::kFusedMargin + SelectOptions::kOneSidedMargin * unseen + out_of_reach);
   }
-  return handicaps;
+  return penalties;
 }
 
 // Placed candidates first, then by deciding score, then by id.
 std::vector<Ranked> Rank(std::span<const ShapeCandidate> candidates,
                          std::span<const CandidateRegistration> registrations,
                          std::span<const CandidateScore> scores,
-                         std::span<const double> handicaps) {
+                         std::span<const double> penalties) {
   const std::vector<bool> placed = Placed(registrations);
   std::vector<Ranked> ranked;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double score = std::isfinite(scores[i].score) ? scores[i].score : 0.0;
-    ranked.push_back({i, std::max(0.0, score - handicaps[i]), placed[i] && score > 0});
+    ranked.push_back({i, std::max(0.0, score - penalties[i]), placed[i] && score > 0});
   }
   std::stable_sort(ranked.begin(), ranked.end(), [&](const Ranked& a, const Ranked& b) {
     if (a.placed != b.placed) return a.placed;
@@ -208,7 +208,7 @@ std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidate
                                        std::span<const CandidateRegistration> registrations,
                                        std::span<const CandidateScore> scores,
                                        std::span<const ObjectView> views,
-                                       std::span<const double> handicaps) {
+                                       std::span<const double> penalties) {
   const Arrival arrival(views);
   const std::vector<bool> placed = Placed(registrations);
   std::vector<Replacement> history;
@@ -218,7 +218,7 @@ std::vector<Replacement> GreedyHistory(std::span<const ShapeCandidate> candidate
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!placed[i] || arrival.StepOf(candidates[i]) > step) continue;
       const double score =
-          std::max(0.0, ScoreSoFar(scores[i], arrival.order(), step + 1) - handicaps[i]);
+          std::max(0.0, ScoreSoFar(scores[i], arrival.order(), step + 1) - penalties[i]);
       const bool holds = !history.empty() && history.back().candidate == candidates[i].id;
       if (best && (score < best_score || (score == best_score && !holds))) continue;
       best = i;
@@ -389,10 +389,10 @@ MapObject SelectShape(ObjectId id,
   MapObject object;
   object.id = id;
   object.class_name = class_name;
-  const std::vector<double> handicaps = Handicaps(candidates, registrations, scores, views);
-  const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, handicaps);
+  const std::vector<double> penalties = Penalties(candidates, registrations, scores, views);
+  const std::vector<Ranked> ranked = Rank(candidates, registrations, scores, penalties);
   for (const Ranked& entry : ranked) object.scores.push_back(scores[entry.index]);
-  object.history = GreedyHistory(candidates, registrations, scores, views, handicaps);
+  object.history = GreedyHistory(candidates, registrations, scores, views, penalties);
   if (ranked.empty() || !ranked.front().placed) {
     object.note = candidates.empty() ? "no candidate" : WhyNotPlaced(scores[ranked.front().index]);
     return object;

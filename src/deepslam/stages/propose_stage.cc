@@ -42,7 +42,8 @@ Result<Sources> MakeSources(const RunInputs& inputs,
   const ClassTable& classes = inputs.classes;
   const ModelFolders folders = {inputs.data_folder, inputs.models};
   const bool use_depth = config.propose_stage.use_depth;
-  const auto sight = use_depth ? propose::Sight::kColourAndDepth : propose::Sight::kColour;
+  const auto channels =
+      use_depth ? propose::InputChannels::kColourAndDepth : propose::InputChannels::kColour;
   Sources sources;
   sources.of_candidates.use_depth = use_depth;
   auto& proposers = sources.of_candidates.proposers;
@@ -51,7 +52,7 @@ Result<Sources> MakeSources(const RunInputs& inputs,
     if (!library.ok()) return library.error();
     sources.library = std::move(library).value();
     proposers.push_back(
-        propose::MakeRetrievalProposer(sources.library, classes, config.retrieval, sight));
+        propose::MakeRetrievalProposer(sources.library, classes, config.retrieval, channels));
   }
   if (config.propose_stage.fused && use_depth) {
     proposers.push_back(propose::MakeFusedProposer(classes));
@@ -67,7 +68,7 @@ Result<Sources> MakeSources(const RunInputs& inputs,
       return sources;
     }
     proposers.push_back(
-        propose::MakeNetworkProposer(**priors, classes, config.shape_network, sight));
+        propose::MakeNetworkProposer(**priors, classes, config.shape_network, channels));
   }
   return sources;
 }

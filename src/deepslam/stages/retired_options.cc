@@ -88,7 +88,7 @@ void DescribeRetired(std::string_view section, OptionsVisitor& visitor) {
   fixed("segment", "jump_per_m2", segment::SegmentOptions::kJump_per_m2);
   fixed("segment", "join_m", segment::SegmentOptions::kJoin_m);
   fixed("segment", "border_margin_px", segment::SegmentOptions::kBorderMargin_px);
-  fixed("segment", "min_support", segment::SegmentOptions::kMinSupport);
+  fixed("segment", "min_support", segment::SegmentOptions::kMinBoxShare);
   fixed("segment", "min_height_m", segment::SegmentOptions::kMinHeight_m);
   fixed("segment", "jump_m", segment::SegmentOptions::kJump_m);
   fixed("segment", "fill_gap_m", segment::SegmentOptions::kFillGap_m);
@@ -97,12 +97,12 @@ void DescribeRetired(std::string_view section, OptionsVisitor& visitor) {
   fixed("segment", "min_points", segment::SegmentOptions().min_points);
   fixed("associate", "num_vote_frames", associate::AssociateOptions::kNumVoteFrames);
   fixed("associate", "max_dissimilarity_m", associate::AssociateOptions::kMaxDissimilarity_m);
-  fixed("associate", "truncation_m", associate::AssociateOptions::kTruncation_m);
+  fixed("associate", "truncation_m", associate::AssociateOptions::kMaxCounted_m);
   fixed("associate", "min_inside_share", associate::AssociateOptions::kMinInsideShare);
   fixed("associate", "min_consensus", associate::AssociateOptions::kMinConsensus);
   fixed("associate", "max_points", associate::AssociateOptions::kMaxSegmentPoints);
   fixed("associate", "min_single_score", associate::AssociateOptions::kMinSingleScore);
-  fixed("associate", "min_seen_share", associate::AssociateOptions::kMinSeenShare);
+  fixed("associate", "min_seen_share", associate::AssociateOptions::kMinDetectedShare);
   fixed("associate", "merge_overlap", associate::AssociateOptions::kMergeOverlap);
   fixed("associate", "voxel_m", associate::AssociateOptions::kVoxel_m);
   fixed("views", "crop_margin", observe::ViewOptions::kCropMargin);

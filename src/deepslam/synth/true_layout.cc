@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "deepslam/scene/door_sizes.h"
+#include "deepslam/scene/layout.h"
 
 namespace deepslam::synth {
 namespace {

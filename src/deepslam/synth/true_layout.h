@@ -7,7 +7,7 @@
 namespace deepslam::synth {
 
 // In the scene's world. Gaps that reach the floor are doors up to the width of two wings
-// (scene/door_sizes.h) and passages beyond; others are windows.
+// (scene/layout.h) and passages beyond; others are windows.
 [[nodiscard]] Layout TrueLayout(const SceneDescription& description);
 
 }  // namespace deepslam::synth

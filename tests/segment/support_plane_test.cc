@@ -1,5 +1,5 @@
 // Tops of tables and what carries them, each by itself.
-#include "deepslam/segment/level_top.h"
+#include "deepslam/segment/support_plane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,8 +29,8 @@ class ATable : public testing::Test {
     whole_image_.v_max = view_.object.height() - 1;
   }
 
-  std::optional<LevelTop> Claim() {
-    return ClaimLevelTop(pieces_, heights_, SmallCamera(), ground_, whole_image_, 7, owners_);
+  std::optional<SupportPlane> Claim() {
+    return ClaimSupportPlane(pieces_, heights_, SmallCamera(), ground_, whole_image_, 7, owners_);
   }
 
   // Above the floor, of a pixel of an object.
@@ -49,7 +49,7 @@ class ATable : public testing::Test {
 };
 
 TEST_F(ATable, HasItsTopAtItsHeight) {
-  const std::optional<LevelTop> top = Claim();
+  const std::optional<SupportPlane> top = Claim();
   ASSERT_TRUE(top.has_value());
   EXPECT_NEAR(top->height_m, 0.74, 0.02);  // a bin
   int num_claimed = 0;
@@ -80,7 +80,7 @@ TEST_F(ATable, PixelsOfOthersAreNotClaimed) {
 }
 
 TEST_F(ATable, ItsLegsCarryIt) {
-  const std::optional<LevelTop> top = Claim();
+  const std::optional<SupportPlane> top = Claim();
   ASSERT_TRUE(top.has_value());
   const std::vector<OwnedTop> tops = {{7, *top}};
   ClaimCarriers(pieces_, ground_, tops, owners_);
@@ -111,7 +111,7 @@ class ATableWithAChairUnderIt : public ATable {
 };
 
 TEST_F(ATableWithAChairUnderIt, DoesNotOwnTheChair) {
-  const std::optional<LevelTop> top = Claim();
+  const std::optional<SupportPlane> top = Claim();
   ASSERT_TRUE(top.has_value());
   const std::vector<OwnedTop> tops = {{7, *top}};
   ClaimCarriers(pieces_, ground_, tops, owners_);

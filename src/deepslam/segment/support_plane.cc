@@ -1,4 +1,4 @@
-#include "deepslam/segment/level_top.h"
+#include "deepslam/segment/support_plane.h"
 
 #include <cmath>
 #include <cstddef>
@@ -55,7 +55,7 @@ double OpaqueShare(const ImagePieces& pieces,
                    const PinholeCamera& camera,
                    const Plane& ground_camera,
                    const Region& region,
-                   const LevelTop& top) {
+                   const SupportPlane& top) {
   constexpr int kStep_px = 2;  // a quarter of the pixels is enough for a share
   if (ground_camera.d_m <= top.height_m) return 1.0;  // seen from below
   const GroundAxes axes(ground_camera);
@@ -95,7 +95,7 @@ PlanarPoints OnGround(std::span<const PixelPoint> pixels, const GroundAxes& axes
 }
 
 struct FoundTop {
-  LevelTop top;
+  SupportPlane top;
   std::vector<PixelPoint> pixels;
 };
 
@@ -133,13 +133,13 @@ std::optional<FoundTop> FindTop(const ImagePieces& pieces,
 
 }  // namespace
 
-std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
-                                      std::span<const PieceHeights> heights,
-                                      const PinholeCamera& camera,
-                                      const Plane& ground_camera,
-                                      const Region& region,
-                                      int owner,
-                                      Owners& owners) {
+std::optional<SupportPlane> ClaimSupportPlane(const ImagePieces& pieces,
+                                              std::span<const PieceHeights> heights,
+                                              const PinholeCamera& camera,
+                                              const Plane& ground_camera,
+                                              const Region& region,
+                                              int owner,
+                                              Owners& owners) {
   std::optional<FoundTop> found = FindTop(pieces, heights, camera, ground_camera, region, owners);
   if (!found) return std::nullopt;
   for (const PixelPoint& p : found->pixels) owners(p.u, p.v) = owner;

@@ -1,4 +1,4 @@
-#include "deepslam/associate/sights.h"
+#include "deepslam/associate/coarse_views.h"
 
 #include <utility>
 
@@ -6,10 +6,10 @@ namespace deepslam::associate {
 namespace {
 
 DepthImage Coarse(const DepthImage& depth_m) {
-  DepthImage coarse(depth_m.width() / kSightStep, depth_m.height() / kSightStep);
+  DepthImage coarse(depth_m.width() / kCoarseStep, depth_m.height() / kCoarseStep);
   for (int v = 0; v < coarse.height(); ++v) {
     for (int u = 0; u < coarse.width(); ++u) {
-      coarse(u, v) = depth_m(u * kSightStep + kSightStep / 2, v * kSightStep + kSightStep / 2);
+      coarse(u, v) = depth_m(u * kCoarseStep + kCoarseStep / 2, v * kCoarseStep + kCoarseStep / 2);
     }
   }
   return coarse;
@@ -17,7 +17,7 @@ DepthImage Coarse(const DepthImage& depth_m) {
 
 }  // namespace
 
-void Sights::Add(FrameIdx frame, const Pose3& camera_from_world, const DepthImage& depth_m) {
+void CoarseViews::Add(FrameIdx frame, const Pose3& camera_from_world, const DepthImage& depth_m) {
   if (num_added_++ % every_ != 0) return;
   if (held_.size() == capacity_) {
     for (std::size_t n = 1; 2 * n < held_.size(); ++n) held_[n] = std::move(held_[2 * n]);

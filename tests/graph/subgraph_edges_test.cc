@@ -1,4 +1,4 @@
-#include "deepslam/graph/carrying_edges.h"
+#include "deepslam/graph/subgraph_edges.h"
 
 #include <algorithm>
 #include <iterator>
@@ -28,7 +28,7 @@ void Add(EdgeKind kind, int a, int b, GraphModel& model) {
 
 std::set<std::pair<int, int>> Pairs(const GraphModel& model) {
   std::set<std::pair<int, int>> pairs;
-  for (const std::size_t k : CarryingEdges(model))
+  for (const std::size_t k : SubgraphEdges(model))
     pairs.insert({model.pose_edges[k].a, model.pose_edges[k].b});
   return pairs;
 }
@@ -44,20 +44,20 @@ GraphModel Rounds(int num_keyframes, int round) {
   return model;
 }
 
-TEST(CarryingEdges, JoinEveryKeyframeWithFewEdges) {
+TEST(SubgraphEdges, JoinEveryKeyframeWithFewEdges) {
   const GraphModel model = Rounds(100, 20);
-  const std::vector<std::size_t> carrying = CarryingEdges(model);
-  EXPECT_TRUE(std::ranges::is_sorted(carrying));
-  EXPECT_EQ(std::ranges::adjacent_find(carrying), carrying.end());
-  EXPECT_LT(carrying.size(), model.keyframes.size() + 10);
+  const std::vector<std::size_t> subgraph = SubgraphEdges(model);
+  EXPECT_TRUE(std::ranges::is_sorted(subgraph));
+  EXPECT_EQ(std::ranges::adjacent_find(subgraph), subgraph.end());
+  EXPECT_LT(subgraph.size(), model.keyframes.size() + 10);
   DisjointSets joined(model.keyframes.size());
-  for (const std::size_t k : carrying)
+  for (const std::size_t k : subgraph)
     joined.Join(static_cast<std::uint32_t>(model.pose_edges[k].a),
                 static_cast<std::uint32_t>(model.pose_edges[k].b));
   for (std::uint32_t k = 0; k < 100; ++k) EXPECT_EQ(joined.LeastOf(k), 0U) << k;
 }
 
-TEST(CarryingEdges, AreThePathAndNowAndThenALoopToTheRoundBefore) {
+TEST(SubgraphEdges, AreThePathAndNowAndThenALoopToTheRoundBefore) {
   constexpr int kRound = 20;
   std::set<std::pair<int, int>> pairs = Pairs(Rounds(90, kRound));
   for (int k = 1; k < 90; ++k) EXPECT_EQ(pairs.erase({k - 1, k}), 1U) << k;
@@ -72,7 +72,7 @@ TEST(CarryingEdges, AreThePathAndNowAndThenALoopToTheRoundBefore) {
 }
 
 // Tracking was lost between 2 and 3: what leads over the gap carries, however far it reaches.
-TEST(CarryingEdges, LeadOverABreakByTheShortestWay) {
+TEST(SubgraphEdges, LeadOverABreakByTheShortestWay) {
   GraphModel model = Keyframes(6);
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {3, 4}, {4, 5}})
     Add(EdgeKind::kOdometry, a, b, model);
@@ -84,12 +84,12 @@ TEST(CarryingEdges, LeadOverABreakByTheShortestWay) {
           std::pair(0, 1), std::pair(1, 2), std::pair(1, 4), std::pair(3, 4), std::pair(4, 5)));
 }
 
-TEST(CarryingEdges, HoldAllOfAnObject) {
+TEST(SubgraphEdges, HoldAllOfAnObject) {
   GraphModel model = Keyframes(3);
   Add(EdgeKind::kObject, 0, 3, model);
   Add(EdgeKind::kObject, 2, 3, model);
-  EXPECT_THAT(CarryingEdges(model), ElementsAre(0, 1));
-  EXPECT_TRUE(CarryingEdges(GraphModel{}).empty());
+  EXPECT_THAT(SubgraphEdges(model), ElementsAre(0, 1));
+  EXPECT_TRUE(SubgraphEdges(GraphModel{}).empty());
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 
 namespace deepslam::segment {
 
-struct LevelTop {
+struct SupportPlane {
   double height_m = 0;
   std::vector<Eigen::Vector2d>
       hull_ground_m;  // convex, counter-clockwise, in GroundTangentBasis coordinates
@@ -25,12 +25,12 @@ struct LevelTop {
 // its pixels that have no owner to `owner`. Nothing when there is none between the heights of seats
 // and bars. Depth is needed along the rim only: tops of tables often return none elsewhere.
 // `heights`: of the pieces.
-[[nodiscard]] std::optional<LevelTop> ClaimLevelTop(const ImagePieces& pieces,
-                                                    std::span<const PieceHeights> heights,
-                                                    const PinholeCamera& camera,
-                                                    const Plane& ground_camera,
-                                                    const Region& region,
-                                                    int owner,
-                                                    Owners& owners);
+[[nodiscard]] std::optional<SupportPlane> ClaimSupportPlane(const ImagePieces& pieces,
+                                                            std::span<const PieceHeights> heights,
+                                                            const PinholeCamera& camera,
+                                                            const Plane& ground_camera,
+                                                            const Region& region,
+                                                            int owner,
+                                                            Owners& owners);
 
 }  // namespace deepslam::segment

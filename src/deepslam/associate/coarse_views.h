@@ -11,19 +11,19 @@
 
 namespace deepslam::associate {
 
-inline constexpr int kSightStep = 8;  // px: depth in so few takes a 64th of the memory
+inline constexpr int kCoarseStep = 8;  // px: depth in so few takes a 64th of the memory
 
-struct Sight {
+struct CoarseView {
   FrameIdx frame;
   Pose3 camera_from_world;
-  DepthImage coarse_depth_m;  // every kSightStep-th pixel of the frame's
+  DepthImage coarse_depth_m;  // every kCoarseStep-th pixel of the frame's
 };
 
 // Of short captures every frame; of long ones every second, fourth ..., so that no more than
 // `capacity` (2 or more) are held.
-class Sights {
+class CoarseViews {
  public:
-  explicit Sights(std::size_t capacity = 2048) : capacity_(capacity) {}
+  explicit CoarseViews(std::size_t capacity = 2048) : capacity_(capacity) {}
 
   void Add(FrameIdx frame, const Pose3& camera_from_world, const DepthImage& depth_m);
 
@@ -40,7 +40,7 @@ class Sights {
   std::size_t capacity_;
   std::size_t every_ = 1;
   std::size_t num_added_ = 0;
-  std::vector<Sight> held_;
+  std::vector<CoarseView> held_;
 };
 
 }  // namespace deepslam::associate

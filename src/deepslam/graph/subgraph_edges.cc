@@ -1,4 +1,4 @@
-#include "deepslam/graph/carrying_edges.h"
+#include "deepslam/graph/subgraph_edges.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -31,8 +31,8 @@ bool IsApart(int newer, const std::set<int>& loops) {
 
 }  // namespace
 
-std::vector<std::size_t> CarryingEdges(const GraphModel& model) {
-  std::vector<std::size_t> carrying;
+std::vector<std::size_t> SubgraphEdges(const GraphModel& model) {
+  std::vector<std::size_t> subgraph;
   DisjointSets joined(model.keyframes.size());
   std::set<int> loops;  // their newer keyframes
   for (const std::size_t k : ShortestFirst(model)) {
@@ -42,13 +42,13 @@ std::vector<std::size_t> CarryingEdges(const GraphModel& model) {
         joined.Join(static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b));
     const bool ties_rounds = !joins && edge.kind == EdgeKind::kLoop && IsApart(newer, loops);
     if (ties_rounds) loops.insert(newer);
-    if (joins || ties_rounds) carrying.push_back(k);
+    if (joins || ties_rounds) subgraph.push_back(k);
   }
   for (std::size_t k = 0; k < model.pose_edges.size(); ++k) {
-    if (model.pose_edges[k].kind == EdgeKind::kObject) carrying.push_back(k);
+    if (model.pose_edges[k].kind == EdgeKind::kObject) subgraph.push_back(k);
   }
-  std::ranges::sort(carrying);
-  return carrying;
+  std::ranges::sort(subgraph);
+  return subgraph;
 }
 
 }  // namespace deepslam::graph
