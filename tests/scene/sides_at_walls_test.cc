@@ -50,6 +50,15 @@ TEST(SidesAtWalls, ACornerHasTwo) {
               ElementsAre(false, true, true, false));
 }
 
+TEST(SidesAtWalls, ASideThroughTheWallStandsAtIt) {
+  // Its width across the wall: it ends 0.4 m behind the face.
+  EXPECT_THAT(FindSidesAtWalls(Corner(), Standing({2, 0.1, 0.4}, 0), kSize_m),
+              ElementsAre(false, false, false, true));
+  EXPECT_THAT(FindSidesAtWalls(Corner(), Standing({2, -0.3, 0.4}, 0), kSize_m),
+              ElementsAre(false, false, false, true))
+      << "most of it is behind the face";
+}
+
 TEST(SidesAtWalls, NoneAwayFromWallsBesideThemAboveThemOrBehindThem) {
   const auto none = ElementsAre(false, false, false, false);
   EXPECT_THAT(FindSidesAtWalls(Corner(), Standing({2, 1.5, 0.4}, 90), kSize_m), none);

@@ -41,8 +41,10 @@ bool StandsAt(const LayoutWall& wall, const Pose3& level_from_box, const BoxSide
   if (!(side.outward.dot(into_room) <= -std::cos(kParallelRad))) return false;
   const Eigen::Vector3d& centre_m = level_from_box.translation_m;
   if (centre_m.z() < wall.bottom_m || centre_m.z() > wall.top_m) return false;
-  if (!(DistanceBefore(wall, centre_m.head<2>()) > 0)) return false;
-  if (!(std::abs(DistanceBefore(wall, side.middle_m)) <= kNear_m)) return false;
+  const Eigen::Vector2d opposite_m = 2 * centre_m.head<2>() - side.middle_m;
+  if (!(DistanceBefore(wall, opposite_m) > 0)) return false;
+  // What reaches through the wall stands at it all the more.
+  if (!(DistanceBefore(wall, side.middle_m) <= kNear_m)) return false;
   const double middle_m = along.dot(side.middle_m - wall.from_m);
   const double first_m = std::max(0.0, middle_m - 0.5 * side.length_m);
   const double last_m = std::min(wall.length_m(), middle_m + 0.5 * side.length_m);

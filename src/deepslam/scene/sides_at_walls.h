@@ -15,8 +15,8 @@ namespace deepslam {
 using SidesAtWalls = std::array<bool, 4>;
 
 // Of the box of these sides round the origin of a frame whose z is up in the layout's level world.
-// A side stands at a wall's face that it is parallel to within 20 deg and near to within 15 cm,
-// over half of its length, with the box before the face.
+// A side stands at a wall's face that it is parallel to within 20 deg and near to within 15 cm, or
+// reaches through, over half of its length, with the opposite side before the face.
 [[nodiscard]] SidesAtWalls FindSidesAtWalls(const Layout& layout,
                                             const Pose3& level_from_box,
                                             const Eigen::Vector3d& size_m);
