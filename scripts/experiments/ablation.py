@@ -150,7 +150,9 @@ def changes(with_it, without):
             differs = abs(after - before) > SCORE_FLOOR
         if differs:
             form = "{}" if isinstance(before, int) else "{:.2f}"
-            told.append(f"{name} {form.format(before)} → {form.format(after)}")
+            quantity = name.removesuffix(" cm")  # errors of the path go without their name
+            told.append(f"{quantity + ' ' if quantity != 'ATE' else ''}{form.format(before)} → {form.format(after)}"
+                        f"{' cm' if name.endswith(' cm') else ''}")
     return ", ".join(told)
 
 
