@@ -82,8 +82,8 @@ eval::PlacedBox ReadBox(const JsonNode& node) {
   return box;
 }
 
-// A round thing's turn says nothing. Of other turns none is forgiven by its mean distance: of the
-// surface of a cabinet half round a door's handles are little.
+// A round thing's turn says nothing. Other turns are not forgiven by their mean distance: of a
+// cabinet's surface the handles, which tell its front, are little.
 shape::Symmetry SymmetryOf(const TrueObject& object) {
   constexpr double kRound_m = 0.01;  // mean distance of surfaces that count as one
   const shape::ShapeModel model(object.grid);

@@ -19,6 +19,7 @@ import time
 import unittest
 
 import captures
+import onnx_files
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 SKIPPED = 77
@@ -479,23 +480,8 @@ class Workspaces(BadInput):
 
 
 def foreign_network(shape):
-    """A valid ONNX network that hands its input through: protocol buffers by hand, field by field."""
-    def number(value):
-        data = b""
-        while value > 127:
-            data, value = data + bytes([value & 127 | 128]), value >> 7
-        return data + bytes([value])
-    def integer(field, value):
-        return bytes([field << 3]) + number(value)
-    def block(field, data):
-        data = data.encode() if isinstance(data, str) else data
-        return bytes([field << 3 | 2]) + number(len(data)) + data
-    dimensions = b"".join(block(1, integer(1, size)) for size in shape)
-    def value(name):
-        return block(1, name) + block(2, block(1, integer(1, 1) + block(2, dimensions)))
-    node = block(1, "x") + block(2, "y") + block(4, "Identity")
-    graph = block(1, node) + block(2, "g") + block(11, value("x")) + block(12, value("y"))
-    return integer(1, 8) + block(7, graph) + block(8, integer(2, 13))
+    """A valid ONNX network that hands its input through."""
+    return onnx_files.network({"x": shape}, {"y": shape}, [onnx_files.node("Identity", ["x"], "y")])
 
 
 if __name__ == "__main__":

@@ -7,12 +7,13 @@ version are refused.
 import json
 import math
 import pathlib
-import struct
 import sys
 import tempfile
 import unittest
 
 import captures
+import onnx_files
+from onnx_files import INT64, constant, node
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve()
 SKIPPED = 77
@@ -20,46 +21,13 @@ TEMP = tempfile.TemporaryDirectory(prefix="deepslam-networks-")
 DIR = pathlib.Path(TEMP.name)
 ROOM = captures.make_room(PROGRAM, DIR / "room")
 CROP, SKETCH, LATENTS, SIDE = (7, 128, 128), (5, 64, 64), 100, 64
-FLOAT, INT64 = 1, 7  # ONNX's numbers of types
-
-
-def varint(value):
-    data = b""
-    while value > 127:
-        data, value = data + bytes([value & 127 | 128]), value >> 7
-    return data + bytes([value])
-
-
-def number(field, value):
-    return varint(field << 3) + varint(value)
-
-
-def block(field, data):
-    data = data.encode() if isinstance(data, str) else data
-    return varint(field << 3 | 2) + varint(len(data)) + data
-
-
-def port(name, shape):
-    dimensions = b"".join(block(1, number(1, side)) for side in (1, *shape))
-    return block(1, name) + block(2, block(1, number(1, FLOAT) + block(2, dimensions)))
-
-
-def constant(name, shape, values, kind=FLOAT):
-    raw = struct.pack(f"<{len(values)}{'f' if kind == FLOAT else 'q'}", *values)
-    return b"".join(number(1, side) for side in shape) + number(2, kind) + block(8, name) + block(9, raw)
-
-
-def node(operator, inputs, output):
-    return b"".join(block(1, name) for name in inputs) + block(2, output) + block(4, operator)
 
 
 def network(role, class_name, inputs, outputs, nodes, constants, version=2, **metadata):
-    """The bytes of an ONNX file; `inputs` and `outputs`: name -> shape without the batch."""
-    graph = b"".join(block(1, one) for one in nodes) + block(2, "g") + b"".join(block(5, one) for one in constants)
-    graph += b"".join(block(11, port(*one)) for one in inputs.items()) + b"".join(block(12, port(*one)) for one in outputs.items())
-    notes = {"format": "deepslam/prior", "version": version, "class": class_name, "role": role, **metadata}
-    return number(1, 8) + block(7, graph) + block(8, number(2, 13)) + b"".join(
-        block(14, block(1, key) + block(2, str(value))) for key, value in notes.items())
+    """The bytes of a shape network's file; `inputs` and `outputs`: name -> shape without the batch."""
+    batches = [{name: (1, *shape) for name, shape in ports.items()} for ports in (inputs, outputs)]
+    return onnx_files.network(*batches, nodes, constants, {
+        "format": "deepslam/prior", "version": version, "class": class_name, "role": role, **metadata})
 
 
 def fixed(name, shape, values):

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "deepslam/geometry/pixel_box.h"
+
 namespace deepslam::discovery {
 
 std::vector<Look> LooksIn(FrameIdx frame,
@@ -16,14 +18,9 @@ std::vector<Look> LooksIn(FrameIdx frame,
     const auto element = static_cast<std::size_t>(visible.elements[n]);
     if (found.of_element[element] < 0) continue;
     Look& look = looks[static_cast<std::size_t>(found.of_element[element])];
-    const Eigen::Vector2d pixel = visible.pixels[n].cast<double>();
-    Box2& box_px = look.seen.box_px;
-    if (look.area_px == 0) box_px = {pixel.x(), pixel.y(), pixel.x(), pixel.y()};
-    box_px = {std::min(box_px.u_min, pixel.x()),
-              std::min(box_px.v_min, pixel.y()),
-              std::max(box_px.u_max, pixel.x()),
-              std::max(box_px.v_max, pixel.y())};
+    const Eigen::Vector2i& pixel = visible.pixels[n];
     look.seen.frame = frame;
+    ExtendByPixel(pixel.x(), pixel.y(), look.seen.box_px);
     const double z_m = (view.camera_from_level * elements.points()[element].cast<double>()).z();
     const double side_px = view.camera.fx * elements.voxel_m() / z_m;
     look.area_px += side_px * side_px;

@@ -17,9 +17,6 @@ namespace {
 // Things that hide what they stand on begin where they were seen first: one that begins below this
 // and is longer than it is high reaches down to the floor.
 constexpr double kHiddenBaseM = 0.45;
-// Beds, tables and desks hide what stands behind them up to here; what begins higher stands on
-// something else than the floor, or hangs.
-constexpr double kHungBaseM = 0.75;
 // What detections name may be seen in part: the back of a chair that stands under a table is 0.2 m
 // high. Of the least side and surface that are asked of other things.
 constexpr double kNamedSideShare = 0.6;
@@ -96,7 +93,7 @@ std::string ClassBySize(const UprightBox& box, bool is_open_below, const ClassTa
     const bool is_asked = is_open_below ? c.traits.support_plane : c.detector_labels.empty();
     if (!is_asked || c.traits.fallback) continue;
     const Supports& supports = c.traits.supports;
-    if (box.bottom_m > kHungBaseM && !supports.furniture && !supports.wall) continue;
+    if (box.bottom_m > kMaxHiddenBase_m && !supports.furniture && !supports.wall) continue;
     const double eccentricity = std::max(Eccentricity(longest_m, c.min_size_m, c.max_size_m),
                                          Eccentricity(box.top_m, c.min_height_m, c.max_height_m));
     if (eccentricity > least) continue;

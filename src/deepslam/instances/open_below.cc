@@ -9,7 +9,9 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
+
+#include "deepslam/geometry/level_rectangle.h"
 
 namespace deepslam::instances {
 namespace {
@@ -74,19 +76,16 @@ double CoveredShare(std::span<const int> own,
 double FloorShare(const UprightBox& box,
                   const SurfaceElements& elements,
                   const Superpoints& superpoints) {
-  const double half_length_m = 0.5 * box.length_m - kInsetM;
-  const double half_width_m = 0.5 * box.width_m - kInsetM;
-  if (half_length_m <= 0 || half_width_m <= 0) return 0;
-  const Eigen::Rotation2Dd box_from_level(-box.yaw_rad);
+  const LevelRectangle inner{
+      box.centre_m, box.yaw_rad, box.length_m - 2 * kInsetM, box.width_m - 2 * kInsetM};
+  if (inner.length_m <= 0 || inner.width_m <= 0) return 0;
   std::size_t num_floor = 0;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const Eigen::Vector3d p = elements.points()[i].cast<double>();
     if (superpoints.of_element[i] >= 0 || std::abs(p.z()) > kFloorM) continue;
-    const Eigen::Vector2d p_box = box_from_level * (p.head<2>() - box.centre_m);
-    if (std::abs(p_box.x()) < half_length_m && std::abs(p_box.y()) < half_width_m) ++num_floor;
+    if (inner.Contains(p.head<2>())) ++num_floor;
   }
-  return static_cast<double>(num_floor) * elements.voxel_m() * elements.voxel_m() /
-         (4 * half_length_m * half_width_m);
+  return static_cast<double>(num_floor) * elements.voxel_m() * elements.voxel_m() / inner.area_m2();
 }
 
 }  // namespace

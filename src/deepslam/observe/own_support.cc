@@ -19,9 +19,6 @@ constexpr double kStrayShare = 0.02;
 // Of things that may stand on the floor: a foot that something hides is seen to end this high
 // above it; shelves and seats, the lowest furniture that carries things, are higher.
 constexpr double kMaxHidden_m = 0.25;
-// Of those that rest on walls alone otherwise: beds and tables hide as much, wall cabinets begin
-// higher.
-constexpr double kMaxHiddenBelowHung_m = 0.75;
 
 // Height of the foot above the ground.
 std::optional<double> FootOf(std::span<const ObjectView> views) {
@@ -42,7 +39,8 @@ std::optional<double> FootOf(std::span<const ObjectView> views) {
 void PutOnOwnSupport(const Supports& supports, std::span<ObjectView> views) {
   if (!supports.furniture && !supports.wall) return;
   const std::optional<double> foot_m = FootOf(views);
-  const double max_hidden_m = supports.furniture ? kMaxHidden_m : kMaxHiddenBelowHung_m;
+  // Wall cabinets, which no furniture carries, begin above what beds and tables hide.
+  const double max_hidden_m = supports.furniture ? kMaxHidden_m : kMaxHiddenBase_m;
   if (!foot_m || *foot_m <= 0 || !supports.RestsElsewhere(*foot_m, max_hidden_m)) return;
   for (ObjectView& view : views) {
     if (view.ground_camera) view.ground_camera->d_m -= *foot_m;

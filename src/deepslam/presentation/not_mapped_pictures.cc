@@ -12,8 +12,8 @@
 namespace deepslam::presentation {
 namespace {
 
-constexpr std::size_t kMaxPictures =
-    24;                        // of 20 KB or so: the page stays small to load and to read
+// Of 20 KB or so each: the page stays small to load and to read.
+constexpr std::size_t kMaxPictures = 24;
 constexpr int kWidthPx = 340;  // three side by side
 constexpr Rgb8 kBoxColour{230, 57, 70};
 

@@ -15,6 +15,10 @@
 
 namespace deepslam {
 
+// Beds, tables and desks hide what stands behind them up to this height above the floor; what
+// begins higher stands on something else than the floor, or hangs.
+inline constexpr double kMaxHiddenBase_m = 0.75;
+
 // What things of a class rest on; one of them at least.
 struct Supports {
   bool floor = true;

@@ -135,9 +135,8 @@ DEEPSLAM_WIDE_VECTORS Image<float> IncidenceCosine(const ObjectView& view, float
 
 }  // namespace
 
-DepthView::DepthView(const ObjectView& view, const Pose3& camera_from_frame, Slopes slopes)
-    : view_(&view) {
-  if (slopes == Slopes::kMeasured) cosine_ = IncidenceCosine(view, kNear_m);
+DepthView::DepthView(const ObjectView& view, const Pose3& camera_from_frame) : view_(&view) {
+  cosine_ = IncidenceCosine(view, kNear_m);
   rotation_ = camera_from_frame.rotation.toRotationMatrix().cast<float>();
   translation_ = camera_from_frame.translation_m.cast<float>();
   fx_ = static_cast<float>(view.camera.fx);

@@ -21,12 +21,8 @@ namespace deepslam::shape {
 
 class DepthView {
  public:
-  enum class Slopes { kMeasured, kIgnored };  // ignored: every cosine is 1
-
   // `view` must outlive the object; its images fit together. `camera_from_frame`: metres.
-  DepthView(const ObjectView& view,
-            const Pose3& camera_from_frame,
-            Slopes slopes = Slopes::kMeasured);
+  DepthView(const ObjectView& view, const Pose3& camera_from_frame);
 
   struct Reading {
     float z_m = 0;      // of the point, along the camera's axis
@@ -63,14 +59,14 @@ class DepthView {
   // The pixels AtCamera looks at for first + n * step.
   void PixelsAlong(const Eigen::Vector3f& first, const Eigen::Vector3f& step, Line& line) const;
 
-  // As in Reading, a pixel of the crop each; empty where slopes are ignored.
+  // As in Reading, a pixel of the crop each.
   [[nodiscard]] const Image<float>& cosines() const { return cosine_; }
 
  private:
   static constexpr float kNear_m = 0.1F;  // nearer than depth cameras for rooms measure
 
   const ObjectView* view_;
-  Image<float> cosine_;       // empty where slopes are ignored
+  Image<float> cosine_;
   Eigen::Matrix3f rotation_;  // camera from frame
   Eigen::Vector3f translation_;
   float fx_, fy_, cx_, cy_;
@@ -91,10 +87,8 @@ inline std::optional<DepthView::Reading> DepthView::AtCamera(
   const int row = static_cast<int>(v + 0.5F);
   const float measured_m = depth_m(column, row);
   if (!(measured_m > 0) || !std::isfinite(measured_m)) return std::nullopt;
-  return Reading{p_camera.z(),
-                 measured_m,
-                 cosine_.empty() ? 1.0F : cosine_(column, row),
-                 view_->mask_crop(column, row) != 0};
+  return Reading{
+      p_camera.z(), measured_m, cosine_(column, row), view_->mask_crop(column, row) != 0};
 }
 
 // Here, for its callers' loops, which are compiled for wide vectors.
@@ -125,7 +119,7 @@ inline void DepthView::At(const VectorColumns& points_frame,
     is_in_image[k] = is_in ? 1 : 0;
   }
   const float* const depths_m = depth_m.data();
-  const float* const cosines = cosine_.empty() ? nullptr : cosine_.data();
+  const float* const cosines = cosine_.data();
   const std::uint8_t* const in_mask = view_->mask_crop.data();
   // Without branches: what lies outside the image looks at its first pixel.
   for (std::size_t k = 0; k < size; ++k) {
@@ -134,7 +128,7 @@ inline void DepthView::At(const VectorColumns& points_frame,
     readings.is_object[k] = in_mask[n];
   }
   for (std::size_t k = 0; k < size; ++k)
-    readings.cosine[k] = cosines == nullptr ? 1.0F : cosines[static_cast<std::size_t>(pixel[k])];
+    readings.cosine[k] = cosines[static_cast<std::size_t>(pixel[k])];
 #pragma GCC ivdep
   for (std::size_t k = 0; k < size; ++k) {
     const float measured_m = readings.depth_m[k];

@@ -1,7 +1,5 @@
 #include "deepslam/tracking/placement.h"
 
-#include <utility>
-
 #include "deepslam/alignment/rotation_search.h"
 #include "deepslam/tracking/placement_acceptance.h"
 
@@ -16,6 +14,7 @@ constexpr double kConfidentCorrelation = 0.8;
 // Successive images correlate like that where they are laid right, however poor their depth is;
 // laid elsewhere, they differ by parallax.
 constexpr double kSameImage = 0.95;
+
 // World from the camera where it only turned since the reference.
 std::optional<Pose3> SearchTurn(const PosedFrame& reference, const PosedFrame& frame) {
   const auto rotation = alignment::SearchRotation(*reference.pyramid, *frame.pyramid);
