@@ -24,9 +24,8 @@ This page is written by `scripts/python_docs.py` out of the docstrings of the pa
 pip install ./python            # in the repository; "./python[mesh]" brings trimesh, "./python[rerun]" rerun-sdk
 ```
 
-Pure Python for Python 3.11 or newer, on numpy alone, typed throughout (`py.typed`). `python/examples/batch_plot.py` draws a
-batch: things by class, and the plan of every room. `python3 -m deepslam.check PATH ...` reads whole workspaces, maps and scene
-graphs and says what is wrong with them (exit code 3).
+Python 3.11 or newer, on numpy alone, typed throughout. `python3 -m deepslam.check PATH ...` reads whole workspaces, maps and
+scene graphs and says what is wrong with them (exit code 3).
 """
 # Sections of the page, in order; names that __all__ has and no section names are a fault.
 SECTIONS = {

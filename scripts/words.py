@@ -16,9 +16,9 @@ LIMITS = {
     "options": 126,
     "options that nobody sets": 21,
     "constants without a comment": 0,
-    "words of documents": 25900,
+    "words of documents": 24700,
     "lines of tracking and alignment": 7033,
-    "coined terms": 714,
+    "coined terms": 712,
 }
 
 # Coined here -> what the field says. A pattern is matched against words of code (also within names) and of documents.

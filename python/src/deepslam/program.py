@@ -82,8 +82,7 @@ def run(
 
     `options` are those of `deepslam config dump`, by name: {"detect.min_score": 0.4}. The others are the program's own
     (`deepslam run --help`). `on_progress` is called in this thread for every event. An exception of it, and Ctrl-C, stop the
-    program between two steps before they go on to the caller; what is done stays. Raises a `ProgramError` with the program's
-    message and exit code where it ended with one, and `ProgramMissing`.
+    program between two steps; what is done stays. Raises `ProgramError` and `ProgramMissing`.
     """
     found = find_program(program)
     command = [str(found), "run", os.fspath(capture), "--output", os.fspath(workspace), "--progress", "json"]

@@ -200,11 +200,7 @@ class Scene:
 
     @functools.cached_property
     def meshes(self) -> Mapping[str, Mesh]:
-        """Surfaces of all objects by name, each in its object's own frame.
-
-        From scene.uncompressed.glb beside the map; else from scene.glb where that is not compressed; else by `expand`, in the
-        colours of classes, where the program is found.
-        """
+        """Surfaces of all objects by name, each in its object's own frame; `open` says where they come from."""
         for name in ("scene.uncompressed.glb", "scene.glb"):
             file = self._beside(name)
             if file.exists() and not glb.needs_decoder(file):
@@ -268,12 +264,9 @@ class Scene:
 def open(path: StrPath, *, program: StrPath | None = None) -> Scene:
     """Opens a workspace of `deepslam run`, or a map.json alone.
 
-    A map in its workspace's folder `export` knows the workspace; one that lies elsewhere has objects and layout, and meshes where
-    a scene lies beside it or where the program (`program`, see `find_program`) makes them.
-
-    Meshes are read from scene.uncompressed.glb, which every run writes beside scene.glb: this package does not decode Draco, by
-    which scene.glb is compressed. Of a map without it (option export.uncompressed_twin off, or the map.json alone) they are made by
-    `deepslam expand`, without the colours of the frames.
+    A map in its workspace's folder `export` knows the workspace; one that lies elsewhere has objects and layout. Meshes are read
+    from a scene beside it that is not compressed by Draco (scene.uncompressed.glb, which every run writes), else made by
+    `deepslam expand`, in the colours of classes, where the program (`program`, see `find_program`) is found.
     """
     place = pathlib.Path(path)
     if place.is_dir():
