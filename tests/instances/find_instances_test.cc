@@ -310,6 +310,9 @@ TEST(FindInstances, ATopOnLegsIsATableThoughNobodyNamesIt) {
       << "of its size, closed";
   EXPECT_THAT(NamesOverFloor(OnLegs(0.5, 0.4, 0.5), 0.4), testing::ElementsAre("cabinet"))
       << "a nightstand on legs";
+  EXPECT_THAT(NamesOverFloor({{0, {-0.6, -0.35, 0.66}, {0.6, 0.35, 0.7}}}, 0.4),
+              testing::ElementsAre("table"))
+      << "legs too thin for the surface";
   EXPECT_THAT(NamesOverFloor(OnLegs(1.2, 0.7, 0.5), 3), testing::ElementsAre("furniture"))
       << "no table is as small";
 }
@@ -382,6 +385,7 @@ TEST(Silhouettes, AreThePixelsOfTheThingAndOverlapNowhere) {
     SilhouetteOptions options;
     options.min_points = 200;
     for (const Silhouette& silhouette : FindSilhouettes({found.elements, nearest, found.instances},
+                                                        {},
                                                         view.frame.depth_m,
                                                         SmallCamera(),
                                                         pose,
@@ -405,6 +409,7 @@ TEST(Silhouettes, OfAFrameWithoutDepthThereAreNone) {
   const Found found = Find(TwoCabinets(0.3), {}, {}, Evidence::kNone);
   const NearestElements nearest(found.elements);
   EXPECT_THAT(FindSilhouettes({found.elements, nearest, found.instances},
+                              {},
                               DepthImage(320, 240),
                               SmallCamera(),
                               LookAt({0, -3, 1}, kMiddle),

@@ -148,6 +148,30 @@ TEST(PixelLabels, PixelsOfOtherThingsAndOfTheFloorAreNotTaken) {
   EXPECT_GT(by_surface.num_visible[1], 50);
 }
 
+TEST(PixelLabels, WhatADetectionShowsOverItsThingBelongsToIt) {
+  Fixture fixture = SurfaceOf(kPlate);
+  // The rail of a back, 0.3 m above the seat with nothing measured between, and a box far behind.
+  const std::vector<Cuboid> rail = {{7, {-0.4, 0.27, 0.8}, {0.4, 0.3, 0.9}}};
+  const std::vector<Cuboid> behind = {{5, {-0.5, 0.8, 0}, {0.5, 1.0, 0.8}}};
+  const BoxView seen =
+      RenderBoxes(Together(Together(kPlate, rail), behind), SmallCamera(), kBefore);
+  const MeasuredView view{seen.frame.depth_m, SmallCamera(), kBefore, kReachM};
+  Mask everything(seen.object.width(), seen.object.height());
+  std::ranges::fill(everything, 1);
+  const PixelMask mask = everything;
+  const int num_rail = static_cast<int>(std::ranges::count(seen.object, 7));
+  ASSERT_GT(num_rail, 300);
+  EXPECT_EQ(CountWhere(Labels(fixture, view, true), seen, 0, 7), 0);
+  const NearestElements nearest(fixture.elements);
+  PixelLabels labels = Labels(fixture, view, false);
+  const PixelLabels before = labels;
+  const ShownInstance shown{0, &mask};
+  GrowIntoMasks({fixture.elements, nearest, fixture.instances}, view, {&shown, 1}, labels);
+  EXPECT_GT(CountWhere(labels, seen, 0, 7), 0.9 * num_rail);
+  EXPECT_EQ(CountWhere(labels, seen, 0, 5), CountWhere(before, seen, 0, 5));
+  EXPECT_EQ(CountWhere(labels, seen, kRoomPixel, -1), CountWhere(before, seen, kRoomPixel, -1));
+}
+
 TEST(PixelLabels, OnlyGapsWithoutDepthInsideAThingAreFilled) {
   DepthImage depth_m(40, 20, 1.0F);
   PinholeCamera camera{40, 20, 100, 100, 20, 10};

@@ -217,9 +217,20 @@ class Tracks {
 
 // What a frame shows.
 struct Looked {
+  std::vector<int> thing_of_detection;
   std::vector<Silhouette> silhouettes;
   std::vector<Look> looks;
 };
+
+std::vector<instances::ShownInstance> ShownByMasks(std::span<const Detection> detections,
+                                                   const std::vector<int>& thing_of_detection) {
+  std::vector<instances::ShownInstance> shown;
+  for (std::size_t d = 0; d < detections.size(); ++d) {
+    if (thing_of_detection[d] >= 0 && !detections[d].mask.empty())
+      shown.push_back({thing_of_detection[d], &detections[d].mask});
+  }
+  return shown;
+}
 
 }  // namespace
 
@@ -251,25 +262,30 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   const instances::DividedSurface divided{elements, nearest, found};
   Tracks tracks(inputs, found);
   std::vector<Look> best;
-  const auto look = [&](std::size_t, const Frame& frame) {
+  const auto look = [&](std::size_t n, const Frame& frame) {
+    std::vector<int> thing_of_detection = ThingsOfDetections(
+        claims->frames[n], DetectionsOf(inputs, n), superpoints, thing_of_superpoint);
     const Pose3 level_from_camera = LevelFromCamera(inputs, frame.idx);
-    std::vector<Silhouette> silhouettes = instances::FindSilhouettes(
-        divided, frame.depth_m, inputs.frames.camera(), level_from_camera, options.silhouettes);
+    std::vector<Silhouette> silhouettes =
+        instances::FindSilhouettes(divided,
+                                   ShownByMasks(DetectionsOf(inputs, n), thing_of_detection),
+                                   frame.depth_m,
+                                   inputs.frames.camera(),
+                                   level_from_camera,
+                                   options.silhouettes);
     CutSilhouettes({frame, inputs.frames.camera(), level_from_camera, found.instances},
                    inputs.classes,
                    options.cut,
                    silhouettes);
     const instances::VotingView view{
         &frame.depth_m, inputs.frames.camera(), level_from_camera.Inverse(), {}};
-    return Looked{std::move(silhouettes),
+    return Looked{std::move(thing_of_detection),
+                  std::move(silhouettes),
                   LooksIn(frame.idx, view, elements, found, options.instances.votes)};
   };
   const auto add = [&](std::size_t n, Looked looked) {
     KeepBest(looked.looks, best);
-    tracks.Add(n,
-               looked.silhouettes,
-               ThingsOfDetections(
-                   claims->frames[n], DetectionsOf(inputs, n), superpoints, thing_of_superpoint));
+    tracks.Add(n, looked.silhouettes, looked.thing_of_detection);
     progress.Report(n + 1, inputs.looked_at.size());
   };
   const Status status = ForDepthFrames<Looked>(inputs, false, progress, look, add);

@@ -28,6 +28,10 @@ constexpr double kMinSeenShare = 0.5;
 // least height: beds, not chairs.
 constexpr double kLies = 2;
 
+// Detections that call a top on legs a table in this share of the views, weighted by their scores,
+// tell that it is one: two of the least score that is kept in thirty views.
+constexpr double kHintShare = 0.02;
+
 struct Context {
   const SurfaceElements& elements;
   const Superpoints& superpoints;
@@ -103,6 +107,16 @@ std::string ClassBySize(const UprightBox& box, bool is_open_below, const ClassTa
   return best != nullptr ? best->name : std::string();
 }
 
+// A top on legs: the floor was seen through it, or some detection calls it one.
+bool IsOpenBelow(const Context& context, const Instance& instance) {
+  if (!IsTopOnLegs(instance.elements, instance.box_level, context.elements)) return false;
+  const auto calls_it_one = [&](const std::pair<const std::string, double>& votes) {
+    return votes.second >= kHintShare && context.classes.TraitsOf(votes.first).support_plane;
+  };
+  return std::ranges::any_of(instance.class_shares, calls_it_one) ||
+         IsFloorSeenIn(instance.box_level, context.elements, context.superpoints);
+}
+
 void Name(const Context& context, Instance& instance) {
   const ClassTable& classes = context.classes;
   double most = context.options.min_class_share;
@@ -116,8 +130,7 @@ void Name(const Context& context, Instance& instance) {
     instance.is_named = true;
   }
   if (!instance.is_named) {
-    const bool is_open_below =
-        IsOpenBelow(instance.elements, instance.box_level, context.elements, context.superpoints);
+    const bool is_open_below = IsOpenBelow(context, instance);
     instance.class_name = ClassBySize(instance.box_level, is_open_below, classes);
   }
   instance.has_support_plane = classes.TraitsOf(instance.class_name).support_plane;

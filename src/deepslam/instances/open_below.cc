@@ -57,7 +57,7 @@ double CoveredShare(std::span<const int> own,
                     double top_m,
                     const SurfaceElements& elements) {
   const double height_m = top_m - kLayerM - box.bottom_m;
-  if (height_m <= 0) return 1;
+  if (height_m <= 0) return 0;  // of the top alone was seen
   const double yaw_rad = box.length_m > box.width_m ? box.yaw_rad : box.yaw_rad + kRightAngle_rad;
   const Eigen::Vector2d along(std::cos(yaw_rad), std::sin(yaw_rad));
   std::set<std::pair<int, int>> covered;  // voxels along the side and upwards
@@ -90,14 +90,18 @@ double FloorShare(const UprightBox& box,
 
 }  // namespace
 
-bool IsOpenBelow(std::span<const int> own,
+bool IsTopOnLegs(std::span<const int> own,
                  const UprightBox& box_level,
-                 const SurfaceElements& elements,
-                 const Superpoints& superpoints) {
+                 const SurfaceElements& elements) {
   if (box_level.long_side_m() < kMinLongSideM) return false;
   const std::optional<double> top_m = TopOf(own, box_level, elements);
-  return top_m && CoveredShare(own, box_level, *top_m, elements) <= kMaxCoveredShare &&
-         FloorShare(box_level, elements, superpoints) >= kMinFloorShare;
+  return top_m && CoveredShare(own, box_level, *top_m, elements) <= kMaxCoveredShare;
+}
+
+bool IsFloorSeenIn(const UprightBox& box_level,
+                   const SurfaceElements& elements,
+                   const Superpoints& superpoints) {
+  return FloorShare(box_level, elements, superpoints) >= kMinFloorShare;
 }
 
 }  // namespace deepslam::instances

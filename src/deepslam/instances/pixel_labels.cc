@@ -46,11 +46,14 @@ class Bounds {
         half_m_(static_cast<float>(box.length_m / 2 + margin_m),
                 static_cast<float>(box.width_m / 2 + margin_m)),
         top_m_(static_cast<float>(box.top_m + margin_m)) {}
-  [[nodiscard]] bool Contains(const Eigen::Vector3f& p_level) const {
+  [[nodiscard]] bool IsOver(const Eigen::Vector3f& p_level) const {
     const Eigen::Vector2f from_centre = p_level.head<2>() - centre_m_;
     const Eigen::Vector2f y_axis(-x_axis_.y(), x_axis_.x());
-    return p_level.z() <= top_m_ && std::abs(x_axis_.dot(from_centre)) <= half_m_.x() &&
+    return std::abs(x_axis_.dot(from_centre)) <= half_m_.x() &&
            std::abs(y_axis.dot(from_centre)) <= half_m_.y();
+  }
+  [[nodiscard]] bool Contains(const Eigen::Vector3f& p_level) const {
+    return p_level.z() <= top_m_ && IsOver(p_level);
   }
 
  private:
@@ -114,6 +117,28 @@ PixelLabels LabelBySurface(const DividedSurface& surface, const MeasuredView& vi
     }
   }
   return labels;
+}
+
+void GrowIntoMasks(const DividedSurface& surface,
+                   const MeasuredView& view,
+                   std::span<const ShownInstance> shown,
+                   PixelLabels& labels) {
+  const double margin_m = kMarginVoxels * surface.elements.voxel_m();
+  const PixelPoints points(view);
+  for (const ShownInstance& one : shown) {
+    const Bounds bounds(
+        surface.instances.instances[static_cast<std::size_t>(one.instance)].box_level, margin_m);
+    const Mask mask = one.mask->Unpacked();
+    const int height = std::min(mask.height(), labels.instance.height());
+    const int width = std::min(mask.width(), labels.instance.width());
+    for (int v = 0; v < height; ++v) {
+      for (int u = 0; u < width; ++u) {
+        int& label = labels.instance(u, v);
+        if (mask(u, v) == 0 || label != kLoosePixel) continue;
+        if (bounds.IsOver(points.Level(u, v, view.depth_m(u, v)))) label = one.instance;
+      }
+    }
+  }
 }
 
 void GrowIntoLoose(const DividedSurface& surface, const MeasuredView& view, PixelLabels& labels) {

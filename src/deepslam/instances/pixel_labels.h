@@ -2,9 +2,11 @@
 // surface of the capture is too coarse to hold it, the one it hangs together with in this frame.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "deepslam/core/image.h"
+#include "deepslam/frames/pixel_mask.h"
 #include "deepslam/geometry/camera.h"
 #include "deepslam/geometry/pose.h"
 #include "deepslam/instances/find_instances.h"
@@ -41,6 +43,19 @@ struct PixelLabels {
 
 // By the surface alone.
 [[nodiscard]] PixelLabels LabelBySurface(const DividedSurface& surface, const MeasuredView& view);
+
+// What a detector shows of an instance in this frame.
+struct ShownInstance {
+  int instance = -1;
+  const PixelMask* mask = nullptr;
+};
+
+// Backs, slats and legs that the surface of the capture lost: loose pixels in the mask of a
+// detection of a thing, over the thing's box, are the thing's, however high they lie.
+void GrowIntoMasks(const DividedSurface& surface,
+                   const MeasuredView& view,
+                   std::span<const ShownInstance> shown,
+                   PixelLabels& labels);
 
 // Legs, slats and rims that are thinner than the surface's voxels: loose pixels take the label of
 // the nearest pixel of a thing that a chain of neighbouring pixels without a depth edge leads to.

@@ -57,12 +57,14 @@ void Describe(OptionsVisitor& visitor, SilhouetteOptions& options) {
 }
 
 std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,
+                                        std::span<const ShownInstance> shown,
                                         const DepthImage& depth_m,
                                         const PinholeCamera& camera,
                                         const Pose3& level_from_camera,
                                         const SilhouetteOptions& options) {
   const MeasuredView view{depth_m, camera, level_from_camera, options.max_depth_m};
   PixelLabels labels = LabelBySurface(surface, view);
+  GrowIntoMasks(surface, view, shown, labels);
   GrowIntoLoose(surface, view, labels);
   const std::vector<int> num_pixels = CountPixels(labels, surface.instances.instances.size());
   FillUnmeasured(view, options.fill_gap_m, labels);

@@ -34,8 +34,9 @@ struct Silhouette {
 };
 
 // Of every instance that is not rejected and enough of which lies in the frame, ascending. Masks do
-// not overlap.
+// not overlap. `shown`: what detections with masks show in this frame.
 [[nodiscard]] std::vector<Silhouette> FindSilhouettes(const DividedSurface& surface,
+                                                      std::span<const ShownInstance> shown,
                                                       const DepthImage& depth_m,
                                                       const PinholeCamera& camera,
                                                       const Pose3& level_from_camera,
