@@ -16,7 +16,7 @@ LIMITS = {
     "options": 126,
     "options that nobody sets": 21,
     "constants without a comment": 0,
-    "words of documents": 24700,
+    "words of documents": 24900,
     "lines of tracking and alignment": 7033,
     "coined terms": 712,
 }
