@@ -222,12 +222,19 @@ struct Looked {
   std::vector<Look> looks;
 };
 
+// What masks show of things that may have slim parts. Closed ones have none that the surface of the
+// capture would lose, and masks of beds and sofas hold what lies on them.
 std::vector<instances::ShownInstance> ShownByMasks(std::span<const Detection> detections,
-                                                   const std::vector<int>& thing_of_detection) {
+                                                   const std::vector<int>& thing_of_detection,
+                                                   const Instances& found,
+                                                   const ClassTable& classes) {
   std::vector<instances::ShownInstance> shown;
   for (std::size_t d = 0; d < detections.size(); ++d) {
-    if (thing_of_detection[d] >= 0 && !detections[d].mask.empty())
-      shown.push_back({thing_of_detection[d], &detections[d].mask});
+    const int thing = thing_of_detection[d];
+    if (thing < 0 || detections[d].mask.empty()) continue;
+    const Instance& instance = found.instances[static_cast<std::size_t>(thing)];
+    if (!classes.TraitsOf(instance.class_name).solid_inside)
+      shown.push_back({thing, &detections[d].mask});
   }
   return shown;
 }
@@ -266,13 +273,13 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
     std::vector<int> thing_of_detection = ThingsOfDetections(
         claims->frames[n], DetectionsOf(inputs, n), superpoints, thing_of_superpoint);
     const Pose3 level_from_camera = LevelFromCamera(inputs, frame.idx);
-    std::vector<Silhouette> silhouettes =
-        instances::FindSilhouettes(divided,
-                                   ShownByMasks(DetectionsOf(inputs, n), thing_of_detection),
-                                   frame.depth_m,
-                                   inputs.frames.camera(),
-                                   level_from_camera,
-                                   options.silhouettes);
+    std::vector<Silhouette> silhouettes = instances::FindSilhouettes(
+        divided,
+        ShownByMasks(DetectionsOf(inputs, n), thing_of_detection, found, inputs.classes),
+        frame.depth_m,
+        inputs.frames.camera(),
+        level_from_camera,
+        options.silhouettes);
     CutSilhouettes({frame, inputs.frames.camera(), level_from_camera, found.instances},
                    inputs.classes,
                    options.cut,
