@@ -82,8 +82,8 @@ struct BoxWorld {
     return nearest;
   }
 
-  [[nodiscard]] double Brightness(const Eigen::Vector3d& p) const {
-    if (tile_m > 0) return TileBrightness(p / tile_m);
+  [[nodiscard]] double Intensity(const Eigen::Vector3d& p) const {
+    if (tile_m > 0) return TileIntensity(p / tile_m);
     const Eigen::Vector3d q = texture_fineness * (OnWalker(p) ? p - walked_m : p);
     const double a = std::sin(9.1 * q.x() + 3.7 * q.y() + 1.3 * q.z() + texture_phase) *
                      std::sin(2.3 * q.x() - 7.9 * q.y() + 5.1 * q.z() + 2 * texture_phase);
@@ -111,7 +111,7 @@ struct BoxWorld {
     });
   }
 
-  [[nodiscard]] double TileBrightness(const Eigen::Vector3d& p_tiles) const {
+  [[nodiscard]] double TileIntensity(const Eigen::Vector3d& p_tiles) const {
     constexpr double kJoint = 0.05;
     // Surfaces lie on multiples of the tile only by chance: a little off, they are in one tile.
     const Eigen::Array3d at = p_tiles.array() + 0.013;
@@ -163,7 +163,7 @@ inline Frame RenderFrame(const BoxWorld& world,
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3d direction = world_from_camera.rotation * camera.Ray(u, v);
       const double depth = world.Cast(world_from_camera.translation_m, direction);
-      const double grey = world.Brightness(world_from_camera.translation_m + depth * direction);
+      const double grey = world.Intensity(world_from_camera.translation_m + depth * direction);
       const auto level = static_cast<std::uint8_t>(grey);
       frame.colour(u, v) = {level, level, level};
       const double sigma = noise * (0.0012 + 0.0019 * (depth - 0.4) * (depth - 0.4));

@@ -39,7 +39,7 @@ DepthImage Measured(const std::function<float(int, int)>& depth_m, double times 
 UnfilledVector<float> Smoothed(const DepthImage& image, bool smooth = true) {
   PyramidOptions options;
   options.smooth_depth = smooth;
-  return BuildPyramid(StoredDepth(image), BrightnessImage(), kCamera, options)
+  return BuildPyramid(StoredDepth(image), IntensityImage(), kCamera, options)
       .levels.front()
       .depth_m;
 }
@@ -93,9 +93,9 @@ TEST(ImagePyramid, IsTheSameOfDepthInEitherForm) {
     PyramidOptions options;
     options.work_width_px = width;
     const FramePyramid of_raw =
-        BuildPyramid(StoredDepth(raw, metres), BrightnessImage(), kCamera, options);
+        BuildPyramid(StoredDepth(raw, metres), IntensityImage(), kCamera, options);
     const FramePyramid of_metres =
-        BuildPyramid(StoredDepth(metres.Of(raw)), BrightnessImage(), kCamera, options);
+        BuildPyramid(StoredDepth(metres.Of(raw)), IntensityImage(), kCamera, options);
     ASSERT_EQ(of_raw.levels.size(), of_metres.levels.size());
     for (std::size_t k = 0; k < of_raw.levels.size(); ++k)
       EXPECT_EQ(of_raw.levels[k].depth_m, of_metres.levels[k].depth_m) << width << " level " << k;

@@ -44,8 +44,8 @@ TEST(PatchZncc, IsHighFromAnotherSideAndTheSameBothWays) {
 
 // Correlation of two images as they are.
 double CorrelationOfImages(const BoxWorld& a, const BoxWorld& b, const Pose3& pose) {
-  const BrightnessImage in_a = Seen(a, pose, 1)->levels.front().intensity;
-  const BrightnessImage in_b = Seen(b, pose, 2)->levels.front().intensity;
+  const IntensityImage in_a = Seen(a, pose, 1)->levels.front().intensity;
+  const IntensityImage in_b = Seen(b, pose, 2)->levels.front().intensity;
   Eigen::ArrayXd values_a(in_a.size()), values_b(in_b.size());
   for (std::size_t k = 0; k < in_a.size(); ++k) {
     values_a[static_cast<Eigen::Index>(k)] = static_cast<double>(in_a.data()[k]);

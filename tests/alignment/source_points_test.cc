@@ -55,7 +55,7 @@ TEST(SourcePoints, ShowWhatTheFrameShowsAsAReference) {
   }
 }
 
-TEST(SourcePoints, WithoutBrightnessHaveNoTexture) {
+TEST(SourcePoints, WithoutIntensityHaveNoTexture) {
   const FramePyramid pyramid = Furnished(kWorldFromI);
   const SourcePoints points(pyramid.levels.front(), {2, false, false});
   ASSERT_GT(points.size(), 0U);

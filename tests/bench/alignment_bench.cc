@@ -29,7 +29,7 @@ constexpr int kCoarsestStride = 2;
 
 struct TwoFrames {
   StoredDepth depth;             // of j
-  BrightnessImage intensity;     // of j, at the size of its finest level
+  IntensityImage intensity;      // of j, at the size of its finest level
   alignment::FramePyramid i, j;  // i is a reference
   Pose3 i_from_j;
   PinholeCamera camera;

@@ -9,7 +9,7 @@
 
 #include "deepslam/core/random.h"
 #include "deepslam/dataset/read_bytes.h"
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 #include "support/temp_dir.h"
 
 namespace deepslam::dataset {
@@ -84,15 +84,15 @@ ColourImage Waves(int width, int height) {
   return colour;
 }
 
-TEST(DecodeBrightness, IsThatOfTheColoursWhateverTheFileAndTheFactor) {
+TEST(DecodeIntensity, IsThatOfTheColoursWhateverTheFileAndTheFactor) {
   const TempDir dir;
   const fs::path jpeg = dir.path() / "c.jpg", png = dir.path() / "c.png";
   ASSERT_TRUE(WriteColourFile(jpeg, Waves(160, 120)).ok());
   ASSERT_TRUE(WriteColourFile(png, Waves(160, 120)).ok());
   for (const int factor : {1, 2, 3, 4, 5, 6, 7, 8, 16, 32}) {
     for (const fs::path& file : {jpeg, png}) {
-      const BrightnessImage expected = BrightnessOf(*ReadColourFile(file, 160, 120), factor);
-      const Result<BrightnessImage> read = DecodeBrightness(ReadText(file), file, 160, 120, factor);
+      const IntensityImage expected = IntensityOf(*ReadColourFile(file, 160, 120), factor);
+      const Result<IntensityImage> read = DecodeIntensity(ReadText(file), file, 160, 120, factor);
       ASSERT_TRUE(read.ok()) << read.error().message;
       ASSERT_EQ(read->width(), expected.width());
       ASSERT_EQ(read->height(), expected.height());
@@ -102,16 +102,16 @@ TEST(DecodeBrightness, IsThatOfTheColoursWhateverTheFileAndTheFactor) {
   }
 }
 
-TEST(DecodeBrightness, RefusesWhatColoursRefuse) {
+TEST(DecodeIntensity, RefusesWhatColoursRefuse) {
   const TempDir dir;
   const fs::path file = dir.path() / "c.jpg";
   ASSERT_TRUE(WriteColourFile(file, Waves(40, 30)).ok());
   const std::string jpeg = ReadText(file);
-  EXPECT_THAT(DecodeBrightness(jpeg, file, 30, 40, 2).error().message,
+  EXPECT_THAT(DecodeIntensity(jpeg, file, 30, 40, 2).error().message,
               HasSubstr("40 x 30 px, the camera 30 x 40"));
   for (std::size_t percent = 0; percent < 100; percent += 7) {
     const std::string part = jpeg.substr(0, jpeg.size() * percent / 100);
-    EXPECT_FALSE(DecodeBrightness(part, file, 40, 30, 2).ok()) << percent << " %";
+    EXPECT_FALSE(DecodeIntensity(part, file, 40, 30, 2).ok()) << percent << " %";
   }
 }
 

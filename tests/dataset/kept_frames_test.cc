@@ -108,12 +108,12 @@ TEST(KeepFrames, GivesEqualFramesAndReadsThemTwiceAtMost) {
 }
 
 // Of the source, whether the colour is kept by then or not: it may be rounded in its own way.
-TEST(KeepFrames, BrightnessIsTheSourcesOwn) {
+TEST(KeepFrames, IntensityIsTheSourcesOwn) {
   std::vector<int> reads;
   const auto kept = Keep(std::make_unique<CountedFrames>(1, reads), kPlenty);
   for (int turn = 0; turn < 4; ++turn) {
     const int before = reads[0];
-    ASSERT_TRUE(kept->ReadBrightness({0}, 2).ok());
+    ASSERT_TRUE(kept->ReadIntensity({0}, 2).ok());
     EXPECT_EQ(reads[0], before + 1);
     ASSERT_TRUE(kept->ReadColour({0}).ok());
   }

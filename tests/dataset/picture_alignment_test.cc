@@ -43,7 +43,7 @@ std::vector<Card> Cards() {
 
 struct Moment {
   DepthImage depth_m{kWidth, kHeight, 3.0F};
-  BrightnessImage picture{kWidth, kHeight, 120.0F};
+  IntensityImage picture{kWidth, kHeight, 120.0F};
 };
 
 Moment At(int moment) {
@@ -79,12 +79,12 @@ std::vector<PictureSample> Samples(int late, Change change) {
   return samples;
 }
 
-const auto kAsItIs = [](const BrightnessImage& picture) { return picture; };
+const auto kAsItIs = [](const IntensityImage& picture) { return picture; };
 
 template <typename Place>
 auto Moved(const Place& place) {
-  return [place](const BrightnessImage& picture) {
-    BrightnessImage out(kWidth, kHeight);
+  return [place](const IntensityImage& picture) {
+    IntensityImage out(kWidth, kHeight);
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) {
         const auto [from_u, from_v] = place(u, v);
@@ -126,11 +126,11 @@ TEST(AlignmentDoubts, ColourSeenFromBesideIsNamed) {
 
 TEST(AlignmentDoubts, PicturesWithoutEdgesTellNothing) {
   EXPECT_THAT(AlignmentDoubts(Samples(
-                  0, [](const BrightnessImage&) { return BrightnessImage(kWidth, kHeight, 90); })),
+                  0, [](const IntensityImage&) { return IntensityImage(kWidth, kHeight, 90); })),
               IsEmpty());
   EXPECT_THAT(AlignmentDoubts(Samples(0,
-                                      [random = Random(3)](const BrightnessImage&) mutable {
-                                        BrightnessImage noise(kWidth, kHeight);
+                                      [random = Random(3)](const IntensityImage&) mutable {
+                                        IntensityImage noise(kWidth, kHeight);
                                         for (float& grey : noise)
                                           grey = static_cast<float>(random.Uniform(0, 255));
                                         return noise;

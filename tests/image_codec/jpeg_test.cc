@@ -34,7 +34,7 @@ ColourImage Waves(int width, int height) {
   return colour;
 }
 
-double Brightness(const Rgb8& c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
+double Intensity(const Rgb8& c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
 
 // Written by libjpeg itself, for the kinds that EncodeJpeg does not write.
 std::string Written(int width,
@@ -88,7 +88,7 @@ TEST(DecodeJpeg, IsWhatWasEncodedWithinWhatJpegLoses) {
   ASSERT_EQ(image->width(), kWidth);
   ASSERT_EQ(image->height(), kHeight);
   for (std::size_t i = 0; i < waves.size(); ++i)
-    ASSERT_NEAR(Brightness(image->data()[i]), Brightness(waves.data()[i]), 3);
+    ASSERT_NEAR(Intensity(image->data()[i]), Intensity(waves.data()[i]), 3);
   EXPECT_LT(EncodeJpeg(waves, 50)->size(), EncodeJpeg(waves, 95)->size());
 }
 
@@ -145,7 +145,7 @@ TEST(DecodeJpeg, ReducedOnesAreMeansOfBlocks) {
       for (int u = 0; u < grey->width(); ++u) {
         double sum = 0;
         for (int k = 0; k < reduction * reduction; ++k)
-          sum += Brightness(waves(u * reduction + k % reduction, v * reduction + k / reduction));
+          sum += Intensity(waves(u * reduction + k % reduction, v * reduction + k / reduction));
         ASSERT_NEAR((*grey)(u, v), sum / (reduction * reduction), 3) << reduction;
       }
     }

@@ -146,7 +146,7 @@ TEST(Covisible, RegistrationHasToBearThemOut) {
   EXPECT_EQ(accepted([](KeyframeRegistration&) {}), pairs.size());
   EXPECT_EQ(accepted([](KeyframeRegistration& r) { r.ok = false; }), 0u);
   EXPECT_EQ(accepted([](KeyframeRegistration& r) { r.agreement = 0.5; }), 0u);
-  EXPECT_EQ(accepted([](KeyframeRegistration& r) { r.brightness_correlation = 0.3; }), 0u);
+  EXPECT_EQ(accepted([](KeyframeRegistration& r) { r.intensity_correlation = 0.3; }), 0u);
   EXPECT_EQ(accepted([](KeyframeRegistration& r) { r.old_from_new.translation_m.x() += 0.4; }), 0u);
   EXPECT_EQ(accepted([&](KeyframeRegistration& r) { r.old_from_new.rotation *= turned; }), 0u);
   EXPECT_EQ(accepted([&](KeyframeRegistration& r) { r.old_from_new.translation_m.x() = nan; }), 0u);

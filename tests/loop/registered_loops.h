@@ -42,7 +42,7 @@ void ExpectRegistrationToBearOut(const std::vector<AppearanceLoop>& loops,
   EXPECT_EQ(changed([](KeyframeRegistration&) {}), loops.size());
   EXPECT_EQ(changed([](KeyframeRegistration& r) { r.ok = false; }), 0u);
   EXPECT_EQ(changed([](KeyframeRegistration& r) { r.agreement = 0.5; }), 0u);
-  EXPECT_EQ(changed([](KeyframeRegistration& r) { r.brightness_correlation = 0.3; }), 0u);
+  EXPECT_EQ(changed([](KeyframeRegistration& r) { r.intensity_correlation = 0.3; }), 0u);
   EXPECT_EQ(changed([](KeyframeRegistration& r) { r.old_from_new.translation_m.x() += 0.4; }), 0u);
 }
 

@@ -44,7 +44,7 @@ struct TexturedRoom {
     return nearest;
   }
 
-  [[nodiscard]] std::uint8_t Brightness(const Eigen::Vector3d& p) const {
+  [[nodiscard]] std::uint8_t Intensity(const Eigen::Vector3d& p) const {
     std::uint64_t cell = 0;
     for (int axis = 0; axis < 3; ++axis) {
       // Off the walls, which lie at round numbers.
@@ -90,7 +90,7 @@ inline Frame Photograph(const TexturedRoom& room, const Pose3& world_from_camera
     for (int u = 0; u < kCamera.width; ++u) {
       const Eigen::Vector3d ray = world_from_camera.rotation * kCamera.Ray(u, v);
       const double depth_m = room.Cast(world_from_camera.translation_m, ray);
-      const std::uint8_t grey = room.Brightness(world_from_camera.translation_m + depth_m * ray);
+      const std::uint8_t grey = room.Intensity(world_from_camera.translation_m + depth_m * ray);
       frame.colour(u, v) = {grey, grey, grey};
       frame.depth_m(u, v) = static_cast<float>(depth_m);
     }

@@ -116,7 +116,7 @@ TEST(CloseByAppearance, AWalkThatDoesNotComeBackStaysAsTracked) {
   ExpectAsTracked(*closed, walk.tracked);
 }
 
-// Depth alone slid by half a metre between two keyframes; corners and brightness see it.
+// Depth alone slid by half a metre between two keyframes; corners and intensity see it.
 TEST(CloseByAppearance, AdjacentKeyframesMeasuredByDepthAloneAreRegisteredAgain) {
   Walk walk;
   walk.truth.clear();

@@ -9,7 +9,7 @@
 #include "deepslam/alignment/reference_pixels.h"
 #include "deepslam/core/order_statistics.h"
 #include "deepslam/core/wide_vectors.h"
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 
 namespace deepslam::alignment {
 namespace {
@@ -27,8 +27,8 @@ constexpr int kValidStride = 12;   // every so many rows show the share of pixel
 constexpr int kOneDepthColumns = 40;
 constexpr std::size_t kOneDepthStrays = 50;  // part of the samples
 
-BrightnessImage Halved(const BrightnessImage& fine, const PinholeCamera& reduced) {
-  BrightnessImage result(reduced.width, reduced.height);
+IntensityImage Halved(const IntensityImage& fine, const PinholeCamera& reduced) {
+  IntensityImage result(reduced.width, reduced.height);
   const std::ptrdiff_t width = fine.width();
   for (int v = 0; v < reduced.height; ++v) {
     const float* const upper = fine.data() + 2 * v * width;
@@ -70,7 +70,7 @@ PyramidLevel Halved(const PyramidLevel& fine, const PyramidOptions& options, dou
 }
 
 // Nothing where the finest level has another size.
-void AddIntensity(BrightnessImage finest, std::vector<PyramidLevel>& levels) {
+void AddIntensity(IntensityImage finest, std::vector<PyramidLevel>& levels) {
   const PinholeCamera& camera = levels.front().camera;
   if (finest.width() != camera.width || finest.height() != camera.height) return;
   levels.front().intensity = std::move(finest);
@@ -118,12 +118,12 @@ FramePyramid BuildPyramid(const Frame& frame,
                           const PyramidOptions& options) {
   const bool fits = frame.colour.width() == camera.width && frame.colour.height() == camera.height;
   const int factor = WorkReduction(camera, options);
-  BrightnessImage intensity = fits ? BrightnessOf(frame.colour, factor) : BrightnessImage();
+  IntensityImage intensity = fits ? IntensityOf(frame.colour, factor) : IntensityImage();
   return BuildPyramid(StoredDepth(frame.depth_m), std::move(intensity), camera, options);
 }
 
 DEEPSLAM_WIDE_VECTORS FramePyramid BuildPyramid(const StoredDepth& depth,
-                                                BrightnessImage intensity,
+                                                IntensityImage intensity,
                                                 const PinholeCamera& camera,
                                                 const PyramidOptions& options) {
   if (depth.empty() || depth.width() != camera.width || depth.height() != camera.height) return {};
@@ -151,7 +151,7 @@ Result<ReadFrame> ReadPyramid(const FrameSource& frames,
   const PinholeCamera& camera = frames.camera();
   Result<StoredDepth> depth = frames.ReadStoredDepth(frame);
   if (!depth.ok()) return depth.error();
-  Result<BrightnessImage> intensity = frames.ReadBrightness(frame, WorkReduction(camera, options));
+  Result<IntensityImage> intensity = frames.ReadIntensity(frame, WorkReduction(camera, options));
   if (!intensity.ok()) return intensity.error();
   FramePyramid pyramid = BuildPyramid(*depth, std::move(*intensity), camera, options);
   if (pyramid.empty()) return InvalidInput("depth image has not the size of the camera");

@@ -47,7 +47,7 @@ struct IntensityPixel {
 struct PyramidLevel {
   PinholeCamera camera;
   UnfilledVector<float> depth_m;  // 0 = invalid
-  BrightnessImage intensity;      // empty when the frame had no colour
+  IntensityImage intensity;       // empty when the frame had no colour
   DepthNoise noise;               // of the depth, as it was found
   // Empty but of references (reference_pixels.h).
   UnfilledVector<SurfacePixel> surface;
@@ -84,9 +84,9 @@ struct FramePyramid {
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);
 
-// The same of its parts; `intensity` is that of the finest level (BrightnessOf by WorkReduction).
+// The same of its parts; `intensity` is that of the finest level (IntensityOf by WorkReduction).
 [[nodiscard]] FramePyramid BuildPyramid(const StoredDepth& depth,
-                                        BrightnessImage intensity,
+                                        IntensityImage intensity,
                                         const PinholeCamera& camera,
                                         const PyramidOptions& options);
 

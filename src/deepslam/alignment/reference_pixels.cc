@@ -50,7 +50,7 @@ void HidePixel(std::size_t pixel, PyramidLevel& level) {
   level.signed_depth_m[pixel] = 0;
 }
 
-UnfilledVector<IntensityPixel> WithDerivatives(const BrightnessImage& image) {
+UnfilledVector<IntensityPixel> WithDerivatives(const IntensityImage& image) {
   UnfilledVector<IntensityPixel> pixels(image.size());
   IntensityRow row(image.width());
   for (int v = 0; v < image.height(); ++v) {

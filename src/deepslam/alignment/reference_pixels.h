@@ -22,7 +22,7 @@ namespace deepslam::alignment {
 // The pixel has no depth any more and, on a reference's level, no surface that others could find.
 void HidePixel(std::size_t pixel, PyramidLevel& level);
 
-[[nodiscard]] UnfilledVector<IntensityPixel> WithDerivatives(const BrightnessImage& image);
+[[nodiscard]] UnfilledVector<IntensityPixel> WithDerivatives(const IntensityImage& image);
 
 // What a row of a level shows: normals and tangent planes from the depth, intensity with its
 // derivatives. One array per quantity, so that loops are vectorised; then pixels.
@@ -125,7 +125,7 @@ inline void ReadSurface(const PyramidLevel& level, int v, SurfaceRow& row) {
 }
 
 // Derivatives are 0 at the border.
-inline void ReadIntensity(const BrightnessImage& image, int v, IntensityRow& row) {
+inline void ReadIntensity(const IntensityImage& image, int v, IntensityRow& row) {
   const int width = image.width();
   const float* const middle = image.row(v);
   const bool inside = v > 0 && v + 1 < image.height();

@@ -67,6 +67,6 @@ using Mask = Image<std::uint8_t>;
 // Depth along the optical axis in metres; 0 is invalid. Never NaN or negative.
 using DepthImage = Image<float>;
 using ColourImage = Image<Rgb8>;
-using BrightnessImage = Image<float>;  // grey levels, 0 to 255
+using IntensityImage = Image<float>;  // grey levels, 0 to 255
 
 }  // namespace deepslam

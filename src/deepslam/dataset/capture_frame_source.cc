@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "deepslam/dataset/depth_registration.h"
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 #include "deepslam/frames/raw_depth.h"
 
 namespace deepslam::dataset {
@@ -58,13 +58,13 @@ class CaptureFrameSource final : public FrameSource {
     return Frame{frame, time_s, *std::move(colour), DepthImage()};
   }
 
-  [[nodiscard]] Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const override {
+  [[nodiscard]] Result<IntensityImage> ReadIntensity(FrameIdx frame, int factor) const override {
     const Result<StoredColour> stored = stored_->ReadColour(Index(frame));
     if (!stored) return Noted(stored.error());
     const int of_stored = reduction_ * factor;
-    if (stored->codec == ImageCodec::kOther) return BrightnessOf(stored->pixels, of_stored);
+    if (stored->codec == ImageCodec::kOther) return IntensityOf(stored->pixels, of_stored);
     const PinholeCamera& camera = stored_->cameras().colour;
-    return DecodeBrightness(stored->bytes, stored->name, camera.width, camera.height, of_stored);
+    return DecodeIntensity(stored->bytes, stored->name, camera.width, camera.height, of_stored);
   }
 
   [[nodiscard]] std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const override {

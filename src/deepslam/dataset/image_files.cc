@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "deepslam/dataset/read_bytes.h"
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 #include "deepslam/image_codec/decode.h"
 #include "deepslam/image_codec/depth_image.h"
 #include "deepslam/image_codec/jpeg.h"
@@ -157,22 +157,22 @@ Result<ColourImage> DecodeColour(std::string_view bytes,
   return Named(file, codec::DecodeColour(bytes));
 }
 
-Result<BrightnessImage> DecodeBrightness(
+Result<IntensityImage> DecodeIntensity(
     std::string_view bytes, const std::filesystem::path& file, int width, int height, int factor) {
   const Result<codec::ImageStructure> structure = CheckedStructure(file, bytes, width, height);
   if (!structure) return structure.error();
   if (structure->format != codec::ImageFormat::kJpeg || structure->channels == 4) {
     const Result<ColourImage> colour = DecodeColour(bytes, file, width, height);
     if (!colour) return colour.error();
-    return BrightnessOf(*colour, factor);
+    return IntensityOf(*colour, factor);
   }
   const int reduction = JpegReduction(width, height, factor);
   const Result<Image<std::uint8_t>> grey = Named(file, codec::DecodeJpegGrey(bytes, reduction));
   if (!grey) return grey.error();
-  BrightnessImage brightness(grey->width(), grey->height());
-  std::copy(grey->begin(), grey->end(), brightness.begin());
-  if (reduction == factor) return brightness;
-  return ReducedBrightness(brightness, factor / reduction);
+  IntensityImage intensity(grey->width(), grey->height());
+  std::copy(grey->begin(), grey->end(), intensity.begin());
+  if (reduction == factor) return intensity;
+  return ReducedIntensity(intensity, factor / reduction);
 }
 
 Result<ColourImage> ReadColourFile(const std::filesystem::path& file, int width, int height) {

@@ -38,9 +38,9 @@ Result<ColourImage> DecodeColour(std::string_view bytes,
                                  int width,
                                  int height);
 
-// Brightness of such an image, averaged over blocks of factor x factor pixels. JPEG files are
+// Intensity of such an image, averaged over blocks of factor x factor pixels. JPEG files are
 // decoded without their colour and, by 2, 4 and 8, at that size: grey levels are whole there.
-Result<BrightnessImage> DecodeBrightness(
+Result<IntensityImage> DecodeIntensity(
     std::string_view bytes, const std::filesystem::path& file, int width, int height, int factor);
 
 // Depth that stands in a file as real numbers (OpenEXR, NumPy, TIFF) is held as whole ones of this

@@ -149,8 +149,8 @@ class KeptFrameSource final : public FrameSource {
   }
 
   // Not made of a kept colour: what a decoder makes of the file may be rounded otherwise.
-  [[nodiscard]] Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const override {
-    return frames_->ReadBrightness(frame, factor);
+  [[nodiscard]] Result<IntensityImage> ReadIntensity(FrameIdx frame, int factor) const override {
+    return frames_->ReadIntensity(frame, factor);
   }
 
  private:

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 
 namespace deepslam::dataset {
 
@@ -53,8 +53,8 @@ Result<Frame> MemoryFrameSource::ReadColour(FrameIdx frame) const {
   return Frame{found.idx, found.time_s, found.colour, DepthImage()};
 }
 
-Result<BrightnessImage> MemoryFrameSource::ReadBrightness(FrameIdx frame, int factor) const {
-  return BrightnessOf(At(frame).colour, factor);
+Result<IntensityImage> MemoryFrameSource::ReadIntensity(FrameIdx frame, int factor) const {
+  return IntensityOf(At(frame).colour, factor);
 }
 
 std::optional<Pose3> MemoryFrameSource::capture_world_from_camera(FrameIdx frame) const {

@@ -23,7 +23,7 @@ class MemoryFrameSource final : public FrameSource {
   [[nodiscard]] Result<Frame> ReadDepth(FrameIdx frame) const override;
   [[nodiscard]] Result<Frame> ReadColour(FrameIdx frame) const override;
   // Empty where the frame has no colour: as in Read, that is no error.
-  [[nodiscard]] Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const override;
+  [[nodiscard]] Result<IntensityImage> ReadIntensity(FrameIdx frame, int factor) const override;
   [[nodiscard]] std::optional<Pose3> capture_world_from_camera(FrameIdx frame) const override;
 
  private:

@@ -47,8 +47,8 @@ std::vector<Pixel> EdgesOf(const DepthImage& depth_m) {
 }
 
 // Means of 3 x 3 pixels.
-BrightnessImage Smoothed(const BrightnessImage& picture) {
-  BrightnessImage out(picture.width(), picture.height());
+IntensityImage Smoothed(const IntensityImage& picture) {
+  IntensityImage out(picture.width(), picture.height());
   for (int v = 1; v + 1 < picture.height(); ++v) {
     for (int u = 1; u + 1 < picture.width(); ++u) {
       float sum = 0;
@@ -60,8 +60,8 @@ BrightnessImage Smoothed(const BrightnessImage& picture) {
   return out;
 }
 
-Image<float> ChangeOf(const BrightnessImage& picture) {
-  const BrightnessImage smooth = Smoothed(picture);
+Image<float> ChangeOf(const IntensityImage& picture) {
+  const IntensityImage smooth = Smoothed(picture);
   Image<float> change(picture.width(), picture.height());
   for (int v = 2; v + 2 < picture.height(); ++v) {
     for (int u = 2; u + 2 < picture.width(); ++u) {
@@ -95,7 +95,7 @@ struct Edginess {
   double deviation = 1;
 };
 
-std::optional<Edginess> EdginessOf(const BrightnessImage& picture) {
+std::optional<Edginess> EdginessOf(const IntensityImage& picture) {
   if (picture.width() < 8 || picture.height() < 8) return std::nullopt;
   const Image<float> ranks = RanksOf(ChangeOf(picture));
   Edginess edginess{Image<float>(ranks.width(), ranks.height()), 0, 1};
@@ -232,7 +232,7 @@ Scores ScoresOf(const PictureSample& sample, const std::vector<Candidate>& candi
   const int height = sample.depth_m.height();
   std::array<std::optional<Edginess>, kPictureOffsets.size()> edginess;
   for (std::size_t k = 0; k < edginess.size(); ++k) {
-    const BrightnessImage& picture = sample.pictures[k];
+    const IntensityImage& picture = sample.pictures[k];
     if (picture.width() == width && picture.height() == height) edginess[k] = EdginessOf(picture);
   }
   Scores scores;

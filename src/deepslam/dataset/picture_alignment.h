@@ -24,7 +24,7 @@ inline constexpr std::array<int, 7> kPictureOffsets = {0, -1, 1, -2, 2, -4, 4};
 struct PictureSample {
   DepthImage depth_m;  // 0 invalid
   // Of the frames kPictureOffsets away; empty images where there is none.
-  std::array<BrightnessImage, kPictureOffsets.size()> pictures;
+  std::array<IntensityImage, kPictureOffsets.size()> pictures;
 };
 
 // In words, for the user; empty where nothing fits clearly better than the pictures as they are.

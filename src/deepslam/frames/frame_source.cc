@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 
 namespace deepslam {
 
@@ -12,10 +12,10 @@ Result<StoredDepth> FrameSource::ReadStoredDepth(FrameIdx frame) const {
   return StoredDepth(std::move(read->depth_m));
 }
 
-Result<BrightnessImage> FrameSource::ReadBrightness(FrameIdx frame, int factor) const {
+Result<IntensityImage> FrameSource::ReadIntensity(FrameIdx frame, int factor) const {
   const Result<Frame> read = ReadColour(frame);
   if (!read.ok()) return read.error();
-  return BrightnessOf(read->colour, factor);
+  return IntensityOf(read->colour, factor);
 }
 
 void FrameSource::GiveBack(Frame /*frame*/) const {}

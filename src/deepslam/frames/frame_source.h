@@ -29,10 +29,10 @@ class FrameSource {
   [[nodiscard]] virtual Result<Frame> ReadColour(FrameIdx frame) const = 0;
   // The same depth, as it is stored where it can be.
   [[nodiscard]] virtual Result<StoredDepth> ReadStoredDepth(FrameIdx frame) const;
-  // The colour's brightness averaged over blocks of factor x factor pixels (factor 1 to 32). Made
+  // The colour's intensity averaged over blocks of factor x factor pixels (factor 1 to 32). Made
   // of the colour here; sources whose files can be decoded at that size do so, which may differ by
   // the rounding of grey levels. The same whatever was read before.
-  [[nodiscard]] virtual Result<BrightnessImage> ReadBrightness(FrameIdx frame, int factor) const;
+  [[nodiscard]] virtual Result<IntensityImage> ReadIntensity(FrameIdx frame, int factor) const;
   // Takes back an image that was read here, or both of a frame, that will be asked for again.
   // Thread-safe. Nothing comes of it where a source keeps no images.
   virtual void GiveBack(Frame frame) const;

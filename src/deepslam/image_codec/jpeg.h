@@ -15,7 +15,7 @@ namespace deepslam::image_codec {
 // Grey images become colours; four channels are taken as Adobe's inverted CMYK.
 [[nodiscard]] Result<ColourImage> DecodeJpegColour(std::string_view bytes);
 
-// Brightness alone, decoded at 1/reduction of the size: 1, 2, 4 or 8, of which both sides are
+// Intensity alone, decoded at 1/reduction of the size: 1, 2, 4 or 8, of which both sides are
 // multiples. Not of four channels.
 [[nodiscard]] Result<Image<std::uint8_t>> DecodeJpegGrey(std::string_view bytes, int reduction = 1);
 

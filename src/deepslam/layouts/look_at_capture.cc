@@ -59,7 +59,7 @@ dataset::PictureSample SampleAt(const FrameSource& frames, int idx, int factor) 
   for (std::size_t k = 0; k < dataset::kPictureOffsets.size(); ++k) {
     const int other = idx + dataset::kPictureOffsets[k];
     if (other < 0 || other >= frames.num_frames()) continue;
-    Result<BrightnessImage> picture = frames.ReadBrightness(FrameIdx{other}, factor);
+    Result<IntensityImage> picture = frames.ReadIntensity(FrameIdx{other}, factor);
     if (picture) sample.pictures[k] = *std::move(picture);
   }
   return sample;

@@ -92,7 +92,7 @@ struct KeyframeRegistration {
   Pose3 old_from_new;
   Matrix6d information = Matrix6d::Identity();  // of t2v, (translation m; rotation rad)
   double agreement = 0;                         // share of the common depth
-  double brightness_correlation = 0;
+  double intensity_correlation = 0;
 };
 
 // Proposals in the order of the new keyframes. `features` of some or all of odometry.keyframes, in

@@ -9,7 +9,7 @@ std::string Verdict(const KeyframeRegistration& registration,
                     const RegistrationBounds& bounds) {
   if (!registration.ok) return "depth does not agree";
   if (!(registration.agreement >= bounds.min_agreement)) return "too little of the depth agrees";
-  if (!(registration.brightness_correlation >= bounds.min_correlation))
+  if (!(registration.intensity_correlation >= bounds.min_correlation))
     return "the images do not agree";
   const Pose3 moved = proposed_old_from_new.Inverse() * registration.old_from_new;
   if (!Within(moved, bounds.max_move_m, bounds.max_turn_deg)) return "depth and corners disagree";

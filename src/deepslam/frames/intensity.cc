@@ -1,4 +1,4 @@
-#include "deepslam/frames/brightness.h"
+#include "deepslam/frames/intensity.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -32,8 +32,8 @@ int Luma(const std::uint16_t* rgb, int factor) {
   return 77 * r + 150 * g + 29 * b;
 }
 
-DEEPSLAM_WIDE_VECTORS BrightnessImage MeanLuma(const ColourImage& colour, int factor) {
-  BrightnessImage result(colour.width() / factor, colour.height() / factor);
+DEEPSLAM_WIDE_VECTORS IntensityImage MeanLuma(const ColourImage& colour, int factor) {
+  IntensityImage result(colour.width() / factor, colour.height() / factor);
   const float scale = 1.0F / (256.0F * static_cast<float>(factor * factor));
   std::vector<std::uint16_t> sums(3 * static_cast<std::size_t>(result.width() * factor));
   for (int v = 0; v < result.height(); ++v) {
@@ -52,21 +52,21 @@ DEEPSLAM_WIDE_VECTORS BrightnessImage MeanLuma(const ColourImage& colour, int fa
 
 }  // namespace
 
-BrightnessImage BrightnessOf(const ColourImage& colour, int factor) {
+IntensityImage IntensityOf(const ColourImage& colour, int factor) {
   DEEPSLAM_CHECK(factor >= 1, "blocks of at least one pixel");
   if (factor <= kMaxSummed) return MeanLuma(colour, factor);
-  return ReducedBrightness(MeanLuma(colour, 1), factor);
+  return ReducedIntensity(MeanLuma(colour, 1), factor);
 }
 
-BrightnessImage ReducedBrightness(const BrightnessImage& brightness, int factor) {
+IntensityImage ReducedIntensity(const IntensityImage& intensity, int factor) {
   DEEPSLAM_CHECK(factor >= 1, "blocks of at least one pixel");
-  BrightnessImage result(brightness.width() / factor, brightness.height() / factor);
+  IntensityImage result(intensity.width() / factor, intensity.height() / factor);
   const float share = 1.0F / static_cast<float>(factor * factor);
   for (int v = 0; v < result.height(); ++v) {
     for (int u = 0; u < result.width(); ++u) {
       float sum = 0;
       for (int y = v * factor; y < (v + 1) * factor; ++y) {
-        const float* const block = brightness.row(y) + static_cast<std::ptrdiff_t>(u) * factor;
+        const float* const block = intensity.row(y) + static_cast<std::ptrdiff_t>(u) * factor;
         for (int x = 0; x < factor; ++x) sum += block[x];
       }
       result(u, v) = share * sum;
