@@ -4,14 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include "loop/synthetic_visits.h"
+#include "loop/synthetic_traversals.h"
 #include "support/pose_matchers.h"
 
 namespace deepslam::loop {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
-using testing_support::AddVisit;
+using testing_support::AddTraversal;
 using testing_support::Classes;
 using testing_support::Clutter;
 using testing_support::Detect;
@@ -26,13 +26,13 @@ using Merges = std::set<std::pair<int, int>>;
 const std::vector<Furniture> kRoom = {
     {"chair", 0, 0, 0.3}, {"chair", 1.4, 0.2, 2.0}, {"couch", 0.3, 1.9, -1.0}};
 
-// Both visits of the same room, the second one drifted.
+// Both traversals of the same room, the second one drifted.
 Scene Revisit(const std::vector<Furniture>& furniture, const Pose3& drifted_from_true) {
   Scene scene;
   scene.odometry = Walk(400, 20);
   const auto room = Clutter(1, 4);
-  AddVisit(scene, furniture, 0, {}, room);
-  AddVisit(scene, furniture, 300, drifted_from_true, room);
+  AddTraversal(scene, furniture, 0, {}, room);
+  AddTraversal(scene, furniture, 300, drifted_from_true, room);
   return scene;
 }
 
@@ -89,8 +89,8 @@ TEST(Loops, OtherClassesOrAnotherArrangementAreNoLoop) {
     Scene scene;
     scene.odometry = Walk(400, 20);
     const auto room = Clutter(1, 4);
-    AddVisit(scene, {{"chair", 0, 0, 0.3}, {"chair", 1.4, 0.2, 2.0}}, 0, {}, room);
-    AddVisit(scene, {{"chair", 0, 0, 0.3}, changed}, 300, Yawed(0.5, 0.4, 0, 0), room);
+    AddTraversal(scene, {{"chair", 0, 0, 0.3}, {"chair", 1.4, 0.2, 2.0}}, 0, {}, room);
+    AddTraversal(scene, {{"chair", 0, 0, 0.3}, changed}, 300, Yawed(0.5, 0.4, 0, 0), room);
     const Loops loops = Detect(scene);
     EXPECT_TRUE(loops.merges.empty())
         << changed.class_name << " " << changed.x_m << " " << changed.yaw_rad;
@@ -106,16 +106,16 @@ TEST(Loops, FreeYawIsNotCompared) {
     classes.classes[1].traits.yaw_free = free;
     Scene scene;
     scene.odometry = Walk(400, 20);
-    AddVisit(scene, turned_before, 0, {}, {});
-    AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
+    AddTraversal(scene, turned_before, 0, {}, {});
+    AddTraversal(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
     const auto found = FindIn(scene, {}, classes).constellations;
     EXPECT_EQ(!found.empty() && found.front().pairs.size() == 2, free);
   }
   // A class with a yaw whose views all say it is not observable.
   Scene scene;
   scene.odometry = Walk(400, 20);
-  AddVisit(scene, turned_before, 0, {}, {});
-  AddVisit(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
+  AddTraversal(scene, turned_before, 0, {}, {});
+  AddTraversal(scene, turned_after, 300, Yawed(0.3, -0.4, 0, 0.05), {});
   for (ViewRegistration& view : scene.map.objects[3].views) view.yaw_free = true;
   ClassTable classes = Classes();
   classes.classes[1].traits.yaw_free = false;
@@ -123,16 +123,16 @@ TEST(Loops, FreeYawIsNotCompared) {
   EXPECT_EQ(found.constellations.size(), 1u);
 }
 
-// The same two chairs stand twice, a metre apart, and the second visit shows two chairs between
+// The same two chairs stand twice, a metre apart, and the second traversal shows two chairs between
 // both places.
 TEST(Loops, AmbiguousOnesAreRefused) {
   Scene scene;
   scene.odometry = Walk(400, 30);
   const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
   const std::vector<Furniture> same_pair = {{"chair", 1.4, 0, 0}, {"chair", 1.4, 1.2, 0}};
-  AddVisit(scene, pair, 0, {}, {});
-  AddVisit(scene, same_pair, 40, {}, {});
-  AddVisit(scene, pair, 300, Yawed(0.7, 0, 0, 0), {});
+  AddTraversal(scene, pair, 0, {}, {});
+  AddTraversal(scene, same_pair, 40, {}, {});
+  AddTraversal(scene, pair, 300, Yawed(0.7, 0, 0, 0), {});
   LoopOptions options;
   options.drift_base_m =
       1.0;  // objects alone may be believed that far: only the ambiguity is left to refuse
@@ -155,8 +155,8 @@ TEST(Loops, OfAClassroomsConstellationsTheTrueOneHasMostPairs) {
   }
   Scene scene;
   scene.odometry = Walk(400, 30);
-  AddVisit(scene, chairs, 0, {}, {});
-  AddVisit(scene, chairs, 300, Yawed(0.3, -0.2, 0, 0.03), {});
+  AddTraversal(scene, chairs, 0, {}, {});
+  AddTraversal(scene, chairs, 300, Yawed(0.3, -0.2, 0, 0.03), {});
   LoopOptions options;
   const FoundConstellations found = FindIn(scene, options);
   EXPECT_TRUE(found.complete);
@@ -174,8 +174,8 @@ TEST(Loops, SurroundingsTellEqualFurnitureApart) {
   for (const bool same_place : {true, false}) {
     Scene scene;
     scene.odometry = Walk(400, 30);
-    AddVisit(scene, pair, 0, {}, Clutter(1, 4));
-    AddVisit(scene, pair, 300, Yawed(1.0, 0.2, 0, 0.02), Clutter(same_place ? 1 : 2, 4));
+    AddTraversal(scene, pair, 0, {}, Clutter(1, 4));
+    AddTraversal(scene, pair, 300, Yawed(1.0, 0.2, 0, 0.02), Clutter(same_place ? 1 : 2, 4));
     EXPECT_EQ(Detect(scene).merges.size(), same_place ? 2u : 0u);
   }
 }
@@ -194,8 +194,8 @@ TEST(Loops, SurroundingsThatAreRightAsTheyStandRefuseACorrection) {
     }
     Scene scene;
     scene.odometry = Walk(400, 30);
-    AddVisit(scene, pair, 0, {}, room);
-    AddVisit(scene, pair, 300, drift, seen_again);
+    AddTraversal(scene, pair, 0, {}, room);
+    AddTraversal(scene, pair, 300, drift, seen_again);
     EXPECT_EQ(Detect(scene).merges.size(), stands_still ? 0U : 2U);
   }
 }
@@ -204,13 +204,13 @@ TEST(Loops, WithoutSurroundingsDistantTwinsStayApart) {
   const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
   Scene scene;
   scene.odometry = Walk(400, 30);
-  AddVisit(scene, pair, 0, {}, {});
-  AddVisit(scene, pair, 300, Yawed(1.0, 0.2, 0, 0.02), {});
+  AddTraversal(scene, pair, 0, {}, {});
+  AddTraversal(scene, pair, 300, Yawed(1.0, 0.2, 0, 0.02), {});
   EXPECT_TRUE(Detect(scene).merges.empty());
   Scene near;
   near.odometry = Walk(400, 30);
-  AddVisit(near, pair, 0, {}, {});
-  AddVisit(near, pair, 300, Yawed(0.2, 0.1, 0, 0.02), {});
+  AddTraversal(near, pair, 0, {}, {});
+  AddTraversal(near, pair, 300, Yawed(0.2, 0.1, 0, 0.02), {});
   EXPECT_EQ(Detect(near).merges.size(), 2u);
 }
 
@@ -223,7 +223,7 @@ TEST(Loops, MoreThanTrackingDriftsIsNoLoop) {
 
 TEST(Loops, ObjectsOfOneFrameAreNeverOne) {
   Scene scene = Revisit(kRoom, Yawed(0.1, 0, 0, 0));
-  // One frame of the second visit sees the first visit's chair beside the new one.
+  // One frame of the second traversal sees the first traversal's chair beside the new one.
   scene.association.tracks[0].members.push_back(
       {DetectionId{9999}, FrameIdx{305}, 1, 0.01, "model"});
   EXPECT_EQ(Merged(Detect(scene)), (Merges{{1, 4}, {2, 5}}));
@@ -232,9 +232,9 @@ TEST(Loops, ObjectsOfOneFrameAreNeverOne) {
 TEST(Loops, ADuplicateInItsPlaceIsMergedWithoutASecondPair) {
   Scene scene;
   scene.odometry = Walk(100, 1);
-  AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, {});
-  AddVisit(scene, {{"chair", 0, 0, 0}}, 20, Yawed(0.05, 0.04, 0, 0.02), {});
-  AddVisit(scene, {{"chair", 0.7, 0, 0}}, 40, {}, {});
+  AddTraversal(scene, {{"chair", 0, 0, 0}}, 0, {}, {});
+  AddTraversal(scene, {{"chair", 0, 0, 0}}, 20, Yawed(0.05, 0.04, 0, 0.02), {});
+  AddTraversal(scene, {{"chair", 0.7, 0, 0}}, 40, {}, {});
   EXPECT_EQ(Merged(Detect(scene)), (Merges{{0, 1}}));
   LoopOptions options;
   options.merge_overlapping = false;
@@ -244,8 +244,8 @@ TEST(Loops, ADuplicateInItsPlaceIsMergedWithoutASecondPair) {
 TEST(Loops, WhatStandsInOnePlaceMayBeInTwoRoomsWhereNothingTiesThePathTogether) {
   Scene scene;
   scene.odometry = Walk(100, 1);
-  AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, {});
-  AddVisit(scene, {{"chair", 0, 0, 0}}, 50, Yawed(0.05, 0.04, 0, 0.02), {});
+  AddTraversal(scene, {{"chair", 0, 0, 0}}, 0, {}, {});
+  AddTraversal(scene, {{"chair", 0, 0, 0}}, 50, Yawed(0.05, 0.04, 0, 0.02), {});
   EXPECT_EQ(Merged(Detect(scene)), (Merges{{0, 1}}));
   scene.odometry.frames[40].status = TrackingStatus::kLost;
   scene.odometry.edges.push_back({FrameIdx{30}, FrameIdx{40}, {}, Matrix6d::Identity(), true});
@@ -275,8 +275,9 @@ TEST(Loops, DepthTellsAThingOfTwoClassesFromAChairUnderATable) {
     Scene scene;
     scene.odometry = Walk(100, 1);
     const auto room = Clutter(1, 4);
-    AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, room);
-    AddVisit(scene, {{same_thing ? "cabinet" : "table", 0, 0, 0}}, 40, Yawed(0.1, 0, 0, 0), room);
+    AddTraversal(scene, {{"chair", 0, 0, 0}}, 0, {}, room);
+    AddTraversal(
+        scene, {{same_thing ? "cabinet" : "table", 0, 0, 0}}, 40, Yawed(0.1, 0, 0, 0), room);
     if (!same_thing) {
       ObjectEvidence& table = scene.evidence[ObjectId{1}];
       table.depth_points_world = testing_support::Moved(TablePoints(), Yawed(0.1, 0, 0.45, 0));
@@ -292,20 +293,20 @@ TEST(Loops, ADuplicateThatModelsDoNotShowIsFoundInTheDepth) {
   for (const bool same_room : {true, false}) {
     Scene scene;
     scene.odometry = Walk(100, 1);
-    AddVisit(scene, {{"chair", 0, 0, 0}}, 0, {}, Clutter(1, 4));
-    AddVisit(
+    AddTraversal(scene, {{"chair", 0, 0, 0}}, 0, {}, Clutter(1, 4));
+    AddTraversal(
         scene, {{"chair", 0, 0, 0}}, 40, Yawed(0.12, 0.05, 0, 0.02), Clutter(same_room ? 1 : 2, 4));
     EXPECT_EQ(Detect(scene, options).merges.size(), same_room ? 1U : 0U);
   }
 }
 
-TEST(Loops, AChainOfVisitsEndsInTheLowestId) {
+TEST(Loops, AChainOfTraversalsEndsInTheLowestId) {
   Scene scene;
   scene.odometry = Walk(800, 30);
   const auto room = Clutter(1, 4);
-  AddVisit(scene, kRoom, 0, {}, room);
-  AddVisit(scene, kRoom, 300, Yawed(0.3, 0.1, 0, 0.05), room);
-  AddVisit(scene, kRoom, 700, Yawed(0.5, -0.2, 0, -0.05), room);
+  AddTraversal(scene, kRoom, 0, {}, room);
+  AddTraversal(scene, kRoom, 300, Yawed(0.3, 0.1, 0, 0.05), room);
+  AddTraversal(scene, kRoom, 700, Yawed(0.5, -0.2, 0, -0.05), room);
   const Loops loops = Detect(scene);
   EXPECT_EQ(Merged(loops), (Merges{{0, 3}, {0, 6}, {1, 4}, {1, 7}, {2, 5}, {2, 8}}));
   EXPECT_EQ(loops.merges.size(), 6u) << "each merged once";

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "loop/synthetic_visits.h"
+#include "loop/synthetic_traversals.h"
 #include "support/pose_matchers.h"
 
 namespace deepslam::loop {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
-using testing_support::AddVisit;
+using testing_support::AddTraversal;
 using testing_support::Clutter;
 using testing_support::Detect;
 using testing_support::Merged;
@@ -60,11 +60,11 @@ TEST(MergeCorrection, BringsAMergedObjectOntoItsOther) {
   scene.odometry = Walk(400, 20);
   const auto room = Clutter(1, 4);
   const Pose3 drift = Yawed(0.4, 0.2, 0, 0.1);
-  AddVisit(scene, {{"chair", 0, 0, 0.3}, {"chair", 0.9, 0.1, 2}}, 300, drift, room);
-  AddVisit(scene, {{"chair", 0, 0, 0.3}, {"chair", 0.9, 0.1, 2}}, 0, {}, room);
+  AddTraversal(scene, {{"chair", 0, 0, 0.3}, {"chair", 0.9, 0.1, 2}}, 300, drift, room);
+  AddTraversal(scene, {{"chair", 0, 0, 0.3}, {"chair", 0.9, 0.1, 2}}, 0, {}, room);
   const Loops loops = Detect(scene);
   ASSERT_EQ(Merged(loops).size(), 2U);
-  for (const ObjectMerge& merge : loops.merges)  // here the later visit has the lower ids
+  for (const ObjectMerge& merge : loops.merges)  // here the later traversal has the lower ids
     EXPECT_THAT(CorrectionOf(merge, loops), PoseNear(drift, 0.05, 2.0));
 }
 

@@ -1,5 +1,5 @@
-// Loops closed by objects in a furnished room that is visited twice: duplicates and constellations
-// merged, others rejected, tracks split and rejoined.
+// Loops closed by objects in a furnished room that is traversed twice: duplicates and
+// constellations merged, others rejected, tracks split and rejoined.
 #include "deepslam/modelling/close_loops.h"
 #include "deepslam/modelling/candidate_set.h"
 
@@ -26,8 +26,8 @@ using ::testing::IsEmpty;
 using testing_support::Frames;
 using testing_support::Furniture;
 using testing_support::Joined;
-using testing_support::kFramesPerVisit;
-using testing_support::kSecondVisit;
+using testing_support::kFramesPerTraversal;
+using testing_support::kSecondTraversal;
 using testing_support::ModelledRoom;
 using testing_support::Yawed;
 
@@ -37,8 +37,8 @@ constexpr double kTurn_deg = 3;
 
 const Furniture kChair = {"chair", ChairGrid(), 0.9, 0.0, -0.5, 0.4};
 const Furniture kOther = {"chair", ChairGrid(), 0.9, -0.5, 0.8, 2.2};
-const std::vector<int> kFirst = Frames(0, kFramesPerVisit);
-const std::vector<int> kSecond = Frames(kSecondVisit, kFramesPerVisit);
+const std::vector<int> kFirst = Frames(0, kFramesPerTraversal);
+const std::vector<int> kSecond = Frames(kSecondTraversal, kFramesPerTraversal);
 
 MapWithLoops MapOf(const ModelledRoom& room, const Selection& selection) {
   MapWithLoops map;
@@ -164,8 +164,8 @@ TEST(CloseLoops, AConstellationSeenAgainClosesTheLoop) {
   }
 }
 
-// Two chairs stand in the first visit's corner and two in the same arrangement beside them, and
-// each visit has eyes for its own alone: what stands around says that they are not the same.
+// Two chairs stand in the first traversal's corner and two in the same arrangement beside them, and
+// each traversal has eyes for its own alone: what stands around says that they are not the same.
 TEST(CloseLoops, AnEqualArrangementBesideIsRejected) {
   const Pose3 beside = Yawed(0.0, 1.3, 0.0);
   std::vector<Furniture> chairs = {kChair, kOther, kChair, kOther};
@@ -211,20 +211,20 @@ TEST(CloseLoops, ATrackThatDriftTearsApartIsSplitAndTheLoopClosed) {
   loops.min_room_points = 50;  // small images: few points fall on what stands along the walls
   const Result<ClosedMap> closed = Close(room, loops);
   ASSERT_TRUE(closed.ok()) << closed.error().message;
-  ASSERT_EQ(closed->loops.visits.size(), 2U);
-  EXPECT_EQ(closed->loops.visits[0].visit, ObjectId{0});
-  EXPECT_EQ(closed->loops.visits[1].object, ObjectId{0});
-  EXPECT_EQ(closed->loops.visits[1].first, FrameIdx{kSecondVisit});
-  EXPECT_EQ(Merged(closed->loops), (Merges{{0, closed->loops.visits[1].visit.value}}));
+  ASSERT_EQ(closed->loops.tracklets.size(), 2U);
+  EXPECT_EQ(closed->loops.tracklets[0].tracklet, ObjectId{0});
+  EXPECT_EQ(closed->loops.tracklets[1].object, ObjectId{0});
+  EXPECT_EQ(closed->loops.tracklets[1].first, FrameIdx{kSecondTraversal});
+  EXPECT_EQ(Merged(closed->loops), (Merges{{0, closed->loops.tracklets[1].tracklet.value}}));
   ASSERT_THAT(Ids(closed->map), ElementsAre(0, 1));
   const std::vector<ViewRegistration>& views = closed->map.objects[0].views;
   EXPECT_TRUE(
-      std::ranges::any_of(views, [](const auto& v) { return v.frame.value < kSecondVisit; }));
+      std::ranges::any_of(views, [](const auto& v) { return v.frame.value < kSecondTraversal; }));
   EXPECT_TRUE(
-      std::ranges::any_of(views, [](const auto& v) { return v.frame.value >= kSecondVisit; }));
+      std::ranges::any_of(views, [](const auto& v) { return v.frame.value >= kSecondTraversal; }));
   EXPECT_THAT(closed->map.objects[0].world_from_object,
               PoseNear(TruthAsTracked(room, closed->map.objects[0], 0), 2 * kPlace_m, kTurn_deg));
-  EXPECT_EQ(closed->association.tracks[0].members.size(), 2U * kFramesPerVisit);
+  EXPECT_EQ(closed->association.tracks[0].members.size(), 2U * kFramesPerTraversal);
 }
 
 // Where nothing is known of what stands around, depth of one chair alone is not accepted.
@@ -236,11 +236,11 @@ TEST(CloseLoops, ASplitTrackThatNoLoopJoinsIsWholeAgain) {
   ASSERT_TRUE(selection.ok());
   const Result<ClosedMap> closed = Close(room, loops);
   ASSERT_TRUE(closed.ok()) << closed.error().message;
-  EXPECT_EQ(closed->loops.visits.size(), 2U);
+  EXPECT_EQ(closed->loops.tracklets.size(), 2U);
   EXPECT_THAT(closed->loops.merges, IsEmpty());
   EXPECT_EQ(Ids(closed->map), Ids(selection->map));
   EXPECT_EQ(closed->map.objects[0].world_from_object, selection->map.objects[0].world_from_object);
-  EXPECT_EQ(closed->association.tracks[0].members.size(), 2U * kFramesPerVisit);
+  EXPECT_EQ(closed->association.tracks[0].members.size(), 2U * kFramesPerTraversal);
   EXPECT_THAT(closed->made.candidates, IsEmpty());
 }
 
@@ -248,7 +248,7 @@ TEST(CloseLoops, ATrackThatStandsTogetherIsNotSplit) {
   ReobservedRoom room({});
   const Result<ClosedMap> closed = Close(room);
   ASSERT_TRUE(closed.ok()) << closed.error().message;
-  EXPECT_THAT(closed->loops.visits, IsEmpty());
+  EXPECT_THAT(closed->loops.tracklets, IsEmpty());
   EXPECT_THAT(closed->loops.merges, IsEmpty());
   EXPECT_THAT(Ids(closed->map), ElementsAre(0, 1));
 }
@@ -287,7 +287,7 @@ TEST(CloseLoops, SameInputSameResultOnAnyNumberOfThreads) {
   }
 }
 
-// What comes of the made: completed anew by both visits' views.
+// What comes of the made: completed anew by both traversals' views.
 TEST(CloseLoops, WhatWasCompletedForAMergedObjectComesWithItsModel) {
   ModelledRoom room({kChair});
   room.Track(0, 0, Frames(0, 4));

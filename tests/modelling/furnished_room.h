@@ -1,6 +1,6 @@
 // A room with furniture whose shapes are voxel models, seen by a camera that comes twice: frames,
-// segments, tracks and a path that drifts between the visits, all in memory. World: z up, floor
-// z = 0; the first visit is tracked without error, so that the tracking world is the room's.
+// segments, tracks and a path that drifts between the traversals, all in memory. World: z up, floor
+// z = 0; the first traversal is tracked without error, so that the tracking world is the room's.
 #pragma once
 
 #include <algorithm>
@@ -31,9 +31,9 @@ namespace deepslam::modelling::testing_support {
 using deepslam::testing_support::Cuboid;
 using deepslam::testing_support::HitCuboid;
 
-inline constexpr int kFramesPerVisit = 8;
-inline constexpr int kSecondVisit = 60;  // its first frame; the camera is elsewhere in between
-inline constexpr int kNumFrames = kSecondVisit + kFramesPerVisit;
+inline constexpr int kFramesPerTraversal = 8;
+inline constexpr int kSecondTraversal = 60;  // its first frame; the camera is elsewhere in between
+inline constexpr int kNumFrames = kSecondTraversal + kFramesPerTraversal;
 
 inline Pose3 Yawed(double x_m, double y_m, double yaw_rad) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), {x_m, y_m, 0}};
@@ -62,7 +62,7 @@ inline std::vector<Cuboid> Surroundings() {
 
 class FurnishedRoom final : public FrameSource {
  public:
-  // `drift`: second_tracked_from_true, what tracking is off by in the second visit.
+  // `drift`: second_tracked_from_true, what tracking is off by in the second traversal.
   explicit FurnishedRoom(std::vector<Furniture> furniture, const Pose3& drift = {})
       : furniture_(std::move(furniture)) {
     for (const Furniture& item : furniture_) {
@@ -75,9 +75,9 @@ class FurnishedRoom final : public FrameSource {
     for (int k = 0; k < kNumFrames; ++k) true_poses_.push_back(TruePose(k));
     MakePath(drift);
     seen_.resize(kNumFrames);
-    ParallelFor(2 * kFramesPerVisit, [&](std::size_t n) {
-      const int k = static_cast<int>(n) % kFramesPerVisit;
-      const FrameIdx frame{static_cast<int>(n) < kFramesPerVisit ? k : kSecondVisit + k};
+    ParallelFor(2 * kFramesPerTraversal, [&](std::size_t n) {
+      const int k = static_cast<int>(n) % kFramesPerTraversal;
+      const FrameIdx frame{static_cast<int>(n) < kFramesPerTraversal ? k : kSecondTraversal + k};
       seen_[static_cast<std::size_t>(frame.value)] = Render(frame);
     });
     ground.plane_world = Plane{Eigen::Vector3d::UnitZ(), 0};
@@ -147,28 +147,28 @@ class FurnishedRoom final : public FrameSource {
     Image<int> item;  // -1: the room
   };
 
-  // Each visit goes a quarter round the furniture, the second one on another side.
+  // Each traversal goes a quarter round the furniture, the second one on another side.
   [[nodiscard]] static Pose3 TruePose(int frame) {
-    const bool second = frame >= kSecondVisit;
-    const int n = second ? frame - kSecondVisit : std::min(frame, kFramesPerVisit - 1);
+    const bool second = frame >= kSecondTraversal;
+    const int n = second ? frame - kSecondTraversal : std::min(frame, kFramesPerTraversal - 1);
     const double angle = (second ? -0.75 : -0.55) + 0.16 * n;
     const Eigen::Vector3d eye(2.3 * std::cos(angle), 2.3 * std::sin(angle), 1.45);
     Pose3 pose = deepslam::testing_support::LookAt(eye, {-0.1, 0.2, 0.45});
     // In between it walks away and back.
-    if (!second && frame >= kFramesPerVisit) {
-      const double gone = frame - kFramesPerVisit + 1;
-      const double left = kSecondVisit - frame;
+    if (!second && frame >= kFramesPerTraversal) {
+      const double gone = frame - kFramesPerTraversal + 1;
+      const double left = kSecondTraversal - frame;
       pose.translation_m.x() += 0.12 * std::min(gone, left);
     }
     return pose;
   }
 
-  // Drift comes in between the visits, evenly; odometry says what was tracked.
+  // Drift comes in between the traversals, evenly; odometry says what was tracked.
   void MakePath(const Pose3& drift) {
     const double yaw_rad = 2 * std::atan2(drift.rotation.z(), drift.rotation.w());
     for (int k = 0; k < kNumFrames; ++k) {
-      const double share =
-          std::clamp((k - kFramesPerVisit) / double(kSecondVisit - kFramesPerVisit), 0.0, 1.0);
+      const double share = std::clamp(
+          (k - kFramesPerTraversal) / double(kSecondTraversal - kFramesPerTraversal), 0.0, 1.0);
       const Eigen::Vector3d& moved = drift.translation_m;
       const Pose3 tracked_from_true = Yawed(share * moved.x(), share * moved.y(), share * yaw_rad);
       TrackedFrame frame;
@@ -230,7 +230,7 @@ class FurnishedRoom final : public FrameSource {
   std::vector<Similarity3> world_from_object_;
   std::vector<Pose3> true_poses_;
   PinholeCamera camera_ = {240, 180, 180, 180, 119.5, 89.5};
-  std::vector<SeenRoom> seen_;  // of the visits; empty in between
+  std::vector<SeenRoom> seen_;  // of the traversals; empty in between
 };
 
 class SegmentsInMemory final : public SegmentStore {

@@ -96,7 +96,7 @@ TEST(RenderReport, LoopsAreToldOfByTheirKind) {
               HasSubstr("<td>appearance<td>frames 11 to 13 and frames 401 to 403, 3 pairs"
                         "<td>accepted<td>agree"));
   EXPECT_THAT(page, HasSubstr("<td>appearance<td>frame 10 and frame 400, 1 pair<td>refused"));
-  content.loops.visits = {{ObjectId{7}, ObjectId{2}, FrameIdx{80}, FrameIdx{95}}};
+  content.loops.tracklets = {{ObjectId{7}, ObjectId{2}, FrameIdx{80}, FrameIdx{95}}};
   page = RenderReport(content);
   EXPECT_THAT(page, HasSubstr("object 02 (as seen in frames 80 to 95) is 03"));
 }

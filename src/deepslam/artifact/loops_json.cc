@@ -42,11 +42,11 @@ void Describe(JsonVisitor& visitor, RelativePose& edge) {
   visitor.Field("composed", edge.composed);
 }
 
-void Describe(JsonVisitor& visitor, PartedVisit& visit) {
-  visitor.Field("visit", visit.visit);
-  visitor.Field("object", visit.object);
-  visitor.Field("first", visit.first);
-  visitor.Field("last", visit.last);
+void Describe(JsonVisitor& visitor, SplitTracklet& tracklet) {
+  visitor.Field("visit", tracklet.tracklet);
+  visitor.Field("object", tracklet.object);
+  visitor.Field("first", tracklet.first);
+  visitor.Field("last", tracklet.last);
 }
 
 void Describe(JsonVisitor& visitor, Loops& loops) {
@@ -54,7 +54,7 @@ void Describe(JsonVisitor& visitor, Loops& loops) {
   visitor.Field("merges", loops.merges);
   visitor.Table("edges", loops.edges);
   visitor.Table("appearance", loops.appearance);
-  visitor.Table("visits", loops.visits);
+  visitor.Table("visits", loops.tracklets);
 }
 
 Result<std::string> EncodeLoops(const Loops& loops, std::string_view name) {

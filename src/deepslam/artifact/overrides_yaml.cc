@@ -68,8 +68,8 @@ class OverridesReader {
   std::string faults;
 
  private:
-  template <typename Visit>
-  void ForItems(const YAML::Node& node, Visit visit) {
+  template <typename Visitor>
+  void ForItems(const YAML::Node& node, Visitor visit) {
     if (node.IsNull()) return;
     if (!node.IsSequence()) return Fault(node, "must be a list");
     for (const YAML::Node& item : node) {

@@ -15,8 +15,8 @@ constexpr const char* kVariants = "KHR_materials_variants";
 constexpr std::size_t kMostPadding = 3;  // bytes of a chunk behind its buffer
 
 // Each element, which has to be an object.
-template <typename Visit>
-void ForEach(const JsonPlace& list, Visit visit) {
+template <typename Visitor>
+void ForEach(const JsonPlace& list, Visitor visit) {
   const std::size_t size = list.Size();
   for (std::size_t n = 0; n < size; ++n) {
     if (!list.At(n).IsObject()) list.At(n).Error("must be an object");

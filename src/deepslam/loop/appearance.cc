@@ -73,11 +73,11 @@ class Consistency {
 };
 
 // Indices of the loops whose new keyframe is near that of `k`; `placed` ascends in j.
-template <typename Visit>
+template <typename Visitor>
 void ForNeighbours(const Consistency& consistency,
                    const std::vector<Placed>& placed,
                    std::size_t k,
-                   const Visit& visit) {
+                   const Visitor& visit) {
   for (std::size_t n = k; n-- > 0 && consistency.Near(placed[n].j, placed[k].j);) visit(n);
   for (std::size_t n = k + 1; n < placed.size() && consistency.Near(placed[n].j, placed[k].j);
        ++n) {

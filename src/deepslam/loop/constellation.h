@@ -156,8 +156,8 @@ struct MappedPath {
                                                 const LoopEvidence& evidence,
                                                 const LoopOptions& options);
 
-// A single pair that association has re-identified (visits.h): verified as more pairs are, by the
-// depth of the object and of what stands around, which has to be known here.
+// A single pair that association has re-identified (tracklets.h): verified as more pairs are, by
+// the depth of the object and of what stands around, which has to be known here.
 [[nodiscard]] Constellation VerifyKnownAgain(const Constellation& single,
                                              const ObjectMap& map,
                                              const LoopEvidence& evidence,

@@ -74,8 +74,8 @@ class Outline {
   }
 
  private:
-  template <typename Visit>
-  void ForEdges(const Visit& visit) const {
+  template <typename Visitor>
+  void ForEdges(const Visitor& visit) const {
     for (std::size_t n = 0; n < points_.size(); ++n)
       visit(points_[n], points_[(n + 1) % points_.size()]);
   }

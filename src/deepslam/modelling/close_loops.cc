@@ -11,7 +11,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/loop/constellation.h"
 #include "deepslam/loop/shared_place.h"
-#include "deepslam/loop/visits.h"
+#include "deepslam/loop/tracklets.h"
 #include "deepslam/mapping/keyframe_graph.h"
 #include "deepslam/modelling/loop_evidence.h"
 #include "deepslam/modelling/merge_objects.h"
@@ -62,7 +62,7 @@ Result<std::vector<Constellation>> Verify(const std::vector<Constellation>& prop
   return verified;
 }
 
-Result<Loops> DetectLoops(const std::vector<PartedVisit>& visits,
+Result<Loops> DetectLoops(const std::vector<SplitTracklet>& tracklets,
                           const LoopClosing& closing,
                           const LoopWorld& world) {
   const loop::LoopOptions& options = closing.loops;
@@ -76,7 +76,7 @@ Result<Loops> DetectLoops(const std::vector<PartedVisit>& visits,
                     options.max_seeds));
   }
   const std::vector<Constellation> reobserved =
-      loop::ProposeKnownAgain(visits, world.map, found.constellations);
+      loop::ProposeKnownAgain(tracklets, world.map, found.constellations);
   const Result<std::vector<Constellation>> verified =
       Verify(found.constellations, reobserved, closing, world);
   if (!verified.ok()) return verified.error();
@@ -111,7 +111,7 @@ Result<bool> ClosePath(const std::set<ObjectId>& just_scored,
 // One pass of the search along the path as it is, and the path closed by what it finds. Whether it
 // found anything or moved anything.
 Result<bool> SearchOnce(const LoopClosing& closing, LoopWorld& world, Loops& all) {
-  Result<Loops> found = DetectLoops(all.visits, closing, world);
+  Result<Loops> found = DetectLoops(all.tracklets, closing, world);
   if (!found.ok()) return found.error();
   std::set<ObjectId> just_scored;
   for (const ObjectMerge& merge : found->merges) just_scored.insert(merge.kept);
@@ -130,7 +130,7 @@ Status Rejoin(const WholeObjects& whole,
               const LoopClosing& closing,
               LoopWorld& world,
               Loops& loops) {
-  const loop::RejoinedVisits rejoined = loop::RejoinVisits(loops.visits, loops.merges);
+  const loop::RejoinedTracklets rejoined = loop::RejoinTracklets(loops.tracklets, loops.merges);
   if (Status status = RejoinTracks(rejoined.whole, whole, closing, world); !status.ok())
     return status;
   const Loops again{{}, rejoined.merges, {}, {}, {}};
@@ -144,12 +144,12 @@ Status Rejoin(const WholeObjects& whole,
 Result<Loops> SearchLoops(const LoopClosing& closing, LoopWorld& world) {
   Loops loops;
   if (!closing.loops.enabled) return loops;
-  const Result<loop::PartedObjects> splits = FindSplits(closing, world);
+  const Result<loop::SplitObjects> splits = FindSplits(closing, world);
   if (!splits.ok()) return splits.error();
   const Result<WholeObjects> whole = SplitTracks(*splits, closing, world);
   if (!whole.ok()) return whole.error();
-  loops.visits = splits->visits;
-  bool is_split = !splits->visits.empty();
+  loops.tracklets = splits->tracklets;
+  bool is_split = !splits->tracklets.empty();
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     if (closing.sources.progress.StopRequested()) return Interrupted();
     const Result<bool> found = SearchOnce(closing, world, loops);
@@ -183,8 +183,9 @@ Status DropDuplicates(const LoopClosing& closing, LoopWorld& world) {
   return Ok();
 }
 
-// What was made for objects that are still there. Visits that stay objects of their own have copies
-// of their object's candidates, whose models are other stages': they become this one's as well.
+// What was made for objects that are still there. Tracklets that stay objects of their own have
+// copies of their object's candidates, whose models are other stages': they become this one's as
+// well.
 Result<Proposals> MadeForMap(const ModelSource& source, const ObjectMap& map, Proposals made) {
   std::set<ObjectId> there;
   for (const MapObject& object : map.objects) there.insert(object.id);

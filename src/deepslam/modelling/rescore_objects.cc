@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/loop/visits.h"
+#include "deepslam/loop/tracklets.h"
 #include "deepslam/modelling/candidate_set.h"
 #include "deepslam/modelling/moved_objects.h"
 #include "deepslam/modelling/refine_candidates.h"

@@ -16,37 +16,37 @@
 namespace deepslam::modelling {
 namespace {
 
-// Visits of objects that were re-identified, one object's after the other's.
-struct Visits {
+// Tracklets of objects that were re-identified, one object's after the other's.
+struct Tracklets {
   std::vector<ObjectTrack> tracks;  // ids are places in the list: views are planned by them
   std::vector<ObjectId> objects;    // of the observations
 };
 
-Visits VisitsOfMap(const LoopWorld& world, const loop::LoopOptions& options) {
-  Visits visits;
+Tracklets TrackletsOfMap(const LoopWorld& world, const loop::LoopOptions& options) {
+  Tracklets tracklets;
   for (const ObjectTrack& track : world.association.tracks) {
     if (std::ranges::find(world.map.objects, track.id, &MapObject::id) == world.map.objects.end())
       continue;
-    std::vector<ObjectTrack> own = loop::Visits(track, options);
+    std::vector<ObjectTrack> own = loop::Tracklets(track, options);
     if (own.size() < 2) continue;
-    for (ObjectTrack& visit : own) {
-      visit.id = ObjectId{static_cast<int>(visits.tracks.size())};
-      visits.tracks.push_back(std::move(visit));
-      visits.objects.push_back(track.id);
+    for (ObjectTrack& tracklet : own) {
+      tracklet.id = ObjectId{static_cast<int>(tracklets.tracks.size())};
+      tracklets.tracks.push_back(std::move(tracklet));
+      tracklets.objects.push_back(track.id);
     }
   }
-  return visits;
+  return tracklets;
 }
 
 // Which of the observations stand apart from the one before. What was measured is held for a batch
 // of observations and the one before it: a camera that goes round for an hour sees
 // everything many times.
-class VisitComparison {
+class TrackletComparison {
  public:
-  VisitComparison(const Visits& visits,
-                  const Eigen::Vector3d& up_world,
-                  const loop::LoopOptions& options)
-      : visits_(visits), up_world_(up_world), options_(options) {}
+  TrackletComparison(const Tracklets& tracklets,
+                     const Eigen::Vector3d& up_world,
+                     const loop::LoopOptions& options)
+      : tracklets_(tracklets), up_world_(up_world), options_(options) {}
 
   // The next observations.
   void Compare(std::span<const TrackViews> batch) {
@@ -60,7 +60,7 @@ class VisitComparison {
                     loop::StandApart(measured[n], measured[n + 1], up_world_, options_);
     });
     for (const char apart : is_apart) {
-      if (Follows(num_compared_)) apart_[visits_.objects[num_compared_]].push_back(apart != 0);
+      if (Follows(num_compared_)) apart_[tracklets_.objects[num_compared_]].push_back(apart != 0);
       ++num_compared_;
     }
     before_ = std::move(measured.back());
@@ -69,11 +69,11 @@ class VisitComparison {
 
  private:
   // Of the same object as the observation before.
-  [[nodiscard]] bool Follows(std::size_t visit) const {
-    return visit > 0 && visits_.objects[visit - 1] == visits_.objects[visit];
+  [[nodiscard]] bool Follows(std::size_t tracklet) const {
+    return tracklet > 0 && tracklets_.objects[tracklet - 1] == tracklets_.objects[tracklet];
   }
 
-  const Visits& visits_;
+  const Tracklets& tracklets_;
   const Eigen::Vector3d up_world_;
   const loop::LoopOptions& options_;
   std::size_t num_compared_ = 0;
@@ -97,12 +97,13 @@ void CopyCandidates(ObjectId from, ObjectId to, LoopWorld& world) {
 }
 
 // The object with what one of its observations saw.
-MapObject OfVisit(const MapObject& object, const ObjectTrack& visit) {
+MapObject OfTracklet(const MapObject& object, const ObjectTrack& tracklet) {
   MapObject own = object;
-  own.id = visit.id;
+  own.id = tracklet.id;
   own.merged.clear();
   std::erase_if(own.views, [&](const ViewRegistration& view) {
-    return view.frame < visit.members.front().frame || view.frame > visit.members.back().frame;
+    return view.frame < tracklet.members.front().frame ||
+           view.frame > tracklet.members.back().frame;
   });
   return own;
 }
@@ -111,38 +112,38 @@ void EraseObject(ObjectMap& map, ObjectId id) {
   std::erase_if(map.objects, [&](const MapObject& object) { return object.id == id; });
 }
 
-void RemoveVisit(ObjectId visit, LoopWorld& world) {
-  EraseTrack(world.association, visit);
-  EraseObject(world.map, visit);
-  world.registrations.erase(visit);
+void RemoveTracklet(ObjectId tracklet, LoopWorld& world) {
+  EraseTrack(world.association, tracklet);
+  EraseObject(world.map, tracklet);
+  world.registrations.erase(tracklet);
   for (ShapeCandidate& candidate : world.made.candidates) {
-    if (candidate.object == visit) candidate.object = ObjectId();
+    if (candidate.object == tracklet) candidate.object = ObjectId();
   }
 }
 
 }  // namespace
 
-Result<loop::PartedObjects> FindSplits(const LoopClosing& closing, const LoopWorld& world) {
-  const Visits visits = VisitsOfMap(world, closing.loops);
-  if (!closing.loops.constellations || visits.tracks.empty()) return loop::PartedObjects();
-  VisitComparison comparison(visits, loop::UpDirection(world.map), closing.loops);
+Result<loop::SplitObjects> FindSplits(const LoopClosing& closing, const LoopWorld& world) {
+  const Tracklets tracklets = TrackletsOfMap(world, closing.loops);
+  if (!closing.loops.constellations || tracklets.tracks.empty()) return loop::SplitObjects();
+  TrackletComparison comparison(tracklets, loop::UpDirection(world.map), closing.loops);
   const auto use = [&](std::span<TrackViews> batch) {
     comparison.Compare(batch);
     return Ok();
   };
   const Status compared = closing.sources.views.ForBatches(
-      {visits.tracks, world.odometry, world.ground}, observe::ViewContent::kDepth, use);
+      {tracklets.tracks, world.odometry, world.ground}, observe::ViewContent::kDepth, use);
   if (!compared.ok()) return compared.error();
-  return loop::PartVisits(world.association, std::move(comparison).Take(), closing.loops);
+  return loop::SplitTracklets(world.association, std::move(comparison).Take(), closing.loops);
 }
 
-Result<WholeObjects> SplitTracks(const loop::PartedObjects& splits,
+Result<WholeObjects> SplitTracks(const loop::SplitObjects& splits,
                                  const LoopClosing& closing,
                                  LoopWorld& world) {
-  WholeObjects whole{world.odometry, splits.visits, {}, {}};
-  std::vector<MapObject> visits;
-  for (std::size_t k = 0; k < splits.visits.size(); ++k) {
-    const ObjectId id = splits.visits[k].object;
+  WholeObjects whole{world.odometry, splits.tracklets, {}, {}};
+  std::vector<MapObject> tracklets;
+  for (std::size_t k = 0; k < splits.tracklets.size(); ++k) {
+    const ObjectId id = splits.tracklets[k].object;
     if (!whole.objects.contains(id)) {
       whole.objects.emplace(id, *FindObject(world.map, id));
       whole.tracks.emplace(id, *FindTrack(world.association, id));
@@ -151,14 +152,14 @@ Result<WholeObjects> SplitTracks(const loop::PartedObjects& splits,
     }
     if (splits.tracks[k].id != id) CopyCandidates(id, splits.tracks[k].id, world);
     world.association.tracks.push_back(splits.tracks[k]);
-    visits.push_back(OfVisit(whole.objects.at(id), splits.tracks[k]));
+    tracklets.push_back(OfTracklet(whole.objects.at(id), splits.tracks[k]));
   }
   SortTracks(world.association);
-  for (MapObject& visit : visits) {
-    if (Status status = RescoreTrack("visit", closing, world, visit); !status.ok())
+  for (MapObject& tracklet : tracklets) {
+    if (Status status = RescoreTrack("visit", closing, world, tracklet); !status.ok())
       return status.error();
   }
-  std::ranges::move(visits, std::back_inserter(world.map.objects));
+  std::ranges::move(tracklets, std::back_inserter(world.map.objects));
   SortObjects(world.map);
   return whole;
 }
@@ -167,8 +168,8 @@ Status RejoinTracks(const std::set<ObjectId>& rejoined,
                     const WholeObjects& before,
                     const LoopClosing& closing,
                     LoopWorld& world) {
-  for (const PartedVisit& visit : before.visits) {
-    if (rejoined.contains(visit.object)) RemoveVisit(visit.visit, world);
+  for (const SplitTracklet& tracklet : before.tracklets) {
+    if (rejoined.contains(tracklet.object)) RemoveTracklet(tracklet.tracklet, world);
   }
   for (const ObjectId id : rejoined) {
     world.association.tracks.push_back(before.tracks.at(id));

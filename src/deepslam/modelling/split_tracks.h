@@ -8,26 +8,26 @@
 #include <vector>
 
 #include "deepslam/core/result.h"
-#include "deepslam/loop/visits.h"
+#include "deepslam/loop/tracklets.h"
 #include "deepslam/modelling/loop_world.h"
 #include "deepslam/scene/loop.h"
 
 namespace deepslam::modelling {
 
 // The observations of re-identified objects, where they stand apart.
-[[nodiscard]] Result<loop::PartedObjects> FindSplits(const LoopClosing& closing,
-                                                     const LoopWorld& world);
+[[nodiscard]] Result<loop::SplitObjects> FindSplits(const LoopClosing& closing,
+                                                    const LoopWorld& world);
 
 // Objects as they were before their tracks were split, by id.
 struct WholeObjects {
   Trajectory trajectory;  // at that time
-  std::vector<PartedVisit> visits;
+  std::vector<SplitTracklet> tracklets;
   std::map<ObjectId, MapObject> objects;
   std::map<ObjectId, ObjectTrack> tracks;
 };
 
 // The observations take the places of their objects, each scored by what it saw alone.
-[[nodiscard]] Result<WholeObjects> SplitTracks(const loop::PartedObjects& splits,
+[[nodiscard]] Result<WholeObjects> SplitTracks(const loop::SplitObjects& splits,
                                                const LoopClosing& closing,
                                                LoopWorld& world);
 

@@ -14,7 +14,7 @@
 
 namespace deepslam::pipeline {
 
-// A group of options under a dotted name ("track", "detect.clusters"); `describe` visits the one
+// A group of options under a dotted name ("track", "detect.clusters"); `describe` describes the one
 // struct it stands for.
 struct OptionSection {
   std::string name;

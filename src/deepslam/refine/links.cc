@@ -24,8 +24,8 @@ Eigen::Array3i PlaceOf(std::size_t n) {
 }
 
 // Calls visit(neighbour) for the voxels that share a face with voxel n.
-template <typename Visit>
-void ForFaceNeighbours(std::size_t n, const Visit& visit) {
+template <typename Visitor>
+void ForFaceNeighbours(std::size_t n, const Visitor& visit) {
   const Eigen::Array3i at = PlaceOf(n);
   for (int axis = 0; axis < 3; ++axis) {
     for (const int step : {-1, 1}) {

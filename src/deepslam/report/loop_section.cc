@@ -38,19 +38,20 @@ struct Range {
 };
 
 // An observation that was looked for by itself says when it was.
-std::string Name(ObjectId id, const std::vector<PartedVisit>& visits) {
-  const auto visit = std::ranges::find(visits, id, &PartedVisit::visit);
-  if (visit == visits.end()) return fmt::format("{:02d}", id.value);
+std::string Name(ObjectId id, const std::vector<SplitTracklet>& tracklets) {
+  const auto tracklet = std::ranges::find(tracklets, id, &SplitTracklet::tracklet);
+  if (tracklet == tracklets.end()) return fmt::format("{:02d}", id.value);
   return fmt::format("{:02d} (as seen in {})",
-                     visit->object.value,
-                     Range{visit->first.value, visit->last.value}.Text());
+                     tracklet->object.value,
+                     Range{tracklet->first.value, tracklet->last.value}.Text());
 }
 
-Row ConstellationRow(const Constellation& constellation, const std::vector<PartedVisit>& visits) {
+Row ConstellationRow(const Constellation& constellation,
+                     const std::vector<SplitTracklet>& tracklets) {
   std::string pairs;
   for (const ObjectMerge& pair : constellation.pairs) {
     if (!pairs.empty()) pairs += ", ";
-    pairs += fmt::format("{} is {}", Name(pair.merged, visits), Name(pair.kept, visits));
+    pairs += fmt::format("{} is {}", Name(pair.merged, tracklets), Name(pair.kept, tracklets));
   }
   const bool single = constellation.pairs.size() == 1;
   return {single ? "duplicate" : "constellation",
@@ -102,7 +103,7 @@ std::vector<Row> AppearanceRows(const std::vector<AppearanceLoop>& loops) {
 std::string LoopSection(const Loops& loops) {
   std::vector<Row> rows;
   for (const Constellation& constellation : loops.constellations)
-    rows.push_back(ConstellationRow(constellation, loops.visits));
+    rows.push_back(ConstellationRow(constellation, loops.tracklets));
   for (Row& row : AppearanceRows(loops.appearance)) rows.push_back(std::move(row));
   if (rows.empty()) return "<h2>Places seen again</h2><p>None was found.</p>";
   std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {

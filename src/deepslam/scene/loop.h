@@ -26,8 +26,8 @@ struct Constellation {
 // An observation of an object that association had re-identified, where what the observations
 // measured stands apart: looked for like an object of its own. The first one has the object's own
 // id.
-struct PartedVisit {
-  ObjectId visit;
+struct SplitTracklet {
+  ObjectId tracklet;
   ObjectId object;
   FrameIdx first;
   FrameIdx last;
@@ -50,7 +50,7 @@ struct Loops {
   std::vector<ObjectMerge> merges;            // accepted, each object merged at most once
   std::vector<RelativePose> edges;            // keyframe to keyframe, verified, of both kinds
   std::vector<AppearanceLoop> appearance;     // accepted and rejected ones
-  std::vector<PartedVisit> visits;            // ids that pairs and merges may name beside objects'
+  std::vector<SplitTracklet> tracklets;       // ids that pairs and merges may name beside objects'
 };
 
 }  // namespace deepslam

@@ -20,12 +20,12 @@ struct Gap {
 };
 
 // Calls visit(u, v) for the pixels of closed gaps within rows.
-template <typename Visit>
+template <typename Visitor>
 void VisitGapsOfRows(const DepthImage& depth_m,
                      const Mask& mask,
                      const Region& region,
                      const Gap& gap,
-                     const Visit& visit) {
+                     const Visitor& visit) {
   for (int v = region.v_min; v <= region.v_max; ++v) {
     const float* const depth = depth_m.row(v);
     const std::uint8_t* const in_mask = mask.row(v);
@@ -42,12 +42,12 @@ void VisitGapsOfRows(const DepthImage& depth_m,
 }
 
 // The same within columns; these are read row by row.
-template <typename Visit>
+template <typename Visitor>
 void VisitGapsOfColumns(const DepthImage& depth_m,
                         const Mask& mask,
                         const Region& region,
                         const Gap& gap,
-                        const Visit& visit) {
+                        const Visitor& visit) {
   std::vector<int> last(static_cast<std::size_t>(region.u_max - region.u_min) + 1, -1);
   for (int v = region.v_min; v <= region.v_max; ++v) {
     const float* const depth = depth_m.row(v);

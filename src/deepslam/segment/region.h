@@ -28,8 +28,8 @@ struct Region {
     return empty() ? 0 : (u_max - u_min + 1) * (v_max - v_min + 1);
   }
   // Calls visit(u, v) for every pixel, row by row.
-  template <typename Visit>
-  void ForEach(const Visit& visit) const {
+  template <typename Visitor>
+  void ForEach(const Visitor& visit) const {
     for (int v = v_min; v <= v_max; ++v) {
       const std::uint8_t* const inside = mask.empty() ? nullptr : mask.row(v);
       for (int u = u_min; u <= u_max; ++u) {

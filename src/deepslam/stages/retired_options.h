@@ -8,7 +8,7 @@
 
 namespace deepslam::stages {
 
-// Visits those of a section ("loops.appearance") as retired.
+// Passes those of a section ("loops.appearance") to the visitor as retired.
 void DescribeRetired(std::string_view section, OptionsVisitor& visitor);
 
 }  // namespace deepslam::stages

@@ -1,4 +1,4 @@
-#include "deepslam/loop/visits.h"
+#include "deepslam/loop/tracklets.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -25,11 +25,11 @@ Eigen::Vector3d Mean(const Points& points) {
 }
 
 // Around the object, without the ground.
-Points Surroundings(const ObjectEvidence& visit,
+Points Surroundings(const ObjectEvidence& tracklet,
                     const Points& object,
                     const Eigen::Vector3d& up_world) {
   const double ground_top_m = GroundTop_m(object, up_world);
-  Points around = Thinned(visit.surroundings_world, kThinnedCell_m);
+  Points around = Thinned(tracklet.surroundings_world, kThinnedCell_m);
   std::erase_if(around, [&](const Eigen::Vector3f& p) {
     return up_world.dot(p.cast<double>()) < ground_top_m;
   });
@@ -42,9 +42,9 @@ Points Together(Points points, const Points& more) {
 }
 
 struct Seen {
-  Seen(const ObjectEvidence& visit, const Eigen::Vector3d& up_world)
-      : object(Thinned(visit.depth_points_world, kThinnedCell_m)),
-        all(Together(object, Surroundings(visit, object, up_world))),
+  Seen(const ObjectEvidence& tracklet, const Eigen::Vector3d& up_world)
+      : object(Thinned(tracklet.depth_points_world, kThinnedCell_m)),
+        all(Together(object, Surroundings(tracklet, object, up_world))),
         object_index(object) {}
 
   Points object;
@@ -63,15 +63,15 @@ double Agreement(const Seen& older,
 }
 
 // The observations that stand together, in order.
-std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits, const std::vector<bool>& apart) {
+std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> tracklets, const std::vector<bool>& apart) {
   std::vector<ObjectTrack> parts;
-  for (std::size_t k = 0; k < visits.size(); ++k) {
+  for (std::size_t k = 0; k < tracklets.size(); ++k) {
     if (k == 0 || (k <= apart.size() && apart[k - 1])) {
-      parts.push_back(std::move(visits[k]));
+      parts.push_back(std::move(tracklets[k]));
       continue;
     }
-    std::move(visits[k].members.begin(),
-              visits[k].members.end(),
+    std::move(tracklets[k].members.begin(),
+              tracklets[k].members.end(),
               std::back_inserter(parts.back().members));
   }
   return parts;
@@ -79,26 +79,26 @@ std::vector<ObjectTrack> Parts(std::vector<ObjectTrack> visits, const std::vecto
 
 }  // namespace
 
-std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& options) {
-  std::vector<ObjectTrack> visits;
+std::vector<ObjectTrack> Tracklets(const ObjectTrack& track, const LoopOptions& options) {
+  std::vector<ObjectTrack> tracklets;
   for (const TrackMember& member : track.members) {
     const bool goes_on =
-        !visits.empty() &&
-        member.frame.value - visits.back().members.back().frame.value < options.min_gap_frames;
+        !tracklets.empty() &&
+        member.frame.value - tracklets.back().members.back().frame.value < options.min_gap_frames;
     if (!goes_on)
-      visits.push_back({track.id, track.class_name, {}, track.reason, track.class_votes});
-    visits.back().members.push_back(member);
+      tracklets.push_back({track.id, track.class_name, {}, track.reason, track.class_votes});
+    tracklets.back().members.push_back(member);
   }
-  if (visits.empty()) visits.push_back(track);
-  return visits;
+  if (tracklets.empty()) tracklets.push_back(track);
+  return tracklets;
 }
 
-bool StandApart(const ObjectEvidence& old_visit,
-                const ObjectEvidence& new_visit,
+bool StandApart(const ObjectEvidence& old_tracklet,
+                const ObjectEvidence& new_tracklet,
                 const Eigen::Vector3d& up_world,
                 const LoopOptions& options) {
-  const Seen older(old_visit, up_world);
-  const Seen newer(new_visit, up_world);
+  const Seen older(old_tracklet, up_world);
+  const Seen newer(new_tracklet, up_world);
   if (std::min(older.object.size(), newer.object.size()) < kMinComparedPoints) return false;
   const Eigen::Quaterniond level_from_world = LevelFromWorld(up_world);
   const double radius_m = LoopOptions::kVerifyDistance_m;
@@ -117,21 +117,21 @@ bool StandApart(const ObjectEvidence& old_visit,
   return moved >= options.min_object_agreement && moved >= as_they_stand + kClearlyBetterSplit;
 }
 
-PartedObjects PartVisits(const Association& association,
-                         const StandingApart& apart,
-                         const LoopOptions& options) {
+SplitObjects SplitTracklets(const Association& association,
+                            const StandingApart& apart,
+                            const LoopOptions& options) {
   int next_id = 0;
   for (const ObjectTrack& track : association.tracks)
     next_id = std::max(next_id, track.id.value + 1);
-  PartedObjects parted;
+  SplitObjects parted;
   for (const ObjectTrack& track : association.tracks) {
     const auto own = apart.find(track.id);
     if (own == apart.end()) continue;
-    std::vector<ObjectTrack> parts = Parts(Visits(track, options), own->second);
+    std::vector<ObjectTrack> parts = Parts(Tracklets(track, options), own->second);
     if (parts.size() < 2) continue;
     for (std::size_t k = 0; k < parts.size(); ++k) {
       if (k > 0) parts[k].id = ObjectId{next_id++};
-      parted.visits.push_back(
+      parted.tracklets.push_back(
           {parts[k].id, track.id, parts[k].members.front().frame, parts[k].members.back().frame});
       parted.tracks.push_back(std::move(parts[k]));
     }
@@ -139,11 +139,11 @@ PartedObjects PartVisits(const Association& association,
   return parted;
 }
 
-std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& visits,
+std::vector<Constellation> ProposeKnownAgain(const std::vector<SplitTracklet>& tracklets,
                                              const ObjectMap& map,
                                              std::vector<Constellation>& proposed) {
   std::map<ObjectId, ObjectId> object_of;
-  for (const PartedVisit& visit : visits) object_of[visit.visit] = visit.object;
+  for (const SplitTracklet& tracklet : tracklets) object_of[tracklet.tracklet] = tracklet.object;
   const auto of_one_object = [&](const ObjectMerge& pair) {
     const auto kept = object_of.find(pair.kept);
     const auto merged = object_of.find(pair.merged);
@@ -160,10 +160,10 @@ std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& vis
     });
   };
   std::vector<Constellation> known_again;
-  for (std::size_t k = 1; k < visits.size(); ++k) {
-    if (visits[k].object != visits[k - 1].object) continue;
-    const auto older = std::ranges::find(map.objects, visits[k - 1].visit, &MapObject::id);
-    const auto newer = std::ranges::find(map.objects, visits[k].visit, &MapObject::id);
+  for (std::size_t k = 1; k < tracklets.size(); ++k) {
+    if (tracklets[k].object != tracklets[k - 1].object) continue;
+    const auto older = std::ranges::find(map.objects, tracklets[k - 1].tracklet, &MapObject::id);
+    const auto newer = std::ranges::find(map.objects, tracklets[k].tracklet, &MapObject::id);
     if (older == map.objects.end() || newer == map.objects.end() ||
         is_proposed(older->id, newer->id)) {
       continue;
@@ -178,34 +178,34 @@ std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& vis
   return known_again;
 }
 
-RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,
-                            const std::vector<ObjectMerge>& merges) {
+RejoinedTracklets RejoinTracklets(const std::vector<SplitTracklet>& tracklets,
+                                  const std::vector<ObjectMerge>& merges) {
   std::map<ObjectId, ObjectId> kept;  // of everything that is in a merge
   for (const ObjectMerge& merge : merges) {
     kept[merge.merged] = merge.kept;
     kept[merge.kept] = merge.kept;
   }
   std::map<ObjectId, std::set<ObjectId>> own;  // observations by object
-  for (const PartedVisit& visit : visits) own[visit.object].insert(visit.visit);
-  RejoinedVisits rejoined;
+  for (const SplitTracklet& tracklet : tracklets) own[tracklet.object].insert(tracklet.tracklet);
+  RejoinedTracklets rejoined;
   for (const auto& [object, of_object] : own) {
     std::set<ObjectId> groups, loose;
-    for (const ObjectId visit : of_object) {
-      const auto in_merge = kept.find(visit);
+    for (const ObjectId tracklet : of_object) {
+      const auto in_merge = kept.find(tracklet);
       (in_merge == kept.end() ? loose : groups)
-          .insert(in_merge == kept.end() ? visit : in_merge->second);
+          .insert(in_merge == kept.end() ? tracklet : in_merge->second);
     }
     if (groups.empty()) rejoined.whole.insert(object);
     if (groups.size() != 1 || loose.empty()) continue;
     const ObjectId group = *groups.begin();
-    const std::set<ObjectId>& own_visits = of_object;  // clang 14 captures no binding
+    const std::set<ObjectId>& own_tracklets = of_object;  // clang 14 captures no binding
     const bool others = std::ranges::any_of(kept, [&](const auto& entry) {
-      return entry.second == group && !own_visits.contains(entry.first);
+      return entry.second == group && !own_tracklets.contains(entry.first);
     });
     if (others) continue;
     loose.insert(group);
-    for (auto visit = std::next(loose.begin()); visit != loose.end(); ++visit)
-      rejoined.merges.push_back({*loose.begin(), *visit});
+    for (auto tracklet = std::next(loose.begin()); tracklet != loose.end(); ++tracklet)
+      rejoined.merges.push_back({*loose.begin(), *tracklet});
   }
   return rejoined;
 }

@@ -24,50 +24,53 @@ inline constexpr double kApart_m = 0.10;
 
 // The track cut wherever the object was not seen for min_gap_frames. At least one, all under the
 // track's own id.
-[[nodiscard]] std::vector<ObjectTrack> Visits(const ObjectTrack& track, const LoopOptions& options);
+[[nodiscard]] std::vector<ObjectTrack> Tracklets(const ObjectTrack& track,
+                                                 const LoopOptions& options);
 
 // Whether what two observations measured of an object, in a world with this up direction, belongs
 // further on: registered with each other, surroundings with it, one observation moves by more than
 // kApart_m, and the object's points lie on each other then (min_object_agreement), clearly more of
 // them than as the observations stand. Surroundings tell drift from observations that saw different
 // parts of an object. Models do not count. Fewer than 30 points of either observation tell nothing.
-[[nodiscard]] bool StandApart(const ObjectEvidence& old_visit,
-                              const ObjectEvidence& new_visit,
+[[nodiscard]] bool StandApart(const ObjectEvidence& old_tracklet,
+                              const ObjectEvidence& new_tracklet,
                               const Eigen::Vector3d& up_world,
                               const LoopOptions& options);
 
-// Per object and for each of its Visits but the first: whether it stands apart from the one before.
+// Per object and for each of its Tracklets but the first: whether it stands apart from the one
+// before.
 using StandingApart = std::map<ObjectId, std::vector<bool>>;
 
-struct PartedObjects {
+struct SplitObjects {
   std::vector<ObjectTrack> tracks;  // of the observations, each under an id of its own, ascending
-  std::vector<PartedVisit> visits;  // in the same order
+  std::vector<SplitTracklet> tracklets;  // in the same order
 };
 
 // Objects parted where an observation stands apart from the one before; the first part keeps the
 // id, others get the next free ones of `association`. Objects of which nothing is said stay whole
 // and are not among the tracks.
-[[nodiscard]] PartedObjects PartVisits(const Association& association,
-                                       const StandingApart& apart,
-                                       const LoopOptions& options);
+[[nodiscard]] SplitObjects SplitTracklets(const Association& association,
+                                          const StandingApart& apart,
+                                          const LoopOptions& options);
 
-// Visits of one object, one after the other, as single pairs: association says that they are one
+// Tracklets of one object, one after the other, as single pairs: association says that they are one
 // thing, and depth has to say where. Where a constellation of `proposed` has the pair, it decides;
 // other single pairs of such observations leave `proposed`, since where models overlap tells
 // nothing new.
-[[nodiscard]] std::vector<Constellation> ProposeKnownAgain(const std::vector<PartedVisit>& visits,
-                                                           const ObjectMap& map,
-                                                           std::vector<Constellation>& proposed);
+[[nodiscard]] std::vector<Constellation> ProposeKnownAgain(
+    const std::vector<SplitTracklet>& tracklets,
+    const ObjectMap& map,
+    std::vector<Constellation>& proposed);
 
 // What becomes of the observations when nothing more is found among them.
-struct RejoinedVisits {
+struct RejoinedTracklets {
   std::set<ObjectId> whole;  // objects none of whose observations is in a merge
   // Of observations in no merge, where all others of their object are one, and nothing else with
   // them.
   std::vector<ObjectMerge> merges;
 };
 
-[[nodiscard]] RejoinedVisits RejoinVisits(const std::vector<PartedVisit>& visits,
-                                          const std::vector<ObjectMerge>& merges);
+[[nodiscard]] RejoinedTracklets RejoinTracklets(const std::vector<SplitTracklet>& tracklets,
+                                                const std::vector<ObjectMerge>& merges);
 
 }  // namespace deepslam::loop

@@ -1,17 +1,17 @@
-#include "deepslam/loop/visits.h"
+#include "deepslam/loop/tracklets.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "loop/synthetic_visits.h"
+#include "loop/synthetic_traversals.h"
 #include "support/pose_matchers.h"
 
 namespace deepslam::loop {
 namespace {
 
 using ::deepslam::testing_support::PoseNear;
-using testing_support::AddVisit;
+using testing_support::AddTraversal;
 using testing_support::ChairPoints;
 using testing_support::Clutter;
 using testing_support::Detect;
@@ -53,31 +53,31 @@ Points Top(float x_m, float length_m) {
 }
 
 // Each but the first against the one before.
-std::vector<bool> Judged(const std::vector<ObjectEvidence>& visits) {
+std::vector<bool> Judged(const std::vector<ObjectEvidence>& tracklets) {
   std::vector<bool> apart;
-  for (std::size_t k = 1; k < visits.size(); ++k)
-    apart.push_back(StandApart(visits[k - 1], visits[k], kUp, {}));
+  for (std::size_t k = 1; k < tracklets.size(); ++k)
+    apart.push_back(StandApart(tracklets[k - 1], tracklets[k], kUp, {}));
   return apart;
 }
 
-TEST(Visits, EndWhereTheObjectIsNotSeenForLong) {
+TEST(Tracklets, EndWhereTheObjectIsNotSeenForLong) {
   const LoopOptions options;  // 30 frames
-  const std::vector<ObjectTrack> visits = Visits(Track(7, {0, 29, 58, 88, 90, 200}), options);
-  ASSERT_EQ(visits.size(), 3U);
-  EXPECT_EQ(visits[0].members.size(), 3U);
-  EXPECT_EQ(visits[1].members.size(), 2U);
-  EXPECT_EQ(visits[2].members.front().frame, FrameIdx{200});
-  for (const ObjectTrack& visit : visits) EXPECT_EQ(visit.id, ObjectId{7});
+  const std::vector<ObjectTrack> tracklets = Tracklets(Track(7, {0, 29, 58, 88, 90, 200}), options);
+  ASSERT_EQ(tracklets.size(), 3U);
+  EXPECT_EQ(tracklets[0].members.size(), 3U);
+  EXPECT_EQ(tracklets[1].members.size(), 2U);
+  EXPECT_EQ(tracklets[2].members.front().frame, FrameIdx{200});
+  for (const ObjectTrack& tracklet : tracklets) EXPECT_EQ(tracklet.id, ObjectId{7});
 }
 
-TEST(Visits, StandApartWhereTheyFitElsewhere) {
+TEST(Tracklets, StandApartWhereTheyFitElsewhere) {
   EXPECT_TRUE(ChairStandsApart(Yawed(0.25, -0.1, 0, 0.05)));
   EXPECT_TRUE(ChairStandsApart(Yawed(0, 0.2, 0, -0.1)));
   EXPECT_FALSE(ChairStandsApart({}));
   EXPECT_FALSE(ChairStandsApart(Yawed(0.05, -0.03, 0.02, 0.05)));
 }
 
-TEST(Visits, OfWhichTooLittleIsComparedDoNotStandApart) {
+TEST(Tracklets, OfWhichTooLittleIsComparedDoNotStandApart) {
   EXPECT_FALSE(ChairStandsApart(Yawed(3, 0, 0, 0)));
   const ObjectEvidence away = Measured(Moved(ChairPoints(), Yawed(0.25, 0, 0, 0)));
   Points few = ChairPoints();
@@ -87,9 +87,9 @@ TEST(Visits, OfWhichTooLittleIsComparedDoNotStandApart) {
   EXPECT_FALSE(StandApart(away, Measured({}), kUp, {}));
 }
 
-// Of a long table either visit saw another part, and alone these fit when one slides onto the
+// Of a long table either traversal saw another part, and alone these fit when one slides onto the
 // other.
-TEST(Visits, OfDifferentPartsAreToldByWhatStandsAround) {
+TEST(Tracklets, OfDifferentPartsAreToldByWhatStandsAround) {
   const Points room = Moved(Clutter(1, 1.5), Yawed(0, 0, 0.3, 0));
   const Points left = Top(0, 0.8F), right = Top(0.25F, 0.8F);
   EXPECT_TRUE(StandApart(Measured(Top(0, 0.8F)), Measured(Top(0.25F, 0.8F)), kUp, {}));
@@ -100,12 +100,12 @@ TEST(Visits, OfDifferentPartsAreToldByWhatStandsAround) {
 }
 
 // Of a top that is seen nearly whole both times either end may be missing.
-TEST(Visits, DoNotStandApartForLittle) {
+TEST(Tracklets, DoNotStandApartForLittle) {
   EXPECT_FALSE(StandApart(Measured(Top(0, 2.0F)), Measured(Top(0.15F, 2.0F)), kUp, {}));
   EXPECT_TRUE(StandApart(Measured(Top(0, 0.5F)), Measured(Top(0.15F, 0.5F)), kUp, {}));
 }
 
-TEST(Visits, AreCountedBehindTheLastId) {
+TEST(Tracklets, AreCountedBehindTheLastId) {
   const Association association{
       {Track(2, {0, 1, 100, 101, 200, 201}), Track(4, {0, 100}), Track(9, {0, 100})}, {}};
   const Points there = ChairPoints();
@@ -113,27 +113,27 @@ TEST(Visits, AreCountedBehindTheLastId) {
   const StandingApart apart = {
       {ObjectId{2}, Judged({Measured(there), Measured(away), Measured(away)})},
       {ObjectId{4}, Judged({Measured(there), Measured(there)})}};
-  const PartedObjects parted = PartVisits(association, apart, {});
-  ASSERT_EQ(parted.visits.size(), 2U);  // 4 stands still, of 9 nothing is known
+  const SplitObjects parted = SplitTracklets(association, apart, {});
+  ASSERT_EQ(parted.tracklets.size(), 2U);  // 4 stands still, of 9 nothing is known
   ASSERT_EQ(parted.tracks.size(), 2U);
-  EXPECT_EQ(parted.visits[0].visit, ObjectId{2});
-  EXPECT_EQ(parted.visits[0].last, FrameIdx{1});
-  EXPECT_EQ(parted.visits[1].visit, ObjectId{10});
-  EXPECT_EQ(parted.visits[1].object, ObjectId{2});
-  EXPECT_EQ(parted.visits[1].first, FrameIdx{100});
+  EXPECT_EQ(parted.tracklets[0].tracklet, ObjectId{2});
+  EXPECT_EQ(parted.tracklets[0].last, FrameIdx{1});
+  EXPECT_EQ(parted.tracklets[1].tracklet, ObjectId{10});
+  EXPECT_EQ(parted.tracklets[1].object, ObjectId{2});
+  EXPECT_EQ(parted.tracklets[1].first, FrameIdx{100});
   EXPECT_EQ(parted.tracks[1].id, ObjectId{10});
-  EXPECT_EQ(parted.tracks[1].members.size(), 4U) << "the third visit agrees with the second";
+  EXPECT_EQ(parted.tracks[1].members.size(), 4U) << "the third traversal agrees with the second";
 }
 
-// Behind drift one chair was taken for the other: chair 0's track goes on with the second visit of
-// chair 1, as if no loop were there.
-TEST(Visits, ANeighbourTakenForTheObjectIsGivenBack) {
+// Behind drift one chair was taken for the other: chair 0's track goes on with the second traversal
+// of chair 1, as if no loop were there.
+TEST(Tracklets, ANeighbourTakenForTheObjectIsGivenBack) {
   const std::vector<Furniture> chairs = {{"chair", 0, 0, 0.3}, {"chair", 0.75, 0.1, 0.5}};
   const auto room = Clutter(1, 4);
   Scene scene;
   scene.odometry = Walk(400, 20);
-  AddVisit(scene, chairs, 0, {}, room);
-  AddVisit(scene, chairs, 300, Yawed(-0.45, 0.05, 0, 0.02), room);
+  AddTraversal(scene, chairs, 0, {}, room);
+  AddTraversal(scene, chairs, 300, Yawed(-0.45, 0.05, 0, 0.02), room);
   EXPECT_EQ(Merged(Detect(scene)), (Merges{{0, 2}, {1, 3}}));
 
   Scene mistaken = scene;
@@ -144,8 +144,8 @@ TEST(Visits, ANeighbourTakenForTheObjectIsGivenBack) {
   EXPECT_TRUE(Detect(mistaken).merges.empty());
 
   const auto seen = [&](int id) { return scene.evidence.at(ObjectId{id}); };
-  const PartedObjects parted =
-      PartVisits(mistaken.association, {{ObjectId{0}, Judged({seen(0), seen(3)})}}, {});
+  const SplitObjects parted =
+      SplitTracklets(mistaken.association, {{ObjectId{0}, Judged({seen(0), seen(3)})}}, {});
   ASSERT_EQ(parted.tracks.size(), 2U);
   EXPECT_EQ(parted.tracks[0].members.size(), scene.association.tracks[0].members.size());
   EXPECT_EQ(parted.tracks[1].id,
@@ -153,20 +153,21 @@ TEST(Visits, ANeighbourTakenForTheObjectIsGivenBack) {
 }
 
 // One chair, seen before and after drift; whether another one was taken for it.
-TEST(Visits, OfAnObjectKnownAgainAreJoinedWhereDepthSaysSo) {
+TEST(Tracklets, OfAnObjectKnownAgainAreJoinedWhereDepthSaysSo) {
   const auto room = Clutter(1, 4);
   const Pose3 drift = Yawed(0.24, -0.1, 0, 0.05);
   for (const bool same_chair : {true, false}) {
     Scene scene;
     scene.odometry = Walk(400, 20);
-    AddVisit(scene, {{"chair", 0, 0, 0.3}}, 0, {}, room);
-    AddVisit(
+    AddTraversal(scene, {{"chair", 0, 0, 0.3}}, 0, {}, room);
+    AddTraversal(
         scene, {{"chair", same_chair ? 0 : -0.5, 0, same_chair ? 0.3 : 0.4}}, 300, drift, room);
-    const std::vector<PartedVisit> visits = {
+    const std::vector<SplitTracklet> tracklets = {
         {ObjectId{0}, ObjectId{0}, FrameIdx{0}, FrameIdx{19}},
         {ObjectId{1}, ObjectId{0}, FrameIdx{300}, FrameIdx{319}}};
     std::vector<Constellation> proposed;
-    const std::vector<Constellation> known_again = ProposeKnownAgain(visits, scene.map, proposed);
+    const std::vector<Constellation> known_again =
+        ProposeKnownAgain(tracklets, scene.map, proposed);
     ASSERT_EQ(known_again.size(), 1U);
     const Constellation verified =
         VerifyKnownAgain(known_again.front(), scene.map, scene.evidence, {});
@@ -178,14 +179,14 @@ TEST(Visits, OfAnObjectKnownAgainAreJoinedWhereDepthSaysSo) {
   }
 }
 
-TEST(Visits, OfOneObjectLeaveItToAConstellationThatHasThem) {
+TEST(Tracklets, OfOneObjectLeaveItToAConstellationThatHasThem) {
   Scene scene;
   scene.odometry = Walk(400, 20);
-  AddVisit(scene, {{"chair", 0, 0, 0}, {"chair", 1, 0, 0}}, 0, {}, {});
-  AddVisit(scene, {{"chair", 0, 0, 0}, {"chair", 1, 0, 0}}, 300, {}, {});
+  AddTraversal(scene, {{"chair", 0, 0, 0}, {"chair", 1, 0, 0}}, 0, {}, {});
+  AddTraversal(scene, {{"chair", 0, 0, 0}, {"chair", 1, 0, 0}}, 300, {}, {});
   const ObjectId a{0}, b{1}, a2{2}, b2{3};
   const FrameIdx frame{5};
-  const std::vector<PartedVisit> visits = {
+  const std::vector<SplitTracklet> tracklets = {
       {a, a, frame, frame}, {a2, a, frame, frame}, {b, b, frame, frame}, {b2, b, frame, frame}};
   Constellation both, overlap, other;
   both.pairs = {{a, a2}, {b, b2}};
@@ -193,39 +194,39 @@ TEST(Visits, OfOneObjectLeaveItToAConstellationThatHasThem) {
   other.pairs = {{a, b}};
 
   std::vector<Constellation> proposed = {both, other};
-  EXPECT_TRUE(ProposeKnownAgain(visits, scene.map, proposed).empty());
+  EXPECT_TRUE(ProposeKnownAgain(tracklets, scene.map, proposed).empty());
   EXPECT_EQ(proposed.size(), 2U);
   proposed = {overlap, other};
-  EXPECT_EQ(ProposeKnownAgain(visits, scene.map, proposed).size(), 2U);
+  EXPECT_EQ(ProposeKnownAgain(tracklets, scene.map, proposed).size(), 2U);
   EXPECT_EQ(proposed.size(), 1U);
   scene.map.objects.pop_back();  // b2 is another's meanwhile
-  EXPECT_EQ(ProposeKnownAgain(visits, scene.map, proposed).size(), 1U);
+  EXPECT_EQ(ProposeKnownAgain(tracklets, scene.map, proposed).size(), 1U);
 }
 
-TEST(Visits, GoBackWhereNobodyElseClaimedThem) {
-  const auto visits_of = [](const std::vector<std::pair<int, int>>& pairs) {
-    std::vector<PartedVisit> visits;
-    for (const auto& [visit, object] : pairs)
-      visits.push_back({ObjectId{visit}, ObjectId{object}, FrameIdx{0}, FrameIdx{9}});
-    return visits;
+TEST(Tracklets, GoBackWhereNobodyElseClaimedThem) {
+  const auto tracklets_of = [](const std::vector<std::pair<int, int>>& pairs) {
+    std::vector<SplitTracklet> tracklets;
+    for (const auto& [tracklet, object] : pairs)
+      tracklets.push_back({ObjectId{tracklet}, ObjectId{object}, FrameIdx{0}, FrameIdx{9}});
+    return tracklets;
   };
-  const auto as_merges = [](const RejoinedVisits& rejoined) {
+  const auto as_merges = [](const RejoinedTracklets& rejoined) {
     Loops loops;
     loops.merges = rejoined.merges;
     return Merged(loops);
   };
-  const std::vector<PartedVisit> two = visits_of({{1, 1}, {7, 1}});
-  const std::vector<PartedVisit> three = visits_of({{1, 1}, {7, 1}, {8, 1}});
+  const std::vector<SplitTracklet> two = tracklets_of({{1, 1}, {7, 1}});
+  const std::vector<SplitTracklet> three = tracklets_of({{1, 1}, {7, 1}, {8, 1}});
   const ObjectId a{1}, b{7}, c{8}, other{0};
 
-  EXPECT_EQ(RejoinVisits(two, {}).whole, (std::set<ObjectId>{a}));
-  EXPECT_TRUE(RejoinVisits(two, {{a, b}}).whole.empty());
-  EXPECT_TRUE(RejoinVisits(two, {{a, b}}).merges.empty());
-  EXPECT_TRUE(RejoinVisits(two, {{other, b}}).merges.empty()) << "it was another's";
+  EXPECT_EQ(RejoinTracklets(two, {}).whole, (std::set<ObjectId>{a}));
+  EXPECT_TRUE(RejoinTracklets(two, {{a, b}}).whole.empty());
+  EXPECT_TRUE(RejoinTracklets(two, {{a, b}}).merges.empty());
+  EXPECT_TRUE(RejoinTracklets(two, {{other, b}}).merges.empty()) << "it was another's";
 
-  EXPECT_EQ(as_merges(RejoinVisits(three, {{a, b}})), (Merges{{1, 8}}));
-  EXPECT_EQ(as_merges(RejoinVisits(three, {{b, c}})), (Merges{{1, 7}}));
-  EXPECT_TRUE(RejoinVisits(three, {{other, a}, {other, b}}).merges.empty());
+  EXPECT_EQ(as_merges(RejoinTracklets(three, {{a, b}})), (Merges{{1, 8}}));
+  EXPECT_EQ(as_merges(RejoinTracklets(three, {{b, c}})), (Merges{{1, 7}}));
+  EXPECT_TRUE(RejoinTracklets(three, {{other, a}, {other, b}}).merges.empty());
 }
 
 TEST(Loops, AFurtherSearchGoesOnWhereTheFirstOneEnded) {

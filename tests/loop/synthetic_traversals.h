@@ -1,5 +1,5 @@
-// A room visited twice: objects as boxes of points, walls and shelves around them, and drift
-// between the visits.
+// A room traversed twice: objects as boxes of points, walls and shelves around them, and drift
+// between the traversals.
 #pragma once
 
 #include <cmath>
@@ -90,14 +90,14 @@ inline Odometry Walk(int num_frames, double path_m) {
   return odometry;
 }
 
-// Adds what one visit maps: each object seen in frames [first_frame, first_frame + 20), its place
-// off by `noise_m`, everything moved by the drift of that visit.
-inline void AddVisit(Scene& scene,
-                     const std::vector<Furniture>& furniture,
-                     int first_frame,
-                     const Pose3& drifted_from_true,
-                     const std::vector<Eigen::Vector3f>& room,
-                     double noise_m = 0.03) {
+// Adds what one traversal maps: each object seen in frames [first_frame, first_frame + 20), its
+// place off by `noise_m`, everything moved by the drift of that traversal.
+inline void AddTraversal(Scene& scene,
+                         const std::vector<Furniture>& furniture,
+                         int first_frame,
+                         const Pose3& drifted_from_true,
+                         const std::vector<Eigen::Vector3f>& room,
+                         double noise_m = 0.03) {
   Random random(static_cast<std::uint64_t>(first_frame) + 17);
   for (const Furniture& item : furniture) {
     const ObjectId id{static_cast<int>(scene.map.objects.size())};
