@@ -5,7 +5,7 @@
 
 Every seed is a room of its own (as scripts/experiments/loops.py makes them, 320 x 240 pixels) walked round twice in 320
 frames. Its poses are those of a VIO as phones have it: they drift by 1 % of the way, to a side that changes slowly, and
-turn by 2 degrees a minute, and jitter by half a millimetre a frame. Three stretches of one to two
+turn by 2 degrees a minute, and jitter by half a millimetre a frame. Three intervals of one to two
 seconds show nothing: in two of them colour and depth are covered, in one depth alone is missing. Each capture is tracked
 with --poses track, capture and prior. The table has the ATE of each, over all frames (those that could not be placed lie
 where the path is filled in), and how many frames were placed. Results lie in --work as one JSON per seed and are used
@@ -29,8 +29,8 @@ POSES = ["track", "capture", "prior"]
 DRIFT_SHARE, TURN_DEG_PER_MIN = 0.01, 2.0  # of the way; what visual-inertial odometry drifts by
 SIDE_DEG = 8                               # by which the side that it drifts to changes from frame to frame
 JITTER_M, JITTER_DEG = 0.0005, 0.02        # from frame to frame
-STRETCHES = 3
-STRETCH_FRAMES = (15, 30)
+INTERVALS = 3
+INTERVAL_FRAMES = (15, 30)
 
 
 def png(values, bits, channels):
@@ -73,25 +73,25 @@ def drifting(stamped, draw):
     return recorded
 
 
-def hidden_stretches(draw):
+def hidden_intervals(draw):
     """[first, end) of each, one in every third of the walk, none in its first tenth."""
-    third = FRAMES // STRETCHES
-    for k in range(STRETCHES):
-        length = draw.randint(*STRETCH_FRAMES)
+    third = FRAMES // INTERVALS
+    for k in range(INTERVALS):
+        length = draw.randint(*INTERVAL_FRAMES)
         yield (first := k * third + draw.randint(FRAMES // 10, third - length - 5)), first + length
 
 
 def recorded_copy(seed, capture, folder):
     """The capture by links, with the recorder's poses, and images that show nothing; and how many do not."""
     draw = random.Random(7000 + seed)
-    stretches = list(hidden_stretches(draw))
-    hidden = sum(end - first for first, end in stretches)
+    intervals = list(hidden_intervals(draw))
+    hidden = sum(end - first for first, end in intervals)
     if (folder / "groundtruth.txt").exists():
         return folder, hidden
     shutil.copytree(capture, folder, copy_function=os.link, ignore=shutil.ignore_patterns("groundtruth.txt", "truth"))
     names = {kind: [line.split()[1] for line in (capture / f"{kind}.txt").read_text().splitlines()
                     if line.strip() and not line.startswith("#")] for kind in ("rgb", "depth")}
-    for k, (first, end) in enumerate(stretches):
+    for k, (first, end) in enumerate(intervals):
         for frame in range(first, end):
             replaced = {"depth": png([0], 16, 1)}
             if k != 1:

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "deepslam/core/base64.h"
-#include "deepslam/core/clock_stretches.h"
+#include "deepslam/core/clock_segments.h"
 #include "deepslam/core/disjoint_sets.h"
 #include "deepslam/core/every_nth.h"
 #include "deepslam/core/nearest_word.h"
@@ -248,27 +248,27 @@ std::vector<double> Joined(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
-TEST(ClockStretches, BeginWhereTheClockWasSetBack) {
+TEST(ClockSegments, BeginWhereTheClockWasSetBack) {
   const std::vector<double> first = Ticks(200, 1000);
   for (const double begin_s : {1000.0, 1003.21, 1006.6, 990.0, 0.0}) {
     std::vector<int> expected(200, 0);
     expected.resize(350, 1);
-    EXPECT_EQ(ClockStretches(Joined(first, Ticks(150, begin_s))), expected) << begin_s;
+    EXPECT_EQ(ClockSegments(Joined(first, Ticks(150, begin_s))), expected) << begin_s;
   }
   // Three recordings in one, each beginning at 0.
   const std::vector<double> joined = Joined(Joined(Ticks(30, 0), Ticks(20, 0)), Ticks(40, 0));
   std::vector<int> expected(30, 0);
   expected.resize(50, 1);
   expected.resize(90, 2);
-  EXPECT_EQ(ClockStretches(joined), expected);
+  EXPECT_EQ(ClockSegments(joined), expected);
   // A capture of a few frames.
-  EXPECT_THAT(ClockStretches(std::vector<double>{0, 0.1, 0.2, 0.3, 0.4, 0.2, 0.3, 0.4, 0.5, 0.6}),
+  EXPECT_THAT(ClockSegments(std::vector<double>{0, 0.1, 0.2, 0.3, 0.4, 0.2, 0.3, 0.4, 0.5, 0.6}),
               testing::ElementsAre(0, 0, 0, 0, 0, 1, 1, 1, 1, 1));
 }
 
-TEST(ClockStretches, ListsThatWantOrderAloneAreOneStretch) {
+TEST(ClockSegments, ListsThatWantOrderAloneAreOneSegment) {
   const auto is_one = [](const std::vector<double>& times) {
-    return std::ranges::all_of(ClockStretches(times), [](int stretch) { return stretch == 0; });
+    return std::ranges::all_of(ClockSegments(times), [](int segment) { return segment == 0; });
   };
   EXPECT_TRUE(is_one({}));
   EXPECT_TRUE(is_one({1}));
@@ -298,13 +298,13 @@ TEST(ClockStretches, ListsThatWantOrderAloneAreOneStretch) {
 }
 
 // Lines written late within a recording do not hide that its clock was set back.
-TEST(ClockStretches, AreFoundAmongTimesThatAreOutOfOrder) {
+TEST(ClockSegments, AreFoundAmongTimesThatAreOutOfOrder) {
   std::vector<double> times = Joined(Ticks(200, 1000), Ticks(150, 1002.5));
   std::swap(times[50], times[51]);
   std::swap(times[270], times[271]);
   std::vector<int> expected(200, 0);
   expected.resize(350, 1);
-  EXPECT_EQ(ClockStretches(times), expected);
+  EXPECT_EQ(ClockSegments(times), expected);
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(ParseFileList, SortsAndDropsRepeatedTimesAndSaysSo) {
 }
 
 // Two recordings that overlap in time, as lines "time NAMEk".
-std::string TwoStretches(const std::string& first, const std::string& second, double late_s = 0) {
+std::string TwoSegments(const std::string& first, const std::string& second, double late_s = 0) {
   std::string text = "# time file\n";
   for (int k = 0; k < 8; ++k) text += fmt::format("{:.3f} {}{}\n", 10 + late_s + 0.1 * k, first, k);
   for (int k = 0; k < 8; ++k)
@@ -65,12 +65,12 @@ std::string TwoStretches(const std::string& first, const std::string& second, do
 
 TEST(ParseFileList, KeepsTheOrderOfTheFileWhereTheClockWasSetBack) {
   std::vector<std::string> warnings;
-  const auto files = ParseFileList(TwoStretches("a", "b"), "rgb.txt", warnings);
+  const auto files = ParseFileList(TwoSegments("a", "b"), "rgb.txt", warnings);
   ASSERT_TRUE(files.ok());
   ASSERT_EQ(files->size(), 16U);
   for (std::size_t k = 0; k < 16; ++k) {
     EXPECT_EQ((*files)[k].file, fmt::format("{}{}", k < 8 ? "a" : "b", k % 8));
-    EXPECT_EQ((*files)[k].stretch, k < 8 ? 0 : 1);
+    EXPECT_EQ((*files)[k].clock_segment, k < 8 ? 0 : 1);
   }
   EXPECT_THAT(warnings,
               ElementsAre(AllOf(HasSubstr("rgb.txt:10: the time falls back from 10.7 to 10.42 s"),
@@ -86,12 +86,11 @@ TEST(ParseFileList, LinesWrittenTwiceAreNoClockThatWasSetBack) {
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("6 lines repeat")));
 }
 
-TEST(AssociateByTime, PairsWithinStretchesOfTheClock) {
+TEST(AssociateByTime, PairsWithinSegmentsOfTheClock) {
   std::vector<std::string> warnings;
-  const auto colour = ParseFileList(TwoStretches("rgb/a", "rgb/b"), "rgb.txt", warnings);
-  const auto depth =
-      ParseFileList(TwoStretches("depth/a", "depth/b", 0.015), "depth.txt", warnings);
-  // The images of the other stretch, 0.02 s apart, are nearer.
+  const auto colour = ParseFileList(TwoSegments("rgb/a", "rgb/b"), "rgb.txt", warnings);
+  const auto depth = ParseFileList(TwoSegments("depth/a", "depth/b", 0.015), "depth.txt", warnings);
+  // The images of the other segment, 0.02 s apart, are nearer.
   const std::vector<dataset::ImagePair> pairs = AssociateByTime(*colour, *depth, 0.03);
   ASSERT_EQ(pairs.size(), 16U);
   for (const dataset::ImagePair& pair : pairs)

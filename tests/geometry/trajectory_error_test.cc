@@ -140,7 +140,7 @@ TEST(TrajectoryError, ATruePoseScoresOnce) {
 }
 
 // Two walks whose times are the same, one behind the other, as a clock set back leaves them.
-TEST(TrajectoryError, PairsWithinStretchesOfTheClock) {
+TEST(TrajectoryError, PairsWithinSegmentsOfTheClock) {
   std::vector<TimedPose> truth = Walk(40, 4);
   for (TimedPose pose : Walk(40, 5)) {
     pose.time_s += 0.1;

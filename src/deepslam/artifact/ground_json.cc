@@ -23,10 +23,10 @@ void Describe(JsonVisitor& visitor, GroundObservation& observation) {
   visitor.Field("num_inliers", observation.num_inliers);
 }
 
-void Describe(JsonVisitor& visitor, GroundApart& stretch) {
-  visitor.Field("first", stretch.first);
-  visitor.Field("end", stretch.end);
-  visitor.Maybe("plane_world", stretch.plane_world);
+void Describe(JsonVisitor& visitor, GroundApart& apart) {
+  visitor.Field("first", apart.first);
+  visitor.Field("end", apart.end);
+  visitor.Maybe("plane_world", apart.plane_world);
 }
 
 void Describe(JsonVisitor& visitor, Ground& ground) {

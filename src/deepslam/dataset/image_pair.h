@@ -9,7 +9,7 @@ struct TimedFile {
   double time_s = 0;
   std::string file;  // relative to the capture, never leaving it
   int line = 0;      // 1-based, of the list; 0: of none
-  int stretch = 0;   // of the list's clock, 0-based
+  int clock_segment = 0;  // of the list's clock, 0-based
 };
 
 struct ImagePair {
@@ -17,7 +17,7 @@ struct ImagePair {
   TimedFile depth;
 };
 
-inline int StretchOf(const TimedFile& file) { return file.stretch; }
-inline int StretchOf(const ImagePair& pair) { return pair.depth.stretch; }
+inline int ClockSegmentOf(const TimedFile& file) { return file.clock_segment; }
+inline int ClockSegmentOf(const ImagePair& pair) { return pair.depth.clock_segment; }
 
 }  // namespace deepslam::dataset

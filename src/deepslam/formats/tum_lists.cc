@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "deepslam/core/clock_stretches.h"
+#include "deepslam/core/clock_segments.h"
 #include "deepslam/formats/text_lines.h"
 
 namespace deepslam::formats {
@@ -70,11 +70,11 @@ int LineOf(const dataset::TimedFile& file) { return file.line; }
 int LineOf(const dataset::ImagePair& pair) { return pair.depth.line; }
 int LineOf(const TimedPose& pose) { return pose.line; }
 
-void SetStretch(dataset::TimedFile& file, int stretch) { file.stretch = stretch; }
-void SetStretch(dataset::ImagePair& pair, int stretch) {
-  pair.colour.stretch = pair.depth.stretch = stretch;
+void SetClockSegment(dataset::TimedFile& file, int segment) { file.clock_segment = segment; }
+void SetClockSegment(dataset::ImagePair& pair, int segment) {
+  pair.colour.clock_segment = pair.depth.clock_segment = segment;
 }
-void SetStretch(TimedPose& pose, int stretch) { pose.stretch = stretch; }
+void SetClockSegment(TimedPose& pose, int segment) { pose.clock_segment = segment; }
 
 // What an entry says, in an order.
 auto Content(const dataset::TimedFile& file) { return std::tie(file.time_s, file.file); }
@@ -102,17 +102,17 @@ void DropRepeatedLines(std::vector<T>& entries) {
 }
 
 template <typename T>
-void NumberStretches(std::vector<T>& entries,
-                     const std::filesystem::path& list,
-                     std::vector<std::string>& warnings) {
+void NumberClockSegments(std::vector<T>& entries,
+                         const std::filesystem::path& list,
+                         std::vector<std::string>& warnings) {
   std::vector<double> times_s;
   for (const T& entry : entries) times_s.push_back(TimeOf(entry));
-  const std::vector<int> stretches = ClockStretches(times_s);
-  for (std::size_t k = 0; k < entries.size(); ++k) SetStretch(entries[k], stretches[k]);
-  if (NumStretches(entries) <= 1) return;
-  const auto fall = static_cast<std::size_t>(std::ranges::find(stretches, 1) - stretches.begin());
-  const std::string others = stretches.back() > 1
-                                 ? fmt::format(", as at {} lines after it", stretches.back() - 1)
+  const std::vector<int> segments = ClockSegments(times_s);
+  for (std::size_t k = 0; k < entries.size(); ++k) SetClockSegment(entries[k], segments[k]);
+  if (NumClockSegments(entries) <= 1) return;
+  const auto fall = static_cast<std::size_t>(std::ranges::find(segments, 1) - segments.begin());
+  const std::string others = segments.back() > 1
+                                 ? fmt::format(", as at {} lines after it", segments.back() - 1)
                                  : std::string();
   warnings.push_back(
       fmt::format("{}:{}: the time falls back from {} to {} s{}: taken for a clock that was set "
@@ -124,7 +124,7 @@ void NumberStretches(std::vector<T>& entries,
                   others));
 }
 
-// Ascending in time and each time once, within each stretch of the clock; says in `warnings` what
+// Ascending in time and each time once, within each segment of the clock; says in `warnings` what
 // that changed.
 template <typename T>
 void SortByTime(std::vector<T>& entries,
@@ -132,8 +132,8 @@ void SortByTime(std::vector<T>& entries,
                 std::vector<std::string>& warnings) {
   const std::size_t count = entries.size();
   DropRepeatedLines(entries);
-  NumberStretches(entries, list, warnings);
-  const auto place = [](const T& entry) { return std::pair(StretchOf(entry), TimeOf(entry)); };
+  NumberClockSegments(entries, list, warnings);
+  const auto place = [](const T& entry) { return std::pair(ClockSegmentOf(entry), TimeOf(entry)); };
   if (!std::ranges::is_sorted(entries, {}, place)) {
     std::ranges::stable_sort(entries, {}, place);
     warnings.push_back(
@@ -294,9 +294,9 @@ std::vector<dataset::ImagePair> AssociateByTime(const std::vector<dataset::Timed
                                                 const std::vector<dataset::TimedFile>& all_depth,
                                                 double tolerance_s) {
   std::vector<dataset::ImagePair> pairs;
-  for (int number = 0; number < NumStretches(all_depth); ++number) {
-    const std::span<const dataset::TimedFile> colour = Stretch(all_colour, number);
-    const std::span<const dataset::TimedFile> depth = Stretch(all_depth, number);
+  for (int number = 0; number < NumClockSegments(all_depth); ++number) {
+    const std::span<const dataset::TimedFile> colour = ClockSegment(all_colour, number);
+    const std::span<const dataset::TimedFile> depth = ClockSegment(all_depth, number);
     if (colour.empty()) continue;
     for (std::size_t d = 0; d < depth.size(); ++d) {
       const std::size_t c = Nearest(colour, depth[d].time_s);

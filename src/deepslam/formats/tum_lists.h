@@ -4,8 +4,8 @@
 // nothing. A line that cannot be understood is an error naming file, line and field, but for one
 // that the file ends within: it is left out with a warning. Times out of
 // order are sorted, repeated times dropped (the first stays); both are said in `warnings`. Where
-// the clock was set back (core/clock_stretches.h), or recordings were joined, the order of the file
-// stays: times ascend within a stretch, and the same times may stand in several. That is said too,
+// the clock was set back (core/clock_segments.h), or recordings were joined, the order of the file
+// stays: times ascend within a segment, and the same times may stand in several. That is said too,
 // with the line.
 #pragma once
 
@@ -26,7 +26,7 @@ struct TimedPose {
   double time_s = 0;
   Pose3 world_from_camera;
   int line = 0;
-  int stretch = 0;
+  int clock_segment = 0;
 };
 
 // rgb.txt, depth.txt: `time file`.
@@ -48,29 +48,29 @@ Result<std::vector<TimedPose>> ParsePoses(const std::string& text,
                                           const std::filesystem::path& list,
                                           std::vector<std::string>& warnings);
 
-inline int StretchOf(const TimedPose& pose) { return pose.stretch; }
+inline int ClockSegmentOf(const TimedPose& pose) { return pose.clock_segment; }
 
 template <typename T>
-int NumStretches(const std::vector<T>& entries) {
-  return entries.empty() ? 0 : StretchOf(entries.back()) + 1;
+int NumClockSegments(const std::vector<T>& entries) {
+  return entries.empty() ? 0 : ClockSegmentOf(entries.back()) + 1;
 }
 
-// The entries of one stretch; empty where there is none of the number.
+// The entries of one segment; empty where there is none of the number.
 template <typename T>
-std::span<const T> Stretch(const std::vector<T>& entries, int number) {
-  const auto stretch = [](const T& entry) { return StretchOf(entry); };
-  return {std::ranges::lower_bound(entries, number, {}, stretch),
-          std::ranges::upper_bound(entries, number, {}, stretch)};
+std::span<const T> ClockSegment(const std::vector<T>& entries, int number) {
+  const auto segment = [](const T& entry) { return ClockSegmentOf(entry); };
+  return {std::ranges::lower_bound(entries, number, {}, segment),
+          std::ranges::upper_bound(entries, number, {}, segment)};
 }
 
 // Pairs of images that are each other's nearest in time and at most `tolerance_s` apart, of
-// stretches with the same number; both lists as parsed.
+// segments with the same number; both lists as parsed.
 std::vector<dataset::ImagePair> AssociateByTime(const std::vector<dataset::TimedFile>& colour,
                                                 const std::vector<dataset::TimedFile>& depth,
                                                 double tolerance_s);
 
 // The pose at a time: between two poses less than `max_gap_s` apart by interpolation (slerp), else
-// the nearest one if within `tolerance_s`, else nothing. `poses` ascending, of one stretch.
+// the nearest one if within `tolerance_s`, else nothing. `poses` ascending, of one segment.
 std::optional<Pose3> PoseAt(std::span<const TimedPose> poses,
                             double time_s,
                             double tolerance_s,

@@ -9,7 +9,7 @@
 #include <Eigen/SVD>
 
 #include "deepslam/core/angles.h"
-#include "deepslam/core/clock_stretches.h"
+#include "deepslam/core/clock_segments.h"
 
 namespace deepslam {
 namespace {
@@ -53,21 +53,21 @@ struct Pair {
   std::size_t truth = 0;
 };
 
-// Indices of poses by ascending time, of each stretch of the clock.
+// Indices of poses by ascending time, of each segment of the clock.
 std::vector<std::vector<std::size_t>> OrderByTime(const std::vector<TimedPose>& poses,
-                                                  const std::vector<int>& stretches) {
-  std::vector<std::vector<std::size_t>> orders(static_cast<std::size_t>(stretches.back()) + 1);
+                                                  const std::vector<int>& segments) {
+  std::vector<std::vector<std::size_t>> orders(static_cast<std::size_t>(segments.back()) + 1);
   for (std::size_t i = 0; i < poses.size(); ++i)
-    orders[static_cast<std::size_t>(stretches[i])].push_back(i);
+    orders[static_cast<std::size_t>(segments[i])].push_back(i);
   for (std::vector<std::size_t>& order : orders)
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return poses[i].time_s; });
   return orders;
 }
 
-std::vector<int> Stretches(const std::vector<TimedPose>& poses) {
+std::vector<int> SegmentsOf(const std::vector<TimedPose>& poses) {
   std::vector<double> times_s;
   for (const TimedPose& pose : poses) times_s.push_back(pose.time_s);
-  return ClockStretches(times_s);
+  return ClockSegments(times_s);
 }
 
 // In ascending time. Where several poses of one list want the same of the other, the nearest in
@@ -107,17 +107,17 @@ std::vector<Pair> PairByTime(const std::vector<TimedPose>& estimate,
 }
 
 // The same times may stand for several moments where a clock was set back.
-std::vector<Pair> PairByStretch(const std::vector<TimedPose>& estimate,
-                                const std::vector<TimedPose>& truth,
-                                double max_difference_s) {
-  std::vector<int> estimate_stretches = Stretches(estimate);
-  std::vector<int> truth_stretches = Stretches(truth);
-  if (estimate_stretches.back() != truth_stretches.back()) {
-    std::ranges::fill(estimate_stretches, 0);
-    std::ranges::fill(truth_stretches, 0);
+std::vector<Pair> PairByClockSegment(const std::vector<TimedPose>& estimate,
+                                     const std::vector<TimedPose>& truth,
+                                     double max_difference_s) {
+  std::vector<int> estimate_segments = SegmentsOf(estimate);
+  std::vector<int> truth_segments = SegmentsOf(truth);
+  if (estimate_segments.back() != truth_segments.back()) {
+    std::ranges::fill(estimate_segments, 0);
+    std::ranges::fill(truth_segments, 0);
   }
-  const auto estimate_orders = OrderByTime(estimate, estimate_stretches);
-  const auto truth_orders = OrderByTime(truth, truth_stretches);
+  const auto estimate_orders = OrderByTime(estimate, estimate_segments);
+  const auto truth_orders = OrderByTime(truth, truth_segments);
   std::vector<Pair> pairs;
   for (std::size_t s = 0; s < estimate_orders.size(); ++s) {
     const std::vector<Pair> more =
@@ -173,7 +173,8 @@ Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
                                                const TrajectoryErrorOptions& options) {
   if (const std::optional<Error> fault = Fault(estimate, "estimated")) return *fault;
   if (const std::optional<Error> fault = Fault(truth, "true")) return *fault;
-  const std::vector<Pair> pairs = PairByStretch(estimate, truth, options.max_time_difference_s);
+  const std::vector<Pair> pairs =
+      PairByClockSegment(estimate, truth, options.max_time_difference_s);
   if (pairs.size() < 3) {
     return InvalidInput("only " + std::to_string(pairs.size()) + " of " +
                         std::to_string(estimate.size()) + " poses have a true pose within " +

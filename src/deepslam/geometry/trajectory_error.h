@@ -48,8 +48,8 @@ struct TrajectoryError {
 };
 
 // Poses of both lists are paired by nearest time, each used once at most; the lists may be in any
-// order. Where the times of both fall back alike (core/clock_stretches.h), poses are paired within
-// their stretch. Errors: a list is empty, holds a value that is not finite, or fewer than three
+// order. Where the times of both fall back alike (core/clock_segments.h), poses are paired within
+// their segment. Errors: a list is empty, holds a value that is not finite, or fewer than three
 // pairs.
 Result<TrajectoryError> ComputeTrajectoryError(std::vector<TimedPose> estimate,
                                                std::vector<TimedPose> truth,

@@ -304,12 +304,13 @@ class GroundSearch {
 
 using Part = std::vector<TrackedFrame>;  // keyframes that tracking measured against each other
 
-std::vector<Part> PartsOf(const Odometry& odometry, std::span<const MeasuredStretch> stretches) {
+std::vector<Part> PartsOf(const Odometry& odometry,
+                          std::span<const MeasuredSubTrajectory> sub_trajectories) {
   std::vector<Part> parts;
-  for (const MeasuredStretch& stretch : stretches) {
-    const auto part = static_cast<std::size_t>(stretch.part);
+  for (const MeasuredSubTrajectory& sub_trajectory : sub_trajectories) {
+    const auto part = static_cast<std::size_t>(sub_trajectory.part);
     if (part == parts.size()) parts.emplace_back();
-    for (int k = stretch.first_keyframe; k < stretch.end_keyframe; ++k) {
+    for (int k = sub_trajectory.first_keyframe; k < sub_trajectory.end_keyframe; ++k) {
       const TrackedFrame& frame = odometry.at(odometry.keyframes[static_cast<std::size_t>(k)]);
       if (HasPose(frame)) parts[part].push_back(frame);
     }
@@ -317,21 +318,21 @@ std::vector<Part> PartsOf(const Odometry& odometry, std::span<const MeasuredStre
   return parts;
 }
 
-// The stretches that are not of the first keyframe's part, each with its part's plane.
+// The sub-trajectories that are not of the first keyframe's part, each with its part's plane.
 std::vector<GroundApart> Apart(const Odometry& odometry,
-                               std::span<const MeasuredStretch> stretches,
+                               std::span<const MeasuredSubTrajectory> sub_trajectories,
                                std::span<const std::optional<Plane>> planes_world) {
   const auto frame = [&](int keyframe) {
     return odometry.keyframes[static_cast<std::size_t>(keyframe)];
   };
   const FrameIdx end{static_cast<int>(odometry.frames.size())};
   std::vector<GroundApart> apart;
-  for (std::size_t n = 0; n < stretches.size(); ++n) {
-    if (stretches[n].part == 0) continue;
-    const bool last = n + 1 == stretches.size();
-    apart.push_back({frame(stretches[n].first_keyframe),
-                     last ? end : frame(stretches[n + 1].first_keyframe),
-                     planes_world[static_cast<std::size_t>(stretches[n].part)]});
+  for (std::size_t n = 0; n < sub_trajectories.size(); ++n) {
+    if (sub_trajectories[n].part == 0) continue;
+    const bool last = n + 1 == sub_trajectories.size();
+    apart.push_back({frame(sub_trajectories[n].first_keyframe),
+                     last ? end : frame(sub_trajectories[n + 1].first_keyframe),
+                     planes_world[static_cast<std::size_t>(sub_trajectories[n].part)]});
   }
   return apart;
 }
@@ -395,8 +396,9 @@ Result<Ground> EstimateGround(const FrameSource& frames,
                               const Odometry& odometry,
                               const GroundOptions& options,
                               Progress& progress) {
-  const auto stretches = MeasuredStretches(odometry.frames, odometry.keyframes, JoinsOf(odometry));
-  const std::vector<Part> parts = PartsOf(odometry, stretches);
+  const auto sub_trajectories =
+      MeasuredSubTrajectories(odometry.frames, odometry.keyframes, JoinsOf(odometry));
+  const std::vector<Part> parts = PartsOf(odometry, sub_trajectories);
   Done done;
   for (const Part& part : parts) done.total += 2 * part.size();
   Ground ground;
@@ -413,7 +415,7 @@ Result<Ground> EstimateGround(const FrameSource& frames,
   }
   std::ranges::sort(ground.observations, {}, &GroundObservation::keyframe);
   if (!planes_world.empty()) ground.plane_world = planes_world.front();
-  ground.apart = Apart(odometry, stretches, planes_world);
+  ground.apart = Apart(odometry, sub_trajectories, planes_world);
   WarnOfLowCamera(ground, progress);
   return ground;
 }

@@ -4,7 +4,7 @@
 //
 // The ground is the lowest large plane within the permissible orientations: a table top has floor
 // points below it somewhere in the capture, the floor has nothing substantial below it. After long
-// stretches without floor it is looked for as far as tracking may have drifted (reidentify.h).
+// parts without floor it is looked for as far as tracking may have drifted (reidentify.h).
 //
 // Parts that tracking did not measure against each other are searched each for themselves. Cameras
 // held on their side or upside down are told by the ground itself (held_camera.h).

@@ -1,7 +1,7 @@
 // Which of the planes in a keyframe is the ground, where the plane propagated there has gathered
 // drift since the ground was last seen.
 //
-// Over a step or two the plane nearest to the propagated one is the ground. After long stretches
+// Over a step or two the plane nearest to the propagated one is the ground. After long parts
 // without floor it may as well be a table top, so candidates come from all horizontal planes within
 // reach, the lowest one that is large counts, and nothing may lie below it in the keyframes about.
 #pragma once

@@ -65,14 +65,14 @@ Result<std::vector<dataset::ImagePair>> PairsByTime(const fs::path& folder,
     if (!files) return files.error();
     lists.push_back(*std::move(files));
   }
-  if (formats::NumStretches(lists[0]) != formats::NumStretches(lists[1])) {
+  if (formats::NumClockSegments(lists[0]) != formats::NumClockSegments(lists[1])) {
     return InvalidInput(
         fmt::format("{}: the times of rgb.txt fall back {} times, those of depth.txt {} times, so "
                     "that which images belong together cannot be told; write associations.txt "
                     "(lines 'time rgb-file time depth-file')",
                     folder.string(),
-                    formats::NumStretches(lists[0]) - 1,
-                    formats::NumStretches(lists[1]) - 1));
+                    formats::NumClockSegments(lists[0]) - 1,
+                    formats::NumClockSegments(lists[1]) - 1));
   }
   std::vector<dataset::ImagePair> pairs =
       formats::AssociateByTime(lists[0], lists[1], kAssociationToleranceS);
@@ -100,29 +100,29 @@ Result<std::vector<dataset::ImagePair>> PairsByTime(const fs::path& folder,
 }
 
 std::optional<Pose3> PoseWithin(const std::vector<formats::TimedPose>& poses,
-                                int stretch,
+                                int segment,
                                 double time_s) {
   return formats::PoseAt(
-      formats::Stretch(poses, stretch), time_s, kAssociationToleranceS, kMaxPoseGapS);
+      formats::ClockSegment(poses, segment), time_s, kAssociationToleranceS, kMaxPoseGapS);
 }
 
-// Nothing where several stretches have one.
+// Nothing where several segments have one.
 std::optional<Pose3> OnlyPose(const std::vector<formats::TimedPose>& poses, double time_s) {
   std::optional<Pose3> only;
-  for (int stretch = 0; stretch < formats::NumStretches(poses); ++stretch) {
-    const std::optional<Pose3> pose = PoseWithin(poses, stretch, time_s);
+  for (int segment = 0; segment < formats::NumClockSegments(poses); ++segment) {
+    const std::optional<Pose3> pose = PoseWithin(poses, segment, time_s);
     if (pose && only) return std::nullopt;
     if (pose) only = pose;
   }
   return only;
 }
 
-int NumStretchesOver(const std::vector<dataset::ImagePair>& pairs, double time_s) {
+int NumClockSegmentsOver(const std::vector<dataset::ImagePair>& pairs, double time_s) {
   int count = 0;
-  for (int number = 0; number < formats::NumStretches(pairs); ++number) {
-    const std::span<const dataset::ImagePair> stretch = formats::Stretch(pairs, number);
-    count += !stretch.empty() && stretch.front().depth.time_s <= time_s &&
-                     time_s <= stretch.back().depth.time_s
+  for (int number = 0; number < formats::NumClockSegments(pairs); ++number) {
+    const std::span<const dataset::ImagePair> segment = formats::ClockSegment(pairs, number);
+    count += !segment.empty() && segment.front().depth.time_s <= time_s &&
+                     time_s <= segment.back().depth.time_s
                  ? 1
                  : 0;
   }
@@ -197,7 +197,7 @@ Result<std::vector<std::optional<Pose3>>> ReadPoses(const fs::path& file,
   if (!*text) return std::vector<std::optional<Pose3>>(pairs.size());
   const Result<std::vector<formats::TimedPose>> poses = formats::ParsePoses(**text, file, warnings);
   if (!poses) return poses.error();
-  if (formats::NumStretches(*poses) != formats::NumStretches(pairs) && !poses->empty()) {
+  if (formats::NumClockSegments(*poses) != formats::NumClockSegments(pairs) && !poses->empty()) {
     warnings.push_back(
         fmt::format("{}: its times do not fall back where those of the images do; frames whose "
                     "time stands for several moments have no pose",
@@ -255,14 +255,14 @@ Result<std::vector<dataset::ImagePair>> ReadPairs(const fs::path& folder,
 
 std::vector<std::optional<Pose3>> PosesAt(const std::vector<formats::TimedPose>& poses,
                                           const std::vector<dataset::ImagePair>& pairs) {
-  const bool alike = formats::NumStretches(poses) == formats::NumStretches(pairs);
+  const bool alike = formats::NumClockSegments(poses) == formats::NumClockSegments(pairs);
   std::vector<std::optional<Pose3>> at;
   at.reserve(pairs.size());
   for (const dataset::ImagePair& pair : pairs) {
     if (alike) {
-      at.push_back(PoseWithin(poses, StretchOf(pair), pair.depth.time_s));
+      at.push_back(PoseWithin(poses, ClockSegmentOf(pair), pair.depth.time_s));
     } else {
-      at.push_back(NumStretchesOver(pairs, pair.depth.time_s) == 1
+      at.push_back(NumClockSegmentsOver(pairs, pair.depth.time_s) == 1
                        ? OnlyPose(poses, pair.depth.time_s)
                        : std::nullopt);
     }

@@ -22,7 +22,7 @@ inline constexpr std::string_view kPosesName = "groundtruth.txt";
                                                                 std::vector<std::string>& warnings);
 
 // Of each frame, the pose at the time of its depth image: interpolated within gaps of 0.1 s, else
-// the nearest within 0.02 s. Poses are those of the frame's own stretch of the clock; where the
+// the nearest within 0.02 s. Poses are those of the frame's own segment of the clock; where the
 // times of poses and frames fall back unlike each other, frames have none whose time stands for
 // several moments.
 [[nodiscard]] std::vector<std::optional<Pose3>> PosesAt(

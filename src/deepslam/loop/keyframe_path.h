@@ -10,7 +10,7 @@ namespace deepslam::loop {
 
 class KeyframePath {
  public:
-  // `drift_share`: drift per travelled metre; stretches that tracking calls weakly constrained
+  // `drift_share`: drift per travelled metre; parts that tracking calls weakly constrained
   // count with 1.
   KeyframePath(const Odometry& odometry, double drift_share);
 

@@ -36,9 +36,9 @@ void Describe(OptionsVisitor& visitor, JoiningOptions& options) {
 
 int CountSubTrajectories(const Odometry& odometry) {
   int count = 0;
-  for (const MeasuredStretch& stretch :
-       MeasuredStretches(odometry.frames, odometry.keyframes, JoinsOf(odometry)))
-    count = std::max(count, stretch.part + 1);
+  for (const MeasuredSubTrajectory& sub_trajectory :
+       MeasuredSubTrajectories(odometry.frames, odometry.keyframes, JoinsOf(odometry)))
+    count = std::max(count, sub_trajectory.part + 1);
   return count;
 }
 

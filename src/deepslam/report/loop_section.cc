@@ -10,7 +10,7 @@
 namespace deepslam::report {
 namespace {
 
-constexpr int kStretchGap = 60;  // frames: keyframes nearer than this are told of in one row
+constexpr int kRunGap = 60;           // frames: keyframes nearer than this are told of in one row
 constexpr std::size_t kMaxRows = 40;  // the accepted ones first; the rest stands in loops.json
 
 struct Row {
@@ -25,7 +25,7 @@ struct Range {
   int last = 0;
 
   [[nodiscard]] bool Near(FrameIdx frame) const {
-    return frame.value >= first - kStretchGap && frame.value <= last + kStretchGap;
+    return frame.value >= first - kRunGap && frame.value <= last + kRunGap;
   }
   void Extend(FrameIdx frame) {
     first = std::min(first, frame.value);
@@ -62,22 +62,22 @@ Row ConstellationRow(const Constellation& constellation,
 
 // Neighbours with one verdict make one row.
 std::vector<Row> AppearanceRows(const std::vector<AppearanceLoop>& loops) {
-  struct Stretch {
+  struct KeyframeRun {
     Range older, newer;
     const AppearanceLoop* like = nullptr;
     int count = 0;
   };
-  std::vector<Stretch> stretches;
+  std::vector<KeyframeRun> runs;
   for (const AppearanceLoop& loop : loops) {
-    const auto known = std::find_if(stretches.begin(), stretches.end(), [&](const Stretch& s) {
+    const auto known = std::find_if(runs.begin(), runs.end(), [&](const KeyframeRun& s) {
       return s.like->accepted == loop.accepted && s.like->reason == loop.reason &&
              s.older.Near(loop.old_keyframe) && s.newer.Near(loop.new_keyframe);
     });
-    if (known == stretches.end()) {
-      stretches.push_back({{loop.old_keyframe.value, loop.old_keyframe.value},
-                           {loop.new_keyframe.value, loop.new_keyframe.value},
-                           &loop,
-                           1});
+    if (known == runs.end()) {
+      runs.push_back({{loop.old_keyframe.value, loop.old_keyframe.value},
+                      {loop.new_keyframe.value, loop.new_keyframe.value},
+                      &loop,
+                      1});
       continue;
     }
     known->older.Extend(loop.old_keyframe);
@@ -85,15 +85,15 @@ std::vector<Row> AppearanceRows(const std::vector<AppearanceLoop>& loops) {
     ++known->count;
   }
   std::vector<Row> rows;
-  for (const Stretch& stretch : stretches) {
+  for (const KeyframeRun& run : runs) {
     rows.push_back({"appearance",
                     fmt::format("{} and {}, {} {}",
-                                stretch.older.Text(),
-                                stretch.newer.Text(),
-                                stretch.count,
-                                stretch.count == 1 ? "pair" : "pairs"),
-                    stretch.like->accepted,
-                    stretch.like->reason});
+                                run.older.Text(),
+                                run.newer.Text(),
+                                run.count,
+                                run.count == 1 ? "pair" : "pairs"),
+                    run.like->accepted,
+                    run.like->reason});
   }
   return rows;
 }

@@ -25,11 +25,11 @@ constexpr double kDoubtfulDegenerateShare = 0.25;
 constexpr double kBadUnmeasuredShare = 0.2;
 constexpr std::size_t kFewKeyframes = 3;  // fewer: hardly anything was seen twice
 
-// Stretches of frames whose place relative to the largest part was not measured.
+// Sub-trajectories of frames whose place relative to the largest part was not measured.
 struct Unmeasured {
-  std::size_t num_stretches = 0;
+  std::size_t num_sub_trajectories = 0;
   double share = 0;  // of all frames
-  // Of the longest stretch.
+  // Of the longest sub-trajectory.
   std::size_t first_frame = 0;
   std::size_t last_frame = 0;
   std::size_t cut_frame = 0;  // where tracking found nothing in common with the frames before
@@ -37,27 +37,27 @@ struct Unmeasured {
 
 std::optional<Unmeasured> FindUnmeasured(const OptimizedMap& map,
                                          std::span<const KeyframeJoin> joins) {
-  const auto stretches = MeasuredStretches(map.frames, map.keyframes, joins);
-  if (stretches.size() < 2) return std::nullopt;
-  // A stretch reaches from its first keyframe to the next stretch's; what is before the first
-  // keyframe is the first stretch's.
+  const auto sub_trajectories = MeasuredSubTrajectories(map.frames, map.keyframes, joins);
+  if (sub_trajectories.size() < 2) return std::nullopt;
+  // A sub-trajectory reaches from its first keyframe to the next sub-trajectory's; what is before
+  // the first keyframe is the first sub-trajectory's.
   const auto begin = [&](std::size_t n) -> std::size_t {
     if (n == 0) return 0;
-    if (n == stretches.size()) return map.frames.size();
-    const auto keyframe = static_cast<std::size_t>(stretches[n].first_keyframe);
+    if (n == sub_trajectories.size()) return map.frames.size();
+    const auto keyframe = static_cast<std::size_t>(sub_trajectories[n].first_keyframe);
     return static_cast<std::size_t>(map.keyframes[keyframe].value);
   };
   std::map<int, std::size_t> num_frames;  // by part
-  for (std::size_t n = 0; n < stretches.size(); ++n)
-    num_frames[stretches[n].part] += begin(n + 1) - begin(n);
+  for (std::size_t n = 0; n < sub_trajectories.size(); ++n)
+    num_frames[sub_trajectories[n].part] += begin(n + 1) - begin(n);
   const int largest =
       std::ranges::max_element(num_frames, {}, [](const auto& part) { return part.second; })->first;
   Unmeasured unmeasured;
   std::size_t longest = 0;
-  for (std::size_t n = 0; n < stretches.size(); ++n) {
+  for (std::size_t n = 0; n < sub_trajectories.size(); ++n) {
     const std::size_t length = begin(n + 1) - begin(n);
-    if (stretches[n].part == largest) continue;
-    ++unmeasured.num_stretches;
+    if (sub_trajectories[n].part == largest) continue;
+    ++unmeasured.num_sub_trajectories;
     unmeasured.share += static_cast<double>(length) / static_cast<double>(map.frames.size());
     if (length <= longest) continue;
     longest = length;
@@ -70,8 +70,8 @@ std::optional<Unmeasured> FindUnmeasured(const OptimizedMap& map,
 
 std::string InWords(const Unmeasured& unmeasured) {
   const std::string others =
-      unmeasured.num_stretches > 1
-          ? fmt::format(", nor where {} more such parts are", unmeasured.num_stretches - 1)
+      unmeasured.num_sub_trajectories > 1
+          ? fmt::format(", nor where {} more such parts are", unmeasured.num_sub_trajectories - 1)
           : "";
   return fmt::format(
       "at frame {} the camera sees nothing in common with the frames before: where frames {} to {} "

@@ -40,7 +40,7 @@ struct Ground {
   std::optional<QuarterTurn> upright;
 };
 
-// The stretch that holds the frame; null for frames that plane_world is of.
+// The sub-trajectory that holds the frame; null for frames that plane_world is of.
 [[nodiscard]] const GroundApart* ApartAt(const Ground& ground, FrameIdx frame);
 
 // The ground in a frame's camera: seen in this very frame, else carried from the world by the

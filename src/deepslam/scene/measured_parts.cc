@@ -87,9 +87,9 @@ std::vector<KeyframeJoin> JoinsOf(const Odometry& odometry, std::span<const Rela
   return joins;
 }
 
-std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> frames,
-                                               std::span<const FrameIdx> keyframes,
-                                               std::span<const KeyframeJoin> joins) {
+std::vector<MeasuredSubTrajectory> MeasuredSubTrajectories(std::span<const TrackedFrame> frames,
+                                                           std::span<const FrameIdx> keyframes,
+                                                           std::span<const KeyframeJoin> joins) {
   const Positions positions(keyframes);
   Parts parts(keyframes.size());
   const std::vector<bool> guessed = JoinedByGuess(frames, keyframes, joins, positions);
@@ -101,16 +101,16 @@ std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> fra
     if (!join.composed && positions.Find(join, older, newer)) parts.Join(older, newer);
   }
   std::map<std::size_t, int> number_of;  // by root; roots come first, so in order of appearance
-  std::vector<MeasuredStretch> stretches;
+  std::vector<MeasuredSubTrajectory> sub_trajectories;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const int part =
         number_of.emplace(parts.RootOf(k), static_cast<int>(number_of.size())).first->second;
     const int position = static_cast<int>(k);
-    if (stretches.empty() || stretches.back().part != part)
-      stretches.push_back({part, position, position});
-    stretches.back().end_keyframe = position + 1;
+    if (sub_trajectories.empty() || sub_trajectories.back().part != part)
+      sub_trajectories.push_back({part, position, position});
+    sub_trajectories.back().end_keyframe = position + 1;
   }
-  return stretches;
+  return sub_trajectories;
 }
 
 std::vector<int> PartsOfFrames(const Trajectory& trajectory, std::span<const KeyframeJoin> joins) {
@@ -119,10 +119,11 @@ std::vector<int> PartsOfFrames(const Trajectory& trajectory, std::span<const Key
   std::ranges::copy_if(trajectory.keyframes, std::back_inserter(keyframes), [&](FrameIdx keyframe) {
     return keyframe.valid() && static_cast<std::size_t>(keyframe.value) < parts.size();
   });
-  for (const MeasuredStretch& stretch : MeasuredStretches(trajectory.frames, keyframes, joins)) {
-    const FrameIdx first = keyframes[static_cast<std::size_t>(stretch.first_keyframe)];
-    if (stretch.first_keyframe > 0)
-      std::fill(parts.begin() + first.value, parts.end(), stretch.part);
+  for (const MeasuredSubTrajectory& sub_trajectory :
+       MeasuredSubTrajectories(trajectory.frames, keyframes, joins)) {
+    const FrameIdx first = keyframes[static_cast<std::size_t>(sub_trajectory.first_keyframe)];
+    if (sub_trajectory.first_keyframe > 0)
+      std::fill(parts.begin() + first.value, parts.end(), sub_trajectory.part);
   }
   return parts;
 }

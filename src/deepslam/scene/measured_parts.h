@@ -1,4 +1,4 @@
-// Which stretches of a trajectory have a measured place relative to each other.
+// Which sub-trajectories of a trajectory have a measured place relative to each other.
 //
 // Where tracking finds nothing in common with the frames before (two captures in one, a teleport),
 // it starts anew at the last pose: the keyframe there is lost, and the edge that joins it is
@@ -15,7 +15,7 @@ namespace deepslam {
 
 // Keyframes [first_keyframe, end_keyframe), positions in the list of keyframes, that follow each
 // other in one part.
-struct MeasuredStretch {
+struct MeasuredSubTrajectory {
   int part = 0;  // 0 first seen, then 1, ...; one may come back behind another
   int first_keyframe = 0;
   int end_keyframe = 0;
@@ -31,14 +31,15 @@ struct KeyframeJoin {
 [[nodiscard]] std::vector<KeyframeJoin> JoinsOf(const Odometry& odometry,
                                                 std::span<const RelativePose> later = {});
 
-// Ascending; together they hold every keyframe. One stretch where everything was measured. Joins of
-// frames that are no keyframes say nothing.
-[[nodiscard]] std::vector<MeasuredStretch> MeasuredStretches(std::span<const TrackedFrame> frames,
-                                                             std::span<const FrameIdx> keyframes,
-                                                             std::span<const KeyframeJoin> joins);
+// Ascending; together they hold every keyframe. One sub-trajectory where everything was measured.
+// Joins of frames that are no keyframes say nothing.
+[[nodiscard]] std::vector<MeasuredSubTrajectory> MeasuredSubTrajectories(
+    std::span<const TrackedFrame> frames,
+    std::span<const FrameIdx> keyframes,
+    std::span<const KeyframeJoin> joins);
 
-// The part of each frame. A stretch reaches from its first keyframe to before the next one's; what
-// comes before all keyframes is the first stretch's. All 0 without keyframes.
+// The part of each frame. A sub-trajectory reaches from its first keyframe to before the next
+// one's; what comes before all keyframes is the first sub-trajectory's. All 0 without keyframes.
 [[nodiscard]] std::vector<int> PartsOfFrames(const Trajectory& trajectory,
                                              std::span<const KeyframeJoin> joins);
 

@@ -44,7 +44,7 @@ StageSummary Summarise(const Ground& ground, const Odometry& odometry) {
     const auto known = std::ranges::count_if(
         ground.apart, [](const GroundApart& apart) { return apart.plane_world.has_value(); });
     summary.line += fmt::format(
-        "; {} stretches of frames that tracking did not measure against the first, with a ground "
+        "; {} sub-trajectories that tracking did not measure against the first, with a ground "
         "of their own in {}",
         ground.apart.size(),
         known);

@@ -26,7 +26,7 @@ struct SceneObject {
       Eigen::Vector2d::Zero();  // of the middle of the model's box, on the floor
   double yaw_deg = 0;           // the model's front turned from world x towards y
   int line = 0;                 // of the scene file, for messages
-  // Along x (front), y, z: stretches the model; without it, its own size (files: y up, metres).
+  // Along x (front), y, z: scales the model; without it, its own size (files: y up, metres).
   std::optional<Eigen::Vector3d> size_m;
   double bottom_m = 0;  // above the floor: of what stands on furniture or hangs on a wall
 };

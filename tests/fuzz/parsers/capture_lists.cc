@@ -32,10 +32,10 @@ DEEPSLAM_FUZZ(capture_lists) {
   if (const auto poses = formats::ParsePoses(text, file, warnings); poses.ok()) {
     accepted = accepted || !poses->empty();
     for (const formats::TimedPose& pose : *poses) {
-      const auto stretch = Stretch(*poses, pose.stretch);
-      DEEPSLAM_CHECK(formats::PoseAt(stretch, pose.time_s, 0, 0).has_value(),
+      const auto segment = ClockSegment(*poses, pose.clock_segment);
+      DEEPSLAM_CHECK(formats::PoseAt(segment, pose.time_s, 0, 0).has_value(),
                      "a pose at its own time");
-      const auto beside = formats::PoseAt(stretch, pose.time_s + 0.01, 0.02, 1);
+      const auto beside = formats::PoseAt(segment, pose.time_s + 0.01, 0.02, 1);
       DEEPSLAM_CHECK(!beside || beside->translation_m.allFinite(), "poses are finite");
     }
   } else {

@@ -1,4 +1,4 @@
-#include "deepslam/core/clock_stretches.h"
+#include "deepslam/core/clock_segments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 namespace deepslam {
 namespace {
 
-// Entries that fill gaps leave the usual interval between them, those of a second stretch at the
+// Entries that fill gaps leave the usual interval between them, those of a second segment at the
 // same rate half of it.
 constexpr double kFillsGaps = 0.75;
-// What belongs to the same stretch has a neighbour this near, in usual intervals.
+// What belongs to the same segment has a neighbour this near, in usual intervals.
 constexpr double kNearIntervals = 2;
 
 using Times = std::vector<double>;
@@ -26,23 +26,23 @@ double UsualInterval(std::span<const double> times_s) {
   return Median(intervals);
 }
 
-// Whether a run of ascending times belongs among those of a stretch, ascending as well, behind
+// Whether a run of ascending times belongs among those of a segment, ascending as well, behind
 // whose end it began.
-bool FillsGaps(const Times& stretch, std::span<const double> run, double interval_s) {
+bool FillsGaps(const Times& segment, std::span<const double> run, double interval_s) {
   double nearest_s = std::numeric_limits<double>::infinity();
   double gaps_s = 0;
   double num_intervals = 0;
   for (std::size_t k = 0; k < run.size();) {
-    const auto after = std::lower_bound(stretch.begin(), stretch.end(), run[k]);
-    if (after == stretch.end()) {
-      nearest_s = std::min(nearest_s, run[k] - stretch.back());
+    const auto after = std::lower_bound(segment.begin(), segment.end(), run[k]);
+    if (after == segment.end()) {
+      nearest_s = std::min(nearest_s, run[k] - segment.back());
       break;
     }
     nearest_s = std::min(nearest_s, *after - run[k]);
     // All of the run that lies before `after`, or on it.
     std::size_t end = k;
     while (end < run.size() && run[end] <= *after) ++end;
-    if (after != stretch.begin()) {
+    if (after != segment.begin()) {
       nearest_s = std::min(nearest_s, run[k] - *(after - 1));
       gaps_s += *after - *(after - 1);
       num_intervals += static_cast<double>(end - k + 1);
@@ -54,12 +54,12 @@ bool FillsGaps(const Times& stretch, std::span<const double> run, double interva
          nearest_s <= kNearIntervals * interval_s;
 }
 
-void Merge(std::span<const double> run, Times& stretch) {
-  const auto from = std::lower_bound(stretch.begin(), stretch.end(), run.front());
-  const auto begin = from - stretch.begin();
-  const auto middle = static_cast<std::ptrdiff_t>(stretch.size());
-  stretch.insert(stretch.end(), run.begin(), run.end());
-  std::inplace_merge(stretch.begin() + begin, stretch.begin() + middle, stretch.end());
+void Merge(std::span<const double> run, Times& segment) {
+  const auto from = std::lower_bound(segment.begin(), segment.end(), run.front());
+  const auto begin = from - segment.begin();
+  const auto middle = static_cast<std::ptrdiff_t>(segment.size());
+  segment.insert(segment.end(), run.begin(), run.end());
+  std::inplace_merge(segment.begin() + begin, segment.begin() + middle, segment.end());
 }
 
 std::size_t EndOfRun(std::span<const double> times_s, std::size_t begin) {
@@ -70,28 +70,28 @@ std::size_t EndOfRun(std::span<const double> times_s, std::size_t begin) {
 
 }  // namespace
 
-std::vector<int> ClockStretches(std::span<const double> times_s) {
-  std::vector<int> stretches(times_s.size(), 0);
+std::vector<int> ClockSegments(std::span<const double> times_s) {
+  std::vector<int> segments(times_s.size(), 0);
   std::size_t num_falls = 0;
   for (std::size_t k = 1; k < times_s.size(); ++k) num_falls += times_s[k] < times_s[k - 1] ? 1 : 0;
-  if (num_falls == 0 || 4 * num_falls > times_s.size() - 1) return stretches;
+  if (num_falls == 0 || 4 * num_falls > times_s.size() - 1) return segments;
   const double interval_s = UsualInterval(times_s);
-  Times stretch;
+  Times segment;
   int number = 0;
   for (std::size_t begin = 0; begin < times_s.size();) {
     const std::size_t end = EndOfRun(times_s, begin);
     const auto run = times_s.subspan(begin, end - begin);
-    if (!stretch.empty() && run.front() < stretch.back() && !FillsGaps(stretch, run, interval_s)) {
+    if (!segment.empty() && run.front() < segment.back() && !FillsGaps(segment, run, interval_s)) {
       ++number;
-      stretch.clear();
+      segment.clear();
     }
-    Merge(run, stretch);
-    std::fill(stretches.begin() + static_cast<std::ptrdiff_t>(begin),
-              stretches.begin() + static_cast<std::ptrdiff_t>(end),
+    Merge(run, segment);
+    std::fill(segments.begin() + static_cast<std::ptrdiff_t>(begin),
+              segments.begin() + static_cast<std::ptrdiff_t>(end),
               number);
     begin = end;
   }
-  return stretches;
+  return segments;
 }
 
 }  // namespace deepslam
