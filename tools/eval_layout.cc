@@ -59,7 +59,7 @@ void MoveTo(const Pose3& truth_from_level, Layout& layout) {
   std::for_each(layout.openings.begin(), layout.openings.end(), move);
 }
 
-// Of frames whose place tracking measured against the first: the layout is seen from these, and
+// Of frames whose place tracking registered to the first: the layout is seen from these, and
 // what stands apart would turn the one world against the other.
 Result<std::vector<TimedPose>> ReadJoinedPoses(const fs::path& workspace) {
   const fs::path frames_file = workspace / "track" / "frames.json";

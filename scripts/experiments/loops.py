@@ -7,7 +7,7 @@ Every seed is a room of its own (320 x 240 pixels, 160 frames); in odd ones the 
 same arrangement. Each capture is reconstructed with the defaults, with configs/paper.yaml, frame-to-frame tracking
 (objects detected in keyframes alone, to save time), and by poses of its own that drift, furniture coming back 0.2 to
 0.5 m off, with loops by objects alone (what is tracked drifts too little here to ask for them; objects are found by
-votes then, as the surface of such a path shows things twice in each other), up to the optimised graph. Against the truth it counts: revisits closed (a loop of either kind, or at least two objects known again),
+votes then, as the surface of such a path shows things twice in each other), up to the optimised graph. Against the truth it counts: revisits closed (a loop of either kind, or at least two objects re-identified),
 wrong loops (a keyframe loop off by more than 10 cm or 5 deg, a merge of different objects), objects whose views show
 two, duplicates left (two objects of the map that are one), and ATE of tracking alone, behind the path's refinement
 (which closes rooms of few keyframes already), and at the end. Results lie in --work as one JSON per seed and mode and
@@ -225,7 +225,7 @@ def score(capture, workspace, ate):
     before.update({key: truth.object_of(visit) for key, visit in of_visits(loops, rows).items()})
     frames = sorted(truth.times)
     first_lap = frames[int(len(frames) / LAPS) - 1]
-    known_again = sum(
+    reidentified = sum(
         any(m["frame"] <= first_lap // 2 for m in track["members"]) and any(m["frame"] > first_lap for m in track["members"])
         for track in read_json(workspace / "loops/tracks.json")["tracks"])
     appearance = [row for row in loops["appearance"] if row["accepted"]]
@@ -237,8 +237,8 @@ def score(capture, workspace, ate):
     return {
         "appearance": len(appearance),
         "constellations": len(constellations),
-        "known_again": known_again,
-        "closed": bool(appearance) or bool(constellations) or known_again >= 2,
+        "known_again": reidentified,
+        "closed": bool(appearance) or bool(constellations) or reidentified >= 2,
         "wrong_appearance": sum(m > WRONG_M or deg > WRONG_DEG for m, deg in errors),
         "worst_appearance_m": max((m for m, _ in errors), default=0.0),
         "wrong_merges": sum(before.get(row["kept"]) != before.get(row["merged"]) for row in loops["merges"]),

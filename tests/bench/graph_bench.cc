@@ -1,6 +1,6 @@
 // The graph's cost by its size: keyframes with odometry and skip edges and a view of the ground
 // each, and a tenth as many objects, each seen in ten or more views; robust losses in rounds, as by
-// default. And of a path that goes round and round, each keyframe measured against twelve before it
+// default. And of a path that goes round and round, each keyframe registered to twelve before it
 // and tied to two earlier rounds: solved by a factorisation, by conjugate gradients, and by those
 // with fewer nodes. One thread does the work, whatever the machine has.
 #include <benchmark/benchmark.h>

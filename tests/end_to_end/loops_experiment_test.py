@@ -83,7 +83,7 @@ class Scoring(unittest.TestCase):
         wrong = self.score(before, after, merges=[(2, 7)], visits=visits)
         self.assertEqual((wrong["wrong_merges"], wrong["mixed"]), (1, 1))
 
-    def test_objects_known_again_close_a_loop_when_there_are_two(self):
+    def test_objects_reidentified_close_a_loop_when_there_are_two(self):
         self.assertFalse(self.score([], [], tracks=[[0, 99], [0, 10]])["closed"])
         self.assertTrue(self.score([], [], tracks=[[0, 99], [5, 95]])["closed"])
         self.assertTrue(self.score([], [], constellations=[(True, [1, 2])])["closed"])

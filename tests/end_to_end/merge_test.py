@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A capture whose second lap has drifted away. Far: objects are found twice, known again as a constellation, and become one
+"""A capture whose second lap has drifted away. Far: objects are found twice, re-identified as a constellation, and become one
 each, whatever made their shapes. A little: objects are found once, in views that contradict each other until a loop by appearance
 brings them together, and are judged anew.
 
@@ -94,7 +94,7 @@ class FarDrift(Laps):
     def setUpClass(cls):
         cls.reconstruct("far", FAR, BY_OBJECTS)
 
-    def test_objects_known_again_become_one_each(self):
+    def test_objects_reidentified_become_one_each(self):
         self.assertEqual(self.result.returncode, 0, self.result.stderr)
         before = self.read("select/objects.json")["objects"]
         after = self.read("loops/objects.json")["objects"]

@@ -20,7 +20,7 @@ std::vector<Pose3> Places() {
 
 BoxWorldSource WallAhead() { return {{{-1, {2, -2, 0}, {2.2, 2, 2.4}}}, Places()}; }
 
-TEST(CoarseFrames, LeavesOutWhatWasNotMeasuredAgainstTheFirstKeyframe) {
+TEST(CoarseFrames, LeavesOutWhatWasNotRegisteredToTheFirstKeyframe) {
   const Odometry path = WallAhead().TrueOdometry();
   Ground ground;
   EXPECT_EQ(CoarseFrames(path.frames, ground, {0.1, 90, 100}).size(), 5U);

@@ -177,8 +177,8 @@ TEST(OptimizeGraph, BadRegistrationsDoNotBendTheMap) {
   EXPECT_GT(TrajectoryError(Optimize(world, paper).frames, world), clean + 0.05);
 }
 
-// Tracking slid along a wall and is sure of it; what was measured again stands in its place.
-TEST(OptimizeGraph, APairMeasuredAgainHasThatEdgeAlone) {
+// Tracking slid along a wall and is sure of it; what was re-registered stands in its place.
+TEST(OptimizeGraph, AReregisteredPairHasThatEdgeAlone) {
   World world = MakeWorld(60, 5, 1, {0.001, 0.001, 0, 0});
   world.map.objects.clear();
   constexpr std::size_t kSlid = 30;

@@ -33,7 +33,7 @@ std::set<std::pair<int, int>> Pairs(const GraphModel& model) {
   return pairs;
 }
 
-// A path that goes round again and again, each keyframe measured against many before it and tied to
+// A path that goes round again and again, each keyframe registered to many before it and tied to
 // two earlier rounds.
 GraphModel Rounds(int num_keyframes, int round) {
   GraphModel model = Keyframes(num_keyframes);

@@ -104,7 +104,7 @@ TEST(Covisible, WorkGrowsWithTheNumberOfKeyframes) {
     EXPECT_LE(newer - older, 12);
 }
 
-TEST(Covisible, AKeyframeIsMeasuredAgainstFewSpreadOverThoseBeforeIt) {
+TEST(Covisible, AKeyframeIsRegisteredToFewSpreadOverThoseBeforeIt) {
   CovisibleOptions few;
   few.max_pairs = 4;
   const auto all = Positions(ProposeCovisible(Tracked(Sweeping(60)), AllPairs()));

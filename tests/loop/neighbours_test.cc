@@ -44,7 +44,7 @@ std::vector<AppearanceLoop> ProposeAll(std::span<const KeyframeFeatures> feature
 
 const Pose3 kSlide{Eigen::Quaterniond::Identity(), {0.5, 0.3, 0}};
 
-TEST(Neighbours, WhatDepthAloneTrackedIsMeasuredAgainWhereverItSlid) {
+TEST(Neighbours, WhatDepthAloneTrackedIsReregisteredWhereverItSlid) {
   const TexturedRoom room;
   const std::vector<Pose3> truth = Along();
   const Odometry slid = Tracked(Slid(truth, kSlide));

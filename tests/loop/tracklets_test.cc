@@ -153,7 +153,7 @@ TEST(Tracklets, ANeighbourTakenForTheObjectIsGivenBack) {
 }
 
 // One chair, seen before and after drift; whether another one was taken for it.
-TEST(Tracklets, OfAnObjectKnownAgainAreJoinedWhereDepthSaysSo) {
+TEST(Tracklets, OfAReidentifiedObjectAreJoinedWhereDepthSaysSo) {
   const auto room = Clutter(1, 4);
   const Pose3 drift = Yawed(0.24, -0.1, 0, 0.05);
   for (const bool same_chair : {true, false}) {
@@ -166,14 +166,14 @@ TEST(Tracklets, OfAnObjectKnownAgainAreJoinedWhereDepthSaysSo) {
         {ObjectId{0}, ObjectId{0}, FrameIdx{0}, FrameIdx{19}},
         {ObjectId{1}, ObjectId{0}, FrameIdx{300}, FrameIdx{319}}};
     std::vector<Constellation> proposed;
-    const std::vector<Constellation> known_again =
-        ProposeKnownAgain(tracklets, scene.map, proposed);
-    ASSERT_EQ(known_again.size(), 1U);
+    const std::vector<Constellation> reidentified =
+        ProposeReidentified(tracklets, scene.map, proposed);
+    ASSERT_EQ(reidentified.size(), 1U);
     const Constellation verified =
-        VerifyKnownAgain(known_again.front(), scene.map, scene.evidence, {});
+        VerifyReidentified(reidentified.front(), scene.map, scene.evidence, {});
     EXPECT_EQ(verified.accepted, same_chair) << verified.reason;
     scene.evidence.at(ObjectId{1}).surroundings_world.clear();
-    EXPECT_FALSE(VerifyKnownAgain(known_again.front(), scene.map, scene.evidence, {}).accepted);
+    EXPECT_FALSE(VerifyReidentified(reidentified.front(), scene.map, scene.evidence, {}).accepted);
     if (!same_chair) continue;
     EXPECT_THAT(verified.old_world_from_new_world, PoseNear(drift.Inverse(), 0.05, 2.0));
   }
@@ -194,13 +194,13 @@ TEST(Tracklets, OfOneObjectLeaveItToAConstellationThatHasThem) {
   other.pairs = {{a, b}};
 
   std::vector<Constellation> proposed = {both, other};
-  EXPECT_TRUE(ProposeKnownAgain(tracklets, scene.map, proposed).empty());
+  EXPECT_TRUE(ProposeReidentified(tracklets, scene.map, proposed).empty());
   EXPECT_EQ(proposed.size(), 2U);
   proposed = {overlap, other};
-  EXPECT_EQ(ProposeKnownAgain(tracklets, scene.map, proposed).size(), 2U);
+  EXPECT_EQ(ProposeReidentified(tracklets, scene.map, proposed).size(), 2U);
   EXPECT_EQ(proposed.size(), 1U);
   scene.map.objects.pop_back();  // b2 is another's meanwhile
-  EXPECT_EQ(ProposeKnownAgain(tracklets, scene.map, proposed).size(), 1U);
+  EXPECT_EQ(ProposeReidentified(tracklets, scene.map, proposed).size(), 1U);
 }
 
 TEST(Tracklets, GoBackWhereNobodyElseClaimedThem) {

@@ -26,7 +26,7 @@ Pose3 Disturbed(const Pose3& pose, Random& random, double times) {
   return pose * V2t(error);
 }
 
-// Every second frame is a keyframe, measured against the five keyframes before it. The camera goes
+// Every second frame is a keyframe, registered to the five keyframes before it. The camera goes
 // on by 5 cm and turns by 2 degrees a keyframe.
 Odometry LongPath(int num_keyframes) {
   Random random(7, "long path", 0);

@@ -64,7 +64,7 @@ inline Matrix6d NoiseInformation() {
   return information.asDiagonal();
 }
 
-// Every frame a keyframe, each measured against the one before it.
+// Every frame a keyframe, each registered to the one before it.
 inline Odometry TrackedAs(const std::vector<Pose3>& world_from_camera) {
   Odometry odometry = loop::testing_support::Tracked(world_from_camera);
   for (RelativePose& edge : odometry.edges) edge.information = NoiseInformation();

@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(ApplyToGround, LeavesSubTrajectoriesAloneThatWereNotMeasuredAgainstTheFirstCamera) {
+TEST(ApplyToGround, LeavesSubTrajectoriesAloneThatWereNotRegisteredToTheFirstCamera) {
   const Overrides hint = Parsed("ground: {up_camera: [0, -1, 0], height_m: 1.4}\n");
   Odometry odometry;
   odometry.frames.resize(2);

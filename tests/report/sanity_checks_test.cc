@@ -87,7 +87,7 @@ TEST(CheckRun, NamesSubTrajectoriesWhosePlaceNobodyMeasured) {
                                                   HasSubstr("not measured"),
                                                   HasSubstr("40 %"),
                                                   HasSubstr("overlap"))));
-  // A loop, or keyframes measured again across the loss.
+  // A loop, or keyframes re-registered across the loss.
   walk.joins.push_back(BrokenWalk::Join(20, 80));
   EXPECT_EQ(CheckRun(walk.map, walk.joins).verdict, Verdict::kGood);
 }

@@ -17,7 +17,7 @@
 
 namespace deepslam::discovery {
 
-// The surface of the frames that were measured against the first keyframe, with its layout.
+// The surface of the frames that were registered to the first keyframe, with its layout.
 struct SurfaceOfCapture {
   CoarseSurface surface;
   Layout layout;

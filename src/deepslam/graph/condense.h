@@ -4,7 +4,7 @@
 //
 // Every n keyframes that follow each other become one node, that of the first of them. The others
 // keep their place beside it while the graph is solved: what lies between them is taken as true,
-// since they were measured against each other many times and less than a metre is left to drift
+// since they were registered to each other many times and less than a metre is left to drift
 // (mapping/refine_path.h). So a node ends where tracking did not measure from one keyframe to the
 // next, and where a measurement within it contradicts the path as it is. What was measured from or
 // to a keyframe is carried to its node,

@@ -89,7 +89,7 @@ struct Done {
   std::size_t total = 0;
 };
 
-// In keyframes that tracking measured against each other, by pictures turned upright so.
+// In keyframes that tracking registered to each other, by pictures turned upright so.
 class GroundSearch {
  public:
   GroundSearch(const FrameSource& frames,
@@ -302,7 +302,7 @@ class GroundSearch {
   std::vector<std::optional<GroundObservation>> observations_;
 };
 
-using Part = std::vector<TrackedFrame>;  // keyframes that tracking measured against each other
+using Part = std::vector<TrackedFrame>;  // keyframes that tracking registered to each other
 
 std::vector<Part> PartsOf(const Odometry& odometry,
                           std::span<const MeasuredSubTrajectory> sub_trajectories) {

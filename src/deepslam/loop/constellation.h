@@ -158,10 +158,10 @@ struct MappedPath {
 
 // A single pair that association has re-identified (tracklets.h): verified as more pairs are, by
 // the depth of the object and of what stands around, which has to be known here.
-[[nodiscard]] Constellation VerifyKnownAgain(const Constellation& single,
-                                             const ObjectMap& map,
-                                             const LoopEvidence& evidence,
-                                             const LoopOptions& options);
+[[nodiscard]] Constellation VerifyReidentified(const Constellation& single,
+                                               const ObjectMap& map,
+                                               const LoopEvidence& evidence,
+                                               const LoopOptions& options);
 
 // From verified constellations to loops: contradictions refused, merges grouped so that each object
 // is merged at most once, into the lowest id of its group, and no group holds two objects that one

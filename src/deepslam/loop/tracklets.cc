@@ -139,9 +139,9 @@ SplitObjects SplitTracklets(const Association& association,
   return parted;
 }
 
-std::vector<Constellation> ProposeKnownAgain(const std::vector<SplitTracklet>& tracklets,
-                                             const ObjectMap& map,
-                                             std::vector<Constellation>& proposed) {
+std::vector<Constellation> ProposeReidentified(const std::vector<SplitTracklet>& tracklets,
+                                               const ObjectMap& map,
+                                               std::vector<Constellation>& proposed) {
   std::map<ObjectId, ObjectId> object_of;
   for (const SplitTracklet& tracklet : tracklets) object_of[tracklet.tracklet] = tracklet.object;
   const auto of_one_object = [&](const ObjectMerge& pair) {
@@ -159,7 +159,7 @@ std::vector<Constellation> ProposeKnownAgain(const std::vector<SplitTracklet>& t
       });
     });
   };
-  std::vector<Constellation> known_again;
+  std::vector<Constellation> reidentified;
   for (std::size_t k = 1; k < tracklets.size(); ++k) {
     if (tracklets[k].object != tracklets[k - 1].object) continue;
     const auto older = std::ranges::find(map.objects, tracklets[k - 1].tracklet, &MapObject::id);
@@ -173,9 +173,9 @@ std::vector<Constellation> ProposeKnownAgain(const std::vector<SplitTracklet>& t
     single.old_world_from_new_world.translation_m =
         older->world_from_object.translation_m - newer->world_from_object.translation_m;
     single.position_error_m = single.old_world_from_new_world.translation_m.norm();
-    known_again.push_back(single);
+    reidentified.push_back(single);
   }
-  return known_again;
+  return reidentified;
 }
 
 RejoinedTracklets RejoinTracklets(const std::vector<SplitTracklet>& tracklets,

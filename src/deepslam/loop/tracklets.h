@@ -57,7 +57,7 @@ struct SplitObjects {
 // thing, and depth has to say where. Where a constellation of `proposed` has the pair, it decides;
 // other single pairs of such observations leave `proposed`, since where models overlap tells
 // nothing new.
-[[nodiscard]] std::vector<Constellation> ProposeKnownAgain(
+[[nodiscard]] std::vector<Constellation> ProposeReidentified(
     const std::vector<SplitTracklet>& tracklets,
     const ObjectMap& map,
     std::vector<Constellation>& proposed);

@@ -305,10 +305,10 @@ Constellation VerifyConstellation(const Constellation& constellation,
   return verified;
 }
 
-Constellation VerifyKnownAgain(const Constellation& single,
-                               const ObjectMap& map,
-                               const LoopEvidence& evidence,
-                               const LoopOptions& options) {
+Constellation VerifyReidentified(const Constellation& single,
+                                 const ObjectMap& map,
+                                 const LoopEvidence& evidence,
+                                 const LoopOptions& options) {
   return VerifyDepth(single, map, evidence, options, 0);
 }
 

@@ -28,7 +28,7 @@ Result<Registrations> Register(const std::vector<AppearanceLoop>& proposed,
     const auto found = alignment::AlignPyramids(older, newer, {&start, 1}, options);
     return alignment::Sharpened(found, older, newer, options);
   };
-  alignment.without = "not measured against others that look alike";
+  alignment.without = "not registered to others that look alike";
   constexpr std::size_t kMostPyramids = 32;  // 128 MB at 4 MB each
   KeyframePyramids pyramids(frames, options.pyramid, kMostPyramids);
   return RegisterPairs(pyramids, pairs, alignment, progress);

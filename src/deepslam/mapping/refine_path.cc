@@ -49,7 +49,7 @@ Result<SharedEdges> MeasureCovisible(const Odometry& tracked,
     return alignment::RefineAlignment(older, newer, start, options.alignment);
   };
   alignment.pairs_at_once = kPairsAtOnce;
-  alignment.without = "not measured against others that see the same";
+  alignment.without = "not registered to others that see the same";
   loop::CovisiblePairs pairs(tracked, options.covisible);
   while (true) {
     const std::vector<CovisiblePair> batch = pairs.Next(kPairsAtOnce);

@@ -1,4 +1,4 @@
-// Behind tracking itself: keyframes that see the same are measured against each other
+// Behind tracking itself: keyframes that see the same are registered to each other
 // (loop/covisible.h), and the path is what all measurements agree on.
 #pragma once
 

@@ -57,7 +57,7 @@ Result<std::vector<Constellation>> Verify(const std::vector<Constellation>& prop
   });
   ParallelFor(reobserved.size(), [&](std::size_t i) {
     verified[proposed.size() + i] =
-        loop::VerifyKnownAgain(reobserved[i], world.map, *evidence, closing.loops);
+        loop::VerifyReidentified(reobserved[i], world.map, *evidence, closing.loops);
   });
   return verified;
 }
@@ -76,7 +76,7 @@ Result<Loops> DetectLoops(const std::vector<SplitTracklet>& tracklets,
                     options.max_seeds));
   }
   const std::vector<Constellation> reobserved =
-      loop::ProposeKnownAgain(tracklets, world.map, found.constellations);
+      loop::ProposeReidentified(tracklets, world.map, found.constellations);
   const Result<std::vector<Constellation>> verified =
       Verify(found.constellations, reobserved, closing, world);
   if (!verified.ok()) return verified.error();

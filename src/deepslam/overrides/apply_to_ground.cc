@@ -26,7 +26,7 @@ std::vector<std::string> ApplyToGround(const Overrides& overrides,
     const double cosine = std::clamp(plane_world.normal.dot(hint.normal), -1.0, 1.0);
     return std::acos(cosine) < kHintAngleRad && std::abs(plane_world.d_m - hint.d_m) < kHintHeightM;
   };
-  // What was not measured against the first camera keeps its own ground.
+  // What was not registered to the first camera keeps its own ground.
   const std::size_t before = ground.observations.size();
   std::erase_if(ground.observations, [&](const GroundObservation& observation) {
     if (ApartAt(ground, observation.keyframe) != nullptr) return false;

@@ -30,7 +30,7 @@ struct GroundApart {
 };
 
 struct Ground {
-  // In the tracking world, as the frames saw it that were measured against the first keyframe;
+  // In the tracking world, as the frames saw it that were registered to the first keyframe;
   // nothing when they saw none.
   std::optional<Plane> plane_world;
   std::vector<GroundObservation>

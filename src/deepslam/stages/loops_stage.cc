@@ -87,7 +87,7 @@ StageSummary Summary(const Loops& loops, int num_reregistered, std::size_t num_o
   const auto seen_again = std::ranges::count_if(loops.appearance, &AppearanceLoop::accepted);
   return StageSummary{
       fmt::format("{} of {} constellations and {} of {} loops by appearance accepted, {} "
-                  "neighbours measured again, {} objects merged, {} edges; {} objects",
+                  "neighbours re-registered, {} objects merged, {} edges; {} objects",
                   accepted,
                   loops.constellations.size(),
                   seen_again,
