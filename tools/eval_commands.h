@@ -12,10 +12,10 @@ void AddEvalDetections(CLI::App& eval_command, Command& chosen);
 void AddEvalLayout(CLI::App& eval_command, Command& chosen);
 void AddEvalMap(CLI::App& eval_command, Command& chosen);
 
-// `eval selection --held-out`: WORKSPACE CAPTURE pairs; one of them where a `judging_workspace` is
-// named, whose views judge.
+// `eval selection --held-out`: WORKSPACE CAPTURE pairs; one of them where a `scoring_workspace` is
+// named, whose views score.
 [[nodiscard]] int EvalHeldOut(const std::vector<std::string>& paths,
-                              const std::string& judging_workspace,
+                              const std::string& scoring_workspace,
                               const std::string& json_file);
 
 }  // namespace deepslam::tools

@@ -104,24 +104,24 @@ std::vector<ScoringView> HeldOutFrames(const Inputs& inputs, const MapObject& ob
   return spread;
 }
 
-// A workspace whose views judge: same capture and tracking, other detections.
+// A workspace whose views score: same capture and tracking, other detections.
 struct Bench {
   ObjectMap map;
   std::map<DetectionId, Segment> segments;
 };
 
-Result<Bench> ReadBench(const fs::path& workspace, const fs::path& judged_workspace) {
+Result<Bench> ReadBench(const fs::path& workspace, const fs::path& scored_workspace) {
   if (Status status = pipeline::CheckConsistency(workspace); !status.ok()) return status.error();
-  const Result<std::string> own = ReadTracking(judged_workspace);
+  const Result<std::string> own = ReadTracking(scored_workspace);
   if (!own.ok()) return own.error();
   const Result<std::string> tum = ReadTracking(workspace);
   if (!tum.ok()) return tum.error();
   if (*tum != *own) {
     return InvalidInput(
-        fmt::format("{}: tracked otherwise than {}; judge by a workspace of the same capture with "
+        fmt::format("{}: tracked otherwise than {}; score by a workspace of the same capture with "
                     "the same options of track",
                     workspace.string(),
-                    judged_workspace.string()));
+                    scored_workspace.string()));
   }
   Result<ObjectMap> map = ReadMap(workspace);
   if (!map.ok()) return map.error();
@@ -204,7 +204,7 @@ std::vector<Choice> ChoicesOf(const MapObject& object, const Inputs& inputs) {
 
 struct Verdict {
   eval::HeldOutAgreement agreement;  // of the rendered model
-  eval::MeasuredShare measured;      // of the object's depth, where views judge
+  eval::MeasuredShare measured;      // of the object's depth, where views score
 };
 
 Result<Verdict> ScoreCandidate(const fs::path& workspace,
@@ -276,15 +276,15 @@ JsonObject MeansOf(const Shares& shares, const char* what) {
 }  // namespace
 
 int EvalHeldOut(const std::vector<std::string>& paths,
-                const std::string& judging_workspace,
+                const std::string& scoring_workspace,
                 const std::string& json_file) {
   const Result<std::vector<EvalPair>> pairs = PairsOf(paths);
   if (!pairs.ok()) return ReportError(pairs.error());
   std::optional<Bench> bench;
-  if (!judging_workspace.empty()) {
+  if (!scoring_workspace.empty()) {
     if (pairs->size() != 1)
       return ReportError(InvalidConfig("--judge-by: takes one pair of WORKSPACE CAPTURE"));
-    Result<Bench> read = ReadBench(judging_workspace, pairs->front().workspace);
+    Result<Bench> read = ReadBench(scoring_workspace, pairs->front().workspace);
     if (!read.ok()) return ReportError(read.error());
     bench = std::move(read).value();
   }
@@ -316,7 +316,7 @@ int EvalHeldOut(const std::vector<std::string>& paths,
   JsonObject document = artifact::NewDocument("deepslam/eval_held_out", 1);
   document.emplace("protocol", bench ? eval::kOtherViewsProtocol : eval::kHeldOutProtocol);
   document.emplace("objects", std::move(rows));
-  for (auto& [name, mean] : MeansOf(agreements, "of the judged pixels within 2 cm"))
+  for (auto& [name, mean] : MeansOf(agreements, "of the scored pixels within 2 cm"))
     document.emplace(name, std::move(mean));
   if (bench) {
     document.emplace("depth_near", MeansOf(depths, "of the object's depth within 2 cm"));

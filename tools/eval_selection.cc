@@ -439,7 +439,7 @@ void AddEvalSelection(CLI::App& eval_command, Command& chosen) {
   command->add_option("--judge-by",
                       arguments->judge_by,
                       "With --held-out: workspace of the same capture made of other detections, "
-                      "whose views judge (scripts/experiments/halves.py)");
+                      "whose views score (scripts/experiments/halves.py)");
   command->callback([&chosen, arguments] {
     chosen = [arguments] {
       if (arguments->held_out)

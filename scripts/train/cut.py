@@ -7,7 +7,7 @@ from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-LEAST_SHARE, REACH, CRUMB = 0.05, 2, 0.003
+LEAST_SHARE, REACH, SMALL_SHARE = 0.05, 2, 0.003
 
 
 def levels(shares, threshold, kept_of_expected):
@@ -39,7 +39,7 @@ def components(solid):
 def without_small_components(solid):
     part = components(solid.numpy())
     count = np.bincount(part.reshape(-1))
-    large = count >= CRUMB * count[1:].sum()
+    large = count >= SMALL_SHARE * count[1:].sum()
     large[0] = False
     return torch.from_numpy(large[part])
 

@@ -93,7 +93,7 @@ void GatherSourcePoints(benchmark::State& state) {
 }
 BENCHMARK(GatherSourcePoints)->Unit(benchmark::kMicrosecond);
 
-// A step's normal equations at the finest level, and what an end is judged by (cross: 1).
+// A step's normal equations at the finest level, and what an end is scored by (cross: 1).
 void BuildAlignmentSystem(benchmark::State& state) {
   const Result<TwoFrames> two = ReadTwo();
   if (!two.ok()) return state.SkipWithError(two.error().message.c_str());

@@ -1,4 +1,4 @@
-// What it costs to register and judge all candidates of one object, by numbers of candidates and of
+// What it costs to register and score all candidates of one object, by numbers of candidates and of
 // views: chairs of other proportions than the one seen.
 #include <benchmark/benchmark.h>
 
@@ -27,14 +27,14 @@ void RegisterAndSelect(benchmark::State& state) {
   }
   for (auto _ : state) {
     const auto measured = registration::PrepareForRegistration(views);
-    const auto judged = select::PrepareForScoring(views);
+    const auto prepared = select::PrepareForScoring(views);
     std::vector<CandidateRegistration> registrations(candidates.size());
     std::vector<CandidateScore> scores(candidates.size());
     ParallelFor(candidates.size(), [&](std::size_t i) {
       registrations[i] =
           registration::RegisterCandidate(candidates[i], models[i], std::span(measured), {});
-      scores[i] =
-          select::ScoreCandidate(candidates[i], models[i], registrations[i], std::span(judged), {});
+      scores[i] = select::ScoreCandidate(
+          candidates[i], models[i], registrations[i], std::span(prepared), {});
     });
     const MapObject object =
         select::SelectShape(ObjectId{0}, "chair", candidates, registrations, scores, views, {});

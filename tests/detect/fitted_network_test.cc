@@ -46,7 +46,7 @@ TEST(FitSides, KeepsTheImagesScaleInMultiplesOfTheStride) {
   EXPECT_EQ(FitSides({}, {640, 480}), (Sides{640, 480}));
 }
 
-// Black, with a square of each colour where an anchor lies.
+// Black, with a square of each colour where a cell lies.
 ColourImage ThreeSquares(Sides sides) {
   ColourImage image(sides.width, sides.height);
   const auto paint = [&](int u0, int v0, int side, Rgb8 colour) {

@@ -15,15 +15,15 @@ using testing::SizeIs;
 using testing_support::TinyNetwork;
 using testing_support::WriteOnnx;
 
-constexpr int kAnchors64 = 64 + 16 + 4;
+constexpr int kCells64 = 64 + 16 + 4;
 
 // One dining table in the middle of the input, whatever the image.
 TinyNetwork TableNetwork() {
   TinyNetwork network;
-  std::vector<float> head(6 * kAnchors64, 0.0F);
+  std::vector<float> head(6 * kCells64, 0.0F);
   const std::vector<float> column = {32, 32, 20, 10, 0.1F, 0.9F};
-  for (std::size_t row = 0; row < 6; ++row) head[row * kAnchors64 + 3] = column[row];
-  network.outputs = {{{1, 6, kAnchors64}, head}};
+  for (std::size_t row = 0; row < 6; ++row) head[row * kCells64 + 3] = column[row];
+  network.outputs = {{{1, 6, kCells64}, head}};
   network.metadata["names"] = "{0: 'chair', 1: 'dining table'}";
   return network;
 }
@@ -99,11 +99,11 @@ TEST(LoadNetworkDetector, DoesNotTrustTheShapeThatAFileStates) {
 
 TEST(LoadNetworkDetector, FallsBackToCocoLabels) {
   TinyNetwork network;
-  std::vector<float> head(84 * kAnchors64, 0.0F);
+  std::vector<float> head(84 * kCells64, 0.0F);
   const std::vector<float> box = {32, 32, 20, 10};
-  for (std::size_t row = 0; row < 4; ++row) head[row * kAnchors64] = box[row];
-  head[(4 + 56) * kAnchors64] = 0.8F;
-  network.outputs = {{{1, 84, kAnchors64}, head}};
+  for (std::size_t row = 0; row < 4; ++row) head[row * kCells64] = box[row];
+  head[(4 + 56) * kCells64] = 0.8F;
+  network.outputs = {{{1, 84, kCells64}, head}};
   const auto detector = LoadNetworkDetector(WriteOnnx(network), {});
   ASSERT_TRUE(detector.ok()) << detector.error().message;
   const auto found = (*detector)->Detect(ColourImage(64, 64));

@@ -15,14 +15,14 @@ using testing::SizeIs;
 
 using Shapes = std::vector<std::vector<std::int64_t>>;
 
-constexpr int kAnchors64 = 64 + 16 + 4;  // cells of an input of 64 x 64 at strides 8, 16, 32
+constexpr int kCells64 = 64 + 16 + 4;  // cells of an input of 64 x 64 at strides 8, 16, 32
 
 HeadLayout Layout(HeadKind kind, int num_classes, int num_coefficients = 0) {
   HeadLayout layout;
   layout.kind = kind;
   layout.num_classes = num_classes;
   layout.num_coefficients = num_coefficients;
-  layout.num_anchors = kAnchors64;
+  layout.num_cells = kCells64;
   layout.prototype_width = 16;
   layout.prototype_height = 16;
   layout.input_width = 64;
@@ -70,10 +70,10 @@ TEST(RecogniseHead, NamesTheShapesItDoesNotKnow) {
 
 TEST(DecodeHead, ReadsYoloV8ByColumns) {
   const HeadLayout layout = Layout(HeadKind::kYoloV8, 2);
-  std::vector<float> output(6 * kAnchors64, 0.0F);
-  const auto set = [&](int anchor, std::array<float, 6> column) {
+  std::vector<float> output(6 * kCells64, 0.0F);
+  const auto set = [&](int cell, std::array<float, 6> column) {
     for (int row = 0; row < 6; ++row) {
-      output[static_cast<std::size_t>(row * kAnchors64 + anchor)] =
+      output[static_cast<std::size_t>(row * kCells64 + cell)] =
           column[static_cast<std::size_t>(row)];
     }
   };
@@ -91,15 +91,15 @@ TEST(DecodeHead, ReadsYoloV8ByColumns) {
   EXPECT_EQ(boxes[1].box_input, (Box2{25, 16, 35, 24}));
 }
 
-// Rows of a YOLOX head with one object at the given anchor, in pixels or relative to the anchor's
+// Rows of a YOLOX head with one object at the given cell, in pixels or relative to the cell's
 // cell.
 std::vector<float> YoloXOutput(bool relative) {
-  std::vector<float> output(7 * kAnchors64, 0.0F);
-  int anchor = 0;
+  std::vector<float> output(7 * kCells64, 0.0F);
+  int cell = 0;
   for (const int stride : {8, 16, 32}) {
     for (int y = 0; y < 64 / stride; ++y) {
-      for (int x = 0; x < 64 / stride; ++x, ++anchor) {
-        float* row = output.data() + 7 * anchor;
+      for (int x = 0; x < 64 / stride; ++x, ++cell) {
+        float* row = output.data() + 7 * cell;
         const auto cell = static_cast<float>(stride);
         row[0] = relative ? 0.5F : (static_cast<float>(x) + 0.5F) * cell;
         row[1] = relative ? 0.25F : (static_cast<float>(y) + 0.25F) * cell;
@@ -130,7 +130,7 @@ TEST(DecodeHead, ReadsYoloXOnGridsAndInPixelsAlike) {
 }
 
 TEST(DecodeHead, BearsGarbageInYoloX) {
-  std::vector<float> output(7 * kAnchors64, std::numeric_limits<float>::quiet_NaN());
+  std::vector<float> output(7 * kCells64, std::numeric_limits<float>::quiet_NaN());
   EXPECT_THAT(DecodeHead(output, Layout(HeadKind::kYoloX, 2), 0.3), IsEmpty());
   std::fill(output.begin(), output.end(), std::numeric_limits<float>::infinity());
   EXPECT_THAT(DecodeHead(output, Layout(HeadKind::kYoloX, 2), 0.3), IsEmpty());
@@ -138,9 +138,9 @@ TEST(DecodeHead, BearsGarbageInYoloX) {
 
 TEST(DecodeHead, ReadsMaskCoefficients) {
   const HeadLayout layout = Layout(HeadKind::kYoloV8Seg, 1, 2);
-  std::vector<float> output(7 * kAnchors64, 0.0F);
+  std::vector<float> output(7 * kCells64, 0.0F);
   const std::array<float, 7> column = {30, 20, 10, 8, 0.8F, -3, 5};
-  for (std::size_t row = 0; row < 7; ++row) output[row * kAnchors64 + 9] = column[row];
+  for (std::size_t row = 0; row < 7; ++row) output[row * kCells64 + 9] = column[row];
   const auto boxes = DecodeHead(output, layout, 0.3);
   ASSERT_THAT(boxes, SizeIs(1));
   EXPECT_THAT(boxes[0].coefficients, ElementsAre(-3, 5));

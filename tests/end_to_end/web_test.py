@@ -3,7 +3,7 @@
 
     web_test.py DEEPSLAM REPOSITORY
 
-The validator cannot look into Draco, so it gets the uncompressed twin as well.
+The validator cannot look into Draco, so it gets the uncompressed copy as well.
 """
 import json
 import os
@@ -85,7 +85,7 @@ class Scene(unittest.TestCase):
             self.assertGreater(surfaces.volume(faces), 0, name)
             self.assertNotEqual(surfaces.faults(faces[1:]), [], "the count would notice a hole")
 
-    def test_scene_is_draco_and_its_twin_is_not(self):
+    def test_scene_is_draco_and_its_copy_is_not(self):
         self.assertIn(b"KHR_draco_mesh_compression", (EXPORT / "scene.glb").read_bytes())
         self.assertNotIn(b"KHR_draco_mesh_compression", (EXPORT / "scene.uncompressed.glb").read_bytes())
 

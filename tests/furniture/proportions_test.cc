@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "deepslam/scene/mesh_box.h"
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 #include "deepslam/shape/stretch.h"
 #include "furniture/design_shapes.h"
 

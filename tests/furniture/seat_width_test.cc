@@ -10,7 +10,7 @@
 
 #include "deepslam/furniture/joined.h"
 #include "deepslam/scene/mesh_box.h"
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 #include "furniture/design_shapes.h"
 
 namespace deepslam::furniture {

@@ -83,7 +83,7 @@ TEST(Residuals, JacobiansAgreeWithNumericOnes) {
 }
 
 // A frame 100 m away under a camera that leans: derivatives by the rotation grow with the distance,
-// so that the difference is judged by their size.
+// so that the difference is compared by their size.
 TEST(Residuals, JacobiansAgreeWithNumericOnesFarFromTheOrigin) {
   Random random(17);
   for (int n = 0; n < 20; ++n) {

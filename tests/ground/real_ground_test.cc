@@ -1,5 +1,5 @@
 // Ground on the real captures, with the poses that came with them, so that only the ground is
-// judged.
+// scored.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -181,7 +181,7 @@ class Library : public testing::Test {
         Item(1, "Test#chair", "Chair", "a/chair.obj", "45 50 90") +
         Item(2, "Test#larger", "Large chair", "a/chair.obj", "50 56 100") +
         Item(3, "Test#table", "Table", "a/table.obj", "140 80 74") +
-        Item(4, "Test#twin", "Table", "a/table.obj", "140 80 74") +
+        Item(4, "Test#tablet", "Table", "a/table.obj", "140 80 74") +
         Item(5, "Test#gone", "Chair", "a/gone.obj", "45 50 90") +
         Item(6, "Test#broken", "Chair", "a/broken.obj", "45 50 90") +
         Item(7, "Test#lamp", "Table lamp", "a/table.obj", "45 50 60") +
@@ -225,7 +225,7 @@ TEST_F(Library, HoldsEachProductOnceAndSaysWhatItLeftOut) {
   EXPECT_THAT(summary->per_class,
               testing::ElementsAre(testing::Pair("chair", 3), testing::Pair("table", 1)));
   EXPECT_THAT(summary->dropped,
-              testing::UnorderedElementsAre(HasSubstr("Test#twin: same shape"),
+              testing::UnorderedElementsAre(HasSubstr("Test#tablet: same shape"),
                                             HasSubstr("Test#gone: "),
                                             HasSubstr("Test#broken: "),
                                             HasSubstr("Test#sizeless: width")));
@@ -366,7 +366,7 @@ TEST_F(Library, SplitKeepsShapesTogetherAndTakesItsShareOfEveryClass) {
   EXPECT_EQ(two_thirds.size(), 1U) << "of two like tables only both could be withheld";
   EXPECT_THAT(
       ids_at(1.0),
-      testing::ElementsAre("Test#chair", "Test#larger", "Test#stool", "Test#table", "Test#twin"));
+      testing::ElementsAre("Test#chair", "Test#larger", "Test#stool", "Test#table", "Test#tablet"));
 }
 
 TEST_F(Library, SplitIsReadAsAListAndLeavesNothingAlikeInTheLibrary) {

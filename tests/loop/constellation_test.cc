@@ -135,7 +135,7 @@ TEST(Loops, AmbiguousOnesAreRefused) {
   AddTraversal(scene, pair, 300, Yawed(0.7, 0, 0, 0), {});
   LoopOptions options;
   options.drift_base_m =
-      1.0;  // objects alone may be believed that far: only the ambiguity is left to refuse
+      1.0;  // objects alone may be accepted that far: only the ambiguity is left to refuse
   const std::vector<Constellation> found = FindIn(scene, options).constellations;
   ASSERT_GE(found.size(), 2u);
   const Loops loops = Detect(scene, options);
@@ -200,7 +200,7 @@ TEST(Loops, SurroundingsThatAreRightAsTheyStandRefuseACorrection) {
   }
 }
 
-TEST(Loops, WithoutSurroundingsDistantTwinsStayApart) {
+TEST(Loops, WithoutSurroundingsDistantCopiesStayApart) {
   const std::vector<Furniture> pair = {{"chair", 0, 0, 0}, {"chair", 0, 1.2, 0}};
   Scene scene;
   scene.odometry = Walk(400, 30);

@@ -53,7 +53,7 @@ Points Top(float x_m, float length_m) {
 }
 
 // Each but the first against the one before.
-std::vector<bool> Judged(const std::vector<ObjectEvidence>& tracklets) {
+std::vector<bool> Apart(const std::vector<ObjectEvidence>& tracklets) {
   std::vector<bool> apart;
   for (std::size_t k = 1; k < tracklets.size(); ++k)
     apart.push_back(StandApart(tracklets[k - 1], tracklets[k], kUp, {}));
@@ -111,8 +111,8 @@ TEST(Tracklets, AreCountedBehindTheLastId) {
   const Points there = ChairPoints();
   const Points away = Moved(there, Yawed(0.25, 0, 0, 0));
   const StandingApart apart = {
-      {ObjectId{2}, Judged({Measured(there), Measured(away), Measured(away)})},
-      {ObjectId{4}, Judged({Measured(there), Measured(there)})}};
+      {ObjectId{2}, Apart({Measured(there), Measured(away), Measured(away)})},
+      {ObjectId{4}, Apart({Measured(there), Measured(there)})}};
   const SplitObjects parted = SplitTracklets(association, apart, {});
   ASSERT_EQ(parted.tracklets.size(), 2U);  // 4 stands still, of 9 nothing is known
   ASSERT_EQ(parted.tracks.size(), 2U);
@@ -145,7 +145,7 @@ TEST(Tracklets, ANeighbourTakenForTheObjectIsGivenBack) {
 
   const auto seen = [&](int id) { return scene.evidence.at(ObjectId{id}); };
   const SplitObjects parted =
-      SplitTracklets(mistaken.association, {{ObjectId{0}, Judged({seen(0), seen(3)})}}, {});
+      SplitTracklets(mistaken.association, {{ObjectId{0}, Apart({seen(0), seen(3)})}}, {});
   ASSERT_EQ(parted.tracks.size(), 2U);
   EXPECT_EQ(parted.tracks[0].members.size(), scene.association.tracks[0].members.size());
   EXPECT_EQ(parted.tracks[1].id,

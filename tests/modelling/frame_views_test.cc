@@ -87,7 +87,7 @@ TEST_F(FrameViewsTest, ASegmentThatNoTrackKnowsAndATrackThatNoSegmentKnowsAreNoV
   EXPECT_EQ(Batches(FrameViews::kBatchBytes), "3:3 4:0 7:2 ");
 }
 
-// For whoever registers and judges it, a thing that rests on furniture stands on what it rests on.
+// For whoever registers and scores it, a thing that rests on furniture stands on what it rests on.
 TEST_F(FrameViewsTest, TheGroundOfAThingOffTheFloorIsWhatItRestsOn) {
   const auto ground_of_first = [&] {
     std::optional<Plane> ground;

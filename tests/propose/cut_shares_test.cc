@@ -75,7 +75,7 @@ TEST(CutSharesTest, SureLayersAreCutAtTheThreshold) {
   EXPECT_FALSE(CutShares(shares, kCut).At(52, 30, 31));
 }
 
-TEST(CutSharesTest, DropsCrumbsAndKeepsWhatLiesAVoxelApart) {
+TEST(CutSharesTest, DropsSmallComponentsAndKeepsWhatLiesAVoxelApart) {
   std::vector<float> shares = Seat();
   for (int i = 20; i < 40; ++i) {
     for (int j = 20; j < 40; ++j) shares[VoxelGrid::Index(i, j, 35)] = 0.9F;

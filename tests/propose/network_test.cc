@@ -208,7 +208,7 @@ TEST(ShapePriorTest, SaysWhereTheCameraStands) {
   EXPECT_GT(encoding->confidence, 0.9);
 }
 
-// How far lines of sight run apart is known of every crop, how far the camera looks down where the
+// How far viewing rays run apart is known of every crop, how far the camera looks down where the
 // ground is; networks may ask for the first or for both.
 TEST(ShapePriorTest, TellsTheEncoderOfTheCamera) {
   const std::vector<ObjectView> views = StagedViews(Chair(), {});

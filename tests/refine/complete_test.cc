@@ -64,7 +64,7 @@ class CompleteModelTest : public testing::Test {
   static bool At(const CompletedModel& model, int x, int y, int z) {
     return model.grid.At(x + kGridSize / 2, y + kGridSize / 2, z + kGridSize / 2);
   }
-  static double Likeness(const CompletedModel& model, const Shape& thing) {
+  static double IoU(const CompletedModel& model, const Shape& thing) {
     return shape::GridIntersectionOverUnion(model.grid, testing_support::FillGrid(thing));
   }
 
@@ -76,7 +76,7 @@ class CompleteModelTest : public testing::Test {
 TEST_F(CompleteModelTest, TheThingItselfStaysAsItIs) {
   const auto completed = Complete(OnLegs, OnLegs, 12);
   ASSERT_TRUE(completed);
-  EXPECT_GT(Likeness(*completed, OnLegs), 0.9);
+  EXPECT_GT(IoU(*completed, OnLegs), 0.9);
   EXPECT_NEAR(completed->extent, kModelExtent, 1.01 * kVoxelSize);
 }
 
@@ -85,7 +85,7 @@ TEST_F(CompleteModelTest, AnotherDesignBecomesTheThingThatWasSeen) {
   ASSERT_TRUE(completed);
   EXPECT_FALSE(At(*completed, 0, 0, -20)) << "rays go through the pedestal";
   EXPECT_TRUE(At(*completed, 14, 14, -20)) << "and end on a leg";
-  EXPECT_GT(Likeness(*completed, OnLegs), 0.85);
+  EXPECT_GT(IoU(*completed, OnLegs), 0.85);
 }
 
 TEST_F(CompleteModelTest, SidesThatNobodySawAreTheModels) {
@@ -152,7 +152,7 @@ TEST_F(CompleteModelTest, LegsTooThinToBeMeasuredAreTheModels) {
   };
   const auto completed = Complete(table, top, 12);
   ASSERT_TRUE(completed);
-  EXPECT_GT(Likeness(*completed, table), 0.9);
+  EXPECT_GT(IoU(*completed, table), 0.9);
 }
 
 TEST_F(CompleteModelTest, LegsThatSegmentationMissedAreNotCarvedAway) {
@@ -182,7 +182,7 @@ TEST_F(CompleteModelTest, LegsThatSegmentationMissedAreNotCarvedAway) {
   }
   const auto completed = CompleteModel(thing, placed, options_);
   ASSERT_TRUE(completed);
-  EXPECT_GT(Likeness(*completed, table), 0.92);
+  EXPECT_GT(IoU(*completed, table), 0.92);
 }
 
 TEST_F(CompleteModelTest, WhatLiesFarFromTheModelIsOfSomethingElse) {
@@ -199,7 +199,7 @@ TEST_F(CompleteModelTest, WhatLiesFarFromTheModelIsOfSomethingElse) {
   const auto both = Complete(model, with_another, 12);
   ASSERT_TRUE(alone && both);
   EXPECT_FALSE(At(*alone, 0, 26, 0));
-  EXPECT_NEAR(Likeness(*alone, model), Likeness(*Complete(model, model, 12), model), 0.02);
+  EXPECT_NEAR(IoU(*alone, model), IoU(*Complete(model, model, 12), model), 0.02);
   EXPECT_GT(testing_support::CountOccupied(both->grid),
             1.3 * testing_support::CountOccupied(alone->grid));
 }
@@ -262,7 +262,7 @@ TEST_F(CompleteModelTest, AThickTopBecomesAsThinAsItsEdgeShows) {
   ASSERT_TRUE(completed);
   EXPECT_TRUE(At(*completed, 0, 0, 13));
   EXPECT_FALSE(At(*completed, 0, 0, 8)) << "the model's, which rays passed below";
-  EXPECT_GT(Likeness(*completed, table(3)), 0.65) << "a layer of voxels is a third of it";
+  EXPECT_GT(IoU(*completed, table(3)), 0.65) << "a layer of voxels is a third of it";
 }
 
 TEST_F(CompleteModelTest, ABodyThatIsTooWideIsNoHollowOne) {
@@ -274,7 +274,7 @@ TEST_F(CompleteModelTest, ABodyThatIsTooWideIsNoHollowOne) {
   const auto completed = CompleteFrom(chest(26), chest(20), 12, 0.5);
   ASSERT_TRUE(completed);
   for (const int z : {-25, -10, 0, 10, 25}) EXPECT_TRUE(At(*completed, 0, 0, z)) << z;
-  EXPECT_GT(Likeness(*completed, chest(20)), 0.85);
+  EXPECT_GT(IoU(*completed, chest(20)), 0.85);
 }
 
 TEST_F(CompleteModelTest, ASideThatNobodySawIsLikeTheOtherOne) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 
 namespace deepslam::refine {
 namespace {

@@ -64,7 +64,7 @@ TEST_F(WithoutPassedLayersTest, WhatHasSidesStays) {
   EXPECT_EQ(Thinner(), model_);
 }
 
-TEST_F(WithoutPassedLayersTest, WhatIsSeenFromOneSideIsJudgedByIt) {
+TEST_F(WithoutPassedLayersTest, WhatIsSeenFromOneSideIsScoredByIt) {
   SayRim(33, 35, kSurface);
   Say({10, 10, 30}, {12, 40, 33}, kPassed);
   const VoxelGrid thinner = Thinner();

@@ -272,7 +272,7 @@ TEST(Plots, OfHoursAreNotMuchLargerThanOfMinutesAndShowWhatIsAmiss) {
   }
 }
 
-TEST(HeightDrift, WithoutTwoSightsOfTheFloorThereIsNoPlot) {
+TEST(HeightDrift, WithoutTwoObservationsOfTheFloorThereIsNoPlot) {
   const HeightCheck one[] = {{FrameIdx{0}, 1, 1, 1}};
   EXPECT_EQ(HeightDrift(one, 10), "");
   const HeightCheck two[] = {{FrameIdx{0}, 1, 1, 1}, {FrameIdx{9}, 1, 1.1, 1}};

@@ -32,7 +32,7 @@ TEST(SourceTraits, AreOfOnePiece) {
     if (traits.is_derived) {
       EXPECT_TRUE(traits.follows_depth) << traits.name;
     }
-    // Whoever follows the depth agrees with it by nature and has to lead for it; nobody else has
+    // Whoever follows the depth agrees with it by nature and needs a margin for it; nobody else has
     // to.
     EXPECT_EQ(traits.follows_depth, traits.margin != WinningMargin::kNone) << traits.name;
     EXPECT_EQ(traits.is_partial, traits.margin == WinningMargin::kUnseenSides) << traits.name;

@@ -424,7 +424,7 @@ class CutTest(unittest.TestCase):
             self.assertTrue(((found > 0) == solid).all())
             pairs = np.unique(np.stack([expected, found[tuple(places.T)]], 1), axis=0)
             self.assertEqual([len(pairs)] * 2, [len(np.unique(column)) for column in pairs.T], share)
-            large = np.bincount(expected) >= cut.CRUMB * len(places)
+            large = np.bincount(expected) >= cut.SMALL_SHARE * len(places)
             kept = torch.zeros(64, 64, 64, dtype=torch.bool)
             kept[tuple(torch.from_numpy(places[large[expected]].T))] = True
             self.assertTrue(torch.equal(cut.without_small_components(torch.from_numpy(solid)), kept), share)

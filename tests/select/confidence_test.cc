@@ -103,7 +103,7 @@ TEST_F(ConfidenceInAPlace, IsNotMadeByTheDepthItself) {
     if (!TraitsOf(source).follows_depth) continue;
     Add(source, At(0.5, 90), 1.5, 0.99);
     EXPECT_EQ(Of(0), alone);
-    // Standing where no whole model does, it is hardly to be believed itself.
+    // Standing where no whole model does, it is hardly to be trusted itself.
     EXPECT_LT(Of(candidates_.size() - 1), 0.5);
   }
 }

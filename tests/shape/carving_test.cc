@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/depth_view.h"
+#include "deepslam/shape/small_components.h"
 #include "deepslam/shape/stand.h"
 
 namespace deepslam::shape {
@@ -18,7 +18,7 @@ void Fill(const Eigen::Vector3i& low, const Eigen::Vector3i& high, VoxelGrid& gr
   }
 }
 
-TEST(CrumbsTest, PartsGoByTheirSizeAndWhatIsNearHangsTogether) {
+TEST(SmallComponentsTest, PartsGoByTheirSizeAndWhatIsNearHangsTogether) {
   VoxelGrid grid;
   Fill({10, 10, 10}, {19, 19, 19}, grid);  // 1,000
   Fill({21, 21, 21}, {21, 21, 21}, grid);  // beyond a gap of one, over the corner
@@ -26,12 +26,12 @@ TEST(CrumbsTest, PartsGoByTheirSizeAndWhatIsNearHangsTogether) {
   Fill({63, 63, 63}, {63, 63, 63}, grid);
   VoxelGrid with_neighbour = grid;
   with_neighbour.occupied[VoxelGrid::Index(63, 63, 63)] = 0;
-  EXPECT_EQ(WithoutCrumbs(grid, 2, 0.01), with_neighbour);
+  EXPECT_EQ(WithoutSmallComponents(grid, 2, 0.01), with_neighbour);
   VoxelGrid block;
   Fill({10, 10, 10}, {19, 19, 19}, block);
-  EXPECT_EQ(WithoutCrumbs(grid, 1, 0.05), block);
-  EXPECT_EQ(WithoutCrumbs(grid, 1, 0), grid);
-  EXPECT_EQ(WithoutCrumbs(VoxelGrid(), 1, 0.05), VoxelGrid());
+  EXPECT_EQ(WithoutSmallComponents(grid, 1, 0.05), block);
+  EXPECT_EQ(WithoutSmallComponents(grid, 1, 0), grid);
+  EXPECT_EQ(WithoutSmallComponents(VoxelGrid(), 1, 0.05), VoxelGrid());
 }
 
 TEST(StandOnGroundTest, OnlyWhatHangsLowReachesDown) {

@@ -17,7 +17,7 @@ struct GridNetwork {
   int width = 128;
   int height = 128;
   enum class Constants { kInitializers, kNodes, kListed } constants = Constants::kInitializers;
-  bool cells_by_columns = false;  // anchors in another order than that of the family
+  bool cells_by_columns = false;  // cells in another order than that of the family
   bool expands = false;           // sides in the target of an Expand as well
 };
 

@@ -129,7 +129,7 @@ void PrintTo(const Leap& leap, std::ostream* out) { *out << leap.name; }
 
 class EstimateOdometryLeap : public ::testing::TestWithParam<Leap> {};
 
-// Farther than a hand goes, and back in sight of what was seen: found there at once.
+// Farther than a hand goes, and back in view of what was seen: found there at once.
 TEST_P(EstimateOdometryLeap, WithinSightIsRight) {
   std::vector<Pose3> truth = Arc(10, 1.5);
   const double step_deg = 1.5;

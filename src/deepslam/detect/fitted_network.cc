@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "deepslam/detect/anchor_cells.h"
+#include "deepslam/detect/grid_cells.h"
 #include "onnx_excerpt.pb.h"
 
 namespace deepslam::detect {
@@ -20,21 +20,21 @@ namespace onnx = onnx_excerpt;
 constexpr int kFloat = 1;  // of TensorProto.DataType
 constexpr int kInt64 = 7;  // of TensorProto.DataType
 
-bool LiesIn(Sides sides, const AnchorCell& cell) {
+bool LiesIn(Sides sides, const GridCell& cell) {
   return cell.u < sides.width / cell.stride && cell.v < sides.height / cell.stride;
 }
 
-// What networks note of their anchors, a row each: centres, in cells or in pixels; strides.
-using Note = float (*)(const AnchorCell&);
-float U(const AnchorCell& cell) { return static_cast<float>(cell.u) + 0.5F; }
-float V(const AnchorCell& cell) { return static_cast<float>(cell.v) + 0.5F; }
-float Stride(const AnchorCell& cell) { return static_cast<float>(cell.stride); }
-float UPx(const AnchorCell& cell) { return U(cell) * Stride(cell); }
-float VPx(const AnchorCell& cell) { return V(cell) * Stride(cell); }
+// What networks note of their cells, a row each: centres, in cells or in pixels; strides.
+using Note = float (*)(const GridCell&);
+float U(const GridCell& cell) { return static_cast<float>(cell.u) + 0.5F; }
+float V(const GridCell& cell) { return static_cast<float>(cell.v) + 0.5F; }
+float Stride(const GridCell& cell) { return static_cast<float>(cell.stride); }
+float UPx(const GridCell& cell) { return U(cell) * Stride(cell); }
+float VPx(const GridCell& cell) { return V(cell) * Stride(cell); }
 
 bool HasRows(std::span<const float> table,
              std::initializer_list<Note> notes,
-             std::span<const AnchorCell> cells) {
+             std::span<const GridCell> cells) {
   if (table.size() != notes.size() * cells.size()) return false;
   return std::ranges::all_of(notes, [&](Note note) {
     const std::span<const float> row = table.first(cells.size());
@@ -43,7 +43,7 @@ bool HasRows(std::span<const float> table,
   });
 }
 
-bool IsKnown(std::span<const float> table, std::span<const AnchorCell> cells) {
+bool IsKnown(std::span<const float> table, std::span<const GridCell> cells) {
   return HasRows(table, {U, V}, cells) || HasRows(table, {UPx, VPx}, cells) ||
          HasRows(table, {Stride}, cells);
 }
@@ -111,9 +111,9 @@ std::set<std::string> ShapeNames(const onnx::Graph& graph) {
 // A network's constants, brought from the sides of one input to those of another, no larger one.
 class Refit {
  public:
-  Refit(Sides from, Sides to) : from_(from), to_(to), cells_(AnchorCells(from)) {}
+  Refit(Sides from, Sides to) : from_(from), to_(to), cells_(GridCells(from)) {}
 
-  // False where something is noted of the anchors that is not known here.
+  // False where something is noted of the cells that is not known here.
   [[nodiscard]] bool operator()(onnx::Graph& graph) const {
     const std::set<std::string> shapes = ShapeNames(graph);
     for (onnx::Tensor& tensor : *graph.mutable_initializer()) {
@@ -132,9 +132,9 @@ class Refit {
  private:
   [[nodiscard]] bool Constant(bool is_shape, onnx::Tensor& tensor) const {
     if (is_shape && tensor.data_type() == kInt64) return Shape(tensor);
-    const bool of_anchors = tensor.dims_size() > 0 && tensor.dims(tensor.dims_size() - 1) ==
-                                                          static_cast<std::int64_t>(cells_.size());
-    return !of_anchors || (tensor.data_type() == kFloat && Table(tensor));
+    const bool of_cells = tensor.dims_size() > 0 && tensor.dims(tensor.dims_size() - 1) ==
+                                                        static_cast<std::int64_t>(cells_.size());
+    return !of_cells || (tensor.data_type() == kFloat && Table(tensor));
   }
 
   [[nodiscard]] bool Shape(onnx::Tensor& tensor) const {
@@ -158,7 +158,7 @@ class Refit {
 
   Sides from_;
   Sides to_;
-  std::vector<AnchorCell> cells_;
+  std::vector<GridCell> cells_;
 };
 
 onnx::Shape* InputShape(onnx::Graph& graph) {

@@ -11,7 +11,7 @@
 namespace deepslam::detect {
 
 // The ONNX file with the sides of FitSides(picture, its own). Layers that convolve take any sides;
-// what is noted of them goes along: targets of reshapes, and tables with a column for each anchor,
+// what is noted of them goes along: targets of reshapes, and tables with a column for each cell,
 // a cell of grids with strides 8, 16 and 32. Boxes stay pixels of the input.
 //
 // Nothing where the file's own sides fit already or are left open, and where it notes what is not

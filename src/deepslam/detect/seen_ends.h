@@ -1,4 +1,4 @@
-// Whether a cluster is seen to end: furniture does, what runs on out of sight may be anything.
+// Whether a cluster is seen to end: furniture does, what runs on out of view may be anything.
 #pragma once
 
 #include "deepslam/detect/cluster_detector.h"

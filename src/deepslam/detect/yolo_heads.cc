@@ -5,7 +5,7 @@
 
 #include "deepslam/core/check.h"
 #include "deepslam/core/order_statistics.h"
-#include "deepslam/detect/anchor_cells.h"
+#include "deepslam/detect/grid_cells.h"
 
 namespace deepslam::detect {
 namespace {
@@ -55,7 +55,7 @@ void AppendBox(const Entry& e, double min_score, std::vector<HeadBox>& boxes) {
 std::vector<HeadBox> DecodeYoloV8(std::span<const float> output,
                                   const HeadLayout& layout,
                                   double min_score) {
-  const auto n = static_cast<std::size_t>(layout.num_anchors);
+  const auto n = static_cast<std::size_t>(layout.num_cells);
   const auto num_classes = static_cast<std::size_t>(layout.num_classes);
   std::vector<HeadBox> boxes;
   for (std::size_t a = 0; a < n; ++a) {
@@ -80,9 +80,9 @@ std::vector<HeadBox> DecodeYoloV8(std::span<const float> output,
   return boxes;
 }
 
-bool IsRelativeToGrid(std::span<const float> output, std::size_t num_anchors, std::size_t stride) {
+bool IsRelativeToGrid(std::span<const float> output, std::size_t num_cells, std::size_t stride) {
   std::vector<float> centres;
-  for (std::size_t a = 0; a < num_anchors; ++a) {
+  for (std::size_t a = 0; a < num_cells; ++a) {
     const float cx = output[a * stride];
     if (std::isfinite(cx)) centres.push_back(std::abs(cx));
   }
@@ -93,11 +93,11 @@ bool IsRelativeToGrid(std::span<const float> output, std::size_t num_anchors, st
 std::vector<HeadBox> DecodeYoloX(std::span<const float> output,
                                  const HeadLayout& layout,
                                  double min_score) {
-  const auto n = static_cast<std::size_t>(layout.num_anchors);
+  const auto n = static_cast<std::size_t>(layout.num_cells);
   const auto num_classes = static_cast<std::size_t>(layout.num_classes);
   const std::size_t stride = 5 + num_classes;
   const bool relative = IsRelativeToGrid(output, n, stride);
-  const std::vector<AnchorCell> cells = AnchorCells({layout.input_width, layout.input_height});
+  const std::vector<GridCell> cells = GridCells({layout.input_width, layout.input_height});
   std::vector<HeadBox> boxes;
   for (std::size_t a = 0; a < n; ++a) {
     const std::span<const float> row = output.subspan(a * stride, stride);
@@ -130,7 +130,7 @@ Result<HeadLayout> RecogniseHead(std::span<const std::vector<std::int64_t>> outp
       !output_shapes.empty() && output_shapes[0].size() == 3 && output_shapes[0][0] == 1;
   const std::int64_t rows = three ? output_shapes[0][1] : 0;
   const std::int64_t columns = three ? output_shapes[0][2] : 0;
-  layout.num_anchors = static_cast<int>(num_cells);
+  layout.num_cells = static_cast<int>(num_cells);
   if (output_shapes.size() == 1 && columns == num_cells && rows > 4) {
     layout.kind = HeadKind::kYoloV8;
     layout.num_classes = CountClasses(rows - 4, num_names);
@@ -170,7 +170,7 @@ std::vector<HeadBox> DecodeHead(std::span<const float> output,
   const bool yolox = layout.kind == HeadKind::kYoloX;
   const auto rows =
       static_cast<std::size_t>((yolox ? 5 : 4) + layout.num_classes + layout.num_coefficients);
-  DEEPSLAM_CHECK(output.size() == rows * static_cast<std::size_t>(layout.num_anchors),
+  DEEPSLAM_CHECK(output.size() == rows * static_cast<std::size_t>(layout.num_cells),
                  "output has not the layout's size");
   std::vector<HeadBox> boxes =
       yolox ? DecodeYoloX(output, layout, min_score) : DecodeYoloV8(output, layout, min_score);

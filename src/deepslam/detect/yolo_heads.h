@@ -29,7 +29,7 @@ enum class HeadKind { kYoloV8, kYoloV8Seg, kYoloX };
 struct HeadLayout {
   HeadKind kind = HeadKind::kYoloV8;
   int num_classes = 0;
-  int num_anchors = 0;       // N
+  int num_cells = 0;         // N
   int num_coefficients = 0;  // M, kYoloV8Seg only
   int prototype_width = 0;
   int prototype_height = 0;
@@ -53,7 +53,7 @@ struct HeadBox {
     int input_width,
     int input_height);
 
-// Boxes with score >= min_score, best first (equal scores: lower anchor first). Entries that are
+// Boxes with score >= min_score, best first (equal scores: lower cell first). Entries that are
 // not finite or have no area are left out. `output` has the layout's size.
 [[nodiscard]] std::vector<HeadBox> DecodeHead(std::span<const float> output,
                                               const HeadLayout& layout,

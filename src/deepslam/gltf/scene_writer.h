@@ -81,7 +81,7 @@ struct GltfScene {
 
 struct GltfOptions {
   bool draco =
-      true;  // KHR_draco_mesh_compression for objects and room; false = the uncompressed twin
+      true;  // KHR_draco_mesh_compression for objects and room; false = the uncompressed copy
   int position_bits = 14;  // Draco: vertices lie on a grid of longest side / (2^bits - 1)
   // Draco: octahedral normals of 8 bits err by less than a degree.
   static constexpr int kNormalBits = 8;

@@ -11,7 +11,7 @@
 //   a'_from_b' = a'_from_a a_from_b b_from_b',   Omega' = Ad(b_from_b')^T Omega Ad(b_from_b'),
 // and what was measured between the same two nodes and agrees becomes one edge: their mean by
 // information, with the mean information and the number of them as weight, so that robust losses
-// judge it as they would judge each. After condensed measurements (Grisetti et al. 2012), without
+// weigh it as they would weigh each. After condensed measurements (Grisetti et al. 2012), without
 // what is unsure within a node.
 #pragma once
 

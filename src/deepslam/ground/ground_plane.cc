@@ -358,7 +358,7 @@ Result<Ground> SearchPart(const FrameSource& frames,
   const QuarterTurn as_is = habit;
   Result<Ground> found = search(as_is);
   if (!found.ok() || GivenTurn(options)) return found;
-  const Holding before = JudgeHolding(*found, part, as_is);
+  const Holding before = MeasureHolding(*found, part, as_is);
   if (Convinces(before)) return found;
   if (!IsPossible(before)) found = Ground{};
   double most = 0;
@@ -366,7 +366,7 @@ Result<Ground> SearchPart(const FrameSource& frames,
     if (upright == as_is) continue;
     Result<Ground> turned = search(upright);
     if (!turned.ok()) return turned;
-    const Holding holding = JudgeHolding(*turned, part, upright);
+    const Holding holding = MeasureHolding(*turned, part, upright);
     if (!Outweighs(holding, upright, before) || Evidence(holding) <= most) continue;
     most = Evidence(holding);
     habit = upright;

@@ -61,9 +61,9 @@ double RollSpreadDeg(const Plane& plane_world, std::span<const TrackedFrame> key
 
 }  // namespace
 
-Holding JudgeHolding(const Ground& ground,
-                     std::span<const TrackedFrame> keyframes,
-                     QuarterTurn upright) {
+Holding MeasureHolding(const Ground& ground,
+                       std::span<const TrackedFrame> keyframes,
+                       QuarterTurn upright) {
   if (!ground.plane_world || keyframes.empty()) return {};
   const auto is_held = [&](const TrackedFrame& keyframe) {
     const Plane plane_camera =

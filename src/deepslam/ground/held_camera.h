@@ -20,9 +20,9 @@ struct Holding {
   double roll_spread_deg = 0;  // of its normal in the pictures: a hand keeps the horizon level
 };
 
-[[nodiscard]] Holding JudgeHolding(const Ground& ground,
-                                   std::span<const TrackedFrame> keyframes,
-                                   QuarterTurn upright);
+[[nodiscard]] Holding MeasureHolding(const Ground& ground,
+                                     std::span<const TrackedFrame> keyframes,
+                                     QuarterTurn upright);
 
 // Nothing else need be looked for.
 [[nodiscard]] bool Convinces(const Holding& holding);

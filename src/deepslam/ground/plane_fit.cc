@@ -15,7 +15,7 @@ namespace {
 constexpr int kMaxPlanes = 4;             // of a keyframe: floor, two table tops and a shelf
 constexpr double kCandidateShare = 0.03;  // smaller planes are chance
 // Enough to rank planes: a share of 3 % is known to half a per cent.
-constexpr std::size_t kJudgedPoints = 1500;
+constexpr std::size_t kScoredPoints = 1500;
 // Floors are flat to about a centimetre; beyond that the noise of the depth decides.
 constexpr double kFlatnessM = 0.01;
 constexpr double kSearchCosine = 0.9;          // 26 deg: normals of single points are noisy
@@ -99,12 +99,12 @@ double CoveredArea(const GroundPoints& points, const PinholeCamera& camera, cons
   return area;
 }
 
-// The point whose normal makes the plane with the most support among every judge_step-th of the
+// The point whose normal makes the plane with the most support among every score_step-th of the
 // points left.
 std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
                                QuarterTurn upright,
                                Random& random) {
-  const std::size_t judge_step = std::max<std::size_t>(1, left.size() / kJudgedPoints);
+  const std::size_t score_step = std::max<std::size_t>(1, left.size() / kScoredPoints);
   std::optional<Plane> best;
   int best_count = 0;
   for (int draw = 0; draw < GroundOptions::kNumRansacDraws; ++draw) {
@@ -113,7 +113,7 @@ std::optional<Plane> DrawPlane(std::span<const GroundPoint> left,
                       -static_cast<double>(point.normal_camera.dot(point.p_camera))};
     if (!PermissibleOrientation(plane, upright) || plane.d_m <= 0) continue;
     int count = 0;
-    for (std::size_t k = 0; k < left.size(); k += judge_step) {
+    for (std::size_t k = 0; k < left.size(); k += score_step) {
       count += OnPlane(left[k],
                        point.normal_camera,
                        static_cast<float>(plane.d_m),

@@ -56,7 +56,7 @@ struct LoopOptions {
   bool constellations = true;  // of at least min_pairs objects
   // Pairs of a constellation: the paper's two.
   static constexpr int kMinPairs = 2;
-  int min_gap_frames = 30;  // between the old objects' last sight and the new ones' first
+  int min_gap_frames = 30;  // between the old objects' last observation and the new ones' first
   // Difference of a constellation's places after the correction: registered centres of two
   // observations differ by 5 to 10 cm each.
   static constexpr double kPositionTolerance_m = 0.15;

@@ -300,7 +300,7 @@ void Describe(OptionsVisitor& visitor, LoopOptions& options) {
                 options.min_gap_frames,
                 {1, 1e6},
                 "frames",
-                "between the old objects' last sight and the new ones' first");
+                "between the old objects' last observation and the new ones' first");
   visitor.Field("drift_base_m",
                 options.drift_base_m,
                 kDistance_m,

@@ -51,7 +51,7 @@ struct CandidateSet {
   std::vector<CandidateRegistration> registrations;
   ModelMap models;
   std::vector<CandidateScore> scores;
-  std::vector<select::JudgedView> scored_views;  // made when something is scored first
+  std::vector<select::ScoredView> scored_views;  // made when something is scored first
 };
 
 // Scores the candidates that have no score yet, in parallel.

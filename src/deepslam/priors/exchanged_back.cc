@@ -10,7 +10,7 @@
 #include "deepslam/furniture/joined.h"
 #include "deepslam/scene/mesh_box.h"
 #include "deepslam/scene/voxel_grid.h"
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 #include "deepslam/shape/voxelize.h"
 
 namespace deepslam::priors {

@@ -1,4 +1,4 @@
-// Crops beside the shapes that were proposed for them, for people who judge networks.
+// Crops beside the shapes that were proposed for them, for people who assess networks.
 #pragma once
 
 #include <cstdint>

@@ -183,8 +183,8 @@ Sketch MakeSketch(const Raster& raster, const propose::NetworkCrop& crop) {
           .cast<float>();
   for (int y = 0; y < kSketchSide; ++y) {
     const double down = (y + 0.5) / kSketchSide;
-    const Eigen::Vector3d first = crop.camera.SightAt(0.5 / kSketchSide, down);
-    const Eigen::Vector3d step = crop.camera.SightAt(1.5 / kSketchSide, down) - first;
+    const Eigen::Vector3d first = crop.camera.RayAt(0.5 / kSketchSide, down);
+    const Eigen::Vector3d step = crop.camera.RayAt(1.5 / kSketchSide, down) - first;
     for (int x = 0; x < kSketchSide; ++x) {
       const std::optional<Eigen::Vector2d> pixel = raster.camera.Project(first + x * step);
       if (!pixel) continue;

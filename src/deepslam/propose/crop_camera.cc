@@ -78,8 +78,8 @@ std::optional<CropCamera> AimAt(const Mask& silhouette,
       camera.Ray(picture.middle().x(), picture.middle().y()).normalized(), ground_camera, upright);
   Bounds square;
   for (const Eigen::Vector2d& end : ends) {
-    const Eigen::Vector3d sight = crop.view_from_crop.transpose() * camera.Ray(end.x(), end.y());
-    square.Add(sight.hnormalized());
+    const Eigen::Vector3d ray = crop.view_from_crop.transpose() * camera.Ray(end.x(), end.y());
+    square.Add(ray.hnormalized());
   }
   crop.side = kMargin * (square.high - square.low).maxCoeff();
   crop.left = square.middle().x() - 0.5 * crop.side;

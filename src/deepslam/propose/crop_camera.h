@@ -27,7 +27,7 @@ struct CropCamera {
 
   // What lies at this place of the square, (0, 0) being its corner and (1, 1) the one across: the
   // direction in the view's camera that advances by 1 along the crop's axis.
-  [[nodiscard]] Eigen::Vector3d SightAt(double x, double y) const {
+  [[nodiscard]] Eigen::Vector3d RayAt(double x, double y) const {
     return view_from_crop * Eigen::Vector3d(left + x * side, top + y * side, 1);
   }
   // Of a point of the view's camera, along the crop's axis.

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "deepslam/core/check.h"
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 
 namespace deepslam::propose {
 namespace {
@@ -41,7 +41,7 @@ VoxelGrid CutShares(std::span<const float> shares, const SolidCut& cut) {
     for (std::size_t n = static_cast<std::size_t>(k); n < shares.size(); n += kGridSize)
       solid.occupied[n] = shares[n] > level ? 1 : 0;
   }
-  return shape::WithoutCrumbs(solid, kReach, kNoiseShare);
+  return shape::WithoutSmallComponents(solid, kReach, kNoiseShare);
 }
 
 }  // namespace deepslam::propose

@@ -17,8 +17,8 @@ struct SolidCut {
 // (docs/priors.md), index order of VoxelGrid. Above the threshold they are. That a leg is there is
 // surer than where: its probability spreads over places and is nowhere above the threshold. So each
 // horizontal layer keeps at least `kept_of_expected` times as many voxels as are solid in it by
-// expectation, the likeliest, but none below 5 %. Crumbs are left out. scripts/train/cut.py is the
-// same.
+// expectation, the likeliest, but none below 5 %. Small components are left out.
+// scripts/train/cut.py is the same.
 [[nodiscard]] VoxelGrid CutShares(std::span<const float> shares, const SolidCut& cut);
 
 }  // namespace deepslam::propose

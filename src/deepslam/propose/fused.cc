@@ -15,9 +15,9 @@
 #include "deepslam/propose/front_of_box.h"
 #include "deepslam/propose/level_cloud.h"
 #include "deepslam/propose/proposer.h"
-#include "deepslam/shape/crumbs.h"
 #include "deepslam/shape/depth_view.h"
 #include "deepslam/shape/front.h"
+#include "deepslam/shape/small_components.h"
 #include "deepslam/shape/stand.h"
 #include "deepslam/shape/stretch.h"
 
@@ -171,9 +171,9 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
       cloud.level_from_world);
   // Stray depth. Parts of an object may well hang unconnected where thin links between them were
   // not measured.
-  constexpr double kFusedCrumb = 0.05;
-  VoxelGrid grid = shape::WithoutCrumbs(
-      Carve(raster, views, classes_.TraitsOf(object.class_name).solid_inside), 1, kFusedCrumb);
+  constexpr double kFusedSmallShare = 0.05;
+  VoxelGrid grid = shape::WithoutSmallComponents(
+      Carve(raster, views, classes_.TraitsOf(object.class_name).solid_inside), 1, kFusedSmallShare);
   if (cloud.has_ground) {
     const double ground = 0.5 * kGridSize - 0.5 * box.size_m.z() / raster.voxel_m();
     shape::StandOnGround(static_cast<int>(std::lround(ground)),

@@ -96,11 +96,11 @@ class Cutout {
 class PixelsOfSquare {
  public:
   PixelsOfSquare(const CropCamera& crop, const PinholeCamera& camera) {
-    Eigen::Matrix3d pixel_from_sight;
-    pixel_from_sight << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-    Eigen::Matrix3d sight_from_place;
-    sight_from_place << crop.side, 0, crop.left, 0, crop.side, crop.top, 0, 0, 1;
-    pixel_from_place_ = (pixel_from_sight * crop.view_from_crop * sight_from_place).cast<float>();
+    Eigen::Matrix3d pixel_from_ray;
+    pixel_from_ray << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+    Eigen::Matrix3d ray_from_place;
+    ray_from_place << crop.side, 0, crop.left, 0, crop.side, crop.top, 0, 0, 1;
+    pixel_from_place_ = (pixel_from_ray * crop.view_from_crop * ray_from_place).cast<float>();
   }
   // Of row `y` of `count` by `count` places; far outside for what is behind the view's camera.
   void FillRow(int y, int count, std::vector<float>& u, std::vector<float>& v) const {

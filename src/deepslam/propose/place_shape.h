@@ -37,8 +37,8 @@ struct PlacedShape {
   Placement placement;
 };
 
-// The best of what descents from all boxes come to, begun at the expected size and at the
-// measured one.
+// The best of what Gauss-Newton iterations from all boxes come to, begun at the expected size and
+// at the measured one.
 [[nodiscard]] PlacedShape PlaceShape(const CoarseShape& shape,
                                      const Eigen::Vector3d& believed_size_m,
                                      const MeasuredDepth& measured,

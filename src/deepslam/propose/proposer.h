@@ -1,6 +1,6 @@
 // The seam between sources of whole shapes and everything behind them.
 //
-// A source looks at all views of one object and offers candidates; register and select judge them
+// A source looks at all views of one object and offers candidates; register and select score them
 // without knowing where they came from. Sources: CAD retrieval, the object's own fused measurement,
 // and class-specific networks (one candidate per view, latents filled, and one at the mean latent).
 #pragma once

@@ -50,8 +50,8 @@ std::string NameOfInput(const Ort::Session& session, std::size_t n) {
   return session.GetInputNameAllocated(n, allocator).get();
 }
 
-// Of the crop's camera: how far lines of sight run apart, elevation, whether that is known.
-std::vector<float> SightOf(const NetworkCrop& crop) {
+// Of the crop's camera: how far viewing rays run apart, elevation, whether that is known.
+std::vector<float> ViewpointOf(const NetworkCrop& crop) {
   return {static_cast<float>(crop.camera.side),
           static_cast<float>(crop.elevation_rad.value_or(0)),
           crop.elevation_rad ? 1.0F : 0.0F};
@@ -229,7 +229,7 @@ struct ShapePrior::Impl {
   Network sketch;
   Network encoder;
   Network decoder;
-  std::size_t num_sight_values = 0;  // the first of SightOf() that the encoder asks for
+  std::size_t num_viewpoint_values = 0;  // the first of ViewpointOf() that the encoder asks for
   bool has_gradient = false;
   SolidCut cut_by_depth;
   SolidCut cut_by_colour;
@@ -308,14 +308,14 @@ const Port& LatentsPort() {
   return port;
 }
 
-// `num_sight_values` becomes how many numbers it takes of how an object was seen.
-Network MakeEncoder(Ort::Session session, std::size_t& num_sight_values) {
+// `num_viewpoint_values` becomes how many numbers it takes of how an object was seen.
+Network MakeEncoder(Ort::Session session, std::size_t& num_viewpoint_values) {
   std::vector<Port> inputs = {CropPort(), SketchPort()};
-  num_sight_values = 0;
+  num_viewpoint_values = 0;
   if (session.GetInputCount() > 2) {
-    num_sight_values = NameOfInput(session, 2) == "sight" ? 3 : 1;
-    inputs.push_back({num_sight_values == 3 ? "sight" : "spread",
-                      {static_cast<std::int64_t>(num_sight_values)}});
+    num_viewpoint_values = NameOfInput(session, 2) == "sight" ? 3 : 1;
+    inputs.push_back({num_viewpoint_values == 3 ? "sight" : "spread",
+                      {static_cast<std::int64_t>(num_viewpoint_values)}});
   }
   return {"encoder",
           std::move(session),
@@ -345,10 +345,10 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
   const char* opening = "sketch";
   try {
     SessionOpener opener(opening);
-    std::size_t num_sight_values = 0;
+    std::size_t num_viewpoint_values = 0;
     bool has_gradient = false;
     Network sketch("sketch", opener.Open("sketch", sketch_onnx), {CropPort()}, {SketchPort()});
-    Network encoder = MakeEncoder(opener.Open("encoder", encoder_onnx), num_sight_values);
+    Network encoder = MakeEncoder(opener.Open("encoder", encoder_onnx), num_viewpoint_values);
     Network decoder = MakeDecoder(opener.Open("decoder", decoder_onnx), has_gradient);
     for (const Network* network : {&sketch, &encoder, &decoder}) {
       if (Status status = network->Check(class_name); !status.ok()) return status.error();
@@ -361,7 +361,7 @@ Result<std::unique_ptr<ShapePrior>> ShapePrior::Load(std::string_view class_name
                                                std::move(sketch),
                                                std::move(encoder),
                                                std::move(decoder),
-                                               num_sight_values,
+                                               num_viewpoint_values,
                                                has_gradient,
                                                *by_depth,
                                                *by_colour});
@@ -378,9 +378,9 @@ Result<PriorEncoding> ShapePrior::Encode(const NetworkCrop& crop) const try {
   Result<std::vector<std::vector<float>>> sketch = impl_->sketch.Run(inputs);
   if (!sketch.ok()) return sketch.error();
   inputs.push_back(std::move((*sketch)[0]));
-  if (impl_->num_sight_values > 0) {
-    inputs.push_back(SightOf(crop));
-    inputs.back().resize(impl_->num_sight_values);
+  if (impl_->num_viewpoint_values > 0) {
+    inputs.push_back(ViewpointOf(crop));
+    inputs.back().resize(impl_->num_viewpoint_values);
   }
   const Result<std::vector<std::vector<float>>> outputs = impl_->encoder.Run(inputs);
   if (!outputs.ok()) return outputs.error();

@@ -13,7 +13,7 @@
 #include "deepslam/refine/mirrored.h"
 #include "deepslam/refine/passed_layers.h"
 #include "deepslam/scene/voxel_grid.h"
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 #include "deepslam/shape/stand.h"
 #include "deepslam/shape/stretch.h"
 
@@ -287,8 +287,8 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   VoxelGrid measured = Measured(claims);
   shape::StandOnGround(ground_k, max_gap, measured);
   const VoxelGrid filled = WithInsides(Filled(whole, claims, measured), claims);
-  const VoxelGrid standing =
-      Standing(shape::WithoutCrumbs(filled, 1, kLoosePartShare), whole, ground_k + max_gap);
+  const VoxelGrid standing = Standing(
+      shape::WithoutSmallComponents(filled, 1, kLoosePartShare), whole, ground_k + max_gap);
   const auto most = static_cast<int>(kCostOfModel * kLongestLinkM / (scale_m * voxel));
   return WithLinks(standing, whole, CostsOfLinks(whole, claims), most);
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "deepslam/core/check.h"
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 
 namespace deepslam::refine {
 namespace {

@@ -26,7 +26,7 @@ std::optional<std::size_t> Opposite(const MirrorPlane& plane, Eigen::Array3i at)
 }
 
 // Of the measured voxels of a grid.
-struct Likeness {
+struct MirrorAgreement {
   int measured = 0;
   int like = 0;    // their opposite was measured as well
   int unlike = 0;  // ... is free
@@ -86,16 +86,16 @@ struct Sureness {
   std::vector<Eigen::Array3i> measured;
 };
 
-Likeness LikenessAcross(const MirrorPlane& plane, const Sureness& sure) {
-  Likeness likeness;
-  likeness.measured = static_cast<int>(sure.measured.size());
+MirrorAgreement AgreementAcross(const MirrorPlane& plane, const Sureness& sure) {
+  MirrorAgreement agreement;
+  agreement.measured = static_cast<int>(sure.measured.size());
   for (const Eigen::Array3i& voxel : sure.measured) {
     const std::optional<std::size_t> opposite = Opposite(plane, voxel);
     if (!opposite) continue;
-    likeness.like += sure.kinds[*opposite] == Sureness::kMeasured ? 1 : 0;
-    likeness.unlike += sure.kinds[*opposite] == Sureness::kFree ? 1 : 0;
+    agreement.like += sure.kinds[*opposite] == Sureness::kMeasured ? 1 : 0;
+    agreement.unlike += sure.kinds[*opposite] == Sureness::kFree ? 1 : 0;
   }
-  return likeness;
+  return agreement;
 }
 
 }  // namespace
@@ -107,15 +107,15 @@ std::optional<MirrorPlane> FindMirrorPlane(std::span<const Votes> votes,
   const Sureness sure(votes, num_views);
   const int middle = model.low[axis] + model.high[axis];
   std::optional<MirrorPlane> best;
-  int best_lead = 0;
+  int best_margin = 0;
   for (int shift = 0; shift <= kMaxPlaneShift; ++shift) {  // the nearest first
     for (const int sign : {1, -1}) {
       const MirrorPlane plane = {axis, middle + sign * shift};
-      const Likeness likeness = LikenessAcross(plane, sure);
-      const int lead = likeness.like - likeness.unlike;
-      if (!likeness.IsMirror() || lead <= best_lead) continue;
+      const MirrorAgreement agreement = AgreementAcross(plane, sure);
+      const int margin = agreement.like - agreement.unlike;
+      if (!agreement.IsMirror() || margin <= best_margin) continue;
       best = plane;
-      best_lead = lead;
+      best_margin = margin;
     }
   }
   return best;

@@ -191,14 +191,14 @@ std::string ObjectsCell(const BatchRow& row) {
 }
 
 std::string RowHtml(const BatchRow& row) {
-  const bool judged = !row.verdict.empty();
+  const bool assessed = !row.verdict.empty();
   const std::string ate = row.ate_m ? fmt::format("{:.6f}", *row.ate_m) : std::string();
   std::string html = fmt::format(
       "<tr data-kind='{}' data-name='{}' data-objects='{}' data-frames='{}' data-ate='{}' "
       "data-wall='{}' data-size='{}'>",
       EscapeHtml(KindOf(row)),
       EscapeHtml(row.name),
-      judged ? std::to_string(NumObjects(row)) : std::string(),
+      assessed ? std::to_string(NumObjects(row)) : std::string(),
       row.num_frames > 0 ? std::to_string(row.num_frames) : std::string(),
       ate,
       row.wall_s > 0 ? fmt::format("{:.2f}", row.wall_s) : std::string(),

@@ -19,7 +19,7 @@ enum class CandidateSource {
 };
 inline constexpr std::size_t kNumCandidateSources = 6;  // values of CandidateSource
 
-// By how much a candidate's score has to lead to win; the figures are options of selection.
+// The margin by which a candidate's score wins; the figures are options of selection.
 enum class WinningMargin {
   kNone,
   kUnseenSides,  // a little, and more the more sides nobody saw

@@ -29,7 +29,7 @@ bool IsUsable(const ObjectView& view) {
 }
 
 // Every factor-th pixel; depth is not averaged, so that edges stay.
-void AddReducedCrop(const ObjectView& view, int factor, JudgedView& out) {
+void AddReducedCrop(const ObjectView& view, int factor, ScoredView& out) {
   const int width = std::max(1, view.depth_crop_m.width() / factor);
   const int height = std::max(1, view.depth_crop_m.height() / factor);
   out.camera = view.camera.Reduced(factor);
@@ -133,7 +133,7 @@ SurfaceAgreement SurfaceOf(const PlacedModel& placed,
 // model is beside it; 0 elsewhere and where nothing was measured.
 class PixelAgreement {
  public:
-  PixelAgreement(const DepthImage& rendered_m, const PlacedModel& placed, const JudgedView& view)
+  PixelAgreement(const DepthImage& rendered_m, const PlacedModel& placed, const ScoredView& view)
       : agreement_(view.depth_m.width(), view.depth_m.height(), 0.0) {
     for (int v = 0; v < agreement_.height(); ++v) {
       for (int u = 0; u < agreement_.width(); ++u) {
@@ -179,7 +179,7 @@ class PixelAgreement {
 
 void AddCoverage(const DepthImage& rendered_m,
                  const PlacedModel& placed,
-                 const JudgedView& view,
+                 const ScoredView& view,
                  ViewAgreement& agreement) {
   const PixelAgreement agreement_of(rendered_m, placed, view);
   double confirmed = 0;
@@ -206,7 +206,7 @@ void AddCoverage(const DepthImage& rendered_m,
 bool IsConfirmed(const shape::ShapeModel& model,
                  std::size_t surface_idx,
                  const Similarity3& camera_from_object,
-                 const JudgedView& view) {
+                 const ScoredView& view) {
   if (view.depth_m.empty()) return false;
   const Eigen::Vector3d point =
       camera_from_object * model.surface_points()[surface_idx].cast<double>();
@@ -223,8 +223,8 @@ bool IsConfirmed(const shape::ShapeModel& model,
 
 }  // namespace
 
-std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views) {
-  std::vector<JudgedView> prepared(views.size());
+std::vector<ScoredView> PrepareForScoring(std::span<const ObjectView> views) {
+  std::vector<ScoredView> prepared(views.size());
   ParallelFor(views.size(), [&](std::size_t i) {
     const ObjectView& view = views[i];
     prepared[i].view = view.detection;
@@ -246,7 +246,7 @@ std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views) {
 
 DEEPSLAM_WIDE_VECTORS ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
                                                      const Similarity3& camera_from_object,
-                                                     const JudgedView& view,
+                                                     const ScoredView& view,
                                                      const SelectOptions& options) {
   ViewAgreement agreement;
   agreement.view = view.view;
@@ -268,7 +268,7 @@ DEEPSLAM_WIDE_VECTORS ViewAgreement MeasureAgreement(const shape::ShapeModel& mo
 
 double SeenShare(const shape::ShapeModel& model,
                  std::span<const Similarity3> camera_from_object,
-                 std::span<const JudgedView> views) {
+                 std::span<const ScoredView> views) {
   const std::span<const Eigen::Vector3f> points = model.surface_points();
   const std::size_t stride = points.size() / kSeenSamples + 1;
   int num_seen = 0;

@@ -19,8 +19,8 @@
 
 namespace deepslam::select {
 
-// A view made ready for judging; once per object.
-struct JudgedView {
+// A view made ready for scoring; once per object.
+struct ScoredView {
   DetectionId view;
   FrameIdx frame;
   std::vector<Eigen::Vector3f> points_camera;  // of the object's segment, metres
@@ -32,7 +32,7 @@ struct JudgedView {
 };
 
 // Keeps the order of `views`; an unusable view has neither points nor images.
-[[nodiscard]] std::vector<JudgedView> PrepareForScoring(std::span<const ObjectView> views);
+[[nodiscard]] std::vector<ScoredView> PrepareForScoring(std::span<const ObjectView> views);
 
 // Surface: each object point agrees fully within a tolerance of the model's surface
 // (model_tolerance + 2 sigma of the sensor at its depth + half a voxel) and fades to nothing over
@@ -47,7 +47,7 @@ struct JudgedView {
 // Between confirmed and contradicted there is the same fade.
 [[nodiscard]] ViewAgreement MeasureAgreement(const shape::ShapeModel& model,
                                              const Similarity3& camera_from_object,
-                                             const JudgedView& view,
+                                             const ScoredView& view,
                                              const SelectOptions& options);
 
 // Share of the whole model's surface that at least one view confirmed: facing the camera, and the
@@ -55,6 +55,6 @@ struct JudgedView {
 // `camera_from_object` runs parallel to `views`.
 [[nodiscard]] double SeenShare(const shape::ShapeModel& model,
                                std::span<const Similarity3> camera_from_object,
-                               std::span<const JudgedView> views);
+                               std::span<const ScoredView> views);
 
 }  // namespace deepslam::select

@@ -38,12 +38,12 @@ void AppendNote(std::string& note, const std::string& text) {
 // Median over the views that see a ground of the height of the model's bottom above it.
 std::optional<double> GroundGap(const shape::ShapeModel& model,
                                 const CandidateRegistration& registration,
-                                std::span<const JudgedView> views) {
+                                std::span<const ScoredView> views) {
   const Eigen::Vector3d bottom_world =
       Similarity3::From(registration.world_from_object, registration.scale_m) *
       Eigen::Vector3d(0, 0, model.bottom());
   std::vector<double> gaps;
-  for (const JudgedView& view : views) {
+  for (const ScoredView& view : views) {
     if (!view.ground_camera) continue;
     const double gap =
         view.ground_camera->SignedDistance(view.world_from_camera.Inverse() * bottom_world);
@@ -342,7 +342,7 @@ CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
 CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
                               const shape::ShapeModel& model,
                               const CandidateRegistration& registration,
-                              std::span<const JudgedView> views,
+                              std::span<const ScoredView> views,
                               const SelectOptions& options) {
   CandidateScore score;
   score.candidate = candidate.id;

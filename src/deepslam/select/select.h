@@ -30,7 +30,7 @@ namespace deepslam::select {
 [[nodiscard]] CandidateScore ScoreCandidate(const ShapeCandidate& candidate,
                                             const shape::ShapeModel& model,
                                             const CandidateRegistration& registration,
-                                            std::span<const JudgedView> views,
+                                            std::span<const ScoredView> views,
                                             const SelectOptions& options);
 
 // The winner and why. The three spans run in parallel: one registration and one score per

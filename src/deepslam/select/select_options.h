@@ -23,16 +23,16 @@ struct SelectOptions {
   // Depth further than this from a whole model may be of something else that was cut out with it:
   // as far as registration looks (register_shape.h).
   static constexpr double kReach_m = 0.15;
-  // By how much a fused candidate has to lead the whole models: it is made of the depth it is
+  // The margin of a fused candidate over the whole models: it is made of the depth it is
   // scored by, noise included. Depth out of a whole model's reach does not count against it here.
   static constexpr double kFusedMargin = 0.05;
   // ... and by this more, when it was seen from one side: it holds nothing of the sides nobody saw.
   // In proportion to the directions nobody saw well: nothing is left of it where the cameras went
   // all round.
   static constexpr double kOneSidedMargin = 0.2;
-  // A lead of this much over the whole models is enough, whatever depth it comes from.
+  // A margin of this much over the whole models is enough, whatever depth it comes from.
   static constexpr double kSufficientMargin = 0.25;
-  // By how much a refined shape has to lead the others: it has seen the depth it is scored by.
+  // The margin of a refined shape over the others: it has seen the depth it is scored by.
   static constexpr double kRefinedMargin = 0.01;
   // The same of a completed model. Below zero, since near equality says that the score has reached
   // its top: in seven objects a completed shape scored within 0.02 below its model, and was the

@@ -70,7 +70,7 @@ void Describe(OptionsVisitor& visitor, AssociateStageOptions& options) {
 
 void Describe(OptionsVisitor& visitor, ExportStageOptions& options) {
   visitor.Field("uncompressed_twin",
-                options.uncompressed_twin,
+                options.uncompressed_copy,
                 "also write scene.uncompressed.glb, without Draco");
   visitor.Choice(
       "appearance",

@@ -70,7 +70,7 @@ struct AssociateStageOptions {
 };
 
 struct ExportStageOptions {
-  bool uncompressed_twin = true;        // scene.uncompressed.glb, for programs without Draco
+  bool uncompressed_copy = true;        // scene.uncompressed.glb, for programs without Draco
   std::string appearance = "measured";  // measured | class
   bool labelled_ply = false;            // scene.ply
   bool habitat = false;                 // scene.semantic.glb and scene.semantic.txt

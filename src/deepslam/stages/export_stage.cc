@@ -49,7 +49,7 @@ presentation::SceneOptions SceneOptionsOf(const Config& config) {
 // The scene, its objects alone and, where it is wanted, the uncompressed copy.
 std::vector<Result<std::string>> EncodeGlbs(const gltf::GltfScene& scene, const Config& config) {
   std::vector<gltf::GlbKind> kinds = {{config.gltf.draco, false}, {config.gltf.draco, true}};
-  if (config.export_stage.uncompressed_twin) kinds.push_back({false, false});
+  if (config.export_stage.uncompressed_copy) kinds.push_back({false, false});
   return gltf::WriteGlbs(scene, config.gltf, kinds);
 }
 

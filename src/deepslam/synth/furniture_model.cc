@@ -73,8 +73,8 @@ Rgb8 ColourAt(const Material& material, const Corner& corner) {
         std::clamp(static_cast<int>((1 - wrapped(corner.uv.y())) * static_cast<float>(t.height())),
                    0,
                    t.height() - 1);
-    const Rgb8 texel = t(u, v);
-    colour = colour.cwiseProduct(Eigen::Vector3f(texel.r, texel.g, texel.b) / 255.0f);
+    const Rgb8 pixel = t(u, v);
+    colour = colour.cwiseProduct(Eigen::Vector3f(pixel.r, pixel.g, pixel.b) / 255.0f);
   }
   const auto byte = [](float c) {
     return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(c, 0.0f, 1.0f)));

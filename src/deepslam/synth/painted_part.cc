@@ -47,14 +47,14 @@ Image<Eigen::Vector3f> Halved(const Image<Eigen::Vector3f>& from) {
 }  // namespace
 
 PaintedPart::PaintedPart(const RoomPart& part, const SceneDescription& scene) : part_(&part) {
-  texel_m_ =
+  pixel_m_ =
       std::max(kPaintedFromM / scene.camera.fx, std::sqrt(part.extent_m.prod() / kMaxTexels));
-  const Eigen::Vector2i size = (part.extent_m / texel_m_).array().ceil().cast<int>().max(1);
+  const Eigen::Vector2i size = (part.extent_m / pixel_m_).array().ceil().cast<int>().max(1);
   Image<Eigen::Vector3f> image(size.x(), size.y(), Eigen::Vector3f::Zero());
   ParallelFor(static_cast<std::size_t>(size.y()), [&](std::size_t row) {
     for (int u = 0; u < size.x(); ++u) {
       const Eigen::Vector2d p_m =
-          texel_m_ * Eigen::Vector2d(u + 0.5, static_cast<double>(row) + 0.5);
+          pixel_m_ * Eigen::Vector2d(u + 0.5, static_cast<double>(row) + 0.5);
       image(u, static_cast<int>(row)) = Paint(part, scene, p_m);
     }
   });
@@ -66,14 +66,14 @@ PaintedPart::PaintedPart(const RoomPart& part, const SceneDescription& scene) : 
 Eigen::Vector3f PaintedPart::At(const Eigen::Vector3d& p_world, double footprint_m) const {
   const Eigen::Vector3d d = p_world - part_->origin;
   // The nearest power of two of the ratio.
-  const double ratio = std::clamp(std::numbers::sqrt2 * footprint_m / texel_m_, 1.0, 1e6);
+  const double ratio = std::clamp(std::numbers::sqrt2 * footprint_m / pixel_m_, 1.0, 1e6);
   const std::size_t l = std::min(
       static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(ratio))) - 1,
       levels_.size() - 1);
   const Image<Eigen::Vector3f>& image = levels_[l];
-  const double texel_m = texel_m_ * static_cast<double>(std::size_t{1} << l);
-  const double x = std::clamp(d.dot(part_->u_axis) / texel_m - 0.5, 0.0, image.width() - 1.0);
-  const double y = std::clamp(d.dot(part_->v_axis) / texel_m - 0.5, 0.0, image.height() - 1.0);
+  const double pixel_m = pixel_m_ * static_cast<double>(std::size_t{1} << l);
+  const double x = std::clamp(d.dot(part_->u_axis) / pixel_m - 0.5, 0.0, image.width() - 1.0);
+  const double y = std::clamp(d.dot(part_->v_axis) / pixel_m - 0.5, 0.0, image.height() - 1.0);
   const int u = std::min(static_cast<int>(x), std::max(0, image.width() - 2));
   const int v = std::min(static_cast<int>(y), std::max(0, image.height() - 2));
   const int u1 = std::min(u + 1, image.width() - 1);

@@ -21,7 +21,7 @@ class PaintedPart {
 
  private:
   const RoomPart* part_;
-  double texel_m_ = 0;
+  double pixel_m_ = 0;
   std::vector<Image<Eigen::Vector3f>> levels_;
 };
 

@@ -159,7 +159,7 @@ class Viewer {
     this.objects.set(object.name, {node, object, meshes, box});
   }
 
-  // Coarse twins of the meshes, where there are more faces than a screen has use for. Shared meshes share them.
+  // Coarse copies of the meshes, where there are more faces than a screen has use for. Shared meshes share them.
   prepareDetail() {
     const parts = [...this.objects.values()].flatMap((entry) => entry.meshes.map((mesh) => mesh.part));
     const faces = parts.reduce((sum, part) => sum + (part.geometry.index ? part.geometry.index.count / 3 : 0), 0);

@@ -1,4 +1,4 @@
-#include "deepslam/shape/crumbs.h"
+#include "deepslam/shape/small_components.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -42,7 +42,7 @@ std::vector<std::vector<std::size_t>> PartsOf(const VoxelGrid& grid, int reach) 
   return parts;
 }
 
-VoxelGrid WithoutCrumbs(const VoxelGrid& grid, int reach, double min_share) {
+VoxelGrid WithoutSmallComponents(const VoxelGrid& grid, int reach, double min_share) {
   const auto total = std::count(grid.occupied.begin(), grid.occupied.end(), std::uint8_t{1});
   const double fewest = min_share * static_cast<double>(total);
   VoxelGrid kept;

@@ -13,6 +13,6 @@ namespace deepslam::shape {
 [[nodiscard]] std::vector<std::vector<std::size_t>> PartsOf(const VoxelGrid& grid, int reach);
 
 // The grid without its parts of fewer than `min_share` of all occupied voxels.
-[[nodiscard]] VoxelGrid WithoutCrumbs(const VoxelGrid& grid, int reach, double min_share);
+[[nodiscard]] VoxelGrid WithoutSmallComponents(const VoxelGrid& grid, int reach, double min_share);
 
 }  // namespace deepslam::shape

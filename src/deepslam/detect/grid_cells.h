@@ -1,4 +1,5 @@
-// The anchors of the YOLO family: one for each cell of three grids that are laid over the input.
+// The cells of the YOLO family's heads, each an anchor point of three grids that are laid over the
+// input.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@ namespace deepslam::detect {
 
 inline constexpr std::array<int, 3> kStrides = {8, 16, kCoarsestStride_px};  // px
 
-struct AnchorCell {
+struct GridCell {
   int u = 0;  // column and row in its grid
   int v = 0;
   int stride = 0;
@@ -23,6 +24,6 @@ struct AnchorCell {
 [[nodiscard]] std::int64_t NumCells(Sides input);
 
 // In the order of a head's output: by grids, the finest first, and by rows.
-[[nodiscard]] std::vector<AnchorCell> AnchorCells(Sides input);
+[[nodiscard]] std::vector<GridCell> GridCells(Sides input);
 
 }  // namespace deepslam::detect

@@ -1,4 +1,4 @@
-#include "deepslam/detect/anchor_cells.h"
+#include "deepslam/detect/grid_cells.h"
 
 namespace deepslam::detect {
 
@@ -12,8 +12,8 @@ std::int64_t NumCells(Sides input) {
   return sum;
 }
 
-std::vector<AnchorCell> AnchorCells(Sides input) {
-  std::vector<AnchorCell> cells;
+std::vector<GridCell> GridCells(Sides input) {
+  std::vector<GridCell> cells;
   for (const int stride : kStrides) {
     for (int v = 0; v < input.height / stride; ++v) {
       for (int u = 0; u < input.width / stride; ++u) cells.push_back({u, v, stride});
