@@ -29,7 +29,7 @@ def placed(program, workspace, capture):
     return {row["mapped"] for row in json.loads(done.stdout)["objects"] if row.get("mapped") and row["placed"]}
 
 
-def judged(program, workspace, capture):
+def scored(program, workspace, capture):
     """(confidence, whether it is right) of every object of the map."""
     right = placed(program, workspace, capture)
     objects = json.loads((workspace / "loops/objects.json").read_text())["objects"]
@@ -58,7 +58,7 @@ def main():
     if len(args.pairs) % 2:
         parser.error("a workspace without its capture; give them in pairs")
     pairs = [pair for workspace, capture in zip(args.pairs[::2], args.pairs[1::2])
-             for pair in judged(args.deepslam.absolute(), workspace, capture)]
+             for pair in scored(args.deepslam.absolute(), workspace, capture)]
     if not pairs:
         sys.exit("the maps hold no object")
     num_right = sum(right for _, right in pairs)

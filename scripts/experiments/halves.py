@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Views of a real capture split in halves: what is selected on one half, judged by the depth of the other.
+"""Views of a real capture split in halves: what is selected on one half, scored by the depth of the other.
 
     scripts/experiments/halves.py CAPTURE [--deepslam PROGRAM] [--work out/halves] [-- RUN OPTIONS]
 
 The detector runs once. Of the frames it looked at, the even ones are one half, the odd ones the other; each half's detections
 make a map of their own (`detect.source=file`, no depth clusters, `associate.method=votes`), with the same tracking. `deepslam eval
-selection --held-out --judge-by` then judges the models of each half in the views that the other half has of the same object: the
+selection --held-out --judge-by` then scores the models of each half in the views that the other half has of the same object: the
 share of the object's depth within 2 cm of the model, and the share of the rays that go through it. Objects of both halves are one
 set; they are told one by one, and their means for the first candidate, the fused shape, the best as proposed and the selected one.
 Needs nothing beyond Python 3.
@@ -50,7 +50,7 @@ def mapped_halves(args):
     return workspaces
 
 
-def judged_objects(args, workspaces):
+def scored_objects(args, workspaces):
     """Rows of all objects that the other half has as well; and how many it has not."""
     found, missing = [], 0
     for half, other in zip(HALVES, reversed(HALVES)):
@@ -88,14 +88,14 @@ def main():
     args = parser.parse_args()
     args.deepslam, args.work, args.capture = args.deepslam.absolute(), args.work.absolute(), args.capture.absolute()
     args.work.mkdir(parents=True, exist_ok=True)
-    objects, missing = judged_objects(args, mapped_halves(args))
+    objects, missing = scored_objects(args, mapped_halves(args))
     print("| object, half it was selected on | " + " | ".join(f"{row}: depth near, rays through" for row in ROWS) + " |")
     print("|---" * (len(ROWS) + 1) + "|")
     for entry in objects:
         print(f"| {entry['mapped']}, {entry['half']} | " + " | ".join(", ".join(cells(entry.get(row))) for row in ROWS) + " |")
     print("| mean (objects) | " + " | ".join("{}, {} ({})".format(*mean(objects, row)) for row in ROWS) + " |")
     if missing:
-        print(f"\n{missing} objects that the other half does not have were not judged.")
+        print(f"\n{missing} objects that the other half does not have were not scored.")
 
 
 if __name__ == "__main__":

@@ -206,13 +206,13 @@ class Truth:
         return nearest if distance(nearest) < SAME_OBJECT_M else None
 
 
-def of_visits(loops, rows):
-    """By id, what each visit saw that was looked for by itself: its views of the object of `rows` that it ended in."""
+def of_tracklets(loops, rows):
+    """By id, what each tracklet saw that was looked for by itself: its views of the object of `rows` that it ended in."""
     kept = {row["merged"]: row["kept"] for row in loops["merges"]}
     known = {row["id"]: row["views"] for row in rows}
-    return {visit["visit"]: {"views": [view for view in known.get(kept.get(visit["visit"], visit["visit"]), [])
-                                       if visit["first"] <= view["frame"] <= visit["last"]]}
-            for visit in loops["visits"]}
+    return {tracklet["visit"]: {"views": [view for view in known.get(kept.get(tracklet["visit"], tracklet["visit"]), [])
+                                          if tracklet["first"] <= view["frame"] <= tracklet["last"]]}
+            for tracklet in loops["visits"]}
 
 
 def score(capture, workspace, ate):
@@ -222,7 +222,7 @@ def score(capture, workspace, ate):
     already = [k for k in before.values() if k is not None]
     rows = read_json(workspace / "loops/objects.json")["objects"]
     after = [truth.object_of(row) for row in rows]
-    before.update({key: truth.object_of(visit) for key, visit in of_visits(loops, rows).items()})
+    before.update({key: truth.object_of(tracklet) for key, tracklet in of_tracklets(loops, rows).items()})
     frames = sorted(truth.times)
     first_lap = frames[int(len(frames) / LAPS) - 1]
     reidentified = sum(
@@ -305,8 +305,8 @@ def table(rows, modes):
     lines = ["| tracking | rooms | captures | closed | loops by appearance | constellations | wrong loops | wrong merges | "
              "two in one | duplicates before, left | ATE tracked | path refined | after | worst after | above tracked |", "|" + "---|" * 15]
     for mode in modes:
-        for twins in (False, True):
-            group = [row for row in rows if row["mode"] == mode and bool(row["seed"] % 2) == twins]
+        for repeated in (False, True):
+            group = [row for row in rows if row["mode"] == mode and bool(row["seed"] % 2) == repeated]
             if not group:
                 continue
 
@@ -314,7 +314,7 @@ def table(rows, modes):
                 return sum(row[key] for row in group)
 
             lines.append(
-                f"| {mode} | {'two chairs twice' if twins else 'all chairs differ'} | {len(group)} | {total('closed')} | "
+                f"| {mode} | {'two chairs twice' if repeated else 'all chairs differ'} | {len(group)} | {total('closed')} | "
                 f"{total('appearance')} | {total('constellations')} | {total('wrong_appearance')} | {total('wrong_merges')} | "
                 f"{total('mixed')} | "
                 f"{total('duplicates_before')}, {total('duplicates')} | "

@@ -38,7 +38,7 @@ def unpacked(bits):
     return (bits[:, :, None] >> places & 1).view(-1, 64, 64, 64)
 
 
-def sight_of(camera):
+def viewpoint_of(camera):
     """[n, 3] of the crop's camera: the square's side (tangent), elevation by the ground, and whether that is known."""
     known = camera[:, 6:7] != UNKNOWN
     return torch.cat([camera[:, 5:6], torch.where(known, camera[:, 6:7], 0), known.float()], 1)
@@ -94,21 +94,21 @@ class Views:
         pairs = self.index[numbers]
         return torch.from_numpy(np.stack([self.parts[part]["camera"][view, :5] for part, view in pairs]).astype(np.float32))
 
-    def sight(self, numbers):
-        return sight_of(torch.from_numpy(self.rows("camera", numbers).astype(np.float32)))
+    def viewpoint(self, numbers):
+        return viewpoint_of(torch.from_numpy(self.rows("camera", numbers).astype(np.float32)))
 
     def inputs(self, numbers, use_depth):
-        """Crops and sight; by colour alone without depth and ground."""
-        crops, sight = self.crops(numbers), self.sight(numbers)
+        """Crops and viewpoint; by colour alone without depth and ground."""
+        crops, viewpoint = self.crops(numbers), self.viewpoint(numbers)
         if not use_depth:
-            drop_depth(crops, sight, slice(None))
-        return crops, sight
+            drop_depth(crops, viewpoint, slice(None))
+        return crops, viewpoint
 
 
-def drop_depth(crops, sight, rows):
+def drop_depth(crops, viewpoint, rows):
     """Colour alone: neither depth nor ground."""
     crops[rows, 4:] = 0
-    sight[rows, 1:] = 0
+    viewpoint[rows, 1:] = 0
 
 
 def batch(views, numbers, random, depth_dropped):
@@ -116,10 +116,10 @@ def batch(views, numbers, random, depth_dropped):
     flip = torch.from_numpy(random.random(len(numbers)) < 0.5)
     dropped = torch.from_numpy(random.random(len(numbers)) < depth_dropped)
     return varied(views.crops(numbers), views.sketches(numbers), views.voxels(views.owner[numbers]), views.camera(numbers),
-                  views.sight(numbers), views.symmetry(numbers), flip, dropped)
+                  views.viewpoint(numbers), views.symmetry(numbers), flip, dropped)
 
 
-def varied(crops, sketches, voxels, camera, sight, symmetry, flip, dropped):
+def varied(crops, sketches, voxels, camera, viewpoint, symmetry, flip, dropped):
     """Views where `flip` mirrored left to right, where `dropped` without depth. Waits for no device."""
     def chosen(rows, those, others):
         return torch.where(rows.view(-1, *[1] * (others.dim() - 1)), those, others)
@@ -127,8 +127,8 @@ def varied(crops, sketches, voxels, camera, sight, symmetry, flip, dropped):
     sketch, known = sketches
     colour, depth = crops.split([4, crops.shape[1] - 4], 1)
     crops = torch.cat([colour, chosen(dropped, torch.zeros_like(depth), depth)], 1)
-    sight = torch.cat([sight[:, :1], chosen(dropped, torch.zeros_like(sight[:, 1:]), sight[:, 1:])], 1)
-    return {"crop": chosen(flip, crops.flip(3), crops), "sight": sight,
+    viewpoint = torch.cat([viewpoint[:, :1], chosen(dropped, torch.zeros_like(viewpoint[:, 1:]), viewpoint[:, 1:])], 1)
+    return {"crop": chosen(flip, crops.flip(3), crops), "viewpoint": viewpoint,
             "sketch": chosen(flip, mirrored_sketch(sketch), sketch), "known": chosen(flip, known.flip(3), known),
             "voxels": chosen(flip, voxels.flip(2), voxels).float(), "azimuth": chosen(flip, -camera[:, 0], camera[:, 0]),
             "elevation": camera[:, 1], "symmetry": symmetry}

@@ -115,7 +115,7 @@ def main():
     nets.calibrate(model, **scores["calibration"])
     torch.manual_seed(1)
     crop, sketch, latents = torch.rand(2, 7, 128, 128), torch.rand(2, 5, 64, 64), torch.randn(2, nets.LATENTS)
-    sight = torch.tensor([[0.6, 0.3, 1.0], [0.8, 0.0, 0.0]])
+    viewpoint = torch.tensor([[0.6, 0.3, 1.0], [0.8, 0.0, 0.0]])
     out = pathlib.Path(arguments.out)
     out.mkdir(parents=True, exist_ok=True)
     common = {"format": "deepslam/prior", "version": 1, "class": config["class"]}
@@ -123,7 +123,7 @@ def main():
             for name in ("threshold", "kept_of_expected")}
     differences = (
         export(model.sketch, (crop,), ["crop"], ["sketch"], out / "sketch.onnx", dict(common, role="sketch")),
-        export(model.encoder, (crop, sketch, sight), ["crop", "sketch", "sight"],
+        export(model.encoder, (crop, sketch, viewpoint), ["crop", "sketch", "sight"],
                ["latents", "azimuth", "elevation"], out / "encoder.onnx", dict(common, role="encoder")),
         export(model.decoder, (latents,), ["latents"], ["logits"], out / "decoder.onnx",
                dict(common, role="decoder", **cuts)))

@@ -166,10 +166,10 @@ def score(steps, arguments, config_file, base, test):
     common = ["--config", str(config_file)]
     credits = [part for line in arguments.credit for part in ("--credit", line)]
     for name, command in (
-            ("twin.pt", ["twin.py", *common, "--weights", "weights.pt", "--data", str(base)]),
-            ("scores", ["scores.py", *common, "--weights", "twin.pt", "--train", str(base), "--test", str(test),
+            ("mirror.pt", ["mirror.py", *common, "--weights", "weights.pt", "--data", str(base)]),
+            ("scores", ["scores.py", *common, "--weights", "mirror.pt", "--train", str(base), "--test", str(test),
                         "--threads", str(arguments.threads)]),
-            ("networks", ["export.py", *common, "--weights", "twin.pt", "--scores", "scores/scores.json", "--curve", "curve.json",
+            ("networks", ["export.py", *common, "--weights", "mirror.pt", "--scores", "scores/scores.json", "--curve", "curve.json",
                           "--data", str(base), *credits])):
         made = steps.make(name, lambda place: [sys.executable, str(HERE / command[0]), *command[1:], "--out", str(place)])
         if not made:
@@ -246,7 +246,7 @@ def main():
                     "--product-views", str(config["test_views"] if not arguments.cpu else 4), "--seed", str(config["seed"]),
                     "--threads", str(arguments.threads), "-o", str(test)], "views of withheld products")
     check_views = data.Views([base], "validate")
-    some = (check_views.crops(np.arange(min(256, len(check_views)))), check_views.sight(np.arange(min(256, len(check_views)))))
+    some = (check_views.crops(np.arange(min(256, len(check_views)))), check_views.viewpoint(np.arange(min(256, len(check_views)))))
     training = Training(config, settings, device, arguments.out, arguments.start_from, some)
     if arguments.score and not training.state["step"]:
         raise SystemExit(f"--score: {arguments.out} holds no checkpoint of a training; train first, or name its folder by --out")

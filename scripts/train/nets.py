@@ -1,10 +1,10 @@
 """The networks of a shape prior, in the manner of Pix3D (Sun et al. 2018).
 
   sketch    crop [N, 7, 128, 128] -> sketch [N, 5, 64, 64]: depth, normal (3), silhouette (logit)
-  encoder   crop, sketch, sight [N, 3] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
+  encoder   crop, sketch, viewpoint [N, 3] -> latents [N, 100], azimuth [N, 24] (logits of bins), elevation [N, 1]; the
             latents also from the sketch as it lies in the model's frame by that azimuth and elevation (unproject.py),
-            and from what completes it there (Completion). Looks at the mirror image as well (twin.py).
-            Sight: the square's side over the focal length, the elevation by the ground, and 1 where that is known
+            and from what completes it there (Completion). Looks at the mirror image as well (mirror.py).
+            Viewpoint: the square's side over the focal length, the elevation by the ground, and 1 where that is known
   decoder   latents -> logits [N, 64, 64, 64], index order x (front), y, z as the program's voxel grids
 
 The planes of a crop are those of src/deepslam/propose/network_crop.h. The decoder is 2-D with the 64 places along x as
@@ -109,21 +109,26 @@ class Encoder(nn.Module):
             nn.Linear(3 * len(FACINGS) * GRID + MEASURES, 160), nn.LeakyReLU(LEAK), nn.Linear(160, 160), nn.LeakyReLU(LEAK),
             nn.Linear(160, LATENTS))
         self.completion = Completion(width)
-        self.twin = nn.Linear(LATENTS, LATENTS).requires_grad_(False)  # latents of a mirror image -> of the view; fitted by twin.py
-        for last in (self.more_latents, self.profiles[-1], self.twin):  # begins as the networks without
+        self.mirror = nn.Linear(LATENTS, LATENTS).requires_grad_(False)  # latents of a mirror image -> of the view; fitted by mirror.py
+        for last in (self.more_latents, self.profiles[-1], self.mirror):  # begins as the networks without
             nn.init.zeros_(last.weight)
             nn.init.zeros_(last.bias)
+
+    def _load_from_state_dict(self, state, prefix, *others):
+        for name in [name for name in state if name.startswith(prefix + "twin.")]:  # what weights of before call it
+            state[prefix + "mirror" + name.removeprefix(prefix + "twin")] = state.pop(name)
+        super()._load_from_state_dict(state, prefix, *others)
 
     @staticmethod
     def planes(crop, sketch):
         return torch.cat([sketch, nn.functional.pixel_unshuffle(crop, 2)], 1)
 
-    def look(self, crop, sketch, sight):
+    def look(self, crop, sketch, viewpoint):
         """What one reading gives, and the completed places."""
         features = self.body(self.planes(crop, sketch))
         azimuth, elevation = self.azimuth(features), self.elevation(features)
         with torch.no_grad(), torch.autocast(crop.device.type, enabled=False):
-            places, profiles = self.unproject(crop.float(), sketch.float(), azimuth.float(), elevation.float(), sight.float())
+            places, profiles = self.unproject(crop.float(), sketch.float(), azimuth.float(), elevation.float(), viewpoint.float())
         more = self.more_latents(self.turned(places)) + self.profiles(profiles)
         first = self.latents(features) + SPREAD * more
         if self.completion is None:
@@ -131,17 +136,17 @@ class Encoder(nn.Module):
         solid, lacking = self.completion(places, first)
         return first + lacking, azimuth, elevation, solid
 
-    def look_twice(self, crop, sketch, sight):
+    def look_twice(self, crop, sketch, viewpoint):
         """Latents, azimuth and elevation of the views and of their mirror images, [2, N, ...] each."""
-        pairs = (crop, crop.flip(3)), (sketch, mirrored_sketch(sketch)), (sight, sight)
+        pairs = (crop, crop.flip(3)), (sketch, mirrored_sketch(sketch)), (viewpoint, viewpoint)
         return [both.view(2, -1, both.shape[1]) for both in self.look(*(torch.cat(pair) for pair in pairs))[:3]]
 
-    def forward(self, crop, sketch, sight):
-        if not bool(self.twin.weight.any()):
-            return self.look(crop, sketch, sight)[:3]
-        latents, azimuth, elevation = self.look_twice(crop, sketch, sight)
-        azimuth_of_twin = torch.cat([azimuth[1, :, :1], azimuth[1, :, 1:].flip(1)], 1)
-        return 0.5 * (latents[0] + self.twin(latents[1])), 0.5 * (azimuth[0] + azimuth_of_twin), elevation.mean(0)
+    def forward(self, crop, sketch, viewpoint):
+        if not bool(self.mirror.weight.any()):
+            return self.look(crop, sketch, viewpoint)[:3]
+        latents, azimuth, elevation = self.look_twice(crop, sketch, viewpoint)
+        azimuth_of_mirror = torch.cat([azimuth[1, :, :1], azimuth[1, :, 1:].flip(1)], 1)
+        return 0.5 * (latents[0] + self.mirror(latents[1])), 0.5 * (azimuth[0] + azimuth_of_mirror), elevation.mean(0)
 
 
 class Decoder(nn.Module):
@@ -162,9 +167,9 @@ class Prior(nn.Module):
         super().__init__()
         self.sketch, self.encoder, self.decoder = Sketch(width), Encoder(width), Decoder(width)
 
-    def forward(self, crop, sight):
+    def forward(self, crop, viewpoint):
         sketch = self.sketch(crop)
-        latents, azimuth, elevation, solid = self.encoder.look(crop, sketch, sight)
+        latents, azimuth, elevation, solid = self.encoder.look(crop, sketch, viewpoint)
         return self.decoder(latents), latents, azimuth, elevation, sketch, solid
 
 

@@ -89,16 +89,16 @@ def read(model, source):
             for norm in unfold(getattr(model, name), onnx.load(str(source / f"{name}.onnx")))]
 
 
-def begin(model, source, crops, sight):
-    """`model` with the weights of `source`, ready to learn; `crops` are some hundred of the training's, `sight` theirs."""
+def begin(model, source, crops, viewpoint):
+    """`model` with the weights of `source`, ready to learn; `crops` are some hundred of the training's, `viewpoint` theirs."""
     learning = model.training
     norms, seen = read(model.eval(), source), {}
-    nn.init.zeros_(model.encoder.twin.weight)  # it is of latents that will be others
+    nn.init.zeros_(model.encoder.mirror.weight)  # it is of latents that will be others
     if not norms:
         return model.train(learning)
     hooks = [norm.register_forward_pre_hook(lambda norm, given: seen.__setitem__(norm, given[0])) for norm in norms]
     with torch.no_grad():
-        model(crops, sight)
+        model(crops, viewpoint)
     for hook in hooks:
         hook.remove()
     for norm in norms:

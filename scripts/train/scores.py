@@ -113,8 +113,8 @@ def run(model, views, use_depth, numbers=None, decode=True):
     numbers = np.arange(len(views)) if numbers is None else numbers
     for start in range(0, len(numbers), 64):
         some = numbers[start:start + 64]
-        crops, sight = views.inputs(some, use_depth)
-        z, azimuth, _ = model.encoder(crops, model.sketch(crops), sight)
+        crops, viewpoint = views.inputs(some, use_depth)
+        z, azimuth, _ = model.encoder(crops, model.sketch(crops), viewpoint)
         latents.append(z)
         azimuths.append(nets.azimuth_of(azimuth))
         if decode:
@@ -133,8 +133,8 @@ def fit_calibration(model, check, most=256, voxels=4096):
     for use_depth in (True, False):
         for start in range(0, len(numbers), 64):
             some = numbers[start:start + 64]
-            crops, sight = check.inputs(some, use_depth)
-            latents, _, _ = model.encoder(crops, model.sketch(crops), sight)
+            crops, viewpoint = check.inputs(some, use_depth)
+            latents, _, _ = model.encoder(crops, model.sketch(crops), viewpoint)
             chosen = torch.randint(64 ** 3, (len(some), voxels), generator=random)
             logits.append(model.decoder(latents).reshape(len(some), -1).gather(1, chosen).reshape(-1))
             truth.append(check.voxels(check.owner[some]).reshape(len(some), -1).gather(1, chosen).reshape(-1))
@@ -173,7 +173,7 @@ def best_threshold(shares, truth):
 
 
 def best_kept(shares, truth, threshold):
-    """How much of what is expected in a layer is kept, judged on shapes made canonical as the program does it next: there a
+    """How much of what is expected in a layer is kept, scored on shapes made canonical as the program does it next: there a
     lost leg costs most. A tenth keeps the leg, and thin; half keeps it as thick as it is, and blurs what stands above it."""
     scores = {kept: iou(canonical(cut.cut(shares, threshold, kept)), truth).mean() for kept in KEPT}
     return max(scores, key=scores.get)

@@ -124,4 +124,4 @@ class Pool:
         camera = rows("camera")
         flip, dropped = (torch.from_numpy(random.random(size) < share).to(self.device) for share in (0.5, depth_dropped))
         return data.varied(data.crop_planes(*map(rows, data.CROP)), data.sketch_planes(*map(rows, data.SKETCH)),
-                           data.unpacked(rows("voxels")), camera[:, :5], data.sight_of(camera), rows("symmetry"), flip, dropped)
+                           data.unpacked(rows("voxels")), camera[:, :5], data.viewpoint_of(camera), rows("symmetry"), flip, dropped)

@@ -148,7 +148,7 @@ def set_rate(optimizer, highest, warm, progress):
 def learn(model, optimizer, item, weights, half):
     """One step. Returns the parts of the loss."""
     with torch.autocast(item["crop"].device.type, dtype=torch.bfloat16, enabled=half):
-        output = model(item["crop"], item["sight"])
+        output = model(item["crop"], item["viewpoint"])
     loss, parts = losses([value.float() for value in output], item, weights)
     optimizer.zero_grad(set_to_none=True)
     loss.backward()
@@ -172,7 +172,7 @@ def validate(model, views, device, count=256):
     levels, ious, errors = torch.arange(0.1, 0.75, 0.05), [], []
     for start in range(0, len(numbers), 32):
         some = numbers[start:start + 32]
-        logits, _, azimuth, *_ = model(views.crops(some).to(device), views.sight(some).to(device))
+        logits, _, azimuth, *_ = model(views.crops(some).to(device), views.viewpoint(some).to(device))
         share, truth = torch.sigmoid(logits), views.voxels(views.owner[some]).to(device).bool()
         for level in levels:
             ours = share > level
@@ -220,7 +220,7 @@ def main():
         state = saved["state"]
     elif arguments.start_from:
         some = np.linspace(0, len(train_views) - 1, min(256, len(train_views))).astype(int)
-        restart.begin(model.cpu(), arguments.start_from, train_views.crops(some), train_views.sight(some)).to(device)
+        restart.begin(model.cpu(), arguments.start_from, train_views.crops(some), train_views.viewpoint(some)).to(device)
         mean.load_state_dict(model.state_dict())
         state["before"] = restart.trainings_of(arguments.start_from)
     print(f"{len(train_views)} views of {len(train_views.models)} models, validated on {len(check_views)} of "

@@ -44,7 +44,7 @@ mkdir -p "$work"
 [ -d "$work/test" ] || "$program" priors render --class "$class" --withheld --product-views "$(field test_views)" \
   --seed "$(field seed)" -o "$work/test"
 "$python" "$here/train.py" "$config" --data "$work/views" --out "$work/run" "${training[@]}"
-"$python" "$here/twin.py" --config "$config" --weights "$work/run/weights.pt" --data "$work/views" --out "$work/run/twin.pt"
-"$python" "$here/scores.py" --config "$config" --weights "$work/run/twin.pt" --train "$work/views" --test "$work/test" --out "$work/run"
-"$python" "$here/export.py" --config "$config" --weights "$work/run/twin.pt" --scores "$work/run/scores.json" \
+"$python" "$here/mirror.py" --config "$config" --weights "$work/run/weights.pt" --data "$work/views" --out "$work/run/mirror.pt"
+"$python" "$here/scores.py" --config "$config" --weights "$work/run/mirror.pt" --train "$work/views" --test "$work/test" --out "$work/run"
+"$python" "$here/export.py" --config "$config" --weights "$work/run/mirror.pt" --scores "$work/run/scores.json" \
   --curve "$work/run/curve.json" --data "$work/views" "${credits[@]}" --out "$root/configs/priors/$class"

@@ -78,14 +78,14 @@ def measures_of(crop, seen):
 
 
 class Unproject(nn.Module):
-    """crop, sketch [N, 5, 64, 64], azimuth (logits), elevation [N, 1], sight [N, 3] ->
+    """crop, sketch [N, 5, 64, 64], azimuth (logits), elevation [N, 1], viewpoint [N, 3] ->
       places    [N, 2 * 32, 32, 32]: for each place of the model's cube, its x as channels, whether it lies within the
                 silhouette, and how far behind the seen surface, in [-1, 1]
       profiles  [N, 3 * 5 * 64 + 9]: how much surface lies at each of 64 places along x, y and z, of that which faces the
                 front, the back, either side and up (a seat is a peak along z of what faces up); then measures_of()
 
-    The cube is the box of what the sketch shows, as wide as its longest side: parts out of sight move it, which is left
-    to the networks. Sight: how far lines of sight run apart (of a sofa two metres wide and seen from two metres, the far end is
+    The cube is the box of what the sketch shows, as wide as its longest side: parts out of view move it, which is left
+    to the networks. Viewpoint: how far viewing rays run apart (of a sofa two metres wide and seen from two metres, the far end is
     half as large as the near one), and the elevation by the ground, which is used where it is known."""
 
     def __init__(self):
@@ -132,9 +132,9 @@ class Unproject(nn.Module):
         near = (1 - (at[:, :, None] - self.bins).abs()).clamp(min=0)  # [N, 3, 64, 1024]
         return torch.log1p(near @ facing.transpose(1, 2)[:, None]).flatten(1)
 
-    def forward(self, crop, sketch, azimuth, elevation, sight):
-        depth, spread = best_depth(crop, sketch), sight[:, :1, None]
-        axes = camera_axes(azimuth, torch.where(sight[:, 2:] > 0.5, sight[:, 1:2], elevation))
+    def forward(self, crop, sketch, azimuth, elevation, viewpoint):
+        depth, spread = best_depth(crop, sketch), viewpoint[:, :1, None]
+        axes = camera_axes(azimuth, torch.where(viewpoint[:, 2:] > 0.5, viewpoint[:, 1:2], elevation))
         seen = self.see(sketch, depth, axes, spread)
         profiles = torch.cat([self.surface_along(sketch, axes, seen), measures_of(crop, seen)], 1)
         return self.behind_surface(sketch, depth, axes, spread, seen), profiles

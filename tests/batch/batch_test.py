@@ -253,7 +253,7 @@ class Few(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         rows = fleets.by_name(fleets.batch_json(self.root))
         self.assertEqual(set(rows), {"kitchen_seq-01", "office_seq-01"})
-        self.assertNotIn("ate", rows["office_seq-01"], "given poses are not measured against themselves")
+        self.assertNotIn("ate", rows["office_seq-01"], "given poses are not compared with themselves")
 
     def test_full_disk_is_told_before_the_start(self):
         rooms = self.cut("a")

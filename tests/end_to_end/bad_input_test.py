@@ -276,7 +276,7 @@ class Captures(BadInput):
         self.assertNotEqual(verdict, "bad")
         self.assertNotIn("nothing in common", reasons)
 
-    def test_no_ground_in_sight(self):
+    def test_no_ground_in_view(self):
         wall = [(lambda i: lambda c: captures.write_depth(c / f"depth/{i:06d}.png", *SIZE, 2000))(i) for i in range(10)]
         self.check(with_boxes(self.capture(*wall), self.workspace), 0)
         verdict, reasons, _ = self.verdict()

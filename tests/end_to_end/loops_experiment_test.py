@@ -46,7 +46,7 @@ class Scoring(unittest.TestCase):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(value if isinstance(value, str) else json.dumps(value))
 
-    def score(self, before, after, appearance=(), merges=(), constellations=(), tracks=(), visits=()):
+    def score(self, before, after, appearance=(), merges=(), constellations=(), tracks=(), tracklets=()):
         self.write(self.workspace / "select/objects.json", {"objects": before})
         self.write(self.workspace / "loops/objects.json", {"objects": after})
         self.write(self.workspace / "loops/tracks.json",
@@ -56,7 +56,7 @@ class Scoring(unittest.TestCase):
                            for i, j, pose, good in appearance],
             "constellations": [{"accepted": good, "pairs": pairs} for good, pairs in constellations],
             "merges": [{"kept": a, "merged": b} for a, b in merges],
-            "visits": [dict(zip(("visit", "object", "first", "last"), visit)) for visit in visits]})
+            "visits": [dict(zip(("visit", "object", "first", "last"), tracklet)) for tracklet in tracklets]})
         return loops.score(self.capture, self.workspace, {})
 
     def test_a_right_loop_a_wrong_one_and_a_refused_one(self):
@@ -71,16 +71,16 @@ class Scoring(unittest.TestCase):
         wrong = self.score(before, before[:2], merges=[(1, 6)])
         self.assertEqual((wrong["wrong_merges"], wrong["duplicates"]), (1, 1))
 
-    def test_visits_of_an_object_count_by_themselves(self):
+    def test_tracklets_of_an_object_count_by_themselves(self):
         first, second, mine = seen(1, 0, 0, 2)["views"], seen(1, 90, 3, 2)["views"], seen(2, 70, 0.1, 2)["views"]
         before = [{"id": 1, "views": first + second}, {"id": 2, "views": mine}]
-        visits = [(1, 1, 0, 10), (7, 1, 80, 99)]
+        tracklets = [(1, 1, 0, 10), (7, 1, 80, 99)]
         self.assertEqual(self.score(before, before)["mixed"], 1)
         after = [{"id": 1, "views": first + mine}, {"id": 7, "views": second}]
-        right = self.score(before, after, merges=[(1, 2)], visits=visits)
+        right = self.score(before, after, merges=[(1, 2)], tracklets=tracklets)
         self.assertEqual((right["wrong_merges"], right["mixed"]), (0, 0))
         after = [{"id": 1, "views": first}, {"id": 2, "views": mine + second}]
-        wrong = self.score(before, after, merges=[(2, 7)], visits=visits)
+        wrong = self.score(before, after, merges=[(2, 7)], tracklets=tracklets)
         self.assertEqual((wrong["wrong_merges"], wrong["mixed"]), (1, 1))
 
     def test_objects_reidentified_close_a_loop_when_there_are_two(self):

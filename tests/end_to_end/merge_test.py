@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A capture whose second lap has drifted away. Far: objects are found twice, re-identified as a constellation, and become one
 each, whatever made their shapes. A little: objects are found once, in views that contradict each other until a loop by appearance
-brings them together, and are judged anew.
+brings them together, and are scored anew.
 
     merge_test.py DEEPSLAM REPOSITORY
 
@@ -74,10 +74,10 @@ class Laps(unittest.TestCase):
     def read(self, file):
         return json.loads((self.workspace / file).read_text())
 
-    def assert_registrations(self, objects, judged):
-        """Of all candidates of the objects judged anew, the chosen one where the object stands."""
+    def assert_registrations(self, objects, scored):
+        """Of all candidates of the objects scored anew, the chosen one where the object stands."""
         placed = {r["candidate"]: r for r in self.read("loops/registrations.json")["registrations"]}
-        own = [o for o in objects if o["id"] in judged]
+        own = [o for o in objects if o["id"] in scored]
         self.assertEqual(set(placed), {score["candidate"] for o in own for score in o["scores"]})
         for o in own:
             for axis in range(3):
@@ -138,7 +138,7 @@ class LittleDrift(Laps):
             worst = max(worst, math.dist(*places))
         return worst
 
-    def test_views_that_a_loop_moved_are_judged_anew(self):
+    def test_views_that_a_loop_moved_are_scored_anew(self):
         self.assertEqual(self.result.returncode, 0, self.result.stderr)
         loops = self.read("loops/loops.json")
         self.assertTrue(any(loop["accepted"] for loop in loops["appearance"]))

@@ -80,7 +80,7 @@ class PaperConfig(unittest.TestCase):
         self.assertTrue(self.track.startswith(mine))
 
     def test_a_step_is_that_of_two_frames_whatever_frame_was_first(self):
-        """But for where descents end that begin elsewhere: there is no motion before the first frame to predict from.
+        """But for where Gauss-Newton ends that begins elsewhere: there is no motion before the first frame to predict from.
 
         By 0.1 to 0.2 mm, by the processor that renders the room. Aligned to keyframes, which are others then, steps
         differ by millimetres.

@@ -162,7 +162,7 @@ class RealCapture(unittest.TestCase):
         work.mkdir()
         args = argparse.Namespace(capture=DATA / "redkitchen", deepslam=PROGRAM, work=work, run_options=[])
         workspaces = halves.mapped_halves(args)
-        objects, _ = halves.judged_objects(args, workspaces)
+        objects, _ = halves.scored_objects(args, workspaces)
         self.assertGreaterEqual(len(objects), 6, "three of each half")
         near, through = ({row: float(halves.mean(objects, row)[k]) for row in halves.ROWS} for k in (0, 1))
         print("of the object's depth", near, "rays through", through, file=sys.stderr)
@@ -194,11 +194,11 @@ class RealCapture(unittest.TestCase):
             self.assertEqual(len(candidate["latents"]), 100 if candidate["source"] == "refined" else 0)
             self.assertTrue((run.workspace / "select" / "models" / f"{candidate['model']}.binvox").is_file())
         for chair in chairs.values():
-            judged = {s["candidate"] for s in chair["scores"]}
-            self.assertEqual({c["id"] for c in made if c["object"] == chair["id"]} - judged, set())
-        judged = json.loads(subprocess.run([PROGRAM, "eval", "selection", "--held-out", run.workspace, DATA / "redkitchen"],
+            scored = {s["candidate"] for s in chair["scores"]}
+            self.assertEqual({c["id"] for c in made if c["object"] == chair["id"]} - scored, set())
+        scored = json.loads(subprocess.run([PROGRAM, "eval", "selection", "--held-out", run.workspace, DATA / "redkitchen"],
                                            check=True, capture_output=True, text=True).stdout)
-        for row in judged["objects"]:
+        for row in scored["objects"]:
             by_source = [row[source] for source in ("retrieval", "network", "mean latent", "fused")]
             self.assertIn(row["as proposed"], by_source, "the best that was proposed is some source's best")
             if row["mapped"].startswith("chair"):

@@ -326,7 +326,7 @@ class StreamTest(unittest.TestCase):
         numbers = drawn.integers(pool.rings["made"].count, size=64)
         flip = torch.from_numpy(drawn.random(64) < 0.5)
         expected = data.varied(views.crops(numbers), views.sketches(numbers), views.voxels(views.owner[numbers]), views.camera(numbers),
-                               views.sight(numbers), views.symmetry(numbers), flip, torch.zeros(64, dtype=bool))
+                               views.viewpoint(numbers), views.symmetry(numbers), flip, torch.zeros(64, dtype=bool))
         self.assertEqual(set(item), set(expected))
         for name, values in item.items():
             self.assertTrue(torch.equal(values, expected[name]), name)

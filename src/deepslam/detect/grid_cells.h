@@ -1,4 +1,4 @@
-// The cells of the YOLO family's heads, each an anchor point of three grids that are laid over the
+// The cells that heads of the YOLO family predict in: those of three grids that are laid over the
 // input.
 #pragma once
 

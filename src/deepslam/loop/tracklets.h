@@ -22,8 +22,8 @@ namespace deepslam::loop {
 // What moves further than this was scored where it does not stand.
 inline constexpr double kApart_m = 0.10;
 
-// The track cut wherever the object was not seen for min_gap_frames. At least one, all under the
-// track's own id.
+// The track's tracklets: cut wherever the object was not seen for min_gap_frames. At least one, all
+// under the track's own id.
 [[nodiscard]] std::vector<ObjectTrack> Tracklets(const ObjectTrack& track,
                                                  const LoopOptions& options);
 
@@ -37,7 +37,7 @@ inline constexpr double kApart_m = 0.10;
                               const Eigen::Vector3d& up_world,
                               const LoopOptions& options);
 
-// Per object and for each of its Tracklets but the first: whether it stands apart from the one
+// Per object and for each of its tracklets but the first: whether it stands apart from the one
 // before.
 using StandingApart = std::map<ObjectId, std::vector<bool>>;
 

@@ -173,7 +173,7 @@ void CutNearGround(Random& random, Raster& raster) {
   }
 }
 
-// No depth at grazing view, in spots, and in the shadow beside near edges. A part of it is filled
+// No depth at grazing angles, in spots, and in the shadow beside near edges. A part of it is filled
 // by the segmentation and stays in the mask.
 void LoseDepth(Random& random, Raster& raster) {
   const float grazing = Draw(random, 0.05, 0.3);

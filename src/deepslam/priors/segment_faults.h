@@ -16,7 +16,7 @@ enum class Left {
 // Sets raster.mask and raster.depth_m from the truth, and spoils both and raster.colour:
 // truncation by the image's border, occluders (straight edges at any angle, boxes), now and then
 // all but a part of the object, mostly its upper part; the pixels near the ground that segmentation
-// takes for ground, missing depth (grazing views, shadows beside edges, spots), parts without
+// takes for ground, missing depth (grazing angles, shadows beside edges, spots), parts without
 // depth, rims of background and pieces of neighbours taken for the object, noise of depth (Nguyen,
 // Izadi, Lovell 2012) shared between neighbours, blur and noise of colour.
 void SpoilView(Random& random, Left left, Raster& raster);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Teaches an encoder to look at the mirror image of a view as well, after its training.
 
-    twin.py --config CLASS.yaml --weights WEIGHTS.pt --data VIEWS [--data MORE] --out TWIN.pt
+    mirror.py --config CLASS.yaml --weights WEIGHTS.pt --data VIEWS [--data MORE] --out MIRROR.pt
 
 Furniture that is mirrored is furniture, so a view and its mirror image are two readings of one shape, and their errors
 are not the same ones. What makes the latents of a shape out of those of its mirror image is fitted by least squares to
@@ -26,8 +26,8 @@ def readings(model, views, numbers):
     """Latents of the views and of their mirror images, [n, 100] each; every second batch by colour alone."""
     ours, theirs = [], []
     for start in range(0, len(numbers), 32):
-        crops, sight = views.inputs(numbers[start:start + 32], use_depth=start % 64 == 0)
-        latents = model.encoder.look_twice(crops, model.sketch(crops), sight)[0]
+        crops, viewpoint = views.inputs(numbers[start:start + 32], use_depth=start % 64 == 0)
+        latents = model.encoder.look_twice(crops, model.sketch(crops), viewpoint)[0]
         ours.append(latents[0])
         theirs.append(latents[1])
     return torch.cat(ours), torch.cat(theirs)
@@ -35,15 +35,15 @@ def readings(model, views, numbers):
 
 @torch.no_grad()
 def fit(model, views, count):
-    """Sets the encoder's `twin`. Returns the share of the latents' variance that it does not explain."""
+    """Sets the encoder's `mirror`. Returns the share of the latents' variance that it does not explain."""
     numbers = np.sort(np.random.default_rng(1).choice(len(views), min(count, len(views)), replace=False))
     ours, theirs = (latents.double() for latents in readings(model, views, numbers))
     given, wanted = torch.cat([theirs, ours]), torch.cat([ours, theirs])  # the map is its own inverse
     basis = torch.cat([given, torch.ones(len(given), 1, dtype=torch.float64)], 1)
     ridge = RIDGE * torch.eye(basis.shape[1], dtype=torch.float64)
     found = torch.linalg.solve(basis.t() @ basis + ridge, basis.t() @ wanted)
-    model.encoder.twin.weight.copy_(found[:-1].t())
-    model.encoder.twin.bias.copy_(found[-1])
+    model.encoder.mirror.weight.copy_(found[:-1].t())
+    model.encoder.mirror.bias.copy_(found[-1])
     return float(((basis @ found - wanted) ** 2).sum() / ((wanted - wanted.mean(0)) ** 2).sum())
 
 
