@@ -7,8 +7,8 @@ namespace deepslam::dataset {
 
 struct TimedFile {
   double time_s = 0;
-  std::string file;  // relative to the capture, never leaving it
-  int line = 0;      // 1-based, of the list; 0: of none
+  std::string file;       // relative to the capture, never leaving it
+  int line = 0;           // 1-based, of the list; 0: of none
   int clock_segment = 0;  // of the list's clock, 0-based
 };
 
