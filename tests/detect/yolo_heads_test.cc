@@ -91,7 +91,7 @@ TEST(DecodeHead, ReadsYoloV8ByColumns) {
   EXPECT_EQ(boxes[1].box_input, (Box2{25, 16, 35, 24}));
 }
 
-// Rows of a YOLOX head with one object at the given cell, in pixels or relative to the cell's
+// Rows of a YOLOX head with one object at the given cell, in pixels or relative to that
 // cell.
 std::vector<float> YoloXOutput(bool relative) {
   std::vector<float> output(7 * kCells64, 0.0F);
@@ -100,11 +100,11 @@ std::vector<float> YoloXOutput(bool relative) {
     for (int y = 0; y < 64 / stride; ++y) {
       for (int x = 0; x < 64 / stride; ++x, ++cell) {
         float* row = output.data() + 7 * cell;
-        const auto cell = static_cast<float>(stride);
-        row[0] = relative ? 0.5F : (static_cast<float>(x) + 0.5F) * cell;
-        row[1] = relative ? 0.25F : (static_cast<float>(y) + 0.25F) * cell;
-        row[2] = relative ? std::log(2.0F) : 2.0F * cell;
-        row[3] = relative ? std::log(1.5F) : 1.5F * cell;
+        const auto side = static_cast<float>(stride);
+        row[0] = relative ? 0.5F : (static_cast<float>(x) + 0.5F) * side;
+        row[1] = relative ? 0.25F : (static_cast<float>(y) + 0.25F) * side;
+        row[2] = relative ? std::log(2.0F) : 2.0F * side;
+        row[3] = relative ? std::log(1.5F) : 1.5F * side;
         row[6] = 1.0F;
       }
     }
