@@ -172,6 +172,40 @@ TEST(PixelLabels, WhatADetectionShowsOverItsThingBelongsToIt) {
   EXPECT_EQ(CountWhere(labels, seen, kRoomPixel, -1), CountWhere(before, seen, kRoomPixel, -1));
 }
 
+TEST(PixelLabels, WhatHangsTogetherWithAThingInItsMaskReachesOutOfItsBox) {
+  // Leaves that the surface has as a piece of their own, and a hand's breadth on, unknown to it.
+  const std::vector<Cuboid> leaves = {{2, {0.42, -0.1, 0.75}, {0.8, 0.1, 0.9}}};
+  const std::vector<Cuboid> tips = {{7, {0.86, -0.1, 0.75}, {1.1, 0.1, 0.9}}};
+  Fixture fixture = SurfaceOf(Together(kPlate, leaves));
+  ASSERT_EQ(fixture.instances.instances.size(), 2U);
+  const BoxView seen =
+      RenderBoxes(Together(Together(kPlate, leaves), tips), SmallCamera(), kBefore);
+  const MeasuredView view{seen.frame.depth_m, SmallCamera(), kBefore, kReachM};
+  Mask everything(seen.object.width(), seen.object.height());
+  std::ranges::fill(everything, 1);
+  const PixelMask mask = everything;
+  const NearestElements nearest(fixture.elements);
+  for (Instance& instance : fixture.instances.instances) {
+    instance.class_name = "potted plant";
+    instance.is_named = true;
+  }
+  const auto taken = [&](int object) {
+    PixelLabels labels = Labels(fixture, view, false);
+    const ShownInstance shown{0, &mask};
+    GrowIntoMasks({fixture.elements, nearest, fixture.instances}, view, {&shown, 1}, labels);
+    return CountWhere(labels, seen, 0, object);
+  };
+  const int num_tips = static_cast<int>(std::ranges::count(seen.object, 7));
+  const int num_leaves = static_cast<int>(std::ranges::count(seen.object, 2));
+  ASSERT_GT(num_tips, 200);
+  EXPECT_EQ(taken(2), 0) << "a plant of its own keeps its leaves";
+  fixture.instances.instances[1].rejection = "small";
+  EXPECT_GT(taken(2), 0.9 * num_leaves);
+  EXPECT_GT(taken(7), 0.9 * num_tips);
+  fixture.instances.instances[1].class_name = "chair";
+  EXPECT_EQ(taken(2), 0) << "a piece of something else";
+}
+
 TEST(PixelLabels, OnlyGapsWithoutDepthInsideAThingAreFilled) {
   DepthImage depth_m(40, 20, 1.0F);
   PinholeCamera camera{40, 20, 100, 100, 20, 10};

@@ -80,6 +80,93 @@ struct Pixel {
   int v = 0;
 };
 
+// Whether a mask of `instance` may take pixels with that label: nobody's, or those of a piece that
+// detections name alike and that is no object by itself.
+bool IsFree(const Instances& instances, int label, int instance) {
+  if (label == kLoosePixel) return true;
+  if (label < 0 || label == instance) return false;
+  const Instance& other = instances.instances[static_cast<std::size_t>(label)];
+  return other.is_named && !other.rejection.empty() &&
+         other.class_name == instances.instances[static_cast<std::size_t>(instance)].class_name;
+}
+
+// Cells of the ground plan round a thing, and which of them hang together with its box.
+class OutlineCells {
+ public:
+  static constexpr int kOutside = -1;  // no cell
+
+  OutlineCells(const UprightBox& box, double margin_m)
+      : bounds_(box, margin_m + kCellM / 2), reach_m_(ReachOf(box)) {
+    low_m_ = box.centre_m.cast<float>() - Eigen::Vector2f::Constant(reach_m_);
+    side_ = static_cast<int>(std::ceil(2 * reach_m_ / kCellM));
+    state_.assign(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), State::kEmpty);
+  }
+
+  // Index of a cell; kOutside: farther than any part of the thing may lie.
+  [[nodiscard]] int At(const Eigen::Vector3f& p_level) const {
+    const Eigen::Vector2f place = (p_level.head<2>() - low_m_) / kCellM;
+    if (!(place.minCoeff() >= 0) || !(place.maxCoeff() < static_cast<float>(side_)))
+      return kOutside;
+    return static_cast<int>(place.y()) * side_ + static_cast<int>(place.x());
+  }
+  void Add(int cell) { state_[static_cast<std::size_t>(cell)] = State::kShown; }
+  // From those over the box to all neighbours in turn.
+  void Join() {
+    std::vector<int> waiting;
+    for (int cell = 0; cell < side_ * side_; ++cell) {
+      if (state_[static_cast<std::size_t>(cell)] == State::kShown && bounds_.IsOver(Middle(cell)))
+        Take(cell, waiting);
+    }
+    while (!waiting.empty()) {
+      const int from = waiting.back();
+      waiting.pop_back();
+      const int x = from % side_;
+      const int y = from / side_;
+      for (int ny = std::max(0, y - 1); ny <= std::min(side_ - 1, y + 1); ++ny) {
+        for (int nx = std::max(0, x - 1); nx <= std::min(side_ - 1, x + 1); ++nx) {
+          if (state_[static_cast<std::size_t>(ny * side_ + nx)] == State::kShown)
+            Take(ny * side_ + nx, waiting);
+        }
+      }
+    }
+  }
+  [[nodiscard]] bool IsJoined(int cell) const {
+    return state_[static_cast<std::size_t>(cell)] == State::kJoined;
+  }
+
+ private:
+  enum class State : char { kEmpty, kShown, kJoined };
+  // Leaves of a plant and slats of a chair leave no wider gap, and other furniture a wider one.
+  static constexpr float kCellM = 0.12F;
+  // Beyond the corners of the box: as far as leaves hang over a pot.
+  static constexpr double kOverhangM = 1;
+
+  static float ReachOf(const UprightBox& box) {
+    return static_cast<float>(std::hypot(box.length_m, box.width_m) / 2 + kOverhangM);
+  }
+  void Take(int cell, std::vector<int>& waiting) {
+    state_[static_cast<std::size_t>(cell)] = State::kJoined;
+    waiting.push_back(cell);
+  }
+  [[nodiscard]] Eigen::Vector3f Middle(int cell) const {
+    return {low_m_.x() + kCellM * (static_cast<float>(cell % side_) + 0.5F),
+            low_m_.y() + kCellM * (static_cast<float>(cell / side_) + 0.5F),
+            0};
+  }
+
+  Bounds bounds_;
+  float reach_m_;
+  Eigen::Vector2f low_m_;
+  int side_ = 0;
+  std::vector<State> state_;
+};
+
+struct ShownPixel {
+  int u = 0;
+  int v = 0;
+  int cell = OutlineCells::kOutside;
+};
+
 void FillGap(PixelLabels& labels, Pixel from, Pixel step, int count, int label) {
   for (int k = 1; k <= count; ++k)
     labels.instance(from.u + k * step.u, from.v + k * step.v) = label;
@@ -123,20 +210,28 @@ void GrowIntoMasks(const DividedSurface& surface,
                    const MeasuredView& view,
                    std::span<const ShownInstance> shown,
                    PixelLabels& labels) {
-  const double margin_m = kMarginVoxels * surface.elements.voxel_m();
   const PixelPoints points(view);
   for (const ShownInstance& one : shown) {
-    const Bounds bounds(
-        surface.instances.instances[static_cast<std::size_t>(one.instance)].box_level, margin_m);
+    OutlineCells cells(
+        surface.instances.instances[static_cast<std::size_t>(one.instance)].box_level,
+        kMarginVoxels * surface.elements.voxel_m());
+    std::vector<ShownPixel> free;
     const Mask mask = one.mask->Unpacked();
     const int height = std::min(mask.height(), labels.instance.height());
     const int width = std::min(mask.width(), labels.instance.width());
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
-        int& label = labels.instance(u, v);
-        if (mask(u, v) == 0 || label != kLoosePixel) continue;
-        if (bounds.IsOver(points.Level(u, v, view.depth_m(u, v)))) label = one.instance;
+        if (mask(u, v) == 0 || !IsFree(surface.instances, labels.instance(u, v), one.instance))
+          continue;
+        const int cell = cells.At(points.Level(u, v, view.depth_m(u, v)));
+        if (cell == OutlineCells::kOutside) continue;
+        cells.Add(cell);
+        free.push_back({u, v, cell});
       }
+    }
+    cells.Join();
+    for (const ShownPixel& pixel : free) {
+      if (cells.IsJoined(pixel.cell)) labels.instance(pixel.u, pixel.v) = one.instance;
     }
   }
 }

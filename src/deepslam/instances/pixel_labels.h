@@ -50,8 +50,9 @@ struct ShownInstance {
   const PixelMask* mask = nullptr;
 };
 
-// Backs, slats and legs that the surface of the capture lost: loose pixels in the mask of a
-// detection of a thing, over the thing's box, are the thing's, however high they lie.
+// Backs, slats, legs and leaves that the surface of the capture lost: pixels in the mask of a
+// detection of a thing are the thing's where they hang together, in the ground plan, with its box,
+// however high they lie. They are loose or of a rejected piece that detections name alike.
 void GrowIntoMasks(const DividedSurface& surface,
                    const MeasuredView& view,
                    std::span<const ShownInstance> shown,
