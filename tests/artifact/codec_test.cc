@@ -472,6 +472,24 @@ TEST(Proposals, RefuseModelKeysThatLeaveTheFolder) {
   EXPECT_TRUE(IsModelKey("Scopia-chair_3.2"));
 }
 
+TEST(Proposals, TellWhereAShapeWasMeasuredWhollyOrNotAtAll) {
+  const std::string text = *EncodeProposals(SampleProposals(), "f");
+  const auto without = [&](std::string_view key) {
+    std::string changed = text;
+    const std::size_t at = changed.find(key);
+    EXPECT_NE(at, std::string::npos) << key;
+    return changed.replace(at + 1, 1, "_");
+  };
+  for (const std::string_view key : {"\"scale_m\"", "\"world_from_object\""}) {
+    const Result<Proposals> read = DecodeProposals(without(key), "propose/candidates.json");
+    ASSERT_FALSE(read.ok()) << key;
+    EXPECT_THAT(read.error().message, HasSubstr("candidates[0]"));
+  }
+  std::string flat = text;
+  flat.replace(flat.find("\"scale_m\": 0.9"), 14, "\"scale_m\": 0.0");
+  EXPECT_FALSE(DecodeProposals(flat, "f").ok());
+}
+
 TEST(Tum, FaultNamesTheLine) {
   const Result<std::vector<StampedPose>> read =
       DecodeTum("# c\n0 0 0 0 0 0 0 1\n1 0 0 x 0 0 0 1\n", "t.tum");

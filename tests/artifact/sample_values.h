@@ -200,6 +200,8 @@ inline Proposals SampleProposals() {
                            {},
                            "Scopia/chair_3",
                            "Ana, CC-BY"}};
+  proposals.candidates[0].world_from_object =
+      Similarity3{0.9, Eigen::Quaterniond(0.6, 0, 0, 0.8), {1.25, -0.5, 0.45}};
   proposals.models.emplace("obj4_a", VoxelGrid());
   proposals.models.emplace("lib-7", VoxelGrid());
   proposals.notes = {"furniture has no prior"};

@@ -340,6 +340,20 @@ TEST(Fused, IsLikeABoxSeenFromAllSides) {
   const double overlap = std::max(shape::GridIntersectionOverUnion(grid, box),
                                   shape::GridIntersectionOverUnion(shape::TurnGrid(grid, 1), box));
   EXPECT_GT(overlap, 0.8);
+  // It says where it was measured; which of two like sides is its front, a box does not tell.
+  ASSERT_TRUE(candidate.world_from_object);
+  const Similarity3 true_from_measured =
+      (testing_support::StagedWorldFromLevel() *
+       testing_support::StagedLevelFromObject(shape::ShapeModel(box), stage))
+          .Inverse() *
+      *candidate.world_from_object;
+  EXPECT_NEAR(true_from_measured.scale, 1, 0.05);
+  EXPECT_LT(true_from_measured.translation_m.norm(), 0.04);
+  const Eigen::Matrix3d turn = true_from_measured.rotation.toRotationMatrix();
+  EXPECT_GT(turn(2, 2), 0.999);
+  const shape::ShapeModel measured(grid);
+  const bool is_turned_by_quarter = measured.extent().x() > measured.extent().y();
+  EXPECT_NEAR(std::abs(turn(0, 0)), is_turned_by_quarter ? 0 : 1, 0.06);
 }
 
 TEST(Fused, KeepsTheSpaceUnderATableFree) {

@@ -36,16 +36,22 @@ inline Pose3 LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
 }
 
 // The world of the poses is turned against the floor, as a tracking world is.
+inline Pose3 StagedWorldFromLevel() {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 0.1, -0.2).normalized())),
+          {0.5, 1.0, -0.7}};
+}
+
+inline Similarity3 StagedLevelFromObject(const shape::ShapeModel& model, const Stage& stage) {
+  const double scale = stage.size_m / kModelExtent;
+  return {scale,
+          Eigen::Quaterniond(Eigen::AngleAxisd(stage.yaw_rad, Eigen::Vector3d::UnitZ())),
+          {stage.place_m.x(), stage.place_m.y(), -scale * model.bottom()}};
+}
+
 inline std::vector<ObjectView> StagedViews(const VoxelGrid& grid, const Stage& stage) {
   const shape::ShapeModel model(grid);
-  const double scale = stage.size_m / kModelExtent;
-  const Similarity3 level_from_object = {
-      scale,
-      Eigen::Quaterniond(Eigen::AngleAxisd(stage.yaw_rad, Eigen::Vector3d::UnitZ())),
-      {stage.place_m.x(), stage.place_m.y(), -scale * model.bottom()}};
-  const Pose3 world_from_level = {
-      Eigen::Quaterniond(Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 0.1, -0.2).normalized())),
-      {0.5, 1.0, -0.7}};
+  const Similarity3 level_from_object = StagedLevelFromObject(model, stage);
+  const Pose3 world_from_level = StagedWorldFromLevel();
   Random random(11, "staged views", 0);
   std::vector<ObjectView> views;
   for (int n = 0; n < stage.num_views; ++n) {

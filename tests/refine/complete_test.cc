@@ -64,6 +64,10 @@ class CompleteModelTest : public testing::Test {
   static bool At(const CompletedModel& model, int x, int y, int z) {
     return model.grid.At(x + kGridSize / 2, y + kGridSize / 2, z + kGridSize / 2);
   }
+  // The longest side, in units of the model that was completed.
+  static double Extent(const CompletedModel& model) {
+    return kModelExtent * model.model_from_grid.scale;
+  }
   static double IoU(const CompletedModel& model, const Shape& thing) {
     return shape::GridIntersectionOverUnion(model.grid, testing_support::FillGrid(thing));
   }
@@ -77,7 +81,7 @@ TEST_F(CompleteModelTest, TheThingItselfStaysAsItIs) {
   const auto completed = Complete(OnLegs, OnLegs, 12);
   ASSERT_TRUE(completed);
   EXPECT_GT(IoU(*completed, OnLegs), 0.9);
-  EXPECT_NEAR(completed->extent, kModelExtent, 1.01 * kVoxelSize);
+  EXPECT_NEAR(Extent(*completed), kModelExtent, 1.01 * kVoxelSize);
 }
 
 TEST_F(CompleteModelTest, AnotherDesignBecomesTheThingThatWasSeen) {
@@ -100,6 +104,9 @@ TEST_F(CompleteModelTest, SidesThatNobodySawAreTheModels) {
   EXPECT_TRUE(At(*completed, 11, 0, 0)) << "measured";
   EXPECT_TRUE(At(*completed, -9, 0, 0)) << "the model's";
   EXPECT_FALSE(At(*completed, -14, 0, 0)) << "neither";
+  // Measured up to 14 voxels: what is centred in the grid lies 2 voxels beside the model's middle.
+  EXPECT_NEAR(completed->model_from_grid.translation_m.x() / kVoxelSize, 2, 1.1);
+  EXPECT_NEAR(completed->model_from_grid.translation_m.y() / kVoxelSize, 0, 1.1);
 }
 
 // A cupboard at a wall, seen from the front: the model is deeper than the room behind it.
@@ -116,7 +123,7 @@ TEST_F(CompleteModelTest, NothingReachesThroughAWall) {
   ASSERT_TRUE(completed);
   // Centred anew: 38 of 56 voxels are left.
   EXPECT_NEAR(OccupiedBox(completed->grid)->sides().x() / 62.0, 38.0 / 62.0, 0.05);
-  EXPECT_NEAR(completed->extent, without->extent, 0.03) << "it is as high as it was";
+  EXPECT_NEAR(Extent(*completed), Extent(*without), 0.03) << "it is as high as it was";
 }
 
 TEST_F(CompleteModelTest, AWallThatTheThingWasMeasuredBehindIsNoneOfIts) {
@@ -225,7 +232,7 @@ TEST_F(CompleteModelTest, LargerThingsMakeLargerModels) {
   const auto completed =
       CompleteModel(shape::ShapeModel(testing_support::FillGrid(model)), placed, options_);
   ASSERT_TRUE(completed);
-  EXPECT_NEAR(completed->extent / kVoxelSize, 76, 4);
+  EXPECT_NEAR(Extent(*completed) / kVoxelSize, 76, 4);
 }
 
 TEST_F(CompleteModelTest, ThingsALittleLargerComeInAGridOfTheirOwn) {
@@ -245,7 +252,7 @@ TEST_F(CompleteModelTest, ThingsALittleLargerComeInAGridOfTheirOwn) {
     const auto completed = CompleteModel(thing, placed, options_);
     ASSERT_TRUE(completed);
     EXPECT_EQ(OccupiedBox(completed->grid)->sides().maxCoeff(), 62);
-    EXPECT_NEAR(completed->extent / kVoxelSize, 60 * factor, 1.6) << "half a voxel at either end";
+    EXPECT_NEAR(Extent(*completed) / kVoxelSize, 60 * factor, 1.6) << "half a voxel at either end";
   }
 }
 

@@ -186,6 +186,41 @@ TEST(RegisterShape, TakesTheBackAboveATableForAChairThatFacesUs) {
   EXPECT_GT(cosine_to_truth(yaw_rad + std::numbers::pi, 0.0), 0.9);
 }
 
+// A block is alike from all sides, so that the search turns its front to the cameras.
+TEST(RegisterShape, AShapeStaysAsItsSourceMeasuredIt) {
+  const double yaw_rad = 0.7;
+  const FurnitureWorld world(testing_support::BlockGrid(), 0.9, yaw_rad);
+  const double behind_rad = yaw_rad + std::numbers::pi;
+  const std::vector<ObjectView> views =
+      world.Views(Around(5, behind_rad - 0.4, behind_rad + 0.4), With(0.3, 0, 0));
+  ShapeCandidate candidate = CandidateFor(0.8, 1.0, 0.9);
+  candidate.source = CandidateSource::kFused;
+  const auto cosine_to_truth = [&](const CandidateRegistration& result) {
+    EXPECT_TRUE(result.ok) << result.reason;
+    return (result.world_from_object.rotation * Eigen::Vector3d::UnitX())
+        .dot(world.world_from_object().rotation * Eigen::Vector3d::UnitX());
+  };
+  EXPECT_LT(cosine_to_truth(RegisterCandidate(candidate, world.model(), views, {})), 0.3);
+  candidate.world_from_object = world.world_from_object();
+  candidate.world_from_object->translation_m += Eigen::Vector3d(0.03, -0.02, 0.01);
+  const CandidateRegistration result = RegisterCandidate(candidate, world.model(), views, {});
+  EXPECT_GT(cosine_to_truth(result), 0.98);
+  EXPECT_THAT(result.world_from_object,
+              PoseNear(world.world_from_object().RigidPart(), kPositionTolerance, kAngleTolerance));
+}
+
+TEST(RegisterShape, IsSearchedForWhereItsSourcesPlaceShowsNothingOfIt) {
+  const FurnitureWorld world(testing_support::ChairGrid(), 0.9);
+  const std::vector<ObjectView> views = world.Views(Around(6, 0, 3));
+  ShapeCandidate candidate = CandidateFor(0.5, 1.4);
+  candidate.world_from_object = world.world_from_object();
+  candidate.world_from_object->translation_m.x() += 3;
+  const CandidateRegistration result = RegisterCandidate(candidate, world.model(), views, {});
+  ASSERT_TRUE(result.ok) << result.reason;
+  EXPECT_THAT(result.world_from_object,
+              PoseNear(world.world_from_object().RigidPart(), kPositionTolerance, kAngleTolerance));
+}
+
 TEST(RegisterShape, TellsThatARoundTablesYawIsFree) {
   const FurnitureWorld round(testing_support::RoundTableGrid(), 1.2);
   const FurnitureWorld square(testing_support::TableGrid(), 1.2);

@@ -377,6 +377,24 @@ TEST(StretchGrid, ChangesProportionsAndRefills) {
   EXPECT_NEAR(extent.z(), 0.25 * kModelExtent, 1.1 * kVoxelSize);
 }
 
+TEST(StretchGrid, TellsWhereTheGridLayThatItCentred) {
+  VoxelGrid grid;
+  for (int i = 4; i < 20; ++i) {
+    for (int j = 30; j < 50; ++j) {
+      for (int k = 0; k < 31; ++k) grid.occupied[VoxelGrid::Index(i, j, k)] = 1;
+    }
+  }
+  const Similarity3 grid_from_centred = GridFromCentred(*OccupiedBox(grid));
+  const VoxelBox centred = *OccupiedBox(StretchGrid(grid, Eigen::Vector3d::Ones()));
+  const auto corner = [](const Eigen::Array3i& voxel) {
+    return VoxelGrid::Center(voxel.x(), voxel.y(), voxel.z());
+  };
+  const Eigen::Vector3d low = grid_from_centred * corner(centred.low);
+  const Eigen::Vector3d high = grid_from_centred * corner(centred.high);
+  EXPECT_LT((low - corner({4, 30, 0})).cwiseAbs().maxCoeff(), kVoxelSize);
+  EXPECT_LT((high - corner({19, 49, 30})).cwiseAbs().maxCoeff(), kVoxelSize);
+}
+
 TEST(StretchGrid, OfAFullModelByOneIsTheModel) {
   const Result<VoxelGrid> chair = Voxelize(ChairMesh(0.45F, 0.5F, 0.45F, 0.9F, 0.03F));
   ASSERT_TRUE(chair.ok());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <ranges>
 #include <utility>
 
@@ -15,6 +16,22 @@ constexpr JsonFormat kFormat{"deepslam/candidates", 2};
 constexpr std::size_t kMaxLatents = 4096;  // files of more are refused; decoders take far fewer
 constexpr Range kLatent{-1e6, 1e6};
 
+namespace {
+
+void DescribeMeasuredPlace(JsonVisitor& visitor, std::optional<Similarity3>& world_from_object) {
+  Similarity3 place = world_from_object.value_or(Similarity3{});
+  Pose3 rigid = place.RigidPart();
+  const bool has_pose = visitor.Maybe("world_from_object", rigid, world_from_object.has_value());
+  const bool has_scale =
+      visitor.Maybe("scale_m", place.scale, world_from_object.has_value(), kSizeM);
+  if (!visitor.reading()) return;
+  if (has_pose != has_scale) visitor.Fail({}, "has one of world_from_object and scale_m alone");
+  if (has_scale && !(place.scale > 0)) visitor.Fail("scale_m", "must be positive");
+  if (has_pose) world_from_object = Similarity3::From(rigid, place.scale);
+}
+
+}  // namespace
+
 void Describe(JsonVisitor& visitor, ShapeCandidate& candidate) {
   visitor.Field("id", candidate.id);
   visitor.Field("object", candidate.object);
@@ -25,6 +42,7 @@ void Describe(JsonVisitor& visitor, ShapeCandidate& candidate) {
   visitor.Field("size_m", candidate.size_m, kSizeM);
   visitor.Field("min_size_m", candidate.min_size_m, kSizeM);
   visitor.Field("max_size_m", candidate.max_size_m, kSizeM);
+  DescribeMeasuredPlace(visitor, candidate.world_from_object);
   visitor.Field("latents", candidate.latents, kLatent);
   if (candidate.latents.size() > kMaxLatents)
     visitor.Fail({}, fmt::format("has more than {} latents", kMaxLatents));

@@ -61,13 +61,18 @@ double FrontBlockedOf(const shape::ShapeModel& model,
 // where it is in the world, so that its score does too.
 void TurnHalfRound(std::size_t i, Proposals& made, PreparedModels& prepared, CandidateSet& set) {
   constexpr int kHalfTurn = 2;  // quarters
-  const std::string& name = set.candidates[i].model;
+  const std::string name = set.candidates[i].model;
   VoxelGrid& grid = made.models.at(name);
   grid = shape::TurnGrid(grid, kHalfTurn);
   set.models[name] = prepared.Prepare(name, grid);
   CandidateRegistration& registration = set.registrations[i];
   const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
   registration.world_from_object.rotation = registration.world_from_object.rotation * half_turn;
+  for (std::vector<ShapeCandidate>* const list : {&set.candidates, &made.candidates}) {
+    const auto turned = std::ranges::find(*list, name, &ShapeCandidate::model);
+    if (turned == list->end() || !turned->world_from_object) continue;
+    turned->world_from_object->rotation = turned->world_from_object->rotation * half_turn;
+  }
   Eigen::Vector<double, 6> signs;  // of (translation; rotation) in the turned frame
   signs << -1, -1, 1, -1, -1, 1;
   for (ViewRegistration& view : registration.views) {

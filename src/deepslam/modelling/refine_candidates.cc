@@ -127,10 +127,15 @@ Result<RefinedShape> RefineShape(const ShapeCandidate& start,
   return RefinedShape{std::move(latents->latents), std::move(grid).value()};
 }
 
-// What `start` became, under a name that begins with `change`.
+Similarity3 WorldFromObject(const CandidateRegistration& registration) {
+  return Similarity3::From(registration.world_from_object, registration.scale_m);
+}
+
+// What `start` became where it stands, under a name that begins with `change`.
 void Add(const ShapeCandidate& start,
          CandidateSource source,
          std::string_view change,
+         const Similarity3& world_from_object,
          std::vector<float> latents,
          VoxelGrid grid,
          Proposals& proposals) {
@@ -139,6 +144,7 @@ void Add(const ShapeCandidate& start,
   candidate.source = source;
   candidate.view = DetectionId();
   candidate.model = fmt::format("{}_{:03d}_{}", change, start.object.value, start.id.value);
+  candidate.world_from_object = world_from_object;
   candidate.latents = std::move(latents);
   candidate.library_id.clear();
   candidate.stretch.setOnes();
@@ -172,6 +178,7 @@ Proposals RefineShapes(const CandidateSet& set,
     Add(start,
         CandidateSource::kRefined,
         "refined",
+        WorldFromObject(set.registrations[starts[n]]),
         std::move(shape.latents),
         std::move(shape.grid),
         refined);
@@ -198,16 +205,21 @@ Proposals CompleteBest(const CandidateSet& set,
   const shape::ShapeModel& whole = *set.models.at(start.model);
   std::vector<Plane> walls;
   if (options.layout != nullptr) {
-    const auto world_from_object =
-        Similarity3::From(registration.world_from_object, registration.scale_m);
-    walls = WallsBehind(*options.layout, whole, world_from_object, views);
+    walls = WallsBehind(*options.layout, whole, WorldFromObject(registration), views);
   }
   std::optional<refine::CompletedModel> model =
       refine::CompleteModel(whole, placed, options.refinement, walls);
   if (!model) return completed;
-  Add(start, CandidateSource::kCompleted, change, {}, std::move(model->grid), completed);
+  const Similarity3 world_from_completed = WorldFromObject(registration) * model->model_from_grid;
+  Add(start,
+      CandidateSource::kCompleted,
+      change,
+      world_from_completed,
+      {},
+      std::move(model->grid),
+      completed);
   ShapeCandidate& candidate = completed.candidates.back();
-  candidate.size_m = registration.scale_m * model->extent;
+  candidate.size_m = world_from_completed.scale * kModelExtent;
   // Its size was measured, whatever its class and its design say.
   candidate.min_size_m = std::min(candidate.min_size_m, candidate.size_m);
   candidate.max_size_m = std::max(candidate.max_size_m, candidate.size_m);
@@ -224,12 +236,12 @@ std::optional<std::size_t> RefineWinner(std::span<const ObjectView> views,
   const shape::ShapeModel& model = *set.models.at(candidate.model);
   CandidateRegistration& registration = set.registrations[*winner];
   CandidateScore& score = set.scores[*winner];
-  CandidateRegistration other_registration = registration::RegisterCandidateNear(
-      candidate,
-      model,
-      Similarity3::From(registration.world_from_object, registration.scale_m),
-      registration::PrepareForRegistration(views),
-      options.registration);
+  CandidateRegistration other_registration =
+      registration::RegisterCandidateNear(candidate,
+                                          model,
+                                          WorldFromObject(registration),
+                                          registration::PrepareForRegistration(views),
+                                          options.registration);
   CandidateScore other_score = select::ScoreCandidate(candidate,
                                                       model,
                                                       other_registration,

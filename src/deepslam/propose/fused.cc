@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,11 @@ class Raster {
                            box_.center_m.y() + s_ * local.x() + c_ * local.y(),
                            0.5 * box_.size_m.z() + local.z())
         .cast<float>();
+  }
+  [[nodiscard]] Similarity3 LevelFromRaster() const {
+    return {voxel_m_ / kVoxelSize,
+            Eigen::Quaterniond(Eigen::AngleAxisd(box_.yaw_rad, Eigen::Vector3d::UnitZ())),
+            {box_.center_m.x(), box_.center_m.y(), 0.5 * box_.size_m.z()}};
   }
   // Whether the voxel lies in the measured box.
   [[nodiscard]] bool Inside(int i, int j, int k) const {
@@ -142,6 +148,12 @@ VoxelGrid Carve(const Raster& raster, std::span<const shape::DepthView> views, b
   return grid;
 }
 
+// What shape::TurnGrid does, undone.
+Similarity3 CentredFromTurned(int quarter_turns) {
+  const Eigen::AngleAxisd back(-0.5 * std::numbers::pi * quarter_turns, Eigen::Vector3d::UnitZ());
+  return {1.0, Eigen::Quaterniond(back), Eigen::Vector3d::Zero()};
+}
+
 class FusedProposer final : public Proposer {
  public:
   explicit FusedProposer(ClassTable classes) : classes_(std::move(classes)) {}
@@ -186,11 +198,12 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
     proposals.notes.push_back(subject + "its fused depth holds no solid");
     return proposals;
   }
-  const double size_m = OccupiedBox(grid)->sides().maxCoeff() * raster.voxel_m();
+  const Similarity3 raster_from_centred = shape::GridFromCentred(*OccupiedBox(grid));
   grid = shape::StretchGrid(grid, Eigen::Vector3d::Ones());
   const FrontEvidence evidence = {
       object.views, object.layout, shape::QuarterTurnsFromHighBack(grid)};
-  grid = shape::TurnGrid(grid, QuarterTurnsToFront(box, cloud.level_from_world, evidence));
+  const int turns = QuarterTurnsToFront(box, cloud.level_from_world, evidence);
+  grid = shape::TurnGrid(grid, turns);
   std::array<char, 32> key{};
   std::snprintf(key.data(), key.size(), "fused_%03d", object.id.value);
   ShapeCandidate candidate;
@@ -199,7 +212,12 @@ Result<Proposals> FusedProposer::Propose(const ObjectObservations& object) const
   candidate.model = key.data();
   // Its own measurement always agrees with itself: no opinion.
   candidate.proposal_score = 0.5;
-  SetSize(size_m, kSizeMargin, classes_.Find(object.class_name), candidate);
+  candidate.world_from_object = cloud.level_from_world.Inverse() * raster.LevelFromRaster() *
+                                raster_from_centred * CentredFromTurned(turns);
+  SetSize(candidate.world_from_object->scale * kModelExtent,
+          kSizeMargin,
+          classes_.Find(object.class_name),
+          candidate);
   proposals.models.emplace(candidate.model, std::move(grid));
   proposals.candidates.push_back(std::move(candidate));
   return proposals;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "deepslam/geometry/plane.h"
+#include "deepslam/geometry/similarity.h"
 #include "deepslam/refine/evidence.h"
 #include "deepslam/refine/refine_options.h"
 #include "deepslam/shape/shape_model.h"
@@ -13,8 +14,9 @@
 namespace deepslam::refine {
 
 struct CompletedModel {
-  VoxelGrid grid;     // canonical: centred, longest side kModelExtent
-  double extent = 0;  // longest side, in object units of the model that was completed
+  VoxelGrid grid;  // canonical: centred, longest side kModelExtent
+  // Into the frame of the model that was completed, whose unit is that model's.
+  Similarity3 model_from_grid;
 };
 
 // A whole model where the views say nothing, what they measured where they do: voxels that more

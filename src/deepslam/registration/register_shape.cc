@@ -151,6 +151,22 @@ std::optional<JointPlacement> PlaceJointly(const shape::ShapeModel& model,
   return best;
 }
 
+// Where the source measured the shape: nothing has to be searched for, and no other side of the
+// measurement can be taken for this one.
+std::optional<JointPlacement> PlaceAsMeasured(const ShapeCandidate& candidate,
+                                              const shape::ShapeModel& model,
+                                              VisibleSurface& visible,
+                                              const ViewPointers& views) {
+  if (!candidate.world_from_object || !IsSize(candidate.world_from_object->scale))
+    return std::nullopt;
+  PlacementPrior prior = PriorOf(candidate);
+  prior.stands = !TraitsOf(candidate.source).is_partial;
+  const SimilarityIcpOptions icp = JointOptions(prior, views.front()->ground_world.has_value());
+  SimilarityIcpOptions fine = icp;
+  fine.start_radius_m = 0.5 * (icp.start_radius_m + icp.end_radius_m);
+  return JointPlacement{AlignShape(model, visible, views, *candidate.world_from_object, fine), icp};
+}
+
 std::string WhyNotRegistered(const ViewFit& fit,
                              double moved_m,
                              double turned_rad,
@@ -273,12 +289,19 @@ CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
   const ViewPointers usable = ViewsForJointPose(views);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
   VisibleSurface visible(model);
+  const auto registered_at = [&](const JointPlacement& place) {
+    return RegisteredAt(
+        candidate, model, visible, views, place.world_from_object, place.icp, options);
+  };
+  if (const auto measured = PlaceAsMeasured(candidate, model, visible, usable)) {
+    CandidateRegistration result = registered_at(*measured);
+    if (result.ok) return result;
+  }
   const bool is_partial = TraitsOf(candidate.source).is_partial;
-  const std::optional<JointPlacement> placement =
+  const std::optional<JointPlacement> found =
       PlaceJointly(model, visible, usable, PriorOf(candidate), is_partial);
-  if (!placement) return NotRegistered(candidate, views, "the views' points have no extent");
-  return RegisteredAt(
-      candidate, model, visible, views, placement->world_from_object, placement->icp, options);
+  if (!found) return NotRegistered(candidate, views, "the views' points have no extent");
+  return registered_at(*found);
 }
 
 CandidateRegistration RegisterCandidateNear(const ShapeCandidate& candidate,

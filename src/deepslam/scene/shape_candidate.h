@@ -3,12 +3,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "deepslam/core/ids.h"
+#include "deepslam/geometry/similarity.h"
 #include "deepslam/scene/candidate_source.h"
 #include "deepslam/scene/voxel_grid.h"
 
@@ -34,6 +36,9 @@ struct ShapeCandidate {
   // Retrieval: the model is the library's, by shape::StretchGrid with these factors; ones = as it
   // is.
   Eigen::Vector3d stretch = Eigen::Vector3d::Ones();
+  // Where the shape was measured, in the world of the path that its source had: the registration
+  // starts there. None for shapes that know nothing of where their object stands.
+  std::optional<Similarity3> world_from_object;
 };
 
 struct Proposals {

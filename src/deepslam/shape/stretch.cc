@@ -232,6 +232,14 @@ VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors) {
   return SolidFromShares(shares);
 }
 
+Similarity3 GridFromCentred(const VoxelBox& box) {
+  const Eigen::Vector3d middle =
+      0.5 * (VoxelGrid::Center(box.low.x(), box.low.y(), box.low.z()) +
+             VoxelGrid::Center(box.high.x(), box.high.y(), box.high.z()));
+  return {
+      box.sides().maxCoeff() * kVoxelSize / kModelExtent, Eigen::Quaterniond::Identity(), middle};
+}
+
 VoxelGrid TurnGrid(const VoxelGrid& grid, int quarter_turns) {
   const int turns = ((quarter_turns % 4) + 4) % 4;
   VoxelGrid turned;

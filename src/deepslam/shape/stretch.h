@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "deepslam/geometry/similarity.h"
 #include "deepslam/scene/voxel_grid.h"
 
 namespace deepslam::shape {
@@ -13,6 +14,10 @@ namespace deepslam::shape {
 // longest side is kModelExtent again (centred to half a voxel). Thin parts stay connected. An empty
 // grid stays empty.
 [[nodiscard]] VoxelGrid StretchGrid(const VoxelGrid& grid, const Eigen::Vector3d& factors);
+
+// grid_from_centred: where in a grid, of which `box` is occupied, lies what StretchGrid with
+// factors of one made of it.
+[[nodiscard]] Similarity3 GridFromCentred(const VoxelBox& box);
 
 // The model turned about z by `quarter_turns` times 90 degrees counter-clockwise seen from above.
 [[nodiscard]] VoxelGrid TurnGrid(const VoxelGrid& grid, int quarter_turns);
