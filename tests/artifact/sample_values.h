@@ -176,32 +176,35 @@ inline Association SampleAssociation() {
 
 inline Proposals SampleProposals() {
   Proposals proposals;
-  proposals.candidates = {{CandidateId{0},
-                           ObjectId{4},
-                           CandidateSource::kNetwork,
-                           DetectionId{1},
-                           "obj4_a",
-                           0.66,
-                           0.9,
-                           0.7,
-                           1.1,
-                           {0.1F, -3.25e-7F, 12345.678F},
-                           "",
-                           ""},
-                          {CandidateId{1},
-                           ObjectId{4},
-                           CandidateSource::kRetrieval,
-                           DetectionId{},
-                           "lib-7",
-                           0.5,
-                           0.8,
-                           0.6,
-                           1.0,
-                           {},
-                           "Scopia/chair_3",
-                           "Ana, CC-BY"}};
-  proposals.candidates[0].world_from_object =
-      Similarity3{0.9, Eigen::Quaterniond(0.6, 0, 0, 0.8), {1.25, -0.5, 0.45}};
+  proposals.candidates = {
+      {CandidateId{0},
+       ObjectId{4},
+       CandidateSource::kNetwork,
+       DetectionId{1},
+       "obj4_a",
+       0.66,
+       0.9,
+       0.7,
+       1.1,
+       {0.1F, -3.25e-7F, 12345.678F},
+       "",
+       "",
+       Eigen::Vector3d::Ones(),
+       Similarity3{0.9, Eigen::Quaterniond(0.6, 0, 0, 0.8), {1.25, -0.5, 0.45}}},
+      {CandidateId{1},
+       ObjectId{4},
+       CandidateSource::kRetrieval,
+       DetectionId{},
+       "lib-7",
+       0.5,
+       0.8,
+       0.6,
+       1.0,
+       {},
+       "Scopia/chair_3",
+       "Ana, CC-BY",
+       Eigen::Vector3d::Ones(),
+       std::nullopt}};
   proposals.models.emplace("obj4_a", VoxelGrid());
   proposals.models.emplace("lib-7", VoxelGrid());
   proposals.notes = {"furniture has no prior"};
