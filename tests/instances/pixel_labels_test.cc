@@ -148,6 +148,18 @@ TEST(PixelLabels, PixelsOfOtherThingsAndOfTheFloorAreNotTaken) {
   EXPECT_GT(by_surface.num_visible[1], 50);
 }
 
+// By the surface, and by a detection of the first thing whose mask is the whole picture.
+PixelLabels LabelsWithAllShown(const Fixture& fixture, const MeasuredView& view) {
+  Mask everything(view.depth_m.width(), view.depth_m.height());
+  std::ranges::fill(everything, 1);
+  const PixelMask mask = everything;
+  const ShownInstance shown{0, &mask};
+  const NearestElements nearest(fixture.elements);
+  PixelLabels labels = Labels(fixture, view, false);
+  GrowIntoMasks({fixture.elements, nearest, fixture.instances}, view, {&shown, 1}, labels);
+  return labels;
+}
+
 TEST(PixelLabels, WhatADetectionShowsOverItsThingBelongsToIt) {
   Fixture fixture = SurfaceOf(kPlate);
   // The rail of a back, 0.3 m above the seat with nothing measured between, and a box far behind.
@@ -156,17 +168,11 @@ TEST(PixelLabels, WhatADetectionShowsOverItsThingBelongsToIt) {
   const BoxView seen =
       RenderBoxes(Together(Together(kPlate, rail), behind), SmallCamera(), kBefore);
   const MeasuredView view{seen.frame.depth_m, SmallCamera(), kBefore, kReachM};
-  Mask everything(seen.object.width(), seen.object.height());
-  std::ranges::fill(everything, 1);
-  const PixelMask mask = everything;
   const int num_rail = static_cast<int>(std::ranges::count(seen.object, 7));
   ASSERT_GT(num_rail, 300);
   EXPECT_EQ(CountWhere(Labels(fixture, view, true), seen, 0, 7), 0);
-  const NearestElements nearest(fixture.elements);
-  PixelLabels labels = Labels(fixture, view, false);
-  const PixelLabels before = labels;
-  const ShownInstance shown{0, &mask};
-  GrowIntoMasks({fixture.elements, nearest, fixture.instances}, view, {&shown, 1}, labels);
+  const PixelLabels before = Labels(fixture, view, false);
+  const PixelLabels labels = LabelsWithAllShown(fixture, view);
   EXPECT_GT(CountWhere(labels, seen, 0, 7), 0.9 * num_rail);
   EXPECT_EQ(CountWhere(labels, seen, 0, 5), CountWhere(before, seen, 0, 5));
   EXPECT_EQ(CountWhere(labels, seen, kRoomPixel, -1), CountWhere(before, seen, kRoomPixel, -1));
@@ -181,19 +187,12 @@ TEST(PixelLabels, WhatHangsTogetherWithAThingInItsMaskReachesOutOfItsBox) {
   const BoxView seen =
       RenderBoxes(Together(Together(kPlate, leaves), tips), SmallCamera(), kBefore);
   const MeasuredView view{seen.frame.depth_m, SmallCamera(), kBefore, kReachM};
-  Mask everything(seen.object.width(), seen.object.height());
-  std::ranges::fill(everything, 1);
-  const PixelMask mask = everything;
-  const NearestElements nearest(fixture.elements);
   for (Instance& instance : fixture.instances.instances) {
     instance.class_name = "potted plant";
     instance.is_named = true;
   }
   const auto taken = [&](int object) {
-    PixelLabels labels = Labels(fixture, view, false);
-    const ShownInstance shown{0, &mask};
-    GrowIntoMasks({fixture.elements, nearest, fixture.instances}, view, {&shown, 1}, labels);
-    return CountWhere(labels, seen, 0, object);
+    return CountWhere(LabelsWithAllShown(fixture, view), seen, 0, object);
   };
   const int num_tips = static_cast<int>(std::ranges::count(seen.object, 7));
   const int num_leaves = static_cast<int>(std::ranges::count(seen.object, 2));

@@ -22,7 +22,7 @@ namespace {
 
 // Of the completed model's voxels: larger parts are tied to the largest (links.h).
 constexpr double kLoosePartShare = 0.02;
-constexpr double kLongestLinkM = 0.3;       // through the model
+constexpr double kLongestLinkM = 0.3;  // through the model
 constexpr std::uint8_t kCostOfModel = 2;    // of a voxel of a link (links.h) that the model has
 constexpr std::uint8_t kCostOfUnknown = 3;  // dearer, so that links follow the model where they can
 constexpr int kMaxInside = 5;  // voxels between two sides of a shell that nobody can see

@@ -76,6 +76,13 @@ SimilarityIcpOptions JointOptions(const PlacementPrior& prior, bool ground_known
   return icp;
 }
 
+// Of a candidate whose place is nearly known: only whole furniture is held to the ground.
+SimilarityIcpOptions OptionsNear(const ShapeCandidate& candidate, const ViewPointers& views) {
+  PlacementPrior prior = PriorOf(candidate);
+  prior.stands = !TraitsOf(candidate.source).is_partial;
+  return JointOptions(prior, views.front()->ground_world.has_value());
+}
+
 // The same surface explained from its other side: half a turn about the vertical through what was
 // measured. Moments do not find it where only a chair's back rises above a table.
 Similarity3 TurnedRound(const Similarity3& world_from_object, const ViewPointers& views) {
@@ -159,9 +166,7 @@ std::optional<JointPlacement> PlaceAsMeasured(const ShapeCandidate& candidate,
                                               const ViewPointers& views) {
   if (!candidate.world_from_object || !IsSize(candidate.world_from_object->scale))
     return std::nullopt;
-  PlacementPrior prior = PriorOf(candidate);
-  prior.stands = !TraitsOf(candidate.source).is_partial;
-  const SimilarityIcpOptions icp = JointOptions(prior, views.front()->ground_world.has_value());
+  const SimilarityIcpOptions icp = OptionsNear(candidate, views);
   SimilarityIcpOptions fine = icp;
   fine.start_radius_m = 0.5 * (icp.start_radius_m + icp.end_radius_m);
   return JointPlacement{AlignShape(model, visible, views, *candidate.world_from_object, fine), icp};
@@ -313,9 +318,7 @@ CandidateRegistration RegisterCandidateNear(const ShapeCandidate& candidate,
   const ViewPointers usable = ViewsForJointPose(views);
   if (usable.empty()) return NotRegistered(candidate, views, "no view has enough points");
   VisibleSurface visible(model);
-  PlacementPrior prior = PriorOf(candidate);
-  prior.stands = !TraitsOf(candidate.source).is_partial;
-  const SimilarityIcpOptions icp = JointOptions(prior, usable.front()->ground_world.has_value());
+  const SimilarityIcpOptions icp = OptionsNear(candidate, usable);
   const Similarity3 joint = RefinePose(model, visible, usable, world_from_object, icp);
   return RegisteredAt(candidate, model, visible, views, joint, icp, options);
 }

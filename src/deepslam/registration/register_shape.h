@@ -65,9 +65,8 @@ struct RegisterOptions {
 [[nodiscard]] std::vector<MeasuredView> PrepareForRegistration(std::span<const ObjectView> views);
 
 // Registers one candidate in all views, from where its source measured it if it says so, else by
-// search. Never fails: what could not be registered says so (ok =
-// false, reason). Views stay in the order given; the result holds one entry per view. All numbers
-// are finite.
+// search. Never fails: what could not be registered says so (ok = false, reason). Views stay in the
+// order given; the result holds one entry per view. All numbers are finite.
 [[nodiscard]] CandidateRegistration RegisterCandidate(const ShapeCandidate& candidate,
                                                       const shape::ShapeModel& model,
                                                       std::span<const ObjectView> views,
