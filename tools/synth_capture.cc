@@ -207,7 +207,7 @@ Result<synth::PieceSizes> HomePieceSizes(const fs::path& catalogues) {
   return sizes;
 }
 
-Result<synth::SceneDescription> DescribeScene(const SynthRequest& request) {
+Result<synth::SceneDescription> DescribeAsWritten(const SynthRequest& request) {
   if (request.home) {
     const Result<synth::PieceSizes> sizes = HomePieceSizes(request.catalogues);
     if (!sizes) return sizes.error();
@@ -216,6 +216,12 @@ Result<synth::SceneDescription> DescribeScene(const SynthRequest& request) {
   const Result<std::string> text = dataset::ReadFileBytes(request.scene_file);
   if (!text) return text.error();
   return synth::ParseScene(*text, request.scene_file, request.rung);
+}
+
+Result<synth::SceneDescription> DescribeScene(const SynthRequest& request) {
+  Result<synth::SceneDescription> scene = DescribeAsWritten(request);
+  if (!scene || !request.frames_per_s) return scene;
+  return synth::AtFrameRate(*std::move(scene), *request.frames_per_s);
 }
 
 Status WriteMesh(const fs::path& file, const TriangleMesh& mesh) {

@@ -46,6 +46,9 @@ void AddSynth(CLI::App& app, Command& chosen) {
   scene->excludes(home);
   synth->add_option("-o,--output", request->out, "Capture folder to make")->required();
   synth->add_option("--rung", request->rung, "Variant of the scene, one of its `rungs`");
+  synth->add_option("--frames-per-s",
+                    request->frames_per_s,
+                    "Films the same way at this rate in place of the scene's (homes: 10)");
   synth->add_option("--catalogues", request->catalogues, "Folder with *.sh3f furniture catalogues")
       ->capture_default_str();
   synth

@@ -1,5 +1,7 @@
 #include "deepslam/synth/scene_description.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 namespace deepslam::synth {
@@ -70,9 +72,10 @@ TEST(ParseScene, SmallerPicturesShowTheSameSensor) {
   const DepthSensor whole = *DepthSensorPreset("kinect_v1");
   EXPECT_EQ(ParseScene("seed: 1\n", "room.yaml")->sensor.lateral_px, whole.lateral_px);
   const DepthSensor half =
-      ParseScene("camera: {preset: kinect_v1, width: 320, height: 240, fx: 262, fy: 262, cx: 160, "
-                 "cy: 120}\n",
-                 "room.yaml")
+      ParseScene(
+          "camera: {preset: kinect_v1, width: 320, height: 240, fx: 262, fy: 262, cx: 160, "
+          "cy: 120}\n",
+          "room.yaml")
           ->sensor;
   EXPECT_DOUBLE_EQ(half.lateral_px, whole.lateral_px / 2);
   EXPECT_DOUBLE_EQ(half.noise_reach_px, whole.noise_reach_px / 2);
@@ -108,6 +111,21 @@ TEST(ParseScene, ARungThatHoldsRungsChangesTheRestAsItSays) {
   EXPECT_EQ(few->num_frames, 10);
   EXPECT_EQ(few->frames_per_s, 7);
   EXPECT_EQ(few->seed, 3U);
+}
+
+TEST(AtFrameRate, FilmsTheSameTimeAndRefusesWhatIsNoRate) {
+  SceneDescription scene;
+  scene.num_frames = 120;
+  scene.frames_per_s = 30;
+  const Result<SceneDescription> slower = AtFrameRate(scene, 5);
+  ASSERT_TRUE(slower.ok()) << slower.error().message;
+  EXPECT_EQ(slower->num_frames, 20);
+  EXPECT_EQ(slower->frames_per_s, 5);
+  EXPECT_EQ(AtFrameRate(scene, 0.1)->num_frames, 1);  // never none
+  for (const double wrong : {0.0, -5.0, std::nan(""), 1e9})
+    EXPECT_THAT(AtFrameRate(scene, wrong).error().message, HasSubstr("from 0.1 to 1000"));
+  scene.num_frames = 100'000;
+  EXPECT_THAT(AtFrameRate(scene, 60).error().message, HasSubstr("slower rate"));
 }
 
 TEST(ParseScene, RefusesByFileLineAndField) {

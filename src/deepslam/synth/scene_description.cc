@@ -17,9 +17,11 @@
 namespace deepslam::synth {
 namespace {
 
-constexpr int kMaxSceneFrames = 100'000;  // more are refused, as a slip would fill the disk
-constexpr int kMaxRenderedSidePx = 4096;  // larger pictures are refused for their memory
-constexpr int kMaxRungDepth = 8;     // tables in tables; more hold themselves
+constexpr int kMaxSceneFrames = 100'000;    // more are refused, as a slip would fill the disk
+constexpr double kLeastFrames_per_s = 0.1;  // one in ten seconds shows no way
+constexpr double kMostFrames_per_s = 1000;  // no depth camera is as fast
+constexpr int kMaxRenderedSidePx = 4096;    // larger pictures are refused for their memory
+constexpr int kMaxRungDepth = 8;            // tables in tables; more hold themselves
 
 // A smaller picture of the same sensor: what the sensor does over so many of its pixels it does
 // over as much of the picture.
@@ -228,7 +230,7 @@ SceneDescription ReadScene(SceneTable root) {
   root.Number("seed", seed, 0, 2'000'000'000);
   scene.seed = static_cast<std::uint64_t>(seed);
   root.Number("frames", scene.num_frames, 1, kMaxSceneFrames);
-  root.Number("frames_per_s", scene.frames_per_s, 0.1, 1000);
+  root.Number("frames_per_s", scene.frames_per_s, kLeastFrames_per_s, kMostFrames_per_s);
   root.Number("depth_units_per_m", scene.depth_units_per_m, 1, 10'000);
   ReadCamera(root.Sub("camera"), scene);
   ReadRoom(root.Sub("room"), scene);
@@ -282,6 +284,27 @@ Status ChooseRung(YAML::Node root, const std::filesystem::path& file, const std:
 }
 
 }  // namespace
+
+Result<SceneDescription> AtFrameRate(SceneDescription scene, double frames_per_s) {
+  if (!(frames_per_s >= kLeastFrames_per_s && frames_per_s <= kMostFrames_per_s)) {
+    return InvalidConfig(fmt::format("{} frames a second: must be from {} to {}",
+                                     frames_per_s,
+                                     kLeastFrames_per_s,
+                                     kMostFrames_per_s));
+  }
+  const double num_frames = std::round(scene.num_frames / scene.frames_per_s * frames_per_s);
+  if (num_frames > kMaxSceneFrames) {
+    return InvalidConfig(
+        fmt::format("{} frames a second make {} frames, more than {}; choose a "
+                    "slower rate",
+                    frames_per_s,
+                    num_frames,
+                    kMaxSceneFrames));
+  }
+  scene.num_frames = std::max(1, static_cast<int>(num_frames));
+  scene.frames_per_s = frames_per_s;
+  return scene;
+}
 
 SensorFaults SensorFaults::None() {
   SensorFaults none;

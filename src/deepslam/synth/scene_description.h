@@ -140,6 +140,10 @@ struct SceneDescription {
   SensorFaults faults;
 };
 
+// The same way in the same time, at another number of frames a second; an error where that is not a
+// rate or gives more frames than a scene may have.
+Result<SceneDescription> AtFrameRate(SceneDescription scene, double frames_per_s);
+
 // Reads the text of a scene file; errors name file, line, field and what is expected. Unknown
 // fields are errors. A scene may hold `rungs: {NAME: {...}}`, variants of itself: the fields of the
 // rung named `rung` replace the scene's (tables field by field, lists whole). Empty: the scene as
