@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "support/box_world.h"
 #include "deepslam/core/parallel.h"
+#include "support/box_world.h"
 
 namespace deepslam::fuse {
 namespace {
@@ -64,6 +64,24 @@ TEST(CoarseFusion, HasTheSurfaceWithinAVoxelAndItsNormals) {
     EXPECT_LT(surface.normals[i].x(), -0.95F);
   }
   EXPECT_GT(num_on_wall, 200);
+}
+
+// From 15 degrees above, the band along the rays is 1.6 cm of height: a voxel's centre lies in it
+// or not, as the top happens to lie.
+TEST(CoarseFusion, HasTopsThatRaysGrazeAtAnyHeight) {
+  for (const double top_m : {0.80, 0.81, 0.82, 0.83}) {
+    const std::vector<Cuboid> dresser = {{0, {2.0, -0.8, 0}, {2.5, 0.8, top_m}}};
+    std::vector<Pose3> poses;
+    for (const double y : {-0.4, 0.0, 0.4})
+      poses.push_back(testing_support::LookAt({0, y, top_m + 0.6}, {2.2, 0, top_m}));
+    const CoarseSurface surface = Fused(dresser, poses);
+    const auto is_top = [&](const Eigen::Vector3f& p) {
+      return p.x() > 2.1F && p.x() < 2.4F && std::abs(p.y()) < 0.6F &&
+             std::abs(static_cast<double>(p.z()) - top_m) < 0.5 * surface.voxel_m;
+    };
+    // 0.3 x 1.2 m of it in voxels of 4 cm.
+    EXPECT_GT(std::ranges::count_if(surface.mesh.vertices, is_top), 180) << top_m;
+  }
 }
 
 TEST(CoarseFusion, TellsFreeFromUnseenFromBlind) {

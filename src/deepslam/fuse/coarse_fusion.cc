@@ -12,6 +12,7 @@
 #include "deepslam/fuse/block_surface.h"
 #include "deepslam/fuse/canonical_mesh.h"
 #include "deepslam/fuse/frame_check.h"
+#include "deepslam/fuse/incidence.h"
 #include "deepslam/fuse/space_carving.h"
 #include "deepslam/fuse/voxel_blocks.h"
 
@@ -94,11 +95,14 @@ Status CoarseFusion::Integrate(const Frame& frame,
   const bool coloured = !frame.colour.empty();
   if (!coloured && impl.grey.empty()) impl.grey = ColourImage(camera.width, camera.height, {});
   impl.coloured = impl.coloured && coloured;
-  const bool added = impl.blocks.Integrate(Near(frame.depth_m, CoarseOptions::kMaxDepth_m),
+  const DepthImage near_m = Near(frame.depth_m, CoarseOptions::kMaxDepth_m);
+  const Image<float> cosines = IncidenceCosines(near_m, camera);
+  const bool added = impl.blocks.Integrate(near_m,
                                            coloured ? frame.colour : impl.grey,
                                            camera,
                                            level_from_camera,
-                                           static_cast<std::size_t>(impl.options.max_voxel_blocks));
+                                           static_cast<std::size_t>(impl.options.max_voxel_blocks),
+                                           &cosines);
   impl.full = impl.full || !added;
   impl.space.Carve(frame.depth_m, camera, level_from_camera);
   impl.viewpoints.push_back(level_from_camera.translation_m.cast<float>());

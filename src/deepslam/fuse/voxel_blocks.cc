@@ -20,6 +20,7 @@ constexpr int kSide = VoxelBlock::kSide;
 // False where no voxel of the row is seen: where nothing was measured, or before it by no more than
 // the truncation.
 inline bool Measure(const DepthImage& depth_m,
+                    const Image<float>* cosines,
                     const PinholeCamera& camera,
                     float truncation_m,
                     const Row& depth_voxel_m,
@@ -33,6 +34,9 @@ inline bool Measure(const DepthImage& depth_m,
     any |= pixel >= 0;
   }
   if (!any) return false;
+  Row cosine;
+  for (std::size_t n = 0; n < kSide; ++n)
+    cosine[n] = cosines != nullptr ? cosines->data()[std::max(places.pixel[n], 0)] : 1.0F;
   const float inverse_fx = 1.0F / static_cast<float>(camera.fx);
   const float inverse_fy = 1.0F / static_cast<float>(camera.fy);
   const auto cx = static_cast<float>(camera.cx);
@@ -43,7 +47,7 @@ inline bool Measure(const DepthImage& depth_m,
     const float x = (static_cast<float>(places.u[n]) - cx) * inverse_fx;
     const float y = (static_cast<float>(places.v[n]) - cy) * inverse_fy;
     const float length = std::sqrt(x * x + y * y + 1.0F);
-    const float ahead = (measured_m[n] - depth_voxel_m[n]) * length;
+    const float ahead = (measured_m[n] - depth_voxel_m[n]) * length * cosine[n];
     const bool seen = (measured_m[n] > 0) & (ahead > -truncation_m);
     places.ahead_m[n] = ahead;
     places.pixel[n] = seen ? places.pixel[n] : -1;
@@ -102,6 +106,7 @@ inline void AddToMeans(const ColourImage& colour,
 
 struct VoxelBlocks::View {
   const DepthImage& depth_m;
+  const Image<float>* cosines;  // none: distances along the rays
   const ColourImage& colour;
   const PinholeCamera& camera;
   Eigen::Matrix4f camera_from_world;
@@ -179,7 +184,7 @@ DEEPSLAM_WIDE_VECTORS void VoxelBlocks::Add(const View& view, VoxelBlock& block)
                                     1.0F);
       const Eigen::Vector3f p_camera = view.camera_from_world.topRows<3>() * p_world;
       PlacePixels(view.camera, p_camera, step_z, places, depth_voxel_m);
-      if (Measure(view.depth_m, view.camera, truncation, depth_voxel_m, places))
+      if (Measure(view.depth_m, view.cosines, view.camera, truncation, depth_voxel_m, places))
         AddToMeans(view.colour, 1.0F / truncation, places, first, block);
     }
   }
@@ -189,7 +194,8 @@ bool VoxelBlocks::Integrate(const DepthImage& depth_m,
                             const ColourImage& colour,
                             const PinholeCamera& camera,
                             const Pose3& world_from_camera,
-                            std::size_t max_blocks) {
+                            std::size_t max_blocks,
+                            const Image<float>* cosines) {
   const std::vector<Eigen::Vector3i> reached = Reached(depth_m, camera, world_from_camera);
   const auto num_new = static_cast<std::size_t>(
       std::count_if(reached.begin(), reached.end(), [&](const Eigen::Vector3i& index) {
@@ -205,7 +211,8 @@ bool VoxelBlocks::Integrate(const DepthImage& depth_m,
     }
     touched.push_back(blocks_[found->second].get());
   }
-  const View view{depth_m, colour, camera, world_from_camera.Inverse().Matrix().cast<float>()};
+  const View view{
+      depth_m, cosines, colour, camera, world_from_camera.Inverse().Matrix().cast<float>()};
   // Blocks a thread takes at a time; the result does not depend on it.
   constexpr std::size_t kBlocksPerChunk = 8;
   ParallelForChunks(touched.size(), kBlocksPerChunk, [&](std::size_t begin, std::size_t end) {

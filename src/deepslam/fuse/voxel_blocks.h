@@ -47,11 +47,16 @@ class VoxelBlocks {
   // Opens the blocks that the truncation band of the depth image reaches and adds the image to
   // them. 0 is no depth; images of the camera's size. False, and nothing is changed, when there
   // would be more than `max_blocks`.
+  //
+  // `cosines` (incidence.h), where given: distances are those to the surface's plane, not along the
+  // rays. Along a ray that grazes a surface the band is thinner than a voxel, and voxels behind the
+  // surface stay unknown: it would be lost.
   bool Integrate(const DepthImage& depth_m,
                  const ColourImage& colour,
                  const PinholeCamera& camera,
                  const Pose3& world_from_camera,
-                 std::size_t max_blocks);
+                 std::size_t max_blocks,
+                 const Image<float>* cosines = nullptr);
 
  private:
   struct Hash {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "deepslam/core/order_statistics.h"
+
 namespace deepslam::layout {
 namespace {
 
@@ -12,30 +14,42 @@ constexpr double kSteepest = 0.98;       // what is slanted is 11 deg from lying
 constexpr double kLeastSteep = 0.2;      // and 12 deg from standing
 constexpr double kSlanted_m2 = 1.5;      // smaller slopes are of furniture
 constexpr double kGround_m = 0.10;       // the ground, with carpets and noise
+constexpr double kFlush_m = 0.04;        // a voxel: what small planes of the ground are off it
 constexpr double kSameLevel_m = 0.08;    // steps are twice as high
 constexpr double kFloorBelow_m2 = 0.5;   // smaller planes off the ground are steps and furniture
 constexpr double kCeiling_m2 = 0.5;      // smaller ones are undersides of lamps and lintels
 constexpr double kHighestFloor_m = 2.0;  // above the ground
 // How high a camera is carried, and how many of the fused frames were taken over a floor.
 constexpr double kCarriedFrom_m = 0.9;
-constexpr double kCarriedTo_m = 2.2;  // overhead, at the end of an arm
-constexpr double kUnderFoot_m = 0.3;  // along the ground: cameras are held before the body
-constexpr int kFewestFrames = 2;      // one may be a pose that is wrong
+constexpr double kCarriedTo_m = 2.2;      // overhead, at the end of an arm
+constexpr double kUnderFoot_m = 0.3;      // along the ground: cameras are held before the body
+constexpr std::size_t kFewestFrames = 2;  // one may be a pose that is wrong
 
-// Whether cameras were carried over the plane.
+bool IsOver(const CoarseSurface& surface,
+            const SurfacePlane& plane,
+            const Eigen::Vector3f& viewpoint) {
+  return std::any_of(plane.vertices.begin(), plane.vertices.end(), [&](std::uint32_t v) {
+    return static_cast<double>((surface.mesh.vertices[v] - viewpoint).head<2>().norm()) <
+           kUnderFoot_m;
+  });
+}
+
+// Whether cameras were carried over the plane by somebody who stood on it. Beside a bed or a low
+// table they are as high as anywhere; on a step they are higher by about the step.
 bool WasWalkedOn(const CoarseSurface& surface, const SurfacePlane& plane) {
-  int num_frames = 0;
+  const double height_m = plane.centre_m.z();
+  std::vector<double> over_m;  // heights above the ground
+  std::vector<double> elsewhere_m;
   for (const Eigen::Vector3f& viewpoint : surface.viewpoints) {
-    const auto above_m = static_cast<double>(viewpoint.z()) - plane.centre_m.z();
-    if (above_m < kCarriedFrom_m || above_m > kCarriedTo_m) continue;
-    const bool over =
-        std::any_of(plane.vertices.begin(), plane.vertices.end(), [&](std::uint32_t v) {
-          return static_cast<double>((surface.mesh.vertices[v] - viewpoint).head<2>().norm()) <
-                 kUnderFoot_m;
-        });
-    num_frames += over ? 1 : 0;
+    const auto z_m = static_cast<double>(viewpoint.z());
+    if (!IsOver(surface, plane, viewpoint)) {
+      elsewhere_m.push_back(z_m);
+    } else if (z_m - height_m > kCarriedFrom_m && z_m - height_m < kCarriedTo_m) {
+      over_m.push_back(z_m);
+    }
   }
-  return num_frames >= kFewestFrames;
+  if (over_m.size() < kFewestFrames) return false;
+  return elsewhere_m.empty() || Median(over_m) - Median(elsewhere_m) > 0.5 * height_m;
 }
 
 void AddLevel(LevelKind kind, const SurfacePlane& plane, std::vector<LayoutLevel>& levels) {
@@ -52,7 +66,8 @@ void AddLevel(LevelKind kind, const SurfacePlane& plane, std::vector<LayoutLevel
 
 bool IsFloor(const CoarseSurface& surface, const SurfacePlane& plane) {
   const double height_m = plane.centre_m.z();
-  if (std::abs(height_m) < kGround_m) return surface.has_ground;
+  if (std::abs(height_m) < kFlush_m) return surface.has_ground;
+  if (std::abs(height_m) < kGround_m) return surface.has_ground && plane.area_m2 > kFloorBelow_m2;
   if (height_m < 0) return plane.area_m2 > kFloorBelow_m2;
   return height_m < kHighestFloor_m && plane.area_m2 > kFloorBelow_m2 &&
          WasWalkedOn(surface, plane);

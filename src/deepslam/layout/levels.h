@@ -12,8 +12,8 @@ namespace deepslam::layout {
 inline constexpr double kLowestCeiling_m = 1.8;
 
 // Floors, ascending, then ceilings, ascending. The ground is a floor where it was seen; what lies
-// below it is one from half a square metre on; what lies above only where a camera was carried over
-// it as people carry one, for tables and beds are flat too.
+// below it is one from half a square metre on; what lies above only where cameras rose by it as they
+// were carried over it, for tables and beds are flat too.
 [[nodiscard]] std::vector<LayoutLevel> FindLevels(const CoarseSurface& surface,
                                                   const std::vector<SurfacePlane>& planes);
 
