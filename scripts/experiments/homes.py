@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Furnished homes with truth: how much of their furniture becomes an object of the map, per home and of all together.
 
-    scripts/experiments/homes.py [--seeds 31-34,2] [--work out/homes] [-- RUN OPTIONS]
+    scripts/experiments/homes.py [--seeds 31-34,2] [--frames-per-s 5] [--work out/homes] [-- RUN OPTIONS]
 
-Renders the homes that are not in --captures yet (`deepslam synth --home SEED`), maps each with the program's defaults and what
+Renders the homes that are not in --captures yet (`deepslam synth --home SEED`, at 10 frames a second unless --frames-per-s says
+otherwise), maps each with the program's defaults and what
 follows `--`, and scores it by `deepslam eval objects`. Prints, per home and pooled: recall at box IoU 0.25 and 0.5, recall with
 the right class and precision at 0.25, mapped objects that hold several true ones and true ones that hold several mapped ones,
 the share of all true objects that stand within 20 cm, 20 deg and 20 %, and the path's error (ATE), which bounds all of these
@@ -39,7 +40,8 @@ def scored(args, seed):
     workspace = args.work / str(seed)
     log = args.work / f"{seed}.log"
     if not (capture / "truth/objects.json").is_file():
-        call(args, log, "synth", "--home", seed, "-o", capture)
+        rate = ["--frames-per-s", args.frames_per_s] if args.frames_per_s else []
+        call(args, log, "synth", "--home", seed, "-o", capture, *rate)
     seconds = call(args, log, "run", capture, "-o", workspace, "--threads", args.threads, "--progress", "none",
                    *args.run_options)
     result = args.work / f"{seed}.json"
@@ -68,6 +70,7 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/homes")
     parser.add_argument("--captures", type=pathlib.Path, help="where homes lie as SEED, or are rendered (default: WORK/captures)")
     parser.add_argument("--seeds", default="31-34", help="as 2,31-34 (default: 31-34)")
+    parser.add_argument("--frames-per-s", type=float, help="of homes that are rendered (default: 10)")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("run_options", nargs="*", metavar="RUN OPTION", help="for `deepslam run`, after --")
     args = parser.parse_args()

@@ -138,7 +138,8 @@ Found Find(const std::vector<Cuboid>& world,
              superpoints.count(),
              votes);
   }
-  found.instances = FindInstances(found.elements, superpoints, pairs, votes, Classes(), options);
+  found.instances =
+      FindInstances(found.elements, superpoints, pairs, votes, {}, Classes(), options);
   return found;
 }
 
@@ -236,7 +237,8 @@ TEST(FindInstances, AClassIsAVoteOfAllViews) {
              superpoints.count(),
              votes);
   }
-  const Instances found = FindInstances(elements, superpoints, pairs, votes, Classes(), options);
+  const Instances found =
+      FindInstances(elements, superpoints, pairs, votes, {}, Classes(), options);
   ASSERT_FALSE(found.instances.empty());
   const auto largest = std::ranges::max_element(
       found.instances, {}, [](const Instance& i) { return i.elements.size(); });
@@ -255,7 +257,7 @@ TEST(FindInstances, WhatNobodyNamesAndHangsIsNoThingOfTheFloor) {
   const std::vector<ElementPair> pairs = elements.PairsWithin(1.9 * kVoxelM);
   const Superpoints superpoints =
       MakeSuperpoints(elements, std::vector<char>(elements.size(), 0), pairs, {});
-  const Instances found = FindInstances(elements, superpoints, pairs, {}, classes, {});
+  const Instances found = FindInstances(elements, superpoints, pairs, {}, {}, classes, {});
   std::multiset<std::string> names;
   for (const Instance& instance : found.instances) {
     if (instance.rejection.empty()) names.insert(instance.class_name);
@@ -285,7 +287,7 @@ std::multiset<std::string> NamesOverFloor(const std::vector<Cuboid>& things, dou
   const Superpoints superpoints = MakeSuperpoints(elements, is_floor, pairs, {});
   std::multiset<std::string> names;
   for (const Instance& instance :
-       FindInstances(elements, superpoints, pairs, {}, classes, {}).instances) {
+       FindInstances(elements, superpoints, pairs, {}, {}, classes, {}).instances) {
     if (instance.rejection.empty()) names.insert(instance.class_name);
   }
   return names;
@@ -345,7 +347,7 @@ TEST(FindInstances, StructureIsNoThing) {
   const Superpoints superpoints =
       MakeSuperpoints(elements, std::vector<char>(elements.size(), 1), pairs, {});
   EXPECT_EQ(superpoints.count(), 0);
-  const Instances found = FindInstances(elements, superpoints, pairs, {}, Classes(), {});
+  const Instances found = FindInstances(elements, superpoints, pairs, {}, {}, Classes(), {});
   EXPECT_THAT(found.instances, IsEmpty());
 }
 

@@ -120,5 +120,46 @@ TEST(WholesOf, WhatIsRejectedIsNobodysPart) {
   EXPECT_THAT(WholesOf(std::vector{point, point}), ElementsAre(0, 0));
 }
 
+ClassTable Stands() {
+  ClassTable table;
+  table.classes = {{"sink", {"sink"}, {}, 0.25, 1.5, 0.1, 1.1, {}, {.supports = {.wall = true}}},
+                   {"plant", {"potted plant"}, {}, 0.1, 2, 0.1, 2, {}, {.yaw_free = true}},
+                   {"table", {"table"}, {}, 0.4, 4, 0.3, 1.2, {}, {.support_plane = true}},
+                   {"tv", {"tv"}, {}, 0.4, 2, 0.2, 1.4, {}, {.supports = {.floor = false}}}};
+  return table;
+}
+
+TEST(CarriedByFeet, APedestalIsOfTheBasinOnIt) {
+  const Instance basin = Thing("sink", true, {0, 0, 0.65, 0.9}, {0.46, 0.56});
+  const Instance pedestal = Thing("cabinet", false, {0.02, 0, 0.06, 0.72}, {0.35, 0.3});
+  EXPECT_THAT(CarriedByFeet(std::vector{basin, pedestal}, Stands()), ElementsAre(-1, 0));
+  EXPECT_THAT(CarriedByFeet(std::vector{pedestal, basin}, Stands()), ElementsAre(1, -1));
+}
+
+TEST(CarriedByFeet, WhatIsWiderOrEndsElsewhereIsNone) {
+  const Instance basin = Thing("sink", true, {0, 0, 0.75, 0.9}, {0.46, 0.46});
+  const Instance row = Thing("cabinet", false, {0.4, 0, 0, 0.88}, {1.8, 0.6});
+  const Instance bin = Thing("cabinet", false, {0, 0, 0, 0.4}, {0.3, 0.3});
+  const Instance beside = Thing("cabinet", false, {0.4, 0, 0, 0.7}, {0.3, 0.3});
+  const Instance hung = Thing("cabinet", false, {0, 0, 0.4, 0.7}, {0.3, 0.3});
+  const Instance named = Thing("tv", true, {0, 0, 0, 0.7}, {0.3, 0.3});
+  EXPECT_THAT(CarriedByFeet(std::vector{basin, row, bin, beside, hung, named}, Stands()),
+              ElementsAre(-1, -1, -1, -1, -1, -1));
+}
+
+TEST(CarriedByFeet, WhatMayStandOnFurnitureKeepsItApart) {
+  const Instance below = Thing("cabinet", false, {0, 0, 0, 0.5}, {0.3, 0.3});
+  for (const char* name : {"plant", "table", "tv", "no class"}) {
+    const Instance above = Thing(name, true, {0, 0, 0.5, 0.9}, {0.5, 0.5});
+    EXPECT_THAT(CarriedByFeet(std::vector{above, below}, Stands()), ElementsAre(-1, -1)) << name;
+  }
+}
+
+TEST(CarriedByFeet, NothingBecomesHigherThanItsClass) {
+  const Instance basin = Thing("sink", true, {0, 0, 1.0, 1.2}, {0.46, 0.56});
+  const Instance below = Thing("cabinet", false, {0, 0, 0, 1.0}, {0.3, 0.3});
+  EXPECT_THAT(CarriedByFeet(std::vector{basin, below}, Stands()), ElementsAre(-1, -1));
+}
+
 }  // namespace
 }  // namespace deepslam::instances

@@ -78,6 +78,13 @@ std::vector<ObjectClass> HouseholdThings() {
   };
 }
 
+// Rows of lower cabinets under one top, longer than a cabinet: their joints are too fine for depth.
+// Tops are 0.85 to 0.95 m high.
+std::vector<ObjectClass> FittedKitchens() {
+  constexpr ClassTraits kClosed = {.solid_inside = true};
+  return {{"counter", {}, {"cabinet"}, 1.2, 5.0, 0.7, 1.1, {22, 120, 80}, kClosed}};
+}
+
 // What stage `export` says of a class. Densities are masses of common products over the volume of
 // their closed outside, which our shapes fill: a chair of 5 kg in 0.02 m3 of legs, seat and back, a
 // sofa of 60 kg in 1 m3, a refrigerator of 60 kg in 0.7 m3. An id of 0: the set has no such class.
@@ -114,6 +121,7 @@ std::vector<ExportColumns> ColumnsOfExport() {
       {"clock", {85, "clock"}, {40, "otherprop"}, {103, "clock"}, {200}},
       {"vase", {86, "vase"}, {40, "otherprop"}, {}, {400}},
       {"lamp", {}, {35, "lamp"}, {28, "lamp"}, {100}},
+      {"counter", {}, {12, "counter"}, {35, "counter"}, {150, kFixed}},
   };
 }
 
@@ -135,7 +143,7 @@ void AddColumnsOfExport(std::vector<ObjectClass>& classes) {
 
 ClassTable DefaultClassTable() {
   ClassTable table;
-  for (const std::vector<ObjectClass>& rows : {Furniture(), HouseholdThings()})
+  for (const std::vector<ObjectClass>& rows : {Furniture(), HouseholdThings(), FittedKitchens()})
     table.classes.insert(table.classes.end(), rows.begin(), rows.end());
   AddColumnsOfExport(table.classes);
   return table;

@@ -261,8 +261,13 @@ Result<FoundThings> FindThings(const ThingInputs& inputs,
   if (!claims.ok()) return claims.error();
   claims->votes.classes.resize(static_cast<std::size_t>(superpoints.count()));
   claims->votes.num_views.resize(static_cast<std::size_t>(superpoints.count()), 0);
-  const Instances found = instances::FindInstances(
-      elements, superpoints, pairs, claims->votes, inputs.classes, options.instances);
+  const Instances found = instances::FindInstances(elements,
+                                                   superpoints,
+                                                   pairs,
+                                                   claims->votes,
+                                                   inputs.layout.walls,
+                                                   inputs.classes,
+                                                   options.instances);
   const std::vector<int> thing_of_superpoint = ThingsOfSuperpoints(superpoints, found);
 
   const instances::NearestElements nearest(elements);

@@ -17,12 +17,14 @@ namespace {
 constexpr int kDepthStride = 4;  // px between the pixels that open blocks; Open3D's own default
 constexpr int kSide = VoxelBlock::kSide;
 
-// False where no voxel of the row is seen: where nothing was measured, or before it by no more than
-// the truncation.
+// False where no voxel of the row is seen: nothing was measured, or it lies too far behind. Across
+// a surface that is as far as the truncation reaches along the ray, and a voxel at least: less
+// would lose what rays graze, more would make boards thicker.
 inline bool Measure(const DepthImage& depth_m,
                     const Image<float>* cosines,
                     const PinholeCamera& camera,
                     float truncation_m,
+                    float voxel_m,
                     const Row& depth_voxel_m,
                     RowPlaces& places) {
   Row measured_m;
@@ -48,7 +50,8 @@ inline bool Measure(const DepthImage& depth_m,
     const float y = (static_cast<float>(places.v[n]) - cy) * inverse_fy;
     const float length = std::sqrt(x * x + y * y + 1.0F);
     const float ahead = (measured_m[n] - depth_voxel_m[n]) * length * cosine[n];
-    const bool seen = (measured_m[n] > 0) & (ahead > -truncation_m);
+    const float reach_m = std::max(truncation_m * cosine[n], std::min(voxel_m, truncation_m));
+    const bool seen = (measured_m[n] > 0) & (ahead > -reach_m);
     places.ahead_m[n] = ahead;
     places.pixel[n] = seen ? places.pixel[n] : -1;
     num_seen += seen ? 1 : 0;
@@ -184,7 +187,8 @@ DEEPSLAM_WIDE_VECTORS void VoxelBlocks::Add(const View& view, VoxelBlock& block)
                                     1.0F);
       const Eigen::Vector3f p_camera = view.camera_from_world.topRows<3>() * p_world;
       PlacePixels(view.camera, p_camera, step_z, places, depth_voxel_m);
-      if (Measure(view.depth_m, view.cosines, view.camera, truncation, depth_voxel_m, places))
+      if (Measure(
+              view.depth_m, view.cosines, view.camera, truncation, voxel, depth_voxel_m, places))
         AddToMeans(view.colour, 1.0F / truncation, places, first, block);
     }
   }

@@ -49,8 +49,8 @@ class VoxelBlocks {
   // would be more than `max_blocks`.
   //
   // `cosines` (incidence.h), where given: distances are those to the surface's plane, not along the
-  // rays. Along a ray that grazes a surface the band is thinner than a voxel, and voxels behind the
-  // surface stay unknown: it would be lost.
+  // rays, and voxels up to one behind it are known. Along a ray that grazes a surface the truncation
+  // band is thinner than a voxel, and the surface would be lost.
   bool Integrate(const DepthImage& depth_m,
                  const ColourImage& colour,
                  const PinholeCamera& camera,

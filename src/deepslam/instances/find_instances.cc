@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "deepslam/instances/carried.h"
 #include "deepslam/instances/join_instances.h"
 #include "deepslam/instances/open_below.h"
+#include "deepslam/instances/reach_back.h"
 
 namespace deepslam::instances {
 namespace {
@@ -36,6 +38,7 @@ struct Context {
   const SurfaceElements& elements;
   const Superpoints& superpoints;
   const ViewVotes& votes;
+  std::span<const LayoutWall> walls;
   const ClassTable& classes;
   const InstanceOptions& options;
 };
@@ -178,6 +181,19 @@ UprightBox BoxOfElements(const SurfaceElements& elements, const std::vector<int>
   return box;
 }
 
+// Of what nothing names and only the front was seen of, as deep as there is room for it.
+void Deepen(const Context& context, Instance& instance) {
+  if (instance.is_named || instance.box_level.short_side_m() >= context.options.min_depth_m) return;
+  Eigen::Vector3f facing = Eigen::Vector3f::Zero();
+  for (const int i : instance.elements)
+    facing += context.elements.normals()[static_cast<std::size_t>(i)];
+  const std::optional<UprightBox> whole =
+      ReachBack(instance.box_level, facing, context.walls, context.elements);
+  if (!whole) return;
+  instance.box_level = *whole;
+  Name(context, instance);
+}
+
 // Instances out of superpoints, each with its box, its name, and why it is no object.
 std::vector<Instance> Assemble(const Context& context,
                                const std::vector<int>& thing_of_superpoint) {
@@ -187,6 +203,7 @@ std::vector<Instance> Assemble(const Context& context,
   for (Instance& instance : instances) {
     instance.box_level = BoxOfElements(context.elements, instance.elements);
     Name(context, instance);
+    Deepen(context, instance);
     instance.rejection = TooLittle(instance, context.elements.voxel_m(), options);
     if (instance.rejection.empty() && !instance.is_named)
       instance.rejection = NoThing(instance.box_level, options);
@@ -194,6 +211,22 @@ std::vector<Instance> Assemble(const Context& context,
       instance.rejection = "no class of the table is as large";
   }
   return instances;
+}
+
+// Feet become part of what they carry, which keeps its name: detections of a basin say nothing of
+// its pedestal.
+void TakeFeet(const Context& context, std::vector<Instance>& instances) {
+  const std::vector<int> carried = CarriedByFeet(instances, context.classes);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (carried[i] < 0) continue;
+    Instance& foot = instances[i];
+    Instance& thing = instances[static_cast<std::size_t>(carried[i])];
+    thing.elements.insert(thing.elements.end(), foot.elements.begin(), foot.elements.end());
+    std::ranges::sort(thing.elements);
+    thing.box_level = BoxOfElements(context.elements, thing.elements);
+    foot.elements.clear();
+    foot.rejection = "the foot of a " + thing.class_name;
+  }
 }
 
 // Parts become their wholes, which are numbered anew in their order. Tells whether there were any.
@@ -266,16 +299,18 @@ Instances FindInstances(const SurfaceElements& elements,
                         const Superpoints& superpoints,
                         std::span<const ElementPair> pairs,
                         const ViewVotes& votes,
+                        std::span<const LayoutWall> walls,
                         const ClassTable& classes,
                         const InstanceOptions& options) {
   Contacts contacts = FindContacts(elements, superpoints, pairs);
   AddNear(elements, superpoints, contacts);
   std::vector<int> thing_of_superpoint =
       MergeSuperpoints(superpoints, contacts, votes, elements.voxel_m(), options.merge);
-  const Context context{elements, superpoints, votes, classes, options};
+  const Context context{elements, superpoints, votes, walls, classes, options};
   std::vector<Instance> instances = Assemble(context, thing_of_superpoint);
   while (JoinParts(WholesOf(instances), thing_of_superpoint))
     instances = Assemble(context, thing_of_superpoint);
+  TakeFeet(context, instances);
   RejectCarried(instances);
   Instances found{std::move(instances), std::vector<int>(elements.size(), -1)};
   for (std::size_t k = 0; k < found.instances.size(); ++k) {

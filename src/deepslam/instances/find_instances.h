@@ -13,6 +13,7 @@
 #include "deepslam/instances/surface_elements.h"
 #include "deepslam/instances/upright_box.h"
 #include "deepslam/instances/view_votes.h"
+#include "deepslam/scene/layout.h"
 #include "deepslam/scene/object_class.h"
 
 namespace deepslam::instances {
@@ -53,11 +54,12 @@ struct Instances {
   std::vector<int> of_element;      // of each element: index of its instance; -1: none
 };
 
-// `is_structure`: of each element. `votes` of these superpoints.
+// `votes` of these superpoints; `walls` of the elements' world.
 [[nodiscard]] Instances FindInstances(const SurfaceElements& elements,
                                       const Superpoints& superpoints,
                                       std::span<const ElementPair> pairs,
                                       const ViewVotes& votes,
+                                      std::span<const LayoutWall> walls,
                                       const ClassTable& classes,
                                       const InstanceOptions& options);
 

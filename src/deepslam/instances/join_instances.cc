@@ -1,6 +1,7 @@
 #include "deepslam/instances/join_instances.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -34,6 +35,13 @@ LevelRectangle OutlineOf(const UprightBox& box) {
   return {box.centre_m, box.yaw_rad, std::max(box.length_m, kFlatM), std::max(box.width_m, kFlatM)};
 }
 
+// What begins below this stands on the floor, and what begins above floats: voxels at the floor are
+// the floor's.
+constexpr double kOnFloorM = 0.25;
+constexpr double kFloatsM = 0.3;
+constexpr double kFootGapM = 0.15;  // between a foot's upper end and what it carries, either way
+constexpr double kFootShare = 0.8;  // of the foot's outline, under the thing
+
 // Negative: the width of the gap between them.
 double SharedHeight(const UprightBox& a, const UprightBox& b) {
   return std::min(a.top_m, b.top_m) - std::max(a.bottom_m, b.bottom_m);
@@ -61,6 +69,24 @@ bool Carries(const Instance& leg, const Instance& table) {
       own.top_m < top.top_m - kHiddenEndM)
     return false;
   return SharedArea(OutlineOf(own), OutlineOf(top)) > kMinSharedOutline * OutlineOf(own).area_m2();
+}
+
+bool IsFootOf(const Instance& foot, const Instance& thing, const ClassTable& classes) {
+  const ObjectClass* object_class = classes.Find(thing.class_name);
+  if (foot.is_named || !thing.is_named || !thing.rejection.empty() || object_class == nullptr)
+    return false;
+  const ClassTraits& traits = object_class->traits;
+  if (!traits.supports.floor || traits.support_plane || traits.yaw_free) return false;
+  const UprightBox& own = foot.box_level;
+  const UprightBox& above = thing.box_level;
+  if (own.bottom_m > kOnFloorM || above.bottom_m < kFloatsM ||
+      above.top_m > object_class->max_height_m || std::abs(own.top_m - above.bottom_m) > kFootGapM)
+    return false;
+  LevelRectangle outline = OutlineOf(above);
+  outline.length_m += 2 * kEdgeM;
+  outline.width_m += 2 * kEdgeM;
+  const LevelRectangle of_foot = OutlineOf(own);
+  return SharedArea(outline, of_foot) > kFootShare * of_foot.area_m2();
 }
 
 bool AreBoards(const Instance& a, const Instance& b) {
@@ -99,6 +125,16 @@ std::vector<int> WholesOf(std::span<const Instance> instances) {
     }
   }
   return whole_of;
+}
+
+std::vector<int> CarriedByFeet(std::span<const Instance> instances, const ClassTable& classes) {
+  std::vector<int> carried(instances.size(), -1);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const auto thing = std::ranges::find_if(
+        instances, [&](const Instance& other) { return IsFootOf(instances[i], other, classes); });
+    if (thing != instances.end()) carried[i] = static_cast<int>(thing - instances.begin());
+  }
+  return carried;
 }
 
 }  // namespace deepslam::instances

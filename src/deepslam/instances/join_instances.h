@@ -21,4 +21,12 @@ namespace deepslam::instances {
 // it carries it, whatever its size and its name.
 [[nodiscard]] std::vector<int> WholesOf(std::span<const Instance> instances);
 
+// Of each instance the position of the thing that it carries as its foot; -1: of none. A foot is
+// what nothing names, stands on the floor and ends below a named thing, within its outline, where
+// things of that class stand on floors and this one would float: the pedestal of a washbasin, the
+// base of a chair. What lies under a support plane is no foot of it, nor is what a plant or a lamp
+// stands on.
+[[nodiscard]] std::vector<int> CarriedByFeet(std::span<const Instance> instances,
+                                             const ClassTable& classes);
+
 }  // namespace deepslam::instances

@@ -8,6 +8,7 @@
 #include "deepslam/core/parallel.h"
 #include "deepslam/core/wide_vectors.h"
 #include "deepslam/geometry/point_columns.h"
+#include "deepslam/refine/covered_holes.h"
 #include "deepslam/refine/grid_around.h"
 #include "deepslam/refine/links.h"
 #include "deepslam/refine/mirrored.h"
@@ -286,7 +287,8 @@ VoxelGrid CompleteIn(const Similarity3& object_from_grid,
   const auto max_gap = static_cast<int>(shape::kMaxFeetGapM / (scale_m * voxel));
   VoxelGrid measured = Measured(claims);
   shape::StandOnGround(ground_k, max_gap, measured);
-  const VoxelGrid filled = WithInsides(Filled(whole, claims, measured), claims);
+  VoxelGrid filled = WithInsides(Filled(whole, claims, measured), claims);
+  FillCoveredHoles([&](std::size_t n) { return claims.IsFree(n); }, filled);
   const VoxelGrid standing = Standing(
       shape::WithoutSmallComponents(filled, 1, kLoosePartShare), whole, ground_k + max_gap);
   const auto most = static_cast<int>(kCostOfModel * kLongestLinkM / (scale_m * voxel));

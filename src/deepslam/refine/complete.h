@@ -26,10 +26,11 @@ struct CompletedModel {
 // loose parts are left out, and what would hang in the air keeps the model's legs. What nobody saw
 // is the model's only where no rays passed below (passed_layers.h), and like the other side where
 // the thing is like its mirror image (mirrored.h): what that side adds begins a voxel off the
-// model. `views` say where the model stands (grid = object frame). Nothing is behind `walls`
-// (planes of the object frame in its unit, normals to the side of the cameras), but for walls that
-// the views measured the object behind, as through a door, or that most of the model is behind.
-// Nothing where no view is usable or nothing is left.
+// model. Small holes of tops that something covers are filled (covered_holes.h). `views` say where
+// the model stands (grid = object frame). Nothing is behind `walls` (planes of the object frame in
+// its unit, normals to the side of the cameras), but for walls that the views measured the object
+// behind, as through a door, or that most of the model is behind. Nothing where no view is usable
+// or nothing is left.
 [[nodiscard]] std::optional<CompletedModel> CompleteModel(const shape::ShapeModel& model,
                                                           std::span<const PlacedView> views,
                                                           const RefineOptions& options,
