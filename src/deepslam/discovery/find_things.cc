@@ -25,8 +25,9 @@ constexpr double kNeighbourVoxels = 1.9;
 // Of a silhouette that no detection shows: less than any detection that is kept by default.
 constexpr double kUndetectedScore = 0.25;
 // What nothing names and fewer frames show stands at the rim of what was seen: too little of it for
-// a shape.
-constexpr std::size_t kMinViewsOfUnnamed = 4;
+// a shape. Frames whose border cuts it count half.
+constexpr double kMinViewsOfUnnamed = 4;
+constexpr double kCutView = 0.5;
 // Rejected things of so much surface are told of, and long ones of less: of a chair that is seen
 // from behind alone there is little more than the upper rail of its back.
 constexpr double kLargeM2 = 0.15;
@@ -93,6 +94,7 @@ class Tracks {
   Tracks(const ThingInputs& inputs, const Instances& found) : inputs_(inputs), found_(found) {
     next_id_ = inputs.next_detection_id;
     members_.resize(found.instances.size());
+    num_views_.resize(found.instances.size(), 0);
     votes_.resize(found.instances.size());
   }
 
@@ -113,6 +115,7 @@ class Tracks {
                                   own ? &detections[*own] : nullptr);
       segment.detection = own ? detections[*own].id : DetectionId{next_id_++};
       members_[thing].push_back({segment.detection, segment.frame, 0, 0, "surface"});
+      num_views_[thing] += segment.touches_border ? kCutView : 1;
       segments_.push_back(std::move(segment));
     }
     for (std::size_t d = 0; d < detections.size(); ++d) {
@@ -140,7 +143,7 @@ class Tracks {
                                            box.width_m,
                                            box.height_m(),
                                            surface_m2);
-      const std::string why = WhyNot(instance, members_[thing].size());
+      const std::string why = WhyNot(instance, members_[thing].size(), num_views_[thing]);
       if (!why.empty()) {
         if (IsWorthTelling(instance, surface_m2))
           found.association.not_mapped.push_back(
@@ -191,11 +194,11 @@ class Tracks {
   }
 
   // Why it is no object of the map; empty: it is one.
-  static std::string WhyNot(const Instance& instance, std::size_t num_views) {
+  static std::string WhyNot(const Instance& instance, std::size_t num_frames, double num_views) {
     if (!instance.rejection.empty()) return instance.rejection;
-    if (num_views == 0) return "no frame shows enough of it";
+    if (num_frames == 0) return "no frame shows enough of it";
     if (!instance.is_named && num_views < kMinViewsOfUnnamed)
-      return fmt::format("only {} frames show enough of it, and no detection names it", num_views);
+      return fmt::format("only {} frames show enough of it, and no detection names it", num_frames);
     return {};
   }
 
@@ -210,6 +213,7 @@ class Tracks {
   const Instances& found_;
   int next_id_ = 0;
   std::vector<std::vector<TrackMember>> members_;     // of each instance
+  std::vector<double> num_views_;                     // likewise, those that it is cut in half
   std::vector<std::map<std::string, double>> votes_;  // of each instance, by class
   std::vector<Segment> segments_;
   std::vector<Rejection> rejections_;
