@@ -218,6 +218,48 @@ TEST_F(FindThingsTest, WhatIsNotMappedIsShownInTheFrameThatShowsMostOfIt) {
   EXPECT_GT(IntersectionOverUnion(best.box_px, truth->box_px), 0.7);
 }
 
+// Whether the cabinet is mapped by so many frames of a camera that looks at a point.
+class FewViews {
+ public:
+  FewViews(const Eigen::Vector3d& target_m, int num_frames)
+      : source_(Kitchen(), Orbit(target_m, 2.2, 1.6, 150, 8, num_frames)),
+        odometry_(source_.TrueOdometry()) {
+    for (int f = 0; f < num_frames; ++f) looked_at_.push_back({f});
+  }
+  [[nodiscard]] bool IsCut() const {
+    return std::ranges::all_of(looked_at_, [&](FrameIdx frame) {
+      const auto truth = DetectTruth(source_.View(frame), 3, "cabinet");
+      return truth && truth->box_px.v_max >= source_.camera().height - 2;
+    });
+  }
+  [[nodiscard]] bool IsMapped(const CoarseSurface& surface) const {
+    const Layout layout;
+    const ClassTable classes = Classes();
+    CountingProgress progress;
+    const Result<FoundThings> found =
+        FindThings({source_, odometry_, surface, layout, classes, looked_at_, {}, 0}, {}, progress);
+    return found.ok() && std::ranges::any_of(found->association.tracks, [](const ObjectTrack& t) {
+             return t.class_name == "cabinet";
+           });
+  }
+
+ private:
+  BoxWorldSource source_;
+  Odometry odometry_;
+  std::vector<FrameIdx> looked_at_;
+};
+
+TEST_F(FindThingsTest, WhatNothingNamesNeedsFourViewsOrTwiceAsManyThatCutIt) {
+  const Eigen::Vector3d at_it(1.85, 0, 0.45);
+  EXPECT_FALSE(FewViews(at_it, 3).IsMapped(surface_));
+  EXPECT_FALSE(FewViews(at_it, 4).IsCut());
+  EXPECT_TRUE(FewViews(at_it, 4).IsMapped(surface_));
+  const Eigen::Vector3d above_it(1.85, 0, 1.5);
+  ASSERT_TRUE(FewViews(above_it, 8).IsCut());
+  EXPECT_FALSE(FewViews(above_it, 7).IsMapped(surface_));
+  EXPECT_TRUE(FewViews(above_it, 8).IsMapped(surface_));
+}
+
 TEST_F(FindThingsTest, WithoutFramesOrSurfaceThereIsNothing) {
   looked_at_.clear();
   detections_.clear();
