@@ -28,8 +28,8 @@ constexpr double kUndetectedScore = 0.25;
 // a shape. Frames whose border cuts it count half: registered depth ends 2 % of a picture's width
 // before its border.
 constexpr double kMinViewsOfUnnamed = 4;
-constexpr double kCutView = 0.5;
-constexpr double kRimShare = 0.03;
+constexpr double kCutView = 0.5;    // of a view
+constexpr double kRimShare = 0.03;  // of the longer side
 // Rejected things of so much surface are told of, and long ones of less: of a chair that is seen
 // from behind alone there is little more than the upper rail of its back.
 constexpr double kLargeM2 = 0.15;

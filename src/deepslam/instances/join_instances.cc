@@ -38,7 +38,7 @@ LevelRectangle OutlineOf(const UprightBox& box) {
 // What begins below this stands on the floor, and what begins above floats: voxels at the floor are
 // the floor's.
 constexpr double kOnFloorM = 0.25;
-constexpr double kFloatsM = 0.3;
+constexpr double kFloatsM = 0.3;    // beds begin lower, basins at 0.6 m
 constexpr double kFootGapM = 0.15;  // between a foot's upper end and what it carries, either way
 constexpr double kFootShare = 0.8;  // of the foot's outline, under the thing
 

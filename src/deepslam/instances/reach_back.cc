@@ -13,7 +13,7 @@ namespace {
 // Between a front and the wall, of all furniture for homes: bookshelves are 0.2 m deep, wardrobes
 // and counters 0.6, refrigerators 0.8.
 constexpr double kLeastDepthM = 0.2;
-constexpr double kMostDepthM = 0.85;
+constexpr double kMostDepthM = 0.85;  // and what stands a little before its wall
 // Of the box's side to the wall: boxes are told to 3 degrees, and a thing stands a little askew.
 const double kAlongWall = std::cos(12 * kRadPerDeg);
 constexpr float kFacing = 0.8F;      // of a front's normal to the wall's: within 37 degrees
