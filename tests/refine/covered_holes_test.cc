@@ -1,6 +1,7 @@
 #include "deepslam/refine/covered_holes.h"
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
@@ -9,24 +10,23 @@ namespace {
 
 bool Never(std::size_t) { return false; }
 
+// A column of voxels from layer 30 to 32 on every cell of a rectangle.
+void Set(Eigen::Array2i low, Eigen::Array2i end, std::uint8_t value, VoxelGrid& grid) {
+  for (int i = low.x(); i < end.x(); ++i) {
+    for (int j = low.y(); j < end.y(); ++j) {
+      for (int k = 30; k < 33; ++k) grid.occupied[VoxelGrid::Index(i, j, k)] = value;
+    }
+  }
+}
+
 // A plate of 40 x 30 voxels, three high.
 VoxelGrid Plate() {
   VoxelGrid grid;
-  for (int i = 10; i < 50; ++i) {
-    for (int j = 15; j < 45; ++j) {
-      for (int k = 30; k < 33; ++k) grid.occupied[VoxelGrid::Index(i, j, k)] = 1;
-    }
-  }
+  Set({10, 15}, {50, 45}, 1, grid);
   return grid;
 }
 
-void Cut(int i_end, int j_end, VoxelGrid& grid) {
-  for (int i = 20; i < i_end; ++i) {
-    for (int j = 20; j < j_end; ++j) {
-      for (int k = 30; k < 33; ++k) grid.occupied[VoxelGrid::Index(i, j, k)] = 0;
-    }
-  }
-}
+void Cut(int i_end, int j_end, VoxelGrid& grid) { Set({20, 20}, {i_end, j_end}, 0, grid); }
 
 TEST(FillCoveredHoles, FillsWhatNoRayWentThrough) {
   VoxelGrid grid = Plate();
@@ -38,7 +38,6 @@ TEST(FillCoveredHoles, FillsWhatNoRayWentThrough) {
 TEST(FillCoveredHoles, LeavesHolesThatRaysWentThrough) {
   VoxelGrid grid = Plate();
   Cut(28, 26, grid);
-  const VoxelGrid before = grid;
   FillCoveredHoles([](std::size_t n) { return n == VoxelGrid::Index(22, 22, 31); }, grid);
   EXPECT_FALSE(grid.At(21, 21, 31));
   EXPECT_TRUE(grid.At(21, 21, 30)) << "a layer of its own";

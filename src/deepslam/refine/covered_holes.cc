@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace deepslam::refine {
@@ -74,7 +75,7 @@ class Layer {
 void FillCoveredHoles(const std::function<bool(std::size_t)>& is_free, VoxelGrid& grid) {
   const std::optional<VoxelBox> box = OccupiedBox(grid);
   if (!box) return;
-  const Eigen::Array3d sides = (box->high - box->low + 1).cast<double>();
+  const Eigen::Array3d sides = box->sides().cast<double>();
   for (int k = box->low.z(); k <= box->high.z(); ++k) {
     Layer layer(grid, k);
     const auto num_solid = static_cast<double>(layer.num_solid());
