@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "deepslam/core/angles.h"
+#include "deepslam/instances/wall_axes.h"
 
 namespace deepslam::instances {
 namespace {
@@ -23,10 +24,9 @@ constexpr double kScatterM =
 // Of the front, seen between the two: what stands out of the room's corners or lies on top.
 constexpr double kMaxSeenShare = 0.05;
 
-// A box by a wall: `along` it, and `inward`, to the room.
+// A box by a wall.
 struct ByWall {
-  Eigen::Vector2d along;
-  Eigen::Vector2d inward;
+  WallAxes axes;
   double begin_m = 0;  // of the box, along the wall from its beginning
   double end_m = 0;
   double front_m = 0;  // before the wall
@@ -34,41 +34,33 @@ struct ByWall {
 };
 
 std::optional<ByWall> PlaceBy(const LayoutWall& wall, const UprightBox& box) {
-  const double length_m = wall.length_m();
-  if (length_m <= 0) return std::nullopt;
-  ByWall place;
-  place.along = (wall.to_m - wall.from_m) / length_m;
-  place.inward = {-place.along.y(), place.along.x()};
+  const std::optional<WallAxes> axes = AxesOf(wall);
+  if (!axes) return std::nullopt;
   const double yaw_rad =
       box.length_m > box.width_m ? box.yaw_rad : box.yaw_rad + 0.5 * std::numbers::pi;
   const Eigen::Vector2d long_side(std::cos(yaw_rad), std::sin(yaw_rad));
-  if (std::abs(long_side.dot(place.along)) < kAlongWall) return std::nullopt;
-  const Eigen::Vector2d offset = box.centre_m - wall.from_m;
-  const double middle_m = place.along.dot(offset);
-  place.begin_m = middle_m - 0.5 * box.long_side_m();
-  place.end_m = middle_m + 0.5 * box.long_side_m();
-  place.front_m = place.inward.dot(offset) + 0.5 * box.short_side_m();
-  place.back_m = place.inward.dot(offset) - 0.5 * box.short_side_m();
-  if (middle_m < 0 || middle_m > length_m || place.back_m < kScatterM ||
+  if (std::abs(long_side.dot(axes->along)) < kAlongWall) return std::nullopt;
+  const OnWall middle = axes->Place(box.centre_m);
+  const ByWall place{*axes,
+                     middle.along_m - 0.5 * box.long_side_m(),
+                     middle.along_m + 0.5 * box.long_side_m(),
+                     middle.before_m + 0.5 * box.short_side_m(),
+                     middle.before_m - 0.5 * box.short_side_m()};
+  if (middle.along_m < 0 || middle.along_m > wall.length_m() || place.back_m < kScatterM ||
       place.front_m < kLeastDepthM || place.front_m > kMostDepthM)
     return std::nullopt;
   return place;
 }
 
 // Surface between the box and the wall, and of the wall behind it, as a share of the front.
-double SeenShare(const ByWall& place,
-                 const LayoutWall& wall,
-                 const UprightBox& box,
-                 const SurfaceElements& elements) {
+double SeenShare(const ByWall& place, const UprightBox& box, const SurfaceElements& elements) {
   std::size_t num_seen = 0;
   for (const Eigen::Vector3f& point : elements.points()) {
     const Eigen::Vector3d p = point.cast<double>();
     if (p.z() > box.top_m - kScatterM || p.z() < box.bottom_m - kScatterM) continue;
-    const Eigen::Vector2d offset = p.head<2>() - wall.from_m;
-    const double along_m = place.along.dot(offset);
-    const double before_m = place.inward.dot(offset);
-    if (along_m > place.begin_m + kScatterM && along_m < place.end_m - kScatterM &&
-        before_m > -kScatterM && before_m < place.back_m - kScatterM)
+    const OnWall at = place.axes.Place(p.head<2>());
+    if (at.along_m > place.begin_m + kScatterM && at.along_m < place.end_m - kScatterM &&
+        at.before_m > -kScatterM && at.before_m < place.back_m - kScatterM)
       ++num_seen;
   }
   const double voxel_m2 = elements.voxel_m() * elements.voxel_m();
@@ -77,7 +69,7 @@ double SeenShare(const ByWall& place,
 
 UprightBox WithBackAt(const ByWall& place, UprightBox box) {
   (box.length_m > box.width_m ? box.width_m : box.length_m) = place.front_m;
-  box.centre_m -= 0.5 * place.back_m * place.inward;
+  box.centre_m -= 0.5 * place.back_m * place.axes.inward;
   return box;
 }
 
@@ -92,8 +84,8 @@ std::optional<UprightBox> ReachBack(const UprightBox& box,
   for (const LayoutWall& wall : walls) {
     if (wall.top_m < box.top_m + kWallAboveM) continue;
     const std::optional<ByWall> place = PlaceBy(wall, box);
-    if (!place || aside.dot(place->inward.cast<float>()) < kFacing * facing.norm()) continue;
-    if (SeenShare(*place, wall, box, elements) <= kMaxSeenShare) return WithBackAt(*place, box);
+    if (!place || aside.dot(place->axes.inward.cast<float>()) < kFacing * facing.norm()) continue;
+    if (SeenShare(*place, box, elements) <= kMaxSeenShare) return WithBackAt(*place, box);
   }
   return std::nullopt;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "deepslam/core/parallel.h"
+#include "deepslam/instances/wall_axes.h"
 
 namespace deepslam::instances {
 namespace {
@@ -16,33 +17,17 @@ constexpr double kAlikeNormals =
 constexpr double kEndSlackM = 0.08;  // walls go on to their corners, two voxels or so
 constexpr double kSlantedM = 0.08;   // a slanted plane is found within this, two voxels
 
-// A point as a wall's face has it.
-struct OnWall {
-  double along_m = 0;   // from its beginning
-  double before_m = 0;  // to the room's side
-};
-
-std::optional<OnWall> PlaceOn(const LayoutWall& wall, const Eigen::Vector2d& p) {
-  const double length_m = wall.length_m();
-  if (length_m <= 0) return std::nullopt;
-  const Eigen::Vector2d along = (wall.to_m - wall.from_m) / length_m;
-  // The room lies to the left.
-  const Eigen::Vector2d inward(-along.y(), along.x());
-  return OnWall{along.dot(p - wall.from_m), inward.dot(p - wall.from_m)};
-}
-
 bool IsOfWall(const LayoutWall& wall,
               const Eigen::Vector3d& p,
               const Eigen::Vector3d& normal,
               const StructureOptions& options) {
   if (p.z() < wall.bottom_m - kEndSlackM || p.z() > wall.top_m + kEndSlackM) return false;
-  const std::optional<OnWall> place = PlaceOn(wall, p.head<2>());
-  if (!place || place->along_m < -kEndSlackM || place->along_m > wall.length_m() + kEndSlackM)
-    return false;
-  if (place->before_m > options.wall_m || place->before_m < -options.behind_wall_m) return false;
-  if (place->before_m < 0) return true;
-  const Eigen::Vector2d along = (wall.to_m - wall.from_m) / wall.length_m();
-  return Eigen::Vector2d(-along.y(), along.x()).dot(normal.head<2>()) > kAlikeNormals;
+  const std::optional<WallAxes> axes = AxesOf(wall);
+  if (!axes) return false;
+  const OnWall place = axes->Place(p.head<2>());
+  if (place.along_m < -kEndSlackM || place.along_m > wall.length_m() + kEndSlackM) return false;
+  if (place.before_m > options.wall_m || place.before_m < -options.behind_wall_m) return false;
+  return place.before_m < 0 || axes->inward.dot(normal.head<2>()) > kAlikeNormals;
 }
 
 bool IsOfOpening(const LayoutOpening& opening,
@@ -50,12 +35,14 @@ bool IsOfOpening(const LayoutOpening& opening,
                  const Eigen::Vector3d& p,
                  double leaf_m) {
   if (p.z() < opening.bottom_m - kEndSlackM || p.z() > opening.top_m + kEndSlackM) return false;
-  const std::optional<OnWall> place = PlaceOn(wall, p.head<2>());
-  if (!place || std::abs(place->before_m) > leaf_m) return false;
-  const double from_m = PlaceOn(wall, opening.from_m)->along_m;
-  const double to_m = PlaceOn(wall, opening.to_m)->along_m;
-  return place->along_m > std::min(from_m, to_m) - kEndSlackM &&
-         place->along_m < std::max(from_m, to_m) + kEndSlackM;
+  const std::optional<WallAxes> axes = AxesOf(wall);
+  if (!axes) return false;
+  const OnWall place = axes->Place(p.head<2>());
+  if (std::abs(place.before_m) > leaf_m) return false;
+  const double from_m = axes->Place(opening.from_m).along_m;
+  const double to_m = axes->Place(opening.to_m).along_m;
+  return place.along_m > std::min(from_m, to_m) - kEndSlackM &&
+         place.along_m < std::max(from_m, to_m) + kEndSlackM;
 }
 
 bool IsOfLevels(const Layout& layout,
