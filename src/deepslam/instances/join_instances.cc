@@ -51,14 +51,19 @@ double Volume(const UprightBox& box) {
   return OutlineOf(box).area_m2() * std::max(box.height_m(), kFlatM);
 }
 
+// Of a part's outline, over or under another outline that is larger by kEdgeM on all sides.
+double ShareOver(LevelRectangle outline, const LevelRectangle& part) {
+  outline.length_m += 2 * kEdgeM;
+  outline.width_m += 2 * kEdgeM;
+  return SharedArea(outline, part) / part.area_m2();
+}
+
 // The one with the smaller outline lies over or under the other one.
 bool LiesOver(const UprightBox& a, const UprightBox& b) {
   LevelRectangle larger = OutlineOf(a);
   LevelRectangle smaller = OutlineOf(b);
   if (larger.area_m2() < smaller.area_m2()) std::swap(larger, smaller);
-  larger.length_m += 2 * kEdgeM;
-  larger.width_m += 2 * kEdgeM;
-  return SharedArea(larger, smaller) > kMinSharedOutline * smaller.area_m2();
+  return ShareOver(larger, smaller) > kMinSharedOutline;
 }
 
 bool Carries(const Instance& leg, const Instance& table) {
@@ -82,11 +87,7 @@ bool IsFootOf(const Instance& foot, const Instance& thing, const ClassTable& cla
   if (own.bottom_m > kOnFloorM || above.bottom_m < kFloatsM ||
       above.top_m > object_class->max_height_m || std::abs(own.top_m - above.bottom_m) > kFootGapM)
     return false;
-  LevelRectangle outline = OutlineOf(above);
-  outline.length_m += 2 * kEdgeM;
-  outline.width_m += 2 * kEdgeM;
-  const LevelRectangle of_foot = OutlineOf(own);
-  return SharedArea(outline, of_foot) > kFootShare * of_foot.area_m2();
+  return ShareOver(OutlineOf(above), OutlineOf(own)) > kFootShare;
 }
 
 bool AreBoards(const Instance& a, const Instance& b) {
