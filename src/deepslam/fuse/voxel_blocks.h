@@ -49,7 +49,7 @@ class VoxelBlocks {
   // would be more than `max_blocks`.
   //
   // `cosines` (incidence.h), where given: distances are those to the surface's plane, not along the
-  // rays, and voxels up to one behind it are known. Along a ray that grazes a surface the truncation
+  // rays, and the voxel behind it is always known. Along a ray that grazes a surface the truncation
   // band is thinner than a voxel, and the surface would be lost.
   bool Integrate(const DepthImage& depth_m,
                  const ColourImage& colour,
